@@ -5,6 +5,7 @@
 //! [`job::Job::prepare`] and [`job::Job::run`]; everything a user sees is read off the events it emits
 //! ([`log`]).
 
+mod act;
 mod action;
 mod channel;
 pub mod control;

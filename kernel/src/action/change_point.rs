@@ -3,39 +3,45 @@
 //! Facts: reference control-emulator.md 6.1, 6.3. Decision: like the reference point, with coded axes via the given
 //! point and only those, without any all axes that have a position.
 
-use crate::channel::Kernel;
+use crate::act::Act;
+use crate::action::entry::Entry;
 use crate::diag;
 use crate::machine::habits::Home;
+use crate::machine::ident::codes;
 use counterpoint_fault::Acted;
 
+/// Codes and what they do.
+pub(crate) const ENTRIES: &[Entry] = &[
+    Entry::of(&[codes::TOOL_LOAD_POINT], |act, _, _| go(act)),
+    Entry::of(&[codes::TOOL_LOAD_RETURN], |act, _, _| come_back(act)),
+];
+
 /// To the change position.
-pub(super) fn go(kernel: &mut Kernel<'_>) -> Acted {
-    kernel.channel.state.others.before_change =
-        Some(kernel.channel.machine_point(&kernel.channel.state.place.position));
-    if kernel.channel.env.machine.habits.home == Home::Machine {
-        let (coded, target) = super::home::machine_targets(kernel);
-        return if coded == 0 { to_point(kernel, 0) } else { kernel.rapid_to(coded, target) };
+pub(super) fn go(act: &mut Act<'_, '_>) -> Acted {
+    act.state.others.before_change = Some(act.machine_point(&act.state.place.position));
+    if act.env.machine.habits.home == Home::Machine {
+        let (coded, target) = super::home::machine_targets(act);
+        return if coded == 0 { to_point(act, 0) } else { act.rapid_to(coded, target) };
     }
-    let (coded, via) = kernel.targets();
+    let (coded, via) = act.targets();
     if coded != 0 {
-        kernel.rapid_to(coded, via)?;
+        act.rapid_to(coded, via)?;
     }
-    to_point(kernel, coded)
+    to_point(act, coded)
 }
 
 /// Before a tool is loaded.
-pub(super) fn before_load(kernel: &mut Kernel<'_>) -> Acted {
-    kernel.channel.state.others.before_change =
-        Some(kernel.channel.machine_point(&kernel.channel.state.place.position));
-    to_point(kernel, 0)
+pub(super) fn before_load(act: &mut Act<'_, '_>) -> Acted {
+    act.state.others.before_change = Some(act.machine_point(&act.state.place.position));
+    to_point(act, 0)
 }
 
 /// `coded` 0 = all axes that have a position.
-fn to_point(kernel: &mut Kernel<'_>, coded: u8) -> Acted {
-    let mut target = kernel.channel.machine_point(&kernel.channel.state.place.position);
+fn to_point(act: &mut Act<'_, '_>, coded: u8) -> Acted {
+    let mut target = act.machine_point(&act.state.place.position);
     let (mut moving, mut missing) = (0_u8, false);
-    let point = &kernel.channel.env.machine.tool.change_point;
-    for (at, (slot, axis)) in target.iter_mut().zip(&kernel.channel.state.place.axes).enumerate() {
+    let point = &act.env.machine.tool.change_point;
+    for (at, (slot, axis)) in target.iter_mut().zip(&act.state.place.layout.axes).enumerate() {
         if coded != 0 && coded & 1 << at == 0 {
             continue;
         }
@@ -47,40 +53,32 @@ fn to_point(kernel: &mut Kernel<'_>, coded: u8) -> Acted {
             None => missing |= coded != 0,
         }
     }
-    let target = kernel.channel.way_of_machine(&target);
+    let target = act.way_of_machine(&target);
     if missing || moving == 0 {
-        let text = format!("there is no tool-change position for every axis of '{}'", kernel.block_text());
-        kernel.diagnose(&diag::NO_REFERENCE, text);
+        let text = format!("there is no tool-change position for every axis of '{}'", act.block_text());
+        act.diagnose(&diag::NO_REFERENCE, text);
     }
-    kernel.rapid_to(moving, target)
+    act.rapid_to(moving, target)
 }
 
 /// Back: to the programmed point, or to where the axes stood.
-pub(super) fn come_back(kernel: &mut Kernel<'_>) -> Acted {
-    let (coded, target) = kernel.targets();
-    let before = kernel.channel.state.others.before_change.take();
+pub(super) fn come_back(act: &mut Act<'_, '_>) -> Acted {
+    let (coded, target) = act.targets();
+    let before = act.state.others.before_change.take();
     if coded != 0 {
-        return kernel.rapid_to(coded, target);
+        return act.rapid_to(coded, target);
     }
     match before {
         Some(before) => {
-            let before = kernel.channel.way_of_machine(&before);
-            let moved = kernel
-                .channel
-                .state
-                .place
-                .position
-                .iter()
-                .zip(&before)
-                .take(kernel.channel.state.place.axes.len())
-                .enumerate();
+            let before = act.way_of_machine(&before);
+            let moved =
+                act.state.place.position.iter().zip(&before).take(act.state.place.layout.axes.len()).enumerate();
             let moving = moved.filter(|(_, (now, then))| now != then).fold(0, |bits, (at, _)| bits | 1_u8 << at);
-            kernel.rapid_to(moving, before)
+            act.rapid_to(moving, before)
         }
         None => {
-            let text =
-                format!("the axes have not been sent to the tool-change position before '{}'", kernel.block_text());
-            kernel.diagnose(&diag::RETURN_WITHOUT_HOME, text);
+            let text = format!("the axes have not been sent to the tool-change position before '{}'", act.block_text());
+            act.diagnose(&diag::RETURN_WITHOUT_HOME, text);
             Ok(())
         }
     }

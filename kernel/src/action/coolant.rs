@@ -5,29 +5,35 @@
 
 use counterpoint_lang::format::wildcard_text;
 
-use crate::channel::Kernel;
+use crate::act::Act;
+use crate::action::entry::{Contour, Entry, entry_of_kind};
 use crate::diag;
 use crate::log::event::{Coolant, Kind, Outlet};
+use crate::machine::ident::kind::CodeKind;
 use crate::machine::ident::kind::coolant::{Flow, Switch};
 use crate::machine::ident::{codes, data};
 use crate::state::coolant::head;
 use crate::state::modal::group;
 use counterpoint_fault::Acted;
 
+/// Codes and what they do.
+pub(crate) const ENTRIES: &[Entry] =
+    &[entry_of_kind!(CodeKind::Coolant(of) => |act, _row, _code| switch(act, of)).contour(Contour::Waits)];
+
 /// Carries out a code.
-pub(super) fn switch(kernel: &mut Kernel<'_>, switch: Switch) -> Acted {
+pub(super) fn switch(act: &mut Act<'_, '_>, switch: Switch) -> Acted {
     match switch {
-        Switch::Fluid(flow, outlet) => flows(kernel, flow, outlet),
-        Switch::Device(number, on) => tell(kernel, Coolant { on, fluid: 0, outlet: Outlet::Device(number) }),
+        Switch::Fluid(flow, outlet) => flows(act, flow, outlet),
+        Switch::Device(number, on) => tell(act, Coolant { on, fluid: 0, outlet: Outlet::Device(number) }),
         Switch::Level(level) => {
-            let pressure = kernel.channel.env.machine.pump.pressures.get(usize::from(level)).copied();
-            set_pressure(kernel, pressure.unwrap_or(f64::from(level)));
+            let pressure = act.env.machine.pump.pressures.get(usize::from(level)).copied();
+            set_pressure(act, pressure.unwrap_or(f64::from(level)));
         }
-        Switch::Pressure => match kernel.take(data::COOLANT_PRESSURE).map(|d| d.value) {
-            Some(pressure) => set_pressure(kernel, pressure),
+        Switch::Pressure => match act.take(data::COOLANT_PRESSURE).map(|d| d.value) {
+            Some(pressure) => set_pressure(act, pressure),
             None => {
-                let text = format!("a coolant pressure needs its value in '{}'", kernel.block_text());
-                kernel.diagnose(&diag::DATA_MISSING, text);
+                let text = format!("a coolant pressure needs its value in '{}'", act.block_text());
+                act.diagnose(&diag::DATA_MISSING, text);
             }
         },
     }
@@ -35,49 +41,42 @@ pub(super) fn switch(kernel: &mut Kernel<'_>, switch: Switch) -> Acted {
 }
 
 /// The coolant that a spindle code brings along: its group follows.
-pub(super) fn with_spindle(kernel: &mut Kernel<'_>, on: bool) {
+pub(super) fn with_spindle(act: &mut Act<'_, '_>, on: bool) {
     let code = if on { codes::COOLANT_ON } else { codes::COOLANT_OFF };
-    kernel.channel.state.modal.activate(group::COOLANT, code, u16::MAX);
-    flows(kernel, if on { Flow::Again } else { Flow::Off }, Outlet::Main);
+    act.state.modal.activate(group::COOLANT, code, u16::MAX);
+    flows(act, if on { Flow::Again } else { Flow::Off }, Outlet::Main);
 }
 
-fn flows(kernel: &mut Kernel<'_>, flow: Flow, outlet: Outlet) {
+fn flows(act: &mut Act<'_, '_>, flow: Flow, outlet: Outlet) {
     let fluid = match flow {
         Flow::Off => 0,
-        Flow::Again => kernel.channel.state.others.coolant.last.get(head(outlet)).copied().unwrap_or(1),
+        Flow::Again => act.state.others.coolant.last.get(head(outlet)).copied().unwrap_or(1),
         Flow::Fluid(fluid) => {
-            note(kernel, fluid, outlet);
+            act.note_coolant(fluid, outlet);
             fluid
         }
     };
-    tell(kernel, Coolant { on: flow != Flow::Off, fluid, outlet });
+    tell(act, Coolant { on: flow != Flow::Off, fluid, outlet });
 }
 
-/// What flows is what a later `on` switches on.
-pub(crate) fn note(kernel: &mut Kernel<'_>, fluid: u8, outlet: Outlet) {
-    if let Some(last) = kernel.channel.state.others.coolant.last.get_mut(head(outlet)).filter(|_| fluid != 0) {
-        *last = fluid;
-    }
+fn tell(act: &mut Act<'_, '_>, coolant: Coolant) {
+    act.emit(0, Kind::Coolant(coolant));
 }
 
-fn tell(kernel: &mut Kernel<'_>, coolant: Coolant) {
-    kernel.emit(0, Kind::Coolant(coolant));
-}
-
-fn set_pressure(kernel: &mut Kernel<'_>, wanted: f64) {
-    let largest = kernel.channel.state.others.coolant.largest(&kernel.channel.env.machine.pump);
+fn set_pressure(act: &mut Act<'_, '_>, wanted: f64) {
+    let largest = act.state.others.coolant.largest(&act.env.machine.pump);
     let most = if largest > 0.0 { largest } else { f64::INFINITY };
     let pressure = wanted.max(0.0).min(most);
     if pressure != wanted {
         let text = format!(
             "a coolant pressure of {} is not possible in '{}', it becomes {}",
             wildcard_text(wanted),
-            kernel.block_text(),
+            act.block_text(),
             wildcard_text(pressure)
         );
-        kernel.diagnose(&diag::COOLANT_PRESSURE, text);
+        act.diagnose(&diag::COOLANT_PRESSURE, text);
     }
-    let state = &mut kernel.channel.state.others.coolant;
+    let state = &mut act.state.others.coolant;
     (state.pressure, state.pump) = (pressure, Some(pressure > 0.0));
-    kernel.emit(0, Kind::mode(format!("coolant pressure p={}", wildcard_text(pressure))));
+    act.emit(0, Kind::mode(format!("coolant pressure p={}", wildcard_text(pressure))));
 }

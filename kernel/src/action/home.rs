@@ -2,32 +2,42 @@
 //!
 //! Facts: reference control-emulator.md 6.1 (`CODE_GOHOME` has data, via the given point to the reference).
 
-use crate::channel::Kernel;
+use crate::act::Act;
+use crate::action::entry::{Contour, Entry};
 use crate::diag;
 use crate::log::event::Position;
 use crate::machine::habits::Home;
+use crate::machine::ident::codes;
 use crate::machine::ident::data;
+use crate::state::channel::Channel;
 use crate::state::position::Axis;
 use crate::trace::{self, ACTION};
 use counterpoint_fault::Acted;
 
+/// Codes and what they do.
+pub(crate) const ENTRIES: &[Entry] = &[
+    Entry::of(&[codes::GOHOME], |act, _, _| go(act, 1)).contour(Contour::Leaves),
+    Entry::of(&[codes::GOHOME_NTH], |act, _, _| go_nth(act)).contour(Contour::Leaves),
+    Entry::of(&[codes::GOHOME_RETURN], |act, _, _| come_back(act)).contour(Contour::Leaves),
+];
+
 /// To reference point `number` (1 = home) via the programmed point; only coded axes move.
-pub(super) fn go(kernel: &mut Kernel<'_>, number: usize) -> Acted {
-    if kernel.channel.env.machine.habits.home == Home::Machine {
-        return straight(kernel, number);
+pub(super) fn go(act: &mut Act<'_, '_>, number: usize) -> Acted {
+    if act.env.machine.habits.home == Home::Machine {
+        return straight(act, number);
     }
-    let (mut coded, via) = kernel.targets();
+    let (mut coded, via) = act.targets();
     if coded == 0 {
-        if !kernel.channel.env.machine.habits.bare_home {
+        if !act.env.machine.habits.bare_home {
             return Ok(());
         }
-        coded = every_axis(kernel);
+        coded = every_axis(act);
     }
-    kernel.trace(ACTION, |kernel| trace::action(&home_text(kernel, coded, number)));
-    check_reference(kernel, coded, number)?;
-    kernel.channel.state.place.home_via = Some(via);
-    kernel.rapid_to(coded, via)?;
-    to_reference(kernel, coded, number)
+    act.trace(ACTION, |channel| trace::action(&home_text(channel, coded, number)));
+    check_reference(act, coded, number)?;
+    act.state.place.home_via = Some(via);
+    act.rapid_to(coded, via)?;
+    to_reference(act, coded, number)
 }
 
 /// Point `number` of an axis in the machine frame.
@@ -39,43 +49,43 @@ fn reference(axis: &Axis, number: usize) -> Option<f64> {
 }
 
 /// Reports a reference point that the machine does not have for all axes that go there.
-fn check_reference(kernel: &mut Kernel<'_>, coded: u8, number: usize) -> Acted {
-    let mut axes = kernel.channel.state.place.axes.iter().enumerate().filter(|(index, _)| coded & (1 << index) != 0);
+fn check_reference(act: &mut Act<'_, '_>, coded: u8, number: usize) -> Acted {
+    let mut axes = act.state.place.layout.axes.iter().enumerate().filter(|(index, _)| coded & (1 << index) != 0);
     if axes.any(|(_, axis)| reference(axis, number).is_none()) {
-        let text = format!("reference point {number} is not defined for every axis of '{}'", kernel.block_text());
-        kernel.diagnose(&diag::NO_REFERENCE, text);
+        let text = format!("reference point {number} is not defined for every axis of '{}'", act.block_text());
+        act.diagnose(&diag::NO_REFERENCE, text);
     }
-    kernel.channel.check_stop()
+    act.check_stop()
 }
 
 /// Straight to the point of the machine frame that the block gives, without words to the reference point.
-fn straight(kernel: &mut Kernel<'_>, number: usize) -> Acted {
-    kernel.channel.state.place.home_via = Some(kernel.channel.state.place.position);
-    let (coded, target) = machine_targets(kernel);
+fn straight(act: &mut Act<'_, '_>, number: usize) -> Acted {
+    act.state.place.home_via = Some(act.state.place.position);
+    let (coded, target) = machine_targets(act);
     if coded != 0 {
-        return kernel.rapid_to(coded, target);
+        return act.rapid_to(coded, target);
     }
-    let coded = every_axis(kernel);
-    check_reference(kernel, coded, number)?;
-    to_reference(kernel, coded, number)
+    let coded = every_axis(act);
+    check_reference(act, coded, number)?;
+    to_reference(act, coded, number)
 }
 
 /// All axes of the channel, bit by axis.
-fn every_axis(kernel: &Kernel<'_>) -> u8 {
-    ((1_u16 << kernel.channel.state.place.axes.len().min(8)) - 1) as u8
+fn every_axis(act: &Act<'_, '_>) -> u8 {
+    ((1_u16 << act.state.place.layout.axes.len().min(8)) - 1) as u8
 }
 
 /// Takes the axis words as positions of the machine frame.
-pub(super) fn machine_targets(kernel: &mut Kernel<'_>) -> (u8, Position) {
-    let before = std::mem::replace(&mut kernel.channel.block.machine_frame, true);
-    let taken = kernel.targets();
-    kernel.channel.block.machine_frame = before;
+pub(super) fn machine_targets(act: &mut Act<'_, '_>) -> (u8, Position) {
+    let before = std::mem::replace(&mut act.block.flags.machine_frame, true);
+    let taken = act.targets();
+    act.block.flags.machine_frame = before;
     taken
 }
 
-fn to_reference(kernel: &mut Kernel<'_>, coded: u8, number: usize) -> Acted {
-    let mut target = kernel.channel.machine_point(&kernel.channel.state.place.position);
-    for (index, (slot, axis)) in target.iter_mut().zip(&kernel.channel.state.place.axes).enumerate() {
+fn to_reference(act: &mut Act<'_, '_>, coded: u8, number: usize) -> Acted {
+    let mut target = act.machine_point(&act.state.place.position);
+    for (index, (slot, axis)) in target.iter_mut().zip(&act.state.place.layout.axes).enumerate() {
         if coded & (1 << index) == 0 {
             continue;
         }
@@ -83,14 +93,14 @@ fn to_reference(kernel: &mut Kernel<'_>, coded: u8, number: usize) -> Acted {
             *slot = point;
         }
     }
-    let target = kernel.channel.way_of_machine(&target);
-    kernel.rapid_to(coded, target)
+    let target = act.way_of_machine(&target);
+    act.rapid_to(coded, target)
 }
 
 /// `home x, z`, the axes that move; `n=2` for a further reference point.
-fn home_text(kernel: &Kernel<'_>, coded: u8, number: usize) -> String {
-    let axes = (0..kernel.channel.state.place.axes.len()).filter(|axis| coded & (1 << axis) != 0);
-    let mut items: Vec<String> = axes.map(|axis| kernel.channel.axis_name(axis)).collect();
+fn home_text(channel: &Channel<'_>, coded: u8, number: usize) -> String {
+    let axes = (0..channel.state.place.layout.axes.len()).filter(|axis| coded & (1 << axis) != 0);
+    let mut items: Vec<String> = axes.map(|axis| channel.axis_name(axis)).collect();
     if number > 1 {
         items.push(format!("n={number}"));
     }
@@ -98,37 +108,37 @@ fn home_text(kernel: &Kernel<'_>, coded: u8, number: usize) -> String {
 }
 
 /// To the second, third or fourth reference point; 2 without a number.
-pub(super) fn go_nth(kernel: &mut Kernel<'_>) -> Acted {
-    let number = kernel.take(data::GOHOME_NTH).map_or(2.0, |d| d.value);
+pub(super) fn go_nth(act: &mut Act<'_, '_>) -> Acted {
+    let number = act.take(data::GOHOME_NTH).map_or(2.0, |d| d.value);
     if ![2.0, 3.0, 4.0].contains(&number) {
-        let text = format!("there is no reference point {number} in '{}', expected 2, 3 or 4", kernel.block_text());
-        kernel.diagnose(&diag::NO_REFERENCE, text);
-        kernel.targets();
+        let text = format!("there is no reference point {number} in '{}', expected 2, 3 or 4", act.block_text());
+        act.diagnose(&diag::NO_REFERENCE, text);
+        act.targets();
         return Ok(());
     }
-    go(kernel, number as usize)
+    go(act, number as usize)
 }
 
 /// From the reference point via the last intermediate point to the programmed one.
-pub(super) fn come_back(kernel: &mut Kernel<'_>) -> Acted {
-    let (coded, target) = kernel.targets();
+pub(super) fn come_back(act: &mut Act<'_, '_>) -> Acted {
+    let (coded, target) = act.targets();
     if coded == 0 {
         return Ok(());
     }
-    match kernel.channel.state.place.home_via {
+    match act.state.place.home_via {
         Some(via) => {
-            let mut through = kernel.channel.state.place.position;
+            let mut through = act.state.place.position;
             for (index, (slot, value)) in through.iter_mut().zip(via).enumerate() {
                 if coded & (1 << index) != 0 {
                     *slot = value;
                 }
             }
-            kernel.rapid_to(coded, through)?;
+            act.rapid_to(coded, through)?;
         }
         None => {
-            let text = format!("no intermediate point is known for '{}'", kernel.block_text());
-            kernel.diagnose(&diag::RETURN_WITHOUT_HOME, text);
+            let text = format!("no intermediate point is known for '{}'", act.block_text());
+            act.diagnose(&diag::RETURN_WITHOUT_HOME, text);
         }
     }
-    kernel.rapid_to(coded, target)
+    act.rapid_to(coded, target)
 }

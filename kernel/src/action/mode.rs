@@ -1,40 +1,57 @@
 //! Modes whose effect is that other actions read them, and switches that only show in the log.
 
-use crate::channel::Kernel;
+use crate::act::Act;
+use crate::action::entry::{Contour, Entry, entry_of_kind};
 use crate::log::event::{Function, Kind, OffsetKind};
+use crate::machine::ident::codes;
+use crate::machine::ident::kind::CodeKind;
 use crate::machine::ident::{CodeId, data};
 use crate::machine::model::CodeRow;
-use crate::state::block::Firing;
+use crate::state::block::PendingCode;
 use counterpoint_fault::Acted;
 
+/// Codes and what they do.
+pub(crate) const ENTRIES: &[Entry] = &[
+    entry_of_kind!(CodeKind::Mode(text) => |act, _row, _code| mode(act, text)).contour(Contour::Waits),
+    Entry::of(&[codes::UNITS_PRIMARY], |act, _, _| units(act, false)).contour(Contour::Waits),
+    Entry::of(&[codes::UNITS_SECONDARY], |act, _, _| units(act, true)).contour(Contour::Waits),
+    Entry::of(&[codes::EXACTSTOP], |act, _, _| exact_stop_block(act)).contour(Contour::Waits),
+    Entry::of(&[codes::COMP_DIAM_OFF], |act, row, _| diameter(act, "off", row.id)).contour(Contour::Waits),
+    Entry::of(&[codes::COMP_DIAM_LEFT], |act, row, _| diameter(act, "left", row.id)).contour(Contour::Waits),
+    Entry::of(&[codes::COMP_DIAM_RIGHT], |act, row, _| diameter(act, "right", row.id)).contour(Contour::Waits),
+    Entry::of(&[codes::FUNCTION], function).contour(Contour::Waits),
+    Entry::of(&[codes::AM_ON], |act, _, _| additive(act, true)).contour(Contour::Waits),
+    Entry::of(&[codes::AM_OFF], |act, _, _| additive(act, false)).contour(Contour::Waits),
+];
+
 /// A modal state.
-pub(super) fn mode(kernel: &mut Kernel<'_>, text: &'static str) -> Acted {
-    if kernel.channel.acting.mode_changed {
-        kernel.emit(0, Kind::mode(text));
+pub(super) fn mode(act: &mut Act<'_, '_>, text: &'static str) -> Acted {
+    if act.acting.mode_changed {
+        act.emit(0, Kind::mode(text));
     }
     Ok(())
 }
 
 /// Primary or secondary units.
-pub(super) fn units(kernel: &mut Kernel<'_>, secondary: bool) -> Acted {
+pub(super) fn units(act: &mut Act<'_, '_>, secondary: bool) -> Acted {
     use crate::log::info::Unit;
-    kernel.channel.state.secondary = secondary;
-    let inch = (kernel.channel.env.machine.unit == Unit::Inch) != secondary;
-    mode(kernel, if inch { "units inch" } else { "units mm" })
+    act.state.secondary = secondary;
+    let inch = (act.env.machine.unit == Unit::Inch) != secondary;
+    mode(act, if inch { "units inch" } else { "units mm" })
 }
 
 /// Exact stop at the end of this block.
-pub(super) fn exact_stop_block(kernel: &mut Kernel<'_>) -> Acted {
-    kernel.channel.block.exact_stop = true;
+pub(super) fn exact_stop_block(act: &mut Act<'_, '_>) -> Acted {
+    act.block.flags.exact_stop = true;
     Ok(())
 }
 
 /// Cutter or nose radius compensation: number, listing, and the path if there is a radius.
-pub(super) fn diameter(kernel: &mut Kernel<'_>, side: &'static str, code: CodeId) -> Acted {
+pub(super) fn diameter(act: &mut Act<'_, '_>, side: &'static str, code: CodeId) -> Acted {
     // What ends compensation needs no number.
-    let asks = side != "off" || kernel.block_has(data::COMP_DIAM);
-    let number = if asks { super::compensation::take_diameter(kernel) } else { None };
-    if kernel.channel.acting.mode_changed || number.is_some() {
+    let asks = side != "off" || act.block_has(data::COMP_DIAM);
+    let number = if asks { super::compensation::take_diameter(act) } else { None };
+    if act.acting.mode_changed || number.is_some() {
         let text = format!("comp diam {side}");
         let mode = match number.filter(|_| side != "off") {
             Some(number) => {
@@ -43,31 +60,31 @@ pub(super) fn diameter(kernel: &mut Kernel<'_>, side: &'static str, code: CodeId
             }
             None => Kind::mode(text),
         };
-        super::cutter::switched(kernel, code)?;
-        kernel.emit(0, mode);
-        kernel.report_tool();
+        super::cutter::switched(act, code)?;
+        act.emit(0, mode);
+        act.report_tool();
     }
     Ok(())
 }
 
 /// A function of the machine that only takes time; the time itself is added by the code loop.
-pub(super) fn function(kernel: &mut Kernel<'_>, row: &CodeRow, firing: Firing) -> Acted {
-    kernel.take(data::FUNCTION);
+pub(super) fn function(act: &mut Act<'_, '_>, row: &CodeRow, code: &PendingCode) -> Acted {
+    act.take(data::FUNCTION);
     if row.seconds <= 0.0 {
-        let (letter, value) = kernel.written(row, firing);
-        kernel.emit(0, Kind::Function(Function { letter, value }));
+        let (letter, value) = act.written(row, code);
+        act.emit(0, Kind::Function(Function { letter, value }));
     }
     Ok(())
 }
 
 /// Power of additive machining.
-pub(super) fn additive(kernel: &mut Kernel<'_>, on: bool) -> Acted {
-    let power = kernel.take(data::AM).map(|d| counterpoint_lang::format::wildcard_text(d.value));
+pub(super) fn additive(act: &mut Act<'_, '_>, on: bool) -> Acted {
+    let power = act.take(data::AM).map(|d| counterpoint_lang::format::wildcard_text(d.value));
     let text = match (on, power) {
         (true, Some(power)) => format!("am on p={power}"),
         (true, None) => "am on".to_owned(),
         (false, _) => "am off".to_owned(),
     };
-    kernel.emit(0, Kind::mode(text));
+    act.emit(0, Kind::mode(text));
     Ok(())
 }

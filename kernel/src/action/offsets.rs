@@ -3,13 +3,17 @@
 //! Facts: general CNC practice (Fanuc G10); the annex of the emulated system has no identifier for it. Invariant: what
 //! is not kept is told and nothing changes; the machine stands still.
 
-use crate::channel::Kernel;
+use crate::act::Act;
+use crate::action::entry::Entry;
 use crate::diag;
 use crate::log::event::Kind;
 use crate::machine::ident::{codes, data};
 use crate::state::frames::offsets::{EXTENDED, Radii, Table};
 use crate::state::modal::group;
 use counterpoint_fault::Acted;
+
+/// Codes and what they do.
+pub(crate) const ENTRIES: &[Entry] = &[Entry::of(&[codes::OFFSET_SET], |act, _, _| set(act))];
 
 /// What is set.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -28,10 +32,10 @@ const GEOMETRY: u32 = 10_000;
 
 /// Sets an offset: L2 work, L20 extended work, L10 and L11 length and its wear, L12 and L13 radius and its wear; without L
 /// a turning tool, its wear or above 10,000 its geometry.
-pub(super) fn set(kernel: &mut Kernel<'_>) -> Acted {
+pub(super) fn set(act: &mut Act<'_, '_>) -> Acted {
     let whole = |value: f64| (0.0..=99_999.0).contains(&value).then_some(value as u32);
-    let kind = kernel.take(data::OFFSET_KIND).map(|datum| datum.value);
-    let number = kernel.take(data::OFFSET_NUMBER).and_then(|datum| whole(datum.value));
+    let kind = act.take(data::OFFSET_KIND).map(|datum| datum.value);
+    let number = act.take(data::OFFSET_NUMBER).and_then(|datum| whole(datum.value));
     let what = match (kind, number) {
         (Some(2.0), Some(number)) => Some(What::Axes(Table::Work, number)),
         (Some(20.0), Some(number)) if number > 0 => Some(What::Axes(Table::Work, EXTENDED + number)),
@@ -39,26 +43,24 @@ pub(super) fn set(kernel: &mut Kernel<'_>) -> Acted {
         (Some(11.0), Some(number)) => Some(What::Length(Table::Wear, number)),
         (Some(12.0), Some(number)) => Some(What::Radius(Radii::Cutter, number)),
         (Some(13.0), Some(number)) => Some(What::Radius(Radii::Wear, number)),
-        (None, Some(number)) if kernel.channel.is_turning() && number > GEOMETRY => {
+        (None, Some(number)) if act.is_turning() && number > GEOMETRY => {
             Some(What::Tool(Table::Length, Radii::Cutter, number - GEOMETRY))
         }
-        (None, Some(number)) if kernel.channel.is_turning() && number > 0 => {
-            Some(What::Tool(Table::Wear, Radii::Wear, number))
-        }
+        (None, Some(number)) if act.is_turning() && number > 0 => Some(What::Tool(Table::Wear, Radii::Wear, number)),
         _ => None,
     };
     let Some(what) = what else {
-        let text = format!("this kind of offset is not kept, '{}' sets nothing", kernel.block_text());
-        kernel.diagnose(&diag::OFFSET_NOT_KEPT, text);
-        kernel.take(data::OFFSET_VALUE);
-        kernel.targets();
+        let text = format!("this kind of offset is not kept, '{}' sets nothing", act.block_text());
+        act.diagnose(&diag::OFFSET_NOT_KEPT, text);
+        act.take(data::OFFSET_VALUE);
+        act.targets();
         return Ok(());
     };
     let kept = match what {
-        What::Axes(table, number) => axes(kernel, table, number),
-        What::Length(table, number) => length(kernel, table, number),
-        What::Radius(table, number) => radius(kernel, table, number),
-        What::Tool(table, radii, number) => axes(kernel, table, number) && radius(kernel, radii, number),
+        What::Axes(table, number) => axes(act, table, number),
+        What::Length(table, number) => length(act, table, number),
+        What::Radius(table, number) => radius(act, table, number),
+        What::Tool(table, radii, number) => axes(act, table, number) && radius(act, radii, number),
     };
     let (table, number) = match what {
         What::Axes(_, number) => ("workp", number),
@@ -70,45 +72,45 @@ pub(super) fn set(kernel: &mut Kernel<'_>) -> Acted {
         What::Tool(_, _, number) => ("tool", number),
     };
     let text = if kept { format!("set {table} n={number}") } else { format!("set {table} n={number} refused") };
-    kernel.emit(0, Kind::mode(text));
+    act.emit(0, Kind::mode(text));
     Ok(())
 }
 
-fn is_relative(kernel: &Kernel<'_>) -> bool {
-    kernel.channel.state.modal.code(group::POSITION) == Some(codes::POSITION_RELATIVE)
+fn is_relative(act: &Act<'_, '_>) -> bool {
+    act.state.modal.code(group::POSITION) == Some(codes::POSITION_RELATIVE)
 }
 
-fn axes(kernel: &mut Kernel<'_>, table: Table, number: u32) -> bool {
-    let mut values = kernel.channel.offset_values(table, number);
-    let relative = is_relative(kernel);
-    for index in 0..kernel.channel.state.place.axes.len() {
-        let Some(id) = kernel.channel.state.place.axes.get(index).map(|axis| axis.data) else { break };
-        let Some(datum) = kernel.take(id).filter(|datum| datum.value.is_finite()) else { continue };
+fn axes(act: &mut Act<'_, '_>, table: Table, number: u32) -> bool {
+    let mut values = act.offset_values(table, number);
+    let relative = is_relative(act);
+    for index in 0..act.state.place.layout.axes.len() {
+        let Some(id) = act.state.place.layout.axes.get(index).map(|axis| axis.data) else { break };
+        let Some(datum) = act.take(id).filter(|datum| datum.value.is_finite()) else { continue };
         if let Some(slot) = values.get_mut(index) {
             *slot = if relative || datum.incremental { *slot + datum.value } else { datum.value };
         }
     }
-    kernel.set_offset(table, number, values)
+    act.set_offset(table, number, values)
 }
 
-fn length(kernel: &mut Kernel<'_>, table: Table, number: u32) -> bool {
-    let mut values = kernel.channel.offset_values(table, number);
-    let along = kernel.channel.state.place.cartesian.get(2).copied().flatten().map(usize::from);
-    let relative = is_relative(kernel);
-    let Some(value) = kernel.take(data::OFFSET_VALUE).map(|datum| datum.value) else { return false };
+fn length(act: &mut Act<'_, '_>, table: Table, number: u32) -> bool {
+    let mut values = act.offset_values(table, number);
+    let along = act.state.place.layout.cartesian.get(2).copied().flatten().map(usize::from);
+    let relative = is_relative(act);
+    let Some(value) = act.take(data::OFFSET_VALUE).map(|datum| datum.value) else { return false };
     let Some(slot) = along.and_then(|axis| values.get_mut(axis)).filter(|_| value.is_finite()) else { return false };
     *slot = if relative { *slot + value } else { value };
-    kernel.set_offset(table, number, values)
+    act.set_offset(table, number, values)
 }
 
 /// A missing value changes nothing.
-fn radius(kernel: &mut Kernel<'_>, table: Radii, number: u32) -> bool {
-    let before = kernel.channel.offset_radius(table, number);
-    let relative = is_relative(kernel);
-    match kernel.take(data::OFFSET_VALUE).map(|datum| datum.value) {
+fn radius(act: &mut Act<'_, '_>, table: Radii, number: u32) -> bool {
+    let before = act.offset_radius(table, number);
+    let relative = is_relative(act);
+    match act.take(data::OFFSET_VALUE).map(|datum| datum.value) {
         Some(value) if value.is_finite() => {
             let value = if relative { before + value } else { value };
-            kernel.channel.set_offset_radius(table, number, value)
+            act.set_offset_radius(table, number, value)
         }
         Some(_) => false,
         None => true,

@@ -9,7 +9,7 @@ use std::f64::consts::TAU;
 
 use counterpoint_motion::arc::Arc;
 
-use crate::channel::Kernel;
+use crate::act::Act;
 use crate::log::event::Position;
 use crate::state::frames::polar::between;
 
@@ -79,20 +79,20 @@ fn of_circle(made: &Arc, tight: f64) -> Vec<Piece> {
     all
 }
 
-impl Kernel<'_> {
+impl Act<'_, '_> {
     /// Seconds of a feed move that rotary axes may slow down; `made`: the circle on the part.
     #[cold]
     pub(super) fn at_rates(&self, seconds: f64, from: &Position, to: &Position, made: Option<&Arc>) -> f64 {
-        if self.channel.tip().is_some() {
-            let turns = self.channel.state.place.axes.iter().zip(from.iter().zip(to)).filter(|(axis, _)| axis.rotary);
+        if self.tip().is_some() {
+            let turns = self.state.place.layout.axes.iter().zip(from.iter().zip(to)).filter(|(axis, _)| axis.rotary);
             return turns
                 .map(|(axis, (a, b))| (b - a).abs() / axis.rapid)
                 .filter(|t| t.is_finite())
                 .fold(seconds, f64::max);
         }
-        let Some(polar) = self.channel.polar() else { return seconds };
-        let rate = self.channel.state.place.axes.get(polar.rotary).map_or(0.0, |axis| axis.rapid);
-        let [start, end] = [from, to].map(|point| polar.part(&self.channel.state.place, point));
+        let Some(polar) = self.polar() else { return seconds };
+        let rate = self.state.place.layout.axes.get(polar.rotary).map_or(0.0, |axis| axis.rapid);
+        let [start, end] = [from, to].map(|point| polar.part(&self.state.place, point));
         let length = made.map_or_else(|| (end[0] - start[0]).hypot(end[1] - start[1]), Arc::length);
         let turned = (to.get(polar.rotary).unwrap_or(&0.0) - from.get(polar.rotary).unwrap_or(&0.0)).abs();
         if !(rate > 0.0 && seconds > 0.0 && seconds.is_finite() && turned.is_finite()) {

@@ -3,28 +3,32 @@
 //! Facts: reference control-emulator.md 6.1, system-variables.md 12. Invariant: there is no model here, so nothing is ever
 //! touched: every probing move ends at its end point and counts as missed; the alarm mode decides whether that is told.
 
-use crate::channel::Kernel;
+use crate::act::Act;
+use crate::action::entry::{Contour, Entry};
 use crate::diag;
 use crate::machine::ident::codes;
 use crate::state::probing::Probing;
 use counterpoint_fault::Acted;
 
+/// Codes and what they do.
+pub(crate) const ENTRIES: &[Entry] =
+    &[Entry::of(&[codes::INTERP_SKIP], |act, _, _| probe(act)).moves().contour(Contour::Leaves)];
+
 /// Modal group of the alarm mode.
 const ALARM: u16 = 86;
 
 /// A probing move.
-pub(super) fn probe(kernel: &mut Kernel<'_>) -> Acted {
-    let (feed, unit) = kernel.feed();
-    let (coded, target) = kernel.targets();
+pub(super) fn probe(act: &mut Act<'_, '_>) -> Acted {
+    let (feed, unit) = act.feed();
+    let (coded, target) = act.targets();
     if coded == 0 {
         return Ok(());
     }
-    kernel.feed_to(coded, target, feed, unit)?;
-    *kernel.channel.state.skip =
-        Probing { result: 2.0, end: kernel.channel.state.place.position, block: kernel.channel.at.blocks };
-    if kernel.channel.state.modal.code(ALARM) == Some(codes::SKIP_ALARM_SIGNAL) {
-        let text = format!("the probe has touched nothing in '{}'", kernel.block_text());
-        kernel.diagnose(&diag::PROBE_MISSED, text);
+    act.feed_to(coded, target, feed, unit)?;
+    *act.state.skip = Probing { result: 2.0, end: act.state.place.position, block: act.at.blocks };
+    if act.state.modal.code(ALARM) == Some(codes::SKIP_ALARM_SIGNAL) {
+        let text = format!("the probe has touched nothing in '{}'", act.block_text());
+        act.diagnose(&diag::PROBE_MISSED, text);
     }
     Ok(())
 }

@@ -2,42 +2,45 @@
 //!
 //! Facts: reference control-emulator.md 3.3, 6.3; channel-synchronisation.md 1.9 (a spindle that several channels
 //! command: the last writer in tag order wins, with a warning when no meeting lies between). A shared spindle is
-//! reached only through shared operations; an own one is plain state of the kernel.
+//! reached only through shared operations; an own one is plain state of the act.
 
 use counterpoint_fault::{Acted, Halt};
-use counterpoint_motion::surface_speed::Speed;
 
 use super::spindles::{commanded, no_head};
-use crate::channel::Kernel;
+use crate::act::Act;
+use crate::action::entry::{Entry, entry_of_kind};
 use crate::diag;
-use crate::log::event::{Direction, Kind, Spindle as SpindleEvent};
-use crate::log::info::Unit;
+use crate::log::event::Direction;
+use crate::machine::ident::codes;
 use crate::machine::ident::data;
+use crate::machine::ident::kind::CodeKind;
 use crate::multi::shared::Command;
-use crate::multi::waits::Set;
+use crate::state::spindle::Turning;
 
-/// How the spindle turns during a motion.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum Turning {
-    /// Steady rev/min.
-    Fixed(f64),
-    /// By this channel's own X.
-    Surface(Speed),
-}
+/// Codes and what they do.
+pub(crate) const ENTRIES: &[Entry] = &[
+    entry_of_kind!(CodeKind::Spindle { number, direction, coolant } => |act, _row, _code| turn(act, number, direction, coolant)),
+    Entry::of(&[codes::SPINDLE_CSS], |act, _, _| css(act)),
+    Entry::of(&[codes::SPINDLE_RPM], |act, _, _| rpm(act)),
+    Entry::of(&[codes::SPINDLE_MAXRPM], |act, _, _| limit(act)),
+    Entry::of(&[codes::SPINDLE_CSS_MAIN], |act, _, _| driver(act, 1)),
+    Entry::of(&[codes::SPINDLE_CSS_SIDE], |act, _, _| driver(act, 2)),
+    Entry::of(&[codes::SPINDLE_CSS_RADIAL], |act, _, _| radial(act)),
+];
 
 /// Start, stop, orient, lock. `number` 0 = the spindle of codes without a number.
-pub(super) fn turn(kernel: &mut Kernel<'_>, number: u16, direction: Direction, coolant: Option<bool>) -> Acted {
+pub(super) fn turn(act: &mut Act<'_, '_>, number: u16, direction: Direction, coolant: Option<bool>) -> Acted {
     if let Some(on) = coolant {
-        super::coolant::with_spindle(kernel, on);
+        super::coolant::with_spindle(act, on);
     }
-    commanded(kernel, number, |kernel| {
+    commanded(act, number, |act| {
         let angle = match direction {
-            Direction::Oriented => kernel.take(data::SPINDLE_ORIENT).map_or(0.0, |d| d.value),
+            Direction::Oriented => act.take(data::SPINDLE_ORIENT).map_or(0.0, |d| d.value),
             _ => 0.0,
         };
-        let css = kernel.current()?.css;
-        let speed = take_speed(kernel, css);
-        command(kernel, |c| {
+        let css = act.spindle_command()?.css;
+        let speed = take_speed(act, css);
+        act.command_spindle(|c| {
             c.direction = direction;
             c.angle = angle;
             set_speed(c, css, speed);
@@ -46,17 +49,17 @@ pub(super) fn turn(kernel: &mut Kernel<'_>, number: u16, direction: Direction, c
 }
 
 /// Takes off the block what a code without a spindle would have used.
-pub(super) fn drop_data(kernel: &mut Kernel<'_>) {
+pub(super) fn drop_data(act: &mut Act<'_, '_>) {
     for id in [data::SPINDLE_ORIENT, data::SPINDLE_RPM, data::SPINDLE_CSS] {
-        kernel.take(id);
+        act.take(id);
     }
 }
 
 /// Constant surface speed on.
-pub(super) fn css(kernel: &mut Kernel<'_>) -> Acted {
-    let speed = take_speed(kernel, true);
-    let driver = kernel.channel.state.others.spindles.driver.unwrap_or(kernel.channel.at.channel);
-    command(kernel, |c| {
+pub(super) fn css(act: &mut Act<'_, '_>) -> Acted {
+    let speed = take_speed(act, true);
+    let driver = act.state.others.spindles.driver.unwrap_or(act.at.channel);
+    act.command_spindle(|c| {
         c.css = true;
         c.driver = driver;
         set_speed(c, true, speed);
@@ -64,10 +67,10 @@ pub(super) fn css(kernel: &mut Kernel<'_>) -> Acted {
 }
 
 /// Revolutions per minute on.
-pub(super) fn rpm(kernel: &mut Kernel<'_>) -> Acted {
-    let speed = take_speed(kernel, false);
-    let held = held_speed(kernel)?;
-    command(kernel, |c| {
+pub(super) fn rpm(act: &mut Act<'_, '_>) -> Acted {
+    let speed = take_speed(act, false);
+    let held = held_speed(act)?;
+    act.command_spindle(|c| {
         if c.css && speed.is_none() {
             // Leaving surface speed without a new S keeps the speed that is turning.
             c.rpm = held;
@@ -79,60 +82,60 @@ pub(super) fn rpm(kernel: &mut Kernel<'_>) -> Acted {
 }
 
 /// Speed limit.
-pub(super) fn limit(kernel: &mut Kernel<'_>) -> Acted {
-    let Some(value) = kernel.take(data::SPINDLE_RPM_MAX).map(|d| d.value) else {
-        let text = format!("a speed limit needs its value in '{}'", kernel.block_text());
-        kernel.diagnose(&diag::DATA_MISSING, text);
+pub(super) fn limit(act: &mut Act<'_, '_>) -> Acted {
+    let Some(value) = act.take(data::SPINDLE_RPM_MAX).map(|d| d.value) else {
+        let text = format!("a speed limit needs its value in '{}'", act.block_text());
+        act.diagnose(&diag::DATA_MISSING, text);
         return Ok(());
     };
-    command(kernel, |c| c.limit = value)
+    act.command_spindle(|c| c.limit = value)
 }
 
 /// The channel whose X drives constant surface speed.
-pub(super) fn driver(kernel: &mut Kernel<'_>, channel: u16) -> Acted {
-    if !kernel.channel.env.machine.channels.iter().any(|known| known.number == channel) {
-        return no_head(kernel, f64::from(channel));
+pub(super) fn driver(act: &mut Act<'_, '_>, channel: u16) -> Acted {
+    if !act.env.machine.channels.iter().any(|known| known.number == channel) {
+        return no_head(act, f64::from(channel));
     }
-    kernel.channel.state.others.spindles.driver = Some(channel);
-    command(kernel, |c| c.driver = channel)
+    act.state.others.spindles.driver = Some(channel);
+    act.command_spindle(|c| c.driver = channel)
 }
 
 /// The radius at which the surface speed counts, whatever X is; zero or less = at X again.
-pub(super) fn radial(kernel: &mut Kernel<'_>) -> Acted {
-    let Some(radius) = kernel.take(data::SPINDLE_CSS_RADIAL).map(|d| d.value) else {
-        let text = format!("a radius of constant surface speed needs its value in '{}'", kernel.block_text());
-        kernel.diagnose(&diag::DATA_MISSING, text);
+pub(super) fn radial(act: &mut Act<'_, '_>) -> Acted {
+    let Some(radius) = act.take(data::SPINDLE_CSS_RADIAL).map(|d| d.value) else {
+        let text = format!("a radius of constant surface speed needs its value in '{}'", act.block_text());
+        act.diagnose(&diag::DATA_MISSING, text);
         return Ok(());
     };
-    command(kernel, |c| c.radius = radius.max(0.0))
+    act.command_spindle(|c| c.radius = radius.max(0.0))
 }
 
 /// Stops, orients or reverses the spindle inside of a cycle; it stays as it is when it stands.
-pub(super) fn turn_inside(kernel: &mut Kernel<'_>, direction: Direction) -> Acted {
-    if kernel.channel.state.spindle.index.is_none() {
+pub(super) fn turn_inside(act: &mut Act<'_, '_>, direction: Direction) -> Acted {
+    if act.state.spindle.index.is_none() {
         return Ok(());
     }
-    command(kernel, |c| c.direction = direction)
+    act.command_spindle(|c| c.direction = direction)
 }
 
 /// An S word that no code took: changes the speed (reference control-emulator.md 3.3).
-pub(crate) fn speed_word(kernel: &mut Kernel<'_>) -> Acted {
-    kernel.settle()?;
-    let css = kernel.current()?.css;
-    match take_speed(kernel, css) {
-        Some(speed) if !kernel.channel.env.machine.habits.speed_word => {
-            kernel.channel.state.others.spindles.waiting = Some(speed);
+pub(crate) fn speed_word(act: &mut Act<'_, '_>) -> Acted {
+    act.flush_lookahead()?;
+    let css = act.spindle_command()?.css;
+    match take_speed(act, css) {
+        Some(speed) if !act.env.machine.habits.speed_word => {
+            act.state.others.spindles.waiting = Some(speed);
             Ok(())
         }
-        Some(speed) => command(kernel, |c| set_speed(c, css, Some(speed))),
+        Some(speed) => act.command_spindle(|c| set_speed(c, css, Some(speed))),
         None => Ok(()),
     }
 }
 
 /// The speed of the block, else one that was left for the next spindle code (reference control-emulator.md 1.5).
-fn take_speed(kernel: &mut Kernel<'_>, css: bool) -> Option<f64> {
-    let word = kernel.take(if css { data::SPINDLE_CSS } else { data::SPINDLE_RPM }).map(|d| d.value);
-    let waiting = kernel.channel.state.others.spindles.waiting.take();
+fn take_speed(act: &mut Act<'_, '_>, css: bool) -> Option<f64> {
+    let word = act.take(if css { data::SPINDLE_CSS } else { data::SPINDLE_RPM }).map(|d| d.value);
+    let waiting = act.state.others.spindles.waiting.take();
     word.or(waiting)
 }
 
@@ -146,196 +149,12 @@ fn set_speed(command: &mut Command, css: bool, speed: Option<f64>) {
 }
 
 /// Speed that turns now, rev/min.
-fn held_speed(kernel: &mut Kernel<'_>) -> Result<f64, Halt> {
-    let position = kernel.channel.state.place.position;
-    let radius = kernel.channel.radius(&position);
-    Ok(match kernel.spindle_speed()? {
+fn held_speed(act: &mut Act<'_, '_>) -> Result<f64, Halt> {
+    let position = act.state.place.position;
+    let radius = act.radius(&position);
+    Ok(match act.spindle_speed()? {
         Some(Turning::Fixed(rpm)) => rpm,
         Some(Turning::Surface(surface)) => surface.rpm(radius),
-        None => kernel.channel.state.spindle.command.rpm,
+        None => act.state.spindle.command.rpm,
     })
-}
-
-/// Changes the commanded state, logs it, and lets the spindle run up.
-fn command(kernel: &mut Kernel<'_>, change: impl Fn(&mut Command)) -> Acted {
-    let Some(index) = kernel.channel.state.spindle.index else {
-        let text = format!("channel {} has no spindle for '{}'", kernel.channel.at.channel, kernel.block_text());
-        kernel.diagnose(&diag::NO_SPINDLE, text);
-        return Ok(());
-    };
-    kernel.flow.pass.effects = true;
-    let before = kernel.turning_speed()?;
-    let old = kernel.channel.state.spindle.command;
-    let rank = kernel.channel.at.channel;
-    let mut conflict = 0;
-    if kernel.channel.state.spindle.shared {
-        let (now, writer) = kernel.shared(|order| {
-            let Some(spindle) = order.shared.spindles.get_mut(index) else { return (Command::default(), 0) };
-            let old = spindle.command;
-            change(&mut spindle.command);
-            if old.driver == rank && spindle.command.driver != rank {
-                // Until its new driver moves the spindle goes on as it turns.
-                spindle.now = before;
-            }
-            let changed = old != spindle.command;
-            let other = spindle.writer != 0 && spindle.writer != rank && !spindle.ordered.has(rank);
-            let writer = if changed && other { spindle.writer } else { 0 };
-            spindle.writer = rank;
-            spindle.ordered = Set::default().with(rank);
-            (spindle.command, writer)
-        })?;
-        kernel.channel.state.spindle.command = now;
-        conflict = writer;
-    } else {
-        change(&mut kernel.channel.state.spindle.command);
-    }
-    if conflict != 0 {
-        let text = format!(
-            "channels {conflict} and {rank} both command the spindle without a meeting between them, here in '{}': the later one in time holds",
-            kernel.block_text()
-        );
-        kernel.diagnose(&diag::SPINDLE_CONFLICT, text);
-    }
-    if kernel.channel.state.spindle.command != old {
-        announce(kernel, index, before)?;
-    }
-    kernel.follow_radius()
-}
-
-/// Changes the commanded state as a macro wants it: without an event and without time.
-pub(crate) fn set_command(kernel: &mut Kernel<'_>, change: impl Fn(&mut Command)) -> Acted {
-    let Some(index) = kernel.channel.state.spindle.index else { return Ok(()) };
-    if !kernel.channel.state.spindle.shared {
-        change(&mut kernel.channel.state.spindle.command);
-        return Ok(());
-    }
-    let now = kernel.shared(|order| {
-        order.shared.spindles.get_mut(index).map(|spindle| {
-            change(&mut spindle.command);
-            spindle.command
-        })
-    })?;
-    kernel.channel.state.spindle.command = now.unwrap_or_default();
-    kernel.follow_radius()
-}
-
-/// Logs the state and takes the run-up time.
-fn announce(kernel: &mut Kernel<'_>, index: usize, before: f64) -> Acted {
-    let Some(spindle) = kernel.channel.env.machine.spindles.get(index) else { return Ok(()) };
-    let (number, max, run_up) = (spindle.number, spindle.max, spindle.run_up);
-    let now = kernel.channel.state.spindle.command;
-    let speed = if now.css { now.surface } else { now.rpm };
-    if !now.css && now.rpm > max {
-        let text = format!(
-            "{} rev/min is above the largest speed {max} of spindle {number} in '{}'",
-            now.rpm,
-            kernel.block_text()
-        );
-        kernel.diagnose(&diag::SPINDLE_LIMIT, text);
-    }
-    let after = kernel.turning_speed()?;
-    let mut seconds = 0.0;
-    if run_up > 0.0 && max > 0.0 {
-        seconds = run_up * (after - before).abs() / max;
-    }
-    if after != before {
-        seconds += kernel.channel.env.machine.time.spindle_speed;
-    }
-    let ns = crate::state::channel::nanoseconds(seconds);
-    let (direction, css, limit, angle) = (now.direction, now.css, now.limit, now.angle);
-    let event = SpindleEvent { spindle: number, direction, css, speed, limit, angle };
-    kernel.emit(ns, Kind::Spindle(event));
-    kernel.advance(ns);
-    Ok(())
-}
-
-impl Kernel<'_> {
-    /// Commanded state of the channel's spindle as of now.
-    pub(super) fn current(&mut self) -> Result<Command, Halt> {
-        if self.channel.state.spindle.shared
-            && let Some(index) = self.channel.state.spindle.index
-        {
-            let (command, now) = self.shared(|order| {
-                order.shared.spindles.get(index).map_or((Command::default(), 0.0), |s| (s.command, s.now))
-            })?;
-            self.channel.state.spindle.command = command;
-            self.channel.state.spindle.now = now;
-        }
-        Ok(self.channel.state.spindle.command)
-    }
-
-    /// How the spindle turns now, `None` when it stands.
-    pub(crate) fn spindle_speed(&mut self) -> Result<Option<Turning>, Halt> {
-        let command = self.current()?;
-        if !matches!(command.direction, Direction::Clockwise | Direction::CounterClockwise) {
-            return Ok(None);
-        }
-        let (max, min) = self
-            .channel
-            .state
-            .spindle
-            .index
-            .and_then(|i| self.channel.env.machine.spindles.get(i))
-            .map_or((f64::INFINITY, 0.0), |s| (if s.max > 0.0 { s.max } else { f64::INFINITY }, s.min));
-        let max = max.min(command.limit);
-        if !command.css {
-            let rpm = command.rpm.min(max);
-            return Ok((rpm > 0.0).then_some(Turning::Fixed(rpm)));
-        }
-        if command.surface <= 0.0 {
-            return Ok(None);
-        }
-        if command.driver != self.channel.at.channel && command.radius <= 0.0 {
-            return Ok((self.channel.state.spindle.now > 0.0).then_some(Turning::Fixed(self.channel.state.spindle.now)));
-        }
-        let factor = match (self.channel.env.machine.unit, self.channel.state.secondary) {
-            (Unit::Mm, false) | (Unit::Inch, true) => 1000.0,
-            (Unit::Mm, true) | (Unit::Inch, false) => 12.0,
-        };
-        let to_machine = match (self.channel.env.machine.unit, self.channel.state.secondary) {
-            (Unit::Mm, true) => 25.4,
-            (Unit::Inch, true) => 1.0 / 25.4,
-            _ => 1.0,
-        };
-        let speed = Speed { surface: command.surface * factor * to_machine, max, min };
-        if command.radius > 0.0 {
-            let rpm = speed.rpm(command.radius);
-            return Ok((rpm > 0.0).then_some(Turning::Fixed(rpm)));
-        }
-        Ok(Some(Turning::Surface(speed)))
-    }
-
-    /// Speed that turns now, 0 when the spindle stands.
-    fn turning_speed(&mut self) -> Result<f64, Halt> {
-        let radius = self.channel.radius(&self.channel.state.place.position);
-        Ok(match self.spindle_speed()? {
-            Some(Turning::Fixed(rpm)) => rpm,
-            Some(Turning::Surface(surface)) => {
-                let rpm = surface.rpm(radius);
-                if rpm.is_finite() { rpm } else { 0.0 }
-            }
-            None => 0.0,
-        })
-    }
-
-    /// Tells other channels the speed that this channel's X drives.
-    pub(super) fn follow_radius(&mut self) -> Acted {
-        let command = self.channel.state.spindle.command;
-        let Some(index) = self.channel.state.spindle.index.filter(|_| self.channel.state.spindle.shared) else {
-            return Ok(());
-        };
-        if !command.css || command.driver != self.channel.at.channel {
-            return Ok(());
-        }
-        let rpm = self.turning_speed()?;
-        if rpm != self.channel.state.spindle.now {
-            self.channel.state.spindle.now = rpm;
-            self.shared(|order| {
-                if let Some(spindle) = order.shared.spindles.get_mut(index) {
-                    spindle.now = rpm;
-                }
-            })?;
-        }
-        Ok(())
-    }
 }

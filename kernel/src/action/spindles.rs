@@ -4,73 +4,84 @@
 //! `Kernel::spindle`; what the channel has commanded of its other spindles is kept here, unless another channel can
 //! command them too.
 
-use crate::channel::Kernel;
+use crate::act::Act;
+use crate::action::entry::Entry;
 use crate::diag;
 use crate::log::event::Kind;
+use crate::machine::ident::codes;
 use crate::machine::ident::data;
 use crate::state::spindle::index_of;
 use counterpoint_fault::Acted;
 
+/// Codes and what they do.
+pub(crate) const ENTRIES: &[Entry] = &[
+    Entry::of(&[codes::SPINDLE_CSS_ID], |act, _, _| driver_by_id(act)),
+    Entry::of(&[codes::SPINDLE_FRONT], |act, _, _| in_work(act, false)),
+    Entry::of(&[codes::SPINDLE_REAR], |act, _, _| in_work(act, true)),
+    Entry::of(&[codes::APPLY_TURN], |act, _, _| apply(act, false)),
+    Entry::of(&[codes::APPLY_MILL], |act, _, _| apply(act, true)),
+];
+
 /// `CODE_SPINDLE_FRONT`, `CODE_SPINDLE_REAR`: their group says which one it is.
-pub(super) fn in_work(kernel: &mut Kernel<'_>, rear: bool) -> Acted {
-    if kernel.channel.acting.mode_changed {
+pub(super) fn in_work(act: &mut Act<'_, '_>, rear: bool) -> Acted {
+    if act.acting.mode_changed {
         let text = if rear { "spindle rear" } else { "spindle front" };
-        kernel.emit(0, Kind::mode(text));
+        act.emit(0, Kind::mode(text));
     }
-    kernel.channel.follow_spindle();
+    act.follow_spindle();
     Ok(())
 }
 
 /// `CODE_APPLY_TURN`, `CODE_APPLY_MILL`.
-pub(super) fn apply(kernel: &mut Kernel<'_>, milling: bool) -> Acted {
-    if kernel.channel.state.others.spindles.milling != milling {
-        kernel.channel.state.others.spindles.milling = milling;
+pub(super) fn apply(act: &mut Act<'_, '_>, milling: bool) -> Acted {
+    if act.state.others.spindles.milling != milling {
+        act.state.others.spindles.milling = milling;
         let text = if milling { "apply mill" } else { "apply turn" };
-        kernel.emit(0, Kind::mode(text));
-        kernel.channel.follow_spindle();
+        act.emit(0, Kind::mode(text));
+        act.follow_spindle();
     }
     Ok(())
 }
 
 /// Lets an action command a spindle of the channel: `number` 0 = by codes without a number.
-pub(super) fn commanded(kernel: &mut Kernel<'_>, number: u16, action: impl FnOnce(&mut Kernel<'_>) -> Acted) -> Acted {
+pub(super) fn commanded(act: &mut Act<'_, '_>, number: u16, action: impl FnOnce(&mut Act<'_, '_>) -> Acted) -> Acted {
     let index = if number == 0 {
-        kernel.channel.plain_spindle()
+        act.plain_spindle()
     } else {
-        let index = index_of(kernel.channel.env.machine, number);
+        let index = index_of(act.env.machine, number);
         if index.is_none() {
-            let text = format!("the machine has no spindle {number} for '{}'", kernel.block_text());
-            kernel.diagnose(&diag::NO_SPINDLE, text);
-            super::spindle::drop_data(kernel);
+            let text = format!("the machine has no spindle {number} for '{}'", act.block_text());
+            act.diagnose(&diag::NO_SPINDLE, text);
+            super::spindle::drop_data(act);
             return Ok(());
         }
         index
     };
-    let before = kernel.channel.state.spindle.index;
-    kernel.channel.select_spindle(index);
-    let done = action(kernel);
-    kernel.channel.select_spindle(before);
+    let before = act.state.spindle.index;
+    act.select_spindle(index);
+    let done = action(act);
+    act.select_spindle(before);
     done
 }
 
 /// The head that `CODE_SPINDLE_CSS_ID` names.
-pub(super) fn driver_by_id(kernel: &mut Kernel<'_>) -> Acted {
-    let Some(id) = kernel.take(data::SPINDLE_CSS_ID).map(|d| d.value) else {
-        let text = format!("no head is named in '{}'", kernel.block_text());
-        kernel.diagnose(&diag::DATA_MISSING, text);
+pub(super) fn driver_by_id(act: &mut Act<'_, '_>) -> Acted {
+    let Some(id) = act.take(data::SPINDLE_CSS_ID).map(|d| d.value) else {
+        let text = format!("no head is named in '{}'", act.block_text());
+        act.diagnose(&diag::DATA_MISSING, text);
         return Ok(());
     };
-    let known = kernel.channel.env.machine.channels.iter().find(|channel| f64::from(channel.number) == id);
+    let known = act.env.machine.channels.iter().find(|channel| f64::from(channel.number) == id);
     match known.map(|channel| channel.number) {
-        Some(channel) => super::spindle::driver(kernel, channel),
-        None => no_head(kernel, id),
+        Some(channel) => super::spindle::driver(act, channel),
+        None => no_head(act, id),
     }
 }
 
 /// There is no such head to drive constant surface speed.
-pub(super) fn no_head(kernel: &mut Kernel<'_>, id: f64) -> Acted {
+pub(super) fn no_head(act: &mut Act<'_, '_>, id: f64) -> Acted {
     let id = counterpoint_lang::format::wildcard_text(id);
-    let text = format!("there is no head {id} to drive constant surface speed in '{}'", kernel.block_text());
-    kernel.diagnose(&diag::NO_HEAD, text);
+    let text = format!("there is no head {id} to drive constant surface speed in '{}'", act.block_text());
+    act.diagnose(&diag::NO_HEAD, text);
     Ok(())
 }

@@ -1,31 +1,40 @@
 //! Stops and ends.
 
-use crate::channel::Kernel;
-use crate::channel::flow::Pending;
+use crate::act::Act;
+use crate::action::entry::Entry;
 use crate::log::event::{Kind, Stop};
+use crate::machine::ident::codes;
 use counterpoint_fault::Acted;
 
+/// Codes and what they do.
+pub(crate) const ENTRIES: &[Entry] = &[
+    Entry::of(&[codes::STOP], |act, _, _| stop(act, Stop::Program)),
+    Entry::of(&[codes::OPSTOP], |act, _, _| stop(act, Stop::Optional)),
+    Entry::of(&[codes::END], |act, _, _| stop(act, Stop::End)),
+    Entry::of(&[codes::REWIND], |act, _, _| stop(act, Stop::Rewind)),
+];
+
 /// Program stop, optional stop, end, rewind.
-pub(super) fn stop(kernel: &mut Kernel<'_>, stop: Stop) -> Acted {
+pub(super) fn stop(act: &mut Act<'_, '_>, stop: Stop) -> Acted {
     match stop {
         Stop::Program => {
-            kernel.emit(0, Kind::Stop(stop));
+            act.emit(0, Kind::Stop(stop));
             Ok(())
         }
         Stop::Optional => {
-            if kernel.channel.env.options.opstop {
-                kernel.emit(0, Kind::Stop(stop));
+            if act.env.options.opstop {
+                act.emit(0, Kind::Stop(stop));
             }
             Ok(())
         }
         // Inside a subprogram an end code returns (reference control-emulator.md 5.4, Fanuc row).
-        Stop::End | Stop::Rewind if kernel.flow.frames.len() > 1 => {
-            kernel.ask(Pending::Return(None));
+        Stop::End | Stop::Rewind if act.call_depth() > 1 => {
+            act.return_from(None);
             Ok(())
         }
         // The block is finished before the program ends (reference control-emulator.md 2.2).
         Stop::End | Stop::Rewind => {
-            kernel.ask(Pending::End(stop));
+            act.end_program(stop);
             Ok(())
         }
     }

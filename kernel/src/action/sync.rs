@@ -3,103 +3,76 @@
 //! Facts: reference channel-synchronisation.md 1.3. An illegal channel list alarms when the block is read; codes
 //! that do not match alarm when two waits meet.
 
-mod start;
-
-use std::sync::Arc;
-
-use crate::channel::Kernel;
-use crate::control::State;
+use crate::act::Act;
+use crate::action::entry::Entry;
 use crate::diag;
-use crate::log::event::{Kind, Primitive, Release, Wait};
+use crate::log::event::{Kind, Primitive};
+use crate::machine::ident::DataId;
+use crate::machine::ident::codes;
 use crate::machine::ident::data;
 use crate::machine::model::{CodeForm, CodeRow, PathsForm, SyncDialect};
-use crate::multi::coordinator::turn::Met;
-use crate::multi::order::Wake;
-use crate::multi::order::arrive::After;
-use crate::multi::tag::Tag;
-use crate::multi::waits::{Finish, Set, Spec, Style, Terminal, Waiting};
-use counterpoint_fault::{Acted, Halt};
+use crate::multi::waits::{Set, Spec, Style};
+use counterpoint_fault::Acted;
 
-/// Which marks a waiting code sets.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Mark {
-    /// Those of its word, for the channels that it names.
-    Word,
-    /// Of the two heads, with a word of its own on the main one.
-    Main,
-    /// With that of the side one.
-    Side,
-    /// Begin of a stretch that both heads cut together.
-    Start,
-    /// Its end.
-    Stop,
-    /// A start by this head.
-    StartBy(u16),
-}
+/// Codes and what they do.
+pub(crate) const ENTRIES: &[Entry] = &[
+    Entry::of(&[codes::SYNC_REG], |act, row, _| meet(act, row)),
+    Entry::of(&[codes::SYNC_REG_MAIN], |act, _, _| meet_head(act, data::SYNC_MAIN, 'S')),
+    Entry::of(&[codes::SYNC_REG_SIDE], |act, _, _| meet_head(act, data::SYNC_SIDE, 'S')),
+    // The begin of a stretch that both heads cut together, and its end.
+    Entry::of(&[codes::SYNC_REG_START], |act, _, _| meet_head(act, data::SYNC_START, 'B')),
+    Entry::of(&[codes::SYNC_REG_STOP], |act, _, _| meet_head(act, data::SYNC_STOP, 'E')),
+    Entry::of(&[codes::SYNC_START_MAIN], |act, _, _| start(act, 1)),
+    Entry::of(&[codes::SYNC_START_SIDE], |act, _, _| start(act, 2)),
+];
 
 /// A waiting code of the main and the side head: both meet at equal numbers, whatever their words.
-fn meet_head(kernel: &mut Kernel<'_>, mark: Mark) -> Acted {
-    let (id, letter) = match mark {
-        Mark::Main => (data::SYNC_MAIN, 'S'),
-        Mark::Side => (data::SYNC_SIDE, 'S'),
-        Mark::Start => (data::SYNC_START, 'B'),
-        Mark::StartBy(by) => return start::start(kernel, by),
-        Mark::Stop | Mark::Word => (data::SYNC_STOP, 'E'),
-    };
-    let number = kernel.take(id).map_or(0.0, |d| d.value) as u32;
-    let heads = heads(kernel);
-    if passes(kernel) || !heads.has(kernel.channel.at.channel) || kernel.channel.env.machine.channels.len() < 2 {
-        return pass(kernel);
+fn meet_head(act: &mut Act<'_, '_>, id: DataId, letter: char) -> Acted {
+    let number = act.take(id).map_or(0.0, |d| d.value) as u32;
+    let heads = heads(act);
+    if passes(act) || !heads.has(act.at.channel) || act.env.machine.channels.len() < 2 {
+        return pass(act);
     }
     let (primitive, named) = (Primitive::Barrier, Set::default());
-    arrive(kernel, Spec { primitive, letter, number, named, parts: heads, style: Style::NoList })
+    act.arrive(Spec { primitive, letter, number, named, parts: heads, style: Style::NoList })
 }
 
 /// The first two channels.
-fn heads(kernel: &Kernel<'_>) -> Set {
-    kernel.channel.env.machine.channels.iter().take(2).map(|channel| channel.number).collect()
+fn heads(act: &Act<'_, '_>) -> Set {
+    act.env.machine.channels.iter().take(2).map(|channel| channel.number).collect()
 }
 
 /// The channel never waits.
-fn passes(kernel: &Kernel<'_>) -> bool {
-    kernel.channel.env.machine.sync.dialect == SyncDialect::None
-        || kernel.channel.env.options.ignore_waits.contains(&kernel.channel.at.channel)
+fn passes(act: &Act<'_, '_>) -> bool {
+    act.env.machine.sync.dialect == SyncDialect::None || act.env.options.ignore_waits.contains(&act.at.channel)
 }
 
-fn pass(kernel: &mut Kernel<'_>) -> Acted {
-    kernel.emit(0, Kind::mode("sync passed without waiting"));
+fn pass(act: &mut Act<'_, '_>) -> Acted {
+    act.emit(0, Kind::mode("sync passed without waiting"));
     Ok(())
 }
 
 /// A waiting code.
-pub(super) fn meet(kernel: &mut Kernel<'_>, row: &CodeRow, mark: Mark) -> Acted {
-    if mark != Mark::Word {
-        return meet_head(kernel, mark);
-    }
-    let number = kernel.take(data::SYNC).map_or(0.0, |d| d.value);
-    let paths = kernel.take(data::SYNC_PATHS).map(|d| d.raw);
-    if passes(kernel) {
-        return pass(kernel);
+fn meet(act: &mut Act<'_, '_>, row: &CodeRow) -> Acted {
+    let number = act.take(data::SYNC).map_or(0.0, |d| d.value);
+    let paths = act.take(data::SYNC_PATHS).map(|d| d.raw);
+    if passes(act) {
+        return pass(act);
     }
     let letter = match row.form {
-        CodeForm::Register { register, .. } | CodeForm::RegisterAsData { register, .. } => kernel
-            .channel
-            .env
-            .machine
-            .registers
-            .get(usize::from(register))
-            .and_then(|r| r.name.chars().next())
-            .unwrap_or('M'),
+        CodeForm::Register { register, .. } | CodeForm::RegisterAsData { register, .. } => {
+            act.env.machine.registers.get(usize::from(register)).and_then(|r| r.name.chars().next()).unwrap_or('M')
+        }
         CodeForm::Text(_) | CodeForm::NotApplicable => 'M',
     };
-    let all: Set = kernel.channel.env.machine.channels.iter().map(|channel| channel.number).collect();
-    let spec = match participants(paths, kernel.channel.env.machine.sync.paths, all) {
+    let all: Set = act.env.machine.channels.iter().map(|channel| channel.number).collect();
+    let spec = match participants(paths, act.env.machine.sync.paths, all) {
         Ok(Some(named)) => Spec {
             primitive: Primitive::Barrier,
             letter,
             number: number as u32,
             named,
-            parts: named.with(kernel.channel.at.channel),
+            parts: named.with(act.at.channel),
             style: Style::Listed,
         },
         Ok(None) => Spec {
@@ -111,11 +84,11 @@ pub(super) fn meet(kernel: &mut Kernel<'_>, row: &CodeRow, mark: Mark) -> Acted 
             style: Style::NoList,
         },
         Err(reason) => {
-            let text = format!("PS0161 illegal P of a waiting code: {reason} in '{}'", kernel.block_text());
-            return Err(kernel.alarm(&diag::WAIT_ILLEGAL, text));
+            let text = format!("PS0161 illegal P of a waiting code: {reason} in '{}'", act.block_text());
+            return Err(act.alarm(&diag::WAIT_ILLEGAL, text));
         }
     };
-    arrive(kernel, spec)
+    act.arrive(spec)
 }
 
 /// Channels of a P word: `None` without P, which only two channels may do.
@@ -158,98 +131,16 @@ fn participants(paths: Option<f64>, form: PathsForm, all: Set) -> Result<Option<
     }
 }
 
-/// Arrives, and waits until the others are there.
-fn arrive(kernel: &mut Kernel<'_>, spec: Spec) -> Acted {
-    let since_ns = kernel.channel.at.clock;
-    let wait = kernel.channel.reports.waits.wait(&spec);
-    kernel.channel.burden.result(crate::state::burden::RESULT);
-    kernel.emit(0, Kind::Wait(wait.clone()));
-    kernel.flow.pass.effects = true;
-    let tag = kernel.tag();
-    let (file, line, info) = (kernel.channel.at.file, kernel.channel.at.line, kernel.channel.env.info);
-    let waiting = Waiting { spec, tag, file, line };
-    let release = |meeting| Release { key: wait.key.clone(), primitive: wait.primitive, since_ns, meeting };
-    kernel.ports.control.disturb(kernel.channel.at.channel);
-    let met = kernel.ports.coordinator.meet(
-        waiting.clone(),
-        kernel,
-        |kernel| {
-            kernel.ports.emitter.flush(tag);
-            kernel.ports.progress.stand(wait.clone());
-        },
-        |kernel, look| kernel.ports.emitter.work(look),
-    );
-    kernel.ports.control.disturb(kernel.channel.at.channel);
-    let after = match met {
-        Met::Woken(wake) => return woken(kernel, wake, release),
-        Met::Turn(mut turn) => {
-            let own = Finish { how: Terminal::Alarmed, file, line };
-            turn.arrive(waiting, own, info)
-        }
-    };
-    match after {
-        After::Go { t, micro, meeting } => {
-            kernel.ports.progress.set_state(State::Running);
-            go_on(kernel, (t, micro), release(meeting));
-            Ok(())
-        }
-        After::Alarm { text, verdict } => {
-            let halt = kernel.fatal(&diag::WAIT_MISMATCH, text);
-            if let Some(verdict) = verdict {
-                kernel.emit_verdict(verdict);
-            }
-            Err(halt)
-        }
-        After::Stand(verdict) => {
-            if let Some(verdict) = verdict {
-                kernel.emit_verdict(verdict);
-            }
-            let wake = stand(kernel, tag, &wait);
-            woken(kernel, wake, release)
-        }
+/// Carries out the start by a head.
+fn start(act: &mut Act<'_, '_>, by: u16) -> Acted {
+    let heads = heads(act);
+    // The code names a head by its place: the first or the second channel.
+    let by = heads.iter().nth(usize::from(by).saturating_sub(1)).unwrap_or(by);
+    let gives = act.at.channel == by && act.env.machine.sync.dialect != SyncDialect::None;
+    if !heads.has(act.at.channel) || act.env.machine.channels.len() < 2 || !gives && passes(act) {
+        return pass(act);
     }
-}
-
-/// Continues after a wait.
-fn woken(kernel: &mut Kernel<'_>, wake: Wake, release: impl FnOnce(u64) -> Release) -> Acted {
-    match wake {
-        Wake::Released { tag, meeting, all } => {
-            kernel.ports.progress.set_state(State::Running);
-            if all {
-                kernel.ports.emitter.all_reached(tag.t);
-            }
-            go_on(kernel, (tag.t, tag.micro), release(meeting));
-            Ok(())
-        }
-        Wake::Alarm { tag, text } => {
-            (kernel.channel.at.clock, kernel.channel.at.micro) = (tag.t, tag.micro);
-            Err(kernel.fatal(&diag::WAIT_MISMATCH, text))
-        }
-        Wake::Over if kernel.ports.control.cancelled() => Err(Halt::Stopped),
-        Wake::Over => Err(Halt::Blocked),
-        Wake::Stopped | Wake::Turn => Err(Halt::Stopped),
-    }
-}
-
-/// Waits until another channel ends the wait that this one is blocked at.
-fn stand(kernel: &mut Kernel<'_>, tag: Tag, wait: &Arc<Wait>) -> Wake {
-    let (coordinator, rank) = (kernel.ports.coordinator, kernel.channel.at.channel);
-    let wake = coordinator.wait(rank, kernel, |kernel| {
-        kernel.ports.emitter.flush(tag);
-        kernel.ports.progress.stand(wait.clone());
-    });
-    kernel.ports.control.disturb(kernel.channel.at.channel);
-    wake
-}
-
-/// Continues after a meeting.
-fn go_on(kernel: &mut Kernel<'_>, (t, micro): (i64, u32), release: Release) {
-    if t > kernel.channel.at.clock {
-        kernel.channel.at.idle_blocks = 0;
-        kernel.macros.variables.store.idle += t - kernel.channel.at.clock;
-    }
-    (kernel.channel.at.clock, kernel.channel.at.micro) = (t, micro);
-    kernel.emit(0, Kind::Release(release));
+    act.start_by_head(by, heads)
 }
 
 #[cfg(test)]

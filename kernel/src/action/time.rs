@@ -6,12 +6,11 @@
 use counterpoint_motion::arc::Arc;
 use counterpoint_motion::profile::stop_to_stop;
 
-use crate::channel::Kernel;
+use crate::act::Act;
 use crate::diag;
-use crate::log::event::{FeedUnit, Function, Kind, Position};
+use crate::log::event::{FeedUnit, Position};
 use crate::machine::ident::codes;
-use crate::machine::model::{CodeForm, CodeRow, RapidPath};
-use crate::state::block::Firing;
+use crate::machine::model::RapidPath;
 use crate::state::modal::group;
 use counterpoint_fault::Acted;
 
@@ -33,19 +32,19 @@ pub(super) struct Path<'a> {
     pub(super) arc: Option<(&'a Arc, Option<usize>)>,
 }
 
-impl Kernel<'_> {
+impl Act<'_, '_> {
     /// Seconds of a rapid move.
     pub(super) fn rapid_seconds(&self, from: &Position, to: &Position) -> f64 {
-        let changes = if self.channel.state.place.frames.is_none() || self.channel.tip().is_none() {
-            self.channel.changes(from, to)
+        let changes = if self.state.place.frames.is_none() || self.tip().is_none() {
+            self.changes(from, to)
         } else {
-            self.channel.changes(&self.channel.machine_point(from), &self.channel.machine_point(to))
+            self.changes(&self.machine_point(from), &self.machine_point(to))
         };
-        match self.channel.env.machine.time.rapid {
+        match self.env.machine.time.rapid {
             RapidPath::SlowestAxis => self
-                .channel
                 .state
                 .place
+                .layout
                 .axes
                 .iter()
                 .zip(&changes)
@@ -54,7 +53,7 @@ impl Kernel<'_> {
             RapidPath::Linear => {
                 let length = changes.iter().map(|c| c * c).sum::<f64>().sqrt();
                 let (mut speed, mut acceleration) = (f64::INFINITY, f64::INFINITY);
-                for (axis, change) in self.channel.state.place.axes.iter().zip(&changes) {
+                for (axis, change) in self.state.place.layout.axes.iter().zip(&changes) {
                     if *change != 0.0 {
                         let share = length / change.abs();
                         speed = speed.min(axis.rapid * share);
@@ -69,9 +68,9 @@ impl Kernel<'_> {
     /// Seconds of a feed move without a usable feed: at the smallest one of the control, else those of a rapid move.
     #[cold]
     fn without_feed(&mut self, path: &Path<'_>, facts: &diag::Facts, what: &str) -> f64 {
-        let least = self.channel.env.machine.habits.least_feed;
+        let least = self.env.machine.habits.least_feed;
         let how = match least {
-            _ if !self.channel.goes_on_at(facts) => "nothing of the block is done".to_owned(),
+            _ if !self.goes_on_at(facts) => "nothing of the block is done".to_owned(),
             Some(feed) => format!("the smallest feed {} is used", counterpoint_lang::format::wildcard_text(feed)),
             None => "the move is timed as rapid".to_owned(),
         };
@@ -92,12 +91,12 @@ impl Kernel<'_> {
     #[cold]
     fn no_feed(&mut self, feed: Option<f64>) -> Acted {
         let (facts, what) = lack(feed);
-        if self.channel.goes_on_at(facts) {
+        if self.goes_on_at(facts) {
             return Ok(());
         }
         let text = format!("{what} '{}', nothing of the block is done", self.block_text());
         self.diagnose(facts, text);
-        self.channel.check_stop()
+        self.check_stop()
     }
 
     /// Seconds of a feed move; falls back to the rapid time (with a diagnostic) when there is no usable feed.
@@ -124,14 +123,14 @@ impl Kernel<'_> {
 
     /// Seconds at a steady speed, with speed changes at both ends under exact stop.
     fn paced(&self, path: &Path<'_>, speed: f64) -> f64 {
-        let exact = self.channel.block.exact_stop
-            || self.channel.state.modal.code(group::EXACT_STOP) == Some(codes::EXACTSTOP_ON);
+        let exact =
+            self.block.flags.exact_stop || self.state.modal.code(group::EXACT_STOP) == Some(codes::EXACTSTOP_ON);
         if !exact {
             return path.length / speed;
         }
-        let changes = self.channel.changes(path.from, path.to);
+        let changes = self.changes(path.from, path.to);
         let mut acceleration = f64::INFINITY;
-        for (axis, change) in self.channel.state.place.axes.iter().zip(&changes) {
+        for (axis, change) in self.state.place.layout.axes.iter().zip(&changes) {
             if *change != 0.0
                 && let Some(a) = axis.acceleration
             {
@@ -151,37 +150,16 @@ impl Kernel<'_> {
             self.diagnose(&diag::SPINDLE_STANDS, text);
             return Ok(None);
         };
-        use super::spindle::Turning;
+        use crate::state::spindle::Turning;
         Ok(Some(match speed {
             Turning::Fixed(rpm) => path.length / (feed * rpm),
             Turning::Surface(surface) => match path.arc {
                 Some((arc, Some(radial))) => surface.arc_minutes(arc, radial, feed) * path.length / arc.length(),
                 _ => {
-                    let [start, end] = [path.from, path.to].map(|p| self.channel.radius(p));
+                    let [start, end] = [path.from, path.to].map(|p| self.radius(p));
                     surface.line_minutes(start, end, path.length, feed)
                 }
             },
         }))
-    }
-
-    /// Time of a code from the machine's table.
-    pub(crate) fn take_time(&mut self, row: &CodeRow, firing: Firing) {
-        let ns = crate::state::channel::nanoseconds(row.seconds);
-        let (letter, value) = self.written(row, firing);
-        self.emit(ns, Kind::Function(Function { letter, value }));
-        self.advance(ns);
-    }
-
-    /// Letter and value of a code as written.
-    pub(super) fn written(&self, row: &CodeRow, firing: Firing) -> (char, f64) {
-        let register = match row.form {
-            CodeForm::Register { register, .. } | CodeForm::RegisterAsData { register, .. } => Some(register),
-            CodeForm::Text(_) | CodeForm::NotApplicable => None,
-        };
-        let letter = register
-            .and_then(|r| self.channel.env.machine.registers.get(usize::from(r)))
-            .and_then(|r| r.name.chars().next())
-            .unwrap_or('?');
-        (letter, firing.value)
     }
 }

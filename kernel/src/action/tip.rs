@@ -3,13 +3,23 @@
 //! Facts: reference control-emulator.md 6.8, system-variables.md 12. Decisions: docs/emulation.md, "Tool tip control".
 
 use super::frame;
-use crate::channel::Kernel;
+use crate::act::Act;
+use crate::action::entry::{Entry, entry_of_kind};
 use crate::diag;
 use crate::log::event::{Kind, Position};
-use crate::machine::ident::{CodeId, DataId, codes, data};
+use crate::machine::ident::kind::CodeKind;
+use crate::machine::ident::{DataId, codes, data};
 use counterpoint_fault::Acted;
 use counterpoint_motion::frame::affine::{Affine, Point};
 use counterpoint_motion::frame::kinematics::Angles;
+
+/// Codes and what they do.
+pub(crate) const ENTRIES: &[Entry] = &[
+    Entry::of(&[codes::RTCP_ON], |act, _, _| on(act, 1)),
+    Entry::of(&[codes::RTCP2_ON], |act, _, _| on(act, 2)),
+    Entry::of(&[codes::RTCP_OFF], |act, _, _| off(act)),
+    entry_of_kind!(CodeKind::TipFormat(format) => |act, _row, _code| orient(act, format)),
+];
 
 /// Words of the forms that say a direction, by `$TCPFMT`.
 const WORDS: [[DataId; 3]; 5] = [
@@ -23,59 +33,43 @@ const WORDS: [[DataId; 3]; 5] = [
 /// Names of the forms, by `$TCPFMT` from 1.
 const NAMES: [&str; 6] = ["axes", "vector", "2pt", "rpy", "euler", "custom"];
 
-/// Form of an orientation code, as `$TCPFMT` counts them.
-pub(super) fn format_of(id: CodeId) -> Option<u8> {
-    Some(match id {
-        codes::RTCP_ORIENT_AXES => 1,
-        codes::RTCP_ORIENT_VECTOR => 2,
-        codes::RTCP_ORIENT_2PT => 3,
-        codes::RTCP_ORIENT_RPY => 4,
-        codes::RTCP_ORIENT_EULER => 5,
-        codes::RTCP_ORIENT_CUSTOM => 6,
-        _ => return None,
-    })
-}
-
 /// Switches it on, with the length offset of the block if there is one.
-pub(super) fn on(kernel: &mut Kernel<'_>, method: u8) -> Acted {
-    let number = kernel.take(data::COMP_LENGTH).map(|d| d.value).filter(|n| (0.0..=999_999.0).contains(n));
+pub(super) fn on(act: &mut Act<'_, '_>, method: u8) -> Acted {
+    let number = act.take(data::COMP_LENGTH).map(|d| d.value).filter(|n| (0.0..=999_999.0).contains(n));
     if let Some(number) = number {
-        frame::length_on(kernel, number as u32);
+        frame::length_on(act, number as u32);
     }
-    let was = kernel.channel.end_tip();
-    if !kernel.channel.start_tip(number.is_some()) {
-        let text = format!(
-            "the axes of channel {} cannot follow the tool tip in '{}'",
-            kernel.channel.at.channel,
-            kernel.block_text()
-        );
-        kernel.diagnose(&diag::NO_TIP_AXES, text);
+    let was = act.end_tip();
+    if !act.start_tip(number.is_some()) {
+        let text =
+            format!("the axes of channel {} cannot follow the tool tip in '{}'", act.at.channel, act.block_text());
+        act.diagnose(&diag::NO_TIP_AXES, text);
         return Ok(());
     }
-    let changed = kernel.channel.state.others.tip.method != method || !was;
-    kernel.channel.state.others.tip.method = method;
-    kernel.channel.state.others.tip.format = kernel.channel.state.others.tip.format.max(1);
+    let changed = act.state.others.tip.method != method || !was;
+    act.state.others.tip.method = method;
+    act.state.others.tip.format = act.state.others.tip.format.max(1);
     if changed {
         let text = if method == 2 { "rtcp on method=2" } else { "rtcp on" };
-        kernel.emit(0, Kind::mode(text));
+        act.emit(0, Kind::mode(text));
     }
     Ok(())
 }
 
 /// Switches it off.
-pub(super) fn off(kernel: &mut Kernel<'_>) -> Acted {
-    if kernel.channel.end_tip() {
-        kernel.emit(0, Kind::mode("rtcp off"));
+pub(super) fn off(act: &mut Act<'_, '_>) -> Acted {
+    if act.end_tip() {
+        act.emit(0, Kind::mode("rtcp off"));
     }
     Ok(())
 }
 
 /// How the orientation is written from here on.
-pub(super) fn orient(kernel: &mut Kernel<'_>, format: u8) -> Acted {
-    kernel.channel.state.others.tip.format = format;
-    if kernel.channel.acting.mode_changed {
+pub(super) fn orient(act: &mut Act<'_, '_>, format: u8) -> Acted {
+    act.state.others.tip.format = format;
+    if act.acting.mode_changed {
         let name = NAMES.get(usize::from(format).wrapping_sub(1)).copied().unwrap_or("axes");
-        kernel.emit(0, Kind::mode(format!("rtcp orient {name}")));
+        act.emit(0, Kind::mode(format!("rtcp orient {name}")));
     }
     Ok(())
 }
@@ -106,27 +100,27 @@ fn direction(format: u8, [a, b, c]: Point, tip: Point) -> Option<Point> {
     }
 }
 
-impl Kernel<'_> {
+impl Act<'_, '_> {
     /// Takes the words of the orientation and turns the rotary axes of a move; `coded` and the target in the work frame.
     #[cold]
     pub(super) fn orient_words(&mut self, coded: u8, mut target: Position) -> (u8, Position) {
-        let format = self.channel.state.others.tip.format;
+        let format = self.state.others.tip.format;
         let words = usize::from(format).checked_sub(2).and_then(|at| WORDS.get(at)).copied();
-        let (Some(words), Some(_)) = (words, self.channel.tip()) else { return (coded, target) };
+        let (Some(words), Some(_)) = (words, self.tip()) else { return (coded, target) };
         let given = words.map(|id| self.take(id).map(|datum| datum.value));
         if given.iter().all(Option::is_none) {
             return (coded, target);
         }
-        let mut values = self.channel.state.others.tip.words.get(usize::from(format)).copied().unwrap_or_default();
+        let mut values = self.state.others.tip.words.get(usize::from(format)).copied().unwrap_or_default();
         for (slot, given) in values.iter_mut().zip(given) {
             *slot = given.unwrap_or(*slot);
         }
-        if let Some(slot) = self.channel.state.others.tip.words.get_mut(usize::from(format)) {
+        if let Some(slot) = self.state.others.tip.words.get_mut(usize::from(format)) {
             *slot = values;
         }
-        let tip = self.channel.state.place.geometry(&self.channel.program_point(&target));
+        let tip = self.state.place.geometry(&self.program_point(&target));
         let wanted = direction(format, values, tip);
-        let wanted = wanted.map(|wanted| match self.channel.state.place.frames.as_deref() {
+        let wanted = wanted.map(|wanted| match self.state.place.frames.as_deref() {
             Some(frames) => frames.local.map().direction(wanted),
             None => wanted,
         });
@@ -150,10 +144,10 @@ impl Kernel<'_> {
 
     /// The solution with the least turning that stays within the limits, near where the axes stand.
     pub(crate) fn shortest(&self, direction: Point) -> Option<Angles> {
-        let all: Vec<Angles> = self.channel.chain().solve(direction).iter().map(|one| self.channel.near(one)).collect();
-        let inside: Vec<&Angles> = all.iter().filter(|one| self.channel.within(one)).collect();
+        let all: Vec<Angles> = self.chain().solve(direction).iter().map(|one| self.near(one)).collect();
+        let inside: Vec<&Angles> = all.iter().filter(|one| self.within(one)).collect();
         let pick = if inside.is_empty() { all.iter().collect() } else { inside };
-        pick.into_iter().min_by(|a, b| self.channel.turned(a).total_cmp(&self.channel.turned(b))).cloned()
+        pick.into_iter().min_by(|a, b| self.turned(a).total_cmp(&self.turned(b))).cloned()
     }
 }
 

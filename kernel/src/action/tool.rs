@@ -2,89 +2,93 @@
 //!
 //! Facts: reference control-emulator.md 6.3; time of a turret by its steps, channel-synchronisation.md 3.
 
-use crate::channel::Kernel;
+use crate::act::Act;
+use crate::action::entry::Entry;
 use crate::diag::{self, Facts};
 use crate::log::event::ToolAction;
 use crate::machine::ident::{codes, data};
 use crate::state::modal::group;
 use counterpoint_fault::Acted;
 
+/// Codes and what they do.
+pub(crate) const ENTRIES: &[Entry] =
+    &[Entry::of(&[codes::TOOL_SELECT], |act, _, _| select(act)), Entry::of(&[codes::TOOL_LOAD], |act, _, _| load(act))];
+
 /// Preselects a tool.
-pub(super) fn select(kernel: &mut Kernel<'_>) -> Acted {
-    let Some(word) = tool_word(kernel) else { return Ok(()) };
-    let (tool, offset) = split(kernel, word);
-    kernel.channel.state.place.chosen = true;
-    kernel.tool_event(ToolAction::Select, tool, offset, 0)
+pub(super) fn select(act: &mut Act<'_, '_>) -> Acted {
+    let Some(word) = tool_word(act) else { return Ok(()) };
+    let (tool, offset) = split(act, word);
+    act.state.place.tools.chosen = true;
+    act.tool_event(ToolAction::Select, tool, offset, 0)
 }
 
 /// Loads a tool, or changes only its offset when it is the one in use.
-pub(super) fn load(kernel: &mut Kernel<'_>) -> Acted {
-    let (tool, offset) = match tool_word(kernel) {
-        Some(word) => split(kernel, word),
-        None if kernel.channel.state.place.chosen || kernel.channel.state.place.selected > 0 => {
-            (kernel.channel.state.place.selected, kernel.channel.state.place.tool_offset)
+pub(super) fn load(act: &mut Act<'_, '_>) -> Acted {
+    let (tool, offset) = match tool_word(act) {
+        Some(word) => split(act, word),
+        None if act.state.place.tools.chosen || act.state.place.tools.selected > 0 => {
+            (act.state.place.tools.selected, act.state.place.in_force.tool_offset)
         }
         None => {
-            let text = format!("no tool is selected for '{}'", kernel.block_text());
-            kernel.diagnose(&diag::DATA_MISSING, text);
+            let text = format!("no tool is selected for '{}'", act.block_text());
+            act.diagnose(&diag::DATA_MISSING, text);
             return Ok(());
         }
     };
-    let changes = tool != 0 && tool != kernel.channel.state.place.tool;
-    let seconds = if changes { change_seconds(kernel, tool) } else { 0.0 };
+    let changes = tool != 0 && tool != act.state.place.tools.current;
+    let seconds = if changes { change_seconds(act, tool) } else { 0.0 };
     let action = if changes { ToolAction::Load } else { ToolAction::Offset };
     let ns = crate::state::channel::nanoseconds(seconds);
-    kernel.flow.pass.effects = true;
-    if changes && kernel.channel.env.machine.tool.change_motion {
-        super::change_point::before_load(kernel)?;
+    act.note_effect();
+    if changes && act.env.machine.tool.change_motion {
+        super::change_point::before_load(act)?;
     }
-    kernel.tool_event(action, tool, offset, ns)?;
-    if kernel.channel.env.machine.tool.offset_digits > 0 {
-        missing_offset(kernel, offset);
-        let other = kernel.channel.state.place.tool_offset != offset;
-        kernel.channel.state.place.tool_offset = offset;
-        kernel.reframe();
+    act.tool_event(action, tool, offset, ns)?;
+    if act.env.machine.tool.offset_digits > 0 {
+        missing_offset(act, offset);
+        let other = act.state.place.in_force.tool_offset != offset;
+        act.state.place.in_force.tool_offset = offset;
+        act.reframe();
         // Compensation goes on with the nose of the new offset.
         if other
-            && let Some(code @ (codes::COMP_DIAM_LEFT | codes::COMP_DIAM_RIGHT)) =
-                kernel.channel.state.modal.code(group::DIAMETER)
+            && let Some(code @ (codes::COMP_DIAM_LEFT | codes::COMP_DIAM_RIGHT)) = act.state.modal.code(group::DIAMETER)
         {
-            super::cutter::switched(kernel, code)?;
+            super::cutter::switched(act, code)?;
         }
     }
-    kernel.report_tool();
+    act.report_tool();
     Ok(())
 }
 
 /// Tells of a tool offset that has no values; on a machine without any tool offsets once, as a remark.
-fn missing_offset(kernel: &mut Kernel<'_>, offset: u32) {
-    let machine = kernel.channel.env.machine;
+fn missing_offset(act: &mut Act<'_, '_>, offset: u32) {
+    let machine = act.env.machine;
     let offsets = &machine.tool.offsets;
-    let set = kernel.channel.state.place.offsets.as_deref().is_some_and(|own| own.has_tool(offset));
+    let set = act.state.place.offsets.as_deref().is_some_and(|own| own.has_tool(offset));
     if offset == 0 || set || offsets.iter().any(|known| known.number == offset) {
         return;
     }
     if !offsets.is_empty() {
         let text = format!("tool offset {offset} has no values in machine {}, zero is used", machine.name);
-        kernel.diagnose(&diag::NO_OFFSET, text);
-    } else if !std::mem::replace(&mut kernel.channel.state.place.told_offsets, true) {
+        act.diagnose(&diag::NO_OFFSET, text);
+    } else if !std::mem::replace(&mut act.state.place.tools.offsets_reported, true) {
         let text = format!(
             "machine {} has no tool offsets: offset {offset} of '{}' and all others are zero",
             machine.name,
-            kernel.block_text()
+            act.block_text()
         );
-        kernel.diagnose(&Facts { severity: 0, ..diag::NO_OFFSET }, text);
+        act.diagnose(&Facts { severity: 0, ..diag::NO_OFFSET }, text);
     }
 }
 
-fn tool_word(kernel: &mut Kernel<'_>) -> Option<f64> {
-    kernel.take(data::TOOL).map(|d| d.value).filter(|v| (0.0..=99_999_999.0).contains(v))
+fn tool_word(act: &mut Act<'_, '_>) -> Option<f64> {
+    act.take(data::TOOL).map(|d| d.value).filter(|v| (0.0..=99_999_999.0).contains(v))
 }
 
 /// Tool and offset number of a tool word.
-fn split(kernel: &Kernel<'_>, word: f64) -> (u32, u32) {
+fn split(act: &Act<'_, '_>, word: f64) -> (u32, u32) {
     let word = word as u32;
-    let digits = u32::from(kernel.channel.env.machine.tool.offset_digits);
+    let digits = u32::from(act.env.machine.tool.offset_digits);
     match 10_u32.checked_pow(digits) {
         Some(power) if digits > 0 => (word / power, word % power),
         _ => (word, 0),
@@ -92,11 +96,11 @@ fn split(kernel: &Kernel<'_>, word: f64) -> (u32, u32) {
 }
 
 /// Constant part, plus the steps of the turret the shorter way round.
-fn change_seconds(kernel: &Kernel<'_>, tool: u32) -> f64 {
-    let time = &kernel.channel.env.machine.time;
+fn change_seconds(act: &Act<'_, '_>, tool: u32) -> f64 {
+    let time = &act.env.machine.time;
     let stations = time.stations;
     let steps = if stations > 0 {
-        let from = kernel.channel.state.place.tool.saturating_sub(1) % stations;
+        let from = act.state.place.tools.current.saturating_sub(1) % stations;
         let to = tool.saturating_sub(1) % stations;
         let ahead = (to + stations - from) % stations;
         ahead.min(stations - ahead)

@@ -7,7 +7,7 @@
 use counterpoint_motion::arc as geometry;
 
 use super::arc::Circle;
-use crate::channel::Kernel;
+use crate::act::Act;
 use crate::diag;
 use crate::log::event::{FeedUnit, Position};
 use crate::log::info::Unit;
@@ -32,18 +32,18 @@ struct Sides {
 }
 
 /// Makes a circle whose points are those of the program.
-pub(super) fn circle(kernel: &mut Kernel<'_>, plane: Plane, circle: &Circle) -> Acted {
-    let map = kernel.channel.state.place.frames.as_deref().map_or(Affine::SAME, |frames| *frames.local.map());
+pub(super) fn circle(act: &mut Act<'_, '_>, plane: Plane, circle: &Circle) -> Acted {
+    let map = act.state.place.frames.as_deref().map_or(Affine::SAME, |frames| *frames.local.map());
     let Some(sides) = sides(&map, plane) else {
-        let done = kernel.channel.becomes(&diag::ARC_SCALED, STRAIGHT);
-        let text = format!("unequal scales make no circle of '{}', {done}", kernel.block_text());
-        kernel.diagnose(&diag::ARC_SCALED, text);
-        return kernel.feed_to_point(circle.coded, circle.to, circle.feed, circle.unit);
+        let done = act.becomes(&diag::ARC_SCALED, STRAIGHT);
+        let text = format!("unequal scales make no circle of '{}', {done}", act.block_text());
+        act.diagnose(&diag::ARC_SCALED, text);
+        return act.feed_to_point(circle.coded, circle.to, circle.feed, circle.unit);
     };
-    let work = kernel.channel.contour();
+    let work = act.contour();
     match roles(&sides) {
-        Some(roles) => flat(kernel, &map, (plane, roles), (circle, sides.scale), work),
-        None => leaning(kernel, plane, circle, sides.scale),
+        Some(roles) => flat(act, &map, (plane, roles), (circle, sides.scale), work),
+        None => leaning(act, plane, circle, sides.scale),
     }
 }
 
@@ -96,16 +96,16 @@ fn roles(sides: &Sides) -> Option<[usize; 2]> {
 
 /// A circle that lies in the plane of two axes.
 fn flat(
-    kernel: &mut Kernel<'_>,
+    act: &mut Act<'_, '_>,
     map: &Affine,
     (plane, roles): (Plane, [usize; 2]),
     (circle, scale): (&Circle, f64),
     from: Position,
 ) -> Acted {
-    let axes = roles.map(|role| kernel.channel.state.place.cartesian.get(role).copied().flatten().map(usize::from));
+    let axes = roles.map(|role| act.state.place.layout.cartesian.get(role).copied().flatten().map(usize::from));
     let [Some(first), Some(second)] = axes else { return Ok(()) };
-    let to = kernel.channel.work_point(&circle.to);
-    let mut middle = kernel.channel.state.place.geometry(&circle.from);
+    let to = act.work_point(&circle.to);
+    let mut middle = act.state.place.geometry(&circle.from);
     for (role, value) in [plane.first, plane.second].into_iter().zip(circle.made.center) {
         if let Some(slot) = middle.get_mut(role) {
             *slot = value;
@@ -113,7 +113,7 @@ fn flat(
     }
     let pick = |point: Point| roles.map(|role| point.get(role).copied().unwrap_or(0.0));
     let center = pick(map.point(middle));
-    let start = pick(kernel.channel.state.place.geometry(&from));
+    let start = pick(act.state.place.geometry(&from));
     // The other way round where the frame mirrors the plane.
     let unit = |role: usize| {
         let mut direction = [0.0; 3];
@@ -130,12 +130,12 @@ fn flat(
         start_angle: libm::atan2(start[1] - center[1], start[0] - center[0]),
         sweep,
     };
-    kernel.circle_to(&Circle { made, from, to, axes: [first, second], ..*circle })
+    act.circle_to(&Circle { made, from, to, axes: [first, second], ..*circle })
 }
 
 /// A circle between the axes, in straight pieces that stay near to it.
-fn leaning(kernel: &mut Kernel<'_>, plane: Plane, circle: &Circle, scale: f64) -> Acted {
-    let near = match kernel.channel.env.machine.unit {
+fn leaning(act: &mut Act<'_, '_>, plane: Plane, circle: &Circle, scale: f64) -> Acted {
+    let near = match act.env.machine.unit {
         Unit::Mm => 0.001,
         Unit::Inch => 0.001 / 25.4,
     };
@@ -155,10 +155,10 @@ fn leaning(kernel: &mut Kernel<'_>, plane: Plane, circle: &Circle, scale: f64) -
         let at = [made.center[0] + made.radius * libm::cos(angle), made.center[1] + made.radius * libm::sin(angle)];
         for ((axis, value), role) in circle.axes.into_iter().zip(at).zip([plane.first, plane.second]) {
             if let Some(slot) = target.get_mut(axis) {
-                *slot = value / kernel.channel.state.place.scale_of(role);
+                *slot = value / act.state.place.scale_of(role);
             }
         }
-        kernel.feed_to_point(circle.coded, target, feed, circle.unit)?;
+        act.feed_to_point(circle.coded, target, feed, circle.unit)?;
     }
-    kernel.feed_to_point(circle.coded, circle.to, feed, circle.unit)
+    act.feed_to_point(circle.coded, circle.to, feed, circle.unit)
 }

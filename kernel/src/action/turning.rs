@@ -4,20 +4,19 @@
 //! side; zero has the positive sign; a word of the angle at which the axis stands does not turn it. Positions go on
 //! beyond 360 degrees, codes that unwind bring them back.
 
-use crate::channel::Kernel;
+use crate::act::Act;
 use crate::machine::model::Turn;
 
-impl Kernel<'_> {
+impl Act<'_, '_> {
     /// Where an absolute word turns an axis from a position; `away` is what its frame lies away from that of the
     /// position.
     #[cold]
     #[inline(never)]
     pub(super) fn turned_to(&self, axis: usize, from: f64, word: f64, away: f64) -> f64 {
-        let of =
-            self.channel.state.place.axes.get(axis).and_then(|axis| self.channel.env.machine.axes.get(axis.machine));
+        let of = self.state.place.layout.axes.get(axis).and_then(|axis| self.env.machine.axes.get(axis.machine));
         let turn = of.map_or(Turn::Position, |axis| axis.turn);
         // Polar interpolation takes the word as a length.
-        if turn == Turn::Position || self.channel.polar().is_some() {
+        if turn == Turn::Position || self.polar().is_some() {
             return word - away;
         }
         let angle = if turn == Turn::Sign { word.abs() } else { word };

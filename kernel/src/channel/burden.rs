@@ -2,7 +2,7 @@
 
 use super::Kernel;
 use crate::log::event::VerdictKind;
-use crate::state::burden::{BAR, EVENT, LOOK_EVERY, PATH, PER_BLOCK};
+use crate::state::burden::{BAR, BLOCK, EVENT, LOOK_EVERY, PATH, PER_BLOCK};
 use counterpoint_fault::{Acted, Halt};
 
 impl Kernel<'_> {
@@ -53,5 +53,17 @@ impl Kernel<'_> {
     /// Ends the job: its memory is used up.
     pub(crate) fn out_of_memory(&mut self, what: &str) -> Halt {
         self.limit(&format!("the memory of the job is used up: {what}"), VerdictKind::Limit)
+    }
+
+    /// Between two holes of a block: others see how far this kernel is, and the limits of the job count: a hole is
+    /// as much work as a block.
+    pub(crate) fn count_as_block(&mut self) -> Acted {
+        if !self.ports.coordinator.publish(self.channel.at.channel, self.channel.at.clock)
+            || self.ports.control.cancelled()
+        {
+            return Err(Halt::Stopped);
+        }
+        self.work(BLOCK)?;
+        self.check_limits()
     }
 }

@@ -5,19 +5,7 @@
 use super::Kernel;
 use crate::diag;
 use crate::machine::ident::DataId;
-
-/// A value taken off the block.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Datum {
-    /// Value after factor and change of units.
-    pub(crate) value: f64,
-    /// Written with the incremental name.
-    pub(crate) incremental: bool,
-    /// Absolute even where the mode says incremental: a macro has said so.
-    pub(crate) absolute: bool,
-    /// Written without any fraction or as such: value before the factor.
-    pub(crate) raw: f64,
-}
+use crate::state::block::Datum;
 
 /// Stands for a remembered value among the registers of an identifier; no register has this bit, and every block does.
 pub(crate) const RECALLED: u128 = 1 << 127;
@@ -58,7 +46,7 @@ impl Kernel<'_> {
                 self.out_of_range(source.row, raw);
             }
             let mut value = (raw * source.mul + source.add) * self.channel.unit_factor(source.dimension);
-            if source.across {
+            if source.diameter_x {
                 value *= self.channel.across_factor();
             }
             if source.modal && !incremental {
@@ -110,8 +98,8 @@ impl Kernel<'_> {
 
     /// The same for the positions of an axis that have words of their own.
     pub(crate) fn factor_across(&self, axis: usize) -> f64 {
-        let is_x = self.channel.state.place.cartesian.first().copied().flatten().map(usize::from) == Some(axis);
-        if is_x && !self.plan.data.across.is_empty() { self.channel.across_factor() } else { 1.0 }
+        let is_x = self.channel.state.place.layout.cartesian.first().copied().flatten().map(usize::from) == Some(axis);
+        if is_x && !self.plan.data.diameter_x.is_empty() { self.channel.across_factor() } else { 1.0 }
     }
 
     pub(crate) fn out_of_range(&mut self, row: u16, value: f64) {

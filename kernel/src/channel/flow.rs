@@ -66,6 +66,15 @@ pub(crate) enum Pending {
     End(Stop),
 }
 
+/// Printing statements of the program.
+#[derive(Debug, Default)]
+pub(crate) struct Printing {
+    /// Between POPEN and PCLOS.
+    pub(crate) open: bool,
+    /// Output outside of them has been reported.
+    pub(crate) closed_reported: bool,
+}
+
 /// Program flow of a channel.
 #[derive(Debug, Default)]
 pub(crate) struct Flow {
@@ -80,10 +89,8 @@ pub(crate) struct Flow {
     pub(crate) pass: Passes,
     /// The program has jumped back or called, so a line may run again.
     pub(crate) repeats: bool,
-    /// Between POPEN and PCLOS.
-    pub(crate) prints: bool,
-    /// Output outside of them has been reported.
-    pub(crate) closed_reported: bool,
+    /// Printing statements.
+    pub(crate) printing: Printing,
     /// Loops that the programs are in.
     pub(crate) loops: dialect::Loops,
     /// Byte at which the block being processed begins in its line.

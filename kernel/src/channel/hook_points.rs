@@ -6,12 +6,12 @@
 use counterpoint_fault::{Acted, Halt};
 
 use super::Kernel;
-use super::data::Datum;
 use super::flow::Called;
 use crate::log::event::{FileId, Motion};
 use crate::machine::ident::{CodeId, DataId};
 use crate::mcd::program::Range;
-use crate::state::block::Firing;
+use crate::state::block::Datum;
+use crate::state::block::PendingCode;
 
 /// Where the codes and data of a block come from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -78,7 +78,7 @@ pub(crate) struct CodeHooks {
     /// Codes that data fire.
     pub(crate) implied: fn(&mut Kernel<'_>),
     /// Lets a code act: its macro, else its action.
-    pub(crate) act: fn(&mut Kernel<'_>, Firing, CodeId) -> Acted,
+    pub(crate) act: fn(&mut Kernel<'_>, PendingCode, CodeId) -> Acted,
     /// A code has acted.
     pub(crate) acted: fn(&mut Kernel<'_>) -> Acted,
     /// Takes data off the block.

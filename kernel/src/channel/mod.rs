@@ -4,17 +4,24 @@
 //! channels can see or change goes through a shared operation at the kernel's tag; in the steady state a block
 //! allocates nothing.
 
+pub(crate) mod actions;
 mod burden;
+mod calls;
 pub(crate) mod carried;
+mod code_time;
 pub(crate) mod custom_macro;
+mod cycle_codes;
+mod cycle_event;
 pub(crate) mod data;
 mod diagnostics;
 pub(crate) mod emit;
 pub(crate) mod flow;
+mod frame;
 pub(crate) mod hook_points;
 mod host;
 mod letter_zero;
 pub(crate) mod life;
+mod motion;
 pub(crate) mod parts;
 mod passes;
 pub(crate) mod plan;
@@ -22,9 +29,12 @@ mod refusals;
 pub(crate) mod report;
 pub(crate) mod scan;
 mod search;
+mod spindle;
 mod statement;
+mod tool_data;
 mod unknown;
 pub(crate) mod variables;
+mod wait;
 
 use counterpoint_fault::Halt;
 use counterpoint_lang::pattern::Memory;
@@ -107,11 +117,6 @@ impl Kernel<'_> {
         }
     }
 
-    /// Moves the clock on.
-    pub(crate) fn advance(&mut self, ns: i64) {
-        self.channel.at.advance(ns);
-    }
-
     /// Runs an operation on what the channels share, in tag order.
     ///
     /// # Errors
@@ -123,7 +128,7 @@ impl Kernel<'_> {
             return Ok(coordinator.unordered(operation));
         }
         if self.ports.emitter.is_late(self.channel.at.clock) {
-            self.settle()?;
+            self.flush_lookahead()?;
         }
         self.ports.control.disturb(self.channel.at.channel);
         let tag = self.tag();

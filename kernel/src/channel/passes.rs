@@ -125,7 +125,7 @@ impl Kernel<'_> {
     /// Lets a tick pass, which is no progress. Gives it, ns.
     fn tick(&mut self) -> i64 {
         let (idle, tick) = (self.channel.at.idle_blocks, self.channel.env.machine.sync.poll_ns);
-        self.advance(tick);
+        self.channel.advance(tick);
         self.channel.at.idle_blocks = idle;
         self.flow.pass.loops.iter_mut().for_each(|pass| pass.ticks += tick);
         tick

@@ -2,12 +2,12 @@
 
 use std::sync::Arc;
 
+use super::actions::{Action, Actions};
 use super::custom_macro::CodeCalls;
 use super::data::RECALLED;
 use super::hook_points::HookPoints;
 use super::refusals::Refusals;
 use super::scan::Scanner;
-use crate::action::Action;
 use crate::machine::Machine;
 use crate::machine::ident::{DataId, codes, data};
 use crate::machine::model::{AxisRole, CodeForm, CodeRow, Dimension, Register};
@@ -21,7 +21,9 @@ pub(crate) struct Plan {
     /// For what the pre-processor of another control leaves: it has seen to the marks of optional skip.
     pub(crate) unmarked: Option<Arc<Scanner>>,
     /// Action of each code row.
-    pub(crate) actions: Vec<Option<Action>>,
+    pub(crate) action_of_row: Vec<Option<&'static dyn Action>>,
+    /// What else is asked of the actions.
+    pub(crate) actions: &'static Actions,
     /// Words that call programs; `None` when the machine has none.
     pub(crate) code_calls: Option<Box<CodeCalls>>,
     /// First enabled row of each code.
@@ -58,7 +60,7 @@ pub(crate) struct DataPlan {
     /// Where the values of each data identifier come from, in row order.
     pub(crate) sources: Vec<Vec<Source>>,
     /// Data that are positions of X, where programs choose between diameter and radius.
-    pub(crate) across: Vec<DataId>,
+    pub(crate) diameter_x: Vec<DataId>,
     /// Data rows that drop their word silently.
     pub(crate) ignore: Vec<bool>,
     /// Data identifiers whose last value stands in when the word is missing; `None` when the machine has none.
@@ -87,7 +89,7 @@ impl Edits {
 
 impl DataPlan {
     fn new(machine: &Machine) -> Self {
-        let across = across(machine);
+        let diameter_x = diameter_x(machine);
         let refused = refused(machine);
         let recall = recall(machine);
         let recalled = |id: usize| recall.as_ref().and_then(|r| r.get(id)).copied().unwrap_or(false);
@@ -99,9 +101,9 @@ impl DataPlan {
         };
         Self {
             registers_of: machine.tables.rows_of_data.iter().enumerate().map(registers_of).collect(),
-            sources: sources(machine, &across),
+            sources: sources(machine, &diameter_x),
             ignore: machine.data.iter().map(|r| !r.process || machine.data_name(r.id) == "REG_IGNORE").collect(),
-            across,
+            diameter_x,
             recall,
             refused,
         }
@@ -267,13 +269,13 @@ pub(crate) struct Source {
     pub(crate) max: f64,
     pub(crate) dimension: Dimension,
     /// A position of X, which may be programmed as a diameter or as a radius.
-    pub(crate) across: bool,
+    pub(crate) diameter_x: bool,
     /// Row of the data table.
     pub(crate) row: u16,
 }
 
 /// Data that are positions of X; none on machines whose programs cannot choose between diameter and radius.
-fn across(machine: &Machine) -> Vec<DataId> {
+fn diameter_x(machine: &Machine) -> Vec<DataId> {
     let chooses = |id| id == codes::XAXIS_DIAMETER || id == codes::XAXIS_RADIUS;
     if !machine.codes.iter().any(|row| row.enable && chooses(row.id)) {
         return Vec::new();
@@ -292,7 +294,7 @@ fn across(machine: &Machine) -> Vec<DataId> {
     axes.chain(own).collect()
 }
 
-fn sources(machine: &Machine, across: &[DataId]) -> Vec<Vec<Source>> {
+fn sources(machine: &Machine, diameter_x: &[DataId]) -> Vec<Vec<Source>> {
     let source = |&index: &u16| {
         let row = machine.data.get(usize::from(index)).filter(|row| row.process)?;
         Some(Source {
@@ -303,7 +305,7 @@ fn sources(machine: &Machine, across: &[DataId]) -> Vec<Vec<Source>> {
             min: row.min.unwrap_or(f64::NEG_INFINITY),
             max: row.max.unwrap_or(f64::INFINITY),
             dimension: row.dimension,
-            across: across.contains(&row.id),
+            diameter_x: diameter_x.contains(&row.id),
             row: index,
         })
     };
@@ -331,15 +333,31 @@ fn lead_is_feed(machine: &Machine) -> bool {
 }
 
 impl Plan {
-    /// The plan for a machine, with the optional skip levels that are on and the hooks of its macros.
-    pub(crate) fn new(machine: &Machine, opskip: &[u8], hooks: Option<&'static HookPoints>) -> Self {
+    /// Where the values of an identifier come from.
+    pub(crate) fn sources_of(&self, id: DataId) -> &[Source] {
+        self.data.sources.get(usize::from(id.0)).map_or(&[], Vec::as_slice)
+    }
+
+    /// Registers that can supply an identifier, bit by register.
+    pub(crate) fn registers_of(&self, id: DataId) -> u128 {
+        self.data.registers_of.get(usize::from(id.0)).copied().unwrap_or(0)
+    }
+
+    /// The plan for a machine, with the optional skip levels that are on, its actions, and the hooks of its macros.
+    pub(crate) fn new(
+        machine: &Machine,
+        opskip: &[u8],
+        actions: &'static Actions,
+        hooks: Option<&'static HookPoints>,
+    ) -> Self {
         let registers = Registers::new(machine);
         let syntax = crate::dialect::of(machine).syntax();
         Self {
             hooks,
             unmarked: syntax.needs_interpreter.map(|_| Arc::new(Scanner::without_marks(machine, syntax))),
             scanner: Scanner::new(machine, syntax, opskip),
-            actions: machine.codes.iter().map(|row| Action::of(row.id)).collect(),
+            action_of_row: machine.codes.iter().map(|row| (actions.of)(row.id)).collect(),
+            actions,
             code_calls: CodeCalls::new(machine),
             rows_of_code: rows_of_code(machine),
             rules: Rules::new(machine, registers.g),

@@ -9,7 +9,7 @@ use crate::machine::Machine;
 use crate::machine::model::CodeRow;
 use crate::machine::refusals::{Active, Refusal, WordRule, Written};
 use crate::machine::tables::form_range;
-use crate::state::block::Firing;
+use crate::state::block::PendingCode;
 use counterpoint_fault::Acted;
 
 /// The rules of a machine, by what they look for.
@@ -79,12 +79,12 @@ impl Kernel<'_> {
     /// Refuses the block if a rule of the machine says so; its codes are known, nothing has acted.
     #[inline(always)]
     pub(crate) fn check_refused(&mut self) -> Acted {
-        if self.channel.block.present & self.channel.state.place.bounds.foreign != 0 {
+        if self.channel.block.present & self.channel.state.place.layout.bounds.foreign != 0 {
             self.foreign_axis()?;
         }
         let Some(refusals) = self.plan.rules.refusals.as_deref() else { return Ok(()) };
-        let looked = |firing: &Firing| refusals.rows.get(usize::from(firing.row)).copied().unwrap_or(0);
-        let rules = self.channel.block.firings.iter().fold(0, |bits, firing| bits | looked(firing));
+        let looked = |firing: &PendingCode| refusals.rows.get(usize::from(firing.row)).copied().unwrap_or(0);
+        let rules = self.channel.block.pending.iter().fold(0, |bits, firing| bits | looked(firing));
         if rules != 0 || self.channel.block.present & refusals.registers != 0 {
             return self.refused(rules | refusals.free);
         }
@@ -95,9 +95,9 @@ impl Kernel<'_> {
     #[cold]
     fn foreign_axis(&mut self) -> Acted {
         let machine = self.channel.env.machine;
-        let rows = || self.channel.block.firings.iter().filter_map(|firing| machine.codes.get(usize::from(firing.row)));
+        let rows = || self.channel.block.pending.iter().filter_map(|firing| machine.codes.get(usize::from(firing.row)));
         let wrong = |register: u8| {
-            self.channel.state.place.bounds.foreign & 1 << register != 0 && self.channel.block.has(register)
+            self.channel.state.place.layout.bounds.foreign & 1 << register != 0 && self.channel.block.has(register)
         };
         let ignored = |register: u8| rows().any(|row| row.ignores.contains(&register));
         let mut words = self.channel.block.words.iter().filter(|word| wrong(word.register) && !ignored(word.register));
@@ -130,8 +130,12 @@ impl Kernel<'_> {
         if rule.word.is_some_and(|word| words & 1 << word.register == 0 || !self.is_wrong(&word)) {
             return false;
         }
-        let mut firings =
-            self.channel.block.firings.iter().filter(|firing| rule.implied && !firing.fragile || !firing.implied);
+        let mut firings = self
+            .channel
+            .block
+            .pending
+            .iter()
+            .filter(|firing| rule.implied && !firing.only_if_data_left || !firing.modal);
         let trigger = firings.find(|firing| rule.codes.iter().any(|code| self.is_written(code, firing)));
         if trigger.is_none() && !rule.codes.is_empty() {
             return false;
@@ -152,23 +156,21 @@ impl Kernel<'_> {
         wrong || rule.most.is_some_and(|most| count > usize::from(most))
     }
 
-    fn is_written(&self, code: &Written, firing: &Firing) -> bool {
+    fn is_written(&self, code: &Written, firing: &PendingCode) -> bool {
         let row = self.channel.env.machine.codes.get(usize::from(firing.row));
         row.is_some_and(|row| match *code {
             Written::Id(id) => row.id == id,
             Written::Word { register, min, max } => {
                 let own = form_range(&row.form).filter(|(own, ..)| *own == register);
                 // What is not written has the value of its row.
-                own.is_some_and(|(_, first, _)| {
-                    (min..=max).contains(if firing.implied { &first } else { &firing.value })
-                })
+                own.is_some_and(|(_, first, _)| (min..=max).contains(if firing.modal { &first } else { &firing.value }))
             }
         })
     }
 
     /// A code is active before the block, and no other one of its group on the block ends it.
-    fn is_on(&self, state: &Active, trigger: Option<&Firing>) -> bool {
-        let others = self.channel.block.firings.iter().filter(|firing| !firing.implied && Some(*firing) != trigger);
+    fn is_on(&self, state: &Active, trigger: Option<&PendingCode>) -> bool {
+        let others = self.channel.block.pending.iter().filter(|firing| !firing.modal && Some(*firing) != trigger);
         let mut rows = others.filter_map(|firing| self.channel.env.machine.codes.get(usize::from(firing.row)));
         let ended = rows.any(|row| row.group == state.group && row.id != state.id);
         !ended && self.channel.state.modal.code(state.group) == Some(state.id)

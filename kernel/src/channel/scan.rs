@@ -14,7 +14,7 @@ use crate::mcd::key_words::{Names, Number, key_word};
 use crate::mcd::program::program_name;
 use crate::mcd::special::{self, Early};
 use crate::mcd::syntax::Syntax;
-use crate::state::block::{Block, Word, odd};
+use crate::state::block::{Block, Word, irregular};
 use numbers::{Read, parse_number};
 
 /// What a line turned out to be.
@@ -238,7 +238,7 @@ impl Scanner {
             return end;
         }
         if byte < 32 || byte == 127 {
-            block.odd |= odd::BYTES;
+            block.flags.irregular |= irregular::BYTES;
             return at + 1;
         }
         // Unknown text runs to the next blank or the start of a word.
@@ -249,7 +249,7 @@ impl Scanner {
             }
             end += 1;
         }
-        block.push_unknown((at as u32, end as u32));
+        block.push_unrecognised((at as u32, end as u32));
         end
     }
 
@@ -296,7 +296,7 @@ impl Scanner {
         special::starts_expression(line, at + 1) || key_word(self.names(), line, at)
     }
 
-    /// Value of a number as a register reads it, and what is odd about it ([`odd`]).
+    /// Value of a number as a register reads it, and what is odd about it ([`irregular`]).
     #[inline(always)]
     pub(crate) fn reading(&self, register: u8, number: Number, secondary: bool) -> Option<(f64, u8)> {
         let read = self.reads.get(usize::from(register))?.get(usize::from(secondary))?;
@@ -319,7 +319,7 @@ impl Scanner {
         }
         let (number, end) = parse_number(line, cursor)?;
         let (value, odd) = self.reading(register, number, secondary)?;
-        block.odd |= odd;
+        block.flags.irregular |= odd;
         if Some(register) == self.sequence && block.sequence.is_none() && value >= 0.0 {
             block.sequence = Some(value as u32);
             return Some(end);
@@ -332,8 +332,8 @@ impl Scanner {
 /// How numbers of a register are read in primary and in secondary units.
 fn reads(machine: &Machine, register: &Register) -> [Read; 2] {
     let asked = |facts: &diag::Facts, bit| if machine.diagnostics.is_alarm(facts.number) { bit } else { 0 };
-    let sign = if register.signed { 0 } else { asked(&diag::MINUS_SIGN, odd::SIGN) };
-    let pointed = if register.pointed { 0 } else { asked(&diag::DECIMAL_POINT, odd::POINT) };
+    let sign = if register.signed { 0 } else { asked(&diag::MINUS_SIGN, irregular::SIGN) };
+    let pointed = if register.pointed { 0 } else { asked(&diag::DECIMAL_POINT, irregular::POINT) };
     [register.format, register.secondary].map(|format| Read::new(format, (sign, pointed)))
 }
 

@@ -12,7 +12,7 @@ use crate::dialect::Unknown;
 use crate::machine::ident::codes;
 use crate::machine::macros::model::Hook;
 use crate::machine::model::CodeForm;
-use crate::state::block::odd;
+use crate::state::block::irregular;
 use counterpoint_fault::Acted;
 
 /// Most characters of unknown text in a message.
@@ -28,18 +28,18 @@ impl Kernel<'_> {
     #[cold]
     fn odd_before(&mut self) -> Acted {
         self.check_numbers()?;
-        if self.channel.block.unknown.is_empty() { self.channel.check_stop() } else { self.unknown_before() }
+        if self.channel.block.unrecognised.is_empty() { self.channel.check_stop() } else { self.unknown_before() }
     }
 
     /// Numbers that a control refuses at their address; on other machines they are read as they are.
     fn check_numbers(&mut self) -> Acted {
         let kinds = [
-            (odd::DIGITS, &diag::TOO_MANY_DIGITS, "a number has more digits than its address allows"),
-            (odd::POINT, &diag::DECIMAL_POINT, "a number has a decimal point at an address that takes none"),
-            (odd::SIGN, &diag::MINUS_SIGN, "a value is negative at an address that takes no sign"),
+            (irregular::DIGITS, &diag::TOO_MANY_DIGITS, "a number has more digits than its address allows"),
+            (irregular::POINT, &diag::DECIMAL_POINT, "a number has a decimal point at an address that takes none"),
+            (irregular::SIGN, &diag::MINUS_SIGN, "a value is negative at an address that takes no sign"),
         ];
         for (bit, facts, what) in kinds {
-            if self.channel.block.odd & bit != 0 && self.channel.is_alarm(facts) {
+            if self.channel.block.flags.irregular & bit != 0 && self.channel.is_alarm(facts) {
                 let text = format!("{what} in '{}'; nothing of the block is done", self.block_text());
                 return Err(self.alarm(facts, text));
             }
@@ -56,7 +56,7 @@ impl Kernel<'_> {
         let later = self.hook(Hook::BlockShutdown).is_some();
         let (first, code) = {
             let line = self.text_bytes();
-            let spans = self.channel.block.unknown.iter().copied().filter(|span| Some(*span) != name);
+            let spans = self.channel.block.unrecognised.iter().copied().filter(|span| Some(*span) != name);
             let text = |span: (u32, u32)| {
                 let bytes = line.get(span.0 as usize..span.1 as usize).unwrap_or_default();
                 String::from_utf8_lossy(bytes).trim().to_owned()
@@ -83,7 +83,7 @@ impl Kernel<'_> {
         let mut rows = self
             .channel
             .block
-            .firings
+            .pending
             .iter()
             .filter_map(|firing| self.channel.env.machine.codes.get(usize::from(firing.row)));
         rows.any(|row| row.id == codes::CALSUB_ID)

@@ -155,8 +155,9 @@ impl Kernel<'_> {
 
     /// System variables that can be read: positions, modal codes, clock, tool.
     fn system(&self, index: u32) -> Option<f64> {
-        let axis =
-            |base: u32| self.channel.state.place.axes.get((index - base) as usize).map(|_| (index - base) as usize);
+        let axis = |base: u32| {
+            self.channel.state.place.layout.axes.get((index - base) as usize).map(|_| (index - base) as usize)
+        };
         let at = |i: usize| self.channel.programmed().get(i).copied();
         let machine = |i: usize| self.channel.machine_point(&self.channel.state.place.position).get(i).copied();
         match index {
@@ -168,9 +169,9 @@ impl Kernel<'_> {
                 Some(codes::INTERP_ARC_CCLW) => 3.0,
                 _ => 1.0,
             }),
-            4014 if self.channel.state.place.work_offset > EXTENDED => Some(54.1),
-            4014 => Some(f64::from(self.channel.state.place.work_offset) + 53.0),
-            4130 => Some(f64::from(self.channel.state.place.work_offset.saturating_sub(EXTENDED))),
+            4014 if self.channel.state.place.in_force.work_offset > EXTENDED => Some(54.1),
+            4014 => Some(f64::from(self.channel.state.place.in_force.work_offset) + 53.0),
+            4130 => Some(f64::from(self.channel.state.place.in_force.work_offset.saturating_sub(EXTENDED))),
             4109 => Some(
                 self.channel
                     .state
@@ -179,7 +180,7 @@ impl Kernel<'_> {
                     .unwrap_or(0.0),
             ),
             4119 => Some(self.channel.state.spindle.command.rpm),
-            4120 => Some(f64::from(self.channel.state.place.tool)),
+            4120 => Some(f64::from(self.channel.state.place.tools.current)),
             5001..=5008 => axis(5001).and_then(at),
             5021..=5028 => axis(5021).and_then(machine),
             5041..=5048 => axis(5041).and_then(at),

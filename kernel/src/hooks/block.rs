@@ -133,7 +133,7 @@ impl Kernel<'_> {
             }
         }
         let line = self.text_bytes();
-        for &(start, end) in &self.channel.block.unknown {
+        for &(start, end) in &self.channel.block.unrecognised {
             let part = line.as_ref().get(start as usize..end as usize).unwrap_or_default();
             text.push_str(&String::from_utf8_lossy(part));
             text.push(' ');
@@ -280,16 +280,16 @@ impl Kernel<'_> {
         if let Some(text) = self.macros.block.unrecognised.as_ref() {
             return text.as_ref().clone();
         }
-        let parts: Vec<String> = self.channel.block.unknown.iter().map(|&span| self.span_text(span)).collect();
+        let parts: Vec<String> = self.channel.block.unrecognised.iter().map(|&span| self.span_text(span)).collect();
         parts.join(" ")
     }
 
     /// Replaces the left-over text.
     pub(crate) fn set_left(&mut self, text: String) {
-        self.channel.block.unknown.clear();
+        self.channel.block.unrecognised.clear();
         if !text.trim().is_empty() {
             // Any span will do: the text comes from here.
-            self.channel.block.unknown.push((0, 0));
+            self.channel.block.unrecognised.push((0, 0));
         }
         self.macros.block.unrecognised = Some(Arc::new(text));
     }

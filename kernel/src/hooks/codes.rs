@@ -6,7 +6,6 @@
 use counterpoint_lang::value::Value;
 
 use crate::channel::Kernel;
-use crate::channel::data::Datum;
 use crate::channel::hook_points::Origin;
 use crate::diag;
 use crate::machine::ident::{CodeId, DataId, codes, data};
@@ -14,7 +13,8 @@ use crate::machine::macros::condition::Item;
 use crate::machine::model::{CodeForm, Dimension};
 use crate::macros::calls::Task;
 use crate::macros::values::{code_id, code_value, data_value};
-use crate::state::block::Firing;
+use crate::state::block::Datum;
+use crate::state::block::PendingCode;
 use crate::state::modal::group;
 use counterpoint_fault::{Acted, Halt};
 
@@ -133,7 +133,7 @@ impl Kernel<'_> {
 
     /// A code that has been taken off the block: its macro, else its action.
     #[inline(never)]
-    pub(crate) fn act_with_macros(&mut self, firing: Firing, id: CodeId) -> Acted {
+    pub(crate) fn act_with_macros(&mut self, firing: PendingCode, id: CodeId) -> Acted {
         let outer = self.set_code(Some(id));
         let done = self.run_code(firing, id);
         self.set_code(outer);
@@ -144,7 +144,7 @@ impl Kernel<'_> {
         std::mem::replace(&mut self.macros.block.code, id)
     }
 
-    fn run_code(&mut self, firing: Firing, id: CodeId) -> Acted {
+    fn run_code(&mut self, firing: PendingCode, id: CodeId) -> Acted {
         let Some(code) = self.matching_code_macro(id) else {
             let machine = self.channel.env.machine;
             let row = machine.codes.get(usize::from(firing.row));
@@ -155,15 +155,15 @@ impl Kernel<'_> {
     }
 
     /// `$P2` of a code macro.
-    fn value_of_code(&self, firing: Firing) -> Value {
+    fn value_of_code(&self, firing: PendingCode) -> Value {
         match self.channel.env.machine.codes.get(usize::from(firing.row)).map(|row| &row.form) {
             Some(CodeForm::Text(text)) => Value::text(text.as_str()),
             _ => Value::Real(self.code_number(firing)),
         }
     }
 
-    /// OUTPUT of a code macro: passes the code in `$P1` to its next macro, or to its action.
-    pub(crate) fn output_code(&mut self, firing: Firing, id: CodeId, wanted: Option<&Value>) -> Acted {
+    /// OUTPUT of a code macro: the code that `$P1` holds now goes on to the next macro or to its action.
+    pub(crate) fn output_code(&mut self, firing: PendingCode, id: CodeId, wanted: Option<&Value>) -> Acted {
         let target = match wanted {
             None => id,
             Some(value @ Value::Code(_)) => match code_id(value) {
@@ -184,7 +184,7 @@ impl Kernel<'_> {
         let machine = self.channel.env.machine;
         let facts = |row: u16| machine.codes.get(usize::from(row));
         let own = facts(firing.row).and_then(|row| Self::data_of_firing(row, firing));
-        let firing = Firing { row, ..firing };
+        let firing = PendingCode { row, ..firing };
         self.channel.acting.as_data = own;
         if target != id
             && let Some(row) = facts(row)
@@ -230,7 +230,7 @@ impl Kernel<'_> {
             if raw < source.min || raw > source.max {
                 self.out_of_range(source.row, raw);
             }
-            let across = if source.across { self.channel.across_factor() } else { 1.0 };
+            let across = if source.diameter_x { self.channel.across_factor() } else { 1.0 };
             let factor = self.channel.unit_factor(source.dimension) * across;
             let value = raw * source.mul + source.add;
             let register = Some(source.register);
@@ -241,7 +241,7 @@ impl Kernel<'_> {
         let rows = self.channel.env.machine.tables.data(id);
         let row = rows.first().and_then(|&row| self.channel.env.machine.data.get(usize::from(row)));
         let (dimension, modal) = row.map_or((Dimension::None, false), |row| (row.dimension.plain(), row.modal));
-        let across = if self.plan.data.across.contains(&id) { self.channel.across_factor() } else { 1.0 };
+        let across = if self.plan.data.diameter_x.contains(&id) { self.channel.across_factor() } else { 1.0 };
         let factor = self.channel.unit_factor(dimension) * across;
         Some(Taken { value, factor, incremental: false, raw: value, modal, register: None })
     }

@@ -85,7 +85,7 @@ impl Kernel<'_> {
     /// Centre, plane normal and number of the plane of a circle.
     fn circle(&self, motion: &Motion) -> [Value; 3] {
         let [first, second] = motion.plane_axes.map(usize::from);
-        let cartesian = self.channel.state.place.cartesian.map(|axis| axis.map(usize::from));
+        let cartesian = self.channel.state.place.layout.cartesian.map(|axis| axis.map(usize::from));
         let preset = |axis: usize| self.channel.state.place.preset.get(axis).copied().unwrap_or(0.0);
         let center: Vec<f64> = cartesian
             .iter()
@@ -143,7 +143,7 @@ impl Kernel<'_> {
         if to == motion.to && rapid == (motion.kind == MotionKind::Rapid) {
             return self.move_to(seconds, motion);
         }
-        self.straight_again(motion, rapid, to)
+        (self.plan.actions.change_straight)(self, motion, rapid, to)
     }
 
     /// The end of a motion with what the macro has changed.
@@ -256,19 +256,19 @@ impl Kernel<'_> {
     /// The tool event itself.
     pub(crate) fn change_tool(&mut self, action: ToolAction, tool: u32, offset: u32, ns: i64) -> Acted {
         if action == ToolAction::Select {
-            self.channel.state.place.selected = tool;
+            self.channel.state.place.tools.selected = tool;
             self.emit(0, Kind::Tool(ToolChange { action, tool, offset }));
             return Ok(());
         }
-        let before = self.channel.state.place.tool;
+        let before = self.channel.state.place.tools.current;
         if tool != 0 {
-            self.channel.state.place.tool = tool;
+            self.channel.state.place.tools.current = tool;
         }
         if action == ToolAction::Load && self.plan.hooks.is_some() {
             self.book_tool(tool, before);
         }
-        self.emit(ns, Kind::Tool(ToolChange { action, tool: self.channel.state.place.tool, offset }));
-        self.advance(ns);
+        self.emit(ns, Kind::Tool(ToolChange { action, tool: self.channel.state.place.tools.current, offset }));
+        self.channel.advance(ns);
         Ok(())
     }
 }

@@ -4,7 +4,6 @@
 
 use counterpoint_lang::value::Value;
 
-use crate::action;
 use crate::channel::Kernel;
 use crate::channel::flow::{Flow, Frame};
 use crate::diag;
@@ -78,11 +77,14 @@ impl Kernel<'_> {
         if reset {
             self.channel.state.modal = Modal::new(self.channel.env.machine);
             self.initial_codes();
-            (self.channel.state.place.tool, self.channel.state.place.selected, self.channel.state.place.chosen) =
-                (0, 0, false);
+            (
+                self.channel.state.place.tools.current,
+                self.channel.state.place.tools.selected,
+                self.channel.state.place.tools.chosen,
+            ) = (0, 0, false);
             (self.channel.state.cycle, self.channel.state.arcs) =
                 (crate::state::cycle::Cycle::new(self.channel.env.machine), crate::state::arc::Arcs::default());
-            action::frame::forget(self);
+            self.forget_frame();
             if let Some(channel) =
                 self.channel.env.machine.channels.iter().find(|channel| channel.number == self.channel.at.channel)
             {
@@ -97,7 +99,7 @@ impl Kernel<'_> {
         }
         self.channel.block.clear();
         if !reset {
-            self.switch_cutter();
+            self.switch_compensation();
         }
         (self.channel.at.file, self.channel.at.line) = (file, 0);
         for _ in self.flow.frames.iter().filter(|frame| frame.own_variables) {

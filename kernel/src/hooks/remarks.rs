@@ -14,7 +14,7 @@ use crate::log::event::{Kind, Message};
 use crate::machine::ident::{CodeId, codes};
 use crate::macros::calls::Task;
 use crate::macros::values::{code_id, code_value};
-use crate::state::block::Firing;
+use crate::state::block::PendingCode;
 use crate::state::burden::shortened;
 use counterpoint_fault::Acted;
 
@@ -97,9 +97,11 @@ impl Kernel<'_> {
             None => Ok(()),
             Some(target) if target == codes::COMMENT || target == codes::DISPLY => self.fire_remark(target, text),
             Some(target) => match self.row_of_code(target) {
-                Some(row) => {
-                    self.output_code(Firing { order: 0, row, value: 0.0, implied: false, fragile: false }, target, None)
-                }
+                Some(row) => self.output_code(
+                    PendingCode { order: 0, row, value: 0.0, modal: false, only_if_data_left: false },
+                    target,
+                    None,
+                ),
                 None => {
                     self.no_such_code(target);
                     Ok(())

@@ -11,7 +11,7 @@ use crate::channel::Kernel;
 use crate::machine::ident::{CodeId, DataId};
 use crate::machine::model::CodeForm;
 use crate::macros::values::{code_id, code_value, data_id};
-use crate::state::block::Firing;
+use crate::state::block::PendingCode;
 
 /// Codes and data that macros may add to one block.
 const MOST_ADDED: usize = 1000;
@@ -29,7 +29,7 @@ impl Kernel<'_> {
             self.channel.env.machine.codes.get(usize::from(row)).map(|row| row.group).filter(|group| *group != 0)?;
         let before = self.channel.state.modal.code(group);
         self.channel.state.modal.activate(group, id, row);
-        self.follow_cycle();
+        self.channel.follow_cycle();
         self.channel.follow_spindle();
         self.channel.follow_clamps();
         before
@@ -38,7 +38,7 @@ impl Kernel<'_> {
     /// `$FCEADD`
     pub(crate) fn add_item(&mut self, arguments: &[Value]) -> Outcome<Value> {
         let Some(item) = arguments.first() else { return Ok(Value::Logical(false)) };
-        if self.channel.block.added.len() + self.channel.block.firings.len() >= MOST_ADDED {
+        if self.channel.block.added.len() + self.channel.block.pending.len() >= MOST_ADDED {
             return Err(Fault::new(Number::SIZE, format!("a block has more than {MOST_ADDED} codes and data")));
         }
         let value = match arguments.get(1) {
@@ -67,17 +67,17 @@ impl Kernel<'_> {
         let Some(facts) = self.channel.env.machine.codes.get(usize::from(row)) else { return false };
         // The value is what the row's factor makes of it.
         let value = if facts.mul == 0.0 { value } else { (value - facts.add) / facts.mul };
-        let firing = Firing { order: facts.order, row, value, implied: false, fragile: false };
-        let next = self.channel.block.next.min(self.channel.block.firings.len());
-        let rest = self.channel.block.firings.get(next..).unwrap_or(&[]);
+        let firing = PendingCode { order: facts.order, row, value, modal: false, only_if_data_left: false };
+        let next = self.channel.block.next.min(self.channel.block.pending.len());
+        let rest = self.channel.block.pending.get(next..).unwrap_or(&[]);
         let at = next + rest.iter().take_while(|other| other.order <= firing.order).count();
-        self.channel.block.firings.insert(at, firing);
+        self.channel.block.pending.insert(at, firing);
         true
     }
 
     /// Position of a code that has not acted yet.
     fn waiting_code(&self, id: CodeId) -> Option<usize> {
-        let firings = self.channel.block.firings.iter().enumerate().skip(self.channel.block.next);
+        let firings = self.channel.block.pending.iter().enumerate().skip(self.channel.block.next);
         let mut found = firings.filter(|(_, firing)| self.id_of_row(firing.row) == Some(id));
         found.next().map(|(at, _)| at)
     }
@@ -87,7 +87,7 @@ impl Kernel<'_> {
     }
 
     /// Value of a code as macros see it: of its word with the factor of its row, 0 for a literal text.
-    pub(crate) fn code_number(&self, firing: Firing) -> f64 {
+    pub(crate) fn code_number(&self, firing: PendingCode) -> f64 {
         match self.channel.env.machine.codes.get(usize::from(firing.row)) {
             Some(row) if matches!(row.form, CodeForm::Register { .. } | CodeForm::RegisterAsData { .. }) => {
                 firing.value * row.mul + row.add
@@ -114,9 +114,9 @@ impl Kernel<'_> {
         let Some(item) = arguments.first() else { return Ok(Value::Null) };
         if let Value::Code(_) = item {
             let Some(at) = code_id(item).and_then(|id| self.waiting_code(id)) else { return Ok(Value::Null) };
-            let firing = self.channel.block.firings.get(at).copied();
+            let firing = self.channel.block.pending.get(at).copied();
             if take {
-                self.channel.block.firings.remove(at);
+                self.channel.block.pending.remove(at);
             }
             return Ok(firing.map_or(Value::Null, |firing| Value::Real(self.code_number(firing))));
         }

@@ -39,7 +39,7 @@ impl Kernel<'_> {
     /// Makes codes active again that were saved.
     pub(crate) fn put_modes_back(&mut self, saved: &[(u16, CodeId, u16)]) {
         self.channel.state.modal.restore(saved);
-        self.follow_cycle();
+        self.channel.follow_cycle();
         self.channel.follow_spindle();
         self.channel.follow_clamps();
         self.channel.state.secondary = self.channel.state.modal.code(group::UNITS) == Some(codes::UNITS_SECONDARY);

@@ -146,7 +146,7 @@ impl Kernel<'_> {
             *slot -= base;
         }
         let mut out = joints;
-        for ((slot, fixture), axis) in out.iter_mut().zip(fixture).zip(&self.channel.state.place.axes) {
+        for ((slot, fixture), axis) in out.iter_mut().zip(fixture).zip(&self.channel.state.place.layout.axes) {
             *slot -= if axis.rotary { fixture } else { 0.0 };
         }
         let mut six = self.by_elements(&out);
@@ -219,7 +219,9 @@ impl Kernel<'_> {
         let valid = rest.len() == 6 && unit(vector).is_some() && center.iter().all(|value| value.is_finite());
         Some(match named {
             Named::Tool if valid => self.change_kinematics(|settings| settings.direction = Some(vector)),
-            Named::Axis(axis) if valid && self.channel.state.place.axes.get(axis).is_some_and(|axis| axis.rotary) => {
+            Named::Axis(axis)
+                if valid && self.channel.state.place.layout.axes.get(axis).is_some_and(|axis| axis.rotary) =>
+            {
                 self.change_kinematics(|settings| {
                     settings.changed.retain(|joint| joint.axis != axis);
                     settings.changed.push(Joint { axis, vector, center });
@@ -235,7 +237,7 @@ impl Kernel<'_> {
         while at < arguments.len() {
             match self.named_axis(arguments, at) {
                 Some((Named::Axis(axis), count))
-                    if self.channel.state.place.axes.get(axis).is_some_and(|axis| axis.rotary) =>
+                    if self.channel.state.place.layout.axes.get(axis).is_some_and(|axis| axis.rotary) =>
                 {
                     if chosen.contains(&axis) {
                         return Value::Real(0.0);

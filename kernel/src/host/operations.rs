@@ -53,9 +53,16 @@ impl Kernel<'_> {
         let moves = |letter: char| self.axis_of(letter).is_some_and(|axis| moving & 1 << axis != 0);
         // A lathe's tool word shifts X, Y and Z, a mill's length offset Z.
         let compensated = moves('Z') || lathe && (moves('X') || moves('Y'));
-        let length = if lathe { self.channel.state.place.tool_offset } else { self.channel.state.place.length_number };
-        let numbers =
-            [if compensated { length } else { 0 }, self.diameter_number(), self.channel.state.place.work_offset];
+        let length = if lathe {
+            self.channel.state.place.in_force.tool_offset
+        } else {
+            self.channel.state.place.in_force.length_number
+        };
+        let numbers = [
+            if compensated { length } else { 0 },
+            self.diameter_number(),
+            self.channel.state.place.in_force.work_offset,
+        ];
         let operations = &mut self.macros.books.operations;
         let Some(row) = operations.rows.last_mut().filter(|_| !operations.full) else { return };
         for (list, number) in row.offsets.iter_mut().zip(numbers) {

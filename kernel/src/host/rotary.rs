@@ -6,9 +6,9 @@ use counterpoint_lang::fault::{Fault, Outcome};
 use counterpoint_lang::ident::minor_code;
 use counterpoint_lang::value::Value;
 
-use crate::action::clamp::Modulo;
 use crate::channel::Kernel;
 use crate::machine::ident::{DataId, data};
+use crate::state::clamps::Modulo;
 
 /// What a function names.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -87,7 +87,7 @@ impl Kernel<'_> {
             let given = words.iter().find(|(word, _)| is(arguments.get(at), word)).map(|(_, modulo)| *modulo);
             at += usize::from(given.is_some());
             match named {
-                Named::Axis(axis) if self.channel.state.place.axes.get(axis).is_some_and(|axis| axis.rotary) => {
+                Named::Axis(axis) if self.channel.state.place.layout.axes.get(axis).is_some_and(|axis| axis.rotary) => {
                     self.unwind_axis(axis, given.unwrap_or(Modulo::Normal));
                 }
                 _ => done = false,

@@ -14,7 +14,7 @@ use counterpoint_lang::vm::{Limits, State};
 
 use crate::log::event::{Motion, ToolAction};
 use crate::machine::ident::CodeId;
-use crate::state::block::Firing;
+use crate::state::block::PendingCode;
 use crate::state::cycle::Hole;
 
 /// Steps that one call of a macro may take, with everything it calls.
@@ -35,7 +35,7 @@ pub(crate) enum Task {
     /// Nothing: startup, shutdown, data and identification macros.
     None,
     /// The action of a code.
-    Code(Firing, CodeId),
+    Code(PendingCode, CodeId),
     /// A comment or a message to the operator.
     Remark(CodeId, Arc<String>),
     /// A motion, with its duration in seconds.

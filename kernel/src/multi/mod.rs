@@ -43,7 +43,12 @@ pub(crate) fn run(job: &Job, files: &dyn Files, control: &Control, sink: &mut dy
 
 /// Runs a job whose events go into its results, channel by channel.
 fn folded(job: &Job, files: &dyn Files, control: &Control, builder: &mut ResultsBuilder) -> (Outcome, WrittenFiles) {
-    let plan = Plan::new(&job.spec().machine, &job.spec().options.opskip, job.macros().map(|_| &crate::hooks::POINTS));
+    let plan = Plan::new(
+        &job.spec().machine,
+        &job.spec().options.opskip,
+        &crate::action::ACTIONS,
+        job.macros().map(|_| &crate::hooks::POINTS),
+    );
     let (given, mut count, mut round) = (OnceLock::new(), 0, Some(Round::default()));
     let mut written = WrittenFiles::new();
     while let Some(mut now) = round.take() {
@@ -100,7 +105,12 @@ impl Log<'_> {
 /// Runs a job whose events become one ordered log.
 fn ordered(job: &Job, files: &dyn Files, control: &Control, sink: &mut dyn Sink) -> (Outcome, WrittenFiles) {
     let machine = &*job.spec().machine;
-    let plan = Plan::new(machine, &job.spec().options.opskip, job.macros().map(|_| &crate::hooks::POINTS));
+    let plan = Plan::new(
+        machine,
+        &job.spec().options.opskip,
+        &crate::action::ACTIONS,
+        job.macros().map(|_| &crate::hooks::POINTS),
+    );
     let (given, mut round) = (OnceLock::new(), Some(Round::default()));
     let mut written = WrittenFiles::new();
     let mut log = Log { sink, count: 0, refused: false };

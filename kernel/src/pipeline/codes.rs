@@ -9,7 +9,7 @@ use crate::dialect::MacroCall;
 use crate::machine::ident::{self, CodeId, DataId};
 use crate::machine::model::{CodeForm, CodeRow, Modality};
 use crate::machine::number::written;
-use crate::state::block::{Firing, Word};
+use crate::state::block::{PendingCode, Word};
 use counterpoint_fault::Acted;
 
 use crate::state::modal::group;
@@ -32,7 +32,7 @@ impl Kernel<'_> {
         }
         self.check_refused()?;
         self.sort();
-        while let Some(&firing) = self.channel.block.firings.get(self.channel.block.next) {
+        while let Some(&firing) = self.channel.block.pending.get(self.channel.block.next) {
             self.channel.block.next += 1;
             self.fire(firing)?;
             if let Some(hooks) = hooks {
@@ -89,7 +89,7 @@ impl Kernel<'_> {
                 self.queue(row, code, 0.0, false);
             }
         }
-        if self.channel.block.firings.len() > 1 && !self.plan.rules.exclusive.is_empty() {
+        if self.channel.block.pending.len() > 1 && !self.plan.rules.exclusive.is_empty() {
             self.last_of_groups();
         }
         call
@@ -102,7 +102,7 @@ impl Kernel<'_> {
             let Some((word, at, group)) = self.code_of_word(position) else { continue };
             let later = |at: usize| self.code_of_word(at).filter(|&(_, _, other)| other == group);
             let Some((last, ..)) = (position + 1..self.channel.block.words.len()).find_map(later) else { continue };
-            self.channel.block.firings.remove(at);
+            self.channel.block.pending.remove(at);
             if last.value != word.value {
                 let text = format!(
                     "{} has no effect: {} of the same group comes later in '{}'",
@@ -125,12 +125,12 @@ impl Kernel<'_> {
             .copied()
             .filter(|word| Some(word.register) == self.plan.registers.g)?;
         let rows = self.channel.env.machine.tables.code(word.register, word.value);
-        let fired = |firing: &Firing| firing.value == word.value && rows.contains(&firing.row);
-        let at = self.channel.block.firings.iter().position(fired)?;
+        let fired = |firing: &PendingCode| firing.value == word.value && rows.contains(&firing.row);
+        let at = self.channel.block.pending.iter().position(fired)?;
         let group = self
             .channel
             .block
-            .firings
+            .pending
             .get(at)
             .and_then(|firing| self.plan.rules.exclusive.get(usize::from(firing.row)))?;
         (*group != 0).then_some((word, at, *group))
@@ -193,20 +193,26 @@ impl Kernel<'_> {
             self.channel.block.index_word(position);
         } else {
             self.use_word(position);
-            self.channel.block.unknown.push((word.start, word.end));
+            self.channel.block.unrecognised.push((word.start, word.end));
         }
     }
 
-    fn queue(&mut self, index: u16, row: &CodeRow, value: f64, implied: bool) {
-        self.channel.block.swallows |= !row.process;
-        self.channel.block.firings.push(Firing { order: row.order, row: index, value, implied, fragile: false });
+    fn queue(&mut self, index: u16, row: &CodeRow, value: f64, modal: bool) {
+        self.channel.block.flags.swallows |= !row.process;
+        self.channel.block.pending.push(PendingCode {
+            order: row.order,
+            row: index,
+            value,
+            modal,
+            only_if_data_left: false,
+        });
     }
 
     /// Modal codes that fire without being written: motion by axis words, persistent codes, and the modal member of
     /// a group that a non-modal code overrode on an earlier block.
     #[inline(always)]
     pub(crate) fn imply(&mut self) {
-        if self.channel.block.swallows {
+        if self.channel.block.flags.swallows {
             self.drop_ignored();
         }
         if self.channel.has_any(self.plan.registers.motion) && !self.group_queued(group::MOTION) {
@@ -230,11 +236,11 @@ impl Kernel<'_> {
     /// Words of axes that swallowed codes of the block ignore move nothing.
     #[cold]
     fn drop_ignored(&mut self) {
-        for at in 0..self.channel.block.firings.len() {
+        for at in 0..self.channel.block.pending.len() {
             let row = self
                 .channel
                 .block
-                .firings
+                .pending
                 .get(at)
                 .and_then(|firing| self.channel.env.machine.codes.get(usize::from(firing.row)));
             let row = row.filter(|row| !row.process);
@@ -258,13 +264,13 @@ impl Kernel<'_> {
 
     /// The same for a code that data fire: it acts only if some of them are left by then.
     pub(crate) fn queue_by_data(&mut self, group: u16) {
-        let before = self.channel.block.firings.len();
+        let before = self.channel.block.pending.len();
         self.queue_modal(group);
         // Alone on its block it finds what fires it.
         if (before > 0 || !self.channel.state.modal.refires.is_empty() || self.plan.hooks.is_some())
-            && let Some(firing) = self.channel.block.firings.get_mut(before)
+            && let Some(firing) = self.channel.block.pending.get_mut(before)
         {
-            firing.fragile = true;
+            firing.only_if_data_left = true;
         }
     }
 
@@ -278,7 +284,7 @@ impl Kernel<'_> {
     pub(crate) fn group_queued(&self, group: u16) -> bool {
         self.channel
             .block
-            .firings
+            .pending
             .iter()
             .any(|f| self.channel.env.machine.codes.get(usize::from(f.row)).is_some_and(|r| r.group == group))
     }
@@ -286,7 +292,7 @@ impl Kernel<'_> {
     /// By order, left to right among equals (insertion sort: a block has few codes).
     #[inline(always)]
     pub(crate) fn sort(&mut self) {
-        let firings = &mut self.channel.block.firings;
+        let firings = &mut self.channel.block.pending;
         for end in 1..firings.len() {
             let mut at = end;
             while at > 0 && firings.get(at - 1).map(|f| f.order) > firings.get(at).map(|f| f.order) {
@@ -297,11 +303,11 @@ impl Kernel<'_> {
     }
 
     /// Lets one code act.
-    pub(crate) fn fire(&mut self, firing: Firing) -> Acted {
+    pub(crate) fn fire(&mut self, firing: PendingCode) -> Acted {
         self.channel.check_stop()?;
         let machine = self.channel.env.machine;
         let Some(row) = machine.codes.get(usize::from(firing.row)) else { return Ok(()) };
-        if firing.fragile && !self.is_left(row.group) {
+        if firing.only_if_data_left && !self.is_left(row.group) {
             return Ok(());
         }
         if !row.process {
@@ -319,7 +325,7 @@ impl Kernel<'_> {
 
     /// Value that a code hands over as data.
     #[inline]
-    pub(crate) fn data_of_firing(row: &CodeRow, firing: Firing) -> Option<(DataId, f64)> {
+    pub(crate) fn data_of_firing(row: &CodeRow, firing: PendingCode) -> Option<(DataId, f64)> {
         match row.form {
             CodeForm::RegisterAsData { data, .. } => Some((data, firing.value * row.mul + row.add)),
             _ => None,
@@ -328,11 +334,11 @@ impl Kernel<'_> {
 
     /// What firing a code means before it acts: its data, its modal group.
     #[inline(always)]
-    pub(crate) fn set_firing(&mut self, row: &CodeRow, firing: Firing) {
+    pub(crate) fn set_firing(&mut self, row: &CodeRow, firing: PendingCode) {
         self.channel.acting.as_data = Self::data_of_firing(row, firing);
         self.channel.acting.mode_changed = self.channel.state.modal.code(row.group) != Some(row.id);
         match row.modality {
-            Modality::NonModal if row.group != 0 && !firing.implied => self.channel.state.modal.refire_once(row.group),
+            Modality::NonModal if row.group != 0 && !firing.modal => self.channel.state.modal.refire_once(row.group),
             Modality::NonModal => {}
             Modality::Modal => self.channel.state.modal.activate(row.group, row.id, firing.row),
             Modality::Persistent => self.channel.state.modal.activate_persistent(row.group, row.id, firing.row),
@@ -341,13 +347,13 @@ impl Kernel<'_> {
 
     /// The built-in action of a code.
     #[inline(always)]
-    pub(crate) fn perform(&mut self, row: &CodeRow, firing: Firing) -> Acted {
-        let result = match self.plan.actions.get(usize::from(firing.row)).copied().flatten() {
+    pub(crate) fn perform(&mut self, row: &CodeRow, firing: PendingCode) -> Acted {
+        let result = match self.plan.action_of_row.get(usize::from(firing.row)).copied().flatten() {
             Some(action) => {
                 if self.channel.env.trace.is_some() {
                     self.trace_code(row.id);
                 }
-                crate::action::act(self, action, row, firing)
+                action.run(self, row, &firing)
             }
             None => {
                 self.trace_ignored(row.id);

@@ -29,7 +29,7 @@ impl Kernel<'_> {
     #[inline(never)]
     fn follow_up(&mut self) -> Acted {
         if self.flow.pending.is_none() {
-            if self.flow.modal_text && std::mem::take(&mut self.channel.block.moved) {
+            if self.flow.modal_text && std::mem::take(&mut self.channel.block.flags.moved) {
                 self.with_interpreter(|interpreter, kernel| interpreter.on_move(kernel));
             }
             self.call_modally();

@@ -5,7 +5,7 @@
 use crate::channel::Kernel;
 use crate::diag;
 use crate::machine::ident::data;
-use crate::state::block::odd;
+use crate::state::block::irregular;
 use crate::state::modal::feed_of;
 use crate::state::modal::group;
 use counterpoint_fault::Acted;
@@ -21,7 +21,7 @@ impl Kernel<'_> {
     #[inline(never)]
     fn left_over(&mut self) -> Acted {
         if self.channel.has_any(self.plan.registers.speed) {
-            crate::action::spindle::speed_word(self)?;
+            (self.plan.actions.speed_word)(self)?;
         }
         if self.channel.block.has_leftovers() {
             for position in 0..self.channel.block.words.len() {
@@ -35,18 +35,18 @@ impl Kernel<'_> {
             return Ok(());
         }
         self.left_name();
-        if !self.channel.block.unknown.is_empty() {
+        if !self.channel.block.unrecognised.is_empty() {
             self.unknown_text()?;
         }
-        if self.channel.block.odd & odd::OPEN_COMMENT != 0 {
+        if self.channel.block.flags.irregular & irregular::OPEN_COMMENT != 0 {
             let text = format!("a comment or message has no end in '{}'", self.block_text());
             self.diagnose(&diag::COMMENT_OPEN, text);
         }
-        if self.channel.block.odd & odd::DIGITS != 0 {
+        if self.channel.block.flags.irregular & irregular::DIGITS != 0 {
             let text = format!("a number has more digits than its register's format in '{}'", self.block_text());
             self.diagnose(&diag::TOO_MANY_DIGITS, text);
         }
-        if self.channel.block.odd & odd::BYTES != 0 {
+        if self.channel.block.flags.irregular & irregular::BYTES != 0 {
             let text = format!("control characters in line {} are passed over", self.channel.at.line);
             self.diagnose(&diag::BAD_BYTES, text);
         }
@@ -56,7 +56,7 @@ impl Kernel<'_> {
     fn leftover_word(&mut self, register: u8, value: f64, span: (u32, u32)) {
         let machine = self.channel.env.machine;
         let mut rows =
-            self.channel.block.firings.iter().filter_map(|firing| machine.codes.get(usize::from(firing.row)));
+            self.channel.block.pending.iter().filter_map(|firing| machine.codes.get(usize::from(firing.row)));
         if rows.any(|row| row.ignores.contains(&register)) {
             return;
         }
@@ -103,7 +103,7 @@ impl Kernel<'_> {
 
     /// One of the channel's axes takes words of this register.
     fn channel_has(&self, register: u8) -> bool {
-        self.channel.state.place.axes.iter().any(|axis| {
+        self.channel.state.place.layout.axes.iter().any(|axis| {
             self.channel
                 .env
                 .machine

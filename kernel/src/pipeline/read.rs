@@ -17,7 +17,7 @@ impl Kernel<'_> {
     pub(crate) fn program(&mut self) -> Halt {
         loop {
             if let Err(halt) = self.next_block() {
-                return self.end_cutter(halt);
+                return self.end_compensation(halt);
             }
         }
     }
@@ -111,7 +111,7 @@ impl Kernel<'_> {
             self.ports.coordinator.yield_permit(self.channel.at.channel);
         }
         if self.channel.at.blocks.is_multiple_of(256) && self.channel.state.place.frames.is_some() {
-            self.settle_old()?;
+            self.flush_old()?;
         }
         let number = self.channel.at.blocks;
         self.emit_as(0, |kind| match kind {

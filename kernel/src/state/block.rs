@@ -23,17 +23,30 @@ pub(crate) struct Word {
 
 /// A code that is going to act.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Firing {
+pub(crate) struct PendingCode {
     /// Order of its row.
     pub(crate) order: u16,
     /// Row of the code table.
     pub(crate) row: u16,
     /// Value of the word (before factor), 0 for literal texts.
     pub(crate) value: f64,
-    /// Fired by words of its group, not written on the block.
-    pub(crate) implied: bool,
-    /// It acts only if something of what fires it is left by then.
-    pub(crate) fragile: bool,
+    /// The modal code of its group that words fire; it is not written on the block.
+    pub(crate) modal: bool,
+    /// Acts only if some of its triggering data has not been consumed by then.
+    pub(crate) only_if_data_left: bool,
+}
+
+/// A value taken off the block.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Datum {
+    /// Value after factor and change of units.
+    pub(crate) value: f64,
+    /// Written with the incremental name.
+    pub(crate) incremental: bool,
+    /// Absolute even where the mode says incremental: a macro has said so.
+    pub(crate) absolute: bool,
+    /// Written without any fraction or as such: value before the factor.
+    pub(crate) raw: f64,
 }
 
 /// Words of a block at most, and texts of other kinds.
@@ -42,8 +55,8 @@ const MOST_WORDS: usize = 255;
 /// Largest number of registers.
 pub(crate) const REGISTERS: usize = 100;
 
-/// What can be odd about the text of a block.
-pub(crate) mod odd {
+/// Irregularities in the text of a block.
+pub(crate) mod irregular {
     /// A number with more whole digits than its register's format.
     pub(crate) const DIGITS: u8 = 1;
     /// A comment or message without its end.
@@ -56,8 +69,23 @@ pub(crate) mod odd {
     pub(crate) const SIGN: u8 = 16;
     /// A decimal point in a register that takes none.
     pub(crate) const POINT: u8 = 32;
-    /// What is odd about numbers.
+    /// Irregularities of numbers.
     pub(crate) const NUMBERS: u8 = DIGITS | SIGN | POINT;
+}
+
+/// What is so about a block as a whole.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct BlockFlags {
+    /// Irregularities of its text besides what is unrecognised, bit by bit.
+    pub(crate) irregular: u8,
+    /// This block's positions are in the machine frame.
+    pub(crate) machine_frame: bool,
+    /// Exact stop for this block.
+    pub(crate) exact_stop: bool,
+    /// A motion code acted.
+    pub(crate) moved: bool,
+    /// One of its codes is swallowed.
+    pub(crate) swallows: bool,
 }
 
 /// The block being processed.
@@ -66,9 +94,9 @@ pub(crate) struct Block {
     /// Words, left to right.
     pub(crate) words: Vec<Word>,
     /// Codes, by order.
-    pub(crate) firings: Vec<Firing>,
-    /// Spans of the line that no register knows.
-    pub(crate) unknown: Vec<(u32, u32)>,
+    pub(crate) pending: Vec<PendingCode>,
+    /// Unrecognised spans of the line.
+    pub(crate) unrecognised: Vec<(u32, u32)>,
     /// Spans of operator messages.
     pub(crate) messages: Vec<(u32, u32)>,
     /// Literal text codes found: row.
@@ -83,28 +111,20 @@ pub(crate) struct Block {
     pub(crate) added: Vec<(DataId, f64)>,
     /// Position of the code that acts next, on a kernel with macros.
     pub(crate) next: usize,
-    /// Span of the program name in angle brackets that `odd` tells of; one of the unknown ones until a call takes it.
+    /// Span of the program name in angle brackets that `flags` tell of; one of the unrecognised ones until a call takes it.
     name: (u32, u32),
     /// Sequence number.
     pub(crate) sequence: Option<u32>,
-    /// What is odd about its text besides what is unknown, bit by bit.
-    pub(crate) odd: u8,
-    /// This block's positions are in the machine frame.
-    pub(crate) machine_frame: bool,
-    /// Exact stop for this block.
-    pub(crate) exact_stop: bool,
-    /// A motion code acted.
-    pub(crate) moved: bool,
-    /// One of its codes is swallowed.
-    pub(crate) swallows: bool,
+    /// What is so about the block as a whole.
+    pub(crate) flags: BlockFlags,
 }
 
 impl Default for Block {
     fn default() -> Self {
         Self {
             words: Vec::with_capacity(32),
-            firings: Vec::with_capacity(16),
-            unknown: Vec::with_capacity(4),
+            pending: Vec::with_capacity(16),
+            unrecognised: Vec::with_capacity(4),
             messages: Vec::new(),
             texts: Vec::new(),
             slots: [0; REGISTERS],
@@ -114,11 +134,7 @@ impl Default for Block {
             next: 0,
             name: (0, 0),
             sequence: None,
-            odd: 0,
-            machine_frame: false,
-            exact_stop: false,
-            moved: false,
-            swallows: false,
+            flags: BlockFlags::default(),
         }
     }
 }
@@ -127,8 +143,8 @@ impl Block {
     /// Empties the block for the next line.
     pub(crate) fn clear(&mut self) {
         self.words.clear();
-        self.firings.clear();
-        self.unknown.clear();
+        self.pending.clear();
+        self.unrecognised.clear();
         self.messages.clear();
         self.texts.clear();
         self.present = 0;
@@ -136,36 +152,32 @@ impl Block {
         self.added.clear();
         self.next = 0;
         self.sequence = None;
-        self.odd = 0;
-        self.machine_frame = false;
-        self.exact_stop = false;
-        self.moved = false;
-        self.swallows = false;
+        self.flags = BlockFlags::default();
     }
 
-    /// Adds a word; a block takes 255 at most, the rest is unknown text.
+    /// Adds a word; a block takes 255 at most, the rest is unrecognised text.
     #[inline(always)]
     pub(crate) fn push(&mut self, word: Word) {
         if self.words.len() >= MOST_WORDS {
-            self.push_unknown((word.start, word.end));
+            self.push_unrecognised((word.start, word.end));
             return;
         }
         self.words.push(word);
     }
 
     /// Adds text that is no word; what lies between such texts becomes part of one when there are very many.
-    pub(crate) fn push_unknown(&mut self, (start, end): (u32, u32)) {
-        let many = self.unknown.len() >= MOST_WORDS;
-        match self.unknown.last_mut() {
+    pub(crate) fn push_unrecognised(&mut self, (start, end): (u32, u32)) {
+        let many = self.unrecognised.len() >= MOST_WORDS;
+        match self.unrecognised.last_mut() {
             Some(last) if last.1 == start || many => last.1 = last.1.max(end),
-            _ => self.unknown.push((start, end)),
+            _ => self.unrecognised.push((start, end)),
         }
     }
 
     /// Adds a literal text code; a block takes as many as words.
     pub(crate) fn push_text(&mut self, row: u16, (start, end): (u32, u32)) {
         if self.texts.len() >= MOST_WORDS {
-            self.push_unknown((start, end));
+            self.push_unrecognised((start, end));
             return;
         }
         self.texts.push(row);
@@ -173,21 +185,21 @@ impl Block {
 
     /// Span of a program name in angle brackets that nothing has taken.
     pub(crate) fn name(&self) -> Option<(u32, u32)> {
-        (self.odd & odd::NAME != 0).then_some(self.name)
+        (self.flags.irregular & irregular::NAME != 0).then_some(self.name)
     }
 
     /// Notes a program name.
     pub(crate) fn set_name(&mut self, span: (u32, u32)) {
-        self.odd |= odd::NAME;
+        self.flags.irregular |= irregular::NAME;
         self.name = span;
-        self.unknown.push(span);
+        self.unrecognised.push(span);
     }
 
     /// Takes the program name off the block.
     pub(crate) fn take_name(&mut self) -> Option<(u32, u32)> {
         let name = self.name()?;
-        self.odd &= !odd::NAME;
-        self.unknown.retain(|span| *span != name);
+        self.flags.irregular &= !irregular::NAME;
+        self.unrecognised.retain(|span| *span != name);
         Some(name)
     }
 
@@ -235,6 +247,6 @@ impl Block {
 
     /// Something about the text of the block is worth a message.
     pub(crate) fn has_oddities(&self) -> bool {
-        self.odd != 0 || !self.unknown.is_empty()
+        self.flags.irregular != 0 || !self.unrecognised.is_empty()
     }
 }

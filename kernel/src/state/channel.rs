@@ -118,6 +118,11 @@ pub(crate) struct Reports {
 }
 
 impl Channel<'_> {
+    /// Moves the clock on.
+    pub(crate) fn advance(&mut self, ns: i64) {
+        self.at.advance(ns);
+    }
+
     /// Which of the machine's channels this is, counted from 1 in ascending order of their numbers; 0 is the master.
     pub(crate) fn kernel_number(&self) -> u16 {
         let channels = self.env.machine.channels.iter().zip(1_u16..);

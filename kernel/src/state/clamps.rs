@@ -1,20 +1,48 @@
-//! Clamped axes of a channel.
+//! Clamped axes of a channel, and whole turns of rotary ones.
 //!
 //! Invariant: `Place::clamped` is zero unless an axis is clamped, so a motion only looks at that.
 
 use super::channel::Channel;
-use crate::machine::ident::kind::axis::clamp_of;
-use crate::machine::ident::{self, DataId, code_facts};
+use crate::machine::ident::kind::CodeKind;
+use crate::machine::ident::{CodeId, DataId, code_facts};
+
+/// How whole turns are taken off.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Modulo {
+    /// Above −180 up to 180.
+    Normal,
+    /// From 0 to below 360.
+    Plus,
+    /// Between −360 and 360, with the sign that it has.
+    Minus,
+}
+
+impl Modulo {
+    /// The angle without whole turns.
+    pub(crate) fn of(self, angle: f64) -> f64 {
+        if !angle.is_finite() {
+            return angle;
+        }
+        let positive = angle.rem_euclid(360.0);
+        match self {
+            Self::Normal if positive > 180.0 => positive - 360.0,
+            // A tiny negative angle rounds up to the whole turn.
+            Self::Normal | Self::Plus if positive < 360.0 => positive,
+            Self::Normal | Self::Plus => 0.0,
+            Self::Minus => angle % 360.0,
+        }
+    }
+}
 
 impl Channel<'_> {
     /// Channel axis that these data move.
     pub(crate) fn axis_of_data(&self, id: DataId) -> Option<usize> {
-        self.state.place.axes.iter().position(|axis| axis.data == id)
+        self.state.place.layout.axes.iter().position(|axis| axis.data == id)
     }
 
     /// Name of a channel axis for listings.
     pub(crate) fn axis_name(&self, axis: usize) -> String {
-        let own = self.state.place.axes.get(axis).and_then(|axis| self.env.machine.axes.get(axis.machine));
+        let own = self.state.place.layout.axes.get(axis).and_then(|axis| self.env.machine.axes.get(axis.machine));
         own.map_or_else(String::new, |own| own.letter.to_lowercase())
     }
 
@@ -25,15 +53,29 @@ impl Channel<'_> {
 
     /// Follows the groups of clamps after a macro has changed active codes.
     pub(crate) fn follow_clamps(&mut self) {
-        for axis in 0..self.state.place.axes.len() {
-            let Some(name) = self.state.place.axes.get(axis).map(|axis| self.env.machine.data_name(axis.data)) else {
-                break;
-            };
-            let code = ident::code(&name.replacen("REG_AXIS", "CODE_CLAMP", 1));
+        for axis in 0..self.state.place.layout.axes.len() {
+            let Some(id) = self.state.place.layout.axes.get(axis).map(|axis| axis.data) else { break };
+            let code = CodeId::of_kind(CodeKind::Clamp(id, true));
             let group = code.and_then(code_facts).map_or(0, |facts| facts.group);
-            if let Some((_, on)) = self.state.modal.code(group).filter(|_| group != 0).and_then(clamp_of) {
+            let active = self.state.modal.code(group).filter(|_| group != 0);
+            if let Some(CodeKind::Clamp(_, on)) = active.map(CodeId::kind) {
                 self.set_clamp(axis, on);
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn whole_turns_go_by_each_rule() {
+        let all = |angle: f64| [Modulo::Normal, Modulo::Plus, Modulo::Minus].map(|modulo| modulo.of(angle));
+        assert_eq!(all(540.0), [180.0, 180.0, 180.0]);
+        assert_eq!(all(-540.0), [180.0, 180.0, -180.0]);
+        assert_eq!(all(-450.0), [-90.0, 270.0, -90.0]);
+        assert_eq!(all(-1e-20), [0.0, 0.0, -1e-20]);
+        assert!(all(f64::NAN).iter().all(|angle| angle.is_nan()));
     }
 }

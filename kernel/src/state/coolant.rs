@@ -2,9 +2,11 @@
 //!
 //! Invariant: what flows is the active code of its modal group.
 
-use crate::log::event::{Coolant, Outlet};
-use crate::machine::ident::kind::coolant::{Flow, fluid_code};
-use crate::machine::ident::{self, CodeId};
+use super::channel::Channel;
+use crate::log::event::Outlet;
+use crate::machine::ident::CodeId;
+use crate::machine::ident::kind::CodeKind;
+use crate::machine::ident::kind::coolant::{Flow, Switch};
 use crate::machine::model::Pump;
 
 /// What the codes of the groups do not say.
@@ -38,9 +40,11 @@ impl CoolantState {
 
     /// What the active code of a head means: 0 off, 1 to 9.
     pub(crate) fn fluid(&self, code: Option<CodeId>) -> u8 {
-        match code.and_then(fluid_code) {
-            Some((Flow::Fluid(fluid), _)) => fluid,
-            Some((Flow::Again, outlet)) => self.last.get(head(outlet)).copied().unwrap_or(1),
+        match code.map(CodeId::kind) {
+            Some(CodeKind::Coolant(Switch::Fluid(Flow::Fluid(fluid), _))) => fluid,
+            Some(CodeKind::Coolant(Switch::Fluid(Flow::Again, outlet))) => {
+                self.last.get(head(outlet)).copied().unwrap_or(1)
+            }
             _ => 0,
         }
     }
@@ -48,10 +52,15 @@ impl CoolantState {
 
 /// The code of a fluid at the main or the side head, by its number.
 pub(crate) fn code_of(fluid: u8, outlet: Outlet) -> Option<CodeId> {
-    let name = match fluid {
-        0 => "OFF".to_owned(),
-        _ => Coolant::FLUIDS.get(usize::from(fluid))?.to_uppercase(),
-    };
-    let side = if outlet == Outlet::Side { "_SIDE" } else { "" };
-    ident::code(&format!("CODE_COOLANT_{name}{side}"))
+    let flow = if fluid == 0 { Flow::Off } else { Flow::Fluid(fluid) };
+    CodeId::of_kind(CodeKind::Coolant(Switch::Fluid(flow, outlet)))
+}
+
+impl Channel<'_> {
+    /// What flows is what a later `on` switches on.
+    pub(crate) fn note_coolant(&mut self, fluid: u8, outlet: Outlet) {
+        if let Some(last) = self.state.others.coolant.last.get_mut(head(outlet)).filter(|_| fluid != 0) {
+            *last = fluid;
+        }
+    }
 }

@@ -3,9 +3,12 @@
 //! Invariant: heights and amounts belong to one run of cycles, from the first code to the cancellation; a macro that
 //! sets a value before the first code begins that run. Facts: reference system-variables.md 8.
 
+use super::channel::Channel;
+use super::modal::group;
 use crate::log::event::{FeedUnit, Position};
 use crate::machine::Machine;
-use crate::machine::ident::kind::cycle::Kind;
+use crate::machine::ident::kind::CodeKind;
+use crate::machine::ident::kind::cycle::HoleCycle;
 use crate::machine::ident::{CodeId, codes};
 
 /// A height: a position, or a distance from another height, as programmed.
@@ -25,6 +28,77 @@ impl Height {
 /// Webs after the first one.
 pub(crate) const FURTHER_WEBS: usize = 3;
 
+/// One hole: where it is and between which heights, all in the work frame as programmed.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Hole {
+    /// Position; its value along the axis of the cycle does not count.
+    pub(crate) target: Position,
+    /// Axes that were coded, bit by axis.
+    pub(crate) coded: u8,
+    /// Axis of the cycle in channel order.
+    pub(crate) axis: usize,
+    /// Height where feeding begins.
+    pub(crate) clear: f64,
+    /// Height where the tool is left.
+    pub(crate) back: f64,
+    /// Depth; none if nothing has ever told it.
+    pub(crate) depth: Option<f64>,
+    /// Lower clearance of back boring.
+    pub(crate) bottom: Option<f64>,
+    /// Start and depth of the webs behind the first one.
+    pub(crate) webs: [Option<[f64; 2]>; FURTHER_WEBS],
+}
+
+/// Heights of a cycle along its axis.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct CycleHeights {
+    /// Level along the axis when it began.
+    pub(crate) initial: f64,
+    /// Level that heights count from under a code that carries out.
+    pub(crate) reference: f64,
+    pub(crate) clear: Option<Height>,
+    pub(crate) depth: Option<Height>,
+    pub(crate) retract: Option<Height>,
+    pub(crate) bottom: Option<Height>,
+    /// Start and depth of further webs.
+    pub(crate) webs: [[Option<Height>; 2]; FURTHER_WEBS],
+}
+
+/// Pecks of a cycle, geometry units.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Pecks {
+    /// The first one.
+    pub(crate) first: Option<f64>,
+    /// How much each is less than the one before.
+    pub(crate) decrement: f64,
+    /// The smallest one.
+    pub(crate) least: f64,
+    /// The way back after each.
+    pub(crate) retract: f64,
+}
+
+/// Feed and dwells of a cycle.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Rates {
+    /// The feed is the cycle's own, not that of the feed mode.
+    pub(crate) own_feed: bool,
+    pub(crate) feed: (Option<f64>, FeedUnit),
+    /// Feed out of the hole as a multiple of the feed into it.
+    pub(crate) ratio: f64,
+    /// Dwell at depth, per peck, at the top: positive seconds, negative revolutions.
+    pub(crate) dwell: [f64; 3],
+}
+
+/// How a boring cycle leaves the wall.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Boring {
+    /// Shift of the tool, and its parts along X, Y, Z.
+    pub(crate) shift: f64,
+    pub(crate) shifts: [Option<f64>; 3],
+    /// Angle of the oriented spindle.
+    pub(crate) orient: f64,
+}
+
 /// The cycle of a channel.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Cycle {
@@ -43,33 +117,12 @@ pub(crate) struct Cycle {
     pub(crate) code: Option<CodeId>,
     /// Role and channel axis that it works along.
     pub(crate) axis: Option<(usize, usize)>,
-    /// Level along the axis when it began.
-    pub(crate) initial: f64,
-    /// Level that heights count from under a code that carries out.
-    pub(crate) reference: f64,
-    pub(crate) clear: Option<Height>,
-    pub(crate) depth: Option<Height>,
-    pub(crate) retract: Option<Height>,
-    pub(crate) bottom: Option<Height>,
-    /// Start and depth of further webs.
-    pub(crate) webs: [[Option<Height>; 2]; FURTHER_WEBS],
+    pub(crate) heights: CycleHeights,
     /// Type of a tap as programmed.
     pub(crate) tap: Option<f64>,
-    /// The feed is the cycle's own, not that of the feed mode.
-    pub(crate) own_feed: bool,
-    pub(crate) feed: (Option<f64>, FeedUnit),
-    /// First step, its decrement, smallest step, way back: geometry units.
-    pub(crate) step: Option<f64>,
-    pub(crate) decrement: f64,
-    pub(crate) least: f64,
-    pub(crate) step_back: f64,
-    /// Dwell at depth, per step, at the top: positive seconds, negative revolutions.
-    pub(crate) dwell: [f64; 3],
-    /// Shift of oriented boring, and its parts along X, Y, Z.
-    pub(crate) shift: f64,
-    pub(crate) shifts: [Option<f64>; 3],
-    pub(crate) orient: f64,
-    pub(crate) ratio: f64,
+    pub(crate) rates: Rates,
+    pub(crate) pecks: Pecks,
+    pub(crate) boring: Boring,
     /// `$CYRIGID`
     pub(crate) rigid: f64,
     /// `$CYDIR`
@@ -94,25 +147,16 @@ impl Cycle {
             number: 0.0,
             code: None,
             axis: None,
-            initial: 0.0,
-            reference: 0.0,
-            clear: None,
-            depth: None,
-            retract: None,
-            bottom: None,
-            webs: Default::default(),
+            heights: CycleHeights::default(),
             tap: None,
-            own_feed: false,
-            feed: (None, FeedUnit::PerMinute),
-            step: None,
-            decrement: 0.0,
-            least: machine.cycles.min_step,
-            step_back: machine.cycles.step_back,
-            dwell: [0.0; 3],
-            shift: 0.0,
-            shifts: [None; 3],
-            orient: 0.0,
-            ratio: 1.0,
+            rates: Rates { own_feed: false, feed: (None, FeedUnit::PerMinute), ratio: 1.0, dwell: [0.0; 3] },
+            pecks: Pecks {
+                first: None,
+                decrement: 0.0,
+                least: machine.cycles.min_step,
+                retract: machine.cycles.step_back,
+            },
+            boring: Boring::default(),
             rigid: 0.0,
             direction: 0.0,
         }
@@ -123,18 +167,25 @@ impl Cycle {
         if self.running || self.prepared {
             return;
         }
-        let Self { number, code, axis, rigid, block, least, .. } = *self;
+        let Self { number, code, axis, rigid, block, pecks: Pecks { least, .. }, .. } = *self;
         let blank = Self::blank(self.activator, self.off, machine);
-        *self = Self { prepared: true, number, code, axis, rigid, block, least, ..blank };
+        let pecks = Pecks { least, ..blank.pecks };
+        *self = Self { prepared: true, number, code, axis, rigid, block, pecks, ..blank };
     }
 
     /// A cycle code acts: begins a cycle, or goes on with another kind.
-    pub(crate) fn begin(&mut self, machine: &Machine, kind: Kind, code: CodeId, (axis, level): ((usize, usize), f64)) {
+    pub(crate) fn begin(
+        &mut self,
+        machine: &Machine,
+        kind: HoleCycle,
+        code: CodeId,
+        (axis, level): ((usize, usize), f64),
+    ) {
         self.running &= !self.activator;
         self.prepare(machine);
         if !self.running || self.axis != Some(axis) {
-            self.initial = level;
-            self.reference = level;
+            self.heights.initial = level;
+            self.heights.reference = level;
         }
         self.running = !self.activator;
         self.prepared = false;
@@ -146,8 +197,8 @@ impl Cycle {
     pub(crate) fn reframed(&mut self, old: &Position, new: &Position) {
         let change = |axis: usize| Some(old.get(axis)? - new.get(axis)?);
         if let Some(change) = self.axis.and_then(|(_, axis)| change(axis)) {
-            self.initial += change;
-            self.reference += change;
+            self.heights.initial += change;
+            self.heights.reference += change;
         }
     }
 
@@ -160,23 +211,20 @@ impl Cycle {
     }
 }
 
-/// One hole: where it is and between which heights, all in the work frame as programmed.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Hole {
-    /// Position; its value along the axis of the cycle does not count.
-    pub(crate) target: Position,
-    /// Axes that were coded, bit by axis.
-    pub(crate) coded: u8,
-    /// Axis of the cycle in channel order.
-    pub(crate) axis: usize,
-    /// Height where feeding begins.
-    pub(crate) clear: f64,
-    /// Height where the tool is left.
-    pub(crate) back: f64,
-    /// Depth; none if none has been programmed.
-    pub(crate) depth: Option<f64>,
-    /// Lower clearance of back boring.
-    pub(crate) bottom: Option<f64>,
-    /// Start and depth of the webs after the first one.
-    pub(crate) webs: [Option<[f64; 2]>; FURTHER_WEBS],
+impl Channel<'_> {
+    /// The active code of the cycle group acts on every position.
+    pub(crate) fn cycle_repeats(&self) -> bool {
+        match self.state.modal.code(group::CYCLE).map(|code| (code, code.kind())) {
+            Some((_, CodeKind::Cycle(_))) => !self.state.cycle.activator,
+            Some((codes::CYCLE_ON, _) | (_, CodeKind::ThreadCycle(_))) => true,
+            _ => false,
+        }
+    }
+
+    /// Follows active codes that were set without acting: no cycle code, no cycle.
+    pub(crate) fn follow_cycle(&mut self) {
+        if self.state.cycle.running && !self.cycle_repeats() {
+            self.state.cycle.end();
+        }
+    }
 }

@@ -8,7 +8,7 @@ pub(crate) mod arc;
 pub(crate) mod block;
 pub(crate) mod burden;
 pub(crate) mod channel;
-mod clamps;
+pub(crate) mod clamps;
 pub(crate) mod compensation;
 pub(crate) mod coolant;
 pub(crate) mod cutter;

@@ -36,9 +36,9 @@ pub(crate) struct Bounds {
     pub(crate) foreign: u128,
 }
 
-/// Where the channel stands and how it moves.
+/// The axes of a channel, which do not change while it runs.
 #[derive(Debug)]
-pub(crate) struct Place {
+pub(crate) struct Layout {
     /// Axes in channel order.
     pub(crate) axes: Vec<Axis>,
     /// One of them turns.
@@ -47,32 +47,59 @@ pub(crate) struct Place {
     pub(crate) bounds: Bounds,
     /// Axes whose absolute words are angles, not positions, bit by axis.
     pub(crate) angles: u8,
+    /// Channel axis of the X, Y and Z roles.
+    pub(crate) cartesian: [Option<u8>; 3],
+}
+
+/// Numbers of the offsets in force.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct InForce {
+    /// Work offset, 0 = none.
+    pub(crate) work_offset: u32,
+    /// Tool offset, 0 = none.
+    pub(crate) tool_offset: u32,
+    /// Length compensation: +1, −1 or 0.
+    pub(crate) length_sign: f64,
+    /// Its number.
+    pub(crate) length_number: u32,
+}
+
+impl Default for InForce {
+    fn default() -> Self {
+        Self { work_offset: 1, tool_offset: 0, length_sign: 0.0, length_number: 0 }
+    }
+}
+
+/// Tools of a channel.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Tools {
+    /// Tool in use.
+    pub(crate) current: u32,
+    /// Preselected tool.
+    pub(crate) selected: u32,
+    /// A tool has been preselected, be it none (T0).
+    pub(crate) chosen: bool,
+    /// It has been reported that the machine has no tool offsets.
+    pub(crate) offsets_reported: bool,
+}
+
+/// Where the channel stands and how it moves.
+#[derive(Debug)]
+pub(crate) struct Place {
+    /// Its axes.
+    pub(crate) layout: Layout,
     /// Programmed position in the work frame.
     pub(crate) position: Position,
     /// Machine frame = work frame + shift.
     pub(crate) shift: Position,
     /// Part of the shift from presets and manual settings, without work and tool offsets.
     pub(crate) preset: Position,
-    /// Active work offset number, 0 = none.
-    pub(crate) work_offset: u32,
-    /// Active tool offset number, 0 = none.
-    pub(crate) tool_offset: u32,
-    /// Active length compensation: +1, −1 or 0.
-    pub(crate) length_sign: f64,
-    /// Its number.
-    pub(crate) length_number: u32,
+    /// Offsets in force.
+    pub(crate) in_force: InForce,
     /// Intermediate point of the last home move, for the return.
     pub(crate) home_via: Option<Position>,
-    /// Channel axis of the X, Y and Z roles.
-    pub(crate) cartesian: [Option<u8>; 3],
-    /// Current tool.
-    pub(crate) tool: u32,
-    /// Preselected tool.
-    pub(crate) selected: u32,
-    /// It has been told that the machine has no tool offsets.
-    pub(crate) told_offsets: bool,
-    /// A tool has been preselected, be it none (T0).
-    pub(crate) chosen: bool,
+    /// Tools.
+    pub(crate) tools: Tools,
     /// Clamped axes, bit by axis.
     pub(crate) clamped: u8,
     /// What lies between the program and the work frame; none while nothing of it is active.
@@ -110,28 +137,25 @@ impl Place {
             .collect();
         let find = |role: AxisRole| axes.iter().position(|a| a.role == role).map(|i| i as u8);
         let cartesian = [find(AxisRole::X), find(AxisRole::Y), find(AxisRole::Z)];
+        let bounds = Bounds {
+            limited: axes.iter().any(|axis| axis.limits.is_some()),
+            stop: machine.stops_at(&diag::OVER_TRAVEL),
+            foreign: foreign(machine, &axes),
+        };
         Self {
             position: machine.home(channel),
-            rotary: axes.iter().any(|axis| axis.rotary),
-            bounds: Bounds {
-                limited: axes.iter().any(|axis| axis.limits.is_some()),
-                stop: machine.stops_at(&diag::OVER_TRAVEL),
-                foreign: foreign(machine, &axes),
+            layout: Layout {
+                rotary: axes.iter().any(|axis| axis.rotary),
+                bounds,
+                angles: angles(machine, &axes),
+                axes,
+                cartesian,
             },
-            angles: angles(machine, &axes),
-            axes,
             shift: [0.0; MAX_AXES],
             preset: [0.0; MAX_AXES],
-            work_offset: 1,
-            tool_offset: 0,
-            length_sign: 0.0,
-            length_number: 0,
+            in_force: InForce::default(),
             home_via: None,
-            cartesian,
-            tool: 0,
-            selected: 0,
-            told_offsets: false,
-            chosen: false,
+            tools: Tools::default(),
             clamped: 0,
             frames: None,
             offsets: None,

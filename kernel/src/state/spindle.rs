@@ -4,7 +4,10 @@
 
 use super::channel::Channel;
 use super::modal::group;
-use crate::machine::ident::{CodeId, code_facts, codes};
+use counterpoint_motion::surface_speed::Speed;
+
+use crate::machine::ident::codes;
+use crate::machine::ident::kind::CodeKind;
 use crate::machine::model::{Channel as MachineChannel, Machine};
 use crate::multi::shared::Command;
 
@@ -19,6 +22,15 @@ pub(crate) struct SpindleState {
     pub(crate) command: Command,
     /// Speed now when another channel drives it.
     pub(crate) now: f64,
+}
+
+/// How the spindle turns during a motion.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Turning {
+    /// Steady rev/min.
+    Fixed(f64),
+    /// By this channel's own X.
+    Surface(Speed),
 }
 
 /// Spindles of one channel by index of the machine's list, and what they are in work for.
@@ -56,14 +68,11 @@ pub(crate) fn index_of(machine: &Machine, number: u16) -> Option<usize> {
     machine.spindles.iter().position(|spindle| spindle.number == number)
 }
 
-/// Number in the name of a code of a numbered spindle, 1 to 5.
-fn numbered(id: CodeId) -> Option<u16> {
-    code_facts(id)?.name.strip_prefix("CODE_SPINDLE")?.split_once('_')?.0.parse().ok()
-}
-
 /// The machine commands this spindle by codes of its number.
 fn has_codes(machine: &Machine, number: u16) -> bool {
-    machine.codes.iter().any(|row| row.enable && numbered(row.id) == Some(number))
+    machine.codes.iter().any(|row| {
+        row.enable && matches!(row.id.kind(), CodeKind::Spindle { number: of, .. } if of == number && of > 0)
+    })
 }
 
 /// More than one channel can command the spindle.

@@ -4,7 +4,7 @@
 //! macro that sets one of them before its code sets it for that cycle. Facts: reference system-variables.md 8.
 
 use crate::machine::Machine;
-use crate::machine::ident::kind::thread::Kind;
+use crate::machine::ident::kind::thread::ThreadCycle;
 
 /// What is known about the threads of a channel.
 #[derive(Debug, Clone, Copy)]
@@ -12,21 +12,33 @@ pub(crate) struct Threads {
     /// Starts of the last thread.
     pub(crate) starts: f64,
     /// Its cycles.
-    pub(crate) cycle: ThreadCycle,
+    pub(crate) cycle: Threading,
 }
 
 impl Threads {
     /// No thread yet.
     pub(crate) fn new(machine: &Machine) -> Self {
-        Self { starts: 1.0, cycle: ThreadCycle::new(machine) }
+        Self { starts: 1.0, cycle: Threading::new(machine) }
     }
+}
+
+/// How the tool leaves a thread: along a chamfer.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct PullOut {
+    pub(crate) on: bool,
+    /// Its length along the thread, 0 = by the lead.
+    pub(crate) length: f64,
+    /// Its length in leads, if it was said like this.
+    pub(crate) leads: Option<f64>,
+    /// Its angle to the thread, degrees.
+    pub(crate) angle: f64,
 }
 
 /// Threading cycles of a channel.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct ThreadCycle {
+pub(crate) struct Threading {
     /// The cycle that acted last, and on which block.
-    pub(crate) kind: Option<Kind>,
+    pub(crate) kind: Option<ThreadCycle>,
     pub(crate) block: u64,
     /// A macro has set depth, step or passes of the cycle to come.
     prepared: bool,
@@ -45,19 +57,13 @@ pub(crate) struct ThreadCycle {
     pub(crate) finish: f64,
     /// Angle of the nose, degrees.
     pub(crate) nose: f64,
-    pub(crate) chamfer: bool,
-    /// Its length along the thread, 0 = by the lead.
-    pub(crate) chamfer_length: f64,
-    /// Its length in leads, if it was told like this.
-    pub(crate) chamfer_leads: Option<f64>,
-    /// Its angle to the thread, degrees.
-    pub(crate) chamfer_angle: f64,
+    pub(crate) pull_out: PullOut,
     /// End of threads of one pass along X and Z, as programmed, and their taper; they last as long as their code.
     pub(crate) end: [Option<f64>; 2],
     pub(crate) taper: f64,
 }
 
-impl ThreadCycle {
+impl Threading {
     /// Settings of the machine.
     pub(crate) fn new(machine: &Machine) -> Self {
         let threads = &machine.threads;
@@ -74,10 +80,12 @@ impl ThreadCycle {
             finish_cuts: f64::from(threads.finish_cuts),
             finish: threads.finish,
             nose: threads.nose,
-            chamfer: threads.chamfer,
-            chamfer_length: threads.chamfer_length,
-            chamfer_leads: None,
-            chamfer_angle: threads.chamfer_angle,
+            pull_out: PullOut {
+                on: threads.chamfer,
+                length: threads.chamfer_length,
+                leads: None,
+                angle: threads.chamfer_angle,
+            },
             end: [None; 2],
             taper: 0.0,
         }
@@ -104,13 +112,13 @@ impl ThreadCycle {
     }
 
     /// The kind that acts on a block.
-    pub(crate) fn acting(&self, block: u64) -> Option<Kind> {
+    pub(crate) fn acting(&self, block: u64) -> Option<ThreadCycle> {
         self.kind.filter(|_| self.block == block)
     }
 
     /// A length of the chamfer, 0 = by the lead.
     pub(crate) fn set_chamfer(&mut self, length: f64) {
-        (self.chamfer_length, self.chamfer_leads) = (length, None);
+        (self.pull_out.length, self.pull_out.leads) = (length, None);
     }
 
     /// `$THCUTS`

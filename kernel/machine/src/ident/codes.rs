@@ -1,456 +1,480 @@
-//! All code identifiers with their default group, order and whether a built-in action is documented.
+//! All code identifiers with their default group, order, whether a built-in action is documented, and their kind.
 //!
-//! Facts: reference code-identifiers.tsv; the rows after them are this project's own. Sorted by name within each
-//! part; `CodeId(n)` is the position in [`TABLE`].
+//! Facts: reference code-identifiers.tsv; the rows after them are this project's own. Sorted by name within each part.
+//! Invariant: `CodeId(n)` is the position in [`TABLE`]; one list makes table and constants, so that they cannot differ.
 
-mod names;
+use counterpoint_motion::frame::local::Part;
 
-pub use names::*;
+use super::kind::CodeKind::*;
+use super::kind::arc::{By, Form};
+use super::kind::coolant::{Flow, Switch};
+use super::kind::cycle::HoleCycle;
+use super::kind::head::HeadEvent;
+use super::kind::local::Change;
+use super::kind::thread::{LeadChange, Setting, ThreadCycle};
+use super::{CodeFacts, CodeId, data};
+use counterpoint_event::event::{Direction, Outlet};
 
-use super::{CodeFacts, CodeId};
+/// Rows: name without `CODE_`, group, order, built in, own, kind, and what an own one means.
+macro_rules! codes {
+    ($($name:ident $group:literal $order:literal $built_in:literal $own:literal $kind:expr $(=> $meaning:literal)?;)*) => {
+        #[allow(non_camel_case_types, clippy::upper_case_acronyms)]
+        enum Position { $($name),* }
+        /// Facts of every identifier, indexed by `CodeId`.
+        pub const TABLE: &[CodeFacts] = &[$(CodeFacts {
+            name: concat!("CODE_", stringify!($name)),
+            group: $group,
+            order: $order,
+            built_in: $built_in,
+            own: $own,
+            kind: $kind,
+        }),*];
+        $(#[doc = concat!("`CODE_", stringify!($name), "`" $(, $meaning)?, ".")]
+        pub const $name: CodeId = CodeId(Position::$name as u16);)*
+    };
+}
 
-/// Facts of every identifier, indexed by `CodeId`.
-pub const TABLE: &[CodeFacts] = &[
-    CodeFacts { name: "CODE_AIR_OFF", group: 51, order: 700, built_in: false, own: false },
-    CodeFacts { name: "CODE_AIR_ON", group: 51, order: 300, built_in: false, own: false },
-    CodeFacts { name: "CODE_AMCYC_CANCEL", group: 0, order: 100, built_in: false, own: false },
-    CodeFacts { name: "CODE_AM_OFF", group: 800, order: 300, built_in: true, own: false },
-    CodeFacts { name: "CODE_AM_ON", group: 800, order: 700, built_in: true, own: false },
-    CodeFacts { name: "CODE_APPLY_CONTOUR", group: 0, order: 100, built_in: false, own: false },
-    CodeFacts { name: "CODE_APPLY_MILL", group: 0, order: 100, built_in: true, own: false },
-    CodeFacts { name: "CODE_APPLY_PUNCH", group: 0, order: 100, built_in: false, own: false },
-    CodeFacts { name: "CODE_APPLY_TURN", group: 0, order: 100, built_in: true, own: false },
-    CodeFacts { name: "CODE_ASSIST_AIR", group: 52, order: 300, built_in: false, own: false },
-    CodeFacts { name: "CODE_ASSIST_ARGON", group: 52, order: 300, built_in: false, own: false },
-    CodeFacts { name: "CODE_ASSIST_NITROGEN", group: 52, order: 300, built_in: false, own: false },
-    CodeFacts { name: "CODE_ASSIST_OFF", group: 52, order: 700, built_in: false, own: false },
-    CodeFacts { name: "CODE_ASSIST_OXYGEN", group: 52, order: 300, built_in: false, own: false },
-    CodeFacts { name: "CODE_C2P_CART_OFF", group: 26, order: 100, built_in: true, own: false },
-    CodeFacts { name: "CODE_C2P_CART_ON", group: 26, order: 100, built_in: true, own: false },
-    CodeFacts { name: "CODE_C2P_POLAR_OFF", group: 26, order: 100, built_in: true, own: false },
-    CodeFacts { name: "CODE_C2P_POLAR_ON", group: 26, order: 100, built_in: true, own: false },
-    CodeFacts { name: "CODE_CALSUB_ID", group: 0, order: 300, built_in: true, own: false },
-    CodeFacts { name: "CODE_CALSUB_ID_OFF", group: 0, order: 300, built_in: false, own: false },
-    CodeFacts { name: "CODE_CALSUB_RANGE", group: 0, order: 300, built_in: true, own: false },
-    CodeFacts { name: "CODE_CALSUB_RETURN", group: 0, order: 300, built_in: true, own: false },
-    CodeFacts { name: "CODE_CLAMP_AH", group: 79, order: 300, built_in: true, own: false },
-    CodeFacts { name: "CODE_CLAMP_AT", group: 76, order: 300, built_in: true, own: false },
-    CodeFacts { name: "CODE_CLAMP_BH", group: 80, order: 300, built_in: true, own: false },
-    CodeFacts { name: "CODE_CLAMP_BT", group: 77, order: 300, built_in: true, own: false },
-    CodeFacts { name: "CODE_CLAMP_CH", group: 81, order: 300, built_in: true, own: false },
-    CodeFacts { name: "CODE_CLAMP_CT", group: 78, order: 300, built_in: true, own: false },
-    CodeFacts { name: "CODE_CLAMP_CT2", group: 85, order: 300, built_in: true, own: false },
-    CodeFacts { name: "CODE_CLAMP_E", group: 82, order: 300, built_in: true, own: false },
-    CodeFacts { name: "CODE_CLAMP_N", group: 83, order: 300, built_in: true, own: false },
-    CodeFacts { name: "CODE_CLAMP_N2", group: 84, order: 300, built_in: true, own: false },
-    CodeFacts { name: "CODE_CLAMP_U", group: 73, order: 300, built_in: true, own: false },
-    CodeFacts { name: "CODE_CLAMP_V", group: 74, order: 300, built_in: true, own: false },
-    CodeFacts { name: "CODE_CLAMP_W", group: 75, order: 300, built_in: true, own: false },
-    CodeFacts { name: "CODE_CLAMP_X", group: 70, order: 300, built_in: true, own: false },
-    CodeFacts { name: "CODE_CLAMP_Y", group: 71, order: 300, built_in: true, own: false },
-    CodeFacts { name: "CODE_CLAMP_Z", group: 72, order: 300, built_in: true, own: false },
-    CodeFacts { name: "CODE_COMMENT", group: 0, order: 100, built_in: true, own: false },
-    CodeFacts { name: "CODE_COMP_3D_LEFT", group: 7, order: 100, built_in: false, own: false },
-    CodeFacts { name: "CODE_COMP_3D_RIGHT", group: 7, order: 100, built_in: false, own: false },
-    CodeFacts { name: "CODE_COMP_3D_VECTOR", group: 7, order: 100, built_in: true, own: false },
-    CodeFacts { name: "CODE_COMP_CORNER_ARC", group: 107, order: 100, built_in: true, own: false },
-    CodeFacts { name: "CODE_COMP_CORNER_LINEAR", group: 107, order: 100, built_in: true, own: false },
-    CodeFacts { name: "CODE_COMP_DIAM_LEFT", group: 7, order: 100, built_in: true, own: false },
-    CodeFacts { name: "CODE_COMP_DIAM_OFF", group: 7, order: 100, built_in: true, own: false },
-    CodeFacts { name: "CODE_COMP_DIAM_RIGHT", group: 7, order: 100, built_in: true, own: false },
-    CodeFacts { name: "CODE_COMP_DYN_FIXT_OFF", group: 14, order: 100, built_in: true, own: false },
-    CodeFacts { name: "CODE_COMP_DYN_FIXT_ON", group: 14, order: 100, built_in: true, own: false },
-    CodeFacts { name: "CODE_COMP_EXTFIXT", group: 14, order: 100, built_in: true, own: false },
-    CodeFacts { name: "CODE_COMP_EXTFIXT_RANGE", group: 14, order: 100, built_in: true, own: false },
-    CodeFacts { name: "CODE_COMP_LENGTH2_ON", group: 8, order: 100, built_in: true, own: false },
-    CodeFacts { name: "CODE_COMP_LENGTH3_ON", group: 8, order: 100, built_in: true, own: false },
-    CodeFacts { name: "CODE_COMP_LENGTH4_ON", group: 8, order: 100, built_in: true, own: false },
-    CodeFacts { name: "CODE_COMP_LENGTH_OFF", group: 8, order: 100, built_in: true, own: false },
-    CodeFacts { name: "CODE_COMP_LENGTH_ON", group: 8, order: 100, built_in: true, own: false },
-    CodeFacts { name: "CODE_COMP_LENGTH_ON_NEG", group: 8, order: 100, built_in: true, own: false },
-    CodeFacts { name: "CODE_COMP_WORKP_OFF", group: 14, order: 100, built_in: true, own: false },
-    CodeFacts { name: "CODE_COMP_WORKP_ON", group: 14, order: 100, built_in: true, own: false },
-    CodeFacts { name: "CODE_COMP_X_OFF", group: 14, order: 100, built_in: false, own: false },
-    CodeFacts { name: "CODE_COMP_X_ON", group: 14, order: 100, built_in: false, own: false },
-    CodeFacts { name: "CODE_COMP_Y_OFF", group: 14, order: 100, built_in: false, own: false },
-    CodeFacts { name: "CODE_COMP_Y_ON", group: 14, order: 100, built_in: false, own: false },
-    CodeFacts { name: "CODE_COMP_Z_OFF", group: 14, order: 100, built_in: false, own: false },
-    CodeFacts { name: "CODE_COMP_Z_ON", group: 14, order: 100, built_in: false, own: false },
-    CodeFacts { name: "CODE_CONTOURING", group: 0, order: 100, built_in: false, own: false },
-    CodeFacts { name: "CODE_COOLANT_DEV1_OFF", group: 541, order: 700, built_in: true, own: false },
-    CodeFacts { name: "CODE_COOLANT_DEV1_ON", group: 541, order: 300, built_in: true, own: false },
-    CodeFacts { name: "CODE_COOLANT_DEV2_OFF", group: 542, order: 700, built_in: true, own: false },
-    CodeFacts { name: "CODE_COOLANT_DEV2_ON", group: 542, order: 300, built_in: true, own: false },
-    CodeFacts { name: "CODE_COOLANT_DEV3_OFF", group: 543, order: 700, built_in: true, own: false },
-    CodeFacts { name: "CODE_COOLANT_DEV3_ON", group: 543, order: 300, built_in: true, own: false },
-    CodeFacts { name: "CODE_COOLANT_DEV4_OFF", group: 544, order: 700, built_in: true, own: false },
-    CodeFacts { name: "CODE_COOLANT_DEV4_ON", group: 544, order: 300, built_in: true, own: false },
-    CodeFacts { name: "CODE_COOLANT_DEV5_OFF", group: 545, order: 700, built_in: true, own: false },
-    CodeFacts { name: "CODE_COOLANT_DEV5_ON", group: 545, order: 300, built_in: true, own: false },
-    CodeFacts { name: "CODE_COOLANT_DEV6_OFF", group: 546, order: 700, built_in: true, own: false },
-    CodeFacts { name: "CODE_COOLANT_DEV6_ON", group: 546, order: 300, built_in: true, own: false },
-    CodeFacts { name: "CODE_COOLANT_DEV7_OFF", group: 547, order: 700, built_in: true, own: false },
-    CodeFacts { name: "CODE_COOLANT_DEV7_ON", group: 547, order: 300, built_in: true, own: false },
-    CodeFacts { name: "CODE_COOLANT_DEV8_OFF", group: 548, order: 700, built_in: true, own: false },
-    CodeFacts { name: "CODE_COOLANT_DEV8_ON", group: 548, order: 300, built_in: true, own: false },
-    CodeFacts { name: "CODE_COOLANT_DEV9_OFF", group: 549, order: 700, built_in: true, own: false },
-    CodeFacts { name: "CODE_COOLANT_DEV9_ON", group: 549, order: 300, built_in: true, own: false },
-    CodeFacts { name: "CODE_COOLANT_FLOOD", group: 54, order: 300, built_in: true, own: false },
-    CodeFacts { name: "CODE_COOLANT_FLOOD_SIDE", group: 540, order: 300, built_in: true, own: false },
-    CodeFacts { name: "CODE_COOLANT_MIST", group: 54, order: 300, built_in: true, own: false },
-    CodeFacts { name: "CODE_COOLANT_MIST_SIDE", group: 540, order: 300, built_in: true, own: false },
-    CodeFacts { name: "CODE_COOLANT_OFF", group: 54, order: 700, built_in: true, own: false },
-    CodeFacts { name: "CODE_COOLANT_OFF_SIDE", group: 540, order: 700, built_in: true, own: false },
-    CodeFacts { name: "CODE_COOLANT_ON", group: 54, order: 300, built_in: true, own: false },
-    CodeFacts { name: "CODE_COOLANT_PRESSURE", group: 0, order: 300, built_in: true, own: false },
-    CodeFacts { name: "CODE_COOLANT_PRESSURE_0", group: 550, order: 300, built_in: true, own: false },
-    CodeFacts { name: "CODE_COOLANT_PRESSURE_1", group: 550, order: 300, built_in: true, own: false },
-    CodeFacts { name: "CODE_COOLANT_PRESSURE_2", group: 550, order: 300, built_in: true, own: false },
-    CodeFacts { name: "CODE_COOLANT_PRESSURE_3", group: 550, order: 300, built_in: true, own: false },
-    CodeFacts { name: "CODE_COOLANT_PRESSURE_4", group: 550, order: 300, built_in: true, own: false },
-    CodeFacts { name: "CODE_COOLANT_PRESSURE_5", group: 550, order: 300, built_in: true, own: false },
-    CodeFacts { name: "CODE_COOLANT_PRESSURE_6", group: 550, order: 300, built_in: true, own: false },
-    CodeFacts { name: "CODE_COOLANT_PRESSURE_7", group: 550, order: 300, built_in: true, own: false },
-    CodeFacts { name: "CODE_COOLANT_PRESSURE_8", group: 550, order: 300, built_in: true, own: false },
-    CodeFacts { name: "CODE_COOLANT_PRESSURE_9", group: 550, order: 300, built_in: true, own: false },
-    CodeFacts { name: "CODE_COOLANT_TAPKUL", group: 54, order: 300, built_in: true, own: false },
-    CodeFacts { name: "CODE_COOLANT_TAPKUL_SIDE", group: 540, order: 300, built_in: true, own: false },
-    CodeFacts { name: "CODE_COOLANT_THRU", group: 54, order: 300, built_in: true, own: false },
-    CodeFacts { name: "CODE_COOLANT_THRU_SIDE", group: 540, order: 300, built_in: true, own: false },
-    CodeFacts { name: "CODE_COOLANT_TYPE5", group: 54, order: 300, built_in: true, own: false },
-    CodeFacts { name: "CODE_COOLANT_TYPE5_SIDE", group: 540, order: 300, built_in: true, own: false },
-    CodeFacts { name: "CODE_COOLANT_TYPE6", group: 54, order: 300, built_in: true, own: false },
-    CodeFacts { name: "CODE_COOLANT_TYPE6_SIDE", group: 540, order: 300, built_in: true, own: false },
-    CodeFacts { name: "CODE_COOLANT_TYPE7", group: 54, order: 300, built_in: true, own: false },
-    CodeFacts { name: "CODE_COOLANT_TYPE7_SIDE", group: 540, order: 300, built_in: true, own: false },
-    CodeFacts { name: "CODE_COOLANT_TYPE8", group: 54, order: 300, built_in: true, own: false },
-    CodeFacts { name: "CODE_COOLANT_TYPE8_SIDE", group: 540, order: 300, built_in: true, own: false },
-    CodeFacts { name: "CODE_COOLANT_TYPE9", group: 54, order: 300, built_in: true, own: false },
-    CodeFacts { name: "CODE_COOLANT_TYPE9_SIDE", group: 540, order: 300, built_in: true, own: false },
-    CodeFacts { name: "CODE_CUTTING_OFF", group: 61, order: 100, built_in: false, own: false },
-    CodeFacts { name: "CODE_CUTTING_ON", group: 61, order: 100, built_in: false, own: false },
-    CodeFacts { name: "CODE_CYCLE_BORE", group: 9, order: 400, built_in: true, own: false },
-    CodeFacts { name: "CODE_CYCLE_BORE_BACK", group: 9, order: 400, built_in: true, own: false },
-    CodeFacts { name: "CODE_CYCLE_BORE_DWELL", group: 9, order: 400, built_in: true, own: false },
-    CodeFacts { name: "CODE_CYCLE_BORE_ORIENT", group: 9, order: 400, built_in: true, own: false },
-    CodeFacts { name: "CODE_CYCLE_BRKCHP", group: 9, order: 400, built_in: true, own: false },
-    CodeFacts { name: "CODE_CYCLE_DEEP", group: 9, order: 400, built_in: true, own: false },
-    CodeFacts { name: "CODE_CYCLE_DRILL", group: 9, order: 400, built_in: true, own: false },
-    CodeFacts { name: "CODE_CYCLE_DRILL_DWELL", group: 9, order: 400, built_in: true, own: false },
-    CodeFacts { name: "CODE_CYCLE_OFF", group: 9, order: 400, built_in: true, own: false },
-    CodeFacts { name: "CODE_CYCLE_ON", group: 9, order: 400, built_in: true, own: false },
-    CodeFacts { name: "CODE_CYCLE_REAM", group: 9, order: 400, built_in: true, own: false },
-    CodeFacts { name: "CODE_CYCLE_REAM_DWELL", group: 9, order: 400, built_in: true, own: false },
-    CodeFacts { name: "CODE_CYCLE_RETRACT_INITIAL", group: 10, order: 100, built_in: true, own: false },
-    CodeFacts { name: "CODE_CYCLE_RETRACT_R", group: 10, order: 100, built_in: true, own: false },
-    CodeFacts { name: "CODE_CYCLE_RIGID", group: 9, order: 400, built_in: true, own: false },
-    CodeFacts { name: "CODE_CYCLE_RIGID_BRKCHP", group: 9, order: 400, built_in: true, own: false },
-    CodeFacts { name: "CODE_CYCLE_RIGID_BRKCHP_CCLW", group: 9, order: 400, built_in: true, own: false },
-    CodeFacts { name: "CODE_CYCLE_RIGID_CCLW", group: 9, order: 400, built_in: true, own: false },
-    CodeFacts { name: "CODE_CYCLE_RIGID_DEEP", group: 9, order: 400, built_in: true, own: false },
-    CodeFacts { name: "CODE_CYCLE_RIGID_DEEP_CCLW", group: 9, order: 400, built_in: true, own: false },
-    CodeFacts { name: "CODE_CYCLE_TAP", group: 9, order: 400, built_in: true, own: false },
-    CodeFacts { name: "CODE_CYCLE_TAP_CCLW", group: 9, order: 400, built_in: true, own: false },
-    CodeFacts { name: "CODE_CYCLE_THRU", group: 9, order: 400, built_in: true, own: false },
-    CodeFacts { name: "CODE_DELAY", group: 0, order: 300, built_in: true, own: false },
-    CodeFacts { name: "CODE_DELAY_REV", group: 0, order: 300, built_in: true, own: false },
-    CodeFacts { name: "CODE_DISPLY", group: 0, order: 100, built_in: true, own: false },
-    CodeFacts { name: "CODE_END", group: 0, order: 900, built_in: true, own: false },
-    CodeFacts { name: "CODE_EXACTSTOP", group: 15, order: 100, built_in: true, own: false },
-    CodeFacts { name: "CODE_EXACTSTOP_CCLW", group: 15, order: 100, built_in: false, own: false },
-    CodeFacts { name: "CODE_EXACTSTOP_CLW", group: 15, order: 100, built_in: false, own: false },
-    CodeFacts { name: "CODE_EXACTSTOP_LINEAR", group: 15, order: 100, built_in: false, own: false },
-    CodeFacts { name: "CODE_EXACTSTOP_OFF", group: 15, order: 100, built_in: true, own: false },
-    CodeFacts { name: "CODE_EXACTSTOP_ON", group: 15, order: 100, built_in: true, own: false },
-    CodeFacts { name: "CODE_FEED_1T", group: 5, order: 100, built_in: true, own: false },
-    CodeFacts { name: "CODE_FEED_1T_GEAR_1", group: 503, order: 100, built_in: false, own: false },
-    CodeFacts { name: "CODE_FEED_1T_GEAR_2", group: 503, order: 100, built_in: false, own: false },
-    CodeFacts { name: "CODE_FEED_1T_GEAR_3", group: 503, order: 100, built_in: false, own: false },
-    CodeFacts { name: "CODE_FEED_1T_GEAR_4", group: 503, order: 100, built_in: false, own: false },
-    CodeFacts { name: "CODE_FEED_1T_GEAR_5", group: 503, order: 100, built_in: false, own: false },
-    CodeFacts { name: "CODE_FEED_MAXUPM", group: 0, order: 100, built_in: false, own: false },
-    CodeFacts { name: "CODE_FEED_UPM", group: 5, order: 100, built_in: true, own: false },
-    CodeFacts { name: "CODE_FEED_UPM_GEAR_1", group: 501, order: 100, built_in: false, own: false },
-    CodeFacts { name: "CODE_FEED_UPM_GEAR_2", group: 501, order: 100, built_in: false, own: false },
-    CodeFacts { name: "CODE_FEED_UPM_GEAR_3", group: 501, order: 100, built_in: false, own: false },
-    CodeFacts { name: "CODE_FEED_UPM_GEAR_4", group: 501, order: 100, built_in: false, own: false },
-    CodeFacts { name: "CODE_FEED_UPM_GEAR_5", group: 501, order: 100, built_in: false, own: false },
-    CodeFacts { name: "CODE_FEED_UPR", group: 5, order: 100, built_in: true, own: false },
-    CodeFacts { name: "CODE_FEED_UPR_GEAR_1", group: 502, order: 100, built_in: false, own: false },
-    CodeFacts { name: "CODE_FEED_UPR_GEAR_2", group: 502, order: 100, built_in: false, own: false },
-    CodeFacts { name: "CODE_FEED_UPR_GEAR_3", group: 502, order: 100, built_in: false, own: false },
-    CodeFacts { name: "CODE_FEED_UPR_GEAR_4", group: 502, order: 100, built_in: false, own: false },
-    CodeFacts { name: "CODE_FEED_UPR_GEAR_5", group: 502, order: 100, built_in: false, own: false },
-    CodeFacts { name: "CODE_GOHOME", group: 0, order: 450, built_in: true, own: false },
-    CodeFacts { name: "CODE_GOHOME_RETURN", group: 0, order: 450, built_in: true, own: false },
-    CodeFacts { name: "CODE_HEAD_CHAIN_CCLW", group: 160, order: 100, built_in: false, own: false },
-    CodeFacts { name: "CODE_HEAD_CHAIN_CLW", group: 160, order: 100, built_in: false, own: false },
-    CodeFacts { name: "CODE_HEAD_CHAIN_SHORTEST", group: 160, order: 100, built_in: false, own: false },
-    CodeFacts { name: "CODE_HEAD_DOWN", group: 58, order: 300, built_in: false, own: false },
-    CodeFacts { name: "CODE_HEAD_EXCHANGE", group: 0, order: 700, built_in: false, own: false },
-    CodeFacts { name: "CODE_HEAD_EXCHANGE_MANUAL", group: 0, order: 700, built_in: false, own: false },
-    CodeFacts { name: "CODE_HEAD_GRIPPER_LARGE", group: 159, order: 100, built_in: false, own: false },
-    CodeFacts { name: "CODE_HEAD_GRIPPER_SMALL", group: 159, order: 100, built_in: false, own: false },
-    CodeFacts { name: "CODE_HEAD_ID", group: 68, order: 100, built_in: true, own: false },
-    CodeFacts { name: "CODE_HEAD_LOAD", group: 0, order: 700, built_in: false, own: false },
-    CodeFacts { name: "CODE_HEAD_LOAD_ACTIVATE", group: 0, order: 100, built_in: false, own: false },
-    CodeFacts { name: "CODE_HEAD_LOAD_HIGHCODE", group: 0, order: 700, built_in: false, own: false },
-    CodeFacts { name: "CODE_HEAD_LOAD_LOWCODE", group: 0, order: 700, built_in: false, own: false },
-    CodeFacts { name: "CODE_HEAD_LOAD_MANUAL", group: 0, order: 700, built_in: false, own: false },
-    CodeFacts { name: "CODE_HEAD_LOAD_POINT", group: 0, order: 100, built_in: false, own: false },
-    CodeFacts { name: "CODE_HEAD_LOAD_RETURN", group: 0, order: 100, built_in: false, own: false },
-    CodeFacts { name: "CODE_HEAD_MAIN", group: 68, order: 100, built_in: true, own: false },
-    CodeFacts { name: "CODE_HEAD_PICKUP", group: 0, order: 300, built_in: false, own: false },
-    CodeFacts { name: "CODE_HEAD_PICKUP_FIRST", group: 0, order: 300, built_in: false, own: false },
-    CodeFacts { name: "CODE_HEAD_PICKUP_MANUAL", group: 0, order: 300, built_in: false, own: false },
-    CodeFacts { name: "CODE_HEAD_RETURN", group: 0, order: 700, built_in: false, own: false },
-    CodeFacts { name: "CODE_HEAD_RETURN_MANUAL", group: 0, order: 700, built_in: false, own: false },
-    CodeFacts { name: "CODE_HEAD_SELECT", group: 0, order: 300, built_in: false, own: false },
-    CodeFacts { name: "CODE_HEAD_SELECT_FIRST", group: 0, order: 300, built_in: false, own: false },
-    CodeFacts { name: "CODE_HEAD_SELECT_MANUAL", group: 0, order: 300, built_in: false, own: false },
-    CodeFacts { name: "CODE_HEAD_SIDE", group: 68, order: 100, built_in: true, own: false },
-    CodeFacts { name: "CODE_HEAD_UP", group: 58, order: 300, built_in: false, own: false },
-    CodeFacts { name: "CODE_INDEX_ROTARY", group: 0, order: 300, built_in: false, own: false },
-    CodeFacts { name: "CODE_INDEX_ROTARY_CCLW", group: 0, order: 300, built_in: false, own: false },
-    CodeFacts { name: "CODE_INDEX_ROTARY_CLW", group: 0, order: 300, built_in: false, own: false },
-    CodeFacts { name: "CODE_INTERP_ARC_3D", group: 1, order: 500, built_in: true, own: false },
-    CodeFacts { name: "CODE_INTERP_ARC_CCLW", group: 1, order: 500, built_in: true, own: false },
-    CodeFacts { name: "CODE_INTERP_ARC_CENTER", group: 1, order: 500, built_in: true, own: false },
-    CodeFacts { name: "CODE_INTERP_ARC_CLW", group: 1, order: 500, built_in: true, own: false },
-    CodeFacts { name: "CODE_INTERP_ARC_RADIUS", group: 1, order: 500, built_in: true, own: false },
-    CodeFacts { name: "CODE_INTERP_DEF_CCLW", group: 0, order: 600, built_in: true, own: false },
-    CodeFacts { name: "CODE_INTERP_DEF_CENTER", group: 0, order: 100, built_in: true, own: false },
-    CodeFacts { name: "CODE_INTERP_DEF_CLW", group: 0, order: 600, built_in: true, own: false },
-    CodeFacts { name: "CODE_INTERP_DEF_RADIUS", group: 0, order: 100, built_in: true, own: false },
-    CodeFacts { name: "CODE_INTERP_HELIX", group: 1, order: 500, built_in: true, own: false },
-    CodeFacts { name: "CODE_INTERP_HELIX_CCLW", group: 1, order: 500, built_in: true, own: false },
-    CodeFacts { name: "CODE_INTERP_HELIX_CLW", group: 1, order: 500, built_in: true, own: false },
-    CodeFacts { name: "CODE_INTERP_LINEAR", group: 1, order: 500, built_in: true, own: false },
-    CodeFacts { name: "CODE_INTERP_LINEAR_X10", group: 1, order: 500, built_in: true, own: false },
-    CodeFacts { name: "CODE_INTERP_LINEAR_X100", group: 1, order: 500, built_in: true, own: false },
-    CodeFacts { name: "CODE_INTERP_SKIP", group: 1, order: 500, built_in: true, own: false },
-    CodeFacts { name: "CODE_INTERP_THREAD", group: 1, order: 500, built_in: true, own: false },
-    CodeFacts { name: "CODE_INTERP_THREAD_OFF", group: 1, order: 300, built_in: true, own: false },
-    CodeFacts { name: "CODE_INTERP_THREAD_ON", group: 1, order: 300, built_in: true, own: false },
-    CodeFacts { name: "CODE_INTERP_THREAD_VAR", group: 1, order: 500, built_in: true, own: false },
-    CodeFacts { name: "CODE_INTERP_THREAD_VAR_DEC", group: 1, order: 500, built_in: true, own: false },
-    CodeFacts { name: "CODE_INTERP_THREAD_VAR_INC", group: 1, order: 500, built_in: true, own: false },
-    CodeFacts { name: "CODE_LCS_MIRROR_ADD", group: 18, order: 100, built_in: true, own: false },
-    CodeFacts { name: "CODE_LCS_MIRROR_OFF", group: 18, order: 100, built_in: true, own: false },
-    CodeFacts { name: "CODE_LCS_MIRROR_ON", group: 18, order: 100, built_in: true, own: false },
-    CodeFacts { name: "CODE_LCS_ROTATE_ADD", group: 16, order: 100, built_in: true, own: false },
-    CodeFacts { name: "CODE_LCS_ROTATE_OFF", group: 16, order: 100, built_in: true, own: false },
-    CodeFacts { name: "CODE_LCS_ROTATE_ON", group: 16, order: 100, built_in: true, own: false },
-    CodeFacts { name: "CODE_LCS_SCALE_ADD", group: 11, order: 100, built_in: true, own: false },
-    CodeFacts { name: "CODE_LCS_SCALE_OFF", group: 11, order: 100, built_in: true, own: false },
-    CodeFacts { name: "CODE_LCS_SCALE_ON", group: 11, order: 100, built_in: true, own: false },
-    CodeFacts { name: "CODE_LCS_TRANSLATE_ADD", group: 17, order: 100, built_in: true, own: false },
-    CodeFacts { name: "CODE_LCS_TRANSLATE_OFF", group: 17, order: 100, built_in: true, own: false },
-    CodeFacts { name: "CODE_LCS_TRANSLATE_ON", group: 17, order: 100, built_in: true, own: false },
-    CodeFacts { name: "CODE_LOCATE", group: 0, order: 100, built_in: false, own: false },
-    CodeFacts { name: "CODE_LOCATE_OFF", group: 0, order: 100, built_in: false, own: false },
-    CodeFacts { name: "CODE_NIBBLE_ARC", group: 0, order: 400, built_in: false, own: false },
-    CodeFacts { name: "CODE_NIBBLE_ARC_THICK", group: 0, order: 400, built_in: false, own: false },
-    CodeFacts { name: "CODE_NIBBLE_LINEAR", group: 0, order: 400, built_in: false, own: false },
-    CodeFacts { name: "CODE_NIBBLE_LINEAR_THICK", group: 0, order: 400, built_in: false, own: false },
-    CodeFacts { name: "CODE_NIBBLE_OFF", group: 0, order: 100, built_in: false, own: false },
-    CodeFacts { name: "CODE_NIBBLE_ON", group: 0, order: 100, built_in: false, own: false },
-    CodeFacts { name: "CODE_OPSTOP", group: 0, order: 900, built_in: true, own: false },
-    CodeFacts { name: "CODE_PATTERN_ARC", group: 0, order: 400, built_in: false, own: false },
-    CodeFacts { name: "CODE_PATTERN_BOLT_HOLE", group: 0, order: 400, built_in: false, own: false },
-    CodeFacts { name: "CODE_PATTERN_GRID_X", group: 0, order: 400, built_in: false, own: false },
-    CodeFacts { name: "CODE_PATTERN_GRID_Y", group: 0, order: 400, built_in: false, own: false },
-    CodeFacts { name: "CODE_PATTERN_LINE", group: 0, order: 400, built_in: false, own: false },
-    CodeFacts { name: "CODE_PATTERN_REFERENCE", group: 0, order: 400, built_in: false, own: false },
-    CodeFacts { name: "CODE_PLANE_E", group: 2, order: 100, built_in: false, own: false },
-    CodeFacts { name: "CODE_PLANE_XY", group: 2, order: 100, built_in: true, own: false },
-    CodeFacts { name: "CODE_PLANE_YZ", group: 2, order: 100, built_in: true, own: false },
-    CodeFacts { name: "CODE_PLANE_ZX", group: 2, order: 100, built_in: true, own: false },
-    CodeFacts { name: "CODE_POSITION_ABSOLUTE", group: 3, order: 100, built_in: true, own: false },
-    CodeFacts { name: "CODE_POSITION_RELATIVE", group: 3, order: 100, built_in: true, own: false },
-    CodeFacts { name: "CODE_POWER_CONSTWAVE", group: 62, order: 300, built_in: false, own: false },
-    CodeFacts { name: "CODE_POWER_OFF", group: 62, order: 700, built_in: false, own: false },
-    CodeFacts { name: "CODE_POWER_ON", group: 62, order: 300, built_in: false, own: false },
-    CodeFacts { name: "CODE_POWER_PULSE", group: 62, order: 300, built_in: false, own: false },
-    CodeFacts { name: "CODE_PUNCH_OFF", group: 0, order: 100, built_in: false, own: false },
-    CodeFacts { name: "CODE_PUNCH_ON", group: 0, order: 100, built_in: false, own: false },
-    CodeFacts { name: "CODE_RAPID", group: 1, order: 500, built_in: true, own: false },
-    CodeFacts { name: "CODE_REWIND", group: 0, order: 900, built_in: true, own: false },
-    CodeFacts { name: "CODE_RIGID_OFF", group: 101, order: 400, built_in: true, own: false },
-    CodeFacts { name: "CODE_RIGID_ON", group: 101, order: 400, built_in: true, own: false },
-    CodeFacts { name: "CODE_ROTARY_CCLW", group: 50, order: 100, built_in: false, own: false },
-    CodeFacts { name: "CODE_ROTARY_CLW", group: 50, order: 100, built_in: false, own: false },
-    CodeFacts { name: "CODE_ROTARY_SHORTEST", group: 50, order: 100, built_in: false, own: false },
-    CodeFacts { name: "CODE_RTCP2_ON", group: 20, order: 100, built_in: true, own: false },
-    CodeFacts { name: "CODE_RTCP_OFF", group: 20, order: 100, built_in: true, own: false },
-    CodeFacts { name: "CODE_RTCP_ON", group: 20, order: 100, built_in: true, own: false },
-    CodeFacts { name: "CODE_RTCP_ORIENT_2PT", group: 20, order: 100, built_in: true, own: false },
-    CodeFacts { name: "CODE_RTCP_ORIENT_AXES", group: 20, order: 100, built_in: true, own: false },
-    CodeFacts { name: "CODE_RTCP_ORIENT_CUSTOM", group: 20, order: 100, built_in: true, own: false },
-    CodeFacts { name: "CODE_RTCP_ORIENT_EULER", group: 20, order: 100, built_in: true, own: false },
-    CodeFacts { name: "CODE_RTCP_ORIENT_RPY", group: 20, order: 100, built_in: true, own: false },
-    CodeFacts { name: "CODE_RTCP_ORIENT_VECTOR", group: 20, order: 100, built_in: true, own: false },
-    CodeFacts { name: "CODE_SHEET_REPOS", group: 53, order: 300, built_in: false, own: false },
-    CodeFacts { name: "CODE_SHEET_REPOS_OFF", group: 53, order: 300, built_in: false, own: false },
-    CodeFacts { name: "CODE_SHEET_REPOS_ON", group: 53, order: 300, built_in: false, own: false },
-    CodeFacts { name: "CODE_SHUTTR_OFF", group: 63, order: 700, built_in: false, own: false },
-    CodeFacts { name: "CODE_SHUTTR_ON", group: 63, order: 300, built_in: false, own: false },
-    CodeFacts { name: "CODE_SKIP_ALARM_SIGNAL", group: 86, order: 100, built_in: true, own: false },
-    CodeFacts { name: "CODE_SKIP_ALARM_SILENT", group: 86, order: 100, built_in: true, own: false },
-    CodeFacts { name: "CODE_SPINDLE01_CCLW", group: 641, order: 300, built_in: true, own: false },
-    CodeFacts { name: "CODE_SPINDLE01_CCLW_COOLNT", group: 641, order: 300, built_in: true, own: false },
-    CodeFacts { name: "CODE_SPINDLE01_CLW", group: 641, order: 300, built_in: true, own: false },
-    CodeFacts { name: "CODE_SPINDLE01_CLW_COOLNT", group: 641, order: 300, built_in: true, own: false },
-    CodeFacts { name: "CODE_SPINDLE01_LOCK", group: 641, order: 700, built_in: true, own: false },
-    CodeFacts { name: "CODE_SPINDLE01_NEUTRAL", group: 641, order: 700, built_in: true, own: false },
-    CodeFacts { name: "CODE_SPINDLE01_OFF", group: 641, order: 700, built_in: true, own: false },
-    CodeFacts { name: "CODE_SPINDLE01_OFF_COOLNT", group: 641, order: 700, built_in: true, own: false },
-    CodeFacts { name: "CODE_SPINDLE01_ORIENT", group: 641, order: 700, built_in: true, own: false },
-    CodeFacts { name: "CODE_SPINDLE02_CCLW", group: 642, order: 300, built_in: true, own: false },
-    CodeFacts { name: "CODE_SPINDLE02_CCLW_COOLNT", group: 642, order: 300, built_in: true, own: false },
-    CodeFacts { name: "CODE_SPINDLE02_CLW", group: 642, order: 300, built_in: true, own: false },
-    CodeFacts { name: "CODE_SPINDLE02_CLW_COOLNT", group: 642, order: 300, built_in: true, own: false },
-    CodeFacts { name: "CODE_SPINDLE02_LOCK", group: 642, order: 700, built_in: true, own: false },
-    CodeFacts { name: "CODE_SPINDLE02_NEUTRAL", group: 642, order: 700, built_in: true, own: false },
-    CodeFacts { name: "CODE_SPINDLE02_OFF", group: 642, order: 700, built_in: true, own: false },
-    CodeFacts { name: "CODE_SPINDLE02_OFF_COOLNT", group: 642, order: 700, built_in: true, own: false },
-    CodeFacts { name: "CODE_SPINDLE02_ORIENT", group: 642, order: 700, built_in: true, own: false },
-    CodeFacts { name: "CODE_SPINDLE03_CCLW", group: 643, order: 300, built_in: true, own: false },
-    CodeFacts { name: "CODE_SPINDLE03_CCLW_COOLNT", group: 643, order: 300, built_in: true, own: false },
-    CodeFacts { name: "CODE_SPINDLE03_CLW", group: 643, order: 300, built_in: true, own: false },
-    CodeFacts { name: "CODE_SPINDLE03_CLW_COOLNT", group: 643, order: 300, built_in: true, own: false },
-    CodeFacts { name: "CODE_SPINDLE03_LOCK", group: 643, order: 700, built_in: true, own: false },
-    CodeFacts { name: "CODE_SPINDLE03_NEUTRAL", group: 643, order: 700, built_in: true, own: false },
-    CodeFacts { name: "CODE_SPINDLE03_OFF", group: 643, order: 700, built_in: true, own: false },
-    CodeFacts { name: "CODE_SPINDLE03_OFF_COOLNT", group: 643, order: 700, built_in: true, own: false },
-    CodeFacts { name: "CODE_SPINDLE03_ORIENT", group: 643, order: 700, built_in: true, own: false },
-    CodeFacts { name: "CODE_SPINDLE04_CCLW", group: 644, order: 300, built_in: true, own: false },
-    CodeFacts { name: "CODE_SPINDLE04_CCLW_COOLNT", group: 644, order: 300, built_in: true, own: false },
-    CodeFacts { name: "CODE_SPINDLE04_CLW", group: 644, order: 300, built_in: true, own: false },
-    CodeFacts { name: "CODE_SPINDLE04_CLW_COOLNT", group: 644, order: 300, built_in: true, own: false },
-    CodeFacts { name: "CODE_SPINDLE04_LOCK", group: 644, order: 700, built_in: true, own: false },
-    CodeFacts { name: "CODE_SPINDLE04_NEUTRAL", group: 644, order: 700, built_in: true, own: false },
-    CodeFacts { name: "CODE_SPINDLE04_OFF", group: 644, order: 700, built_in: true, own: false },
-    CodeFacts { name: "CODE_SPINDLE04_OFF_COOLNT", group: 644, order: 700, built_in: true, own: false },
-    CodeFacts { name: "CODE_SPINDLE04_ORIENT", group: 644, order: 700, built_in: true, own: false },
-    CodeFacts { name: "CODE_SPINDLE05_CCLW", group: 645, order: 300, built_in: true, own: false },
-    CodeFacts { name: "CODE_SPINDLE05_CCLW_COOLNT", group: 645, order: 300, built_in: true, own: false },
-    CodeFacts { name: "CODE_SPINDLE05_CLW", group: 645, order: 300, built_in: true, own: false },
-    CodeFacts { name: "CODE_SPINDLE05_CLW_COOLNT", group: 645, order: 300, built_in: true, own: false },
-    CodeFacts { name: "CODE_SPINDLE05_LOCK", group: 645, order: 700, built_in: true, own: false },
-    CodeFacts { name: "CODE_SPINDLE05_NEUTRAL", group: 645, order: 700, built_in: true, own: false },
-    CodeFacts { name: "CODE_SPINDLE05_OFF", group: 645, order: 700, built_in: true, own: false },
-    CodeFacts { name: "CODE_SPINDLE05_OFF_COOLNT", group: 645, order: 700, built_in: true, own: false },
-    CodeFacts { name: "CODE_SPINDLE05_ORIENT", group: 645, order: 700, built_in: true, own: false },
-    CodeFacts { name: "CODE_SPINDLE_CCLW", group: 64, order: 300, built_in: true, own: false },
-    CodeFacts { name: "CODE_SPINDLE_CCLW_COOLNT", group: 64, order: 300, built_in: true, own: false },
-    CodeFacts { name: "CODE_SPINDLE_CLW", group: 64, order: 300, built_in: true, own: false },
-    CodeFacts { name: "CODE_SPINDLE_CLW_COOLNT", group: 64, order: 300, built_in: true, own: false },
-    CodeFacts { name: "CODE_SPINDLE_CSS", group: 13, order: 300, built_in: true, own: false },
-    CodeFacts { name: "CODE_SPINDLE_CSS_ID", group: 96, order: 100, built_in: true, own: false },
-    CodeFacts { name: "CODE_SPINDLE_CSS_MAIN", group: 96, order: 200, built_in: true, own: false },
-    CodeFacts { name: "CODE_SPINDLE_CSS_RADIAL", group: 0, order: 300, built_in: true, own: false },
-    CodeFacts { name: "CODE_SPINDLE_CSS_SIDE", group: 96, order: 199, built_in: true, own: false },
-    CodeFacts { name: "CODE_SPINDLE_FRONT", group: 67, order: 300, built_in: true, own: false },
-    CodeFacts { name: "CODE_SPINDLE_GEAR_1", group: 65, order: 100, built_in: false, own: false },
-    CodeFacts { name: "CODE_SPINDLE_GEAR_10", group: 65, order: 100, built_in: false, own: false },
-    CodeFacts { name: "CODE_SPINDLE_GEAR_2", group: 65, order: 100, built_in: false, own: false },
-    CodeFacts { name: "CODE_SPINDLE_GEAR_3", group: 65, order: 100, built_in: false, own: false },
-    CodeFacts { name: "CODE_SPINDLE_GEAR_4", group: 65, order: 100, built_in: false, own: false },
-    CodeFacts { name: "CODE_SPINDLE_GEAR_5", group: 65, order: 100, built_in: false, own: false },
-    CodeFacts { name: "CODE_SPINDLE_GEAR_6", group: 65, order: 100, built_in: false, own: false },
-    CodeFacts { name: "CODE_SPINDLE_GEAR_7", group: 65, order: 100, built_in: false, own: false },
-    CodeFacts { name: "CODE_SPINDLE_GEAR_8", group: 65, order: 100, built_in: false, own: false },
-    CodeFacts { name: "CODE_SPINDLE_GEAR_9", group: 65, order: 100, built_in: false, own: false },
-    CodeFacts { name: "CODE_SPINDLE_GEAR_AUTO", group: 65, order: 100, built_in: false, own: false },
-    CodeFacts { name: "CODE_SPINDLE_LOCK", group: 64, order: 700, built_in: true, own: false },
-    CodeFacts { name: "CODE_SPINDLE_MAXRPM", group: 0, order: 100, built_in: true, own: false },
-    CodeFacts { name: "CODE_SPINDLE_NEUTRAL", group: 64, order: 700, built_in: true, own: false },
-    CodeFacts { name: "CODE_SPINDLE_OFF", group: 64, order: 700, built_in: true, own: false },
-    CodeFacts { name: "CODE_SPINDLE_OFF_COOLNT", group: 64, order: 700, built_in: true, own: false },
-    CodeFacts { name: "CODE_SPINDLE_ORIENT", group: 64, order: 700, built_in: true, own: false },
-    CodeFacts { name: "CODE_SPINDLE_REAR", group: 67, order: 300, built_in: true, own: false },
-    CodeFacts { name: "CODE_SPINDLE_RPM", group: 13, order: 100, built_in: true, own: false },
-    CodeFacts { name: "CODE_STOP", group: 0, order: 900, built_in: true, own: false },
-    CodeFacts { name: "CODE_SYNC_HALT", group: 0, order: 100, built_in: false, own: false },
-    CodeFacts { name: "CODE_SYNC_REG", group: 0, order: 100, built_in: true, own: false },
-    CodeFacts { name: "CODE_SYNC_REG_MAIN", group: 0, order: 100, built_in: true, own: false },
-    CodeFacts { name: "CODE_SYNC_REG_SIDE", group: 0, order: 100, built_in: true, own: false },
-    CodeFacts { name: "CODE_SYNC_REG_START", group: 0, order: 100, built_in: true, own: false },
-    CodeFacts { name: "CODE_SYNC_REG_STOP", group: 0, order: 100, built_in: true, own: false },
-    CodeFacts { name: "CODE_SYNC_START_MAIN", group: 0, order: 100, built_in: true, own: false },
-    CodeFacts { name: "CODE_SYNC_START_SIDE", group: 0, order: 100, built_in: true, own: false },
-    CodeFacts { name: "CODE_THREAD_CHAMFER_OFF", group: 0, order: 100, built_in: true, own: false },
-    CodeFacts { name: "CODE_THREAD_CHAMFER_ON", group: 0, order: 100, built_in: true, own: false },
-    CodeFacts { name: "CODE_THREAD_EDGE_SINGLE", group: 0, order: 100, built_in: true, own: false },
-    CodeFacts { name: "CODE_THREAD_EDGE_ZIGZAG", group: 0, order: 100, built_in: true, own: false },
-    CodeFacts { name: "CODE_THREAD_MULTI", group: 1, order: 500, built_in: true, own: false },
-    CodeFacts { name: "CODE_THREAD_MULTI_FACE", group: 1, order: 500, built_in: true, own: false },
-    CodeFacts { name: "CODE_THREAD_OFF", group: 1, order: 500, built_in: true, own: false },
-    CodeFacts { name: "CODE_THREAD_SINGLE", group: 1, order: 500, built_in: true, own: false },
-    CodeFacts { name: "CODE_THREAD_SINGLE_FACE", group: 9, order: 400, built_in: true, own: false },
-    CodeFacts { name: "CODE_THREAD_STEP_AMOUNT", group: 0, order: 100, built_in: true, own: false },
-    CodeFacts { name: "CODE_THREAD_STEP_DEPTH", group: 0, order: 100, built_in: true, own: false },
-    CodeFacts { name: "CODE_TOOL_CHAIN_CCLW", group: 60, order: 100, built_in: false, own: false },
-    CodeFacts { name: "CODE_TOOL_CHAIN_CLW", group: 60, order: 100, built_in: false, own: false },
-    CodeFacts { name: "CODE_TOOL_CHAIN_SHORTEST", group: 60, order: 100, built_in: false, own: false },
-    CodeFacts { name: "CODE_TOOL_EXCHANGE", group: 0, order: 700, built_in: false, own: false },
-    CodeFacts { name: "CODE_TOOL_EXCHANGE_MANUAL", group: 0, order: 700, built_in: false, own: false },
-    CodeFacts { name: "CODE_TOOL_GRIPPER_LARGE", group: 59, order: 100, built_in: false, own: false },
-    CodeFacts { name: "CODE_TOOL_GRIPPER_SMALL", group: 59, order: 100, built_in: false, own: false },
-    CodeFacts { name: "CODE_TOOL_LOAD", group: 0, order: 700, built_in: true, own: false },
-    CodeFacts { name: "CODE_TOOL_LOAD_ACTIVATE", group: 0, order: 100, built_in: false, own: false },
-    CodeFacts { name: "CODE_TOOL_LOAD_MANUAL", group: 0, order: 700, built_in: false, own: false },
-    CodeFacts { name: "CODE_TOOL_LOAD_POINT", group: 0, order: 450, built_in: true, own: false },
-    CodeFacts { name: "CODE_TOOL_LOAD_RETURN", group: 0, order: 450, built_in: true, own: false },
-    CodeFacts { name: "CODE_TOOL_PICKUP", group: 0, order: 300, built_in: false, own: false },
-    CodeFacts { name: "CODE_TOOL_PICKUP_FIRST", group: 0, order: 300, built_in: false, own: false },
-    CodeFacts { name: "CODE_TOOL_PICKUP_MANUAL", group: 0, order: 300, built_in: false, own: false },
-    CodeFacts { name: "CODE_TOOL_RETURN", group: 0, order: 700, built_in: false, own: false },
-    CodeFacts { name: "CODE_TOOL_RETURN_MANUAL", group: 0, order: 700, built_in: false, own: false },
-    CodeFacts { name: "CODE_TOOL_SELECT", group: 0, order: 300, built_in: true, own: false },
-    CodeFacts { name: "CODE_TOOL_SELECT_FIRST", group: 0, order: 300, built_in: false, own: false },
-    CodeFacts { name: "CODE_TOOL_SELECT_MANUAL", group: 0, order: 300, built_in: false, own: false },
-    CodeFacts { name: "CODE_TORCH_OFF", group: 66, order: 700, built_in: false, own: false },
-    CodeFacts { name: "CODE_TORCH_ON", group: 66, order: 300, built_in: false, own: false },
-    CodeFacts { name: "CODE_UNCLAMP_AH", group: 79, order: 700, built_in: true, own: false },
-    CodeFacts { name: "CODE_UNCLAMP_AT", group: 76, order: 700, built_in: true, own: false },
-    CodeFacts { name: "CODE_UNCLAMP_BH", group: 80, order: 700, built_in: true, own: false },
-    CodeFacts { name: "CODE_UNCLAMP_BT", group: 77, order: 700, built_in: true, own: false },
-    CodeFacts { name: "CODE_UNCLAMP_CH", group: 81, order: 700, built_in: true, own: false },
-    CodeFacts { name: "CODE_UNCLAMP_CT", group: 78, order: 700, built_in: true, own: false },
-    CodeFacts { name: "CODE_UNCLAMP_CT2", group: 85, order: 700, built_in: true, own: false },
-    CodeFacts { name: "CODE_UNCLAMP_E", group: 82, order: 700, built_in: true, own: false },
-    CodeFacts { name: "CODE_UNCLAMP_N", group: 83, order: 700, built_in: true, own: false },
-    CodeFacts { name: "CODE_UNCLAMP_N2", group: 84, order: 700, built_in: true, own: false },
-    CodeFacts { name: "CODE_UNCLAMP_U", group: 73, order: 700, built_in: true, own: false },
-    CodeFacts { name: "CODE_UNCLAMP_V", group: 74, order: 700, built_in: true, own: false },
-    CodeFacts { name: "CODE_UNCLAMP_W", group: 75, order: 700, built_in: true, own: false },
-    CodeFacts { name: "CODE_UNCLAMP_X", group: 70, order: 700, built_in: true, own: false },
-    CodeFacts { name: "CODE_UNCLAMP_Y", group: 71, order: 700, built_in: true, own: false },
-    CodeFacts { name: "CODE_UNCLAMP_Z", group: 72, order: 700, built_in: true, own: false },
-    CodeFacts { name: "CODE_UNITS_PRIMARY", group: 6, order: 100, built_in: true, own: false },
-    CodeFacts { name: "CODE_UNITS_SECONDARY", group: 6, order: 100, built_in: true, own: false },
-    CodeFacts { name: "CODE_UNWIND_ROTARY", group: 0, order: 100, built_in: true, own: false },
-    CodeFacts { name: "CODE_UNWIND_ROTARY_AH", group: 0, order: 100, built_in: true, own: false },
-    CodeFacts { name: "CODE_UNWIND_ROTARY_AT", group: 0, order: 100, built_in: true, own: false },
-    CodeFacts { name: "CODE_UNWIND_ROTARY_BH", group: 0, order: 100, built_in: true, own: false },
-    CodeFacts { name: "CODE_UNWIND_ROTARY_BT", group: 0, order: 100, built_in: true, own: false },
-    CodeFacts { name: "CODE_UNWIND_ROTARY_CH", group: 0, order: 100, built_in: true, own: false },
-    CodeFacts { name: "CODE_UNWIND_ROTARY_CT", group: 0, order: 100, built_in: true, own: false },
-    CodeFacts { name: "CODE_UNWIND_ROTARY_N", group: 0, order: 100, built_in: true, own: false },
-    CodeFacts { name: "CODE_UNWIND_ROTARY_N2", group: 0, order: 100, built_in: true, own: false },
-    CodeFacts { name: "CODE_WIRE_CUT", group: 0, order: 700, built_in: false, own: false },
-    CodeFacts { name: "CODE_WIRE_POWER_OFF", group: 64, order: 700, built_in: false, own: false },
-    CodeFacts { name: "CODE_WIRE_POWER_ON", group: 64, order: 300, built_in: false, own: false },
-    CodeFacts { name: "CODE_WIRE_THREAD", group: 0, order: 700, built_in: false, own: false },
-    CodeFacts { name: "CODE_XAXIS_DIAMETER", group: 109, order: 100, built_in: true, own: false },
-    CodeFacts { name: "CODE_XAXIS_RADIUS", group: 109, order: 100, built_in: true, own: false },
-    CodeFacts { name: "CODE_ZEROTRACK_ABSOLUTE", group: 0, order: 100, built_in: false, own: false },
-    CodeFacts { name: "CODE_ZEROTRACK_RELATIVE", group: 0, order: 100, built_in: false, own: false },
-    CodeFacts { name: "CODE_POSITION_PRESET", group: 0, order: 450, built_in: true, own: true },
-    CodeFacts { name: "CODE_GOHOME_NTH", group: 0, order: 450, built_in: true, own: true },
-    CodeFacts { name: "CODE_FUNCTION", group: 0, order: 300, built_in: true, own: true },
-    CodeFacts { name: "CODE_POSITION_MACHINE", group: 0, order: 100, built_in: true, own: true },
-    CodeFacts { name: "CODE_OFFSET_SET", group: 0, order: 100, built_in: true, own: true },
-];
+codes! {
+    AIR_OFF 51 700 false false Plain;
+    AIR_ON 51 300 false false Plain;
+    AMCYC_CANCEL 0 100 false false Plain;
+    AM_OFF 800 300 true false Plain;
+    AM_ON 800 700 true false Plain;
+    APPLY_CONTOUR 0 100 false false Plain;
+    APPLY_MILL 0 100 true false Plain;
+    APPLY_PUNCH 0 100 false false Plain;
+    APPLY_TURN 0 100 true false Plain;
+    ASSIST_AIR 52 300 false false Plain;
+    ASSIST_ARGON 52 300 false false Plain;
+    ASSIST_NITROGEN 52 300 false false Plain;
+    ASSIST_OFF 52 700 false false Plain;
+    ASSIST_OXYGEN 52 300 false false Plain;
+    C2P_CART_OFF 26 100 true false Plain;
+    C2P_CART_ON 26 100 true false Plain;
+    C2P_POLAR_OFF 26 100 true false Plain;
+    C2P_POLAR_ON 26 100 true false Plain;
+    CALSUB_ID 0 300 true false Plain;
+    CALSUB_ID_OFF 0 300 false false Plain;
+    CALSUB_RANGE 0 300 true false Plain;
+    CALSUB_RETURN 0 300 true false Plain;
+    CLAMP_AH 79 300 true false Clamp(data::AXIS_AH, true);
+    CLAMP_AT 76 300 true false Clamp(data::AXIS_AT, true);
+    CLAMP_BH 80 300 true false Clamp(data::AXIS_BH, true);
+    CLAMP_BT 77 300 true false Clamp(data::AXIS_BT, true);
+    CLAMP_CH 81 300 true false Clamp(data::AXIS_CH, true);
+    CLAMP_CT 78 300 true false Clamp(data::AXIS_CT, true);
+    CLAMP_CT2 85 300 true false Clamp(data::AXIS_CT2, true);
+    CLAMP_E 82 300 true false Clamp(data::AXIS_E, true);
+    CLAMP_N 83 300 true false Clamp(data::AXIS_N, true);
+    CLAMP_N2 84 300 true false Clamp(data::AXIS_N2, true);
+    CLAMP_U 73 300 true false Clamp(data::AXIS_U, true);
+    CLAMP_V 74 300 true false Clamp(data::AXIS_V, true);
+    CLAMP_W 75 300 true false Clamp(data::AXIS_W, true);
+    CLAMP_X 70 300 true false Clamp(data::AXIS_X, true);
+    CLAMP_Y 71 300 true false Clamp(data::AXIS_Y, true);
+    CLAMP_Z 72 300 true false Clamp(data::AXIS_Z, true);
+    COMMENT 0 100 true false Plain;
+    COMP_3D_LEFT 7 100 false false Plain;
+    COMP_3D_RIGHT 7 100 false false Plain;
+    COMP_3D_VECTOR 7 100 true false Plain;
+    COMP_CORNER_ARC 107 100 true false Plain;
+    COMP_CORNER_LINEAR 107 100 true false Plain;
+    COMP_DIAM_LEFT 7 100 true false Plain;
+    COMP_DIAM_OFF 7 100 true false Plain;
+    COMP_DIAM_RIGHT 7 100 true false Plain;
+    COMP_DYN_FIXT_OFF 14 100 true false Plain;
+    COMP_DYN_FIXT_ON 14 100 true false Plain;
+    COMP_EXTFIXT 14 100 true false Plain;
+    COMP_EXTFIXT_RANGE 14 100 true false Plain;
+    COMP_LENGTH2_ON 8 100 true false Length { sign: 1, set: 2 };
+    COMP_LENGTH3_ON 8 100 true false Length { sign: 1, set: 3 };
+    COMP_LENGTH4_ON 8 100 true false Length { sign: 1, set: 4 };
+    COMP_LENGTH_OFF 8 100 true false Length { sign: 0, set: 1 };
+    COMP_LENGTH_ON 8 100 true false Length { sign: 1, set: 1 };
+    COMP_LENGTH_ON_NEG 8 100 true false Length { sign: -1, set: 1 };
+    COMP_WORKP_OFF 14 100 true false Plain;
+    COMP_WORKP_ON 14 100 true false Plain;
+    COMP_X_OFF 14 100 false false Plain;
+    COMP_X_ON 14 100 false false Plain;
+    COMP_Y_OFF 14 100 false false Plain;
+    COMP_Y_ON 14 100 false false Plain;
+    COMP_Z_OFF 14 100 false false Plain;
+    COMP_Z_ON 14 100 false false Plain;
+    CONTOURING 0 100 false false Plain;
+    COOLANT_DEV1_OFF 541 700 true false Coolant(Switch::Device(1, false));
+    COOLANT_DEV1_ON 541 300 true false Coolant(Switch::Device(1, true));
+    COOLANT_DEV2_OFF 542 700 true false Coolant(Switch::Device(2, false));
+    COOLANT_DEV2_ON 542 300 true false Coolant(Switch::Device(2, true));
+    COOLANT_DEV3_OFF 543 700 true false Coolant(Switch::Device(3, false));
+    COOLANT_DEV3_ON 543 300 true false Coolant(Switch::Device(3, true));
+    COOLANT_DEV4_OFF 544 700 true false Coolant(Switch::Device(4, false));
+    COOLANT_DEV4_ON 544 300 true false Coolant(Switch::Device(4, true));
+    COOLANT_DEV5_OFF 545 700 true false Coolant(Switch::Device(5, false));
+    COOLANT_DEV5_ON 545 300 true false Coolant(Switch::Device(5, true));
+    COOLANT_DEV6_OFF 546 700 true false Coolant(Switch::Device(6, false));
+    COOLANT_DEV6_ON 546 300 true false Coolant(Switch::Device(6, true));
+    COOLANT_DEV7_OFF 547 700 true false Coolant(Switch::Device(7, false));
+    COOLANT_DEV7_ON 547 300 true false Coolant(Switch::Device(7, true));
+    COOLANT_DEV8_OFF 548 700 true false Coolant(Switch::Device(8, false));
+    COOLANT_DEV8_ON 548 300 true false Coolant(Switch::Device(8, true));
+    COOLANT_DEV9_OFF 549 700 true false Coolant(Switch::Device(9, false));
+    COOLANT_DEV9_ON 549 300 true false Coolant(Switch::Device(9, true));
+    COOLANT_FLOOD 54 300 true false Coolant(Switch::Fluid(Flow::Fluid(1), Outlet::Main));
+    COOLANT_FLOOD_SIDE 540 300 true false Coolant(Switch::Fluid(Flow::Fluid(1), Outlet::Side));
+    COOLANT_MIST 54 300 true false Coolant(Switch::Fluid(Flow::Fluid(2), Outlet::Main));
+    COOLANT_MIST_SIDE 540 300 true false Coolant(Switch::Fluid(Flow::Fluid(2), Outlet::Side));
+    COOLANT_OFF 54 700 true false Coolant(Switch::Fluid(Flow::Off, Outlet::Main));
+    COOLANT_OFF_SIDE 540 700 true false Coolant(Switch::Fluid(Flow::Off, Outlet::Side));
+    COOLANT_ON 54 300 true false Coolant(Switch::Fluid(Flow::Again, Outlet::Main));
+    COOLANT_PRESSURE 0 300 true false Coolant(Switch::Pressure);
+    COOLANT_PRESSURE_0 550 300 true false Coolant(Switch::Level(0));
+    COOLANT_PRESSURE_1 550 300 true false Coolant(Switch::Level(1));
+    COOLANT_PRESSURE_2 550 300 true false Coolant(Switch::Level(2));
+    COOLANT_PRESSURE_3 550 300 true false Coolant(Switch::Level(3));
+    COOLANT_PRESSURE_4 550 300 true false Coolant(Switch::Level(4));
+    COOLANT_PRESSURE_5 550 300 true false Coolant(Switch::Level(5));
+    COOLANT_PRESSURE_6 550 300 true false Coolant(Switch::Level(6));
+    COOLANT_PRESSURE_7 550 300 true false Coolant(Switch::Level(7));
+    COOLANT_PRESSURE_8 550 300 true false Coolant(Switch::Level(8));
+    COOLANT_PRESSURE_9 550 300 true false Coolant(Switch::Level(9));
+    COOLANT_TAPKUL 54 300 true false Coolant(Switch::Fluid(Flow::Fluid(3), Outlet::Main));
+    COOLANT_TAPKUL_SIDE 540 300 true false Coolant(Switch::Fluid(Flow::Fluid(3), Outlet::Side));
+    COOLANT_THRU 54 300 true false Coolant(Switch::Fluid(Flow::Fluid(4), Outlet::Main));
+    COOLANT_THRU_SIDE 540 300 true false Coolant(Switch::Fluid(Flow::Fluid(4), Outlet::Side));
+    COOLANT_TYPE5 54 300 true false Coolant(Switch::Fluid(Flow::Fluid(5), Outlet::Main));
+    COOLANT_TYPE5_SIDE 540 300 true false Coolant(Switch::Fluid(Flow::Fluid(5), Outlet::Side));
+    COOLANT_TYPE6 54 300 true false Coolant(Switch::Fluid(Flow::Fluid(6), Outlet::Main));
+    COOLANT_TYPE6_SIDE 540 300 true false Coolant(Switch::Fluid(Flow::Fluid(6), Outlet::Side));
+    COOLANT_TYPE7 54 300 true false Coolant(Switch::Fluid(Flow::Fluid(7), Outlet::Main));
+    COOLANT_TYPE7_SIDE 540 300 true false Coolant(Switch::Fluid(Flow::Fluid(7), Outlet::Side));
+    COOLANT_TYPE8 54 300 true false Coolant(Switch::Fluid(Flow::Fluid(8), Outlet::Main));
+    COOLANT_TYPE8_SIDE 540 300 true false Coolant(Switch::Fluid(Flow::Fluid(8), Outlet::Side));
+    COOLANT_TYPE9 54 300 true false Coolant(Switch::Fluid(Flow::Fluid(9), Outlet::Main));
+    COOLANT_TYPE9_SIDE 540 300 true false Coolant(Switch::Fluid(Flow::Fluid(9), Outlet::Side));
+    CUTTING_OFF 61 100 false false Plain;
+    CUTTING_ON 61 100 false false Plain;
+    CYCLE_BORE 9 400 true false Cycle(HoleCycle::new(5));
+    CYCLE_BORE_BACK 9 400 true false Cycle(HoleCycle::new(8));
+    CYCLE_BORE_DWELL 9 400 true false Cycle(HoleCycle::new(6));
+    CYCLE_BORE_ORIENT 9 400 true false Cycle(HoleCycle::new(7));
+    CYCLE_BRKCHP 9 400 true false Cycle(HoleCycle::new(12));
+    CYCLE_DEEP 9 400 true false Cycle(HoleCycle::new(11));
+    CYCLE_DRILL 9 400 true false Cycle(HoleCycle::new(1));
+    CYCLE_DRILL_DWELL 9 400 true false Cycle(HoleCycle::new(2));
+    CYCLE_OFF 9 400 true false Plain;
+    CYCLE_ON 9 400 true false Plain;
+    CYCLE_REAM 9 400 true false Cycle(HoleCycle::new(9));
+    CYCLE_REAM_DWELL 9 400 true false Cycle(HoleCycle::new(10));
+    CYCLE_RETRACT_INITIAL 10 100 true false Mode("cycle retract initial");
+    CYCLE_RETRACT_R 10 100 true false Mode("cycle retract r");
+    CYCLE_RIGID 9 400 true false Cycle(HoleCycle::new(14));
+    CYCLE_RIGID_BRKCHP 9 400 true false Cycle(HoleCycle::new(18));
+    CYCLE_RIGID_BRKCHP_CCLW 9 400 true false Cycle(HoleCycle::new(19));
+    CYCLE_RIGID_CCLW 9 400 true false Cycle(HoleCycle::new(15));
+    CYCLE_RIGID_DEEP 9 400 true false Cycle(HoleCycle::new(16));
+    CYCLE_RIGID_DEEP_CCLW 9 400 true false Cycle(HoleCycle::new(17));
+    CYCLE_TAP 9 400 true false Cycle(HoleCycle::new(3));
+    CYCLE_TAP_CCLW 9 400 true false Cycle(HoleCycle::new(4));
+    CYCLE_THRU 9 400 true false Cycle(HoleCycle::new(13));
+    DELAY 0 300 true false Plain;
+    DELAY_REV 0 300 true false Plain;
+    DISPLY 0 100 true false Plain;
+    END 0 900 true false Plain;
+    EXACTSTOP 15 100 true false Plain;
+    EXACTSTOP_CCLW 15 100 false false Plain;
+    EXACTSTOP_CLW 15 100 false false Plain;
+    EXACTSTOP_LINEAR 15 100 false false Plain;
+    EXACTSTOP_OFF 15 100 true false Mode("exact stop off");
+    EXACTSTOP_ON 15 100 true false Mode("exact stop on");
+    FEED_1T 5 100 true false Mode("feed inverse time");
+    FEED_1T_GEAR_1 503 100 false false Plain;
+    FEED_1T_GEAR_2 503 100 false false Plain;
+    FEED_1T_GEAR_3 503 100 false false Plain;
+    FEED_1T_GEAR_4 503 100 false false Plain;
+    FEED_1T_GEAR_5 503 100 false false Plain;
+    FEED_MAXUPM 0 100 false false Plain;
+    FEED_UPM 5 100 true false Mode("feed per minute");
+    FEED_UPM_GEAR_1 501 100 false false Plain;
+    FEED_UPM_GEAR_2 501 100 false false Plain;
+    FEED_UPM_GEAR_3 501 100 false false Plain;
+    FEED_UPM_GEAR_4 501 100 false false Plain;
+    FEED_UPM_GEAR_5 501 100 false false Plain;
+    FEED_UPR 5 100 true false Mode("feed per revolution");
+    FEED_UPR_GEAR_1 502 100 false false Plain;
+    FEED_UPR_GEAR_2 502 100 false false Plain;
+    FEED_UPR_GEAR_3 502 100 false false Plain;
+    FEED_UPR_GEAR_4 502 100 false false Plain;
+    FEED_UPR_GEAR_5 502 100 false false Plain;
+    GOHOME 0 450 true false Plain;
+    GOHOME_RETURN 0 450 true false Plain;
+    HEAD_CHAIN_CCLW 160 100 false false Head(HeadEvent::Select);
+    HEAD_CHAIN_CLW 160 100 false false Head(HeadEvent::Select);
+    HEAD_CHAIN_SHORTEST 160 100 false false Head(HeadEvent::Select);
+    HEAD_DOWN 58 300 false false Head(HeadEvent::Load);
+    HEAD_EXCHANGE 0 700 false false Head(HeadEvent::Load);
+    HEAD_EXCHANGE_MANUAL 0 700 false false Head(HeadEvent::Load);
+    HEAD_GRIPPER_LARGE 159 100 false false Head(HeadEvent::Select);
+    HEAD_GRIPPER_SMALL 159 100 false false Head(HeadEvent::Select);
+    HEAD_ID 68 100 true false Plain;
+    HEAD_LOAD 0 700 false false Head(HeadEvent::Load);
+    HEAD_LOAD_ACTIVATE 0 100 false false Head(HeadEvent::Load);
+    HEAD_LOAD_HIGHCODE 0 700 false false Head(HeadEvent::Load);
+    HEAD_LOAD_LOWCODE 0 700 false false Head(HeadEvent::Load);
+    HEAD_LOAD_MANUAL 0 700 false false Head(HeadEvent::Load);
+    HEAD_LOAD_POINT 0 100 false false Head(HeadEvent::Load);
+    HEAD_LOAD_RETURN 0 100 false false Head(HeadEvent::Load);
+    HEAD_MAIN 68 100 true false Plain;
+    HEAD_PICKUP 0 300 false false Head(HeadEvent::Select);
+    HEAD_PICKUP_FIRST 0 300 false false Head(HeadEvent::Select);
+    HEAD_PICKUP_MANUAL 0 300 false false Head(HeadEvent::Select);
+    HEAD_RETURN 0 700 false false Head(HeadEvent::Load);
+    HEAD_RETURN_MANUAL 0 700 false false Head(HeadEvent::Load);
+    HEAD_SELECT 0 300 false false Head(HeadEvent::Select);
+    HEAD_SELECT_FIRST 0 300 false false Head(HeadEvent::Select);
+    HEAD_SELECT_MANUAL 0 300 false false Head(HeadEvent::Select);
+    HEAD_SIDE 68 100 true false Plain;
+    HEAD_UP 58 300 false false Head(HeadEvent::Load);
+    INDEX_ROTARY 0 300 false false Plain;
+    INDEX_ROTARY_CCLW 0 300 false false Plain;
+    INDEX_ROTARY_CLW 0 300 false false Plain;
+    INTERP_ARC_3D 1 500 true false Plain;
+    INTERP_ARC_CCLW 1 500 true false Arc(Form::new(Some(false), By::Any, false));
+    INTERP_ARC_CENTER 1 500 true false Arc(Form::new(None, By::Center, false));
+    INTERP_ARC_CLW 1 500 true false Arc(Form::new(Some(true), By::Any, false));
+    INTERP_ARC_RADIUS 1 500 true false Arc(Form::new(None, By::Radius, false));
+    INTERP_DEF_CCLW 0 600 true false Plain;
+    INTERP_DEF_CENTER 0 100 true false Plain;
+    INTERP_DEF_CLW 0 600 true false Plain;
+    INTERP_DEF_RADIUS 0 100 true false Plain;
+    INTERP_HELIX 1 500 true false Arc(Form::new(None, By::Any, true));
+    INTERP_HELIX_CCLW 1 500 true false Arc(Form::new(Some(false), By::Any, true));
+    INTERP_HELIX_CLW 1 500 true false Arc(Form::new(Some(true), By::Any, true));
+    INTERP_LINEAR 1 500 true false Plain;
+    INTERP_LINEAR_X10 1 500 true false Plain;
+    INTERP_LINEAR_X100 1 500 true false Plain;
+    INTERP_SKIP 1 500 true false Plain;
+    INTERP_THREAD 1 500 true false Thread(LeadChange::None);
+    INTERP_THREAD_OFF 1 300 true false Plain;
+    INTERP_THREAD_ON 1 300 true false Thread(LeadChange::May);
+    INTERP_THREAD_VAR 1 500 true false Thread(LeadChange::Signed);
+    INTERP_THREAD_VAR_DEC 1 500 true false Thread(LeadChange::Down);
+    INTERP_THREAD_VAR_INC 1 500 true false Thread(LeadChange::Up);
+    LCS_MIRROR_ADD 18 100 true false Local(Part::Mirror, Change::Add);
+    LCS_MIRROR_OFF 18 100 true false Local(Part::Mirror, Change::Off);
+    LCS_MIRROR_ON 18 100 true false Local(Part::Mirror, Change::On);
+    LCS_ROTATE_ADD 16 100 true false Local(Part::Rotate, Change::Add);
+    LCS_ROTATE_OFF 16 100 true false Local(Part::Rotate, Change::Off);
+    LCS_ROTATE_ON 16 100 true false Local(Part::Rotate, Change::On);
+    LCS_SCALE_ADD 11 100 true false Local(Part::Scale, Change::Add);
+    LCS_SCALE_OFF 11 100 true false Local(Part::Scale, Change::Off);
+    LCS_SCALE_ON 11 100 true false Local(Part::Scale, Change::On);
+    LCS_TRANSLATE_ADD 17 100 true false Local(Part::Translate, Change::Add);
+    LCS_TRANSLATE_OFF 17 100 true false Local(Part::Translate, Change::Off);
+    LCS_TRANSLATE_ON 17 100 true false Local(Part::Translate, Change::On);
+    LOCATE 0 100 false false Plain;
+    LOCATE_OFF 0 100 false false Plain;
+    NIBBLE_ARC 0 400 false false Plain;
+    NIBBLE_ARC_THICK 0 400 false false Plain;
+    NIBBLE_LINEAR 0 400 false false Plain;
+    NIBBLE_LINEAR_THICK 0 400 false false Plain;
+    NIBBLE_OFF 0 100 false false Plain;
+    NIBBLE_ON 0 100 false false Plain;
+    OPSTOP 0 900 true false Plain;
+    PATTERN_ARC 0 400 false false Plain;
+    PATTERN_BOLT_HOLE 0 400 false false Plain;
+    PATTERN_GRID_X 0 400 false false Plain;
+    PATTERN_GRID_Y 0 400 false false Plain;
+    PATTERN_LINE 0 400 false false Plain;
+    PATTERN_REFERENCE 0 400 false false Plain;
+    PLANE_E 2 100 false false Plain;
+    PLANE_XY 2 100 true false Mode("plane xy");
+    PLANE_YZ 2 100 true false Mode("plane yz");
+    PLANE_ZX 2 100 true false Mode("plane zx");
+    POSITION_ABSOLUTE 3 100 true false Mode("position absolute");
+    POSITION_RELATIVE 3 100 true false Mode("position incremental");
+    POWER_CONSTWAVE 62 300 false false Plain;
+    POWER_OFF 62 700 false false Plain;
+    POWER_ON 62 300 false false Plain;
+    POWER_PULSE 62 300 false false Plain;
+    PUNCH_OFF 0 100 false false Plain;
+    PUNCH_ON 0 100 false false Plain;
+    RAPID 1 500 true false Plain;
+    REWIND 0 900 true false Plain;
+    RIGID_OFF 101 400 true false Plain;
+    RIGID_ON 101 400 true false Plain;
+    ROTARY_CCLW 50 100 false false Plain;
+    ROTARY_CLW 50 100 false false Plain;
+    ROTARY_SHORTEST 50 100 false false Plain;
+    RTCP2_ON 20 100 true false Plain;
+    RTCP_OFF 20 100 true false Plain;
+    RTCP_ON 20 100 true false Plain;
+    RTCP_ORIENT_2PT 20 100 true false TipFormat(3);
+    RTCP_ORIENT_AXES 20 100 true false TipFormat(1);
+    RTCP_ORIENT_CUSTOM 20 100 true false TipFormat(6);
+    RTCP_ORIENT_EULER 20 100 true false TipFormat(5);
+    RTCP_ORIENT_RPY 20 100 true false TipFormat(4);
+    RTCP_ORIENT_VECTOR 20 100 true false TipFormat(2);
+    SHEET_REPOS 53 300 false false Plain;
+    SHEET_REPOS_OFF 53 300 false false Plain;
+    SHEET_REPOS_ON 53 300 false false Plain;
+    SHUTTR_OFF 63 700 false false Plain;
+    SHUTTR_ON 63 300 false false Plain;
+    SKIP_ALARM_SIGNAL 86 100 true false Mode("skip alarm signal");
+    SKIP_ALARM_SILENT 86 100 true false Mode("skip alarm silent");
+    SPINDLE01_CCLW 641 300 true false Spindle { number: 1, direction: Direction::CounterClockwise, coolant: None };
+    SPINDLE01_CCLW_COOLNT 641 300 true false Spindle { number: 1, direction: Direction::CounterClockwise, coolant: Some(true) };
+    SPINDLE01_CLW 641 300 true false Spindle { number: 1, direction: Direction::Clockwise, coolant: None };
+    SPINDLE01_CLW_COOLNT 641 300 true false Spindle { number: 1, direction: Direction::Clockwise, coolant: Some(true) };
+    SPINDLE01_LOCK 641 700 true false Spindle { number: 1, direction: Direction::Locked, coolant: None };
+    SPINDLE01_NEUTRAL 641 700 true false Spindle { number: 1, direction: Direction::Neutral, coolant: None };
+    SPINDLE01_OFF 641 700 true false Spindle { number: 1, direction: Direction::Off, coolant: None };
+    SPINDLE01_OFF_COOLNT 641 700 true false Spindle { number: 1, direction: Direction::Off, coolant: Some(false) };
+    SPINDLE01_ORIENT 641 700 true false Spindle { number: 1, direction: Direction::Oriented, coolant: None };
+    SPINDLE02_CCLW 642 300 true false Spindle { number: 2, direction: Direction::CounterClockwise, coolant: None };
+    SPINDLE02_CCLW_COOLNT 642 300 true false Spindle { number: 2, direction: Direction::CounterClockwise, coolant: Some(true) };
+    SPINDLE02_CLW 642 300 true false Spindle { number: 2, direction: Direction::Clockwise, coolant: None };
+    SPINDLE02_CLW_COOLNT 642 300 true false Spindle { number: 2, direction: Direction::Clockwise, coolant: Some(true) };
+    SPINDLE02_LOCK 642 700 true false Spindle { number: 2, direction: Direction::Locked, coolant: None };
+    SPINDLE02_NEUTRAL 642 700 true false Spindle { number: 2, direction: Direction::Neutral, coolant: None };
+    SPINDLE02_OFF 642 700 true false Spindle { number: 2, direction: Direction::Off, coolant: None };
+    SPINDLE02_OFF_COOLNT 642 700 true false Spindle { number: 2, direction: Direction::Off, coolant: Some(false) };
+    SPINDLE02_ORIENT 642 700 true false Spindle { number: 2, direction: Direction::Oriented, coolant: None };
+    SPINDLE03_CCLW 643 300 true false Spindle { number: 3, direction: Direction::CounterClockwise, coolant: None };
+    SPINDLE03_CCLW_COOLNT 643 300 true false Spindle { number: 3, direction: Direction::CounterClockwise, coolant: Some(true) };
+    SPINDLE03_CLW 643 300 true false Spindle { number: 3, direction: Direction::Clockwise, coolant: None };
+    SPINDLE03_CLW_COOLNT 643 300 true false Spindle { number: 3, direction: Direction::Clockwise, coolant: Some(true) };
+    SPINDLE03_LOCK 643 700 true false Spindle { number: 3, direction: Direction::Locked, coolant: None };
+    SPINDLE03_NEUTRAL 643 700 true false Spindle { number: 3, direction: Direction::Neutral, coolant: None };
+    SPINDLE03_OFF 643 700 true false Spindle { number: 3, direction: Direction::Off, coolant: None };
+    SPINDLE03_OFF_COOLNT 643 700 true false Spindle { number: 3, direction: Direction::Off, coolant: Some(false) };
+    SPINDLE03_ORIENT 643 700 true false Spindle { number: 3, direction: Direction::Oriented, coolant: None };
+    SPINDLE04_CCLW 644 300 true false Spindle { number: 4, direction: Direction::CounterClockwise, coolant: None };
+    SPINDLE04_CCLW_COOLNT 644 300 true false Spindle { number: 4, direction: Direction::CounterClockwise, coolant: Some(true) };
+    SPINDLE04_CLW 644 300 true false Spindle { number: 4, direction: Direction::Clockwise, coolant: None };
+    SPINDLE04_CLW_COOLNT 644 300 true false Spindle { number: 4, direction: Direction::Clockwise, coolant: Some(true) };
+    SPINDLE04_LOCK 644 700 true false Spindle { number: 4, direction: Direction::Locked, coolant: None };
+    SPINDLE04_NEUTRAL 644 700 true false Spindle { number: 4, direction: Direction::Neutral, coolant: None };
+    SPINDLE04_OFF 644 700 true false Spindle { number: 4, direction: Direction::Off, coolant: None };
+    SPINDLE04_OFF_COOLNT 644 700 true false Spindle { number: 4, direction: Direction::Off, coolant: Some(false) };
+    SPINDLE04_ORIENT 644 700 true false Spindle { number: 4, direction: Direction::Oriented, coolant: None };
+    SPINDLE05_CCLW 645 300 true false Spindle { number: 5, direction: Direction::CounterClockwise, coolant: None };
+    SPINDLE05_CCLW_COOLNT 645 300 true false Spindle { number: 5, direction: Direction::CounterClockwise, coolant: Some(true) };
+    SPINDLE05_CLW 645 300 true false Spindle { number: 5, direction: Direction::Clockwise, coolant: None };
+    SPINDLE05_CLW_COOLNT 645 300 true false Spindle { number: 5, direction: Direction::Clockwise, coolant: Some(true) };
+    SPINDLE05_LOCK 645 700 true false Spindle { number: 5, direction: Direction::Locked, coolant: None };
+    SPINDLE05_NEUTRAL 645 700 true false Spindle { number: 5, direction: Direction::Neutral, coolant: None };
+    SPINDLE05_OFF 645 700 true false Spindle { number: 5, direction: Direction::Off, coolant: None };
+    SPINDLE05_OFF_COOLNT 645 700 true false Spindle { number: 5, direction: Direction::Off, coolant: Some(false) };
+    SPINDLE05_ORIENT 645 700 true false Spindle { number: 5, direction: Direction::Oriented, coolant: None };
+    SPINDLE_CCLW 64 300 true false Spindle { number: 0, direction: Direction::CounterClockwise, coolant: None };
+    SPINDLE_CCLW_COOLNT 64 300 true false Spindle { number: 0, direction: Direction::CounterClockwise, coolant: Some(true) };
+    SPINDLE_CLW 64 300 true false Spindle { number: 0, direction: Direction::Clockwise, coolant: None };
+    SPINDLE_CLW_COOLNT 64 300 true false Spindle { number: 0, direction: Direction::Clockwise, coolant: Some(true) };
+    SPINDLE_CSS 13 300 true false Plain;
+    SPINDLE_CSS_ID 96 100 true false Plain;
+    SPINDLE_CSS_MAIN 96 200 true false Plain;
+    SPINDLE_CSS_RADIAL 0 300 true false Plain;
+    SPINDLE_CSS_SIDE 96 199 true false Plain;
+    SPINDLE_FRONT 67 300 true false Plain;
+    SPINDLE_GEAR_1 65 100 false false Plain;
+    SPINDLE_GEAR_10 65 100 false false Plain;
+    SPINDLE_GEAR_2 65 100 false false Plain;
+    SPINDLE_GEAR_3 65 100 false false Plain;
+    SPINDLE_GEAR_4 65 100 false false Plain;
+    SPINDLE_GEAR_5 65 100 false false Plain;
+    SPINDLE_GEAR_6 65 100 false false Plain;
+    SPINDLE_GEAR_7 65 100 false false Plain;
+    SPINDLE_GEAR_8 65 100 false false Plain;
+    SPINDLE_GEAR_9 65 100 false false Plain;
+    SPINDLE_GEAR_AUTO 65 100 false false Plain;
+    SPINDLE_LOCK 64 700 true false Spindle { number: 0, direction: Direction::Locked, coolant: None };
+    SPINDLE_MAXRPM 0 100 true false Plain;
+    SPINDLE_NEUTRAL 64 700 true false Spindle { number: 0, direction: Direction::Neutral, coolant: None };
+    SPINDLE_OFF 64 700 true false Spindle { number: 0, direction: Direction::Off, coolant: None };
+    SPINDLE_OFF_COOLNT 64 700 true false Spindle { number: 0, direction: Direction::Off, coolant: Some(false) };
+    SPINDLE_ORIENT 64 700 true false Spindle { number: 0, direction: Direction::Oriented, coolant: None };
+    SPINDLE_REAR 67 300 true false Plain;
+    SPINDLE_RPM 13 100 true false Plain;
+    STOP 0 900 true false Plain;
+    SYNC_HALT 0 100 false false Plain;
+    SYNC_REG 0 100 true false Plain;
+    SYNC_REG_MAIN 0 100 true false Plain;
+    SYNC_REG_SIDE 0 100 true false Plain;
+    SYNC_REG_START 0 100 true false Plain;
+    SYNC_REG_STOP 0 100 true false Plain;
+    SYNC_START_MAIN 0 100 true false Plain;
+    SYNC_START_SIDE 0 100 true false Plain;
+    THREAD_CHAMFER_OFF 0 100 true false ThreadSetting(Setting::Chamfer(false));
+    THREAD_CHAMFER_ON 0 100 true false ThreadSetting(Setting::Chamfer(true));
+    THREAD_EDGE_SINGLE 0 100 true false ThreadSetting(Setting::Zigzag(false));
+    THREAD_EDGE_ZIGZAG 0 100 true false ThreadSetting(Setting::Zigzag(true));
+    THREAD_MULTI 1 500 true false ThreadCycle(ThreadCycle::new(true, false));
+    THREAD_MULTI_FACE 1 500 true false ThreadCycle(ThreadCycle::new(true, true));
+    THREAD_OFF 1 500 true false Plain;
+    THREAD_SINGLE 1 500 true false ThreadCycle(ThreadCycle::new(false, false));
+    THREAD_SINGLE_FACE 9 400 true false ThreadCycle(ThreadCycle::new(false, true));
+    THREAD_STEP_AMOUNT 0 100 true false ThreadSetting(Setting::Depth(false));
+    THREAD_STEP_DEPTH 0 100 true false ThreadSetting(Setting::Depth(true));
+    TOOL_CHAIN_CCLW 60 100 false false Plain;
+    TOOL_CHAIN_CLW 60 100 false false Plain;
+    TOOL_CHAIN_SHORTEST 60 100 false false Plain;
+    TOOL_EXCHANGE 0 700 false false Plain;
+    TOOL_EXCHANGE_MANUAL 0 700 false false Plain;
+    TOOL_GRIPPER_LARGE 59 100 false false Plain;
+    TOOL_GRIPPER_SMALL 59 100 false false Plain;
+    TOOL_LOAD 0 700 true false Plain;
+    TOOL_LOAD_ACTIVATE 0 100 false false Plain;
+    TOOL_LOAD_MANUAL 0 700 false false Plain;
+    TOOL_LOAD_POINT 0 450 true false Plain;
+    TOOL_LOAD_RETURN 0 450 true false Plain;
+    TOOL_PICKUP 0 300 false false Plain;
+    TOOL_PICKUP_FIRST 0 300 false false Plain;
+    TOOL_PICKUP_MANUAL 0 300 false false Plain;
+    TOOL_RETURN 0 700 false false Plain;
+    TOOL_RETURN_MANUAL 0 700 false false Plain;
+    TOOL_SELECT 0 300 true false Plain;
+    TOOL_SELECT_FIRST 0 300 false false Plain;
+    TOOL_SELECT_MANUAL 0 300 false false Plain;
+    TORCH_OFF 66 700 false false Plain;
+    TORCH_ON 66 300 false false Plain;
+    UNCLAMP_AH 79 700 true false Clamp(data::AXIS_AH, false);
+    UNCLAMP_AT 76 700 true false Clamp(data::AXIS_AT, false);
+    UNCLAMP_BH 80 700 true false Clamp(data::AXIS_BH, false);
+    UNCLAMP_BT 77 700 true false Clamp(data::AXIS_BT, false);
+    UNCLAMP_CH 81 700 true false Clamp(data::AXIS_CH, false);
+    UNCLAMP_CT 78 700 true false Clamp(data::AXIS_CT, false);
+    UNCLAMP_CT2 85 700 true false Clamp(data::AXIS_CT2, false);
+    UNCLAMP_E 82 700 true false Clamp(data::AXIS_E, false);
+    UNCLAMP_N 83 700 true false Clamp(data::AXIS_N, false);
+    UNCLAMP_N2 84 700 true false Clamp(data::AXIS_N2, false);
+    UNCLAMP_U 73 700 true false Clamp(data::AXIS_U, false);
+    UNCLAMP_V 74 700 true false Clamp(data::AXIS_V, false);
+    UNCLAMP_W 75 700 true false Clamp(data::AXIS_W, false);
+    UNCLAMP_X 70 700 true false Clamp(data::AXIS_X, false);
+    UNCLAMP_Y 71 700 true false Clamp(data::AXIS_Y, false);
+    UNCLAMP_Z 72 700 true false Clamp(data::AXIS_Z, false);
+    UNITS_PRIMARY 6 100 true false Plain;
+    UNITS_SECONDARY 6 100 true false Plain;
+    UNWIND_ROTARY 0 100 true false Unwind(None);
+    UNWIND_ROTARY_AH 0 100 true false Unwind(Some(data::AXIS_AH));
+    UNWIND_ROTARY_AT 0 100 true false Unwind(Some(data::AXIS_AT));
+    UNWIND_ROTARY_BH 0 100 true false Unwind(Some(data::AXIS_BH));
+    UNWIND_ROTARY_BT 0 100 true false Unwind(Some(data::AXIS_BT));
+    UNWIND_ROTARY_CH 0 100 true false Unwind(Some(data::AXIS_CH));
+    UNWIND_ROTARY_CT 0 100 true false Unwind(Some(data::AXIS_CT));
+    UNWIND_ROTARY_N 0 100 true false Unwind(Some(data::AXIS_N));
+    UNWIND_ROTARY_N2 0 100 true false Unwind(Some(data::AXIS_N2));
+    WIRE_CUT 0 700 false false Plain;
+    WIRE_POWER_OFF 64 700 false false Plain;
+    WIRE_POWER_ON 64 300 false false Plain;
+    WIRE_THREAD 0 700 false false Plain;
+    XAXIS_DIAMETER 109 100 true false Mode("x diameter");
+    XAXIS_RADIUS 109 100 true false Mode("x radius");
+    ZEROTRACK_ABSOLUTE 0 100 false false Plain;
+    ZEROTRACK_RELATIVE 0 100 false false Plain;
+    POSITION_PRESET 0 450 true true Plain => ": preset of the work frame (Fanuc G50/G92 with axis words)";
+    GOHOME_NTH 0 450 true true Plain => ": return to the 2nd, 3rd or 4th reference point (Fanuc G30)";
+    FUNCTION 0 300 true true Plain => ": machine function that only takes time (M codes of the machine's own table)";
+    POSITION_MACHINE 0 100 true true Plain => ": this block's positions are in the machine frame (Fanuc G53)";
+    OFFSET_SET 0 100 true true Plain => ": sets an offset of the control (Fanuc G10)";
+}

@@ -29,6 +29,22 @@ pub struct CodeFacts {
     pub built_in: bool,
     /// Added by this project.
     pub own: bool,
+    /// What it is about.
+    pub kind: kind::CodeKind,
+}
+
+impl CodeId {
+    /// What the code is about; a custom one is a family of its own.
+    #[must_use]
+    pub fn kind(self) -> kind::CodeKind {
+        code_facts(self).map_or(kind::CodeKind::Plain, |facts| facts.kind)
+    }
+
+    /// The first built-in code of a kind.
+    #[must_use]
+    pub fn of_kind(kind: kind::CodeKind) -> Option<Self> {
+        codes::TABLE.iter().position(|facts| facts.kind == kind).map(|index| Self(index as u16))
+    }
 }
 
 /// Facts of a data identifier.
@@ -41,29 +57,6 @@ pub struct DataFacts {
     /// Added by this project.
     pub own: bool,
 }
-
-/// The codes of canned cycles that make holes, in the order of their numbers in `$CYTYPE`, from 1.
-pub const HOLE_CYCLES: [CodeId; 19] = [
-    codes::CYCLE_DRILL,
-    codes::CYCLE_DRILL_DWELL,
-    codes::CYCLE_TAP,
-    codes::CYCLE_TAP_CCLW,
-    codes::CYCLE_BORE,
-    codes::CYCLE_BORE_DWELL,
-    codes::CYCLE_BORE_ORIENT,
-    codes::CYCLE_BORE_BACK,
-    codes::CYCLE_REAM,
-    codes::CYCLE_REAM_DWELL,
-    codes::CYCLE_DEEP,
-    codes::CYCLE_BRKCHP,
-    codes::CYCLE_THRU,
-    codes::CYCLE_RIGID,
-    codes::CYCLE_RIGID_CCLW,
-    codes::CYCLE_RIGID_DEEP,
-    codes::CYCLE_RIGID_DEEP_CCLW,
-    codes::CYCLE_RIGID_BRKCHP,
-    codes::CYCLE_RIGID_BRKCHP_CCLW,
-];
 
 /// Other spellings that the pages of the emulated system use for the same identifier (reference README, conflicts).
 fn canonical_code(name: &str) -> String {

@@ -3,7 +3,8 @@
 //! Invariant: only a warning, and none for families, since what is missing may come with the machine. Facts: reference
 //! control-emulator.md 4.
 
-use crate::ident::{HOLE_CYCLES, code_facts, codes};
+use crate::ident::kind::CodeKind;
+use crate::ident::{code_facts, codes};
 use crate::macros::model::Hook;
 use crate::model::CodeRow;
 use crate::preprocessor::Preprocessor;
@@ -47,7 +48,7 @@ fn why(hook: Hook, rows: &[CodeRow], preprocessor: Preprocessor, channels: usize
         {
             Some("no row of [[codes]] calls a subprogram (CODE_CALSUB_ID, CODE_CALSUB_RANGE)")
         }
-        Hook::Cycle if !any(&|row| HOLE_CYCLES.contains(&row.id) || row.id == codes::CYCLE_ON) => {
+        Hook::Cycle if !any(&|row| matches!(row.id.kind(), CodeKind::Cycle(_)) || row.id == codes::CYCLE_ON) => {
             Some("no row of [[codes]] has a canned cycle (CODE_CYCLE_…)")
         }
         Hook::Tool if !any(&|row| named(row, "CODE_TOOL_") || named(row, "CODE_HEAD_")) => {

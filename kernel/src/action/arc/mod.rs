@@ -14,17 +14,30 @@ use counterpoint_motion::arc as geometry;
 
 use super::time::Path;
 use super::turned;
-use crate::channel::Kernel;
+use crate::act::Act;
+use crate::action::entry::{Contour, Entry, entry_of_kind};
 use crate::diag;
 use crate::log::event::{FeedUnit, Motion, MotionKind, Position};
+use crate::machine::ident::codes;
 use crate::machine::ident::data;
+use crate::machine::ident::kind::CodeKind;
 use crate::machine::ident::kind::arc::{By, Form};
 use crate::machine::paths::{Helix, Turns};
 use crate::state::alarms::STRAIGHT;
-use crate::state::block::Firing;
+use crate::state::block::PendingCode;
 use crate::state::cutter::{Shape, Step};
 use crate::state::modal::{Plane, group, plane};
 use counterpoint_fault::Acted;
+
+/// Codes and what they do.
+pub(crate) const ENTRIES: &[Entry] = &[
+    entry_of_kind!(CodeKind::Arc(form) => |act, _row, code| arc(act, form, code)).moves().contour(Contour::Follows),
+    Entry::of(&[codes::INTERP_ARC_3D], |act, _, _| space::through(act)).moves().contour(Contour::Leaves),
+    Entry::of(&[codes::INTERP_DEF_CENTER], |act, _, _| define_center(act)).contour(Contour::Waits),
+    Entry::of(&[codes::INTERP_DEF_RADIUS], |act, _, _| define_radius(act)).contour(Contour::Waits),
+    Entry::of(&[codes::INTERP_DEF_CLW], |act, _, _| define_direction(act, true)).contour(Contour::Waits),
+    Entry::of(&[codes::INTERP_DEF_CCLW], |act, _, _| define_direction(act, false)).contour(Contour::Waits),
+];
 
 /// The plane of a circle by its axes in the channel, with their factors to radius values.
 #[derive(Clone, Copy)]
@@ -59,112 +72,107 @@ struct Words {
 }
 
 /// An arc in the active plane, helical when a further axis is coded.
-pub(super) fn arc(kernel: &mut Kernel<'_>, form: Form, firing: Firing) -> Acted {
-    if let Some(polar) = kernel.channel.polar()
-        && let Some(clockwise) = define::direction(kernel, form)
+pub(super) fn arc(act: &mut Act<'_, '_>, form: Form, code: &PendingCode) -> Acted {
+    if let Some(polar) = act.polar()
+        && let Some(clockwise) = define::direction(act, form)
     {
-        return super::polar::arc(kernel, polar, clockwise);
+        return super::polar::arc(act, polar, clockwise);
     }
-    let (feed, unit) = kernel.feed();
-    let (coded, target) = kernel.programmed_targets();
-    let Some((plane, flat)) = active_plane(kernel) else {
+    let (feed, unit) = act.feed();
+    let (coded, target) = act.programmed_targets();
+    let Some((plane, flat)) = active_plane(act) else {
         for id in [data::ARC_RADIUS, data::ARC_CENTER_X, data::ARC_CENTER_Y, data::ARC_CENTER_Z] {
-            kernel.take(id);
+            act.take(id);
         }
-        let text = format!(
-            "no plane with both axes in channel {} is active for '{}'",
-            kernel.channel.at.channel,
-            kernel.block_text()
-        );
-        kernel.diagnose(&diag::ARC_PLANE, text);
+        let text =
+            format!("no plane with both axes in channel {} is active for '{}'", act.at.channel, act.block_text());
+        act.diagnose(&diag::ARC_PLANE, text);
         return Ok(());
     };
-    let words = take_words(kernel, form, &plane, &flat, (coded, firing.implied));
+    let words = take_words(act, form, &plane, &flat, (coded, code.modal));
     if coded == 0 && words.radius.is_none() && words.center.is_none() && words.angle.is_none() {
         return Ok(());
     }
-    let Some(clockwise) = define::direction(kernel, form) else {
-        let done = kernel.channel.becomes(&diag::ARC_DIRECTION, STRAIGHT);
-        let text = format!("the circle of '{}' has no direction, {done}", kernel.block_text());
-        kernel.diagnose(&diag::ARC_DIRECTION, text);
-        return kernel.feed_to_point(coded, target, feed, unit);
+    let Some(clockwise) = define::direction(act, form) else {
+        let done = act.becomes(&diag::ARC_DIRECTION, STRAIGHT);
+        let text = format!("the circle of '{}' has no direction, {done}", act.block_text());
+        act.diagnose(&diag::ARC_DIRECTION, text);
+        return act.feed_to_point(coded, target, feed, unit);
     };
     let incomplete = words.radius.is_none() && words.center.is_none() && words.angle.is_none();
     if incomplete {
         let forms = [data::ARC_RADIUS, data::ARC_CENTER_X, data::ARC_CENTER_Y, data::ARC_CENTER_Z, data::ARC_ANGLE];
-        kernel.tell_off(&forms);
+        act.report_switched_off(&forms);
     }
-    if incomplete && !kernel.channel.goes_on_at(&diag::ARC_INCOMPLETE) {
-        let text =
-            format!("the circle has neither a centre nor a radius in '{}', nothing is moved", kernel.block_text());
-        return Err(kernel.alarm(&diag::ARC_INCOMPLETE, text));
+    if incomplete && !act.goes_on_at(&diag::ARC_INCOMPLETE) {
+        let text = format!("the circle has neither a centre nor a radius in '{}', nothing is moved", act.block_text());
+        return Err(act.alarm(&diag::ARC_INCOMPLETE, text));
     }
-    cut(kernel, &words, (form, clockwise), (plane, &flat), (coded, target), (feed, unit))
+    cut(act, &words, (form, clockwise), (plane, &flat), (coded, target), (feed, unit))
 }
 
 /// The active plane, if the channel has its axes.
-fn active_plane(kernel: &Kernel<'_>) -> Option<(Plane, Flat)> {
-    let plane = plane(kernel.channel.state.modal.code(group::PLANE)?)?;
-    let index = |role: usize| kernel.channel.state.place.cartesian.get(role).copied().flatten().map(usize::from);
+fn active_plane(act: &Act<'_, '_>) -> Option<(Plane, Flat)> {
+    let plane = plane(act.state.modal.code(group::PLANE)?)?;
+    let index = |role: usize| act.state.place.layout.cartesian.get(role).copied().flatten().map(usize::from);
     let axes = [index(plane.first)?, index(plane.second)?];
-    let scales = axes.map(|axis| kernel.channel.state.place.axes.get(axis).map_or(1.0, |a| a.scale));
+    let scales = axes.map(|axis| act.state.place.layout.axes.get(axis).map_or(1.0, |a| a.scale));
     Some((plane, Flat { axes, scales }))
 }
 
 /// Takes radius or centre, then the angle; what the block does not say may have been defined before.
-fn take_words(kernel: &mut Kernel<'_>, form: Form, plane: &Plane, flat: &Flat, (coded, implied): (u8, bool)) -> Words {
-    let here = kernel.channel.state.arcs.block == kernel.channel.at.blocks;
+fn take_words(act: &mut Act<'_, '_>, form: Form, plane: &Plane, flat: &Flat, (coded, implied): (u8, bool)) -> Words {
+    let here = act.state.arcs.block == act.at.blocks;
     let by = match form.by {
-        By::Any if here => kernel.channel.state.arcs.by,
+        By::Any if here => act.state.arcs.by,
         by => by,
     };
-    let mut radius = if by == By::Center { None } else { kernel.take(data::ARC_RADIUS).map(|d| d.value) };
-    let start = flat.point(&kernel.channel.programmed());
+    let mut radius = if by == By::Center { None } else { act.take(data::ARC_RADIUS).map(|d| d.value) };
+    let start = flat.point(&act.programmed());
     let mut center = None;
     if by != By::Radius {
         let roles = [plane.first, plane.second];
         let sides = plane.centers.into_iter().zip(roles).zip(flat.axes);
         let mut said = [None; 2];
         for (slot, ((id, _), axis)) in said.iter_mut().zip(sides) {
-            *slot = define::coordinate(kernel, id, axis);
+            *slot = define::coordinate(act, id, axis);
         }
         // The missing one of an absolute centre is that of the definition.
-        let known = roles.map(|role| kernel.channel.state.arcs.center.get(role).copied().flatten());
+        let known = roles.map(|role| act.state.arcs.center.get(role).copied().flatten());
         let fill = |a: Option<f64>, b: Option<f64>, or: f64| a.or(b).unwrap_or(or);
         if said.iter().any(Option::is_some) {
-            let offsets = kernel.channel.env.machine.arcs.center == crate::machine::model::Heights::Incremental;
+            let offsets = act.env.machine.arcs.center == crate::machine::model::Heights::Incremental;
             let known = if offsets { [None; 2] } else { known };
             center = Some([fill(said[0], known[0], start[0]), fill(said[1], known[1], start[1])]);
         } else if known.iter().any(Option::is_some) && radius.is_none() {
-            let angle = kernel.block_has(data::ARC_ANGLE);
+            let angle = act.block_has(data::ARC_ANGLE);
             if coded != 0 || angle || here && !implied {
                 center = Some([fill(None, known[0], start[0]), fill(None, known[1], start[1])]);
             }
         }
     }
-    if radius.is_none() && center.is_none() && coded != 0 && !kernel.block_has(data::ARC_ANGLE) {
-        radius = kernel.channel.state.arcs.radius.filter(|_| by != By::Center);
+    if radius.is_none() && center.is_none() && coded != 0 && !act.block_has(data::ARC_ANGLE) {
+        radius = act.state.arcs.radius.filter(|_| by != By::Center);
     }
-    let angle = if radius.is_none() { kernel.take(data::ARC_ANGLE).map(|d| d.value.abs()) } else { None };
+    let angle = if radius.is_none() { act.take(data::ARC_ANGLE).map(|d| d.value.abs()) } else { None };
     Words { radius, center, angle }
 }
 
 /// Makes the circle and travels along it.
 fn cut(
-    kernel: &mut Kernel<'_>,
+    act: &mut Act<'_, '_>,
     words: &Words,
     (form, clockwise): (Form, bool),
     (plane, flat): (Plane, &Flat),
     (coded, mut target): (u8, Position),
     (feed, unit): (Option<f64>, FeedUnit),
 ) -> Acted {
-    let from = kernel.channel.programmed();
+    let from = act.programmed();
     let (start, end) = (flat.point(&from), flat.point(&target));
-    let tolerance = kernel.channel.env.machine.arcs.tolerance;
+    let tolerance = act.env.machine.arcs.tolerance;
     // Many machines do not ask.
-    let asks =
-        kernel.channel.env.machine.arcs.helix != Helix::Any || kernel.channel.env.machine.arcs.turns == Turns::Helical;
-    let rises = asks && rises(kernel, flat, &from, &target);
+    let asks = act.env.machine.arcs.helix != Helix::Any || act.env.machine.arcs.turns == Turns::Helical;
+    let rises = asks && rises(act, flat, &from, &target);
     let made = match (words.radius, words.angle, words.center) {
         (Some(radius), ..) => geometry::by_radius(start, end, radius, clockwise, tolerance).map(|arc| (arc, end)),
         (None, Some(angle), Some(center)) => geometry::by_center_and_angle(start, center, angle, clockwise),
@@ -176,14 +184,14 @@ fn cut(
     let (mut made, reached) = match made {
         Ok(made) => made,
         Err(error) => {
-            not_made(kernel, error);
-            return kernel.feed_to_point(coded, target, feed, unit);
+            not_made(act, error);
+            return act.feed_to_point(coded, target, feed, unit);
         }
     };
     let by_angle = words.angle.is_some() && words.center.is_some();
     let flat_coded = coded & (1 << flat.axes[0] | 1 << flat.axes[1]) != 0;
     if words.radius.is_none() && (!by_angle || flat_coded) {
-        check_end(kernel, made.end_error(end).max(if by_angle { distance(reached, end) } else { 0.0 }));
+        check_end(act, made.end_error(end).max(if by_angle { distance(reached, end) } else { 0.0 }));
     }
     let turns = if by_angle {
         // What an angle leaves behind the ninth digit is nothing that was programmed.
@@ -191,29 +199,25 @@ fn cut(
         flat.set(&mut target, if reached == start { start } else { reached.map(tidy) });
         made.full_turns()
     } else {
-        take_turns(kernel, rises)
+        take_turns(act, rises)
     };
     if !by_angle {
         made = made.with_turns(turns);
     }
-    check_machine(kernel, form, &made, rises);
+    check_machine(act, form, &made, rises);
     let circle = Circle { made, coded, from, to: target, axes: flat.axes, turns, feed, unit };
-    if kernel.channel.state.place.frames.is_some() {
-        turned::circle(kernel, plane, &circle)
-    } else {
-        kernel.circle_to(&circle)
-    }
+    if act.state.place.frames.is_some() { turned::circle(act, plane, &circle) } else { act.circle_to(&circle) }
 }
 
 /// Reports a circle that cannot be made and whose end is reached straight. On some controls one to its own start by a
 /// radius has no length and moves nothing in its plane.
-pub(super) fn not_made(kernel: &mut Kernel<'_>, error: geometry::Error) {
-    if error == geometry::Error::SamePoint && kernel.channel.env.machine.arcs.stands {
+pub(super) fn not_made(act: &mut Act<'_, '_>, error: geometry::Error) {
+    if error == geometry::Error::SamePoint && act.env.machine.arcs.stands {
         return;
     }
-    let done = kernel.channel.becomes(&diag::ARC_RADIUS, STRAIGHT);
-    let text = format!("the circle cannot be made: {error} in '{}', {done}", kernel.block_text());
-    kernel.diagnose(&diag::ARC_RADIUS, text);
+    let done = act.becomes(&diag::ARC_RADIUS, STRAIGHT);
+    let text = format!("the circle cannot be made: {error} in '{}', {done}", act.block_text());
+    act.diagnose(&diag::ARC_RADIUS, text);
 }
 
 fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {
@@ -221,54 +225,54 @@ fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {
 }
 
 /// A linear axis out of the plane moves too.
-fn rises(kernel: &Kernel<'_>, flat: &Flat, from: &Position, to: &Position) -> bool {
-    let axes = kernel.channel.state.place.axes.iter().zip(from).zip(to).enumerate();
+fn rises(act: &Act<'_, '_>, flat: &Flat, from: &Position, to: &Position) -> bool {
+    let axes = act.state.place.layout.axes.iter().zip(from).zip(to).enumerate();
     axes.filter(|(at, ((axis, _), _))| !flat.axes.contains(at) && !axis.rotary).any(|(_, ((_, a), b))| a != b)
 }
 
-fn check_end(kernel: &mut Kernel<'_>, off: f64) {
-    if off > kernel.channel.env.machine.arcs.tolerance {
-        let text = format!("the end is {off:.4} off the circle in '{}'", kernel.block_text());
-        kernel.diagnose(&diag::ARC_END_OFF, text);
+fn check_end(act: &mut Act<'_, '_>, off: f64) {
+    if off > act.env.machine.arcs.tolerance {
+        let text = format!("the end is {off:.4} off the circle in '{}'", act.block_text());
+        act.diagnose(&diag::ARC_END_OFF, text);
     }
 }
 
 /// Full turns in addition, where the machine has them.
-fn take_turns(kernel: &mut Kernel<'_>, rises: bool) -> u16 {
-    let may = match kernel.channel.env.machine.arcs.turns {
+fn take_turns(act: &mut Act<'_, '_>, rises: bool) -> u16 {
+    let may = match act.env.machine.arcs.turns {
         Turns::Always => true,
         Turns::Helical => rises,
         Turns::Never => false,
     };
-    let turns = if may { kernel.take(data::ARC_TURNS).map_or(0.0, |d| d.value) } else { 0.0 };
+    let turns = if may { act.take(data::ARC_TURNS).map_or(0.0, |d| d.value) } else { 0.0 };
     if (0.0..=geometry::MOST_TURNS).contains(&turns) {
         return turns as u16;
     }
-    let text = format!("a circle has 0 to 999 further turns, not {turns} as in '{}'", kernel.block_text());
-    kernel.diagnose(&diag::DATA_OUT_OF_RANGE, text);
+    let text = format!("a circle has 0 to 999 further turns, not {turns} as in '{}'", act.block_text());
+    act.diagnose(&diag::DATA_OUT_OF_RANGE, text);
     0
 }
 
 /// What the machine allows; the circle is made all the same.
-fn check_machine(kernel: &mut Kernel<'_>, form: Form, made: &geometry::Arc, rises: bool) {
-    check_radius(kernel, made.radius);
-    let allowed = match kernel.channel.env.machine.arcs.helix {
+fn check_machine(act: &mut Act<'_, '_>, form: Form, made: &geometry::Arc, rises: bool) {
+    check_radius(act, made.radius);
+    let allowed = match act.env.machine.arcs.helix {
         Helix::Any => true,
         Helix::Codes => form.helix,
         Helix::Off => false,
     };
     if rises && !allowed {
-        let text = format!("this control has no helix for '{}'", kernel.block_text());
-        kernel.diagnose(&diag::ARC_HELIX, text);
+        let text = format!("this control has no helix for '{}'", act.block_text());
+        act.diagnose(&diag::ARC_HELIX, text);
     }
 }
 
 /// A radius above the largest of the machine.
-fn check_radius(kernel: &mut Kernel<'_>, radius: f64) {
-    let most = kernel.channel.env.machine.arcs.max_radius;
+fn check_radius(act: &mut Act<'_, '_>, radius: f64) {
+    let most = act.env.machine.arcs.max_radius;
     if radius > most {
-        let text = format!("the radius {radius:.3} is above {most}, the largest, in '{}'", kernel.block_text());
-        kernel.diagnose(&diag::ARC_RADIUS, text);
+        let text = format!("the radius {radius:.3} is above {most}, the largest, in '{}'", act.block_text());
+        act.diagnose(&diag::ARC_RADIUS, text);
     }
 }
 
@@ -287,35 +291,35 @@ pub(super) struct Circle {
     pub(super) unit: FeedUnit,
 }
 
-impl Kernel<'_> {
+impl Act<'_, '_> {
     /// A circle in the work frame.
     #[inline(always)]
     pub(super) fn circle_to(&mut self, circle: &Circle) -> Acted {
-        if self.channel.is_compensated() {
+        if self.is_compensated() {
             let Circle { made, axes, turns, coded, to, feed, unit, .. } = *circle;
             return self.compensate(Step { shape: Shape::Circle { made, axes, turns }, coded, to, feed, unit });
         }
-        if let Some(polar) = self.channel.polar() {
+        if let Some(polar) = self.polar() {
             return self.circle_of_part(polar, circle);
         }
         let Circle { made, coded, from, to, axes: [first, second], turns, feed, unit } = *circle;
-        let changes = self.channel.changes(&from, &to);
+        let changes = self.changes(&from, &to);
         let rise = changes
             .iter()
             .enumerate()
             .filter(|&(i, _)| {
-                i != first && i != second && self.channel.state.place.axes.get(i).is_some_and(|a| !a.rotary)
+                i != first && i != second && self.state.place.layout.axes.get(i).is_some_and(|a| !a.rotary)
             })
             .map(|(_, c)| c * c)
             .sum::<f64>();
         let length = (made.length() * made.length() + rise).sqrt();
-        let x = self.channel.state.place.cartesian.first().copied().flatten().map(usize::from);
+        let x = self.state.place.layout.cartesian.first().copied().flatten().map(usize::from);
         let radial = [first, second].iter().position(|&axis| Some(axis) == x);
-        let scale = |axis: usize| self.channel.state.place.axes.get(axis).map_or(1.0, |a| a.scale);
+        let scale = |axis: usize| self.state.place.layout.axes.get(axis).map_or(1.0, |a| a.scale);
         let center = [made.center[0] / scale(first), made.center[1] / scale(second)];
         let path = Path { from: &from, to: &to, length: made.length(), arc: Some((&made, radial)) };
         let mut seconds = self.feed_seconds(&path, feed, unit)?;
-        if self.channel.state.place.frames.is_some() {
+        if self.state.place.frames.is_some() {
             seconds = self.at_rates(seconds, &from, &to, None);
         }
         let moving = self.moving(coded, &changes) | 1 << first | 1 << second;

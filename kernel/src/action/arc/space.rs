@@ -7,8 +7,8 @@ use counterpoint_motion::arc::Arc;
 use counterpoint_motion::space::Circle;
 
 use super::check_radius;
+use crate::act::Act;
 use crate::action::time::Path;
-use crate::channel::Kernel;
 use crate::diag;
 use crate::log::event::{Motion, MotionKind, Position};
 use crate::log::geometry::spatial;
@@ -18,55 +18,55 @@ use crate::state::modal::group;
 use counterpoint_fault::Acted;
 
 /// An arc by way of a point.
-pub(crate) fn through(kernel: &mut Kernel<'_>) -> Acted {
-    let (feed, unit) = kernel.feed();
-    let (coded, target) = kernel.targets();
-    let (said, via) = way_point(kernel);
+pub(crate) fn through(act: &mut Act<'_, '_>) -> Acted {
+    let (feed, unit) = act.feed();
+    let (coded, target) = act.targets();
+    let (said, via) = way_point(act);
     if coded == 0 && said == 0 {
         return Ok(());
     }
     if said == 0 {
-        let text = format!("an arc in space needs a point on its way in '{}', it is straight", kernel.block_text());
-        kernel.diagnose(&diag::DATA_MISSING, text);
-        return kernel.feed_to(coded, target, feed, unit);
+        let text = format!("an arc in space needs a point on its way in '{}', it is straight", act.block_text());
+        act.diagnose(&diag::DATA_MISSING, text);
+        return act.feed_to(coded, target, feed, unit);
     }
-    if kernel.channel.polar().is_some() {
-        let done = kernel.channel.becomes(&diag::ARC_PLANE, STRAIGHT);
-        let text = format!("an arc in space is none under polar interpolation in '{}', {done}", kernel.block_text());
-        kernel.diagnose(&diag::ARC_PLANE, text);
-        return kernel.feed_to(coded, target, feed, unit);
+    if act.polar().is_some() {
+        let done = act.becomes(&diag::ARC_PLANE, STRAIGHT);
+        let text = format!("an arc in space is none under polar interpolation in '{}', {done}", act.block_text());
+        act.diagnose(&diag::ARC_PLANE, text);
+        return act.feed_to(coded, target, feed, unit);
     }
-    let via = kernel.channel.work_point(&via);
-    crate::action::cutter::to_contour(kernel, feed, unit)?;
-    let from = kernel.channel.state.place.position;
-    let info = kernel.channel.env.info;
-    let axes = info.channel(kernel.channel.at.channel).map_or(&[][..], |channel| channel.axes.as_slice());
+    let via = act.work_point(&via);
+    crate::action::cutter::to_contour(act, feed, unit)?;
+    let from = act.state.place.position;
+    let info = act.env.info;
+    let axes = info.channel(act.at.channel).map_or(&[][..], |channel| channel.axes.as_slice());
     let seen = spatial(axes);
     let [start, middle, end] = [from, via, target].map(|position| seen.point(&position));
     let circle = match Circle::through(start, middle, end) {
         Ok(circle) => circle,
         Err(error) => {
-            let done = kernel.channel.becomes(&diag::ARC_RADIUS, STRAIGHT);
-            let text = format!("the arc cannot be made: {error} in '{}', {done}", kernel.block_text());
-            kernel.diagnose(&diag::ARC_RADIUS, text);
-            return kernel.feed_to(coded, target, feed, unit);
+            let done = act.becomes(&diag::ARC_RADIUS, STRAIGHT);
+            let text = format!("the arc cannot be made: {error} in '{}', {done}", act.block_text());
+            act.diagnose(&diag::ARC_RADIUS, text);
+            return act.feed_to(coded, target, feed, unit);
         }
     };
-    check_radius(kernel, circle.radius);
-    let changes = kernel.channel.changes(&from, &target);
-    let others = changes.iter().zip(&kernel.channel.state.place.axes).enumerate();
+    check_radius(act, circle.radius);
+    let changes = act.changes(&from, &target);
+    let others = changes.iter().zip(&act.state.place.layout.axes).enumerate();
     let rise: f64 = others.filter(|(at, (_, a))| !a.rotary && !seen.has(*at)).map(|(_, (c, _))| c * c).sum();
     // X swings as it would on a flat arc of its own reach.
     let (center, reach, start_angle) = circle.swing(0);
     let flat = Arc { center: [center, 0.0], radius: reach, start_angle, sweep: circle.sweep };
     let path =
         Path { from: &from, to: &target, length: circle.length(), arc: (reach > 1e-9).then_some((&flat, Some(0))) };
-    let seconds = kernel.feed_seconds(&path, feed, unit)?;
-    let seconds = kernel.at_rates(seconds, &from, &target, None);
+    let seconds = act.feed_seconds(&path, feed, unit)?;
+    let seconds = act.at_rates(seconds, &from, &target, None);
     let swings = (0..3).filter(|&side| circle.swing(side).1 > 1e-9).filter_map(|side| seen.axis(side));
     let motion = Motion {
         kind: MotionKind::ArcSpace,
-        moving: swings.fold(kernel.moving(coded, &changes), |bits, axis| bits | 1 << axis),
+        moving: swings.fold(act.moving(coded, &changes), |bits, axis| bits | 1 << axis),
         from,
         to: target,
         center: circle.bulge(start, end),
@@ -76,28 +76,27 @@ pub(crate) fn through(kernel: &mut Kernel<'_>) -> Acted {
         feed_unit: unit,
         length: (circle.length() * circle.length() + rise).sqrt(),
     };
-    kernel.travel(seconds, &motion)?;
-    crate::action::cutter::after_thread(kernel);
+    act.travel(seconds, &motion)?;
+    crate::action::cutter::after_thread(act);
     Ok(())
 }
 
 /// Takes the point on the way: bits of the coordinates that are said, and the point.
-fn way_point(kernel: &mut Kernel<'_>) -> (u8, Position) {
-    let relative = kernel.channel.state.modal.code(group::POSITION) == Some(codes::POSITION_RELATIVE);
-    let (mut said, mut via) = (0, kernel.channel.programmed());
+fn way_point(act: &mut Act<'_, '_>) -> (u8, Position) {
+    let relative = act.state.modal.code(group::POSITION) == Some(codes::POSITION_RELATIVE);
+    let (mut said, mut via) = (0, act.programmed());
     for (role, id) in [data::ARC_3D_POINT_X, data::ARC_3D_POINT_Y, data::ARC_3D_POINT_Z].into_iter().enumerate() {
-        let Some(datum) = kernel.take(id) else { continue };
-        let Some(axis) = kernel.channel.state.place.cartesian.get(role).copied().flatten().map(usize::from) else {
-            let text =
-                format!("channel {} has no axis for a word of '{}'", kernel.channel.at.channel, kernel.block_text());
-            kernel.diagnose(&diag::AXIS_NOT_IN_CHANNEL, text);
+        let Some(datum) = act.take(id) else { continue };
+        let Some(axis) = act.state.place.layout.cartesian.get(role).copied().flatten().map(usize::from) else {
+            let text = format!("channel {} has no axis for a word of '{}'", act.at.channel, act.block_text());
+            act.diagnose(&diag::AXIS_NOT_IN_CHANNEL, text);
             continue;
         };
-        let shift = kernel.channel.state.place.shift.get(axis).copied().unwrap_or(0.0);
+        let shift = act.state.place.shift.get(axis).copied().unwrap_or(0.0);
         let Some(slot) = via.get_mut(axis) else { continue };
         *slot = if datum.incremental || relative && !datum.absolute {
             *slot + datum.value
-        } else if kernel.channel.block.machine_frame {
+        } else if act.block.flags.machine_frame {
             datum.value - shift
         } else {
             datum.value

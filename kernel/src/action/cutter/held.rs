@@ -3,28 +3,28 @@
 //! While a move waits the clock stands where the move begins, and goes on by what happens after it (dwells, functions).
 //! When the move has been made, all that was held back is moved on by its time.
 
-use crate::channel::Kernel;
+use crate::act::Act;
 use crate::log::event::Event;
 use crate::state::cutter::Waiting;
 
-impl Kernel<'_> {
+impl Act<'_, '_> {
     /// Lets held events out up to (not including) the one with this number; they come `late` ns later.
-    pub(super) fn let_out(&mut self, events: &mut std::vec::IntoIter<Event>, count: usize, late: i64) {
+    pub(super) fn put_back_events(&mut self, events: &mut std::vec::IntoIter<Event>, count: usize, late: i64) {
         for mut event in events.by_ref().take(count) {
             event.t_ns = event.t_ns.saturating_add(late);
             if late > 0 {
                 event.micro = 0;
             }
-            self.ports.emitter.push(event);
+            self.push_event(event);
         }
     }
 
     /// Goes to the time and block of a waiting move.
     pub(super) fn go_to(&mut self, waiting: &Waiting, late: i64) {
-        self.channel.at.clock = waiting.clock.saturating_add(late);
-        self.channel.at.micro = if late > 0 { 0 } else { waiting.micro };
-        (self.channel.at.file, self.channel.at.line) = (waiting.file, waiting.line);
-        self.channel.text.edited.clone_from(&waiting.text);
-        self.channel.block.exact_stop = waiting.exact;
+        self.at.clock = waiting.clock.saturating_add(late);
+        self.at.micro = if late > 0 { 0 } else { waiting.micro };
+        (self.at.file, self.at.line) = (waiting.file, waiting.line);
+        self.text.edited.clone_from(&waiting.text);
+        self.block.flags.exact_stop = waiting.exact;
     }
 }

@@ -8,8 +8,8 @@
 mod held;
 mod moves;
 
-use super::Action;
-use crate::channel::Kernel;
+use super::entry::Contour;
+use crate::act::Act;
 use crate::diag;
 use crate::log::event::{FeedUnit, Position};
 use crate::machine::ident::{CodeId, codes, data};
@@ -40,35 +40,35 @@ const TIPS: [[f64; 2]; 10] = [
 ];
 
 /// A code that switches compensation: what follows goes beside the contour, or on it again.
-pub(super) fn switched(kernel: &mut Kernel<'_>, code: CodeId) -> Acted {
-    kernel.settle()?;
+pub(super) fn switched(act: &mut Act<'_, '_>, code: CodeId) -> Acted {
+    act.flush_lookahead()?;
     let side = match code {
         codes::COMP_DIAM_LEFT => 1.0,
         codes::COMP_DIAM_RIGHT => -1.0,
         codes::COMP_3D_VECTOR => 0.0,
         _ => {
-            if let Some(cutter) = kernel.channel.cutter() {
+            if let Some(cutter) = act.cutter() {
                 cutter.stage = Stage::Ending;
             }
             return Ok(());
         }
     };
-    let number = kernel.channel.diameter_in_force().unwrap_or(0);
-    let radius = kernel.cutter_radius(number);
+    let number = act.diameter_in_force().unwrap_or(0);
+    let radius = act.cutter_radius(number);
     if radius == 0.0 {
-        no_radius(kernel, number);
+        no_radius(act, number);
     }
-    if kernel.channel.cutter().is_none() && radius == 0.0 {
+    if act.cutter().is_none() && radius == 0.0 {
         return Ok(());
     }
-    let Some((plane_code, axes)) = compensated_plane(kernel) else {
-        let text = format!("no plane with both axes is active for the compensation of '{}'", kernel.block_text());
-        kernel.diagnose(&diag::CUTTER_PLANE, text);
+    let Some((plane_code, axes)) = compensated_plane(act) else {
+        let text = format!("no plane with both axes is active for the compensation of '{}'", act.block_text());
+        act.diagnose(&diag::CUTTER_PLANE, text);
         return Ok(());
     };
-    let tip = kernel.nose_tip(number, plane_code);
-    let contour = kernel.channel.contour();
-    let kept = kernel.channel.cutter().filter(|cutter| cutter.stage != Stage::Ending).map(|_| Stage::Turned);
+    let tip = act.nose_tip(number, plane_code);
+    let contour = act.contour();
+    let kept = act.cutter().filter(|cutter| cutter.stage != Stage::Ending).map(|_| Stage::Turned);
     let new = Cutter {
         side: if radius < 0.0 { -side } else { side },
         radius: radius.abs(),
@@ -78,176 +78,128 @@ pub(super) fn switched(kernel: &mut Kernel<'_>, code: CodeId) -> Acted {
         stage: kept.unwrap_or(Stage::Start),
         waiting: Vec::new(),
         idle: 0,
-        seen: kernel.channel.at.blocks,
+        seen: act.at.blocks,
         suspended: false,
     };
-    kernel.channel.frames().cutter = Some(Box::new(new));
+    act.frames().cutter = Some(Box::new(new));
     Ok(())
 }
 
 /// Says that compensation changes nothing: the control would go on the contour as well, the part would be wrong.
-fn no_radius(kernel: &mut Kernel<'_>, number: u32) {
-    let block = kernel.block_text();
+fn no_radius(act: &mut Act<'_, '_>, number: u32) {
+    let block = act.block_text();
     let text = if number == 0 {
         format!("no offset number is in force for the compensation of '{block}', the tool goes on the contour")
     } else {
         format!("offset {number} has no radius for the compensation of '{block}', the tool goes on the contour")
     };
-    kernel.diagnose(&diag::NO_RADIUS, text);
+    act.diagnose(&diag::NO_RADIUS, text);
 }
 
 /// The active plane and its axes; under polar interpolation that of the part.
-fn compensated_plane(kernel: &Kernel<'_>) -> Option<(CodeId, [usize; 2])> {
-    if let Some(polar) = kernel.channel.polar() {
+fn compensated_plane(act: &Act<'_, '_>) -> Option<(CodeId, [usize; 2])> {
+    if let Some(polar) = act.polar() {
         return Some((codes::PLANE_XY, [polar.linear, polar.rotary]));
     }
-    let code = kernel.channel.state.modal.code(group::PLANE)?;
+    let code = act.state.modal.code(group::PLANE)?;
     let plane = plane(code)?;
-    let axis = |role: usize| kernel.channel.state.place.cartesian.get(role).copied().flatten().map(usize::from);
+    let axis = |role: usize| act.state.place.layout.cartesian.get(role).copied().flatten().map(usize::from);
     Some((code, [axis(plane.first)?, axis(plane.second)?]))
 }
 
 /// Polar interpolation has been switched: another plane, in which compensation begins anew.
-pub(super) fn plane_changed(kernel: &mut Kernel<'_>) {
-    let number = kernel.channel.diameter_in_force().unwrap_or(0);
-    let made = compensated_plane(kernel).map(|(code, axes)| (axes, kernel.nose_tip(number, code)));
-    let Some(cutter) = kernel.channel.cutter() else { return };
+pub(super) fn plane_changed(act: &mut Act<'_, '_>) {
+    let number = act.diameter_in_force().unwrap_or(0);
+    let made = compensated_plane(act).map(|(code, axes)| (axes, act.nose_tip(number, code)));
+    let Some(cutter) = act.cutter() else { return };
     if cutter.stage != Stage::Ending {
         cutter.stage = Stage::Start;
     }
     let text = match made {
         Some((axes, tip)) => {
             (cutter.axes, cutter.tip) = (axes, tip.map(|part| part * cutter.radius));
-            format!("compensation is active where '{}' changes the plane, it begins anew", kernel.block_text())
+            format!("compensation is active where '{}' changes the plane, it begins anew", act.block_text())
         }
         None => {
-            kernel.channel.forget_cutter();
-            format!("no plane with both axes is left for compensation in '{}', it ends", kernel.block_text())
+            act.forget_cutter();
+            format!("no plane with both axes is left for compensation in '{}', it ends", act.block_text())
         }
     };
-    kernel.diagnose(&diag::CUTTER_PLANE, text);
+    act.diagnose(&diag::CUTTER_PLANE, text);
 }
 
 /// Brings the tool back to the contour, straight at feed, for a move that goes without compensation.
-pub(super) fn to_contour(kernel: &mut Kernel<'_>, feed: Option<f64>, unit: FeedUnit) -> Acted {
-    let to = kernel.channel.contour();
-    if !kernel.channel.is_compensated() || to == kernel.channel.state.place.position {
+pub(super) fn to_contour(act: &mut Act<'_, '_>, feed: Option<f64>, unit: FeedUnit) -> Acted {
+    let to = act.contour();
+    if !act.is_compensated() || to == act.state.place.position {
         return Ok(());
     }
     let feed = (feed.filter(|_| unit != FeedUnit::InverseTime), unit);
     let shape = if feed.0.is_some() { Shape::Linear } else { Shape::Rapid };
-    kernel.straight(&Step { shape, coded: 0, to, feed: feed.0, unit }, to)
+    act.straight(&Step { shape, coded: 0, to, feed: feed.0, unit }, to)
 }
 
 /// What an action means for a move that waits.
-pub(super) fn before(kernel: &mut Kernel<'_>, action: Action) -> Acted {
-    let blocks = kernel.channel.at.blocks;
-    let Some(cutter) = kernel.channel.cutter() else { return Ok(()) };
+pub(super) fn before(act: &mut Act<'_, '_>, contour: Contour) -> Acted {
+    let (blocks, in_machine) = (act.at.blocks, act.block.flags.machine_frame);
+    let Some(cutter) = act.cutter() else { return Ok(()) };
     if cutter.seen != blocks {
         cutter.idle += u32::from(cutter.waiting.first().is_some_and(|first| first.block != cutter.seen));
         cutter.seen = blocks;
     }
     let long = cutter.idle > LOOKED_THROUGH;
-    match action {
-        Action::Rapid | Action::Linear | Action::LinearTimes(_) | Action::Arc(_)
-            if !kernel.channel.block.machine_frame =>
-        {
-            if let Some(cutter) = kernel.channel.cutter() {
-                cutter.suspended = false;
-            }
-        }
-        Action::Rapid
-        | Action::Linear
-        | Action::LinearTimes(_)
-        | Action::Arc(_)
-        | Action::ArcCenter
-        | Action::ArcRadius
-        | Action::ArcDirection(_)
-        | Action::ThreadSetting(_)
-        | Action::Mode(_)
-        | Action::Units { .. }
-        | Action::ExactStopBlock
-        | Action::Dwell
-        | Action::Diameter(_)
-        | Action::Corner { .. }
-        | Action::VectorCompensation
-        | Action::Coolant(_)
-        | Action::Additive(_)
-        | Action::Function
-        | Action::Call
-        | Action::CallRange
-        | Action::Return => {}
-        Action::MachineFrame
-        | Action::GoHome
-        | Action::GoHomeNth
-        | Action::GoHomeReturn
-        | Action::ArcSpace
-        | Action::Thread(_)
-        | Action::ThreadOff
-        | Action::ThreadCycle(_)
-        | Action::Probe
-        | Action::Cycle(_)
-        | Action::CycleOn => {
-            kernel.settle()?;
-            if let Some(cutter) = kernel.channel.cutter() {
+    match contour {
+        Contour::Follows if !in_machine => cutter.suspended = false,
+        Contour::Follows | Contour::Waits => {}
+        Contour::Leaves => {
+            act.flush_lookahead()?;
+            if let Some(cutter) = act.cutter() {
                 cutter.suspended = true;
             }
             return Ok(());
         }
-        _ => return kernel.settle(),
+        Contour::Ends => return act.flush_lookahead(),
     }
-    if long { kernel.settle() } else { Ok(()) }
+    if long { act.flush_lookahead() } else { Ok(()) }
 }
 
 /// A thread goes without compensation: what follows comes to the contour again.
-pub(super) fn after_thread(kernel: &mut Kernel<'_>) {
-    let position = kernel.channel.state.place.position;
-    if let Some(cutter) = kernel.channel.cutter() {
+pub(super) fn after_thread(act: &mut Act<'_, '_>) {
+    let position = act.state.place.position;
+    if let Some(cutter) = act.cutter() {
         (cutter.contour, cutter.stage) = (position, Stage::Start);
     }
 }
 
-impl Kernel<'_> {
+impl Act<'_, '_> {
     /// Radius that paths keep from the contour.
     fn cutter_radius(&self, number: u32) -> f64 {
         use crate::state::frames::offsets::{BASE, Radii};
-        let own = if number == BASE { 0.0 } else { self.channel.worn_radius(number) };
-        let base = if self.channel.state.place.offsets.is_some() {
-            self.channel.offset_radius(Radii::Cutter, BASE)
-        } else {
-            0.0
-        };
+        let own = if number == BASE { 0.0 } else { self.worn_radius(number) };
+        let base = if self.state.place.offsets.is_some() { self.offset_radius(Radii::Cutter, BASE) } else { 0.0 };
         own + base
     }
 
     /// From the imaginary tip to the centre of the nose, in the plane.
     fn nose_tip(&self, number: u32, plane: CodeId) -> [f64; 2] {
-        if !self.channel.is_turning() || plane != codes::PLANE_ZX {
+        if !self.is_turning() || plane != codes::PLANE_ZX {
             return [0.0; 2];
         }
-        let tip = self
-            .channel
-            .env
-            .machine
-            .tool
-            .offsets
-            .iter()
-            .find(|offset| offset.number == number)
-            .map_or(0, |own| own.tip);
+        let tip = self.env.machine.tool.offsets.iter().find(|offset| offset.number == number).map_or(0, |own| own.tip);
         TIPS.get(usize::from(tip)).copied().unwrap_or_default()
     }
 
     /// Takes a move: it may wait for the next one.
     pub(super) fn compensate(&mut self, step: Step) -> Acted {
-        self.channel.check_stop()?;
+        self.check_stop()?;
         if !matches!(step.shape, Shape::Rapid) {
             self.check_feed(step.feed)?;
         }
-        if self.channel.state.modal.code(group::DIAMETER) == Some(codes::COMP_3D_VECTOR) {
+        if self.state.modal.code(group::DIAMETER) == Some(codes::COMP_3D_VECTOR) {
             return self.along_vector(step);
         }
-        let from = self.channel.contour();
-        let Some(cutter) = self.channel.cutter() else { return Ok(()) };
+        let from = self.contour();
+        let Some(cutter) = self.cutter() else { return Ok(()) };
         let (axes, stage, first) = (cutter.axes, cutter.stage, cutter.waiting.is_empty());
         if cutter.suspended {
             cutter.stage = Stage::Start;
@@ -255,20 +207,20 @@ impl Kernel<'_> {
             return self.on_contour(&step);
         }
         let Some(element) = self.element(&step, &from, axes) else { return self.out_of_plane(step) };
-        self.channel.check_stop()?;
+        self.check_stop()?;
         let rapid = matches!(step.shape, Shape::Rapid);
         let round = matches!(step.shape, Shape::Circle { .. });
-        let rules = self.channel.env.machine.compensation;
+        let rules = self.env.machine.compensation;
         match stage {
             Stage::Ending => {
                 self.tell_switch(&step, "off", (rapid && !rules.rapid, round && !rules.arcs));
-                self.channel.forget_cutter();
+                self.forget_cutter();
                 return self.on_contour(&step);
             }
             Stage::Start if first => self.tell_switch(&step, "on", (rapid && !rules.rapid, round && !rules.arcs)),
             Stage::Start | Stage::On | Stage::Turned | Stage::Settled { .. } => {}
         }
-        self.channel.check_stop()?;
+        self.check_stop()?;
         self.next_element(Some(&element))?;
         self.come_to(&step, &element)?;
         self.wait(step, Some(element));
@@ -311,8 +263,8 @@ impl Kernel<'_> {
 
     /// A move beside the plane: with a move that waits it waits too.
     fn out_of_plane(&mut self, step: Step) -> Acted {
-        let stands = self.channel.state.place.position;
-        let Some(cutter) = self.channel.cutter() else { return Ok(()) };
+        let stands = self.state.place.position;
+        let Some(cutter) = self.cutter() else { return Ok(()) };
         cutter.contour = step.to;
         if !cutter.waiting.is_empty() {
             self.wait(step, None);
@@ -325,99 +277,80 @@ impl Kernel<'_> {
     /// The vector form: every straight move ends beside its point, in the direction of the vector.
     fn along_vector(&mut self, step: Step) -> Acted {
         let words = [data::COMP_DIAM_P, data::COMP_DIAM_Q, data::COMP_DIAM_R].map(|id| self.take(id).map(|d| d.value));
-        let vector = &mut self.channel.state.place.compensation.vector;
+        let vector = &mut self.state.place.compensation.vector;
         for (slot, word) in vector.iter_mut().zip(words) {
             *slot = word.filter(|value| value.is_finite()).unwrap_or(*slot);
         }
         let vector = *vector;
         let length = vector.iter().map(|part| part * part).sum::<f64>().sqrt();
         let mut to = step.to;
-        let Some(cutter) = self.channel.cutter() else { return Ok(()) };
+        let Some(cutter) = self.cutter() else { return Ok(()) };
         cutter.contour = step.to;
         let ending = cutter.stage == Stage::Ending;
         let radius = if length.is_normal() && !ending { cutter.radius / length } else { 0.0 };
         for (role, part) in vector.into_iter().enumerate() {
-            let axis = self.channel.state.place.cartesian.get(role).copied().flatten().map(usize::from);
+            let axis = self.state.place.layout.cartesian.get(role).copied().flatten().map(usize::from);
             if let Some(slot) = axis.and_then(|axis| to.get_mut(axis)) {
-                *slot += part * radius / self.channel.state.place.scale_of(role);
+                *slot += part * radius / self.state.place.scale_of(role);
             }
         }
         if ending {
-            self.channel.forget_cutter();
+            self.forget_cutter();
         }
         self.straight(&step, to)
     }
 
     /// The program has come to an end: the move that waits is made, unless the job has been stopped.
-    pub(crate) fn end_cutter(&mut self, halt: Halt) -> Halt {
-        if !self.channel.is_compensated() {
+    pub(crate) fn end_compensation(&mut self, halt: Halt) -> Halt {
+        if !self.is_compensated() {
             return halt;
         }
         if matches!(halt, Halt::End(_) | Halt::Alarm) {
             // What was programmed before the alarm is carried out.
-            self.channel.clear_stop();
-            let settled = self.settle();
-            self.channel.forget_cutter();
+            self.clear_stop();
+            let settled = self.flush_lookahead();
+            self.forget_cutter();
             return settled.err().unwrap_or(halt);
         }
-        let mut events = self.ports.emitter.release().into_iter();
-        self.let_out(&mut events, usize::MAX, 0);
-        self.channel.forget_cutter();
+        let mut events = self.release_events().into_iter();
+        self.put_back_events(&mut events, usize::MAX, 0);
+        self.forget_cutter();
         halt
     }
 
     /// A macro has made another code of compensation active.
-    pub(crate) fn switch_cutter(&mut self) {
-        if let Some(code) = self.channel.state.modal.code(group::DIAMETER)
-            && let Err(halt) = switched(self, code)
-        {
-            self.keep_halt(halt);
+    pub(super) fn switch_compensation(&mut self) -> Acted {
+        match self.state.modal.code(group::DIAMETER) {
+            Some(code) => switched(self, code),
+            None => Ok(()),
         }
-    }
-
-    /// A macro is about to change offsets: the move that waits is made before.
-    pub(crate) fn settle_for_macro(&mut self) {
-        if let Err(halt) = self.settle() {
-            self.keep_halt(halt);
-        }
-    }
-
-    /// Finishes the move that waits, without knowing the next one.
-    pub(crate) fn settle(&mut self) -> Acted {
-        if self.channel.is_compensated() { self.next_element(None) } else { Ok(()) }
     }
 
     /// Finishes a move that has waited too long.
-    pub(crate) fn settle_old(&mut self) -> Acted {
-        let blocks = self.channel.at.blocks;
-        let old = self.channel.cutter().and_then(|cutter| cutter.waiting.first().map(|first| blocks - first.block));
-        if old.is_some_and(|old| old > LONGEST_WAIT) { self.settle() } else { Ok(()) }
+    pub(crate) fn flush_old(&mut self) -> Acted {
+        let blocks = self.at.blocks;
+        let old = self.cutter().and_then(|cutter| cutter.waiting.first().map(|first| blocks - first.block));
+        if old.is_some_and(|old| old > LONGEST_WAIT) { self.flush_lookahead() } else { Ok(()) }
     }
 
     /// Keeps a move back, and from here on what happens after it.
     fn wait(&mut self, step: Step, element: Option<Element>) {
-        let (file, line, block, clock, micro) = (
-            self.channel.at.file,
-            self.channel.at.line,
-            self.channel.at.blocks,
-            self.channel.at.clock,
-            self.channel.at.micro,
-        );
-        let exact = self.channel.block.exact_stop;
-        let text = self.channel.text.edited.clone();
-        let tag = self.tag();
+        let (file, line, block, clock, micro) =
+            (self.at.file, self.at.line, self.at.blocks, self.at.clock, self.at.micro);
+        let exact = self.block.flags.exact_stop;
+        let text = self.text.edited.clone();
         let first = element.is_some();
         if first {
-            self.ports.emitter.hold(tag);
+            self.buffer_events();
         }
-        let events = self.ports.emitter.held();
-        let Some(cutter) = self.channel.cutter() else { return };
+        let events = self.buffered_events();
+        let Some(cutter) = self.cutter() else { return };
         cutter.contour = step.to;
         if first {
             cutter.idle = 0;
         }
         cutter.waiting.push(Waiting { step, element, file, line, block, clock, micro, exact, text, events });
-        self.channel.block.moved = true;
-        self.flow.pass.effects = true;
+        self.block.flags.moved = true;
+        self.note_effect();
     }
 }

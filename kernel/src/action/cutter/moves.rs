@@ -8,44 +8,44 @@ use counterpoint_motion::arc::Arc;
 use std::f64::consts::TAU;
 
 use super::{Cutter, Shape, Step};
+use crate::act::Act;
 use crate::action::arc::Circle;
-use crate::channel::Kernel;
 use crate::diag;
 use crate::log::event::{FeedUnit, Position};
 use crate::state::cutter::{Stage, Waiting};
 use counterpoint_motion::contour::corner::{Corner, Link, Offset};
 use counterpoint_motion::contour::element::{Element, NOISE, Spot, angle, distance, plus};
 
-impl Kernel<'_> {
+impl Act<'_, '_> {
     /// Coordinate of a position as geometry.
     pub(super) fn radial(&self, of: &Position, axis: usize) -> f64 {
-        let scale = self.channel.state.place.axes.get(axis).map_or(1.0, |axis| axis.scale);
+        let scale = self.state.place.layout.axes.get(axis).map_or(1.0, |axis| axis.scale);
         of.get(axis).copied().unwrap_or(0.0) * scale
     }
 
     /// A position in the plane of compensation: that of the part under polar interpolation.
     pub(super) fn plane_spot(&self, of: &Position, axes: [usize; 2]) -> Spot {
-        match self.channel.polar() {
-            Some(polar) => polar.part(&self.channel.state.place, of),
+        match self.polar() {
+            Some(polar) => polar.part(&self.state.place, of),
             None => axes.map(|axis| self.radial(of, axis)),
         }
     }
 
     /// Where the tool's centre is in the plane.
     fn spot_of(&self, cutter: &Cutter) -> Spot {
-        plus(self.plane_spot(&self.channel.state.place.position, cutter.axes), cutter.tip, 1.0)
+        plus(self.plane_spot(&self.state.place.position, cutter.axes), cutter.tip, 1.0)
     }
 
     /// The position that puts the tool's centre on a spot straight from where it is, the other axes where `to` has
     /// them.
     fn position_at(&self, cutter: &Cutter, to: &Position, spot: Spot) -> Position {
         let mut position = *to;
-        if let Some(polar) = self.channel.polar() {
-            polar.reach_straight(&self.channel.state.place, &mut position, spot);
+        if let Some(polar) = self.polar() {
+            polar.reach_straight(&self.state.place, &mut position, spot);
             return position;
         }
         for (axis, value) in cutter.axes.into_iter().zip(plus(spot, cutter.tip, -1.0)) {
-            let scale = self.channel.state.place.axes.get(axis).map_or(1.0, |axis| axis.scale);
+            let scale = self.state.place.layout.axes.get(axis).map_or(1.0, |axis| axis.scale);
             if let Some(slot) = position.get_mut(axis) {
                 *slot = crate::state::frames::clean(value / scale, *slot);
             }
@@ -56,15 +56,15 @@ impl Kernel<'_> {
     /// The same along an arc of the tool's centre.
     fn position_round(&self, cutter: &Cutter, to: &Position, spot: Spot, made: &Arc) -> Position {
         let mut position = self.position_at(cutter, to, spot);
-        if let Some(polar) = self.channel.polar() {
-            polar.reach(&self.channel.state.place, &mut position, spot, crate::action::polar::way_round(made));
+        if let Some(polar) = self.polar() {
+            polar.reach(&self.state.place, &mut position, spot, crate::action::polar::way_round(made));
         }
         position
     }
 
     fn offset(&self, cutter: &Cutter) -> Offset {
-        let limit = libm::cos(self.channel.env.machine.compensation.corner_angle.to_radians());
-        Offset { side: cutter.side, radius: cutter.radius, corner: self.channel.state.place.compensation.corner, limit }
+        let limit = libm::cos(self.env.machine.compensation.corner_angle.to_radians());
+        Offset { side: cutter.side, radius: cutter.radius, corner: self.state.place.compensation.corner, limit }
     }
 
     /// A move that goes where it says, without compensation.
@@ -74,25 +74,25 @@ impl Kernel<'_> {
 
     /// A straight move of a step to a point.
     pub(super) fn straight(&mut self, step: &Step, to: Position) -> Acted {
-        self.without_cutter(|kernel| match step.shape {
-            Shape::Rapid => kernel.rapid_within(step.coded, to, step.feed),
-            Shape::Linear | Shape::Circle { .. } => kernel.feed_to(step.coded, to, step.feed, step.unit),
+        self.without_cutter(|act| match step.shape {
+            Shape::Rapid => act.rapid_within(step.coded, to, step.feed),
+            Shape::Linear | Shape::Circle { .. } => act.feed_to(step.coded, to, step.feed, step.unit),
         })
     }
 
     /// Carries moves out while compensation does not take them.
     fn without_cutter<R>(&mut self, act: impl FnOnce(&mut Self) -> R) -> R {
-        let cutter = self.channel.frames().cutter.take();
+        let cutter = self.frames().cutter.take();
         let result = act(self);
         if cutter.is_some() {
-            self.channel.frames().cutter = cutter;
+            self.frames().cutter = cutter;
         }
         result
     }
 
     /// Where a piece begins after one that did not know it: around the corner, or straight.
     pub(super) fn come_to(&mut self, step: &Step, element: &Element) -> Acted {
-        let Some(cutter) = self.channel.cutter().cloned() else { return Ok(()) };
+        let Some(cutter) = self.cutter().cloned() else { return Ok(()) };
         let offset = self.offset(&cutter);
         let links = match cutter.stage {
             Stage::Start => {
@@ -116,68 +116,56 @@ impl Kernel<'_> {
             Stage::Turned => vec![Link::Line(offset.at_start(element))],
             Stage::On | Stage::Ending => return Ok(()),
         };
-        if let Some(cutter) = self.channel.cutter() {
+        if let Some(cutter) = self.cutter() {
             cutter.stage = Stage::On;
         }
-        self.links((step, element), &cutter, &links, self.channel.state.place.position)
+        self.links((step, element), &cutter, &links, self.state.place.position)
     }
 
     /// Finishes the move that waits, now that the next piece is known (or will not be).
-    pub(super) fn next_element(&mut self, next: Option<&Element>) -> Acted {
-        let Some(cutter) = self.channel.cutter().filter(|cutter| !cutter.waiting.is_empty()) else { return Ok(()) };
+    pub(in crate::action) fn next_element(&mut self, next: Option<&Element>) -> Acted {
+        let Some(cutter) = self.cutter().filter(|cutter| !cutter.waiting.is_empty()) else { return Ok(()) };
         let waiting = std::mem::take(&mut cutter.waiting);
         cutter.idle = 0;
         let begun = cutter.stage;
-        let now = (
-            self.channel.at.clock,
-            self.channel.at.micro,
-            self.channel.at.file,
-            self.channel.at.line,
-            self.channel.block.exact_stop,
-        );
-        let edited = self.channel.text.edited.clone();
-        let mut events = self.ports.emitter.release().into_iter();
+        let now = (self.at.clock, self.at.micro, self.at.file, self.at.line, self.block.flags.exact_stop);
+        let edited = self.text.edited.clone();
+        let mut events = self.release_events().into_iter();
         let (mut late, mut out) = (0_i64, 0_usize);
         let mut result = Ok(());
         for waits in &waiting {
-            self.let_out(&mut events, waits.events.saturating_sub(out), late);
+            self.put_back_events(&mut events, waits.events.saturating_sub(out), late);
             out = out.max(waits.events);
             self.go_to(waits, late);
-            let before = self.channel.at.clock;
+            let before = self.at.clock;
             if result.is_ok() {
                 result = self.make(waits, begun, next);
             }
-            late = late.saturating_add(self.channel.at.clock.saturating_sub(before));
+            late = late.saturating_add(self.at.clock.saturating_sub(before));
         }
-        self.let_out(&mut events, usize::MAX, late);
-        (
-            self.channel.at.clock,
-            self.channel.at.micro,
-            self.channel.at.file,
-            self.channel.at.line,
-            self.channel.block.exact_stop,
-        ) = now;
-        self.channel.text.edited = edited;
-        self.channel.at.clock = self.channel.at.clock.saturating_add(late);
+        self.put_back_events(&mut events, usize::MAX, late);
+        (self.at.clock, self.at.micro, self.at.file, self.at.line, self.block.flags.exact_stop) = now;
+        self.text.edited = edited;
+        self.at.clock = self.at.clock.saturating_add(late);
         if late > 0 {
-            self.channel.at.micro = 0;
+            self.at.micro = 0;
         }
         result
     }
 
     /// Makes a move that has waited.
     fn make(&mut self, waits: &Waiting, begun: Stage, next: Option<&Element>) -> Acted {
-        let Some(cutter) = self.channel.cutter().cloned() else { return Ok(()) };
+        let Some(cutter) = self.cutter().cloned() else { return Ok(()) };
         let (step, offset) = (&waits.step, self.offset(&cutter));
         let Some(element) = &waits.element else {
-            let to = cutter.lifted(&step.to, &self.channel.state.place.position);
+            let to = cutter.lifted(&step.to, &self.state.place.position);
             return self.straight(step, to);
         };
         let stage = match next {
             Some(_) => Stage::On,
             None => Stage::Settled { corner: element.to, along: element.end() },
         };
-        if let Some(cutter) = self.channel.cutter() {
+        if let Some(cutter) = self.cutter() {
             cutter.stage = stage;
         }
         if begun == Stage::Start && !matches!(step.shape, Shape::Circle { .. }) {
@@ -202,7 +190,7 @@ impl Kernel<'_> {
             self.diagnose(&diag::CUTTER_INTERFERENCE, text);
         }
         self.along(step, &cutter, element, corner.end)?;
-        let to = self.channel.state.place.position;
+        let to = self.state.place.position;
         self.links((step, element), &cutter, &corner.links, to)
     }
 
@@ -234,11 +222,11 @@ impl Kernel<'_> {
         let made = Arc { center: plus(arc.center, cutter.tip, -1.0), radius, start_angle, sweep: turn * (way + whole) };
         let to = self.position_round(cutter, &step.to, end, &made);
         let Step { coded, feed, unit, .. } = *step;
-        self.round(&Circle { made, coded, from: self.channel.state.place.position, to, axes, turns, feed, unit })
+        self.round(&Circle { made, coded, from: self.state.place.position, to, axes, turns, feed, unit })
     }
 
     fn round(&mut self, circle: &Circle) -> Acted {
-        self.without_cutter(|kernel| kernel.circle_to(circle))
+        self.without_cutter(|act| act.circle_to(circle))
     }
 
     /// The moves around a corner, the axes beside the plane standing.
@@ -274,7 +262,7 @@ impl Kernel<'_> {
         };
         match (round, step.shape) {
             (Some((made, axes)), Shape::Linear | Shape::Circle { .. }) => {
-                let from = self.channel.state.place.position;
+                let from = self.state.place.position;
                 self.round(&Circle { made, coded: 0, from, to, axes, turns: 0, feed, unit })
             }
             _ => self.straight(&Step { feed, unit, ..step.clone() }, to),

@@ -3,11 +3,11 @@
 //! Invariant: every move goes through the motion actions, so events, limits, times and macros are theirs. Steps are
 //! counted from the clearance height. Facts: reference control-emulator.md 6.4.
 
+use crate::act::Act;
 use crate::action::{dwell, spindle};
-use crate::channel::Kernel;
 use crate::diag;
 use crate::log::event::{Direction, Position};
-use crate::machine::ident::kind::cycle::{Kind, Out, Steps};
+use crate::machine::ident::kind::cycle::{HoleCycle, Out, Steps};
 use crate::machine::model::Approach;
 use crate::state::cycle::Cycle;
 use crate::state::cycle::Hole;
@@ -19,18 +19,18 @@ const MOST_STEPS: u32 = 10_000;
 /// A hole being made.
 pub(super) struct Drill<'h> {
     pub(super) hole: &'h Hole,
-    kind: Kind,
+    kind: HoleCycle,
     pub(super) cycle: Cycle,
     /// Direction of the spindle when the hole began.
     turning: Direction,
 }
 
-impl Kernel<'_> {
+impl Act<'_, '_> {
     /// Makes a hole with what the cycle knows now.
-    pub(super) fn make_hole(&mut self, hole: &Hole) -> Acted {
-        let cycle = self.channel.state.cycle;
-        let Some(kind) = Kind::numbered(cycle.number) else { return Ok(()) };
-        let turning = self.current()?.direction;
+    pub(in crate::action) fn make_hole(&mut self, hole: &Hole) -> Acted {
+        let cycle = self.state.cycle;
+        let Some(kind) = HoleCycle::numbered(cycle.number) else { return Ok(()) };
+        let turning = self.spindle_command()?.direction;
         let drill = Drill { hole, kind, cycle, turning };
         self.approach(hole)?;
         let Some(depth) = hole.depth else { return Ok(()) };
@@ -50,10 +50,8 @@ impl Kernel<'_> {
     fn approach(&mut self, hole: &Hole) -> Acted {
         let along = 1 << hole.axis;
         let mut target = hole.target;
-        if self.channel.env.machine.cycles.approach == Approach::PositionFirst {
-            if let (Some(slot), Some(level)) =
-                (target.get_mut(hole.axis), self.channel.programmed().get(hole.axis).copied())
-            {
+        if self.env.machine.cycles.approach == Approach::PositionFirst {
+            if let (Some(slot), Some(level)) = (target.get_mut(hole.axis), self.programmed().get(hole.axis).copied()) {
                 *slot = level;
             }
             self.rapid_to_point(hole.coded & !along, target)?;
@@ -66,7 +64,7 @@ impl Kernel<'_> {
     }
 
     fn level(&self, axis: usize, level: f64) -> Position {
-        let mut target = self.channel.programmed();
+        let mut target = self.programmed();
         if let Some(slot) = target.get_mut(axis) {
             *slot = level;
         }
@@ -80,23 +78,23 @@ impl Kernel<'_> {
 
     /// Along the axis of the cycle at feed.
     pub(super) fn plunge(&mut self, drill: &Drill<'_>, level: f64, ratio: f64) -> Acted {
-        let (feed, unit) = drill.cycle.feed;
+        let (feed, unit) = drill.cycle.rates.feed;
         let target = self.level(drill.hole.axis, level);
         self.feed_to_point(1 << drill.hole.axis, target, feed.map(|feed| feed * ratio), unit)
     }
 
     /// Dwell at depth (0), per step (1), at the top (2).
     fn rest(&mut self, drill: &Drill<'_>, place: usize) -> Acted {
-        let amount = drill.cycle.dwell.get(place).copied().filter(|_| drill.kind.dwells());
+        let amount = drill.cycle.rates.dwell.get(place).copied().filter(|_| drill.kind.dwells());
         dwell::of_cycle(self, amount.unwrap_or(0.0))
     }
 
     /// From the clearance height to the depth, in steps if the kind has them.
     fn go_down(&mut self, drill: &Drill<'_>, depth: f64) -> Acted {
         let steps = drill.kind.steps();
-        let step = drill.cycle.step.filter(|step| *step > 0.0 && step.is_finite());
+        let step = drill.cycle.pecks.first.filter(|step| *step > 0.0 && step.is_finite());
         let Some(step) = step.filter(|_| steps != Steps::None) else {
-            if steps != Steps::None && self.channel.env.machine.cycles.step_required {
+            if steps != Steps::None && self.env.machine.cycles.step_required {
                 let text = format!("a cycle needs its step in '{}', it is drilled in one go", self.block_text());
                 self.diagnose(&diag::DATA_MISSING, text);
             }
@@ -107,7 +105,7 @@ impl Kernel<'_> {
 
     fn in_steps(&mut self, drill: &Drill<'_>, depth: f64, first: f64) -> Acted {
         let (hole, cycle) = (drill.hole, &drill.cycle);
-        let scale = self.channel.state.place.axes.get(hole.axis).map_or(1.0, |axis| axis.scale);
+        let scale = self.state.place.layout.axes.get(hole.axis).map_or(1.0, |axis| axis.scale);
         let (whole, down) = ((depth - hole.clear).abs() * scale, (depth - hole.clear).signum());
         let at = |reached: f64| hole.clear + down * reached / scale;
         let (mut reached, mut step) = (0.0, first);
@@ -118,10 +116,10 @@ impl Kernel<'_> {
             }
             self.plunge(drill, at(next), 1.0)?;
             self.rest(drill, 1)?;
-            let above = (next - cycle.step_back).max(0.0);
+            let above = (next - cycle.pecks.retract).max(0.0);
             self.between(drill, at(above))?;
             reached = next;
-            let less = (step - cycle.decrement).max(cycle.least);
+            let less = (step - cycle.pecks.decrement).max(cycle.pecks.least);
             step = if less > 0.0 { less } else { step };
         }
         let text = format!(
@@ -135,7 +133,7 @@ impl Kernel<'_> {
     /// Between two steps: fully out and back to `above`, or only up to there.
     fn between(&mut self, drill: &Drill<'_>, above: f64) -> Acted {
         let full = drill.kind.steps() == Steps::Full;
-        let ratio = drill.cycle.ratio;
+        let ratio = drill.cycle.rates.ratio;
         if !drill.kind.taps() {
             if full {
                 self.lift(drill, drill.hole.clear)?;
@@ -154,7 +152,7 @@ impl Kernel<'_> {
     }
 
     fn come_out(&mut self, drill: &Drill<'_>) -> Acted {
-        let (hole, ratio) = (drill.hole, drill.cycle.ratio);
+        let (hole, ratio) = (drill.hole, drill.cycle.rates.ratio);
         match drill.kind.out() {
             Out::Rapid => self.lift(drill, hole.back),
             Out::Feed => {
@@ -198,18 +196,18 @@ impl Kernel<'_> {
     /// The shift of oriented boring, away from the centre (1) or back (−1).
     fn shift_aside(&mut self, drill: &Drill<'_>, way: f64) -> Acted {
         let cycle = &drill.cycle;
-        let mut target = self.channel.programmed();
+        let mut target = self.programmed();
         let mut coded = 0_u8;
-        let given = cycle.shifts.iter().any(Option::is_some);
+        let given = cycle.boring.shifts.iter().any(Option::is_some);
         let first = (0..3).find(|role| cycle.axis.is_none_or(|(along, _)| along != *role));
-        for (role, axis) in self.channel.state.place.cartesian.iter().enumerate() {
-            let part = match cycle.shifts.get(role).copied().flatten() {
+        for (role, axis) in self.state.place.layout.cartesian.iter().enumerate() {
+            let part = match cycle.boring.shifts.get(role).copied().flatten() {
                 Some(part) => part,
-                None if !given && Some(role) == first => cycle.shift,
+                None if !given && Some(role) == first => cycle.boring.shift,
                 None => 0.0,
             };
             let Some(axis) = axis.map(usize::from).filter(|_| part != 0.0) else { continue };
-            let scale = self.channel.state.place.axes.get(axis).map_or(1.0, |axis| axis.scale);
+            let scale = self.state.place.layout.axes.get(axis).map_or(1.0, |axis| axis.scale);
             if let Some(slot) = target.get_mut(axis) {
                 *slot += way * part / scale;
                 coded |= 1 << axis;

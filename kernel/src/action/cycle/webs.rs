@@ -4,7 +4,7 @@
 //! this project's own, since the annex names none; a distance above a web where feed begins is the way back of the
 //! cycle. Invariant: a web has a start and a depth, or it is left out and told.
 
-use crate::channel::Kernel;
+use crate::act::Act;
 use crate::diag;
 use crate::machine::ident::{DataId, data};
 use crate::state::cycle::{Cycle, FURTHER_WEBS, Height};
@@ -18,17 +18,17 @@ pub(super) const DATA: [[DataId; 2]; FURTHER_WEBS] = [
 ];
 
 /// Positions of the webs of a hole; distances count from `base` like the depth.
-pub(super) fn of_hole(kernel: &mut Kernel<'_>, state: &Cycle, base: f64) -> [Option<[f64; 2]>; FURTHER_WEBS] {
+pub(super) fn of_hole(act: &mut Act<'_, '_>, state: &Cycle, base: f64) -> [Option<[f64; 2]>; FURTHER_WEBS] {
     let mut webs = [None; FURTHER_WEBS];
-    for (number, (slot, given)) in (2..).zip(webs.iter_mut().zip(state.webs)) {
+    for (number, (slot, given)) in (2..).zip(webs.iter_mut().zip(state.heights.webs)) {
         let at = |height: Option<Height>| height.map(|height| height.from(base));
         *slot = match given.map(at) {
             [Some(start), Some(depth)] => Some([start, depth]),
             [None, None] => None,
             _ => {
-                let block = kernel.block_text();
+                let block = act.block_text();
                 let text = format!("web {number} needs its start and its depth in '{block}', it is left out");
-                kernel.diagnose(&diag::DATA_MISSING, text);
+                act.diagnose(&diag::DATA_MISSING, text);
                 None
             }
         };
@@ -36,12 +36,12 @@ pub(super) fn of_hole(kernel: &mut Kernel<'_>, state: &Cycle, base: f64) -> [Opt
     webs
 }
 
-impl Kernel<'_> {
+impl Act<'_, '_> {
     /// From the depth of the first web through the others.
     pub(super) fn further_webs(&mut self, drill: &super::path::Drill<'_>, depth: f64) -> Acted {
         let hole = drill.hole;
-        let scale = self.channel.state.place.axes.get(hole.axis).map_or(1.0, |axis| axis.scale);
-        let up = (hole.clear - depth).signum() * drill.cycle.step_back / scale;
+        let scale = self.state.place.layout.axes.get(hole.axis).map_or(1.0, |axis| axis.scale);
+        let up = (hole.clear - depth).signum() * drill.cycle.pecks.retract / scale;
         for [start, depth] in hole.webs.into_iter().flatten() {
             self.lift(drill, start + up)?;
             self.plunge(drill, depth, 1.0)?;

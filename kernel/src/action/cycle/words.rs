@@ -3,13 +3,13 @@
 //! Invariant: a kind takes what it uses; the rest stays on the block and is told. Facts: reference control-emulator.md
 //! 6.4 (feed, depth axis, clearance, position axes are documented by a trace).
 
-use crate::channel::Kernel;
-use crate::channel::data::Datum;
+use crate::act::Act;
 use crate::diag;
 use crate::log::event::{FeedUnit, Position};
-use crate::machine::ident::kind::cycle::Kind;
+use crate::machine::ident::kind::cycle::HoleCycle;
 use crate::machine::ident::{DataId, codes, data};
 use crate::machine::model::{Dimension, Heights};
+use crate::state::block::Datum;
 use crate::state::cycle::Height;
 use crate::state::modal::{feed_of, group};
 
@@ -28,109 +28,108 @@ pub(super) struct Words {
 }
 
 /// Takes the data of a cycle code; the kind may become a rigid one.
-pub(super) fn take(kernel: &mut Kernel<'_>, kind: Kind) -> (Kind, Words) {
-    take_feed(kernel);
-    let Some((role, axis)) = kernel.channel.state.cycle.axis else { return (kind, position(kernel)) };
-    let scale = kernel.channel.state.place.axes.get(axis).map_or(1.0, |axis| axis.scale);
-    let rules = (kernel.channel.env.machine.cycles.clearance, kernel.channel.env.machine.cycles.depth);
-    depth(kernel, (role, axis), scale, rules.1);
+pub(super) fn take(act: &mut Act<'_, '_>, kind: HoleCycle) -> (HoleCycle, Words) {
+    take_feed(act);
+    let Some((role, axis)) = act.state.cycle.axis else { return (kind, position(act)) };
+    let scale = act.state.place.layout.axes.get(axis).map_or(1.0, |axis| axis.scale);
+    let rules = (act.env.machine.cycles.clearance, act.env.machine.cycles.depth);
+    depth(act, (role, axis), scale, rules.1);
     if kind.bores_back()
-        && let Some(bottom) = height(kernel, data::CYCLE_BOTTOM, rules.0, scale)
+        && let Some(bottom) = height(act, data::CYCLE_BOTTOM, rules.0, scale)
     {
-        kernel.channel.state.cycle.bottom = Some(bottom);
+        act.state.cycle.heights.bottom = Some(bottom);
     }
-    if let Some(clear) = height(kernel, data::CYCLE_CLEAR, rules.0, scale) {
-        kernel.channel.state.cycle.clear = Some(clear);
+    if let Some(clear) = height(act, data::CYCLE_CLEAR, rules.0, scale) {
+        act.state.cycle.heights.clear = Some(clear);
     }
     if kind.has_webs() {
         for (web, ids) in super::webs::DATA.into_iter().enumerate() {
             for (end, id) in ids.into_iter().enumerate() {
-                let height = height(kernel, id, rules.1, scale);
-                let slot = kernel.channel.state.cycle.webs.get_mut(web).and_then(|web| web.get_mut(end));
+                let height = height(act, id, rules.1, scale);
+                let slot = act.state.cycle.heights.webs.get_mut(web).and_then(|web| web.get_mut(end));
                 if let (Some(slot), Some(height)) = (slot, height) {
                     *slot = Some(height);
                 }
             }
         }
     }
-    let mut words = position(kernel);
-    if let Some(retract) = height(kernel, data::CYCLE_RETRACT, rules.0, scale) {
-        kernel.channel.state.cycle.retract = Some(retract);
+    let mut words = position(act);
+    if let Some(retract) = height(act, data::CYCLE_RETRACT, rules.0, scale) {
+        act.state.cycle.heights.retract = Some(retract);
     }
-    let kind = amounts(kernel, kind);
-    words.times = times(kernel);
+    let kind = amounts(act, kind);
+    words.times = times(act);
     (kind, words)
 }
 
 /// Takes the position of a block that carries out the cycle defined before.
-pub(super) fn take_position(kernel: &mut Kernel<'_>) -> Words {
-    take_feed(kernel);
-    let mut words = position(kernel);
-    words.times = times(kernel);
+pub(super) fn take_position(act: &mut Act<'_, '_>) -> Words {
+    take_feed(act);
+    let mut words = position(act);
+    words.times = times(act);
     words
 }
 
 /// A feed of the cycle's own lasts until another one is programmed or the cycle ends; else that of the mode counts.
-fn take_feed(kernel: &mut Kernel<'_>) {
+fn take_feed(act: &mut Act<'_, '_>) {
     let own = [
         (data::CYCLE_UPM, FeedUnit::PerMinute),
         (data::CYCLE_UPR, FeedUnit::PerRevolution),
         (data::CYCLE_TPU, FeedUnit::PerRevolution),
     ];
     for (id, unit) in own {
-        if let Some(datum) = kernel.take(id) {
+        if let Some(datum) = act.take(id) {
             let pitch = |threads: f64| {
-                if threads == 0.0 { 0.0 } else { kernel.channel.unit_factor(Dimension::Length) / threads }
+                if threads == 0.0 { 0.0 } else { act.unit_factor(Dimension::Length) / threads }
             };
             let value = if id == data::CYCLE_TPU { pitch(datum.value) } else { datum.value };
-            kernel.channel.state.cycle.feed = (Some(value), unit);
-            kernel.channel.state.cycle.own_feed = true;
+            act.state.cycle.rates.feed = (Some(value), unit);
+            act.state.cycle.rates.own_feed = true;
             return;
         }
     }
-    let (id, unit) = feed_of(kernel.channel.state.modal.code(group::FEED));
-    if let Some(datum) = kernel.take(id) {
-        kernel.channel.state.modal.remember(id, datum.value);
-        kernel.channel.state.cycle.feed = (Some(datum.value), unit);
-        kernel.channel.state.cycle.own_feed = false;
-    } else if !kernel.channel.state.cycle.own_feed {
+    let (id, unit) = feed_of(act.state.modal.code(group::FEED));
+    if let Some(datum) = act.take(id) {
+        act.state.modal.remember(id, datum.value);
+        act.state.cycle.rates.feed = (Some(datum.value), unit);
+        act.state.cycle.rates.own_feed = false;
+    } else if !act.state.cycle.rates.own_feed {
         // Inverse time belongs to its block alone.
-        let known = if unit == FeedUnit::InverseTime { None } else { kernel.channel.state.modal.value(id) };
-        kernel.channel.state.cycle.feed = (known, unit);
+        let known = if unit == FeedUnit::InverseTime { None } else { act.state.modal.value(id) };
+        act.state.cycle.rates.feed = (known, unit);
     }
 }
 
 /// The depth: data of its own, else the word of the axis.
-fn depth(kernel: &mut Kernel<'_>, (role, axis): (usize, usize), scale: f64, rule: Heights) {
+fn depth(act: &mut Act<'_, '_>, (role, axis): (usize, usize), scale: f64, rule: Heights) {
     let id = [data::CYCLE_DEPTH_X, data::CYCLE_DEPTH_Y, data::CYCLE_DEPTH_Z].get(role).copied();
-    let own = id.and_then(|id| height(kernel, id, rule, scale));
+    let own = id.and_then(|id| height(act, id, rule, scale));
     let depth = own.or_else(|| {
-        let id = kernel.channel.state.place.axes.get(axis).map(|axis| axis.data)?;
-        height(kernel, id, rule, 1.0)
+        let id = act.state.place.layout.axes.get(axis).map(|axis| axis.data)?;
+        height(act, id, rule, 1.0)
     });
     if depth.is_some() {
-        kernel.channel.state.cycle.depth = depth;
+        act.state.cycle.heights.depth = depth;
     }
 }
 
 /// A height; a distance is divided by `scale`, which makes a radius a diameter.
-fn height(kernel: &mut Kernel<'_>, id: DataId, rule: Heights, scale: f64) -> Option<Height> {
-    let datum = kernel.take(id)?;
-    let relative = is_relative(kernel, rule, &datum);
+fn height(act: &mut Act<'_, '_>, id: DataId, rule: Heights, scale: f64) -> Option<Height> {
+    let datum = act.take(id)?;
+    let relative = is_relative(act, rule, &datum);
     if relative {
         return Some(Height { value: datum.value / scale, relative });
     }
-    let axis = kernel.channel.state.cycle.axis.map(|(_, axis)| axis);
+    let axis = act.state.cycle.axis.map(|(_, axis)| axis);
     // The word of the axis itself has been taken as its axis counts.
-    let own = axis.filter(|axis| kernel.channel.state.place.axes.get(*axis).is_some_and(|axis| axis.data != id));
-    let factor = own.map_or(1.0, |axis| kernel.factor_across(axis));
-    let shift =
-        axis.filter(|_| kernel.channel.block.machine_frame).and_then(|axis| kernel.channel.state.place.shift.get(axis));
+    let own = axis.filter(|axis| act.state.place.layout.axes.get(*axis).is_some_and(|axis| axis.data != id));
+    let factor = own.map_or(1.0, |axis| act.factor_across(axis));
+    let shift = axis.filter(|_| act.block.flags.machine_frame).and_then(|axis| act.state.place.shift.get(axis));
     Some(Height { value: datum.value * factor - shift.copied().unwrap_or(0.0), relative })
 }
 
-fn is_relative(kernel: &Kernel<'_>, rule: Heights, datum: &Datum) -> bool {
-    let mode = kernel.channel.state.modal.code(group::POSITION) == Some(codes::POSITION_RELATIVE);
+fn is_relative(act: &Act<'_, '_>, rule: Heights, datum: &Datum) -> bool {
+    let mode = act.state.modal.code(group::POSITION) == Some(codes::POSITION_RELATIVE);
     datum.incremental
         || !datum.absolute
             && match rule {
@@ -141,101 +140,101 @@ fn is_relative(kernel: &Kernel<'_>, rule: Heights, datum: &Datum) -> bool {
 }
 
 /// Position axes, and which of them are distances.
-fn position(kernel: &mut Kernel<'_>) -> Words {
-    let mode = kernel.channel.state.modal.code(group::POSITION) == Some(codes::POSITION_RELATIVE);
+fn position(act: &mut Act<'_, '_>) -> Words {
+    let mode = act.state.modal.code(group::POSITION) == Some(codes::POSITION_RELATIVE);
     let mut relative = 0;
-    for (index, axis) in kernel.channel.state.place.axes.iter().enumerate() {
-        let sources = kernel.plan.data.sources.get(usize::from(axis.data.0)).into_iter().flatten();
-        let word = sources.filter_map(|source| kernel.channel.block.look(source.register)).next();
-        let added = || kernel.channel.block.added.iter().any(|(id, _)| *id == axis.data);
+    for (index, axis) in act.state.place.layout.axes.iter().enumerate() {
+        let sources = act.sources(axis.data).iter();
+        let word = sources.filter_map(|source| act.block.look(source.register)).next();
+        let added = || act.block.added.iter().any(|(id, _)| *id == axis.data);
         if word.is_some_and(|word| word.incremental || mode) || mode && added() {
             relative |= 1 << index;
         }
     }
-    let (coded, target) = kernel.programmed_targets();
+    let (coded, target) = act.programmed_targets();
     Words { target, coded, relative: relative & coded, times: 1 }
 }
 
 /// Steps, dwell and shift, as far as the kind has them.
-fn amounts(kernel: &mut Kernel<'_>, kind: Kind) -> Kind {
+fn amounts(act: &mut Act<'_, '_>, kind: HoleCycle) -> HoleCycle {
     use crate::machine::ident::kind::cycle::{Out, Steps};
-    let mut kind = tap_type(kernel, kind);
-    if kernel.channel.state.cycle.rigid == 2.0 && kind.taps() {
+    let mut kind = tap_type(act, kind);
+    if act.state.cycle.rigid == 2.0 && kind.taps() {
         kind = kind.rigid(false);
-        if let Some(step) = kernel.take(data::CYCLE_STEP) {
-            kernel.channel.state.cycle.step = Some(step.value.abs());
+        if let Some(step) = act.take(data::CYCLE_STEP) {
+            act.state.cycle.pecks.first = Some(step.value.abs());
         }
-        kind = kind.rigid(kernel.channel.state.cycle.step.is_some_and(|step| step > 0.0));
-        kernel.channel.state.cycle.number = kind.number();
+        kind = kind.rigid(act.state.cycle.pecks.first.is_some_and(|step| step > 0.0));
+        act.state.cycle.number = kind.number();
     } else if kind.is_rigid() {
-        kernel.channel.state.cycle.rigid = 1.0;
+        act.state.cycle.rigid = 1.0;
     }
     if kind.dwells()
-        && let Some(dwell) = kernel.take_seconds(data::CYCLE_DWELL)
-        && let [bottom, ..] = &mut kernel.channel.state.cycle.dwell
+        && let Some(dwell) = act.take_seconds(data::CYCLE_DWELL)
+        && let [bottom, ..] = &mut act.state.cycle.rates.dwell
     {
         *bottom = dwell;
     }
     if kind.steps() != Steps::None {
-        if let Some(step) = kernel.take(data::CYCLE_STEP) {
-            kernel.channel.state.cycle.step = Some(step.value.abs());
+        if let Some(step) = act.take(data::CYCLE_STEP) {
+            act.state.cycle.pecks.first = Some(step.value.abs());
         }
-        if let Some(decrement) = kernel.take(data::CYCLE_STEP_DECR) {
-            kernel.channel.state.cycle.decrement = decrement.value.abs();
+        if let Some(decrement) = act.take(data::CYCLE_STEP_DECR) {
+            act.state.cycle.pecks.decrement = decrement.value.abs();
         }
     }
     if (kind.steps() != Steps::None || kind.has_webs())
-        && let Some(back) = kernel.take(data::CYCLE_STEP_BACK)
+        && let Some(back) = act.take(data::CYCLE_STEP_BACK)
     {
-        kernel.channel.state.cycle.step_back = back.value.abs();
+        act.state.cycle.pecks.retract = back.value.abs();
     }
     if kind.is_rigid()
-        && let Some(orient) = kernel.take(data::CYCLE_RIGID_ORIENT)
+        && let Some(orient) = act.take(data::CYCLE_RIGID_ORIENT)
     {
-        kernel.channel.state.cycle.orient = orient.value;
+        act.state.cycle.boring.orient = orient.value;
     }
     if kind.out() == Out::Oriented {
-        shifts(kernel);
+        shifts(act);
     }
     kind
 }
 
 /// A tap as its type says, if one has been programmed.
-fn tap_type(kernel: &mut Kernel<'_>, kind: Kind) -> Kind {
+fn tap_type(act: &mut Act<'_, '_>, kind: HoleCycle) -> HoleCycle {
     if !kind.taps() {
         return kind;
     }
-    if let Some(datum) = kernel.take(data::CYCLE_TAP_TYPE) {
+    if let Some(datum) = act.take(data::CYCLE_TAP_TYPE) {
         if kind.tap(datum.value).is_none() {
             let text = format!(
                 "{} is no type of a tap in '{}': 0 floating, 1 rigid, 2 deep, 3 breaking chips",
                 datum.value,
-                kernel.block_text()
+                act.block_text()
             );
-            kernel.diagnose(&diag::DATA_OUT_OF_RANGE, text);
+            act.diagnose(&diag::DATA_OUT_OF_RANGE, text);
         } else {
-            kernel.channel.state.cycle.tap = Some(datum.value);
+            act.state.cycle.tap = Some(datum.value);
         }
     }
-    let Some(typed) = kernel.channel.state.cycle.tap.and_then(|wanted| kind.tap(wanted)) else { return kind };
-    kernel.channel.state.cycle.number = typed.number();
-    if !typed.is_rigid() && kernel.channel.state.cycle.rigid == 1.0 {
-        kernel.channel.state.cycle.rigid = 0.0;
+    let Some(typed) = act.state.cycle.tap.and_then(|wanted| kind.tap(wanted)) else { return kind };
+    act.state.cycle.number = typed.number();
+    if !typed.is_rigid() && act.state.cycle.rigid == 1.0 {
+        act.state.cycle.rigid = 0.0;
     }
     typed
 }
 
-fn shifts(kernel: &mut Kernel<'_>) {
-    if let Some(orient) = kernel.take(data::CYCLE_ORIENT) {
-        kernel.channel.state.cycle.orient = orient.value;
+fn shifts(act: &mut Act<'_, '_>) {
+    if let Some(orient) = act.take(data::CYCLE_ORIENT) {
+        act.state.cycle.boring.orient = orient.value;
     }
-    if let Some(shift) = kernel.take(data::CYCLE_BORE_JOG) {
-        kernel.channel.state.cycle.shift = shift.value;
+    if let Some(shift) = act.take(data::CYCLE_BORE_JOG) {
+        act.state.cycle.boring.shift = shift.value;
     }
     for (index, id) in [data::CYCLE_BORE_JOG_X, data::CYCLE_BORE_JOG_Y, data::CYCLE_BORE_JOG_Z].into_iter().enumerate()
     {
-        if let Some(datum) = kernel.take(id)
-            && let Some(slot) = kernel.channel.state.cycle.shifts.get_mut(index)
+        if let Some(datum) = act.take(id)
+            && let Some(slot) = act.state.cycle.boring.shifts.get_mut(index)
         {
             *slot = Some(datum.value);
         }
@@ -243,6 +242,6 @@ fn shifts(kernel: &mut Kernel<'_>) {
 }
 
 /// How often the cycle is carried out on this block; 0 only stores its values.
-fn times(kernel: &mut Kernel<'_>) -> u32 {
-    kernel.take(data::CYCLE_REPEAT).map_or(1, |datum| datum.value.clamp(0.0, MOST_TIMES) as u32)
+fn times(act: &mut Act<'_, '_>) -> u32 {
+    act.take(data::CYCLE_REPEAT).map_or(1, |datum| datum.value.clamp(0.0, MOST_TIMES) as u32)
 }

@@ -8,15 +8,26 @@ pub(crate) mod cycle;
 
 use counterpoint_motion::thread::Lead;
 
-use super::spindle::Turning;
-use crate::channel::Kernel;
+use crate::act::Act;
+use crate::action::entry::{Contour, Entry, entry_of_kind};
 use crate::diag;
 use crate::log::event::{FeedUnit, Motion, MotionKind, Position};
-use crate::machine::ident::kind::thread::Change;
+use crate::machine::ident::codes;
+use crate::machine::ident::kind::CodeKind;
+use crate::machine::ident::kind::thread::LeadChange;
 use crate::machine::ident::{DataId, data};
 use crate::state::alarms::NOT_DONE;
-use crate::state::block::Firing;
+use crate::state::block::PendingCode;
+use crate::state::spindle::Turning;
 use counterpoint_fault::{Acted, Halt};
+
+/// Codes and what they do.
+pub(crate) const ENTRIES: &[Entry] = &[
+    entry_of_kind!(CodeKind::Thread(change) => |act, _row, code| thread(act, change, code))
+        .moves()
+        .contour(Contour::Leaves),
+    Entry::of(&[codes::INTERP_THREAD_OFF, codes::THREAD_OFF], |act, _, _| off(act)).contour(Contour::Leaves),
+];
 
 /// A thread as words tell it.
 #[derive(Debug, Clone, Copy)]
@@ -30,48 +41,48 @@ pub(super) struct Screw {
 }
 
 /// Cuts one pass.
-pub(super) fn thread(kernel: &mut Kernel<'_>, change: Change, firing: Firing) -> Acted {
-    let (pitch, sides) = take_pitch(kernel);
-    let by_word = change == Change::None && kernel.channel.env.machine.threads.changes;
-    let change = take_change(kernel, if by_word { Change::May } else { change }, firing.implied);
-    kernel.take(data::INTERP_THREAD_ANGLE);
-    let starts = take_starts(kernel);
-    kernel.channel.state.threads.starts = starts;
-    let (coded, target) = kernel.targets();
-    if coded == 0 || target == kernel.channel.state.place.position {
+pub(super) fn thread(act: &mut Act<'_, '_>, change: LeadChange, code: &PendingCode) -> Acted {
+    let (pitch, sides) = take_pitch(act);
+    let by_word = change == LeadChange::None && act.env.machine.threads.changes;
+    let change = take_change(act, if by_word { LeadChange::May } else { change }, code.modal);
+    act.take(data::INTERP_THREAD_ANGLE);
+    let starts = take_starts(act);
+    act.state.threads.starts = starts;
+    let (coded, target) = act.targets();
+    if coded == 0 || target == act.state.place.position {
         return Ok(());
     }
-    let (pitch, along) = if sides == [None; 2] { (pitch, None) } else { by_axis(kernel, sides, &target) };
+    let (pitch, along) = if sides == [None; 2] { (pitch, None) } else { by_axis(act, sides, &target) };
     if let Some(pitch) = pitch {
-        kernel.remember_lead(pitch);
+        act.remember_lead(pitch);
     }
     let screw = Screw { lead: pitch.unwrap_or(0.0) * starts, change: change * starts, along };
-    kernel.cut(coded, target, &screw)?;
-    super::cutter::after_thread(kernel);
+    act.cut(coded, target, &screw)?;
+    super::cutter::after_thread(act);
     Ok(())
 }
 
 /// Ends threads: what moves here moves straight.
-pub(super) fn off(kernel: &mut Kernel<'_>) -> Acted {
-    super::motion::linear(kernel)
+pub(super) fn off(act: &mut Act<'_, '_>) -> Acted {
+    super::motion::linear(act)
 }
 
 /// The pitch, and those that count along X and Z alone.
-fn take_pitch(kernel: &mut Kernel<'_>) -> (Option<f64>, [Option<f64>; 2]) {
-    let pitch = kernel.take(data::INTERP_THREAD_PITCH).map(|datum| datum.value);
+fn take_pitch(act: &mut Act<'_, '_>) -> (Option<f64>, [Option<f64>; 2]) {
+    let pitch = act.take(data::INTERP_THREAD_PITCH).map(|datum| datum.value);
     if let Some(lead) = pitch {
-        kernel.remember_lead(lead);
+        act.remember_lead(lead);
         return (pitch, [None; 2]);
     }
     let sides =
-        [data::INTERP_THREAD_PITCH_X, data::INTERP_THREAD_PITCH_Z].map(|id| kernel.take(id).map(|datum| datum.value));
-    (kernel.remembered_lead(), sides)
+        [data::INTERP_THREAD_PITCH_X, data::INTERP_THREAD_PITCH_Z].map(|id| act.take(id).map(|datum| datum.value));
+    (act.remembered_lead(), sides)
 }
 
 /// The pitch along X or Z: of two that of the longer travel; one whose axis stands counts along the longer one.
-fn by_axis(kernel: &Kernel<'_>, sides: [Option<f64>; 2], target: &Position) -> (Option<f64>, Option<usize>) {
-    let changes = kernel.channel.changes(&kernel.channel.state.place.position, target);
-    let axes = [0, 2].map(|role| kernel.channel.state.place.cartesian.get(role).copied().flatten().map(usize::from));
+fn by_axis(act: &Act<'_, '_>, sides: [Option<f64>; 2], target: &Position) -> (Option<f64>, Option<usize>) {
+    let changes = act.changes(&act.state.place.position, target);
+    let axes = [0, 2].map(|role| act.state.place.layout.cartesian.get(role).copied().flatten().map(usize::from));
     let way = |axis: Option<usize>| axis.and_then(|axis| changes.get(axis)).map_or(0.0, |change| change.abs());
     let [x, z] = axes.map(way);
     let (pitch, axis, way) = match sides {
@@ -84,80 +95,80 @@ fn by_axis(kernel: &Kernel<'_>, sides: [Option<f64>; 2], target: &Position) -> (
 }
 
 /// Change of the pitch with each revolution.
-fn take_change(kernel: &mut Kernel<'_>, change: Change, implied: bool) -> f64 {
+fn take_change(act: &mut Act<'_, '_>, change: LeadChange, implied: bool) -> f64 {
     let id = data::INTERP_THREAD_PITCH_VAR;
-    let said = if change == Change::None { None } else { kernel.take(id).map(|datum| datum.value) };
-    let last = kernel.channel.state.modal.value(id).unwrap_or(0.0);
+    let said = if change == LeadChange::None { None } else { act.take(id).map(|datum| datum.value) };
+    let last = act.state.modal.value(id).unwrap_or(0.0);
     let value = match (change, said) {
-        (Change::None, _) => 0.0,
-        (Change::May, None) if !implied => 0.0,
-        (Change::May | Change::Signed, said) => said.unwrap_or(last),
-        (Change::Up, said) => said.unwrap_or(last).abs(),
-        (Change::Down, said) => -said.unwrap_or(last).abs(),
+        (LeadChange::None, _) => 0.0,
+        (LeadChange::May, None) if !implied => 0.0,
+        (LeadChange::May | LeadChange::Signed, said) => said.unwrap_or(last),
+        (LeadChange::Up, said) => said.unwrap_or(last).abs(),
+        (LeadChange::Down, said) => -said.unwrap_or(last).abs(),
     };
-    if value == 0.0 && said.is_none() && matches!(change, Change::Signed | Change::Up | Change::Down) {
-        let text = format!("a thread with a changing lead needs its change in '{}'", kernel.block_text());
-        kernel.diagnose(&diag::DATA_MISSING, text);
+    if value == 0.0 && said.is_none() && matches!(change, LeadChange::Signed | LeadChange::Up | LeadChange::Down) {
+        let text = format!("a thread with a changing lead needs its change in '{}'", act.block_text());
+        act.diagnose(&diag::DATA_MISSING, text);
     }
-    kernel.channel.state.modal.remember(id, value);
+    act.state.modal.remember(id, value);
     value
 }
 
 /// Number of starts; which of them is cut makes no difference to the move.
-fn take_starts(kernel: &mut Kernel<'_>) -> f64 {
-    let take = |kernel: &mut Kernel<'_>, id: DataId| kernel.take(id).map(|datum| datum.value);
-    let starts = take(kernel, data::INTERP_THREAD_STARTS);
-    let current = take(kernel, data::INTERP_THREAD_START_CURRENT);
-    let total = take(kernel, data::INTERP_THREAD_START_TOTAL);
-    let known = starts.or(total).or_else(|| kernel.channel.state.modal.value(data::INTERP_THREAD_STARTS));
+fn take_starts(act: &mut Act<'_, '_>) -> f64 {
+    let take = |act: &mut Act<'_, '_>, id: DataId| act.take(id).map(|datum| datum.value);
+    let starts = take(act, data::INTERP_THREAD_STARTS);
+    let current = take(act, data::INTERP_THREAD_START_CURRENT);
+    let total = take(act, data::INTERP_THREAD_START_TOTAL);
+    let known = starts.or(total).or_else(|| act.state.modal.value(data::INTERP_THREAD_STARTS));
     let starts = known.map_or(1.0, |starts| starts.max(1.0));
     if let Some(current) = current
         && !(1.0..=starts).contains(&current)
     {
-        let text = format!("start {current} of a thread with {starts} starts in '{}'", kernel.block_text());
-        kernel.diagnose(&diag::DATA_OUT_OF_RANGE, text);
+        let text = format!("start {current} of a thread with {starts} starts in '{}'", act.block_text());
+        act.diagnose(&diag::DATA_OUT_OF_RANGE, text);
     }
     starts
 }
 
-impl Kernel<'_> {
+impl Act<'_, '_> {
     /// Stops the channel at a thread without a lead before anything of it is made, where that is an alarm.
     pub(super) fn check_lead(&mut self, screw: &Screw) -> Acted {
-        if screw.lead > 0.0 || self.channel.goes_on_at(&diag::NO_LEAD) {
+        if screw.lead > 0.0 || self.goes_on_at(&diag::NO_LEAD) {
             return Ok(());
         }
         let text = format!("thread without a lead in '{}', {NOT_DONE}", self.block_text());
         self.diagnose(&diag::NO_LEAD, text);
-        self.channel.check_stop()
+        self.check_stop()
     }
 
     /// Remembers the lead as feed per revolution where both are words of one register, as the one F of a control.
     pub(super) fn remember_lead(&mut self, pitch: f64) {
-        self.channel.state.modal.remember(data::INTERP_THREAD_PITCH, pitch);
-        if self.plan.rules.lead_is_feed {
-            self.channel.state.modal.remember(data::FEED_UPR, pitch);
+        self.state.modal.remember(data::INTERP_THREAD_PITCH, pitch);
+        if self.lead_is_feed() {
+            self.state.modal.remember(data::FEED_UPR, pitch);
         }
     }
 
     /// The lead last programmed, or the feed per revolution where that is the same word.
     pub(super) fn remembered_lead(&self) -> Option<f64> {
-        let feed = if self.plan.rules.lead_is_feed { self.channel.state.modal.value(data::FEED_UPR) } else { None };
-        feed.or_else(|| self.channel.state.modal.value(data::INTERP_THREAD_PITCH))
+        let feed = if self.lead_is_feed() { self.state.modal.value(data::FEED_UPR) } else { None };
+        feed.or_else(|| self.state.modal.value(data::INTERP_THREAD_PITCH))
     }
 
     /// One thread move to a programmed point.
     pub(super) fn cut_to_point(&mut self, coded: u8, target: Position, screw: &Screw) -> Acted {
-        let target = self.channel.work_point(&target);
+        let target = self.work_point(&target);
         self.cut(coded, target, screw)
     }
 
     /// One thread move to a target in the work frame.
     pub(super) fn cut(&mut self, coded: u8, target: Position, screw: &Screw) -> Acted {
-        let from = self.channel.state.place.position;
+        let from = self.state.place.position;
         if target == from {
             return Ok(());
         }
-        let changes = self.channel.changes(&from, &target);
+        let changes = self.changes(&from, &target);
         let seconds = self.thread_seconds(&target, &changes, screw)?;
         let length = self.tool_path(&changes);
         let feed = (screw.lead, FeedUnit::PerRevolution);
@@ -167,9 +178,9 @@ impl Kernel<'_> {
 
     /// Seconds of a thread move; falls back to the rapid time (with a diagnostic) without lead or speed.
     fn thread_seconds(&mut self, target: &Position, changes: &Position, screw: &Screw) -> Result<f64, Halt> {
-        let from = self.channel.state.place.position;
+        let from = self.state.place.position;
         if screw.lead.is_nan() || screw.lead <= 0.0 {
-            let done = self.channel.becomes(&diag::NO_LEAD, "the move is timed as rapid");
+            let done = self.becomes(&diag::NO_LEAD, "the move is timed as rapid");
             let text = format!("thread without a lead in '{}', {done}", self.block_text());
             self.diagnose(&diag::NO_LEAD, text);
             return Ok(self.rapid_seconds(&from, target));
@@ -184,9 +195,7 @@ impl Kernel<'_> {
         let way = screw.along.and_then(|axis| changes.get(axis)).map_or_else(longest, |change| change.abs());
         let minutes = |lead: Lead| match turning {
             Turning::Fixed(rpm) => lead.minutes(way, rpm),
-            Turning::Surface(speed) => {
-                lead.surface_minutes(way, &speed, self.channel.radius(&from), self.channel.radius(target))
-            }
+            Turning::Surface(speed) => lead.surface_minutes(way, &speed, self.radius(&from), self.radius(target)),
         };
         let lead = Lead { start: screw.lead, change: screw.change };
         if let Some(minutes) = minutes(lead) {

@@ -6,13 +6,12 @@ use counterpoint_fault::Acted;
 
 use super::code_calls::By;
 use super::modal::ModalCall;
-use crate::action::subprogram::passes;
 use crate::channel::Kernel;
 use crate::channel::flow::Callee;
 use crate::channel::flow::Pending;
 use crate::diag;
 use crate::dialect::MacroCall;
-use crate::state::block::odd;
+use crate::state::block::irregular;
 
 impl Kernel<'_> {
     /// A block whose words are the arguments of a macro.
@@ -28,7 +27,7 @@ impl Kernel<'_> {
         let words = self.with_interpreter(|interpreter, kernel| interpreter.arguments(kernel, text, word));
         let Some(mut words) = words.transpose()?.flatten() else { return Ok(()) };
         // Arguments are not words of their registers.
-        self.channel.block.odd &= !odd::NUMBERS;
+        self.channel.block.flags.irregular &= !irregular::NUMBERS;
         let mut by: Option<By> = None;
         let what = match own {
             Some(call) => {
@@ -49,7 +48,7 @@ impl Kernel<'_> {
         };
         let passes = match (words.call, words.count, self.flow.modal_call.as_deref()) {
             (None, _, Some(call)) => call.passes,
-            (_, Some(count), _) => passes(self, count).max(1),
+            (_, Some(count), _) => self.passes(count).max(1),
             _ => 1,
         };
         let arguments = words.values;

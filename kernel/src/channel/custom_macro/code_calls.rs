@@ -123,7 +123,7 @@ impl Kernel<'_> {
             source.and_then(|source| self.channel.block.words.iter().position(|word| word.register == source.register));
         let Some(at) = at else { return 1 };
         let count = self.channel.block.words.remove(at).value;
-        crate::action::subprogram::passes(self, count).max(1)
+        self.passes(count).max(1)
     }
 
     /// Hands the value of the word over to the program that it calls.

@@ -72,12 +72,12 @@ impl Kernel<'_> {
             self.flow.modal_call = None;
             return;
         }
-        if call.each || call.level != level || !self.channel.block.moved {
+        if call.each || call.level != level || !self.channel.block.flags.moved {
             return;
         }
         let (what, passes) = (call.what.clone(), call.passes);
         let (arguments, by) = (Some(call.arguments.clone()), call.by.map(Box::new));
-        self.channel.block.moved = false;
+        self.channel.block.flags.moved = false;
         self.flow.pending = Some(Pending::Call { what, passes, arguments, by });
     }
 }

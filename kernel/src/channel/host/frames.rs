@@ -12,7 +12,7 @@ use crate::state::modal::group;
 impl Kernel<'_> {
     /// Factor from positions as the program counts them to those of an axis.
     fn program_factor(&self, axis: usize) -> f64 {
-        let turns = self.channel.state.place.axes.get(axis).is_some_and(|axis| axis.rotary);
+        let turns = self.channel.state.place.layout.axes.get(axis).is_some_and(|axis| axis.rotary);
         let length = if turns { 1.0 } else { self.channel.unit_factor(Dimension::Length) };
         length * self.factor_across(axis)
     }
@@ -24,7 +24,7 @@ impl Frames for Kernel<'_> {
         let machine = self.channel.machine_point(&self.channel.state.place.position);
         let counted = self.channel.counted();
         let values = programmed.iter().zip(machine.iter()).zip(counted.iter());
-        let places = self.channel.state.place.axes.iter().enumerate().zip(values).filter_map(
+        let places = self.channel.state.place.layout.axes.iter().enumerate().zip(values).filter_map(
             |((at, axis), ((work, machine), from))| {
                 let named = self.channel.env.machine.axes.get(axis.machine)?;
                 let factor = self.program_factor(at);
@@ -44,8 +44,14 @@ impl Frames for Kernel<'_> {
     fn positions(&self) -> Vec<(String, f64, f64)> {
         let programmed = self.channel.programmed();
         let machine = self.channel.machine_point(&self.channel.state.place.position);
-        let axes =
-            self.channel.state.place.axes.iter().filter_map(|axis| self.channel.env.machine.axes.get(axis.machine));
+        let axes = self
+            .channel
+            .state
+            .place
+            .layout
+            .axes
+            .iter()
+            .filter_map(|axis| self.channel.env.machine.axes.get(axis.machine));
         let values = programmed.iter().zip(machine.iter());
         axes.zip(values).map(|(axis, (work, machine))| (axis.name.clone(), *work, *machine)).collect()
     }
@@ -61,9 +67,9 @@ impl Frames for Kernel<'_> {
     fn local_frame(&self) -> [f64; 12] {
         let map = self.channel.state.place.frames.as_deref().map_or(Affine::SAME, |frames| *frames.local.map());
         let mut rows = <[f64; 12]>::try_from(map.cells()).unwrap_or_default();
-        for (row, axis) in self.channel.state.place.cartesian.iter().enumerate() {
+        for (row, axis) in self.channel.state.place.layout.cartesian.iter().enumerate() {
             let Some(at) = axis.map(usize::from) else { continue };
-            let scale = self.channel.state.place.axes.get(at).map_or(1.0, |axis| axis.scale);
+            let scale = self.channel.state.place.layout.axes.get(at).map_or(1.0, |axis| axis.scale);
             if let Some(shift) = rows.get_mut(row * 4 + 3) {
                 *shift /= scale * self.program_factor(at);
             }
@@ -72,12 +78,12 @@ impl Frames for Kernel<'_> {
     }
 
     fn work_offset(&self) -> u32 {
-        self.channel.state.place.work_offset
+        self.channel.state.place.in_force.work_offset
     }
 
     fn offset(&self, number: u32) -> Vec<f64> {
         let values = self.channel.offset_values(Table::Work, number);
-        let values = values.iter().take(self.channel.state.place.axes.len()).enumerate();
+        let values = values.iter().take(self.channel.state.place.layout.axes.len()).enumerate();
         values.map(|(at, value)| value / self.program_factor(at)).collect()
     }
 
@@ -90,7 +96,7 @@ impl Frames for Kernel<'_> {
     }
 
     fn tool(&self) -> u32 {
-        self.channel.state.place.tool
+        self.channel.state.place.tools.current
     }
 
     fn modes(&self) -> Modes {

@@ -43,14 +43,17 @@ impl Report for Kernel<'_> {
     }
 
     fn open_output(&mut self, open: bool) {
-        self.flow.prints = open;
+        self.flow.printing.open = open;
     }
 
     /// All channels write one file, in the order of simulated time; how much is written is bounded (reference
     /// fanuc-variables-and-alarms.md 2.5).
     fn print(&mut self, line: &str) -> Acted {
         let output = &self.channel.env.machine.output;
-        if output.opened && !self.flow.prints && !std::mem::replace(&mut self.flow.closed_reported, true) {
+        if output.opened
+            && !self.flow.printing.open
+            && !std::mem::replace(&mut self.flow.printing.closed_reported, true)
+        {
             let text = format!("'{}' prints without POPEN before it; its output is kept", self.block_text());
             self.diagnose(&diag::PRINT_CLOSED, text);
         }

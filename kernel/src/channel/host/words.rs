@@ -6,7 +6,7 @@ use crate::dialect::{MadeWord, Words};
 use crate::log::info::Unit;
 use crate::machine::number::written;
 use crate::mcd::key_words::Number;
-use crate::state::block::{Word, odd};
+use crate::state::block::{Word, irregular};
 
 impl Words for Kernel<'_> {
     fn is_register(&self, name: &str) -> bool {
@@ -69,7 +69,7 @@ impl Words for Kernel<'_> {
     fn read(&mut self, register: u8, number: Number) -> f64 {
         let reading = self.plan.scanner.reading(register, number, self.channel.state.secondary);
         let (value, odd) = reading.unwrap_or((number.value, 0));
-        self.channel.block.odd |= odd;
+        self.channel.block.flags.irregular |= odd;
         value
     }
 
@@ -98,7 +98,7 @@ impl Words for Kernel<'_> {
                 let of = self.channel.env.machine.registers.get(usize::from(register));
                 let refused = self.channel.is_alarm(&diag::MINUS_SIGN) && of.is_some_and(|register| !register.signed);
                 let wrong = refused && value < 0.0;
-                self.channel.block.odd |= u8::from(wrong) * odd::SIGN;
+                self.channel.block.flags.irregular |= u8::from(wrong) * irregular::SIGN;
                 value
             }
         };
@@ -110,7 +110,7 @@ impl Words for Kernel<'_> {
     }
 
     fn keep_text(&mut self, span: (u32, u32)) {
-        self.channel.block.unknown.push(span);
+        self.channel.block.unrecognised.push(span);
     }
 
     fn words_are_made(&mut self) {

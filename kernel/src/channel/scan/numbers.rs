@@ -4,7 +4,7 @@
 
 use crate::machine::model::{NumberFormat, Point, Zeros};
 use crate::mcd::key_words::Number;
-use crate::state::block::odd;
+use crate::state::block::irregular;
 
 /// Powers of ten that are exact in `f64`.
 const POW10: [f64; 23] = [
@@ -91,7 +91,7 @@ impl Read {
     pub(crate) fn value(&self, number: Number) -> (f64, u8) {
         let value = if number.point || !self.implied { number.value } else { implied(number, &self.format) };
         let too_long = number.value.abs() >= if number.point { self.room } else { self.room_without_point };
-        let digits = u8::from(too_long) * odd::DIGITS;
+        let digits = u8::from(too_long) * irregular::DIGITS;
         let sign = u8::from(number.value < 0.0) * self.sign;
         let point = u8::from(number.point) * self.pointed;
         (value, digits | sign | point)

@@ -5,7 +5,7 @@
 
 use super::{Scanner, marks};
 use crate::mcd::spot::{self, Remark};
-use crate::state::block::{Block, odd};
+use crate::state::block::{Block, irregular};
 
 impl Scanner {
     /// A copy of the line with comments, skipped portions and skip marks blanked out, for the pre-processor. Inside
@@ -42,7 +42,7 @@ impl Scanner {
             if message {
                 block.messages.push((inside as u32, close.unwrap_or(line.len()) as u32));
             }
-            block.odd |= u8::from(close.is_none()) * odd::OPEN_COMMENT;
+            block.flags.irregular |= u8::from(close.is_none()) * irregular::OPEN_COMMENT;
             return Some(close.map_or(line.len(), |close| close + end.len()));
         }
         if Some(byte) == self.opskip {

@@ -8,7 +8,6 @@ use counterpoint_lang::ident::minor_code;
 use counterpoint_lang::value::Value;
 
 use super::{Read, Write};
-use crate::action::coolant::note;
 use crate::channel::Kernel;
 use crate::log::event::{Coolant, Outlet};
 use crate::machine::ident::{CodeId, codes};
@@ -42,7 +41,7 @@ fn set_fluid(kernel: &mut Kernel<'_>, fluid: u8) -> Outcome<()> {
     match code_of(fluid, outlet).filter(|code| kernel.row_of_code(*code).is_some()) {
         Some(code) => {
             kernel.activate_code(code);
-            note(kernel, fluid, outlet);
+            kernel.channel.note_coolant(fluid, outlet);
             Ok(())
         }
         None => Err(Fault::new(Number::BAD_VALUE, "the machine has no code for this coolant")),

@@ -47,10 +47,10 @@ fn changed(old: Option<Height>, value: &Value) -> Option<Height> {
 
 fn shift<const AT: usize>() -> (Read, Option<Write>) {
     (
-        |k, _| optional(k.channel.state.cycle.shifts.get(AT).copied().flatten()),
+        |k, _| optional(k.channel.state.cycle.boring.shifts.get(AT).copied().flatten()),
         Some(|k, _, value| {
             set(k, |cycle| {
-                if let Some(slot) = cycle.shifts.get_mut(AT) {
+                if let Some(slot) = cycle.boring.shifts.get_mut(AT) {
                     *slot = real(value);
                 }
             })
@@ -60,10 +60,10 @@ fn shift<const AT: usize>() -> (Read, Option<Write>) {
 
 fn dwell<const AT: usize>() -> (Read, Option<Write>) {
     (
-        |k, _| Value::Real(k.channel.state.cycle.dwell.get(AT).copied().unwrap_or(0.0)),
+        |k, _| Value::Real(k.channel.state.cycle.rates.dwell.get(AT).copied().unwrap_or(0.0)),
         Some(|k, _, value| {
             set(k, |cycle| {
-                if let Some(slot) = cycle.dwell.get_mut(AT) {
+                if let Some(slot) = cycle.rates.dwell.get_mut(AT) {
                     *slot = number(value);
                 }
             })
@@ -73,7 +73,7 @@ fn dwell<const AT: usize>() -> (Read, Option<Write>) {
 
 /// `$CYFEDT`: 1 and 2 inches per minute and revolution, 3 and 4 millimetres.
 fn feed_kind(kernel: &Kernel<'_>, _: &[i64]) -> Value {
-    let per_revolution = kernel.channel.state.cycle.feed.1 == FeedUnit::PerRevolution;
+    let per_revolution = kernel.channel.state.cycle.rates.feed.1 == FeedUnit::PerRevolution;
     let inch = kernel.channel.env.machine.unit == Unit::Inch;
     Value::Real(match (inch, per_revolution) {
         (true, false) => 1.0,
@@ -87,7 +87,7 @@ fn feed_kind(kernel: &Kernel<'_>, _: &[i64]) -> Value {
 fn set_feed_kind(kernel: &mut Kernel<'_>, _: &[i64], value: &Value) -> Outcome<()> {
     let per_revolution = [2.0, 4.0, 6.0].contains(&number(value));
     set(kernel, |cycle| {
-        cycle.feed.1 = if per_revolution { FeedUnit::PerRevolution } else { FeedUnit::PerMinute };
+        cycle.rates.feed.1 = if per_revolution { FeedUnit::PerRevolution } else { FeedUnit::PerMinute };
     })
 }
 
@@ -121,51 +121,51 @@ pub(crate) fn find(name: &str) -> Option<(Read, Option<Write>)> {
         ),
         "$CRMODE" => (retract_mode, Some(set_retract_mode)),
         "$CYCLRP" => (
-            |k, _| height(k.channel.state.cycle.clear),
-            Some(|k, _, value| set(k, |cycle| cycle.clear = changed(cycle.clear, value))),
+            |k, _| height(k.channel.state.cycle.heights.clear),
+            Some(|k, _, value| set(k, |cycle| cycle.heights.clear = changed(cycle.heights.clear, value))),
         ),
         "$CYDPTH" => (
-            |k, _| height(k.channel.state.cycle.depth),
-            Some(|k, _, value| set(k, |cycle| cycle.depth = changed(cycle.depth, value))),
+            |k, _| height(k.channel.state.cycle.heights.depth),
+            Some(|k, _, value| set(k, |cycle| cycle.heights.depth = changed(cycle.heights.depth, value))),
         ),
         "$CYRETN" => (
-            |k, _| optional(k.channel.state.cycle.retract.map(|height| height.value)),
-            Some(|k, _, value| set(k, |cycle| cycle.retract = changed(cycle.retract, value))),
+            |k, _| optional(k.channel.state.cycle.heights.retract.map(|height| height.value)),
+            Some(|k, _, value| set(k, |cycle| cycle.heights.retract = changed(cycle.heights.retract, value))),
         ),
         "$CYCLRO" => (
-            |k, _| Value::Real(k.channel.state.cycle.shift),
-            Some(|k, _, value| set(k, |cycle| cycle.shift = number(value))),
+            |k, _| Value::Real(k.channel.state.cycle.boring.shift),
+            Some(|k, _, value| set(k, |cycle| cycle.boring.shift = number(value))),
         ),
         "$CYCLRX" => shift::<0>(),
         "$CYCLRY" => shift::<1>(),
         "$CYCLRZ" => shift::<2>(),
         "$CYINCR" => (
-            |k, _| optional(k.channel.state.cycle.step),
-            Some(|k, _, value| set(k, |cycle| cycle.step = real(value).map(f64::abs))),
+            |k, _| optional(k.channel.state.cycle.pecks.first),
+            Some(|k, _, value| set(k, |cycle| cycle.pecks.first = real(value).map(f64::abs))),
         ),
         "$CYDECR" => (
-            |k, _| Value::Real(k.channel.state.cycle.decrement),
-            Some(|k, _, value| set(k, |cycle| cycle.decrement = number(value).abs())),
+            |k, _| Value::Real(k.channel.state.cycle.pecks.decrement),
+            Some(|k, _, value| set(k, |cycle| cycle.pecks.decrement = number(value).abs())),
         ),
         "$CYMIN" => (
-            |k, _| Value::Real(k.channel.state.cycle.least),
-            Some(|k, _, value| set(k, |cycle| cycle.least = number(value).max(0.0))),
+            |k, _| Value::Real(k.channel.state.cycle.pecks.least),
+            Some(|k, _, value| set(k, |cycle| cycle.pecks.least = number(value).max(0.0))),
         ),
         "$CYDWEL" => dwell::<0>(),
         "$CYDWLS" => dwell::<1>(),
         "$CYDWLT" => dwell::<2>(),
         "$CYFEDT" => (feed_kind, Some(set_feed_kind)),
         "$CYFEDV" => (
-            |k, _| Value::Real(k.channel.state.cycle.feed.0.unwrap_or(0.0)),
-            Some(|k, _, value| set(k, |cycle| (cycle.feed.0, cycle.own_feed) = (real(value), true))),
+            |k, _| Value::Real(k.channel.state.cycle.rates.feed.0.unwrap_or(0.0)),
+            Some(|k, _, value| set(k, |cycle| (cycle.rates.feed.0, cycle.rates.own_feed) = (real(value), true))),
         ),
         "$CYORNT" => (
-            |k, _| Value::Real(k.channel.state.cycle.orient),
-            Some(|k, _, value| set(k, |cycle| cycle.orient = number(value))),
+            |k, _| Value::Real(k.channel.state.cycle.boring.orient),
+            Some(|k, _, value| set(k, |cycle| cycle.boring.orient = number(value))),
         ),
         "$CYRATIO" => (
-            |k, _| Value::Real(k.channel.state.cycle.ratio),
-            Some(|k, _, value| set(k, |cycle| cycle.ratio = real(value).filter(|n| *n > 0.0).unwrap_or(1.0))),
+            |k, _| Value::Real(k.channel.state.cycle.rates.ratio),
+            Some(|k, _, value| set(k, |cycle| cycle.rates.ratio = real(value).filter(|n| *n > 0.0).unwrap_or(1.0))),
         ),
         "$CYRIGID" => (
             |k, _| Value::Real(k.channel.state.cycle.rigid),

@@ -57,7 +57,7 @@ pub(crate) fn find(name: &str) -> Option<(Read, Option<Write>)> {
         "$TCD" => (
             |k, _| {
                 real(if k.channel.is_turning() {
-                    k.channel.state.place.tool_offset
+                    k.channel.state.place.in_force.tool_offset
                 } else {
                     k.channel.state.place.compensation.diameter
                 })
@@ -95,34 +95,38 @@ pub(crate) fn find(name: &str) -> Option<(Read, Option<Write>)> {
             }),
         ),
         "$TCF" => (
-            |k, _| real(k.channel.state.place.work_offset),
+            |k, _| real(k.channel.state.place.in_force.work_offset),
             Some(|k, _, value| {
                 only_with(k, &FIXTURES)?;
-                k.channel.state.place.work_offset = whole(value);
+                k.channel.state.place.in_force.work_offset = whole(value);
                 k.reframe();
                 Ok(())
             }),
         ),
         "$TCFM" => (
             |k, _| {
-                if k.channel.state.place.work_offset == 0 { real(-1) } else { real(k.channel.state.place.work_offset) }
+                if k.channel.state.place.in_force.work_offset == 0 {
+                    real(-1)
+                } else {
+                    real(k.channel.state.place.in_force.work_offset)
+                }
             },
             None,
         ),
         "$TCL" => (
             |k, _| {
                 real(if k.channel.is_turning() {
-                    k.channel.state.place.tool_offset
+                    k.channel.state.place.in_force.tool_offset
                 } else {
-                    k.channel.state.place.length_number
+                    k.channel.state.place.in_force.length_number
                 })
             },
             Some(|k, _, value| {
                 if k.channel.is_turning() {
-                    k.channel.state.place.tool_offset = whole(value);
+                    k.channel.state.place.in_force.tool_offset = whole(value);
                 } else {
                     only_with(k, &LENGTHS)?;
-                    k.channel.state.place.length_number = whole(value);
+                    k.channel.state.place.in_force.length_number = whole(value);
                 }
                 k.reframe();
                 Ok(())
@@ -131,14 +135,14 @@ pub(crate) fn find(name: &str) -> Option<(Read, Option<Write>)> {
         "$TCLM" => (
             |k, _| {
                 let on = if k.channel.is_turning() {
-                    k.channel.state.place.tool_offset > 0
+                    k.channel.state.place.in_force.tool_offset > 0
                 } else {
-                    k.channel.state.place.length_sign != 0.0
+                    k.channel.state.place.in_force.length_sign != 0.0
                 };
                 match (on, k.channel.is_turning()) {
                     (false, _) => real(-1),
-                    (true, true) => real(k.channel.state.place.tool_offset),
-                    (true, false) => real(k.channel.state.place.length_number),
+                    (true, true) => real(k.channel.state.place.in_force.tool_offset),
+                    (true, false) => real(k.channel.state.place.in_force.length_number),
                 }
             },
             None,
@@ -252,12 +256,14 @@ impl Kernel<'_> {
                 (axes, given.iter().map(number).collect::<Outcome<_>>()?)
             }
             _ => match (given(2), given(3), given(4)) {
-                (Some(x), Some(y), Some(z)) if table == Table::Length => {
-                    (self.channel.state.place.cartesian.map(|axis| axis.map(usize::from)).to_vec(), vec![x, y, z])
-                }
-                (Some(z), None, _) if table == Table::Length && arguments.len() == 3 => {
-                    (self.channel.state.place.cartesian.map(|axis| axis.map(usize::from)).to_vec(), vec![0.0, 0.0, z])
-                }
+                (Some(x), Some(y), Some(z)) if table == Table::Length => (
+                    self.channel.state.place.layout.cartesian.map(|axis| axis.map(usize::from)).to_vec(),
+                    vec![x, y, z],
+                ),
+                (Some(z), None, _) if table == Table::Length && arguments.len() == 3 => (
+                    self.channel.state.place.layout.cartesian.map(|axis| axis.map(usize::from)).to_vec(),
+                    vec![0.0, 0.0, z],
+                ),
                 (Some(value), ..) if arguments.len() > 3 => (self.axes_of(&self.which(arguments.get(3))?), vec![value]),
                 _ => {
                     return Err(Fault::new(

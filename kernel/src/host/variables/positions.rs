@@ -41,9 +41,10 @@ pub(crate) fn place(name: &str) -> Option<Place> {
 impl Kernel<'_> {
     /// Channel axis with this letter.
     pub(crate) fn axis_of(&self, letter: char) -> Option<usize> {
-        let role = "XYZ".find(letter).and_then(|at| self.channel.state.place.cartesian.get(at).copied().flatten());
+        let role =
+            "XYZ".find(letter).and_then(|at| self.channel.state.place.layout.cartesian.get(at).copied().flatten());
         role.map(usize::from).or_else(|| {
-            self.channel.state.place.axes.iter().position(|axis| {
+            self.channel.state.place.layout.axes.iter().position(|axis| {
                 let own = self.channel.env.machine.axes.get(axis.machine);
                 own.is_some_and(|own| own.letter.len() == 1 && own.letter.starts_with(letter))
             })
@@ -90,19 +91,19 @@ impl Kernel<'_> {
     /// Channel axes of the six elements of `$AXES`: X Y Z, two rotary ones, and one more.
     pub(crate) fn six_axes(&self) -> [Option<usize>; 6] {
         let mut rotary =
-            self.channel.state.place.axes.iter().enumerate().filter(|(_, axis)| axis.rotary).map(|(at, _)| at);
-        let cartesian = self.channel.state.place.cartesian.map(|at| at.map(usize::from));
+            self.channel.state.place.layout.axes.iter().enumerate().filter(|(_, axis)| axis.rotary).map(|(at, _)| at);
+        let cartesian = self.channel.state.place.layout.cartesian.map(|at| at.map(usize::from));
         let [x, y, z] = cartesian;
         let (fourth, fifth) = (rotary.next(), rotary.next());
         let mut others =
-            self.channel.state.place.axes.iter().enumerate().filter(|(_, axis)| !axis.rotary).map(|(at, _)| at);
+            self.channel.state.place.layout.axes.iter().enumerate().filter(|(_, axis)| !axis.rotary).map(|(at, _)| at);
         let sixth = others.find(|at| !cartesian.contains(&Some(*at))).or_else(|| rotary.next());
         [x, y, z, fourth, fifth, sixth]
     }
 
     /// Letter of a channel axis in `$AXES`.
     pub(crate) fn axis_letter(&self, axis: Option<usize>) -> char {
-        let axis = axis.and_then(|at| self.channel.state.place.axes.get(at));
+        let axis = axis.and_then(|at| self.channel.state.place.layout.axes.get(at));
         let name =
             axis.map_or("", |axis| self.channel.env.machine.data_name(axis.data)).trim_start_matches("REG_AXIS_");
         let letter = name.chars().next().unwrap_or('*');

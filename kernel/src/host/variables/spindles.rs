@@ -8,7 +8,6 @@ use counterpoint_lang::fault::{Fault, Outcome};
 use counterpoint_lang::value::Value;
 
 use super::{Read, Write};
-use crate::action::spindle::set_command;
 use crate::channel::Kernel;
 use crate::log::event::Direction;
 use crate::log::info::Unit;
@@ -31,7 +30,7 @@ fn turns(command: &Command) -> bool {
 
 /// Changes what the channel's spindle is commanded to do.
 fn set(kernel: &mut Kernel<'_>, change: impl Fn(&mut Command)) -> Outcome<()> {
-    if let Err(halt) = set_command(kernel, change) {
+    if let Err(halt) = kernel.set_spindle(change) {
         kernel.keep_halt(halt);
     }
     Ok(())

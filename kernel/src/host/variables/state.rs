@@ -54,7 +54,7 @@ fn set_group(kernel: &mut Kernel<'_>, list: &[(CodeId, f64)], value: &Value) -> 
 /// `$DCOMP`: the code becomes active, and the path follows it.
 fn switch_diameter(kernel: &mut Kernel<'_>, value: &Value) -> Outcome<()> {
     set_group(kernel, &DIAMETER, value)?;
-    kernel.switch_cutter();
+    kernel.switch_compensation();
     Ok(())
 }
 
@@ -202,17 +202,17 @@ pub(crate) fn find(name: &str) -> Option<(Read, Option<Write>)> {
             Some(|k, _, value| set_group(k, &POSITIONING, value)),
         ),
         "$T" => (
-            |k, _| number(k.channel.state.place.tool),
+            |k, _| number(k.channel.state.place.tools.current),
             Some(|k, _, value| {
-                k.channel.state.place.tool = whole(value);
+                k.channel.state.place.tools.current = whole(value);
                 Ok(())
             }),
         ),
-        "$TP" => (|k, _| number(k.channel.state.place.tool), None),
+        "$TP" => (|k, _| number(k.channel.state.place.tools.current), None),
         "$NT" | "$TS" => (
-            |k, _| number(k.channel.state.place.selected),
+            |k, _| number(k.channel.state.place.tools.selected),
             Some(|k, _, value| {
-                k.channel.state.place.selected = whole(value);
+                k.channel.state.place.tools.selected = whole(value);
                 Ok(())
             }),
         ),

@@ -8,10 +8,11 @@ use counterpoint_lang::value::Value;
 
 use super::{Read, Write};
 use crate::channel::Kernel;
-use crate::machine::ident::kind::thread::Kind;
-use crate::machine::ident::{CodeId, DataId, codes, data};
+use crate::machine::ident::kind::CodeKind;
+use crate::machine::ident::kind::thread::ThreadCycle;
+use crate::machine::ident::{CodeId, DataId, data};
 use crate::state::modal::group;
-use crate::state::thread::ThreadCycle;
+use crate::state::thread::Threading;
 
 fn real(value: &Value) -> f64 {
     value.as_real().filter(|value| value.is_finite()).unwrap_or(0.0)
@@ -55,25 +56,26 @@ pub(crate) fn find(name: &str) -> Option<(Read, Option<Write>)> {
     Some(row)
 }
 
-/// Codes of threading cycles.
-const CYCLES: [CodeId; 4] =
-    [codes::THREAD_SINGLE, codes::THREAD_SINGLE_FACE, codes::THREAD_MULTI, codes::THREAD_MULTI_FACE];
-
 /// `$THTYPE`: the cycle whose code is active, else the one that acted on this block.
 fn kind(kernel: &Kernel<'_>) -> f64 {
     let active = [group::MOTION, group::CYCLE].into_iter().filter_map(|group| kernel.channel.state.modal.code(group));
-    let active = active.filter(|code| CYCLES.contains(code)).find_map(Kind::of);
-    active.or_else(|| kernel.channel.state.threads.cycle.acting(kernel.channel.at.blocks)).map_or(0.0, Kind::number)
+    let active = active.map(CodeId::kind).find_map(|kind| match kind {
+        CodeKind::ThreadCycle(cycle) => Some(cycle),
+        _ => None,
+    });
+    active
+        .or_else(|| kernel.channel.state.threads.cycle.acting(kernel.channel.at.blocks))
+        .map_or(0.0, ThreadCycle::number)
 }
 
 /// Sets something that lasts.
-fn set(kernel: &mut Kernel<'_>, change: impl FnOnce(&mut ThreadCycle)) -> Outcome<()> {
+fn set(kernel: &mut Kernel<'_>, change: impl FnOnce(&mut Threading)) -> Outcome<()> {
     change(&mut kernel.channel.state.threads.cycle);
     Ok(())
 }
 
 /// Sets something of the cycle to come.
-fn next(kernel: &mut Kernel<'_>, change: impl FnOnce(&mut ThreadCycle)) -> Outcome<()> {
+fn next(kernel: &mut Kernel<'_>, change: impl FnOnce(&mut Threading)) -> Outcome<()> {
     kernel.channel.state.threads.cycle.prepare();
     change(&mut kernel.channel.state.threads.cycle);
     Ok(())
@@ -121,16 +123,16 @@ fn cycle(name: &str) -> Option<(Read, Option<Write>)> {
             Some(|k, _, value| set(k, |cycle| cycle.nose = real(value).clamp(0.0, 170.0))),
         ),
         "$THCHFT" => (
-            |k, _| Value::Real(f64::from(u8::from(k.channel.state.threads.cycle.chamfer))),
-            Some(|k, _, value| set(k, |cycle| cycle.chamfer = real(value) != 0.0)),
+            |k, _| Value::Real(f64::from(u8::from(k.channel.state.threads.cycle.pull_out.on))),
+            Some(|k, _, value| set(k, |cycle| cycle.pull_out.on = real(value) != 0.0)),
         ),
         "$THCHFL" => (
-            |k, _| Value::Real(k.channel.state.threads.cycle.chamfer_length),
+            |k, _| Value::Real(k.channel.state.threads.cycle.pull_out.length),
             Some(|k, _, value| set(k, |cycle| cycle.set_chamfer(real(value).abs()))),
         ),
         "$THCHFA" => (
-            |k, _| Value::Real(k.channel.state.threads.cycle.chamfer_angle),
-            Some(|k, _, value| set(k, |cycle| cycle.chamfer_angle = real(value).clamp(10.0, 80.0))),
+            |k, _| Value::Real(k.channel.state.threads.cycle.pull_out.angle),
+            Some(|k, _, value| set(k, |cycle| cycle.pull_out.angle = real(value).clamp(10.0, 80.0))),
         ),
         _ => return None,
     };

@@ -7,7 +7,7 @@ impl Channel<'_> {
     /// Change of each axis in geometry units (radius on a diameter axis).
     pub(crate) fn changes(&self, from: &Position, to: &Position) -> Position {
         let mut out = [0.0; MAX_AXES];
-        for (((slot, axis), a), b) in out.iter_mut().zip(&self.state.place.axes).zip(from).zip(to) {
+        for (((slot, axis), a), b) in out.iter_mut().zip(&self.state.place.layout.axes).zip(from).zip(to) {
             *slot = (b - a) * axis.scale;
         }
         out
@@ -15,7 +15,7 @@ impl Channel<'_> {
 
     /// Distance from the spindle axis at a position.
     pub(crate) fn radius(&self, position: &Position) -> f64 {
-        let x = self.state.place.cartesian.first().copied().flatten().map(usize::from);
-        x.and_then(|i| Some(position.get(i)? * self.state.place.axes.get(i)?.scale)).unwrap_or(0.0)
+        let x = self.state.place.layout.cartesian.first().copied().flatten().map(usize::from);
+        x.and_then(|i| Some(position.get(i)? * self.state.place.layout.axes.get(i)?.scale)).unwrap_or(0.0)
     }
 }

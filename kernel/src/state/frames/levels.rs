@@ -17,14 +17,15 @@ impl Channel<'_> {
     /// The levels of an active cycle, taken before frames change.
     pub(crate) fn cycle_levels(&mut self) -> Option<Levels> {
         let (_, axis) = self.state.cycle.axis.filter(|_| self.state.cycle.running)?;
-        let [initial, reference] = [self.state.cycle.initial, self.state.cycle.reference].map(|level| {
-            let mut at = self.programmed();
-            if let Some(slot) = at.get_mut(axis) {
-                *slot = level;
-            }
-            let work = self.work_point(&at);
-            self.machine_point(&work)
-        });
+        let [initial, reference] =
+            [self.state.cycle.heights.initial, self.state.cycle.heights.reference].map(|level| {
+                let mut at = self.programmed();
+                if let Some(slot) = at.get_mut(axis) {
+                    *slot = level;
+                }
+                let work = self.work_point(&at);
+                self.machine_point(&work)
+            });
         Some(Levels { axis, initial, reference })
     }
 
@@ -35,7 +36,7 @@ impl Channel<'_> {
             let work = self.point_of_machine(&machine);
             self.program_point(&work).get(axis).copied().filter(|level| level.is_finite())
         });
-        self.state.cycle.initial = initial.unwrap_or(self.state.cycle.initial);
-        self.state.cycle.reference = reference.unwrap_or(self.state.cycle.reference);
+        self.state.cycle.heights.initial = initial.unwrap_or(self.state.cycle.heights.initial);
+        self.state.cycle.heights.reference = reference.unwrap_or(self.state.cycle.heights.reference);
     }
 }

@@ -70,7 +70,7 @@ impl Frames {
 
     /// Axis that says the distance across while words are coordinates of the part.
     fn across(&self, place: &Place) -> Option<usize> {
-        let x = place.cartesian.first().copied().flatten().map(usize::from);
+        let x = place.layout.cartesian.first().copied().flatten().map(usize::from);
         self.polar.filter(|polar| polar.cartesian && Some(polar.linear) == x).map(|polar| polar.rotary)
     }
 
@@ -96,28 +96,30 @@ impl Frames {
 impl Place {
     /// X, Y, Z of a position as geometry; 0 for an axis that the channel does not have.
     pub(crate) fn geometry(&self, position: &Position) -> Point {
-        self.cartesian.map(|axis| {
-            let at = axis.map(usize::from).and_then(|axis| Some((position.get(axis)?, self.axes.get(axis)?)));
+        self.layout.cartesian.map(|axis| {
+            let at = axis.map(usize::from).and_then(|axis| Some((position.get(axis)?, self.layout.axes.get(axis)?)));
             at.map_or(0.0, |(value, axis)| value * axis.scale)
         })
     }
 
     /// Which of the X, Y and Z axes the channel has.
     pub(crate) fn has_axes(&self) -> [bool; 3] {
-        self.cartesian.map(|axis| axis.is_some())
+        self.layout.cartesian.map(|axis| axis.is_some())
     }
 
     /// Factor from programmed values to geometry of the X, Y or Z axis.
     pub(crate) fn scale_of(&self, role: usize) -> f64 {
-        let axis = self.cartesian.get(role).copied().flatten().map(usize::from);
-        axis.and_then(|axis| self.axes.get(axis)).map_or(1.0, |axis| axis.scale)
+        let axis = self.layout.cartesian.get(role).copied().flatten().map(usize::from);
+        axis.and_then(|axis| self.layout.axes.get(axis)).map_or(1.0, |axis| axis.scale)
     }
 
     /// Puts geometry into a position.
     fn put(&self, position: &mut Position, point: Point) {
-        for (axis, value) in self.cartesian.iter().zip(point) {
+        for (axis, value) in self.layout.cartesian.iter().zip(point) {
             let axis = axis.map(usize::from);
-            if let Some((slot, axis)) = axis.and_then(|axis| Some((position.get_mut(axis)?, self.axes.get(axis)?))) {
+            if let Some((slot, axis)) =
+                axis.and_then(|axis| Some((position.get_mut(axis)?, self.layout.axes.get(axis)?)))
+            {
                 *slot = clean(value / axis.scale, *slot);
             }
         }

@@ -87,7 +87,7 @@ impl Channel<'_> {
             Table::Wear => None,
         };
         let mut position = [0.0; MAX_AXES];
-        for (slot, axis) in position.iter_mut().zip(&self.state.place.axes) {
+        for (slot, axis) in position.iter_mut().zip(&self.state.place.layout.axes) {
             *slot = values.and_then(|values| values.get(axis.machine)).copied().unwrap_or(0.0);
         }
         position

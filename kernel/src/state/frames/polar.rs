@@ -75,7 +75,7 @@ impl Polar {
     }
 
     fn scale(&self, place: &Place) -> f64 {
-        place.axes.get(self.linear).map_or(1.0, |axis| axis.scale)
+        place.layout.axes.get(self.linear).map_or(1.0, |axis| axis.scale)
     }
 
     /// The point of the part that the axes reach.
@@ -152,8 +152,10 @@ impl Channel<'_> {
         if self.tip().is_some() {
             // The feed is that of the tip; where it stands, that of the rotary axes.
             let linear =
-                changes.iter().zip(&self.state.place.axes).any(|(change, axis)| !axis.rotary && *change != 0.0);
-            for (slot, _) in changes.iter_mut().zip(&self.state.place.axes).filter(|(_, axis)| axis.rotary && linear) {
+                changes.iter().zip(&self.state.place.layout.axes).any(|(change, axis)| !axis.rotary && *change != 0.0);
+            for (slot, _) in
+                changes.iter_mut().zip(&self.state.place.layout.axes).filter(|(_, axis)| axis.rotary && linear)
+            {
                 *slot = 0.0;
             }
         }

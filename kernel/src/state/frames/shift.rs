@@ -18,14 +18,14 @@ impl Channel<'_> {
                 *slot += sign * value;
             }
         };
-        if place.tool_offset != BASE {
-            add(self.worn_length(place.tool_offset), 1.0);
+        if place.in_force.tool_offset != BASE {
+            add(self.worn_length(place.in_force.tool_offset), 1.0);
         }
-        if place.length_sign != 0.0 && place.length_number != BASE {
-            add(self.directed(self.worn_length(place.length_number)), place.length_sign);
+        if place.in_force.length_sign != 0.0 && place.in_force.length_number != BASE {
+            add(self.directed(self.worn_length(place.in_force.length_number)), place.in_force.length_sign);
         }
-        if place.offsets.is_some() && (place.length_sign != 0.0 || place.tool_offset != BASE) {
-            let sign = if place.length_sign < 0.0 { -1.0 } else { 1.0 };
+        if place.offsets.is_some() && (place.in_force.length_sign != 0.0 || place.in_force.tool_offset != BASE) {
+            let sign = if place.in_force.length_sign < 0.0 { -1.0 } else { 1.0 };
             add(self.directed(self.offset_values(Table::Length, BASE)), sign);
         }
         shift
@@ -40,8 +40,8 @@ impl Channel<'_> {
                 *slot += value + more;
             }
         };
-        add(self.offset_values(Table::Work, place.work_offset), self.tool_shift());
-        if place.work_offset != BASE && place.offsets.is_some() {
+        add(self.offset_values(Table::Work, place.in_force.work_offset), self.tool_shift());
+        if place.in_force.work_offset != BASE && place.offsets.is_some() {
             add(self.offset_values(Table::Work, BASE), [0.0; MAX_AXES]);
         }
         shift
@@ -53,7 +53,7 @@ impl Channel<'_> {
         if direction == 0 {
             return values;
         }
-        let axis = |role: usize| self.state.place.cartesian.get(role).copied().flatten().map(usize::from);
+        let axis = |role: usize| self.state.place.layout.cartesian.get(role).copied().flatten().map(usize::from);
         let amount = axis(2).and_then(|z| values.get(z)).copied().unwrap_or(0.0);
         let mut turned = [0.0; crate::log::event::MAX_AXES];
         let role = usize::from((direction - 1) % 3);
@@ -72,7 +72,11 @@ impl Channel<'_> {
     pub(crate) fn diameter_in_force(&self) -> Option<u32> {
         let active = self.state.modal.code(group::DIAMETER).filter(|code| DIAMETERS.contains(code));
         active.map(|_| {
-            if self.is_turning() { self.state.place.tool_offset } else { self.state.place.compensation.diameter }
+            if self.is_turning() {
+                self.state.place.in_force.tool_offset
+            } else {
+                self.state.place.compensation.diameter
+            }
         })
     }
 }

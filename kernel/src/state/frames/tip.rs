@@ -104,7 +104,8 @@ impl Channel<'_> {
             let changed = settings.changed.iter().find(|changed| changed.axis == index).copied();
             (axis.rotary && chosen).then(|| (axis.data, changed.unwrap_or(made)))
         };
-        let joints: Vec<(DataId, Joint)> = self.state.place.axes.iter().enumerate().filter_map(joint).take(2).collect();
+        let joints: Vec<(DataId, Joint)> =
+            self.state.place.layout.axes.iter().enumerate().filter_map(joint).take(2).collect();
         let side = |table: bool| joints.iter().filter(|(id, _)| is_table(*id) == table).map(|(_, j)| *j).collect();
         let tool = settings.direction.unwrap_or(self.env.machine.tool_direction);
         Chain { tables: side(true), heads: side(false), tool }
@@ -190,7 +191,7 @@ impl Channel<'_> {
     pub(crate) fn within(&self, solution: &Angles) -> bool {
         solution.iter().all(|(axis, angle)| {
             let machine = angle.unwrap_or(0.0) + at(&self.state.place.shift, *axis);
-            let limits = self.state.place.axes.get(*axis).and_then(|axis| axis.limits);
+            let limits = self.state.place.layout.axes.get(*axis).and_then(|axis| axis.limits);
             limits.is_none_or(|(low, high)| (low..=high).contains(&machine))
         })
     }

@@ -31,7 +31,7 @@ impl Channel<'_> {
         let Some(before) = before else { return };
         let after = self.programmed();
         let mut ways = [0.0; MAX_AXES];
-        let axes = self.state.place.axes.iter();
+        let axes = self.state.place.layout.axes.iter();
         for (((slot, axis), before), after) in ways.iter_mut().zip(axes).zip(before).zip(after) {
             let way = before - after;
             *slot = if axis.rotary || way.abs() < NOISE { 0.0 } else { way };

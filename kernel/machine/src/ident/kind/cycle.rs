@@ -2,11 +2,9 @@
 //!
 //! Invariant: a kind is its number in `$CYTYPE` (reference system-variables.md 8), 1 to 19.
 
-use super::super::CodeId;
-
 /// A kind of drilling cycle.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Kind(u8);
+pub struct HoleCycle(u8);
 
 /// How the depth is reached.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -34,11 +32,10 @@ pub enum Out {
     Oriented,
 }
 
-impl Kind {
-    /// The kind of a code.
-    pub fn of(id: CodeId) -> Option<Self> {
-        let kinds = super::super::HOLE_CYCLES.iter().zip(1_u8..);
-        kinds.into_iter().find(|&(&code, _)| code == id).map(|(_, number)| Self(number))
+impl HoleCycle {
+    /// The cycle of a number, 1 to 19.
+    pub const fn new(number: u8) -> Self {
+        Self(number)
     }
 
     /// The kind of a number in `$CYTYPE`.
@@ -127,27 +124,29 @@ impl Kind {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::ident::codes;
 
     #[test]
     fn kinds_are_their_numbers() {
-        assert_eq!(Kind::of(codes::CYCLE_DRILL).map(Kind::number), Some(1.0));
-        assert_eq!(Kind::of(codes::CYCLE_RIGID_BRKCHP_CCLW).map(Kind::number), Some(19.0));
-        assert_eq!(Kind::of(codes::CYCLE_OFF), None);
-        assert_eq!([0.0, 20.0, 100.0, -2.0, 1.5, f64::NAN].map(Kind::numbered), [None; 6]);
-        assert_eq!(Kind::numbered(11.0).map(Kind::steps), Some(Steps::Full));
+        use super::super::super::codes;
+        use super::super::CodeKind;
+        assert_eq!(codes::CYCLE_DRILL.kind(), CodeKind::Cycle(HoleCycle(1)));
+        assert_eq!(codes::CYCLE_RIGID_BRKCHP_CCLW.kind(), CodeKind::Cycle(HoleCycle(19)));
+        assert_eq!(codes::CYCLE_OFF.kind(), CodeKind::Plain);
+        assert_eq!([0.0, 20.0, 100.0, -2.0, 1.5, f64::NAN].map(HoleCycle::numbered), [None; 6]);
+        assert_eq!(HoleCycle::numbered(11.0).map(HoleCycle::steps), Some(Steps::Full));
     }
 
     #[test]
     fn a_tap_under_rigid_tapping() {
-        let rigid = |number: f64, steps| Kind::numbered(number).map(|kind| kind.rigid(steps).number());
+        let rigid = |number: f64, steps| HoleCycle::numbered(number).map(|kind| kind.rigid(steps).number());
         assert_eq!([rigid(3.0, false), rigid(4.0, false), rigid(3.0, true)], [Some(14.0), Some(15.0), Some(18.0)]);
         assert_eq!([rigid(1.0, false), rigid(16.0, true)], [Some(1.0), Some(16.0)]);
     }
 
     #[test]
     fn types_of_taps() {
-        let tap = |number: f64, kind: f64| Kind::numbered(number).and_then(|one| one.tap(kind)).map(Kind::number);
+        let tap =
+            |number: f64, kind: f64| HoleCycle::numbered(number).and_then(|one| one.tap(kind)).map(HoleCycle::number);
         assert_eq!([tap(3.0, 0.0), tap(4.0, 1.0), tap(14.0, 2.0), tap(19.0, 3.0)], [3.0, 15.0, 16.0, 19.0].map(Some));
         assert_eq!([tap(3.0, 4.0), tap(3.0, -1.0), tap(3.0, f64::NAN), tap(3.0, 0.5)], [None; 4]);
     }

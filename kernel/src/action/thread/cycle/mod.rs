@@ -9,12 +9,20 @@ mod path;
 mod words;
 
 use super::Screw;
-use crate::channel::Kernel;
+use crate::act::Act;
+use crate::action::entry::{Contour, Entry, entry_of_kind};
 use crate::diag;
 use crate::machine::ident::data;
-use crate::machine::ident::kind::thread::{Kind, Setting};
+use crate::machine::ident::kind::CodeKind;
+use crate::machine::ident::kind::thread::{Setting, ThreadCycle};
 use counterpoint_fault::Acted;
 use passes::Plan;
+
+/// Codes and what they do.
+pub(crate) const ENTRIES: &[Entry] = &[
+    entry_of_kind!(CodeKind::ThreadCycle(kind) => |act, _row, _code| cycle(act, kind)).moves().contour(Contour::Leaves),
+    entry_of_kind!(CodeKind::ThreadSetting(setting) => |act, _row, _code| set(act, setting)).contour(Contour::Waits),
+];
 
 /// A thread to cut, in geometry units: radius values along X.
 #[derive(Debug, Clone, Copy)]
@@ -33,58 +41,56 @@ struct Thread {
 }
 
 /// A setting acts.
-pub(crate) fn set(kernel: &mut Kernel<'_>, setting: Setting) -> Acted {
-    let mode = kernel.channel.state.threads.cycle.mode;
+pub(crate) fn set(act: &mut Act<'_, '_>, setting: Setting) -> Acted {
+    let mode = act.state.threads.cycle.mode;
     let zigzag = |mode: u8| matches!(mode, 2 | 4);
     match setting {
         Setting::Chamfer(on) => {
-            kernel.channel.state.threads.cycle.chamfer = on;
+            act.state.threads.cycle.pull_out.on = on;
             if on {
-                words::chamfer(kernel);
+                words::chamfer(act);
             }
         }
-        Setting::Zigzag(on) => kernel.channel.state.threads.cycle.mode = if mode >= 3 { 3 } else { 1 } + u8::from(on),
-        Setting::Depth(true) => kernel.channel.state.threads.cycle.mode = 3 + u8::from(zigzag(mode)),
-        Setting::Depth(false) if mode >= 3 => kernel.channel.state.threads.cycle.mode = 1 + u8::from(zigzag(mode)),
+        Setting::Zigzag(on) => act.state.threads.cycle.mode = if mode >= 3 { 3 } else { 1 } + u8::from(on),
+        Setting::Depth(true) => act.state.threads.cycle.mode = 3 + u8::from(zigzag(mode)),
+        Setting::Depth(false) if mode >= 3 => act.state.threads.cycle.mode = 1 + u8::from(zigzag(mode)),
         Setting::Depth(false) => {}
     }
     Ok(())
 }
 
 /// A code of a cycle: takes its data, and cuts if the block has a position.
-pub(crate) fn cycle(kernel: &mut Kernel<'_>, kind: Kind) -> Acted {
-    let axis = |role: usize| kernel.channel.state.place.cartesian.get(role).copied().flatten().map(usize::from);
+pub(crate) fn cycle(act: &mut Act<'_, '_>, kind: ThreadCycle) -> Acted {
+    let axis = |role: usize| act.state.place.layout.cartesian.get(role).copied().flatten().map(usize::from);
     let (Some(x), Some(z)) = (axis(0), axis(2)) else {
-        let text =
-            format!("channel {} has no X and Z for the thread of '{}'", kernel.channel.at.channel, kernel.block_text());
-        kernel.diagnose(&diag::CYCLE_AXIS, text);
+        let text = format!("channel {} has no X and Z for the thread of '{}'", act.at.channel, act.block_text());
+        act.diagnose(&diag::CYCLE_AXIS, text);
         return Ok(());
     };
     let axes = if kind.face { [x, z] } else { [z, x] };
-    (kernel.channel.state.threads.cycle.kind, kernel.channel.state.threads.cycle.block) =
-        (Some(kind), kernel.channel.at.blocks);
+    (act.state.threads.cycle.kind, act.state.threads.cycle.block) = (Some(kind), act.at.blocks);
     if kind.multi {
-        multi(kernel, kind, axes)?
+        multi(act, kind, axes)?
     } else {
-        single(kernel, kind, axes)?
+        single(act, kind, axes)?
     }
-    crate::action::cutter::after_thread(kernel);
+    crate::action::cutter::after_thread(act);
     Ok(())
 }
 
 /// One pass and back.
-fn single(kernel: &mut Kernel<'_>, kind: Kind, axes: [usize; 2]) -> Acted {
-    if kernel.channel.acting.mode_changed {
-        (kernel.channel.state.threads.cycle.end, kernel.channel.state.threads.cycle.taper) = ([None; 2], 0.0);
+fn single(act: &mut Act<'_, '_>, kind: ThreadCycle, axes: [usize; 2]) -> Acted {
+    if act.acting.mode_changed {
+        (act.state.threads.cycle.end, act.state.threads.cycle.taper) = ([None; 2], 0.0);
     }
-    let start = words::points(kernel, [data::THREAD_SINGLE_START_X, data::THREAD_SINGLE_START_Z], false);
-    let said = words::points(kernel, [data::THREAD_SINGLE_END_X, data::THREAD_SINGLE_END_Z], true);
-    let offset = words::values(kernel, [data::THREAD_SINGLE_OFFSET_X, data::THREAD_SINGLE_OFFSET_Z]);
+    let start = words::points(act, [data::THREAD_SINGLE_START_X, data::THREAD_SINGLE_START_Z], false);
+    let said = words::points(act, [data::THREAD_SINGLE_END_X, data::THREAD_SINGLE_END_Z], true);
+    let offset = words::values(act, [data::THREAD_SINGLE_OFFSET_X, data::THREAD_SINGLE_OFFSET_Z]);
     let across = if kind.face { data::THREAD_SINGLE_TAPER_Z } else { data::THREAD_SINGLE_TAPER_X };
-    let taper = kernel.take(across).map(|datum| datum.value);
-    let screw = words::screw(kernel, data::THREAD_SINGLE_PITCH, data::THREAD_SINGLE_PITCH_VAR, axes[0], None);
-    words::chamfer(kernel);
-    let cycle = &mut kernel.channel.state.threads.cycle;
+    let taper = act.take(across).map(|datum| datum.value);
+    let screw = words::screw(act, data::THREAD_SINGLE_PITCH, data::THREAD_SINGLE_PITCH_VAR, axes[0], None);
+    words::chamfer(act);
+    let cycle = &mut act.state.threads.cycle;
     cycle.taper = taper.unwrap_or(cycle.taper);
     for (slot, said) in cycle.end.iter_mut().zip(said) {
         *slot = said.or(*slot);
@@ -93,49 +99,49 @@ fn single(kernel: &mut Kernel<'_>, kind: Kind, axes: [usize; 2]) -> Acted {
         return Ok(());
     }
     let (end, taper) = (cycle.end, cycle.taper);
-    match words::thread(kernel, kind, axes, (start, end, offset, taper), screw) {
+    match words::thread(act, kind, axes, (start, end, offset, taper), screw) {
         Some(thread) => {
-            kernel.check_lead(&thread.screw)?;
-            kernel.pass(&thread, thread.root, 0.0)
+            act.check_lead(&thread.screw)?;
+            act.pass(&thread, thread.root, 0.0)
         }
         None => Ok(()),
     }
 }
 
 /// All passes of a thread.
-fn multi(kernel: &mut Kernel<'_>, kind: Kind, axes: [usize; 2]) -> Acted {
-    if kernel.channel.env.machine.threads.two_lines && !words::positioned(kernel) {
-        words::settings(kernel, kind);
+fn multi(act: &mut Act<'_, '_>, kind: ThreadCycle, axes: [usize; 2]) -> Acted {
+    if act.env.machine.threads.two_lines && !words::positioned(act) {
+        words::settings(act, kind);
         return Ok(());
     }
-    kernel.channel.state.threads.cycle.begin();
-    let start = words::points(kernel, [data::THREAD_MULTI_START_X, data::THREAD_MULTI_START_Z], false);
-    let end = words::points(kernel, [data::THREAD_MULTI_END_X, data::THREAD_MULTI_END_Z], true);
-    let offset = words::values(kernel, [data::THREAD_MULTI_OFFSET_X, data::THREAD_MULTI_OFFSET_Z]);
+    act.state.threads.cycle.begin();
+    let start = words::points(act, [data::THREAD_MULTI_START_X, data::THREAD_MULTI_START_Z], false);
+    let end = words::points(act, [data::THREAD_MULTI_END_X, data::THREAD_MULTI_END_Z], true);
+    let offset = words::values(act, [data::THREAD_MULTI_OFFSET_X, data::THREAD_MULTI_OFFSET_Z]);
     let across = if kind.face { data::THREAD_MULTI_TAPER_Z } else { data::THREAD_MULTI_TAPER_X };
-    let taper = kernel.take(across).map_or(0.0, |datum| datum.value);
-    words::amounts(kernel, kind);
+    let taper = act.take(across).map_or(0.0, |datum| datum.value);
+    words::amounts(act, kind);
     let starts = Some(data::THREAD_MULTI_STARTS);
-    let screw = words::screw(kernel, data::THREAD_MULTI_PITCH, data::THREAD_MULTI_PITCH_VAR, axes[0], starts);
-    if !kernel.channel.env.machine.threads.two_lines {
-        words::packed(kernel);
+    let screw = words::screw(act, data::THREAD_MULTI_PITCH, data::THREAD_MULTI_PITCH_VAR, axes[0], starts);
+    if !act.env.machine.threads.two_lines {
+        words::packed(act);
     }
-    words::chamfer(kernel);
+    words::chamfer(act);
     if end == [None; 2] && start == [None; 2] {
         return Ok(());
     }
-    let Some(thread) = words::thread(kernel, kind, axes, (start, end, offset, taper), screw) else { return Ok(()) };
-    kernel.check_lead(&thread.screw)?;
-    kernel.all_passes(&thread)
+    let Some(thread) = words::thread(act, kind, axes, (start, end, offset, taper), screw) else { return Ok(()) };
+    act.check_lead(&thread.screw)?;
+    act.all_passes(&thread)
 }
 
 /// The passes that the settings make of a depth.
-fn plan(kernel: &mut Kernel<'_>) -> Plan {
-    if kernel.channel.state.threads.cycle.depth.is_none() {
-        let text = format!("a thread needs its depth in '{}', it is cut in one pass", kernel.block_text());
-        kernel.diagnose(&diag::DATA_MISSING, text);
+fn plan(act: &mut Act<'_, '_>) -> Plan {
+    if act.state.threads.cycle.depth.is_none() {
+        let text = format!("a thread needs its depth in '{}', it is cut in one pass", act.block_text());
+        act.diagnose(&diag::DATA_MISSING, text);
     }
-    let cycle = &kernel.channel.state.threads.cycle;
+    let cycle = &act.state.threads.cycle;
     let whole = |value: f64| value.clamp(0.0, passes::MOST_PASSES as f64) as u32;
     let plan = Plan {
         mode: cycle.mode,

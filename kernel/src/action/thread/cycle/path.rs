@@ -7,9 +7,8 @@ use counterpoint_fault::Acted;
 use counterpoint_motion::thread::Lead;
 
 use super::{Thread, plan};
-use crate::action::cycle::further;
+use crate::act::Act;
 use crate::action::thread::Screw;
-use crate::channel::Kernel;
 use crate::diag;
 use crate::log::event::{FeedUnit, Position};
 
@@ -34,19 +33,19 @@ struct Chamfer {
     locked: bool,
 }
 
-impl Kernel<'_> {
+impl Act<'_, '_> {
     /// All passes of a thread, each for every start.
     pub(super) fn all_passes(&mut self, thread: &Thread) -> Acted {
         let plan = plan(self);
         let (passes, cut_short) = plan.passes();
-        self.channel.state.threads.cycle.made = (passes.len() as u32).saturating_sub(plan.finish_cuts);
+        self.state.threads.cycle.made = (passes.len() as u32).saturating_sub(plan.finish_cuts);
         if cut_short {
             let text = format!("the thread of '{}' has too many passes, the rest is cut in one", self.block_text());
             self.diagnose(&diag::THREAD_PASSES, text);
         }
-        let level = self.channel.programmed().get(thread.axes[1]).copied().unwrap_or(0.0) * thread.scales[1];
+        let level = self.programmed().get(thread.axes[1]).copied().unwrap_or(0.0) * thread.scales[1];
         let outward = thread.outward(level);
-        let flank = libm::tan(self.channel.state.threads.cycle.nose.to_radians() / 2.0);
+        let flank = libm::tan(self.state.threads.cycle.nose.to_radians() / 2.0);
         let mut first = true;
         for pass in passes {
             let aside = match plan.mode {
@@ -56,9 +55,9 @@ impl Kernel<'_> {
             };
             let shift = if aside { flank * pass.depth } else { 0.0 };
             let root = thread.root + outward * (plan.depth - pass.depth);
-            for _ in 0..self.channel.state.threads.starts as u32 {
+            for _ in 0..self.state.threads.starts as u32 {
                 if !std::mem::take(&mut first) {
-                    further(self)?;
+                    self.count_as_block()?;
                 }
                 self.pass(thread, root, shift)?;
             }
@@ -69,7 +68,7 @@ impl Kernel<'_> {
     /// One pass that ends at `root` across and begins `shift` further along.
     pub(super) fn pass(&mut self, thread: &Thread, root: f64, shift: f64) -> Acted {
         let [along, across] = thread.axes;
-        let home = self.channel.programmed();
+        let home = self.programmed();
         let of = |axis: usize| home.get(axis).copied().unwrap_or(0.0);
         let level = of(across) * thread.scales[1];
         let way = thread.end - thread.begin;
@@ -82,7 +81,7 @@ impl Kernel<'_> {
         if let Some(chamfer) = chamfer {
             self.chamfer(thread, &chamfer, (last - begin).abs())?;
         }
-        let mut clear = self.channel.programmed();
+        let mut clear = self.programmed();
         if let Some(slot) = clear.get_mut(across) {
             *slot = of(across);
         }
@@ -92,7 +91,7 @@ impl Kernel<'_> {
 
     /// A position with these places along and across the thread.
     fn place_of(&self, thread: &Thread, places: [f64; 2]) -> Position {
-        let mut target = self.channel.programmed();
+        let mut target = self.programmed();
         for ((axis, scale), value) in thread.axes.iter().zip(thread.scales).zip(places) {
             if let Some(slot) = target.get_mut(*axis) {
                 let wanted = value / scale;
@@ -105,7 +104,7 @@ impl Kernel<'_> {
 
     /// Bit of an axis if it moves to the target.
     fn moved(&self, axis: usize, target: &Position) -> u8 {
-        if self.channel.programmed().get(axis) == target.get(axis) { 0 } else { 1 << axis }
+        if self.programmed().get(axis) == target.get(axis) { 0 } else { 1 << axis }
     }
 
     fn rapid_aside(&mut self, thread: &Thread, places: [f64; 2]) -> Acted {
@@ -116,23 +115,23 @@ impl Kernel<'_> {
 
     /// The chamfer of a pass, if there is one: no higher than where the tool stands.
     fn pull_out(&mut self, thread: &Thread, root: f64, level: f64, begin: f64) -> Option<Chamfer> {
-        let cycle = &mut self.channel.state.threads.cycle;
-        if !cycle.chamfer {
+        let cycle = &mut self.state.threads.cycle;
+        if !cycle.pull_out.on {
             return None;
         }
-        let slope = libm::tan(cycle.chamfer_angle.to_radians());
-        if let Some(leads) = cycle.chamfer_leads {
-            cycle.chamfer_length = leads * thread.screw.lead;
+        let slope = libm::tan(cycle.pull_out.angle.to_radians());
+        if let Some(leads) = cycle.pull_out.leads {
+            cycle.pull_out.length = leads * thread.screw.lead;
         }
-        let starts = self.channel.state.threads.starts;
-        let cycle = &self.channel.state.threads.cycle;
-        let length = if cycle.chamfer_length > 0.0 {
-            cycle.chamfer_length
+        let starts = self.state.threads.starts;
+        let cycle = &self.state.threads.cycle;
+        let length = if cycle.pull_out.length > 0.0 {
+            cycle.pull_out.length
         } else {
             // As high as a thread of 60 degrees is deep.
             thread.screw.lead / starts / (2.0 * libm::tan(std::f64::consts::FRAC_PI_6)) / slope
         };
-        let angle = cycle.chamfer_angle;
+        let angle = cycle.pull_out.angle;
         let way = thread.end - begin;
         let length = length.min(way.abs());
         if length.is_nan() || length <= 0.0 {

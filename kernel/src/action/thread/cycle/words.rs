@@ -3,9 +3,9 @@
 //! Invariant: a cycle takes what it uses, across the thread only what belongs to that axis; the rest stays on the block and
 //! is told. A value that makes no sense is diagnosed and passed over. Facts: reference control-emulator.md 6.5.
 
-use super::{Kind, Thread};
+use super::{Thread, ThreadCycle};
+use crate::act::Act;
 use crate::action::thread::Screw;
-use crate::channel::Kernel;
 use crate::diag;
 use crate::machine::ident::{DataId, codes, data};
 use crate::state::modal::group;
@@ -20,29 +20,29 @@ const AXES: [usize; 2] = [0, 2];
 pub(super) type Said = ([Option<f64>; 2], [Option<f64>; 2], [Option<f64>; 2], f64);
 
 /// A position of a thread is on the block.
-pub(super) fn positioned(kernel: &Kernel<'_>) -> bool {
+pub(super) fn positioned(act: &Act<'_, '_>) -> bool {
     let own = [data::THREAD_MULTI_END_X, data::THREAD_MULTI_END_Z];
-    let axes = AXES.into_iter().filter_map(|role| kernel.channel.state.place.cartesian.get(role).copied().flatten());
-    let axes = axes.filter_map(|axis| kernel.channel.state.place.axes.get(usize::from(axis)).map(|axis| axis.data));
-    own.into_iter().chain(axes).any(|id| kernel.block_has(id))
+    let axes = AXES.into_iter().filter_map(|role| act.state.place.layout.cartesian.get(role).copied().flatten());
+    let axes = axes.filter_map(|axis| act.state.place.layout.axes.get(usize::from(axis)).map(|axis| axis.data));
+    own.into_iter().chain(axes).any(|id| act.block_has(id))
 }
 
 /// Positions along X and Z as programmed in the work frame; with `axes` the words of the axes stand in.
-pub(super) fn points(kernel: &mut Kernel<'_>, ids: [DataId; 2], axes: bool) -> [Option<f64>; 2] {
-    let relative = kernel.channel.state.modal.code(group::POSITION) == Some(codes::POSITION_RELATIVE);
+pub(super) fn points(act: &mut Act<'_, '_>, ids: [DataId; 2], axes: bool) -> [Option<f64>; 2] {
+    let relative = act.state.modal.code(group::POSITION) == Some(codes::POSITION_RELATIVE);
     let mut points = [None; 2];
     for (slot, (id, role)) in points.iter_mut().zip(ids.into_iter().zip(AXES)) {
-        let Some(axis) = kernel.channel.state.place.cartesian.get(role).copied().flatten().map(usize::from) else {
+        let Some(axis) = act.state.place.layout.cartesian.get(role).copied().flatten().map(usize::from) else {
             continue;
         };
-        let word = kernel.channel.state.place.axes.get(axis).map(|axis| axis.data).filter(|_| axes);
-        let datum = kernel.take(id).or_else(|| word.and_then(|word| kernel.take(word)));
+        let word = act.state.place.layout.axes.get(axis).map(|axis| axis.data).filter(|_| axes);
+        let datum = act.take(id).or_else(|| word.and_then(|word| act.take(word)));
         let of = |list: &[f64]| list.get(axis).copied().unwrap_or(0.0);
         *slot = datum.map(|datum| {
             if datum.incremental || relative && !datum.absolute {
-                of(&kernel.channel.programmed()) + datum.value
-            } else if kernel.channel.block.machine_frame {
-                datum.value - of(&kernel.channel.state.place.shift)
+                of(&act.programmed()) + datum.value
+            } else if act.block.flags.machine_frame {
+                datum.value - of(&act.state.place.shift)
             } else {
                 datum.value
             }
@@ -52,141 +52,141 @@ pub(super) fn points(kernel: &mut Kernel<'_>, ids: [DataId; 2], axes: bool) -> [
 }
 
 /// Values of two identifiers.
-pub(super) fn values(kernel: &mut Kernel<'_>, ids: [DataId; 2]) -> [Option<f64>; 2] {
-    ids.map(|id| kernel.take(id).map(|datum| datum.value))
+pub(super) fn values(act: &mut Act<'_, '_>, ids: [DataId; 2]) -> [Option<f64>; 2] {
+    ids.map(|id| act.take(id).map(|datum| datum.value))
 }
 
-fn take_within(kernel: &mut Kernel<'_>, id: DataId, least: f64, most: f64) -> Option<f64> {
-    let value = kernel.take(id)?.value;
+fn take_within(act: &mut Act<'_, '_>, id: DataId, least: f64, most: f64) -> Option<f64> {
+    let value = act.take(id)?.value;
     if (least..=most).contains(&value) {
         return Some(value);
     }
-    let name = kernel.channel.env.machine.data_name(id).to_owned();
-    let text = format!("{name} {value} is not in {least} to {most} in '{}'", kernel.block_text());
-    kernel.diagnose(&diag::DATA_OUT_OF_RANGE, text);
+    let name = act.env.machine.data_name(id).to_owned();
+    let text = format!("{name} {value} is not in {least} to {most} in '{}'", act.block_text());
+    act.diagnose(&diag::DATA_OUT_OF_RANGE, text);
     None
 }
 
 /// What lasts from cycle to cycle: the first of two lines.
-pub(super) fn settings(kernel: &mut Kernel<'_>, kind: Kind) {
+pub(super) fn settings(act: &mut Act<'_, '_>, kind: ThreadCycle) {
     let finish = if kind.face { data::THREAD_MULTI_FINISH_Z } else { data::THREAD_MULTI_FINISH_X };
-    if let Some(finish) = kernel.take(finish) {
-        kernel.channel.state.threads.cycle.finish = finish.value.abs();
+    if let Some(finish) = act.take(finish) {
+        act.state.threads.cycle.finish = finish.value.abs();
     }
-    if let Some(least) = kernel.take(data::THREAD_MULTI_STEP_MIN) {
-        kernel.channel.state.threads.cycle.least = least.value.abs();
+    if let Some(least) = act.take(data::THREAD_MULTI_STEP_MIN) {
+        act.state.threads.cycle.least = least.value.abs();
     }
-    if let Some(cuts) = take_within(kernel, data::THREAD_MULTI_CUTS_FINISH, 0.0, 99.0) {
-        kernel.channel.state.threads.cycle.finish_cuts = cuts.trunc();
+    if let Some(cuts) = take_within(act, data::THREAD_MULTI_CUTS_FINISH, 0.0, 99.0) {
+        act.state.threads.cycle.finish_cuts = cuts.trunc();
     }
-    packed(kernel);
-    angles(kernel);
-    chamfer(kernel);
+    packed(act);
+    angles(act);
+    chamfer(act);
 }
 
 /// Nose angle and in-feed.
-fn angles(kernel: &mut Kernel<'_>) {
-    if let Some(angle) = take_within(kernel, data::THREAD_MULTI_ANGLE, 0.0, 170.0) {
-        kernel.channel.state.threads.cycle.nose = angle;
+fn angles(act: &mut Act<'_, '_>) {
+    if let Some(angle) = take_within(act, data::THREAD_MULTI_ANGLE, 0.0, 170.0) {
+        act.state.threads.cycle.nose = angle;
     }
-    if let Some(mode) = take_within(kernel, data::THREAD_MULTI_INFEED, 0.0, 4.0) {
-        kernel.channel.state.threads.cycle.mode = mode as u8;
+    if let Some(mode) = take_within(act, data::THREAD_MULTI_INFEED, 0.0, 4.0) {
+        act.state.threads.cycle.mode = mode as u8;
     }
 }
 
 /// Depth, steps and passes.
-pub(super) fn amounts(kernel: &mut Kernel<'_>, kind: Kind) {
-    let one_line = !kernel.channel.env.machine.threads.two_lines;
+pub(super) fn amounts(act: &mut Act<'_, '_>, kind: ThreadCycle) {
+    let one_line = !act.env.machine.threads.two_lines;
     let finish = if kind.face { data::THREAD_MULTI_FINISH_Z } else { data::THREAD_MULTI_FINISH_X };
-    if one_line && let Some(finish) = kernel.take(finish) {
-        kernel.channel.state.threads.cycle.finish = finish.value.abs();
+    if one_line && let Some(finish) = act.take(finish) {
+        act.state.threads.cycle.finish = finish.value.abs();
     }
     let (height, step) = match kind.face {
         true => (data::THREAD_MULTI_HEIGHT_Z, data::THREAD_MULTI_STEP_Z),
         false => (data::THREAD_MULTI_HEIGHT_X, data::THREAD_MULTI_STEP_X),
     };
-    if let Some(height) = kernel.take(height) {
-        kernel.channel.state.threads.cycle.depth = Some(height.value.abs());
+    if let Some(height) = act.take(height) {
+        act.state.threads.cycle.depth = Some(height.value.abs());
     }
-    if let Some(step) = kernel.take(step) {
-        kernel.channel.state.threads.cycle.step = Some(step.value.abs());
+    if let Some(step) = act.take(step) {
+        act.state.threads.cycle.step = Some(step.value.abs());
     }
-    if one_line && let Some(least) = kernel.take(data::THREAD_MULTI_STEP_MIN) {
-        kernel.channel.state.threads.cycle.least = least.value.abs();
+    if one_line && let Some(least) = act.take(data::THREAD_MULTI_STEP_MIN) {
+        act.state.threads.cycle.least = least.value.abs();
     }
-    if let Some(cuts) = take_within(kernel, data::THREAD_MULTI_CUTS, 1.0, 999.0) {
-        kernel.channel.state.threads.cycle.cuts = Some(cuts.trunc());
+    if let Some(cuts) = take_within(act, data::THREAD_MULTI_CUTS, 1.0, 999.0) {
+        act.state.threads.cycle.cuts = Some(cuts.trunc());
     }
-    if one_line && let Some(cuts) = take_within(kernel, data::THREAD_MULTI_CUTS_FINISH, 0.0, 99.0) {
-        kernel.channel.state.threads.cycle.finish_cuts = cuts.trunc();
+    if one_line && let Some(cuts) = take_within(act, data::THREAD_MULTI_CUTS_FINISH, 0.0, 99.0) {
+        act.state.threads.cycle.finish_cuts = cuts.trunc();
     }
-    angles(kernel);
+    angles(act);
 }
 
 /// The packed word: two digits each of finishing passes, chamfer in tenths of the lead, nose angle.
-pub(super) fn packed(kernel: &mut Kernel<'_>) {
-    let Some(word) = take_within(kernel, data::THREAD_MULTI_PWORD, 0.0, 999_999.0) else { return };
+pub(super) fn packed(act: &mut Act<'_, '_>) {
+    let Some(word) = take_within(act, data::THREAD_MULTI_PWORD, 0.0, 999_999.0) else { return };
     let word = word as u32;
-    let cycle = &mut kernel.channel.state.threads.cycle;
+    let cycle = &mut act.state.threads.cycle;
     cycle.finish_cuts = f64::from(word / 10_000);
     let tenths = word / 100 % 100;
-    cycle.chamfer = tenths > 0;
-    cycle.chamfer_leads = (tenths > 0).then(|| f64::from(tenths) / 10.0);
+    cycle.pull_out.on = tenths > 0;
+    cycle.pull_out.leads = (tenths > 0).then(|| f64::from(tenths) / 10.0);
     cycle.nose = f64::from(word % 100);
 }
 
 /// Length and angle of the chamfer; a length of nothing is none.
-pub(super) fn chamfer(kernel: &mut Kernel<'_>) {
-    if let Some(length) = kernel.take(data::THREAD_CHAMFER_LENGTH) {
-        let cycle = &mut kernel.channel.state.threads.cycle;
-        cycle.chamfer_length = length.value.abs();
-        cycle.chamfer_leads = None;
-        cycle.chamfer = cycle.chamfer_length > 0.0;
+pub(super) fn chamfer(act: &mut Act<'_, '_>) {
+    if let Some(length) = act.take(data::THREAD_CHAMFER_LENGTH) {
+        let cycle = &mut act.state.threads.cycle;
+        cycle.pull_out.length = length.value.abs();
+        cycle.pull_out.leads = None;
+        cycle.pull_out.on = cycle.pull_out.length > 0.0;
     }
-    if let Some(angle) = take_within(kernel, data::THREAD_CHAMFER_ANGLE, 10.0, 80.0) {
-        kernel.channel.state.threads.cycle.chamfer_angle = angle;
+    if let Some(angle) = take_within(act, data::THREAD_CHAMFER_ANGLE, 10.0, 80.0) {
+        act.state.threads.cycle.pull_out.angle = angle;
     }
 }
 
 /// The lead: the cycle's own word, else that of threads.
 pub(super) fn screw(
-    kernel: &mut Kernel<'_>,
+    act: &mut Act<'_, '_>,
     pitch: DataId,
     change: DataId,
     along: usize,
     starts: Option<DataId>,
 ) -> Screw {
-    let own = kernel.take(pitch).or_else(|| kernel.take(data::INTERP_THREAD_PITCH)).map(|datum| datum.value);
+    let own = act.take(pitch).or_else(|| act.take(data::INTERP_THREAD_PITCH)).map(|datum| datum.value);
     if let Some(pitch) = own {
-        kernel.remember_lead(pitch);
+        act.remember_lead(pitch);
     }
-    let pitch = kernel.remembered_lead().unwrap_or(0.0);
-    let change = kernel.take(change).map_or(0.0, |datum| datum.value);
-    kernel.channel.state.modal.remember(data::INTERP_THREAD_PITCH_VAR, change);
-    kernel.take(data::INTERP_THREAD_ANGLE);
-    let said = starts.and_then(|id| take_within(kernel, id, 1.0, MOST_STARTS));
-    let starts = said.or_else(|| kernel.channel.state.modal.value(data::INTERP_THREAD_STARTS)).unwrap_or(1.0);
+    let pitch = act.remembered_lead().unwrap_or(0.0);
+    let change = act.take(change).map_or(0.0, |datum| datum.value);
+    act.state.modal.remember(data::INTERP_THREAD_PITCH_VAR, change);
+    act.take(data::INTERP_THREAD_ANGLE);
+    let said = starts.and_then(|id| take_within(act, id, 1.0, MOST_STARTS));
+    let starts = said.or_else(|| act.state.modal.value(data::INTERP_THREAD_STARTS)).unwrap_or(1.0);
     let starts = starts.clamp(1.0, MOST_STARTS).trunc();
-    kernel.channel.state.threads.starts = starts;
+    act.state.threads.starts = starts;
     Screw { lead: pitch * starts, change: change * starts, along: Some(along) }
 }
 
 /// The thread between start and end, in geometry units.
 pub(super) fn thread(
-    kernel: &mut Kernel<'_>,
-    kind: Kind,
+    act: &mut Act<'_, '_>,
+    kind: ThreadCycle,
     axes: [usize; 2],
     (start, end, offset, taper): Said,
     screw: Screw,
 ) -> Option<Thread> {
     let order = |[x, z]: [Option<f64>; 2]| if kind.face { [x, z] } else { [z, x] };
     let (start, end, offset) = (order(start), order(end), order(offset));
-    let scales = axes.map(|axis| kernel.channel.state.place.axes.get(axis).map_or(1.0, |a| a.scale));
-    let place = kernel.channel.programmed();
+    let scales = axes.map(|axis| act.state.place.layout.axes.get(axis).map_or(1.0, |a| a.scale));
+    let place = act.programmed();
     let here = axes.map(|axis| place.get(axis).copied().unwrap_or(0.0));
     if end.iter().any(Option::is_none) {
-        let text = format!("a thread needs its end along X and Z in '{}'", kernel.block_text());
-        kernel.diagnose(&diag::DATA_MISSING, text);
+        let text = format!("a thread needs its end along X and Z in '{}'", act.block_text());
+        act.diagnose(&diag::DATA_MISSING, text);
     }
     let along = |value: Option<f64>| value.unwrap_or(here[0]) * scales[0];
     let across = |value: Option<f64>| value.unwrap_or(here[1]) * scales[1];

@@ -25,8 +25,8 @@ impl Kernel<'_> {
     pub(crate) fn report_tool(&mut self) {
         let tables = &self.channel.env.machine.tool;
         let nothing = tables.data.is_empty() && tables.offsets.is_empty() && self.channel.state.place.offsets.is_none();
-        if self.channel.state.place.tool != 0 && !(nothing && self.plan.hooks.is_none()) {
-            self.tell(self.tool_data(self.channel.state.place.tool));
+        if self.channel.state.place.tools.current != 0 && !(nothing && self.plan.hooks.is_none()) {
+            self.tell(self.tool_data(self.channel.state.place.tools.current));
         }
     }
 
@@ -75,7 +75,7 @@ impl Kernel<'_> {
         let written = |column| self.tool_cell(tool, column);
         let number = |column| written(column).and_then(Value::as_real).filter(|value| value.is_finite());
         let (diameter, radius) =
-            if tool == self.channel.state.place.tool { self.offset_in_force() } else { (None, None) };
+            if tool == self.channel.state.place.tools.current { self.offset_in_force() } else { (None, None) };
         let name = written(column::NAME).and_then(Value::as_text).map(str::trim).filter(|name| !name.is_empty());
         let name = name.or(facts.map(|facts| facts.name.as_str())).unwrap_or_default();
         let name: String = name.chars().take(LONGEST_NAME).map(|c| if c.is_control() { ' ' } else { c }).collect();
@@ -94,7 +94,10 @@ impl Kernel<'_> {
     fn offset_in_force(&self) -> (Option<f64>, Option<f64>) {
         let some = |value: f64| Some(value).filter(|value| *value > 0.0);
         if self.channel.env.machine.tool.offset_digits > 0 {
-            return (None, some(self.channel.offset_radius(Radii::Cutter, self.channel.state.place.tool_offset)));
+            return (
+                None,
+                some(self.channel.offset_radius(Radii::Cutter, self.channel.state.place.in_force.tool_offset)),
+            );
         }
         let on = self.channel.state.modal.code(group::DIAMETER).is_some_and(|code| code != codes::COMP_DIAM_OFF);
         let number = self.channel.state.place.compensation.diameter;

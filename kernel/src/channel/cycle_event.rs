@@ -5,7 +5,7 @@
 use counterpoint_fault::Acted;
 use counterpoint_lang::value::Value;
 
-use crate::channel::Kernel;
+use super::Kernel;
 use crate::machine::macros::model::Hook;
 use crate::macros::calls::Task;
 use crate::macros::values::code_value;
@@ -13,11 +13,11 @@ use crate::state::cycle::Hole;
 
 impl Kernel<'_> {
     /// Makes a hole, by way of its macro if there is one.
-    pub(super) fn cycle_event(&mut self, hole: &Hole) -> Acted {
-        let Some(code) = self.hook(Hook::Cycle) else { return self.make_hole(hole) };
+    pub(crate) fn cycle_event(&mut self, hole: &Hole) -> Acted {
+        let Some(code) = self.hook(Hook::Cycle) else { return (self.plan.actions.make_hole)(self, hole) };
         let preset = self.channel.state.place.preset.get(hole.axis).copied().unwrap_or(0.0);
         let height = |value: Option<f64>| value.map_or(Value::Null, |value| Value::Real(value + preset));
-        let reference = self.channel.state.cycle.activator.then_some(self.channel.state.cycle.reference);
+        let reference = self.channel.state.cycle.activator.then_some(self.channel.state.cycle.heights.reference);
         let mut arguments = [
             code_value(self.channel.state.cycle.code),
             height(reference),
@@ -41,6 +41,6 @@ impl Kernel<'_> {
             bottom: bottom.or(hole.bottom),
             ..hole
         };
-        self.make_hole(&hole)
+        (self.plan.actions.make_hole)(self, &hole)
     }
 }

@@ -1,0 +1,325 @@
+//! What an action may touch: the channel, and a few services of the kernel that it belongs to.
+//!
+//! Invariant: an action cannot reach the flow of the program, the machine's macros, the plan or the coordinator; what it
+//! asks of them is carried out by the kernel, calls and ends at the end of the block.
+
+use std::ops::{Deref, DerefMut};
+use std::sync::Arc;
+
+use counterpoint_fault::{Acted, Facts, Halt, Stop};
+
+use crate::channel::Kernel;
+use crate::channel::flow::Callee;
+use crate::channel::flow::Pending;
+use crate::channel::plan::Source;
+use crate::log::event::{Event, Kind, Motion, ToolAction};
+use crate::machine::ident::{CodeId, DataId};
+use crate::machine::model::CodeRow;
+use crate::multi::shared::Command;
+use crate::multi::tag::Tag;
+use crate::multi::waits::{Set, Spec};
+use crate::state::block::{Datum, PendingCode};
+use crate::state::channel::Channel;
+use crate::state::cycle::Hole;
+use crate::state::frames::offsets::Table;
+use crate::state::spindle::Turning;
+
+/// The context of an action.
+pub(crate) struct Act<'k, 'a> {
+    kernel: &'k mut Kernel<'a>,
+}
+
+impl<'a> Deref for Act<'_, 'a> {
+    type Target = Channel<'a>;
+
+    #[inline(always)]
+    fn deref(&self) -> &Channel<'a> {
+        &self.kernel.channel
+    }
+}
+
+impl DerefMut for Act<'_, '_> {
+    #[inline(always)]
+    fn deref_mut(&mut self) -> &mut Self::Target {
+        &mut self.kernel.channel
+    }
+}
+
+impl<'k, 'a> Act<'k, 'a> {
+    /// The context of an action of this kernel.
+    #[inline(always)]
+    pub(crate) fn new(kernel: &'k mut Kernel<'a>) -> Self {
+        Self { kernel }
+    }
+}
+
+/// Data of the block.
+impl Act<'_, '_> {
+    /// Takes the value of `id` off the block, if it is there.
+    #[inline(always)]
+    pub(crate) fn take(&mut self, id: DataId) -> Option<Datum> {
+        self.kernel.take(id)
+    }
+
+    /// Takes the program name off the block.
+    pub(crate) fn take_name(&mut self) -> Option<Arc<str>> {
+        self.kernel.take_name()
+    }
+
+    /// A value of `id` is on the block.
+    pub(crate) fn block_has(&self, id: DataId) -> bool {
+        self.kernel.block_has(id)
+    }
+
+    /// A free word that can move an axis or shape an arc is on the block.
+    pub(crate) fn has_motion_word(&self) -> bool {
+        self.has_any(self.kernel.plan.registers.motion)
+    }
+
+    /// Where the values of an identifier come from.
+    pub(crate) fn sources(&self, id: DataId) -> &[Source] {
+        self.kernel.plan.sources_of(id)
+    }
+
+    /// Registers that can supply an identifier, bit by register.
+    pub(crate) fn registers_of(&self, id: DataId) -> u128 {
+        self.kernel.plan.registers_of(id)
+    }
+
+    /// Factor from programmed positions of an axis to its own, where programs choose between diameter and radius.
+    pub(crate) fn factor_across(&self, axis: usize) -> f64 {
+        self.kernel.factor_across(axis)
+    }
+
+    /// The lead of a thread and the feed per revolution are one word that stays in force.
+    pub(crate) fn lead_is_feed(&self) -> bool {
+        self.kernel.plan.rules.lead_is_feed
+    }
+
+    /// Reports which of the data that an action could have used have rows that are all switched off.
+    pub(crate) fn report_switched_off(&mut self, ids: &[DataId]) {
+        self.kernel.tell_off(ids);
+    }
+
+    /// Letter and value of a code as written.
+    pub(crate) fn written(&self, row: &CodeRow, code: &PendingCode) -> (char, f64) {
+        self.kernel.written(row, *code)
+    }
+
+    /// Text of the block, for messages: at most 60 characters.
+    pub(crate) fn block_text(&self) -> String {
+        self.kernel.block_text()
+    }
+
+    /// Text of the block as it was read.
+    pub(crate) fn current_text(&self) -> &[u8] {
+        self.kernel.current_text()
+    }
+}
+
+/// Events and diagnostics.
+impl Act<'_, '_> {
+    /// Adds an event of this block at the clock.
+    #[inline]
+    pub(crate) fn emit(&mut self, dur_ns: i64, kind: Kind) {
+        self.kernel.emit(dur_ns, kind);
+    }
+
+    /// Logs a diagnostic at the current block.
+    pub(crate) fn diagnose(&mut self, facts: &Facts, text: impl Into<String>) {
+        self.kernel.diagnose(facts, text);
+    }
+
+    /// Logs an alarm of the control and returns what it does.
+    pub(crate) fn alarm(&mut self, facts: &Facts, text: impl Into<String>) -> Halt {
+        self.kernel.alarm(facts, text)
+    }
+
+    /// A code that nothing handles.
+    pub(crate) fn without_action(&mut self, id: CodeId) {
+        self.kernel.without_action(id);
+    }
+
+    /// Adds a line to the trace if it shows this letter.
+    pub(crate) fn trace(&mut self, letter: char, line: impl FnOnce(&Channel<'_>) -> String) {
+        self.kernel.trace(letter, |kernel| line(&kernel.channel));
+    }
+
+    /// Adds an action to the trace that takes the place of that of the next event.
+    pub(crate) fn trace_instead(&mut self, text: &str) {
+        self.kernel.trace_instead(text);
+    }
+
+    /// Keeps events back from here on: a move waits for the next one.
+    pub(crate) fn buffer_events(&mut self) {
+        let tag = self.tag();
+        self.kernel.ports.emitter.hold(tag);
+    }
+
+    /// Events kept back so far.
+    pub(crate) fn buffered_events(&self) -> usize {
+        self.kernel.ports.emitter.held()
+    }
+
+    /// Ends keeping events back; the caller puts them where they belong.
+    pub(crate) fn release_events(&mut self) -> Vec<Event> {
+        self.kernel.ports.emitter.release()
+    }
+
+    /// Adds an event that was kept back.
+    pub(crate) fn push_event(&mut self, event: Event) {
+        self.kernel.ports.emitter.push(event);
+    }
+
+    /// The block has done something that a loop without an end could not hide.
+    pub(crate) fn note_effect(&mut self) {
+        self.kernel.flow.pass.effects = true;
+    }
+
+    /// Counts as much work as a block within this one.
+    ///
+    /// # Errors
+    /// The job is to end.
+    pub(crate) fn count_as_block(&mut self) -> Acted {
+        self.kernel.count_as_block()
+    }
+}
+
+/// The machine: motions, spindle, tools, heads, cycles. Its macros see them.
+impl Act<'_, '_> {
+    /// Carries out a motion.
+    #[inline(always)]
+    pub(crate) fn travel(&mut self, seconds: f64, motion: &Motion) -> Acted {
+        self.kernel.travel(seconds, motion)
+    }
+
+    /// Carries out a motion that its macro has seen.
+    pub(crate) fn move_to(&mut self, seconds: f64, motion: &Motion) -> Acted {
+        self.kernel.move_to(seconds, motion)
+    }
+
+    /// Commanded state of the channel's spindle as of now.
+    pub(crate) fn spindle_command(&mut self) -> Result<Command, Halt> {
+        self.kernel.current()
+    }
+
+    /// How the spindle turns now, `None` while it does not.
+    pub(crate) fn spindle_speed(&mut self) -> Result<Option<Turning>, Halt> {
+        self.kernel.spindle_speed()
+    }
+
+    /// Changes what the spindle is commanded to do, logs it, and lets the spindle run up.
+    pub(crate) fn command_spindle(&mut self, change: impl Fn(&mut Command)) -> Acted {
+        self.kernel.command_spindle(change)
+    }
+
+    /// Selects or loads a tool, or changes its offset.
+    pub(crate) fn tool_event(&mut self, action: ToolAction, tool: u32, offset: u32, ns: i64) -> Acted {
+        self.kernel.tool_event(action, tool, offset, ns)
+    }
+
+    /// Reports what is known about the tool in use if that has changed.
+    pub(crate) fn report_tool(&mut self) {
+        self.kernel.report_tool();
+    }
+
+    /// Tools and heads have a macro that is on.
+    pub(crate) fn has_tool_macro(&self) -> bool {
+        self.kernel.has_tool_macro()
+    }
+
+    /// Selects (1) or loads (2) a head.
+    pub(crate) fn head_event(&mut self, kind: f64, id: u32) -> Acted {
+        self.kernel.head_event(kind, id)
+    }
+
+    /// Makes a hole, by way of its macro if there is one.
+    pub(crate) fn cycle_event(&mut self, hole: &Hole) -> Acted {
+        self.kernel.cycle_event(hole)
+    }
+
+    /// A macro of the machine is running.
+    pub(crate) fn is_inside_macro(&self) -> bool {
+        !self.kernel.macros.calls.running.is_empty()
+    }
+
+    /// Puts the sum of all offsets into force; the machine stands still.
+    pub(crate) fn reframe(&mut self) {
+        self.kernel.reframe();
+    }
+
+    /// Sets an offset; `false` when there is no room for it or it is out of all bounds.
+    pub(crate) fn set_offset(&mut self, table: Table, number: u32, values: crate::log::event::Position) -> bool {
+        self.kernel.set_offset(table, number, values)
+    }
+
+    /// Finishes the move that compensation keeps back, without knowing the next one.
+    pub(crate) fn flush_lookahead(&mut self) -> Acted {
+        self.kernel.flush_lookahead()
+    }
+
+    /// Takes whole turns off the position of an axis; nothing moves.
+    pub(crate) fn unwind_axis(&mut self, axis: usize, modulo: crate::state::clamps::Modulo) {
+        self.kernel.unwind_axis(axis, modulo);
+    }
+}
+
+/// Requests to the flow of the program, which act at the end of the block, and to the other channels.
+impl Act<'_, '_> {
+    /// Subprograms that are running, with the main program.
+    pub(crate) fn call_depth(&self) -> usize {
+        self.kernel.flow.frames.len()
+    }
+
+    /// Passes of a repeat word.
+    pub(crate) fn passes(&mut self, count: f64) -> u32 {
+        self.kernel.passes(count)
+    }
+
+    /// Calls a program by its number.
+    pub(crate) fn call_program(&mut self, number: u32, passes: u32) {
+        self.call(Callee::Program(number), passes);
+    }
+
+    /// Calls a program by its name.
+    pub(crate) fn call_named(&mut self, name: Arc<str>, passes: u32) {
+        self.call(Callee::Named(name), passes);
+    }
+
+    fn call(&mut self, what: Callee, passes: u32) {
+        self.kernel.ask(Pending::Call { what, passes, arguments: None, by: None });
+    }
+
+    /// Calls the blocks from one label or sequence number to another in the current file.
+    pub(crate) fn call_range(&mut self, by_labels: bool, (first, last): (u32, u32), passes: u32) {
+        let what = if by_labels { Callee::Labels(first, last) } else { Callee::Blocks(first, last) };
+        self.kernel.ask(Pending::CallRange { what, passes });
+    }
+
+    /// Returns from the subprogram, optionally to a sequence number of the caller.
+    pub(crate) fn return_from(&mut self, target: Option<u32>) {
+        self.kernel.ask(Pending::Return(target));
+    }
+
+    /// Ends the program.
+    pub(crate) fn end_program(&mut self, stop: Stop) {
+        self.kernel.ask(Pending::End(stop));
+    }
+
+    /// Arrives at a wait, and waits until the others are there.
+    pub(crate) fn arrive(&mut self, spec: Spec) -> Acted {
+        self.kernel.arrive(spec)
+    }
+
+    /// A start by one of the heads: it lets the other one continue, which waits for it.
+    pub(crate) fn start_by_head(&mut self, by: u16, heads: Set) -> Acted {
+        self.kernel.start_by_head(by, heads)
+    }
+}
+
+impl Act<'_, '_> {
+    /// The tag of what the channel does now.
+    fn tag(&self) -> Tag {
+        self.at.tag()
+    }
+}

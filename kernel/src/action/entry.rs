@@ -1,0 +1,108 @@
+//! One entry of the registry: the codes that an action takes, and what it does.
+//!
+//! Invariant: no two entries take the same code.
+
+use counterpoint_fault::Acted;
+
+use super::{cutter, cycle};
+use crate::act::Act;
+use crate::channel::Kernel;
+use crate::channel::actions::Action;
+use crate::machine::ident::CodeId;
+use crate::machine::ident::kind::CodeKind;
+use crate::machine::model::CodeRow;
+use crate::state::block::PendingCode;
+
+/// What a code does, with its row and the way in which it was written.
+pub(crate) type ActFn = fn(&mut Act<'_, '_>, &CodeRow, &PendingCode) -> Acted;
+
+/// Which codes an entry takes.
+#[derive(Debug, Clone, Copy)]
+enum Codes {
+    /// These.
+    Listed(&'static [CodeId]),
+    /// Those of a kind.
+    OfKind(fn(CodeKind) -> bool),
+}
+
+/// What an action means for a move that compensation of the tool radius keeps back.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Contour {
+    /// A move along the contour.
+    Follows,
+    /// Nothing: the move may wait longer.
+    Waits,
+    /// The action goes without compensation, which begins again behind it.
+    Leaves,
+    /// The move is finished.
+    Ends,
+}
+
+/// A built-in action.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Entry {
+    codes: Codes,
+    act: ActFn,
+    /// A motion code of the program, which meets an active cycle.
+    moves: bool,
+    contour: Contour,
+}
+
+impl Entry {
+    /// The action of these codes.
+    pub(crate) const fn of(codes: &'static [CodeId], act: ActFn) -> Self {
+        Self { codes: Codes::Listed(codes), act, moves: false, contour: Contour::Ends }
+    }
+
+    /// The action of the codes of a kind.
+    pub(crate) const fn of_kind(takes: fn(CodeKind) -> bool, act: ActFn) -> Self {
+        Self { codes: Codes::OfKind(takes), act, moves: false, contour: Contour::Ends }
+    }
+
+    /// It moves the tool as the program says.
+    pub(crate) const fn moves(self) -> Self {
+        Self { moves: true, ..self }
+    }
+
+    /// What it means for a move that is kept back.
+    pub(crate) const fn contour(self, contour: Contour) -> Self {
+        Self { contour, ..self }
+    }
+
+    /// It takes this code.
+    pub(super) fn takes(&self, id: CodeId) -> bool {
+        match self.codes {
+            Codes::Listed(codes) => codes.contains(&id),
+            Codes::OfKind(takes) => takes(id.kind()),
+        }
+    }
+}
+
+impl Action for Entry {
+    #[inline]
+    fn run(&self, kernel: &mut Kernel<'_>, row: &CodeRow, code: &PendingCode) -> Acted {
+        let act = &mut Act::new(kernel);
+        if act.state.cycle.running && self.moves && !code.modal {
+            cycle::meets_motion(act)?;
+        }
+        if act.state.place.frames.is_some() {
+            cutter::before(act, self.contour)?;
+        }
+        (self.act)(act, row, code)
+    }
+}
+
+/// An entry for the codes of a kind: its pattern, and what it does with the values that the pattern binds.
+macro_rules! entry_of_kind {
+    ($pattern:pat => |$act:ident, $row:ident, $code:ident| $body:expr) => {
+        $crate::action::entry::Entry::of_kind(
+            #[allow(unused_variables)]
+            |kind| matches!(kind, $pattern),
+            |$act, $row, $code| match $row.id.kind() {
+                $pattern => $body,
+                _ => Ok(()),
+            },
+        )
+    };
+}
+pub(crate) use entry_of_kind;

@@ -1,0 +1,29 @@
+//! Time of a code from the machine's table.
+
+use super::Kernel;
+use crate::log::event::{Function, Kind};
+use crate::machine::model::{CodeForm, CodeRow};
+use crate::state::block::PendingCode;
+
+impl Kernel<'_> {
+    /// Time of a code from the machine's table.
+    pub(crate) fn take_time(&mut self, row: &CodeRow, firing: PendingCode) {
+        let ns = crate::state::channel::nanoseconds(row.seconds);
+        let (letter, value) = self.written(row, firing);
+        self.emit(ns, Kind::Function(Function { letter, value }));
+        self.channel.advance(ns);
+    }
+
+    /// Letter and value of a code as written.
+    pub(crate) fn written(&self, row: &CodeRow, firing: PendingCode) -> (char, f64) {
+        let register = match row.form {
+            CodeForm::Register { register, .. } | CodeForm::RegisterAsData { register, .. } => Some(register),
+            CodeForm::Text(_) | CodeForm::NotApplicable => None,
+        };
+        let letter = register
+            .and_then(|r| self.channel.env.machine.registers.get(usize::from(r)))
+            .and_then(|r| r.name.chars().next())
+            .unwrap_or('?');
+        (letter, firing.value)
+    }
+}

@@ -1,0 +1,45 @@
+//! Position words fire the active cycle, or the active motion code.
+
+use super::Kernel;
+use crate::machine::ident::codes;
+use crate::machine::ident::kind::CodeKind;
+use crate::macros::calls::Task;
+use crate::state::modal::group;
+
+/// Order of a cycle that position words fire: after the codes that take such words for themselves.
+const IMPLIED_ORDER: u16 = 500;
+
+impl Kernel<'_> {
+    /// Position words fire the active cycle, else the active motion code.
+    #[inline]
+    pub(crate) fn imply_motion(&mut self) {
+        let machine = self.channel.env.machine;
+        let code = |row: u16| machine.codes.get(usize::from(row)).map(|row| (row.id, row.id.kind()));
+        let mut in_machine = false;
+        for firing in &self.channel.block.pending {
+            match code(firing.row) {
+                Some((codes::CYCLE_ON, _) | (_, CodeKind::Cycle(_) | CodeKind::ThreadCycle(_))) => return,
+                Some((codes::CYCLE_OFF, _)) => return self.queue_by_data(group::MOTION),
+                Some((codes::POSITION_MACHINE, _)) => in_machine = true,
+                _ => {}
+            }
+        }
+        if in_machine || !self.channel.cycle_repeats() || self.inside_cycle_macro() {
+            return self.queue_by_data(group::MOTION);
+        }
+        self.queue_by_data(group::CYCLE);
+        if let Some(firing) = self.channel.block.pending.last_mut() {
+            firing.order = firing.order.max(IMPLIED_ORDER);
+        }
+    }
+
+    /// A macro of a cycle is running: what it gives the control are the moves of that cycle.
+    fn inside_cycle_macro(&self) -> bool {
+        let calls = self.macros.calls.running.as_slice();
+        calls.iter().any(|call| match &call.task {
+            Task::Code(_, id) => matches!(id.kind(), CodeKind::Cycle(_)) || *id == codes::CYCLE_ON,
+            Task::Cycle(_) => true,
+            _ => false,
+        })
+    }
+}

@@ -1,0 +1,93 @@
+//! The work frame of a channel changes: presets, work offsets, tool offsets, length compensation.
+//!
+//! Invariant: changing the frame never moves the machine; the programmed position is what changes.
+
+use super::Kernel;
+use crate::log::event::{Frame, Kind, MAX_AXES, Position};
+use crate::state::clamps::Modulo;
+use crate::state::frames::offsets::Table;
+
+impl Kernel<'_> {
+    /// Frame at program start.
+    pub(crate) fn initial_frame(&mut self) {
+        self.channel.state.place.shift = self.channel.wanted_shift();
+        for (position, shift) in self.channel.state.place.position.iter_mut().zip(self.channel.state.place.shift) {
+            *position -= shift;
+        }
+        if self.channel.state.place.shift != [0.0; MAX_AXES] {
+            let shift = Box::new(self.channel.state.place.shift);
+            self.emit(0, Kind::Frame(Frame { shift }));
+        }
+    }
+
+    /// Sets an offset; `false` when there is no room for it or it is out of all bounds.
+    pub(crate) fn set_offset(&mut self, table: Table, number: u32, values: Position) -> bool {
+        let stored = self.channel.store_offset(table, number, values);
+        if stored {
+            self.reframe();
+        }
+        stored
+    }
+
+    /// Puts the sum of all offsets into force; the machine stands still.
+    pub(crate) fn reframe(&mut self) {
+        let wanted = self.channel.wanted_shift();
+        if wanted == self.channel.state.place.shift {
+            return;
+        }
+        let before = self.channel.counts_from();
+        if self.channel.state.place.frames.is_some() {
+            self.flush_for_macro();
+            let levels = self.channel.cycle_levels();
+            self.channel.standing(|channel| {
+                channel.state.place.shift = wanted;
+                channel.refresh_tip();
+            });
+            self.channel.keep_levels(levels);
+        } else {
+            self.channel.state.cycle.reframed(&self.channel.state.place.shift, &wanted);
+            for ((position, old), new) in
+                self.channel.state.place.position.iter_mut().zip(self.channel.state.place.shift).zip(wanted)
+            {
+                *position += old - new;
+            }
+            self.channel.state.place.shift = wanted;
+        }
+        self.channel.keep_ways(before);
+        self.emit(0, Kind::Frame(Frame { shift: Box::new(wanted) }));
+    }
+
+    /// Everything between the program and the axes is as at the begin of a job, but for what offsets say; the machine
+    /// stands still.
+    pub(crate) fn forget_frame(&mut self) {
+        if self.channel.end_tip() {
+            self.emit(0, Kind::mode("rtcp off"));
+        }
+        let place = &mut self.channel.state.place;
+        (place.frames, place.clamped) = (None, 0);
+        (place.in_force.work_offset, place.in_force.tool_offset) = (1, 0);
+        (place.in_force.length_sign, place.in_force.length_number) = (0.0, 0);
+        place.preset = [0.0; MAX_AXES];
+        self.reframe();
+    }
+
+    /// Takes whole turns off the position of an axis; nothing moves.
+    pub(crate) fn unwind_axis(&mut self, axis: usize, modulo: Modulo) {
+        self.flush_for_macro();
+        let mut machine = self.channel.machine_point(&self.channel.state.place.position);
+        let Some(slot) = machine.get_mut(axis) else { return };
+        let (before, after) = (*slot, modulo.of(*slot));
+        if before == after {
+            return;
+        }
+        *slot = after;
+        self.channel.state.place.position = self.channel.way_of_machine(&machine);
+        if let Some(slot) = self.channel.cutter().and_then(|cutter| cutter.contour.get_mut(axis)) {
+            *slot += after - before;
+        }
+        self.channel.frames_changed();
+        let text =
+            format!("unwind {}={}", self.channel.axis_name(axis), counterpoint_lang::format::wildcard_text(after));
+        self.emit(0, Kind::mode(text));
+    }
+}

@@ -1,0 +1,98 @@
+//! Motions: limits, event, clock, position.
+//!
+//! Invariant: after an alarm of its block nothing moves; a motion of a clamped axis is reported and made all the same.
+
+use counterpoint_fault::Acted;
+
+use super::Kernel;
+use crate::diag;
+use crate::log::event::{Kind, Motion, MotionKind, Position};
+
+impl Kernel<'_> {
+    /// Carries out a motion, by way of its macro if the machine has one.
+    #[inline]
+    pub(crate) fn travel(&mut self, seconds: f64, motion: &Motion) -> Acted {
+        self.channel.check_stop()?;
+        self.check_travel_before(motion)?;
+        if let Some(hooks) = self.plan.hooks {
+            return (hooks.motion)(self, seconds, motion);
+        }
+        self.move_to(seconds, motion)
+    }
+
+    /// The motion itself.
+    #[inline(always)]
+    pub(crate) fn move_to(&mut self, seconds: f64, motion: &Motion) -> Acted {
+        if let Some(hooks) = self.plan.hooks {
+            (hooks.moved)(self, seconds, motion);
+        }
+        if self.channel.state.place.clamped != 0 {
+            self.check_clamps(motion);
+        }
+        self.channel.block.flags.moved = true;
+        self.flow.pass.effects = true;
+        self.channel.state.place.position = motion.to;
+        let ns = crate::state::channel::nanoseconds(seconds);
+        self.emit_as(ns, |kind| match kind {
+            Kind::Motion(place) => *place = *motion,
+            other => *other = Kind::Motion(*motion),
+        });
+        self.channel.advance(ns);
+        self.check_travel(&motion.to);
+        self.follow_radius()
+    }
+
+    #[inline(always)]
+    fn check_travel(&mut self, to: &Position) {
+        if self.channel.state.place.layout.bounds.limited && !self.channel.state.place.layout.bounds.stop {
+            self.check_limits_of_axes(to);
+        }
+    }
+
+    /// Where it is an alarm, an end beyond the limits stops the channel before the move.
+    #[inline(always)]
+    fn check_travel_before(&mut self, motion: &Motion) -> Acted {
+        if self.channel.state.place.layout.bounds.limited && self.channel.state.place.layout.bounds.stop {
+            self.check_limits_of_axes(&motion.to);
+            return self.channel.check_stop();
+        }
+        Ok(())
+    }
+
+    #[inline(never)]
+    fn check_limits_of_axes(&mut self, to: &Position) {
+        let mut over = None;
+        let machine = self.channel.machine_point(to);
+        for (axis, at) in self.channel.state.place.layout.axes.iter().zip(machine) {
+            if let Some((low, high)) = axis.limits
+                && (at < low - 1e-9 || at > high + 1e-9)
+            {
+                over = Some((axis.machine, at, low, high));
+            }
+        }
+        if let Some((axis, at, low, high)) = over {
+            let name = self.channel.env.machine.axes.get(axis).map_or("?", |a| a.name.as_str());
+            let text = format!(
+                "axis {name} at {at:.3} in the machine frame is beyond its limits {low} to {high} in '{}'",
+                self.block_text()
+            );
+            self.diagnose(&diag::OVER_TRAVEL, text);
+        }
+    }
+
+    /// A motion while axes are clamped.
+    #[cold]
+    #[inline(never)]
+    pub(crate) fn check_clamps(&mut self, motion: &Motion) {
+        let round = matches!(motion.kind, MotionKind::ArcCw | MotionKind::ArcCcw);
+        let clamped = self.channel.state.place.clamped;
+        for axis in (0..self.channel.state.place.layout.axes.len()).filter(|axis| clamped >> axis & 1 != 0) {
+            let turns = round && motion.plane_axes.map(usize::from).contains(&axis);
+            if !turns && motion.from.get(axis) == motion.to.get(axis) {
+                continue;
+            }
+            let text = format!("axis {} is clamped and moves in '{}'", self.channel.axis_name(axis), self.block_text());
+            self.diagnose(&diag::CLAMPED, text);
+        }
+    }
+}

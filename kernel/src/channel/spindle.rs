@@ -1,0 +1,200 @@
+//! The spindle of a channel: what it is commanded to do, how it turns, what other channels see of it.
+//!
+//! Facts: reference channel-synchronisation.md 1.9 (a spindle that several channels command: the last writer in tag order
+//! wins, with a warning when no meeting lies between). Invariant: a shared spindle is reached only through shared
+//! operations; an own one is plain state of the channel.
+
+use counterpoint_fault::{Acted, Halt};
+use counterpoint_motion::surface_speed::Speed;
+
+use super::Kernel;
+use crate::diag;
+use crate::log::event::{Direction, Kind, Spindle as SpindleEvent};
+use crate::log::info::Unit;
+use crate::multi::shared::Command;
+use crate::multi::waits::Set;
+use crate::state::spindle::Turning;
+
+impl Kernel<'_> {
+    /// Changes the commanded state, logs it, and lets the spindle run up.
+    pub(crate) fn command_spindle(&mut self, change: impl Fn(&mut Command)) -> Acted {
+        let Some(index) = self.channel.state.spindle.index else {
+            let text = format!("channel {} has no spindle for '{}'", self.channel.at.channel, self.block_text());
+            self.diagnose(&diag::NO_SPINDLE, text);
+            return Ok(());
+        };
+        self.flow.pass.effects = true;
+        let before = self.turning_speed()?;
+        let old = self.channel.state.spindle.command;
+        let rank = self.channel.at.channel;
+        let mut conflict = 0;
+        if self.channel.state.spindle.shared {
+            let (now, writer) = self.shared(|order| {
+                let Some(spindle) = order.shared.spindles.get_mut(index) else { return (Command::default(), 0) };
+                let old = spindle.command;
+                change(&mut spindle.command);
+                if old.driver == rank && spindle.command.driver != rank {
+                    // Until its new driver moves the spindle goes on as it turns.
+                    spindle.now = before;
+                }
+                let changed = old != spindle.command;
+                let other = spindle.writer != 0 && spindle.writer != rank && !spindle.ordered.has(rank);
+                let writer = if changed && other { spindle.writer } else { 0 };
+                spindle.writer = rank;
+                spindle.ordered = Set::default().with(rank);
+                (spindle.command, writer)
+            })?;
+            self.channel.state.spindle.command = now;
+            conflict = writer;
+        } else {
+            change(&mut self.channel.state.spindle.command);
+        }
+        if conflict != 0 {
+            let text = format!(
+                "channels {conflict} and {rank} both command the spindle without a meeting between them, here in '{}': the later one in time holds",
+                self.block_text()
+            );
+            self.diagnose(&diag::SPINDLE_CONFLICT, text);
+        }
+        if self.channel.state.spindle.command != old {
+            self.announce(index, before)?;
+        }
+        self.follow_radius()
+    }
+
+    /// Changes the commanded state as a macro wants it: without an event and without time.
+    pub(crate) fn set_spindle(&mut self, change: impl Fn(&mut Command)) -> Acted {
+        let Some(index) = self.channel.state.spindle.index else { return Ok(()) };
+        if !self.channel.state.spindle.shared {
+            change(&mut self.channel.state.spindle.command);
+            return Ok(());
+        }
+        let now = self.shared(|order| {
+            order.shared.spindles.get_mut(index).map(|spindle| {
+                change(&mut spindle.command);
+                spindle.command
+            })
+        })?;
+        self.channel.state.spindle.command = now.unwrap_or_default();
+        self.follow_radius()
+    }
+
+    /// Logs the state and takes the run-up time.
+    fn announce(&mut self, index: usize, before: f64) -> Acted {
+        let Some(spindle) = self.channel.env.machine.spindles.get(index) else { return Ok(()) };
+        let (number, max, run_up) = (spindle.number, spindle.max, spindle.run_up);
+        let now = self.channel.state.spindle.command;
+        let speed = if now.css { now.surface } else { now.rpm };
+        if !now.css && now.rpm > max {
+            let text = format!(
+                "{} rev/min is above the largest speed {max} of spindle {number} in '{}'",
+                now.rpm,
+                self.block_text()
+            );
+            self.diagnose(&diag::SPINDLE_LIMIT, text);
+        }
+        let after = self.turning_speed()?;
+        let mut seconds = 0.0;
+        if run_up > 0.0 && max > 0.0 {
+            seconds = run_up * (after - before).abs() / max;
+        }
+        if after != before {
+            seconds += self.channel.env.machine.time.spindle_speed;
+        }
+        let ns = crate::state::channel::nanoseconds(seconds);
+        let (direction, css, limit, angle) = (now.direction, now.css, now.limit, now.angle);
+        let event = SpindleEvent { spindle: number, direction, css, speed, limit, angle };
+        self.emit(ns, Kind::Spindle(event));
+        self.channel.advance(ns);
+        Ok(())
+    }
+
+    /// Commanded state of the channel's spindle as of now.
+    pub(crate) fn current(&mut self) -> Result<Command, Halt> {
+        if self.channel.state.spindle.shared
+            && let Some(index) = self.channel.state.spindle.index
+        {
+            let (command, now) = self.shared(|order| {
+                order.shared.spindles.get(index).map_or((Command::default(), 0.0), |s| (s.command, s.now))
+            })?;
+            self.channel.state.spindle.command = command;
+            self.channel.state.spindle.now = now;
+        }
+        Ok(self.channel.state.spindle.command)
+    }
+
+    /// How the spindle turns now, `None` when it stands.
+    pub(crate) fn spindle_speed(&mut self) -> Result<Option<Turning>, Halt> {
+        let command = self.current()?;
+        if !matches!(command.direction, Direction::Clockwise | Direction::CounterClockwise) {
+            return Ok(None);
+        }
+        let (max, min) = self
+            .channel
+            .state
+            .spindle
+            .index
+            .and_then(|i| self.channel.env.machine.spindles.get(i))
+            .map_or((f64::INFINITY, 0.0), |s| (if s.max > 0.0 { s.max } else { f64::INFINITY }, s.min));
+        let max = max.min(command.limit);
+        if !command.css {
+            let rpm = command.rpm.min(max);
+            return Ok((rpm > 0.0).then_some(Turning::Fixed(rpm)));
+        }
+        if command.surface <= 0.0 {
+            return Ok(None);
+        }
+        if command.driver != self.channel.at.channel && command.radius <= 0.0 {
+            return Ok((self.channel.state.spindle.now > 0.0).then_some(Turning::Fixed(self.channel.state.spindle.now)));
+        }
+        let factor = match (self.channel.env.machine.unit, self.channel.state.secondary) {
+            (Unit::Mm, false) | (Unit::Inch, true) => 1000.0,
+            (Unit::Mm, true) | (Unit::Inch, false) => 12.0,
+        };
+        let to_machine = match (self.channel.env.machine.unit, self.channel.state.secondary) {
+            (Unit::Mm, true) => 25.4,
+            (Unit::Inch, true) => 1.0 / 25.4,
+            _ => 1.0,
+        };
+        let speed = Speed { surface: command.surface * factor * to_machine, max, min };
+        if command.radius > 0.0 {
+            let rpm = speed.rpm(command.radius);
+            return Ok((rpm > 0.0).then_some(Turning::Fixed(rpm)));
+        }
+        Ok(Some(Turning::Surface(speed)))
+    }
+
+    /// Speed that turns now, 0 when the spindle stands.
+    fn turning_speed(&mut self) -> Result<f64, Halt> {
+        let radius = self.channel.radius(&self.channel.state.place.position);
+        Ok(match self.spindle_speed()? {
+            Some(Turning::Fixed(rpm)) => rpm,
+            Some(Turning::Surface(surface)) => {
+                let rpm = surface.rpm(radius);
+                if rpm.is_finite() { rpm } else { 0.0 }
+            }
+            None => 0.0,
+        })
+    }
+
+    /// Tells other channels the speed that this channel's X drives.
+    pub(crate) fn follow_radius(&mut self) -> Acted {
+        let command = self.channel.state.spindle.command;
+        let Some(index) = self.channel.state.spindle.index.filter(|_| self.channel.state.spindle.shared) else {
+            return Ok(());
+        };
+        if !command.css || command.driver != self.channel.at.channel {
+            return Ok(());
+        }
+        let rpm = self.turning_speed()?;
+        if rpm != self.channel.state.spindle.now {
+            self.channel.state.spindle.now = rpm;
+            self.shared(|order| {
+                if let Some(spindle) = order.shared.spindles.get_mut(index) {
+                    spindle.now = rpm;
+                }
+            })?;
+        }
+        Ok(())
+    }
+}
