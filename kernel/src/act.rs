@@ -12,17 +12,17 @@ use crate::channel::Kernel;
 use crate::channel::flow::Callee;
 use crate::channel::flow::Pending;
 use crate::channel::plan::Source;
-use crate::log::event::{Event, Kind, Motion, ToolAction};
-use crate::machine::ident::{CodeId, DataId};
-use crate::machine::model::CodeRow;
-use crate::multi::shared::Command;
-use crate::multi::tag::Tag;
-use crate::multi::waits::{Set, Spec};
-use crate::state::block::{Datum, PendingCode};
 use crate::state::channel::Channel;
 use crate::state::cycle::Hole;
 use crate::state::frames::offsets::Table;
 use crate::state::spindle::Turning;
+use counterpoint_event::event::{Event, Kind, Motion, ToolAction};
+use counterpoint_machine::ident::{CodeId, DataId};
+use counterpoint_machine::model::CodeRow;
+use counterpoint_program::block::{Datum, PendingCode};
+use counterpoint_sync::shared::Command;
+use counterpoint_sync::tag::Tag;
+use counterpoint_sync::waits::{Set, Spec};
 
 /// The context of an action.
 pub(crate) struct Act<'k, 'a> {
@@ -249,7 +249,12 @@ impl Act<'_, '_> {
     }
 
     /// Sets an offset; `false` when there is no room for it or it is out of all bounds.
-    pub(crate) fn set_offset(&mut self, table: Table, number: u32, values: crate::log::event::Position) -> bool {
+    pub(crate) fn set_offset(
+        &mut self,
+        table: Table,
+        number: u32,
+        values: counterpoint_event::event::Position,
+    ) -> bool {
         self.kernel.set_offset(table, number, values)
     }
 

@@ -29,11 +29,11 @@ use counterpoint_lang::value::Value;
 use counterpoint_lang::vm::{Scale, State};
 
 use crate::channel::Kernel;
-use crate::machine::ident::{codes, data};
-use crate::machine::macros::model::Hook;
 use crate::macros::calls::unwinding;
 use crate::macros::issued::Later;
 use crate::macros::values::{code_id, data_id};
+use counterpoint_machine::ident::{codes, data};
+use counterpoint_machine::macros::model::Hook;
 
 impl Registers for Kernel<'_> {
     fn code_name(&self, code: u32) -> String {

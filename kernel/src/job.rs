@@ -4,37 +4,14 @@ use std::sync::Arc;
 
 pub use counterpoint_event::Outcome;
 use counterpoint_lang::compile;
+pub use counterpoint_program::spec::{Program, Spec};
 pub use counterpoint_sync::sink::{Sink, WrittenFiles};
 
-use crate::control::{Control, Stop};
-use crate::files::Files;
-use crate::log::info::Info;
-use crate::machine::Machine;
-use crate::machine::finding::Finding;
-use crate::mcd::sources::Sources;
-use crate::options::Options;
-
-/// A program given to a channel.
-#[derive(Debug, Clone, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
-pub struct Program {
-    /// File in the job's files.
-    pub file: String,
-    /// O-number inside the file; none = the file's first (or next free) main program.
-    pub number: Option<u32>,
-    /// Channel number; none = left to right.
-    pub channel: Option<u16>,
-}
-
-/// Everything a job consists of.
-#[derive(Debug, Clone)]
-pub struct Spec {
-    /// The checked machine.
-    pub machine: Arc<Machine>,
-    /// Programs, left to right.
-    pub programs: Vec<Program>,
-    /// Options.
-    pub options: Options,
-}
+use counterpoint_event::info::Info;
+use counterpoint_machine::finding::Finding;
+use counterpoint_ports::control::{Control, Stop};
+use counterpoint_ports::files::Files;
+use counterpoint_program::sources::Sources;
 
 /// A prepared job: programs are loaded and assigned to channels.
 #[derive(Debug)]
@@ -92,8 +69,8 @@ impl Job {
             cancelled: true,
         };
         spec.options.limits = spec.options.limits.capped();
-        let syntax = crate::dialect::of(&spec.machine).syntax();
-        let (info, sources) = match crate::mcd::layout::assign(&spec, syntax, files, stop) {
+        let syntax = counterpoint_dialect::of(&spec.machine).syntax();
+        let (info, sources) = match counterpoint_program::layout::assign(&spec, syntax, files, stop) {
             _ if stop.asked() => return Err(cancelled()),
             Ok(assigned) => assigned,
             Err(findings) => return Err(PrepareError { findings, cancelled: false }),

@@ -1,4 +1,4 @@
-//! What the code must look like: arrows between crates go down the floors ([`floors`]), no cycles between the modules of
+//! What the code must look like: arrows between crates go down the floors (`floors`), no cycles between the modules of
 //! a crate, files of at most [`LINES`] lines, types of at most
 //! [`FIELDS`] fields, but for those that are a table by nature (settings, rows, what goes over the wire).
 //!

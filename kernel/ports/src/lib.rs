@@ -3,6 +3,7 @@
 //!
 //! Invariant: traits and plain data only; nothing here opens a file, starts a command or waits.
 
+pub mod control;
 pub mod dialog;
 pub mod files;
 pub mod options;

@@ -5,10 +5,10 @@
 
 use crate::act::Act;
 use crate::action::entry::Entry;
-use crate::diag;
-use crate::machine::habits::Home;
-use crate::machine::ident::codes;
+use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
+use counterpoint_machine::habits::Home;
+use counterpoint_machine::ident::codes;
 
 /// Codes and what they do.
 pub(crate) const ENTRIES: &[Entry] = &[

@@ -5,12 +5,12 @@
 
 use crate::act::Act;
 use crate::action::entry::{Entry, entry_of_kind};
-use crate::diag;
-use crate::log::event::Kind;
-use crate::machine::ident::DataId;
-use crate::machine::ident::kind::CodeKind;
 use crate::state::clamps::Modulo;
+use counterpoint_event::event::Kind;
+use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
+use counterpoint_machine::ident::DataId;
+use counterpoint_machine::ident::kind::CodeKind;
 
 /// Codes and what they do.
 pub(crate) const ENTRIES: &[Entry] = &[

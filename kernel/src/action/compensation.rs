@@ -6,10 +6,10 @@ use counterpoint_lang::format::wildcard_text;
 
 use crate::act::Act;
 use crate::action::entry::{Contour, Entry};
-use crate::log::event::{Kind, OffsetKind};
-use crate::machine::ident::{DataId, codes, data};
 use crate::state::compensation::number_of;
+use counterpoint_event::event::{Kind, OffsetKind};
 use counterpoint_fault::Acted;
+use counterpoint_machine::ident::{DataId, codes, data};
 
 /// Codes and what they do.
 pub(crate) const ENTRIES: &[Entry] = &[
@@ -26,7 +26,7 @@ pub(super) fn extended(act: &mut Act<'_, '_>) -> Acted {
     let range = whole(act, data::COMP_EXTFIXT_RANGE);
     let Some(register) = whole(act, data::COMP_EXTFIXT_REG) else {
         let text = format!("an extended work offset needs its number in '{}'", act.block_text());
-        act.diagnose(&crate::diag::DATA_MISSING, text);
+        act.diagnose(&counterpoint_fault::DATA_MISSING, text);
         return Ok(());
     };
     let number = number_of(range.unwrap_or(1), register);

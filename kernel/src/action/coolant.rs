@@ -7,14 +7,14 @@ use counterpoint_lang::format::wildcard_text;
 
 use crate::act::Act;
 use crate::action::entry::{Contour, Entry, entry_of_kind};
-use crate::diag;
-use crate::log::event::{Coolant, Kind, Outlet};
-use crate::machine::ident::kind::CodeKind;
-use crate::machine::ident::kind::coolant::{Flow, Switch};
-use crate::machine::ident::{codes, data};
 use crate::state::coolant::head;
 use crate::state::modal::group;
+use counterpoint_event::event::{Coolant, Kind, Outlet};
+use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
+use counterpoint_machine::ident::kind::CodeKind;
+use counterpoint_machine::ident::kind::coolant::{Flow, Switch};
+use counterpoint_machine::ident::{codes, data};
 
 /// Codes and what they do.
 pub(crate) const ENTRIES: &[Entry] =

@@ -5,11 +5,11 @@ use counterpoint_lang::format::wildcard_text;
 
 use crate::act::Act;
 use crate::action::entry::{Contour, Entry};
-use crate::diag;
-use crate::log::event::{Dwell, Kind};
-use crate::machine::ident::codes;
-use crate::machine::ident::{DataId, data};
 use crate::state::spindle::Turning;
+use counterpoint_event::event::{Dwell, Kind};
+use counterpoint_fault as diag;
+use counterpoint_machine::ident::codes;
+use counterpoint_machine::ident::{DataId, data};
 
 /// Codes and what they do.
 pub(crate) const ENTRIES: &[Entry] = &[

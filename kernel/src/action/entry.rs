@@ -8,10 +8,10 @@ use super::{cutter, cycle};
 use crate::act::Act;
 use crate::channel::Kernel;
 use crate::channel::actions::Action;
-use crate::machine::ident::CodeId;
-use crate::machine::ident::kind::CodeKind;
-use crate::machine::model::CodeRow;
-use crate::state::block::PendingCode;
+use counterpoint_machine::ident::CodeId;
+use counterpoint_machine::ident::kind::CodeKind;
+use counterpoint_machine::model::CodeRow;
+use counterpoint_program::block::PendingCode;
 
 /// What a code does, with its row and the way in which it was written.
 pub(crate) type ActFn = fn(&mut Act<'_, '_>, &CodeRow, &PendingCode) -> Acted;

@@ -4,13 +4,13 @@
 
 use crate::act::Act;
 use crate::action::entry::{Contour, Entry, entry_of_kind};
-use crate::diag;
-use crate::log::event::{Kind, OffsetKind};
-use crate::machine::ident::kind::CodeKind;
-use crate::machine::ident::{codes, data};
-use crate::state::block::PendingCode;
 use crate::state::modal::group;
+use counterpoint_event::event::{Kind, OffsetKind};
+use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
+use counterpoint_machine::ident::kind::CodeKind;
+use counterpoint_machine::ident::{codes, data};
+use counterpoint_program::block::PendingCode;
 
 /// Codes and what they do.
 pub(crate) const ENTRIES: &[Entry] = &[

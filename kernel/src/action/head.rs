@@ -5,13 +5,13 @@
 
 use crate::act::Act;
 use crate::action::entry::{Entry, entry_of_kind};
-use crate::diag;
-use crate::machine::ident::codes;
-use crate::machine::ident::data;
-use crate::machine::ident::kind::CodeKind;
-use crate::machine::ident::kind::head::HeadEvent;
-use crate::machine::model::CodeRow;
+use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
+use counterpoint_machine::ident::codes;
+use counterpoint_machine::ident::data;
+use counterpoint_machine::ident::kind::CodeKind;
+use counterpoint_machine::ident::kind::head::HeadEvent;
+use counterpoint_machine::model::CodeRow;
 
 /// Codes and what they do.
 pub(crate) const ENTRIES: &[Entry] = &[

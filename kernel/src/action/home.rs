@@ -4,15 +4,15 @@
 
 use crate::act::Act;
 use crate::action::entry::{Contour, Entry};
-use crate::diag;
-use crate::log::event::Position;
-use crate::machine::habits::Home;
-use crate::machine::ident::codes;
-use crate::machine::ident::data;
 use crate::state::channel::Channel;
 use crate::state::position::Axis;
 use crate::trace::{self, ACTION};
+use counterpoint_event::event::Position;
+use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
+use counterpoint_machine::habits::Home;
+use counterpoint_machine::ident::codes;
+use counterpoint_machine::ident::data;
 
 /// Codes and what they do.
 pub(crate) const ENTRIES: &[Entry] = &[

@@ -7,13 +7,13 @@ use counterpoint_lang::format::wildcard_text;
 
 use crate::act::Act;
 use crate::action::entry::{Entry, entry_of_kind};
-use crate::diag;
-use crate::log::event::Kind;
-use crate::machine::ident::kind::CodeKind;
-use crate::machine::ident::kind::local::Change;
-use crate::machine::ident::{DataId, codes, data};
 use crate::state::modal::group;
+use counterpoint_event::event::Kind;
+use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
+use counterpoint_machine::ident::kind::CodeKind;
+use counterpoint_machine::ident::kind::local::Change;
+use counterpoint_machine::ident::{DataId, codes, data};
 use counterpoint_motion::frame::affine::{Affine, Point};
 use counterpoint_motion::frame::local::{Given, Part, Refused};
 

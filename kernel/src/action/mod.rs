@@ -37,7 +37,7 @@ mod turning;
 
 use crate::act::Act;
 use crate::channel::actions::{Action, Actions};
-use crate::machine::ident::CodeId;
+use counterpoint_machine::ident::CodeId;
 use entry::Entry;
 
 /// The registry.
@@ -89,7 +89,7 @@ fn find(id: CodeId) -> Option<&'static dyn Action> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::machine::ident::codes;
+    use counterpoint_machine::ident::codes;
 
     #[test]
     fn a_code_has_one_action_at_most() {

@@ -2,13 +2,13 @@
 
 use crate::act::Act;
 use crate::action::entry::{Contour, Entry, entry_of_kind};
-use crate::log::event::{Function, Kind, OffsetKind};
-use crate::machine::ident::codes;
-use crate::machine::ident::kind::CodeKind;
-use crate::machine::ident::{CodeId, data};
-use crate::machine::model::CodeRow;
-use crate::state::block::PendingCode;
+use counterpoint_event::event::{Function, Kind, OffsetKind};
 use counterpoint_fault::Acted;
+use counterpoint_machine::ident::codes;
+use counterpoint_machine::ident::kind::CodeKind;
+use counterpoint_machine::ident::{CodeId, data};
+use counterpoint_machine::model::CodeRow;
+use counterpoint_program::block::PendingCode;
 
 /// Codes and what they do.
 pub(crate) const ENTRIES: &[Entry] = &[
@@ -34,7 +34,7 @@ pub(super) fn mode(act: &mut Act<'_, '_>, text: &'static str) -> Acted {
 
 /// Primary or secondary units.
 pub(super) fn units(act: &mut Act<'_, '_>, secondary: bool) -> Acted {
-    use crate::log::info::Unit;
+    use counterpoint_event::info::Unit;
     act.state.secondary = secondary;
     let inch = (act.env.machine.unit == Unit::Inch) != secondary;
     mode(act, if inch { "units inch" } else { "units mm" })

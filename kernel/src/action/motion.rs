@@ -5,13 +5,13 @@
 use super::time::Path;
 use crate::act::Act;
 use crate::action::entry::{Contour, Entry};
-use crate::diag;
-use crate::log::event::{FeedUnit, Motion, MotionKind, Position};
-use crate::machine::ident::{codes, data};
-use crate::state::block::Datum;
 use crate::state::cutter::{Shape, Step};
 use crate::state::modal::{feed_of, group};
+use counterpoint_event::event::{FeedUnit, Motion, MotionKind, Position};
+use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
+use counterpoint_machine::ident::{codes, data};
+use counterpoint_program::block::Datum;
 
 /// Codes and what they do.
 pub(crate) const ENTRIES: &[Entry] = &[

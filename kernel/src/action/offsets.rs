@@ -5,12 +5,12 @@
 
 use crate::act::Act;
 use crate::action::entry::Entry;
-use crate::diag;
-use crate::log::event::Kind;
-use crate::machine::ident::{codes, data};
 use crate::state::frames::offsets::{EXTENDED, Radii, Table};
 use crate::state::modal::group;
+use counterpoint_event::event::Kind;
+use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
+use counterpoint_machine::ident::{codes, data};
 
 /// Codes and what they do.
 pub(crate) const ENTRIES: &[Entry] = &[Entry::of(&[codes::OFFSET_SET], |act, _, _| set(act))];

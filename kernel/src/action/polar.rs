@@ -11,15 +11,15 @@ use super::arc::Circle;
 use super::time::Path;
 use crate::act::Act;
 use crate::action::entry::Entry;
-use crate::diag;
-use crate::log::event::{Kind, Motion, MotionKind, Position};
-use crate::log::info::Unit;
-use crate::machine::ident::codes;
-use crate::machine::ident::{DataId, data};
 use crate::state::alarms::STRAIGHT;
-use crate::state::block::Datum;
 use crate::state::frames::polar::{Polar, round_the_centre};
+use counterpoint_event::event::{Kind, Motion, MotionKind, Position};
+use counterpoint_event::info::Unit;
+use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
+use counterpoint_machine::ident::codes;
+use counterpoint_machine::ident::{DataId, data};
+use counterpoint_program::block::Datum;
 
 /// Codes and what they do.
 pub(crate) const ENTRIES: &[Entry] = &[

@@ -10,8 +10,8 @@ use std::f64::consts::TAU;
 use counterpoint_motion::arc::Arc;
 
 use crate::act::Act;
-use crate::log::event::Position;
 use crate::state::frames::polar::between;
+use counterpoint_event::event::Position;
 
 /// Ways below this are none.
 const NONE: f64 = 1e-9;

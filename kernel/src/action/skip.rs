@@ -5,10 +5,10 @@
 
 use crate::act::Act;
 use crate::action::entry::{Contour, Entry};
-use crate::diag;
-use crate::machine::ident::codes;
 use crate::state::probing::Probing;
+use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
+use counterpoint_machine::ident::codes;
 
 /// Codes and what they do.
 pub(crate) const ENTRIES: &[Entry] =

@@ -9,13 +9,13 @@ use counterpoint_fault::{Acted, Halt};
 use super::spindles::{commanded, no_head};
 use crate::act::Act;
 use crate::action::entry::{Entry, entry_of_kind};
-use crate::diag;
-use crate::log::event::Direction;
-use crate::machine::ident::codes;
-use crate::machine::ident::data;
-use crate::machine::ident::kind::CodeKind;
-use crate::multi::shared::Command;
 use crate::state::spindle::Turning;
+use counterpoint_event::event::Direction;
+use counterpoint_fault as diag;
+use counterpoint_machine::ident::codes;
+use counterpoint_machine::ident::data;
+use counterpoint_machine::ident::kind::CodeKind;
+use counterpoint_sync::shared::Command;
 
 /// Codes and what they do.
 pub(crate) const ENTRIES: &[Entry] = &[

@@ -6,12 +6,12 @@
 
 use crate::act::Act;
 use crate::action::entry::Entry;
-use crate::diag;
-use crate::log::event::Kind;
-use crate::machine::ident::codes;
-use crate::machine::ident::data;
 use crate::state::spindle::index_of;
+use counterpoint_event::event::Kind;
+use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
+use counterpoint_machine::ident::codes;
+use counterpoint_machine::ident::data;
 
 /// Codes and what they do.
 pub(crate) const ENTRIES: &[Entry] = &[

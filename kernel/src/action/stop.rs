@@ -2,9 +2,9 @@
 
 use crate::act::Act;
 use crate::action::entry::Entry;
-use crate::log::event::{Kind, Stop};
-use crate::machine::ident::codes;
+use counterpoint_event::event::{Kind, Stop};
 use counterpoint_fault::Acted;
+use counterpoint_machine::ident::codes;
 
 /// Codes and what they do.
 pub(crate) const ENTRIES: &[Entry] = &[

@@ -5,11 +5,11 @@
 
 use crate::act::Act;
 use crate::action::entry::{Contour, Entry};
-use crate::diag;
-use crate::machine::ident::codes;
-use crate::machine::ident::data;
-use crate::machine::model::CallForm;
+use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
+use counterpoint_machine::ident::codes;
+use counterpoint_machine::ident::data;
+use counterpoint_machine::model::CallForm;
 
 /// Codes and what they do.
 pub(crate) const ENTRIES: &[Entry] = &[

@@ -5,14 +5,14 @@
 
 use crate::act::Act;
 use crate::action::entry::Entry;
-use crate::diag;
-use crate::log::event::{Kind, Primitive};
-use crate::machine::ident::DataId;
-use crate::machine::ident::codes;
-use crate::machine::ident::data;
-use crate::machine::model::{CodeForm, CodeRow, PathsForm, SyncDialect};
-use crate::multi::waits::{Set, Spec, Style};
+use counterpoint_event::event::{Kind, Primitive};
+use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
+use counterpoint_machine::ident::DataId;
+use counterpoint_machine::ident::codes;
+use counterpoint_machine::ident::data;
+use counterpoint_machine::model::{CodeForm, CodeRow, PathsForm, SyncDialect};
+use counterpoint_sync::waits::{Set, Spec, Style};
 
 /// Codes and what they do.
 pub(crate) const ENTRIES: &[Entry] = &[

@@ -7,12 +7,12 @@ use counterpoint_motion::arc::Arc;
 use counterpoint_motion::profile::stop_to_stop;
 
 use crate::act::Act;
-use crate::diag;
-use crate::log::event::{FeedUnit, Position};
-use crate::machine::ident::codes;
-use crate::machine::model::RapidPath;
 use crate::state::modal::group;
+use counterpoint_event::event::{FeedUnit, Position};
+use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
+use counterpoint_machine::ident::codes;
+use counterpoint_machine::model::RapidPath;
 
 /// What is said about a feed that cannot be used.
 fn lack(feed: Option<f64>) -> (&'static diag::Facts, &'static str) {

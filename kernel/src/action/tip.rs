@@ -5,11 +5,11 @@
 use super::frame;
 use crate::act::Act;
 use crate::action::entry::{Entry, entry_of_kind};
-use crate::diag;
-use crate::log::event::{Kind, Position};
-use crate::machine::ident::kind::CodeKind;
-use crate::machine::ident::{DataId, codes, data};
+use counterpoint_event::event::{Kind, Position};
+use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
+use counterpoint_machine::ident::kind::CodeKind;
+use counterpoint_machine::ident::{DataId, codes, data};
 use counterpoint_motion::frame::affine::{Affine, Point};
 use counterpoint_motion::frame::kinematics::Angles;
 

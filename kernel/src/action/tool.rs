@@ -4,11 +4,11 @@
 
 use crate::act::Act;
 use crate::action::entry::Entry;
-use crate::diag::{self, Facts};
-use crate::log::event::ToolAction;
-use crate::machine::ident::{codes, data};
 use crate::state::modal::group;
+use counterpoint_event::event::ToolAction;
 use counterpoint_fault::Acted;
+use counterpoint_fault::{self as diag, Facts};
+use counterpoint_machine::ident::{codes, data};
 
 /// Codes and what they do.
 pub(crate) const ENTRIES: &[Entry] =

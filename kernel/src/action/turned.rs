@@ -8,13 +8,13 @@ use counterpoint_motion::arc as geometry;
 
 use super::arc::Circle;
 use crate::act::Act;
-use crate::diag;
-use crate::log::event::{FeedUnit, Position};
-use crate::log::info::Unit;
-use crate::machine::ident::codes;
 use crate::state::alarms::STRAIGHT;
 use crate::state::modal::{Plane, plane};
+use counterpoint_event::event::{FeedUnit, Position};
+use counterpoint_event::info::Unit;
+use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
+use counterpoint_machine::ident::codes;
 use counterpoint_motion::frame::affine::{Affine, Point};
 
 /// Parts of a direction below this are none.

@@ -5,7 +5,7 @@
 //! beyond 360 degrees, codes that unwind bring them back.
 
 use crate::act::Act;
-use crate::machine::model::Turn;
+use counterpoint_machine::model::Turn;
 
 impl Act<'_, '_> {
     /// Where an absolute word turns an axis from a position; `away` is what its frame lies away from that of the

@@ -7,11 +7,11 @@ use std::fmt::Debug;
 use counterpoint_fault::{Acted, Halt};
 
 use super::Kernel;
-use crate::log::event::{Motion, Position};
-use crate::machine::ident::CodeId;
-use crate::machine::model::CodeRow;
-use crate::state::block::PendingCode;
 use crate::state::cycle::Hole;
+use counterpoint_event::event::{Motion, Position};
+use counterpoint_machine::ident::CodeId;
+use counterpoint_machine::model::CodeRow;
+use counterpoint_program::block::PendingCode;
 
 /// What a code does.
 pub(crate) trait Action: Debug + Sync {

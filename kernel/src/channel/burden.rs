@@ -1,8 +1,8 @@
 //! Limits of memory and of work within blocks.
 
 use super::Kernel;
-use crate::log::event::VerdictKind;
 use crate::state::burden::{BAR, BLOCK, EVENT, LOOK_EVERY, PATH, PER_BLOCK};
+use counterpoint_event::event::VerdictKind;
 use counterpoint_fault::{Acted, Halt};
 
 impl Kernel<'_> {

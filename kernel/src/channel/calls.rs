@@ -1,7 +1,7 @@
 //! Counts of subprogram calls.
 
 use super::Kernel;
-use crate::diag;
+use counterpoint_fault as diag;
 
 impl Kernel<'_> {
     /// Passes of a repeat word.

@@ -10,15 +10,15 @@ use rustc_hash::FxHashMap;
 use super::Kernel;
 use super::flow::Flow;
 use super::parts::DialectState;
-use crate::log::event::FileId;
-use crate::machine::macros::model::Hook;
 use crate::macros::runtime::Runtime;
-use crate::mcd::program::Range;
-use crate::mcd::tape;
 use crate::state::State;
 use crate::state::burden::Burden;
 use crate::state::channel::{At, BlockText, Channel, Reports};
+use counterpoint_event::event::FileId;
 use counterpoint_fault::{Acted, Halt};
+use counterpoint_machine::macros::model::Hook;
+use counterpoint_program::program::Range;
+use counterpoint_program::tape;
 
 /// How the life of a kernel ended.
 pub(crate) struct Lived {

@@ -1,9 +1,9 @@
 //! Time of a code from the machine's table.
 
 use super::Kernel;
-use crate::log::event::{Function, Kind};
-use crate::machine::model::{CodeForm, CodeRow};
-use crate::state::block::PendingCode;
+use counterpoint_event::event::{Function, Kind};
+use counterpoint_machine::model::{CodeForm, CodeRow};
+use counterpoint_program::block::PendingCode;
 
 impl Kernel<'_> {
     /// Time of a code from the machine's table.

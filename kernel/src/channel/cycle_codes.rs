@@ -1,10 +1,10 @@
 //! Position words fire the active cycle, or the active motion code.
 
 use super::Kernel;
-use crate::machine::ident::codes;
-use crate::machine::ident::kind::CodeKind;
 use crate::macros::calls::Task;
 use crate::state::modal::group;
+use counterpoint_machine::ident::codes;
+use counterpoint_machine::ident::kind::CodeKind;
 
 /// Order of a cycle that position words fire: after the codes that take such words for themselves.
 const IMPLIED_ORDER: u16 = 500;

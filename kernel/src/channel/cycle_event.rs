@@ -6,10 +6,10 @@ use counterpoint_fault::Acted;
 use counterpoint_lang::value::Value;
 
 use super::Kernel;
-use crate::machine::macros::model::Hook;
 use crate::macros::calls::Task;
 use crate::macros::values::code_value;
 use crate::state::cycle::Hole;
+use counterpoint_machine::macros::model::Hook;
 
 impl Kernel<'_> {
     /// Makes a hole, by way of its macro if there is one.

@@ -3,9 +3,9 @@
 //! Facts: reference control-emulator.md 1.3. Invariant: a value is taken off the block at most once.
 
 use super::Kernel;
-use crate::diag;
-use crate::machine::ident::DataId;
-use crate::state::block::Datum;
+use counterpoint_fault as diag;
+use counterpoint_machine::ident::DataId;
+use counterpoint_program::block::Datum;
 
 /// Stands for a remembered value among the registers of an identifier; no register has this bit, and every block does.
 pub(crate) const RECALLED: u128 = 1 << 127;

@@ -3,7 +3,7 @@
 //! Facts: reference control-emulator.md 7.5. Invariant: whether a diagnostic stops the channel does not depend on it.
 
 use super::Kernel;
-use crate::machine::macros::model::Hook;
+use counterpoint_machine::macros::model::Hook;
 
 impl Kernel<'_> {
     /// Severity and text of a diagnostic on this machine; an alarm is never lost.

@@ -4,11 +4,11 @@
 //! this stream is before.
 
 use crate::job::Sink;
-use crate::log::event::{Dwell, Event, Kind};
-use crate::multi::backlog::Backlog;
-use crate::multi::coordinator::switch::Port;
-use crate::multi::merge::{CHUNK, Feeder, Merger, Message, TEXTS};
-use crate::multi::tag::Tag;
+use counterpoint_event::event::{Dwell, Event, Kind};
+use counterpoint_sync::backlog::Backlog;
+use counterpoint_sync::coordinator::switch::Port;
+use counterpoint_sync::merge::{CHUNK, Feeder, Merger, Message, TEXTS};
+use counterpoint_sync::tag::Tag;
 
 /// Events in a chunk that stays on this thread: small enough for the cache of the core that made them.
 const NEAR_CHUNK: usize = 64;

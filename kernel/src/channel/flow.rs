@@ -9,10 +9,10 @@ use rustc_hash::FxHashMap;
 use super::custom_macro::{By, CodeMacro, ModalCall, WordKind};
 use super::passes::Passes;
 use super::search::Labels;
-use crate::dialect;
-use crate::log::event::{FileId, Stop};
-use crate::mcd::program::Range;
-use crate::mcd::spot::Spot;
+use counterpoint_dialect as dialect;
+use counterpoint_event::event::{FileId, Stop};
+use counterpoint_program::program::Range;
+use counterpoint_program::spot::Spot;
 
 /// One running program text.
 #[derive(Debug, Clone)]

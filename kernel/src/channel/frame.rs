@@ -3,9 +3,9 @@
 //! Invariant: changing the frame never moves the machine; the programmed position is what changes.
 
 use super::Kernel;
-use crate::log::event::{Frame, Kind, MAX_AXES, Position};
 use crate::state::clamps::Modulo;
 use crate::state::frames::offsets::Table;
+use counterpoint_event::event::{Frame, Kind, MAX_AXES, Position};
 
 impl Kernel<'_> {
     /// Frame at program start.

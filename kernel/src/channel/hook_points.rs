@@ -7,11 +7,11 @@ use counterpoint_fault::{Acted, Halt};
 
 use super::Kernel;
 use super::flow::Called;
-use crate::log::event::{FileId, Motion};
-use crate::machine::ident::{CodeId, DataId};
-use crate::mcd::program::Range;
-use crate::state::block::Datum;
-use crate::state::block::PendingCode;
+use counterpoint_event::event::{FileId, Motion};
+use counterpoint_machine::ident::{CodeId, DataId};
+use counterpoint_program::block::Datum;
+use counterpoint_program::block::PendingCode;
+use counterpoint_program::program::Range;
 
 /// Where the codes and data of a block come from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -3,13 +3,13 @@
 use super::Kernel;
 use super::carried::Lived;
 use super::flow::Frame;
-use crate::control::State;
-use crate::diag::{self, Facts};
-use crate::log::event::{Diagnostic, FileId, Kind, Member, Phase, Verdict, VerdictKind};
-use crate::mcd::program::Range;
-use crate::multi::verdict;
-use crate::multi::waits::{Finish, Terminal};
+use counterpoint_event::event::{Diagnostic, FileId, Kind, Member, Phase, Verdict, VerdictKind};
+use counterpoint_fault::{self as diag, Facts};
 use counterpoint_fault::{Acted, Halt};
+use counterpoint_ports::control::State;
+use counterpoint_program::program::Range;
+use counterpoint_sync::verdict;
+use counterpoint_sync::waits::{Finish, Terminal};
 
 /// Blocks after which a kernel looks at the memory that it takes.
 const WEIGHED_EVERY: u64 = 64;
@@ -69,7 +69,7 @@ impl Kernel<'_> {
             let finish = Finish { how, file: self.channel.at.file, line: self.channel.at.line };
             let (rank, tag, info) = (self.channel.at.channel, self.tag(), self.channel.env.info);
             let stop_all = halt == Halt::Alarm
-                && self.channel.env.machine.sync.alarm_scope == crate::machine::model::AlarmScope::All;
+                && self.channel.env.machine.sync.alarm_scope == counterpoint_machine::model::AlarmScope::All;
             let verdict = self.shared(|order| {
                 order.waits.finish(rank, finish);
                 if stop_all {
@@ -112,7 +112,7 @@ impl Kernel<'_> {
         .into_iter()
         .flatten()
         {
-            self.ports.emitter.push(crate::log::event::Event {
+            self.ports.emitter.push(counterpoint_event::event::Event {
                 t_ns: self.channel.at.clock,
                 micro: self.channel.at.micro,
                 dur_ns: 0,

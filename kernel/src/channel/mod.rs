@@ -27,7 +27,6 @@ mod passes;
 pub(crate) mod plan;
 mod refusals;
 pub(crate) mod report;
-pub(crate) mod scan;
 mod search;
 mod spindle;
 mod statement;
@@ -42,15 +41,15 @@ use flow::Flow;
 use parts::{DialectState, Ports, Setup};
 use plan::Plan;
 
-use crate::log::event::Kind;
-use crate::machine::model::Channel as MachineChannel;
 use crate::macros::runtime::Runtime;
-use crate::multi::order::Order;
-use crate::multi::tag::Tag;
 use crate::state::State;
-use crate::state::block::Block;
 use crate::state::burden::Burden;
 use crate::state::channel::{Acting, At, BlockText, Channel, Reports};
+use counterpoint_event::event::Kind;
+use counterpoint_machine::model::Channel as MachineChannel;
+use counterpoint_program::block::Block;
+use counterpoint_sync::order::Order;
+use counterpoint_sync::tag::Tag;
 
 /// The kernel of one channel.
 pub(crate) struct Kernel<'a> {

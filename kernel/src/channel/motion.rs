@@ -5,8 +5,8 @@
 use counterpoint_fault::Acted;
 
 use super::Kernel;
-use crate::diag;
-use crate::log::event::{Kind, Motion, MotionKind, Position};
+use counterpoint_event::event::{Kind, Motion, MotionKind, Position};
+use counterpoint_fault as diag;
 
 impl Kernel<'_> {
     /// Carries out a motion, by way of its macro if the machine has one.

@@ -3,11 +3,11 @@
 use super::emit::Emitter;
 use super::plan::Plan;
 use super::variables::ChannelVariables;
-use crate::control::{Control, Progress};
-use crate::dialect::{self, Dialect, Interpreter};
-use crate::machine::Machine;
-use crate::multi::coordinator::switch::Port;
 use crate::state::channel::Environment;
+use counterpoint_dialect::{self, Dialect, Interpreter};
+use counterpoint_machine::Machine;
+use counterpoint_ports::control::{Control, Progress};
+use counterpoint_sync::coordinator::switch::Port;
 
 /// The ways out of a kernel: to the other kernels, to whoever started the job, to the log.
 pub(crate) struct Ports<'a> {
@@ -31,7 +31,7 @@ pub(crate) struct DialectState {
 
 impl DialectState {
     pub(crate) fn new(machine: &Machine) -> Self {
-        let kind = dialect::of(machine);
+        let kind = counterpoint_dialect::of(machine);
         Self { kind, variables: ChannelVariables::default(), interpreter: kind.interpreter(machine), is_stale: false }
     }
 }

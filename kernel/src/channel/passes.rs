@@ -4,7 +4,7 @@
 //! lie inside it. Facts: reference channel-synchronisation.md (polling), control-emulator.md 5.7.
 
 use super::Kernel;
-use crate::log::event::FileId;
+use counterpoint_event::event::FileId;
 use counterpoint_fault::Acted;
 
 /// Loops that are remembered at a time. After as many jumps back without time a tick passes in any case.

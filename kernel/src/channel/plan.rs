@@ -7,11 +7,11 @@ use super::custom_macro::CodeCalls;
 use super::data::RECALLED;
 use super::hook_points::HookPoints;
 use super::refusals::Refusals;
-use super::scan::Scanner;
-use crate::machine::Machine;
-use crate::machine::ident::{DataId, codes, data};
-use crate::machine::model::{AxisRole, CodeForm, CodeRow, Dimension, Register};
-use crate::mcd::tape::Tape;
+use counterpoint_machine::Machine;
+use counterpoint_machine::ident::{DataId, codes, data};
+use counterpoint_machine::model::{AxisRole, CodeForm, CodeRow, Dimension, Register};
+use counterpoint_program::scan::Scanner;
+use counterpoint_program::tape::Tape;
 
 /// Compiled form of the machine for the block loop.
 pub(crate) struct Plan {
@@ -314,7 +314,7 @@ fn sources(machine: &Machine, diameter_x: &[DataId]) -> Vec<Vec<Source>> {
 
 /// First enabled row of each code.
 fn rows_of_code(machine: &Machine) -> Vec<Option<u16>> {
-    let mut rows = vec![None; crate::machine::ident::codes::TABLE.len() + machine.custom_codes.len()];
+    let mut rows = vec![None; counterpoint_machine::ident::codes::TABLE.len() + machine.custom_codes.len()];
     for (row, at) in machine.codes.iter().zip(0_u16..) {
         if let Some(slot @ None) = rows.get_mut(usize::from(row.id.0))
             && row.enable
@@ -329,7 +329,7 @@ fn rows_of_code(machine: &Machine) -> Vec<Option<u16>> {
 fn lead_is_feed(machine: &Machine) -> bool {
     let row = |id| machine.data.iter().find(|row| row.id == id && row.enable && row.process && row.modal);
     let registers = [data::INTERP_THREAD_PITCH, data::FEED_UPR].map(|id| row(id).and_then(|row| row.register));
-    crate::dialect::of(machine).lead_is_feed() && registers[0].is_some() && registers[0] == registers[1]
+    counterpoint_dialect::of(machine).lead_is_feed() && registers[0].is_some() && registers[0] == registers[1]
 }
 
 impl Plan {
@@ -351,7 +351,7 @@ impl Plan {
         hooks: Option<&'static HookPoints>,
     ) -> Self {
         let registers = Registers::new(machine);
-        let syntax = crate::dialect::of(machine).syntax();
+        let syntax = counterpoint_dialect::of(machine).syntax();
         Self {
             hooks,
             unmarked: syntax.needs_interpreter.map(|_| Arc::new(Scanner::without_marks(machine, syntax))),

@@ -4,13 +4,13 @@
 //! Invariant: a block without a code or register that a rule looks for costs one look at each of its codes.
 
 use super::Kernel;
-use crate::diag;
-use crate::machine::Machine;
-use crate::machine::model::CodeRow;
-use crate::machine::refusals::{Active, Refusal, WordRule, Written};
-use crate::machine::tables::form_range;
-use crate::state::block::PendingCode;
+use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
+use counterpoint_machine::Machine;
+use counterpoint_machine::model::CodeRow;
+use counterpoint_machine::refusals::{Active, Refusal, WordRule, Written};
+use counterpoint_machine::tables::form_range;
+use counterpoint_program::block::PendingCode;
 
 /// The rules of a machine, by what they look for.
 #[derive(Debug)]

@@ -6,10 +6,10 @@
 //! succeeded, however softly the alarm is told.
 
 use super::Kernel;
-use crate::diag::{self, Facts};
-use crate::log::event::{Diagnostic, Kind};
 use crate::state::alarms::Alarms;
 use crate::state::burden::{RESULT, shortened};
+use counterpoint_event::event::{Diagnostic, Kind};
+use counterpoint_fault::{self as diag, Facts};
 use counterpoint_fault::{Acted, Halt};
 
 impl Kernel<'_> {
@@ -113,7 +113,7 @@ impl Kernel<'_> {
     /// Text of the current block, for messages: at most 60 characters.
     pub(crate) fn block_text(&self) -> String {
         match self.macros.block.text.as_ref() {
-            Some(text) => crate::log::info::cut(text, 60),
+            Some(text) => counterpoint_event::info::cut(text, 60),
             None => self.channel.env.info.block_text(self.channel.at.file, self.channel.at.line, 60).into_owned(),
         }
     }

@@ -11,15 +11,15 @@ use rustc_hash::FxHashMap;
 
 use super::Kernel;
 use super::flow::Callee;
-use super::scan::Kind;
-use crate::log::event::FileId;
-use crate::machine::ident::{codes, data};
-use crate::machine::model::{Placement, StoredFile};
-use crate::machine::number::written;
 use crate::macros::store;
-use crate::mcd::layout::opening;
-use crate::mcd::program::Range;
-use crate::state::block::Block;
+use counterpoint_event::event::FileId;
+use counterpoint_machine::ident::{codes, data};
+use counterpoint_machine::model::{Placement, StoredFile};
+use counterpoint_machine::number::written;
+use counterpoint_program::block::Block;
+use counterpoint_program::layout::opening;
+use counterpoint_program::program::Range;
+use counterpoint_program::scan::Kind;
 
 /// Lines of a file by label, ascending.
 pub(crate) type Labels = FxHashMap<u32, Vec<u32>>;

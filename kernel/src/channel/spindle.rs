@@ -8,12 +8,12 @@ use counterpoint_fault::{Acted, Halt};
 use counterpoint_motion::surface_speed::Speed;
 
 use super::Kernel;
-use crate::diag;
-use crate::log::event::{Direction, Kind, Spindle as SpindleEvent};
-use crate::log::info::Unit;
-use crate::multi::shared::Command;
-use crate::multi::waits::Set;
 use crate::state::spindle::Turning;
+use counterpoint_event::event::{Direction, Kind, Spindle as SpindleEvent};
+use counterpoint_event::info::Unit;
+use counterpoint_fault as diag;
+use counterpoint_sync::shared::Command;
+use counterpoint_sync::waits::Set;
 
 impl Kernel<'_> {
     /// Changes the commanded state, logs it, and lets the spindle run up.

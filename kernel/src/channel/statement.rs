@@ -9,9 +9,9 @@ use counterpoint_fault::Acted;
 
 use super::Kernel;
 use super::flow::{Callee, Frame};
-use crate::diag;
-use crate::dialect::{Call, Interpreter, Remaining};
-use crate::mcd::spot::Spot;
+use counterpoint_dialect::{Call, Interpreter, Remaining};
+use counterpoint_fault as diag;
+use counterpoint_program::spot::Spot;
 
 impl Kernel<'_> {
     /// A block that is more than plain words.

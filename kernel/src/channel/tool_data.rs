@@ -8,11 +8,11 @@
 use counterpoint_lang::value::Value;
 
 use crate::channel::Kernel;
-use crate::log::event::{Kind, ToolData};
-use crate::machine::ident::codes;
 use crate::macros::store::column;
 use crate::state::frames::offsets::Radii;
 use crate::state::modal::group;
+use counterpoint_event::event::{Kind, ToolData};
+use counterpoint_machine::ident::codes;
 
 /// Tools that are told of; the tool table of macros has fewer rows.
 const MOST: usize = 1000;

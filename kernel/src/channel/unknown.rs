@@ -7,13 +7,13 @@
 
 use super::Kernel;
 use super::letter_zero::letter_for_zero;
-use crate::diag::{self, Facts};
-use crate::dialect::Unknown;
-use crate::machine::ident::codes;
-use crate::machine::macros::model::Hook;
-use crate::machine::model::CodeForm;
-use crate::state::block::irregular;
+use counterpoint_dialect::Unknown;
 use counterpoint_fault::Acted;
+use counterpoint_fault::{self as diag, Facts};
+use counterpoint_machine::ident::codes;
+use counterpoint_machine::macros::model::Hook;
+use counterpoint_machine::model::CodeForm;
+use counterpoint_program::block::irregular;
 
 /// Most characters of unknown text in a message.
 const MOST: usize = 60;

@@ -6,10 +6,10 @@
 use rustc_hash::FxHashMap;
 
 use super::Kernel;
-use crate::dialect::{Levels, NotThere, VACANT, is_vacant};
-use crate::machine::ident::codes;
 use crate::state::frames::offsets::EXTENDED;
 use crate::state::modal::group;
+use counterpoint_dialect::{Levels, NotThere, VACANT, is_vacant};
+use counterpoint_machine::ident::codes;
 
 /// Local variables #1–#33 of one level.
 type Locals = [f64; 34];

@@ -8,14 +8,14 @@ use std::sync::Arc;
 use counterpoint_fault::{Acted, Halt};
 
 use super::Kernel;
-use crate::control::State;
-use crate::diag;
-use crate::log::event::{Kind, Release, Wait};
-use crate::multi::coordinator::turn::Met;
-use crate::multi::order::Wake;
-use crate::multi::order::arrive::After;
-use crate::multi::tag::Tag;
-use crate::multi::waits::{Finish, Set, Spec, Terminal, Waiting};
+use counterpoint_event::event::{Kind, Release, Wait};
+use counterpoint_fault as diag;
+use counterpoint_ports::control::State;
+use counterpoint_sync::coordinator::turn::Met;
+use counterpoint_sync::order::Wake;
+use counterpoint_sync::order::arrive::After;
+use counterpoint_sync::tag::Tag;
+use counterpoint_sync::waits::{Finish, Set, Spec, Terminal, Waiting};
 
 impl Kernel<'_> {
     /// Arrives at a wait, and waits until the others are there.

@@ -10,13 +10,13 @@ use counterpoint_lang::value::Value;
 
 use crate::channel::Kernel;
 use crate::channel::hook_points::Edited;
-use crate::channel::scan::Scanner;
-use crate::diag;
-use crate::machine::ident::data;
-use crate::machine::macros::model::Hook;
-use crate::machine::model::Point;
 use crate::macros::calls::Task;
 use crate::trace::{self, Stage};
+use counterpoint_fault as diag;
+use counterpoint_machine::ident::data;
+use counterpoint_machine::macros::model::Hook;
+use counterpoint_machine::model::Point;
+use counterpoint_program::scan::Scanner;
 
 impl Kernel<'_> {
     /// A text becomes the block: a line of the file, or what EXEC issued.

@@ -7,16 +7,16 @@ use counterpoint_lang::value::Value;
 
 use crate::channel::Kernel;
 use crate::channel::hook_points::Origin;
-use crate::diag;
-use crate::machine::ident::{CodeId, DataId, codes, data};
-use crate::machine::macros::condition::Item;
-use crate::machine::model::{CodeForm, Dimension};
 use crate::macros::calls::Task;
 use crate::macros::values::{code_id, code_value, data_value};
-use crate::state::block::Datum;
-use crate::state::block::PendingCode;
 use crate::state::modal::group;
+use counterpoint_fault as diag;
 use counterpoint_fault::{Acted, Halt};
+use counterpoint_machine::ident::{CodeId, DataId, codes, data};
+use counterpoint_machine::macros::condition::Item;
+use counterpoint_machine::model::{CodeForm, Dimension};
+use counterpoint_program::block::Datum;
+use counterpoint_program::block::PendingCode;
 
 /// A value that has been taken, before data macros and units.
 struct Taken {
@@ -338,7 +338,7 @@ impl Kernel<'_> {
     ///
     /// # Errors
     /// It made the kernel leave its program.
-    pub(crate) fn plain_macro(&mut self, hook: crate::machine::macros::model::Hook) -> Result<(), Halt> {
+    pub(crate) fn plain_macro(&mut self, hook: counterpoint_machine::macros::model::Hook) -> Result<(), Halt> {
         match self.hook(hook) {
             Some(code) => self.run_macro(code, Task::None, &mut []).map(|_| ()),
             None => Ok(()),

@@ -7,10 +7,10 @@ use counterpoint_fault::{Acted, Halt};
 use std::sync::Arc;
 
 use crate::channel::Kernel;
-use crate::diag;
-use crate::log::info::cut;
-use crate::machine::macros::environment::MachineEnvironment;
 use crate::trace::{self, Stage};
+use counterpoint_event::info::cut;
+use counterpoint_fault as diag;
+use counterpoint_machine::macros::environment::MachineEnvironment;
 
 use counterpoint_lang::value::Value;
 

@@ -7,13 +7,13 @@ use counterpoint_fault::Acted;
 use counterpoint_lang::value::Value;
 
 use crate::channel::Kernel;
-use crate::diag;
-use crate::log::event::{Kind, Motion, MotionKind, Position, ToolAction, ToolChange};
-use crate::log::geometry::Loop;
-use crate::machine::macros::model::Hook;
 use crate::macros::calls::Task;
 use crate::macros::store::column;
 use crate::macros::store::names;
+use counterpoint_event::event::{Kind, Motion, MotionKind, Position, ToolAction, ToolChange};
+use counterpoint_fault as diag;
+use counterpoint_machine::macros::model::Hook;
+use counterpoint_results::geometry::Loop;
 
 /// Rows of the tool table with the dummy tool (reference system-variables.md 13).
 const MOST_TOOLS: usize = 200;

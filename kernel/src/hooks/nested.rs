@@ -10,14 +10,14 @@ use counterpoint_lang::value::Value;
 use crate::channel::Kernel;
 use crate::channel::flow::Pending;
 use crate::channel::hook_points::Origin;
-use crate::diag;
-use crate::log::event::{Kind, Listing};
 use crate::macros::context::BlockContext;
 use crate::macros::issued::Later;
 use crate::macros::values::{code_id, data_id};
-use crate::state::block::Block;
 use crate::state::burden;
 use crate::state::channel::Acting;
+use counterpoint_event::event::{Kind, Listing};
+use counterpoint_fault as diag;
+use counterpoint_program::block::Block;
 
 /// A block that another one within it interrupts.
 struct Outer {
@@ -138,7 +138,7 @@ impl Kernel<'_> {
     }
 
     /// Reports that EXEC or OUTPUT named a code without a row.
-    pub(crate) fn no_such_code(&mut self, id: crate::machine::ident::CodeId) {
+    pub(crate) fn no_such_code(&mut self, id: counterpoint_machine::ident::CodeId) {
         let name = self.channel.env.machine.code_name(id).to_owned();
         self.diagnose(&diag::CODE_NOT_HERE, format!("this machine has no {name}, it cannot act"));
     }

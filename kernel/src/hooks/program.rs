@@ -6,17 +6,17 @@ use counterpoint_lang::value::Value;
 
 use crate::channel::Kernel;
 use crate::channel::flow::{Flow, Frame};
-use crate::diag;
-use crate::dialect::Answer;
-use crate::log::event::{FileId, Kind};
-use crate::machine::macros::model::Hook;
 use crate::macros::calls::Task;
 use crate::macros::parts::Restart;
-use crate::mcd::program::Range;
 use crate::state::modal::Modal;
 use crate::state::probing::Probing;
 use crate::state::thread::Threads;
+use counterpoint_dialect::Answer;
+use counterpoint_event::event::{FileId, Kind};
+use counterpoint_fault as diag;
 use counterpoint_fault::{Acted, Halt};
+use counterpoint_machine::macros::model::Hook;
+use counterpoint_program::program::Range;
 
 impl Kernel<'_> {
     /// Declaration and Program Startup.

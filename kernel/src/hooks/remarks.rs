@@ -10,13 +10,13 @@ use std::sync::Arc;
 use counterpoint_lang::value::Value;
 
 use crate::channel::Kernel;
-use crate::log::event::{Kind, Message};
-use crate::machine::ident::{CodeId, codes};
 use crate::macros::calls::Task;
 use crate::macros::values::{code_id, code_value};
-use crate::state::block::PendingCode;
 use crate::state::burden::shortened;
+use counterpoint_event::event::{Kind, Message};
 use counterpoint_fault::Acted;
+use counterpoint_machine::ident::{CodeId, codes};
+use counterpoint_program::block::PendingCode;
 
 impl Kernel<'_> {
     /// Comments and messages of a block that is split into words.

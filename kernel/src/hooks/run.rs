@@ -12,11 +12,11 @@ use counterpoint_lang::value::Value;
 use counterpoint_lang::vm::{self, End, State};
 
 use crate::channel::Kernel;
-use crate::log::info::Info;
-use crate::machine::macros::model::{Hook, Macros};
 use crate::macros::calls::{Task, unwinding};
 use crate::macros::runtime::Runtime;
 use crate::macros::store::names;
+use counterpoint_event::info::Info;
+use counterpoint_machine::macros::model::{Hook, Macros};
 
 /// Programs and parameters of a job as a command line names them.
 fn command_line(info: &Info) -> String {

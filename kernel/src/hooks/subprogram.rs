@@ -11,13 +11,13 @@ use counterpoint_lang::value::Value;
 
 use crate::channel::Kernel;
 use crate::channel::flow::{Called, Callee, Pending};
-use crate::diag;
-use crate::log::event::FileId;
-use crate::log::info::File;
-use crate::machine::macros::model::Hook;
-use crate::machine::model::{MainReturn, StoredFile};
 use crate::macros::calls::{TICKS, Task};
-use crate::mcd::program::Range;
+use counterpoint_event::event::FileId;
+use counterpoint_event::info::File;
+use counterpoint_fault as diag;
+use counterpoint_machine::macros::model::Hook;
+use counterpoint_machine::model::{MainReturn, StoredFile};
+use counterpoint_program::program::Range;
 
 /// Where a subprogram is, if anywhere.
 type Found = Option<(FileId, Range)>;

@@ -8,10 +8,10 @@ use counterpoint_lang::ident;
 use counterpoint_lang::value::Value;
 
 use crate::channel::Kernel;
-use crate::machine::ident::{CodeId, DataId};
-use crate::machine::model::CodeForm;
 use crate::macros::values::{code_id, code_value, data_id};
-use crate::state::block::PendingCode;
+use counterpoint_machine::ident::{CodeId, DataId};
+use counterpoint_machine::model::CodeForm;
+use counterpoint_program::block::PendingCode;
 
 /// Codes and data that macros may add to one block.
 const MOST_ADDED: usize = 1000;

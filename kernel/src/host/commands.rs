@@ -11,15 +11,15 @@ use counterpoint_lang::value::Value;
 use counterpoint_lang::vm::State;
 
 use crate::channel::Kernel;
-use crate::diag;
-use crate::log::event::{Kind, Listing, Message};
-use crate::machine::ident::{CodeId, codes};
-use crate::machine::macros::model::Hook;
 use crate::macros::calls::Task;
 use crate::macros::issued::{Later, MOST_QUEUED};
 use crate::macros::store::names;
 use crate::state::burden::shortened;
 use crate::state::modal::group;
+use counterpoint_event::event::{Kind, Listing, Message};
+use counterpoint_fault as diag;
+use counterpoint_machine::ident::{CodeId, codes};
+use counterpoint_machine::macros::model::Hook;
 
 /// Steps that processing a block costs the macro that asks for it.
 const BLOCK_TICKS: usize = 500;

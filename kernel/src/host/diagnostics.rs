@@ -10,11 +10,11 @@ use counterpoint_lang::fault::{Fault, Outcome};
 use counterpoint_lang::value::Value;
 
 use crate::channel::Kernel;
-use crate::diag;
-use crate::log::event::{Diagnostic, Kind, Origin};
-use crate::machine::macros::model::Hook;
 use crate::macros::calls::Task;
 use crate::state::burden::{RESULT, shortened};
+use counterpoint_event::event::{Diagnostic, Kind, Origin};
+use counterpoint_fault as diag;
+use counterpoint_machine::macros::model::Hook;
 
 /// Numbers that `$DIAGLIST` keeps.
 const MOST_LISTED: usize = 10_000;

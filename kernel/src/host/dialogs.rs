@@ -12,9 +12,9 @@ use counterpoint_lang::value::{Kind, Value};
 use counterpoint_lang::vm::State;
 
 use crate::channel::Kernel;
-use crate::dialog::operator::Question;
-use crate::dialog::{self, Dialog, Failure, FieldKind, answers};
-use crate::machine::macros::system;
+use counterpoint_machine::macros::system;
+use counterpoint_ports::dialog::operator::Question;
+use counterpoint_ports::dialog::{self, Dialog, Failure, FieldKind, answers};
 
 /// Steps that a dialog costs, and each question to the operator besides the bytes of its texts.
 const DIALOG_TICKS: usize = 100;

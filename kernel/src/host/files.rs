@@ -9,10 +9,10 @@ use counterpoint_lang::value::Value;
 use counterpoint_lang::vm::{self, State};
 
 use crate::channel::Kernel;
-use crate::diag;
-use crate::files::Bytes;
-use crate::machine::model::StoredFile;
-use crate::multi::files::Written;
+use counterpoint_fault as diag;
+use counterpoint_machine::model::StoredFile;
+use counterpoint_ports::files::Bytes;
+use counterpoint_sync::files::Written;
 
 impl Kernel<'_> {
     /// Does something with the folder of the run and its files.
@@ -86,8 +86,8 @@ impl Shelf for Kernel<'_> {
             Some(text) => text.map(|text| (*text).to_owned()).ok_or(NOT_FOUND),
             None => match self.channel.env.files.read(path) {
                 Ok(text) => Ok(String::from_utf8_lossy(&text).into_owned()),
-                Err(crate::files::Error::Missing(_)) => Err(NOT_FOUND),
-                Err(crate::files::Error::Unreadable { .. }) => Err(FAILED),
+                Err(counterpoint_ports::files::Error::Missing(_)) => Err(NOT_FOUND),
+                Err(counterpoint_ports::files::Error::Unreadable { .. }) => Err(FAILED),
             },
         }
     }

@@ -13,13 +13,13 @@ use counterpoint_lang::vm::State;
 
 use super::rotary::only_axes;
 use crate::channel::Kernel;
-use crate::log::event::FileId;
-use crate::machine::macros::model::{FIRST_HOOK_ID, Hook, SELECT_TOOL};
-use crate::machine::macros::without;
-use crate::machine::model::{NumberFormat, Point, Register as MachineRegister, Zeros};
 use crate::macros::parts::Restart;
 use crate::macros::store::names;
 use crate::state::frames::offsets::{Radii, Table};
+use counterpoint_event::event::FileId;
+use counterpoint_machine::macros::model::{FIRST_HOOK_ID, Hook, SELECT_TOOL};
+use counterpoint_machine::macros::without;
+use counterpoint_machine::model::{NumberFormat, Point, Register as MachineRegister, Zeros};
 
 fn text(arguments: &[Value], at: usize) -> &str {
     arguments.get(at).and_then(Value::as_text).unwrap_or("")

@@ -9,7 +9,7 @@ use counterpoint_lang::value::Value;
 
 use super::rotary::{Named, is};
 use crate::channel::Kernel;
-use crate::log::event::{MAX_AXES, Position};
+use counterpoint_event::event::{MAX_AXES, Position};
 use counterpoint_motion::frame::affine::Point;
 use counterpoint_motion::frame::kinematics::{Angles, Chain, Joint, unit};
 

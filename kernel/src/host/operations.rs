@@ -8,10 +8,10 @@ use counterpoint_lang::fault::Outcome;
 use counterpoint_lang::value::Value;
 
 use crate::channel::Kernel;
-use crate::machine::ident::{codes, data};
 use crate::macros::books::operations::Operation;
 use crate::macros::store::names;
 use crate::state::modal::group;
+use counterpoint_machine::ident::{codes, data};
 
 /// Rows of the tables with the one that is no operation.
 const MOST: usize = 999;

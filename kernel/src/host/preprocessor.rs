@@ -9,11 +9,11 @@ use counterpoint_lang::value::Value;
 use counterpoint_lang::vm::State;
 
 use crate::channel::Kernel;
-use crate::dialect::{self, Setting};
+use counterpoint_dialect::{self, Setting};
 
 /// Titles of the dialects that have a setting, none if there is no such one.
 fn owners(setting: &str) -> Option<String> {
-    let owners = dialect::all().filter(|dialect| dialect.settings().contains(&setting));
+    let owners = counterpoint_dialect::all().filter(|dialect| dialect.settings().contains(&setting));
     let titles: Vec<&str> = owners.map(|dialect| dialect.title()).collect();
     (!titles.is_empty()).then(|| titles.join(" and "))
 }

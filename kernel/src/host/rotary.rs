@@ -7,8 +7,8 @@ use counterpoint_lang::ident::minor_code;
 use counterpoint_lang::value::Value;
 
 use crate::channel::Kernel;
-use crate::machine::ident::{DataId, data};
 use crate::state::clamps::Modulo;
+use counterpoint_machine::ident::{DataId, data};
 
 /// What a function names.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

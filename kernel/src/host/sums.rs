@@ -7,7 +7,7 @@ use crate::channel::Kernel;
 impl Kernel<'_> {
     /// Notes a motion for the tables.
     pub(crate) fn sum_motion(&mut self, rapid: bool, seconds: f64, length: f64) {
-        use crate::log::event::Direction;
+        use counterpoint_event::event::Direction;
         let command = &self.channel.state.spindle.command;
         let turning = matches!(command.direction, Direction::Clockwise | Direction::CounterClockwise);
         let speed = if turning && !command.css { command.rpm } else { 0.0 };

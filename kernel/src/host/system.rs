@@ -10,10 +10,10 @@ use counterpoint_lang::fault::{Fault, Outcome};
 use counterpoint_lang::vm::State;
 
 use crate::channel::Kernel;
-use crate::files::Bytes;
-use crate::log::event::{Kind, Message};
 use crate::state::burden::shortened;
-use crate::system::{Answer, Call};
+use counterpoint_event::event::{Kind, Message};
+use counterpoint_ports::files::Bytes;
+use counterpoint_ports::system::{Answer, Call};
 
 /// Steps that a command costs.
 const TICKS: usize = 50_000;
@@ -53,7 +53,7 @@ impl Kernel<'_> {
             written.iter().find_map(|(path, text)| files.put(path, text).err())
         });
         if let Ok(Some(text)) = refused {
-            self.diagnose(&crate::diag::MACRO_FILES, text);
+            self.diagnose(&counterpoint_fault::MACRO_FILES, text);
         }
         for line in output.lines().take(MOST_LINES) {
             self.emit(0, Kind::Message(Message { text: shortened(line).into(), printed: false }));

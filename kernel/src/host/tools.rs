@@ -10,8 +10,8 @@ use counterpoint_lang::fault::Outcome;
 use counterpoint_lang::value::Value;
 
 use crate::channel::Kernel;
-use crate::machine::model::ToolFacts;
 use crate::macros::store::{column, names};
+use counterpoint_machine::model::ToolFacts;
 
 /// What the machine knows about a loaded tool, by column.
 fn known(tool: u32, facts: Option<&ToolFacts>) -> [(i64, Option<Value>); 6] {

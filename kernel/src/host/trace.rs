@@ -8,9 +8,9 @@ use counterpoint_lang::host::Step;
 use counterpoint_lang::value::Value;
 
 use crate::channel::Kernel;
-use crate::machine::macros::condition::Item;
-use crate::machine::macros::model::{Hook, SELECT_TOOL};
 use crate::trace;
+use counterpoint_machine::macros::condition::Item;
+use counterpoint_machine::macros::model::{Hook, SELECT_TOOL};
 
 impl Kernel<'_> {
     /// A macro of the machine begins.

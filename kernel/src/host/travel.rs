@@ -4,10 +4,10 @@ use counterpoint_lang::fault::Outcome;
 use counterpoint_lang::value::Value;
 
 use crate::channel::Kernel;
-use crate::log::event::{MAX_AXES, Motion};
-use crate::log::geometry::Round;
-use crate::machine::ident::{DataId, data};
 use crate::macros::books::travel::COLUMNS;
+use counterpoint_event::event::{MAX_AXES, Motion};
+use counterpoint_machine::ident::{DataId, data};
+use counterpoint_results::geometry::Round;
 
 /// Data of the axes of the columns.
 const AXES: [DataId; COLUMNS] = [

@@ -23,9 +23,9 @@ use counterpoint_lang::fault::{Fault, Outcome};
 use counterpoint_lang::value::Value;
 
 use crate::channel::Kernel;
-use crate::diag;
-use crate::machine::macros::model::Hook;
-use crate::machine::macros::system::{self, Access, Variable};
+use counterpoint_fault as diag;
+use counterpoint_machine::macros::model::Hook;
+use counterpoint_machine::macros::system::{self, Access, Variable};
 
 /// Reads a variable off the kernel.
 type Read = fn(&Kernel<'_>, &[i64]) -> Value;

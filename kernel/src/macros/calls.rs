@@ -12,10 +12,10 @@ use counterpoint_lang::fault::Fault;
 use counterpoint_lang::value::Value;
 use counterpoint_lang::vm::{Limits, State};
 
-use crate::log::event::{Motion, ToolAction};
-use crate::machine::ident::CodeId;
-use crate::state::block::PendingCode;
 use crate::state::cycle::Hole;
+use counterpoint_event::event::{Motion, ToolAction};
+use counterpoint_machine::ident::CodeId;
+use counterpoint_program::block::PendingCode;
 
 /// Steps that one call of a macro may take, with everything it calls.
 pub(crate) const TICKS: u64 = 5_000_000;

@@ -4,7 +4,7 @@
 
 use std::sync::Arc;
 
-use crate::machine::ident::CodeId;
+use counterpoint_machine::ident::CodeId;
 
 /// The block in process, beyond its words.
 #[derive(Debug, Default)]

@@ -1,6 +1,6 @@
 //! Which macros are on.
 
-use crate::machine::macros::model::{HOOKS, Hook, Macros};
+use counterpoint_machine::macros::model::{HOOKS, Hook, Macros};
 
 /// Hooks, code macros and data macros that are on.
 #[derive(Debug, Default)]

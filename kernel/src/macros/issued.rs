@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use counterpoint_lang::value::Value;
 
-use crate::state::block::Block;
+use counterpoint_program::block::Block;
 
 /// Blocks that EXEC/NEXT may leave waiting.
 pub(crate) const MOST_QUEUED: usize = 10_000;

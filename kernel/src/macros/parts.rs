@@ -9,9 +9,9 @@ use rustc_hash::FxHashMap;
 use super::asked::Asked;
 use super::reused::Reused;
 use super::store::Store;
-use crate::channel::scan::Scanner;
-use crate::log::event::{FileId, Origin, Position};
-use crate::machine::ident::{CodeId, DataId};
+use counterpoint_event::event::{FileId, Origin, Position};
+use counterpoint_machine::ident::{CodeId, DataId};
+use counterpoint_program::scan::Scanner;
 
 /// Modal codes that macros have saved or bound to data.
 #[derive(Debug, Default)]

@@ -13,7 +13,7 @@ use super::hooks::Hooks;
 use super::issued::Issued;
 use super::parts::{Arguments, Course, DiagnosticChanges, Modes, Outside, Reading, Tools, Variables};
 use super::store::Store;
-use crate::machine::macros::model::{Hook, Macros};
+use counterpoint_machine::macros::model::{Hook, Macros};
 
 /// Macros of one kernel.
 #[derive(Debug, Default)]

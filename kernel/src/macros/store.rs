@@ -7,8 +7,8 @@ use counterpoint_lang::fault::{Fault, Outcome};
 use counterpoint_lang::value::Value;
 use rustc_hash::FxHashMap;
 
-use crate::machine::macros::model::HOOKS;
-use crate::machine::macros::system;
+use counterpoint_machine::macros::model::HOOKS;
+use counterpoint_machine::macros::system;
 
 /// Elements of indexed variables that a kernel keeps.
 const MOST_ELEMENTS: usize = 200_000;

@@ -2,7 +2,7 @@
 
 use counterpoint_lang::value::Value;
 
-use crate::machine::ident::{CodeId, DataId};
+use counterpoint_machine::ident::{CodeId, DataId};
 
 /// Identifier of a code value, none for `CODE_NONE`.
 pub(crate) fn code_id(value: &Value) -> Option<CodeId> {

@@ -10,14 +10,14 @@ use super::Shop;
 use super::coordinator::switch::Switch;
 use super::rounds::Again;
 use crate::channel::emit::Target;
-use crate::diag;
-use crate::log::event::{Event, FileId};
-use crate::machine::macros::model::Hook;
-use crate::machine::model::Channel;
 use crate::macros::runtime::Runtime;
 use crate::macros::store::names;
-use crate::mcd::layout::first_main;
-use crate::mcd::program::Range;
+use counterpoint_event::event::{Event, FileId};
+use counterpoint_fault as diag;
+use counterpoint_machine::macros::model::Hook;
+use counterpoint_machine::model::Channel;
+use counterpoint_program::layout::first_main;
+use counterpoint_program::program::Range;
 
 /// Where a kernel starts.
 pub(crate) type At = (FileId, Range, Box<str>);

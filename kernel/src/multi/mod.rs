@@ -7,7 +7,7 @@ mod master;
 mod one_thread;
 mod rounds;
 
-pub(crate) use counterpoint_sync::{backlog, coordinator, files, merge, order, ranks, shared, tag, verdict, waits};
+use counterpoint_sync::{backlog, coordinator, merge, ranks, shared};
 use std::sync::OnceLock;
 
 use backlog::Backlog;
@@ -22,14 +22,14 @@ use crate::channel::carried::{Carried, Lived};
 use crate::channel::emit::{Emitter, Target};
 use crate::channel::parts::{Ports, Setup};
 use crate::channel::plan::Plan;
-use crate::control::{Control, Progress, State};
-use crate::files::Files;
 use crate::job::{Job, Outcome, Sink, WrittenFiles};
-use crate::log::builder::ResultsBuilder;
-use crate::log::event::{Event, FileId, Kind, Phase};
-use crate::machine::model::Channel;
-use crate::mcd::program::Range;
 use crate::state::channel::Environment;
+use counterpoint_event::event::{Event, FileId, Kind, Phase};
+use counterpoint_machine::model::Channel;
+use counterpoint_ports::control::{Control, Progress, State};
+use counterpoint_ports::files::Files;
+use counterpoint_program::program::Range;
+use counterpoint_results::builder::ResultsBuilder;
 
 /// Runs a prepared job; returns when every kernel has ended and the whole log has been received.
 pub(crate) fn run(job: &Job, files: &dyn Files, control: &Control, sink: &mut dyn Sink) -> Outcome {

@@ -10,15 +10,15 @@ use super::shared::{Shared, Spindle};
 use super::{Shop, Start};
 use crate::channel::Kernel;
 use crate::channel::carried::{Carried, Lived};
-use crate::diag;
 use crate::job::{Job, Spec};
-use crate::log::event::{Event, Kind, Phase};
 use crate::macros::parts::Restart;
-use crate::mcd::layout;
-use crate::multi::merge::Message;
-use crate::multi::tag::Tag;
-use crate::multi::waits::Waits;
+use counterpoint_event::event::{Event, Kind, Phase};
+use counterpoint_fault as diag;
 use counterpoint_fault::Halt;
+use counterpoint_program::layout;
+use counterpoint_sync::merge::Message;
+use counterpoint_sync::tag::Tag;
+use counterpoint_sync::waits::Waits;
 
 /// How often Machine Shutdown may start the machine again.
 const MOST: u32 = 1000;

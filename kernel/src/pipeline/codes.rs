@@ -4,13 +4,13 @@
 
 use crate::channel::Kernel;
 use crate::channel::hook_points::Origin;
-use crate::diag;
-use crate::dialect::MacroCall;
-use crate::machine::ident::{self, CodeId, DataId};
-use crate::machine::model::{CodeForm, CodeRow, Modality};
-use crate::machine::number::written;
-use crate::state::block::{PendingCode, Word};
+use counterpoint_dialect::MacroCall;
+use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
+use counterpoint_machine::ident::{self, CodeId, DataId};
+use counterpoint_machine::model::{CodeForm, CodeRow, Modality};
+use counterpoint_machine::number::written;
+use counterpoint_program::block::{PendingCode, Word};
 
 use crate::state::modal::group;
 

@@ -6,11 +6,11 @@
 //! for each file and channel.
 
 use crate::channel::Kernel;
-use crate::diag;
-use crate::log::event::FileId;
-use crate::machine::model::{Placement, RewindStop};
-use crate::mcd::program::{Callers, Range};
-use crate::mcd::source::Source;
+use counterpoint_event::event::FileId;
+use counterpoint_fault as diag;
+use counterpoint_machine::model::{Placement, RewindStop};
+use counterpoint_program::program::{Callers, Range};
+use counterpoint_program::source::Source;
 
 impl Kernel<'_> {
     /// Continues with the definition after the text of the program, where the control does so.

@@ -6,12 +6,12 @@
 use std::sync::Arc;
 
 use crate::channel::Kernel;
-use crate::diag;
-use crate::mcd::source::Source;
-use crate::mcd::spot::Spot;
-use crate::mcd::tape::Within;
 use crate::trace::Stage;
+use counterpoint_fault as diag;
 use counterpoint_fault::Halt;
+use counterpoint_program::source::Source;
+use counterpoint_program::spot::Spot;
+use counterpoint_program::tape::Within;
 
 /// The text of a block.
 pub(crate) enum Reshaped<'l> {

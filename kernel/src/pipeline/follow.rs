@@ -5,12 +5,12 @@
 use crate::channel::Kernel;
 use crate::channel::custom_macro::By;
 use crate::channel::flow::{Callee, Frame, Pending};
-use crate::diag;
-use crate::dialect;
-use crate::log::event::{Call, Kind, Return};
-use crate::machine::model::MainReturn;
-use crate::mcd::spot::Spot;
+use counterpoint_dialect as dialect;
+use counterpoint_event::event::{Call, Kind, Return};
+use counterpoint_fault as diag;
 use counterpoint_fault::{Acted, Halt};
+use counterpoint_machine::model::MainReturn;
+use counterpoint_program::spot::Spot;
 
 impl Kernel<'_> {
     /// The frame being executed.

@@ -3,12 +3,12 @@
 //! Facts: reference control-emulator.md 1.3 (unused data), 2.2 step 12.
 
 use crate::channel::Kernel;
-use crate::diag;
-use crate::machine::ident::data;
-use crate::state::block::irregular;
 use crate::state::modal::feed_of;
 use crate::state::modal::group;
+use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
+use counterpoint_machine::ident::data;
+use counterpoint_program::block::irregular;
 
 impl Kernel<'_> {
     /// Remembers modal values, diagnoses the rest.

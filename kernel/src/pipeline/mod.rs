@@ -18,7 +18,7 @@ use counterpoint_fault::Acted;
 
 use crate::channel::Kernel;
 use crate::channel::hook_points::{Edited, Origin};
-use crate::channel::scan::Kind as Split;
+use counterpoint_program::scan::Kind as Split;
 
 impl Kernel<'_> {
     /// Processes a block from its text up to what is left of it: edit, pre-process, split, codes, leftovers.

@@ -6,11 +6,11 @@ use counterpoint_fault::{Acted, Halt};
 use std::sync::Arc;
 
 use crate::channel::Kernel;
-use crate::diag;
-use crate::log::event::{Block, FileId, Kind};
-use crate::machine::model::RewindStop;
-use crate::mcd::program::Shape;
-use crate::mcd::source::Source;
+use counterpoint_event::event::{Block, FileId, Kind};
+use counterpoint_fault as diag;
+use counterpoint_machine::model::RewindStop;
+use counterpoint_program::program::Shape;
+use counterpoint_program::source::Source;
 
 impl Kernel<'_> {
     /// Runs blocks until something ends the program.

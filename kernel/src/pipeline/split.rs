@@ -3,7 +3,7 @@
 //! Facts: reference control-emulator.md 2.2.
 
 use crate::channel::Kernel;
-use crate::channel::scan::Kind as Split;
+use counterpoint_program::scan::Kind as Split;
 
 impl Kernel<'_> {
     /// Splits a text into words, unless it is for the pre-processor.

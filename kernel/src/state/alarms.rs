@@ -1,7 +1,7 @@
 //! Alarms of a channel, and what they make of a block.
 
 use super::channel::Channel;
-use crate::diag::Facts;
+use counterpoint_fault::Facts;
 use counterpoint_fault::{Acted, Halt};
 
 /// Alarms of a channel.

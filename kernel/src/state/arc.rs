@@ -2,7 +2,7 @@
 //!
 //! Invariant: a defined centre is a point and stays until another definition.
 
-use crate::machine::ident::kind::arc::By;
+use counterpoint_machine::ident::kind::arc::By;
 
 /// What is known about the circles of a channel.
 #[derive(Debug, Clone, Copy, Default)]

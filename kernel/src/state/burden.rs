@@ -3,9 +3,9 @@
 //! Invariants: every part is counted in the order of the program that makes it, or of the tags of shared operations, so
 //! that whether a limit is reached depends on nothing else; a block that does the work of many counts as many.
 
-use crate::log::event::Event;
-use crate::log::timeline::bars::Bar;
-use crate::log::toolpath::store::{Curve, Move};
+use counterpoint_event::event::Event;
+use counterpoint_results::timeline::bars::Bar;
+use counterpoint_results::toolpath::store::{Curve, Move};
 
 /// Elements that a block may set or look at before it counts as one more.
 pub(crate) const PER_BLOCK: u64 = 256;

@@ -8,21 +8,21 @@ use rustc_hash::FxHashMap;
 
 use super::State;
 use super::alarms::Alarms;
-use super::block::Block;
 use counterpoint_ports::Shares;
+use counterpoint_program::block::Block;
 
 use super::burden::Burden;
 use super::waits::KnownWaits;
-use crate::files::Files;
-use crate::log::event::FileId;
-use crate::log::info::Info;
-use crate::machine::Machine;
-use crate::machine::ident::DataId;
-use crate::mcd::sources::Sources;
-use crate::mcd::tape;
-use crate::multi::tag::Tag;
-use crate::options::Options;
 use counterpoint_event::Letters;
+use counterpoint_event::event::FileId;
+use counterpoint_event::info::Info;
+use counterpoint_machine::Machine;
+use counterpoint_machine::ident::DataId;
+use counterpoint_ports::files::Files;
+use counterpoint_ports::options::Options;
+use counterpoint_program::sources::Sources;
+use counterpoint_program::tape;
+use counterpoint_sync::tag::Tag;
 
 /// One channel of the control: what it is given, where it is, what it remembers.
 pub(crate) struct Channel<'a> {

@@ -3,8 +3,8 @@
 //! Invariant: `Place::clamped` is zero unless an axis is clamped, so a motion only looks at that.
 
 use super::channel::Channel;
-use crate::machine::ident::kind::CodeKind;
-use crate::machine::ident::{CodeId, DataId, code_facts};
+use counterpoint_machine::ident::kind::CodeKind;
+use counterpoint_machine::ident::{CodeId, DataId, code_facts};
 
 /// How whole turns are taken off.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -3,8 +3,8 @@
 //! Facts: reference system-variables.md 7.
 
 use super::frames::offsets::{EXTENDED, RANGE};
-use crate::machine::Machine;
-use crate::machine::model::OutsideCorner;
+use counterpoint_machine::Machine;
+use counterpoint_machine::model::OutsideCorner;
 
 /// States that only offsets and macros ask for.
 #[derive(Debug, Clone, Copy, PartialEq)]

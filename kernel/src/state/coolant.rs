@@ -3,11 +3,11 @@
 //! Invariant: what flows is the active code of its modal group.
 
 use super::channel::Channel;
-use crate::log::event::Outlet;
-use crate::machine::ident::CodeId;
-use crate::machine::ident::kind::CodeKind;
-use crate::machine::ident::kind::coolant::{Flow, Switch};
-use crate::machine::model::Pump;
+use counterpoint_event::event::Outlet;
+use counterpoint_machine::ident::CodeId;
+use counterpoint_machine::ident::kind::CodeKind;
+use counterpoint_machine::ident::kind::coolant::{Flow, Switch};
+use counterpoint_machine::model::Pump;
 
 /// What the codes of the groups do not say.
 #[derive(Debug, Clone, Copy)]

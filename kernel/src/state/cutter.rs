@@ -5,7 +5,7 @@ use std::sync::Arc;
 use counterpoint_motion::arc::Arc as MotionArc;
 
 use super::channel::Channel;
-use crate::log::event::{FeedUnit, FileId, Position};
+use counterpoint_event::event::{FeedUnit, FileId, Position};
 use counterpoint_motion::contour::element::{Element, Spot};
 
 /// Where compensation is.

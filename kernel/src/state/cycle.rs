@@ -5,11 +5,11 @@
 
 use super::channel::Channel;
 use super::modal::group;
-use crate::log::event::{FeedUnit, Position};
-use crate::machine::Machine;
-use crate::machine::ident::kind::CodeKind;
-use crate::machine::ident::kind::cycle::HoleCycle;
-use crate::machine::ident::{CodeId, codes};
+use counterpoint_event::event::{FeedUnit, Position};
+use counterpoint_machine::Machine;
+use counterpoint_machine::ident::kind::CodeKind;
+use counterpoint_machine::ident::kind::cycle::HoleCycle;
+use counterpoint_machine::ident::{CodeId, codes};
 
 /// A height: a position, or a distance from another height, as programmed.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -5,7 +5,6 @@
 
 pub(crate) mod alarms;
 pub(crate) mod arc;
-pub(crate) mod block;
 pub(crate) mod burden;
 pub(crate) mod channel;
 pub(crate) mod clamps;
@@ -24,9 +23,9 @@ pub(crate) mod waits;
 
 use rustc_hash::FxHashMap;
 
-use crate::log::event::{Position, ToolData};
-use crate::machine::Machine;
-use crate::machine::model::{Channel, MachineKind};
+use counterpoint_event::event::{Position, ToolData};
+use counterpoint_machine::Machine;
+use counterpoint_machine::model::{Channel, MachineKind};
 use modal::Modal;
 use position::Place;
 use spindle::SpindleState;

@@ -2,9 +2,9 @@
 //!
 //! Invariant: a group has one active code at most.
 
-use crate::log::event::FeedUnit;
-use crate::machine::Machine;
-use crate::machine::ident::{CodeId, DataId, codes, data};
+use counterpoint_event::event::FeedUnit;
+use counterpoint_machine::Machine;
+use counterpoint_machine::ident::{CodeId, DataId, codes, data};
 
 /// Modal groups the kernel itself asks for (reference control-emulator.md 3.2).
 pub(crate) mod group {

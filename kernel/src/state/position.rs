@@ -1,9 +1,9 @@
 //! Axes of a channel, where they are, and what lies between the program and them.
 
-use crate::diag;
-use crate::log::event::{MAX_AXES, Position};
-use crate::machine::ident::DataId;
-use crate::machine::model::{AxisRole, Machine, Turn};
+use counterpoint_event::event::{MAX_AXES, Position};
+use counterpoint_fault as diag;
+use counterpoint_machine::ident::DataId;
+use counterpoint_machine::model::{AxisRole, Machine, Turn};
 
 /// An axis of the channel as the motion actions use it.
 #[derive(Debug, Clone)]
@@ -112,7 +112,7 @@ pub(crate) struct Place {
 
 impl Place {
     /// A channel at home, work offset 1 active if the machine has it.
-    pub(crate) fn new(machine: &Machine, channel: &crate::machine::model::Channel) -> Self {
+    pub(crate) fn new(machine: &Machine, channel: &counterpoint_machine::model::Channel) -> Self {
         let axes: Vec<Axis> = channel
             .axes
             .iter()

@@ -1,6 +1,6 @@
 //! What is known about probing moves. Facts: reference system-variables.md 12.
 
-use crate::log::event::{MAX_AXES, Position};
+use counterpoint_event::event::{MAX_AXES, Position};
 
 /// What is known about probing moves.
 #[derive(Debug, Clone, Copy, Default)]

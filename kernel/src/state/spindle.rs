@@ -6,10 +6,10 @@ use super::channel::Channel;
 use super::modal::group;
 use counterpoint_motion::surface_speed::Speed;
 
-use crate::machine::ident::codes;
-use crate::machine::ident::kind::CodeKind;
-use crate::machine::model::{Channel as MachineChannel, Machine};
-use crate::multi::shared::Command;
+use counterpoint_machine::ident::codes;
+use counterpoint_machine::ident::kind::CodeKind;
+use counterpoint_machine::model::{Channel as MachineChannel, Machine};
+use counterpoint_sync::shared::Command;
 
 /// Spindle of the channel: its own state, or a copy of the shared one.
 #[derive(Debug, Clone, Copy, Default)]

@@ -3,8 +3,8 @@
 //! Invariant: settings last until they are changed; depth, first step and number of passes belong to one cycle, and a
 //! macro that sets one of them before its code sets it for that cycle. Facts: reference system-variables.md 8.
 
-use crate::machine::Machine;
-use crate::machine::ident::kind::thread::ThreadCycle;
+use counterpoint_machine::Machine;
+use counterpoint_machine::ident::kind::thread::ThreadCycle;
 
 /// What is known about the threads of a channel.
 #[derive(Debug, Clone, Copy)]

@@ -2,9 +2,9 @@
 
 use super::channel::Channel;
 use super::modal::group;
-use crate::log::info::Unit;
-use crate::machine::ident::codes;
-use crate::machine::model::Dimension;
+use counterpoint_event::info::Unit;
+use counterpoint_machine::ident::codes;
+use counterpoint_machine::model::Dimension;
 
 impl Channel<'_> {
     /// Factor from program units to machine units.

@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use rustc_hash::FxHashMap;
 
-use crate::log::event::Wait;
-use crate::multi::waits::Spec;
+use counterpoint_event::event::Wait;
+use counterpoint_sync::waits::Spec;
 
 /// Waits that a kernel has met, so that one met again costs nothing.
 #[derive(Debug, Default)]

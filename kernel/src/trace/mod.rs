@@ -12,11 +12,11 @@ mod lines;
 pub use lines::{Stage, action, code, data, edited, entering, exec, ignored, leaving, sequence, statement, word};
 
 use crate::channel::Kernel;
-use crate::log::event::{Kind, Trace};
-use crate::machine::ident::{self, CodeId, DataId};
-use crate::machine::model::CodeForm;
-use crate::machine::number::written;
 use crate::state::burden::shortened;
+use counterpoint_event::event::{Kind, Trace};
+use counterpoint_machine::ident::{self, CodeId, DataId};
+use counterpoint_machine::model::CodeForm;
+use counterpoint_machine::number::written;
 
 /// Letter of actions. Most are read off the events; what no event tells is a line of its own.
 pub const ACTION: char = 'A';

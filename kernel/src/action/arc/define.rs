@@ -5,12 +5,12 @@
 //! its block, then takes the last one.
 
 use crate::act::Act;
-use crate::diag;
-use crate::machine::ident::kind::arc::{By, Form};
-use crate::machine::ident::{DataId, codes, data};
-use crate::machine::model::Heights;
 use crate::state::modal::group;
+use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
+use counterpoint_machine::ident::kind::arc::{By, Form};
+use counterpoint_machine::ident::{DataId, codes, data};
+use counterpoint_machine::model::Heights;
 
 /// Direction of a circle: that of its code, of another code on the block, or the last one.
 pub(super) fn direction(act: &mut Act<'_, '_>, form: Form) -> Option<bool> {

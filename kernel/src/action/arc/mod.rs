@@ -16,18 +16,18 @@ use super::time::Path;
 use super::turned;
 use crate::act::Act;
 use crate::action::entry::{Contour, Entry, entry_of_kind};
-use crate::diag;
-use crate::log::event::{FeedUnit, Motion, MotionKind, Position};
-use crate::machine::ident::codes;
-use crate::machine::ident::data;
-use crate::machine::ident::kind::CodeKind;
-use crate::machine::ident::kind::arc::{By, Form};
-use crate::machine::paths::{Helix, Turns};
 use crate::state::alarms::STRAIGHT;
-use crate::state::block::PendingCode;
 use crate::state::cutter::{Shape, Step};
 use crate::state::modal::{Plane, group, plane};
+use counterpoint_event::event::{FeedUnit, Motion, MotionKind, Position};
+use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
+use counterpoint_machine::ident::codes;
+use counterpoint_machine::ident::data;
+use counterpoint_machine::ident::kind::CodeKind;
+use counterpoint_machine::ident::kind::arc::{By, Form};
+use counterpoint_machine::paths::{Helix, Turns};
+use counterpoint_program::block::PendingCode;
 
 /// Codes and what they do.
 pub(crate) const ENTRIES: &[Entry] = &[
@@ -141,7 +141,7 @@ fn take_words(act: &mut Act<'_, '_>, form: Form, plane: &Plane, flat: &Flat, (co
         let known = roles.map(|role| act.state.arcs.center.get(role).copied().flatten());
         let fill = |a: Option<f64>, b: Option<f64>, or: f64| a.or(b).unwrap_or(or);
         if said.iter().any(Option::is_some) {
-            let offsets = act.env.machine.arcs.center == crate::machine::model::Heights::Incremental;
+            let offsets = act.env.machine.arcs.center == counterpoint_machine::model::Heights::Incremental;
             let known = if offsets { [None; 2] } else { known };
             center = Some([fill(said[0], known[0], start[0]), fill(said[1], known[1], start[1])]);
         } else if known.iter().any(Option::is_some) && radius.is_none() {

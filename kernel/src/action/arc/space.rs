@@ -9,13 +9,13 @@ use counterpoint_motion::space::Circle;
 use super::check_radius;
 use crate::act::Act;
 use crate::action::time::Path;
-use crate::diag;
-use crate::log::event::{Motion, MotionKind, Position};
-use crate::log::geometry::spatial;
-use crate::machine::ident::{codes, data};
 use crate::state::alarms::STRAIGHT;
 use crate::state::modal::group;
+use counterpoint_event::event::{Motion, MotionKind, Position};
+use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
+use counterpoint_machine::ident::{codes, data};
+use counterpoint_results::geometry::spatial;
 
 /// An arc by way of a point.
 pub(crate) fn through(act: &mut Act<'_, '_>) -> Acted {

@@ -4,8 +4,8 @@
 //! When the move has been made, all that was held back is moved on by its time.
 
 use crate::act::Act;
-use crate::log::event::Event;
 use crate::state::cutter::Waiting;
+use counterpoint_event::event::Event;
 
 impl Act<'_, '_> {
     /// Lets held events out up to (not including) the one with this number; they come `late` ns later.

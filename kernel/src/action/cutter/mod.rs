@@ -10,11 +10,11 @@ mod moves;
 
 use super::entry::Contour;
 use crate::act::Act;
-use crate::diag;
-use crate::log::event::{FeedUnit, Position};
-use crate::machine::ident::{CodeId, codes, data};
 use crate::state::modal::{group, plane};
+use counterpoint_event::event::{FeedUnit, Position};
+use counterpoint_fault as diag;
 use counterpoint_fault::{Acted, Halt};
+use counterpoint_machine::ident::{CodeId, codes, data};
 
 use crate::state::cutter::{Cutter, Shape, Stage, Step, Waiting};
 use counterpoint_motion::contour::element::Element;

@@ -10,9 +10,9 @@ use std::f64::consts::TAU;
 use super::{Cutter, Shape, Step};
 use crate::act::Act;
 use crate::action::arc::Circle;
-use crate::diag;
-use crate::log::event::{FeedUnit, Position};
 use crate::state::cutter::{Stage, Waiting};
+use counterpoint_event::event::{FeedUnit, Position};
+use counterpoint_fault as diag;
 use counterpoint_motion::contour::corner::{Corner, Link, Offset};
 use counterpoint_motion::contour::element::{Element, NOISE, Spot, angle, distance, plus};
 

@@ -11,16 +11,16 @@ mod words;
 
 use crate::act::Act;
 use crate::action::entry::{Contour, Entry, entry_of_kind};
-use crate::diag;
-use crate::log::event::{Kind as EventKind, Position};
-use crate::machine::ident::codes;
-use crate::machine::ident::kind::CodeKind;
-use crate::machine::ident::kind::cycle::HoleCycle;
-use crate::machine::model::{CodeRow, Heights, MachineKind};
-use crate::state::block::PendingCode;
 use crate::state::cycle::Hole;
 use crate::state::modal::group;
+use counterpoint_event::event::{Kind as EventKind, Position};
+use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
+use counterpoint_machine::ident::codes;
+use counterpoint_machine::ident::kind::CodeKind;
+use counterpoint_machine::ident::kind::cycle::HoleCycle;
+use counterpoint_machine::model::{CodeRow, Heights, MachineKind};
+use counterpoint_program::block::PendingCode;
 
 /// Codes and what they do.
 pub(crate) const ENTRIES: &[Entry] = &[

@@ -5,13 +5,13 @@
 
 use crate::act::Act;
 use crate::action::{dwell, spindle};
-use crate::diag;
-use crate::log::event::{Direction, Position};
-use crate::machine::ident::kind::cycle::{HoleCycle, Out, Steps};
-use crate::machine::model::Approach;
 use crate::state::cycle::Cycle;
 use crate::state::cycle::Hole;
+use counterpoint_event::event::{Direction, Position};
+use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
+use counterpoint_machine::ident::kind::cycle::{HoleCycle, Out, Steps};
+use counterpoint_machine::model::Approach;
 
 /// Most steps of a hole.
 const MOST_STEPS: u32 = 10_000;

@@ -5,10 +5,10 @@
 //! cycle. Invariant: a web has a start and a depth, or it is left out and told.
 
 use crate::act::Act;
-use crate::diag;
-use crate::machine::ident::{DataId, data};
 use crate::state::cycle::{Cycle, FURTHER_WEBS, Height};
+use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
+use counterpoint_machine::ident::{DataId, data};
 
 /// Their data: start and depth.
 pub(super) const DATA: [[DataId; 2]; FURTHER_WEBS] = [

@@ -4,14 +4,14 @@
 //! 6.4 (feed, depth axis, clearance, position axes are documented by a trace).
 
 use crate::act::Act;
-use crate::diag;
-use crate::log::event::{FeedUnit, Position};
-use crate::machine::ident::kind::cycle::HoleCycle;
-use crate::machine::ident::{DataId, codes, data};
-use crate::machine::model::{Dimension, Heights};
-use crate::state::block::Datum;
 use crate::state::cycle::Height;
 use crate::state::modal::{feed_of, group};
+use counterpoint_event::event::{FeedUnit, Position};
+use counterpoint_fault as diag;
+use counterpoint_machine::ident::kind::cycle::HoleCycle;
+use counterpoint_machine::ident::{DataId, codes, data};
+use counterpoint_machine::model::{Dimension, Heights};
+use counterpoint_program::block::Datum;
 
 /// Most holes of one block.
 const MOST_TIMES: f64 = 9999.0;
@@ -157,7 +157,7 @@ fn position(act: &mut Act<'_, '_>) -> Words {
 
 /// Steps, dwell and shift, as far as the kind has them.
 fn amounts(act: &mut Act<'_, '_>, kind: HoleCycle) -> HoleCycle {
-    use crate::machine::ident::kind::cycle::{Out, Steps};
+    use counterpoint_machine::ident::kind::cycle::{Out, Steps};
     let mut kind = tap_type(act, kind);
     if act.state.cycle.rigid == 2.0 && kind.taps() {
         kind = kind.rigid(false);

@@ -10,16 +10,16 @@ use counterpoint_motion::thread::Lead;
 
 use crate::act::Act;
 use crate::action::entry::{Contour, Entry, entry_of_kind};
-use crate::diag;
-use crate::log::event::{FeedUnit, Motion, MotionKind, Position};
-use crate::machine::ident::codes;
-use crate::machine::ident::kind::CodeKind;
-use crate::machine::ident::kind::thread::LeadChange;
-use crate::machine::ident::{DataId, data};
 use crate::state::alarms::NOT_DONE;
-use crate::state::block::PendingCode;
 use crate::state::spindle::Turning;
+use counterpoint_event::event::{FeedUnit, Motion, MotionKind, Position};
+use counterpoint_fault as diag;
 use counterpoint_fault::{Acted, Halt};
+use counterpoint_machine::ident::codes;
+use counterpoint_machine::ident::kind::CodeKind;
+use counterpoint_machine::ident::kind::thread::LeadChange;
+use counterpoint_machine::ident::{DataId, data};
+use counterpoint_program::block::PendingCode;
 
 /// Codes and what they do.
 pub(crate) const ENTRIES: &[Entry] = &[

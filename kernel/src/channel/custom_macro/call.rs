@@ -9,9 +9,9 @@ use super::modal::ModalCall;
 use crate::channel::Kernel;
 use crate::channel::flow::Callee;
 use crate::channel::flow::Pending;
-use crate::diag;
-use crate::dialect::MacroCall;
-use crate::state::block::irregular;
+use counterpoint_dialect::MacroCall;
+use counterpoint_fault as diag;
+use counterpoint_program::block::irregular;
 
 impl Kernel<'_> {
     /// A block whose words are the arguments of a macro.

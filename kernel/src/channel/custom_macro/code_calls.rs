@@ -13,11 +13,11 @@ use std::sync::Arc;
 use crate::channel::Kernel;
 use crate::channel::flow::Callee;
 use crate::channel::flow::Pending;
-use crate::diag;
-use crate::dialect::{MacroCall, NotThere};
-use crate::machine::Machine;
-use crate::machine::ident::data;
-use crate::machine::model::{CallHow, NestedCalls, WordCall};
+use counterpoint_dialect::{MacroCall, NotThere};
+use counterpoint_fault as diag;
+use counterpoint_machine::Machine;
+use counterpoint_machine::ident::data;
+use counterpoint_machine::model::{CallHow, NestedCalls, WordCall};
 
 /// Kind of a word that calls.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

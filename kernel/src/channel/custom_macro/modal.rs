@@ -8,8 +8,8 @@ use super::code_calls::By;
 use crate::channel::Kernel;
 use crate::channel::flow::Callee;
 use crate::channel::flow::Pending;
-use crate::dialect::MacroCall;
-use crate::state::block::Word;
+use counterpoint_dialect::MacroCall;
+use counterpoint_program::block::Word;
 
 /// A macro that blocks call.
 #[derive(Debug)]

@@ -4,8 +4,8 @@ use counterpoint_fault::{Acted, Halt};
 
 use crate::channel::Kernel;
 use crate::channel::flow::Pending;
-use crate::dialect::{Call, Flow, Loops};
-use crate::mcd::spot::Spot;
+use counterpoint_dialect::{Call, Flow, Loops};
+use counterpoint_program::spot::Spot;
 
 impl Flow for Kernel<'_> {
     fn go_to(&mut self, line: u32) -> Acted {

@@ -3,11 +3,11 @@
 use counterpoint_motion::frame::affine::Affine;
 
 use crate::channel::Kernel;
-use crate::dialect::{AxisPlace, Frames, Modes};
-use crate::machine::ident::codes;
-use crate::machine::model::Dimension;
 use crate::state::frames::offsets::Table;
 use crate::state::modal::group;
+use counterpoint_dialect::{AxisPlace, Frames, Modes};
+use counterpoint_machine::ident::codes;
+use counterpoint_machine::model::Dimension;
 
 impl Kernel<'_> {
     /// Factor from positions as the program counts them to those of an axis.

@@ -5,14 +5,14 @@ use std::sync::Arc;
 use counterpoint_fault::Acted;
 
 use crate::channel::Kernel;
-use crate::channel::scan::Scanner;
-use crate::dialect::{Place, Programs};
-use crate::log::event::FileId;
-use crate::mcd::key_words::Names;
-use crate::mcd::program::Range;
-use crate::mcd::source::Source;
-use crate::mcd::spot::Spot;
-use crate::state::block::Block;
+use counterpoint_dialect::{Place, Programs};
+use counterpoint_event::event::FileId;
+use counterpoint_program::block::Block;
+use counterpoint_program::key_words::Names;
+use counterpoint_program::program::Range;
+use counterpoint_program::scan::Scanner;
+use counterpoint_program::source::Source;
+use counterpoint_program::spot::Spot;
 
 impl Kernel<'_> {
     /// The scanner for the text of the block in process.

@@ -3,10 +3,10 @@
 use counterpoint_fault::{Acted, Facts, Halt};
 
 use crate::channel::Kernel;
-use crate::diag;
-use crate::dialect::Report;
-use crate::log::event::{Kind, Message};
-use crate::machine::model::Output;
+use counterpoint_dialect::Report;
+use counterpoint_event::event::{Kind, Message};
+use counterpoint_fault as diag;
+use counterpoint_machine::model::Output;
 
 impl Report for Kernel<'_> {
     fn show(&mut self, text: &str) {

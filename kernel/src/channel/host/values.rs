@@ -4,8 +4,8 @@ use counterpoint_fault::{Acted, Halt};
 use counterpoint_lang::value::Value;
 
 use crate::channel::Kernel;
-use crate::dialect::{Answer, NotThere, Values};
-use crate::machine::macros::model::Hook;
+use counterpoint_dialect::{Answer, NotThere, Values};
+use counterpoint_machine::macros::model::Hook;
 
 impl Values for Kernel<'_> {
     fn shared(&mut self, name: &str) -> Result<Option<Value>, Halt> {

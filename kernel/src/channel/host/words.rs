@@ -1,12 +1,12 @@
 //! Words of the machine for the interpreter.
 
 use crate::channel::Kernel;
-use crate::diag;
-use crate::dialect::{MadeWord, Words};
-use crate::log::info::Unit;
-use crate::machine::number::written;
-use crate::mcd::key_words::Number;
-use crate::state::block::{Word, irregular};
+use counterpoint_dialect::{MadeWord, Words};
+use counterpoint_event::info::Unit;
+use counterpoint_fault as diag;
+use counterpoint_machine::number::written;
+use counterpoint_program::block::{Word, irregular};
+use counterpoint_program::key_words::Number;
 
 impl Words for Kernel<'_> {
     fn is_register(&self, name: &str) -> bool {

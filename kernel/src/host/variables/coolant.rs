@@ -9,10 +9,10 @@ use counterpoint_lang::value::Value;
 
 use super::{Read, Write};
 use crate::channel::Kernel;
-use crate::log::event::{Coolant, Outlet};
-use crate::machine::ident::{CodeId, codes};
 use crate::state::coolant::code_of;
 use crate::state::modal::group;
+use counterpoint_event::event::{Coolant, Outlet};
+use counterpoint_machine::ident::{CodeId, codes};
 
 /// Modal group of the first coolant device, less one.
 const DEVICES: u16 = 540;

@@ -8,11 +8,11 @@ use counterpoint_lang::value::Value;
 
 use super::{Read, Write};
 use crate::channel::Kernel;
-use crate::log::event::FeedUnit;
-use crate::log::info::Unit;
-use crate::machine::ident::codes;
 use crate::state::cycle::{Cycle, Height};
 use crate::state::modal::group;
+use counterpoint_event::event::FeedUnit;
+use counterpoint_event::info::Unit;
+use counterpoint_machine::ident::codes;
 
 fn optional(value: Option<f64>) -> Value {
     value.map_or(Value::Null, Value::Real)

@@ -10,11 +10,11 @@ use counterpoint_lang::value::Value;
 
 use super::{Read, Write};
 use crate::channel::Kernel;
-use crate::machine::ident::{CodeId, codes};
 use crate::state::compensation::number_of;
 use crate::state::frames::offsets::{BASE, Radii, Table};
 use crate::state::frames::shift::DIAMETERS;
 use crate::state::modal::group;
+use counterpoint_machine::ident::{CodeId, codes};
 
 const FIXTURES: [CodeId; 3] = [codes::COMP_WORKP_ON, codes::COMP_EXTFIXT, codes::COMP_EXTFIXT_RANGE];
 const LENGTHS: [CodeId; 5] = [

@@ -4,7 +4,7 @@
 //! on a rotary one. M = machine without length and work offsets, J = joint with both, W = programmed.
 
 use crate::channel::Kernel;
-use crate::machine::ident::{DataId, data};
+use counterpoint_machine::ident::{DataId, data};
 
 /// Which value of which axis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -76,7 +76,7 @@ impl Kernel<'_> {
             return self.channel.programmed().get(axis).copied().unwrap_or(0.0);
         }
         let at = if place.before { &self.macros.arguments.before } else { &self.channel.state.place.position };
-        let value = |of: &crate::log::event::Position| of.get(axis).copied().unwrap_or(0.0);
+        let value = |of: &counterpoint_event::event::Position| of.get(axis).copied().unwrap_or(0.0);
         match place.kind {
             'M' if self.channel.tip().is_some() => {
                 value(&self.channel.machine_point(at)) - value(&self.channel.state.place.shift)

@@ -6,12 +6,12 @@ use counterpoint_lang::value::Value;
 
 use super::{Read, Write};
 use crate::channel::Kernel;
-use crate::log::info::Unit;
-use crate::machine::Machine;
-use crate::machine::ident::codes;
-use crate::machine::model::MachineKind;
 use crate::macros::store::Store;
 use crate::macros::values::code_value;
+use counterpoint_event::info::Unit;
+use counterpoint_machine::Machine;
+use counterpoint_machine::ident::codes;
+use counterpoint_machine::model::MachineKind;
 
 fn number(value: impl Into<f64>) -> Value {
     Value::Real(value.into())

@@ -9,12 +9,12 @@ use counterpoint_lang::value::Value;
 
 use super::{Read, Write};
 use crate::channel::Kernel;
-use crate::log::event::Direction;
-use crate::log::info::Unit;
-use crate::machine::ident::codes;
 use crate::state::modal::group;
+use counterpoint_event::event::Direction;
+use counterpoint_event::info::Unit;
+use counterpoint_machine::ident::codes;
 
-use crate::multi::shared::Command;
+use counterpoint_sync::shared::Command;
 
 fn number(value: impl Into<f64>) -> Value {
     Value::Real(value.into())

@@ -7,10 +7,10 @@ use counterpoint_lang::value::Value;
 use super::super::travel::End;
 use super::{Read, Write};
 use crate::channel::Kernel;
-use crate::log::event::FeedUnit;
-use crate::machine::ident::{CodeId, codes};
 use crate::macros::store::names;
 use crate::state::modal::{feed_of, group};
+use counterpoint_event::event::FeedUnit;
+use counterpoint_machine::ident::{CodeId, codes};
 
 fn number(value: impl Into<f64>) -> Value {
     Value::Real(value.into())

@@ -8,11 +8,11 @@ use counterpoint_lang::value::Value;
 
 use super::{Read, Write};
 use crate::channel::Kernel;
-use crate::machine::ident::kind::CodeKind;
-use crate::machine::ident::kind::thread::ThreadCycle;
-use crate::machine::ident::{CodeId, DataId, data};
 use crate::state::modal::group;
 use crate::state::thread::Threading;
+use counterpoint_machine::ident::kind::CodeKind;
+use counterpoint_machine::ident::kind::thread::ThreadCycle;
+use counterpoint_machine::ident::{CodeId, DataId, data};
 
 fn real(value: &Value) -> f64 {
     value.as_real().filter(|value| value.is_finite()).unwrap_or(0.0)

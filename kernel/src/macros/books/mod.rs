@@ -4,7 +4,7 @@ pub(crate) mod operations;
 pub(crate) mod sums;
 pub(crate) mod travel;
 
-use crate::log::event::MAX_AXES;
+use counterpoint_event::event::MAX_AXES;
 use operations::Operations;
 use sums::Sums;
 use travel::Travel;

@@ -1,7 +1,7 @@
 //! Distances between positions, in geometry units.
 
-use crate::log::event::{MAX_AXES, Position};
 use crate::state::channel::Channel;
+use counterpoint_event::event::{MAX_AXES, Position};
 
 impl Channel<'_> {
     /// Change of each axis in geometry units (radius on a diameter axis).

@@ -2,8 +2,8 @@
 //!
 //! Invariant: without an active cycle nothing is done.
 
-use crate::log::event::Position;
 use crate::state::channel::Channel;
+use counterpoint_event::event::Position;
 
 /// Where the levels of an active cycle are in the machine.
 #[derive(Debug, Clone, Copy)]

@@ -32,7 +32,7 @@ use counterpoint_motion::frame::local::Local;
 
 use super::channel::Channel;
 use super::position::Place;
-use crate::log::event::Position;
+use counterpoint_event::event::Position;
 
 /// Differences below this are none.
 const NOISE: f64 = 1e-9;

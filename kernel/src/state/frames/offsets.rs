@@ -6,8 +6,8 @@
 
 use std::collections::BTreeMap;
 
-use crate::log::event::{MAX_AXES, Position};
 use crate::state::channel::Channel;
+use counterpoint_event::event::{MAX_AXES, Position};
 
 /// Number of the base values.
 pub(crate) const BASE: u32 = 0;

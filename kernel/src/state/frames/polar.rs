@@ -6,9 +6,9 @@
 //! control-emulator.md 6.8. Invariant: the rotary axis never turns further than the move goes round the centre.
 
 use super::{Frames, NOISE, clean};
-use crate::log::event::Position;
 use crate::state::channel::Channel;
 use crate::state::position::Place;
+use counterpoint_event::event::Position;
 use counterpoint_motion::frame::affine::turn;
 
 /// Distances from the centre below this have no direction.

@@ -1,10 +1,10 @@
 //! How far the machine frame lies from the work frame: presets, work offset and tool together.
 
 use super::offsets::{BASE, Table};
-use crate::log::event::{MAX_AXES, Position};
-use crate::machine::ident::{CodeId, codes};
 use crate::state::channel::Channel;
 use crate::state::modal::group;
+use counterpoint_event::event::{MAX_AXES, Position};
+use counterpoint_machine::ident::{CodeId, codes};
 
 pub(crate) const DIAMETERS: [CodeId; 3] = [codes::COMP_DIAM_LEFT, codes::COMP_DIAM_RIGHT, codes::COMP_3D_VECTOR];
 
@@ -55,7 +55,7 @@ impl Channel<'_> {
         }
         let axis = |role: usize| self.state.place.layout.cartesian.get(role).copied().flatten().map(usize::from);
         let amount = axis(2).and_then(|z| values.get(z)).copied().unwrap_or(0.0);
-        let mut turned = [0.0; crate::log::event::MAX_AXES];
+        let mut turned = [0.0; counterpoint_event::event::MAX_AXES];
         let role = usize::from((direction - 1) % 3);
         if let Some(slot) = axis(role).and_then(|axis| turned.get_mut(axis)) {
             *slot = if direction > 3 { -amount } else { amount } / self.state.place.scale_of(role);

@@ -3,10 +3,10 @@
 //! While it is active a point of the work frame is that of the tip with the tables at zero; the linear axes follow. Facts:
 //! reference control-emulator.md 6.8. Invariant: switching it never moves the machine.
 
-use crate::log::event::{MAX_AXES, Position};
-use crate::machine::ident::{DataId, data};
 use crate::state::channel::Channel;
 use crate::state::position::Place;
+use counterpoint_event::event::{MAX_AXES, Position};
+use counterpoint_machine::ident::{DataId, data};
 use counterpoint_motion::frame::affine::Point;
 use counterpoint_motion::frame::kinematics::{Angles, Chain, Joint, unit};
 

@@ -6,8 +6,8 @@
 //! of its axis away; axes without a word keep it; rotary axes have none.
 
 use super::NOISE;
-use crate::log::event::{MAX_AXES, Position};
 use crate::state::channel::Channel;
+use counterpoint_event::event::{MAX_AXES, Position};
 
 impl Channel<'_> {
     /// What incremental words count from, where that is not where the axes stand after a change of frames.

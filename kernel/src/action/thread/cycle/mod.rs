@@ -11,11 +11,11 @@ mod words;
 use super::Screw;
 use crate::act::Act;
 use crate::action::entry::{Contour, Entry, entry_of_kind};
-use crate::diag;
-use crate::machine::ident::data;
-use crate::machine::ident::kind::CodeKind;
-use crate::machine::ident::kind::thread::{Setting, ThreadCycle};
+use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
+use counterpoint_machine::ident::data;
+use counterpoint_machine::ident::kind::CodeKind;
+use counterpoint_machine::ident::kind::thread::{Setting, ThreadCycle};
 use passes::Plan;
 
 /// Codes and what they do.

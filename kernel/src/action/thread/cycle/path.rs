@@ -9,8 +9,8 @@ use counterpoint_motion::thread::Lead;
 use super::{Thread, plan};
 use crate::act::Act;
 use crate::action::thread::Screw;
-use crate::diag;
-use crate::log::event::{FeedUnit, Position};
+use counterpoint_event::event::{FeedUnit, Position};
+use counterpoint_fault as diag;
 
 impl Thread {
     /// Outwards: away from the thread, towards where the tool stands.

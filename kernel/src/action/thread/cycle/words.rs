@@ -6,9 +6,9 @@
 use super::{Thread, ThreadCycle};
 use crate::act::Act;
 use crate::action::thread::Screw;
-use crate::diag;
-use crate::machine::ident::{DataId, codes, data};
 use crate::state::modal::group;
+use counterpoint_fault as diag;
+use counterpoint_machine::ident::{DataId, codes, data};
 
 /// Starts of a thread at most.
 const MOST_STARTS: f64 = 99.0;

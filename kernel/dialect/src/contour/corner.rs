@@ -1,0 +1,63 @@
+//! Corners between straight lines.
+//!
+//! *Invariant:* a corner takes no more of a line than there is of it.
+
+use super::plane::{Point, along, direction, dot, length, minus, turn};
+
+/// What a corner needs of both its lines, and how it turns.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Corner {
+    /// Where the first line ends.
+    pub(crate) from: Point,
+    /// Where the second line begins.
+    pub(crate) to: Point,
+    /// The rounding is clockwise.
+    pub(crate) clockwise: bool,
+}
+
+/// A chamfer of this length on both lines, or a rounding with this radius.
+///
+/// # Errors
+/// Why there is none.
+pub(crate) fn corner(
+    before: Point,
+    corner: Point,
+    after: Point,
+    chamfer: bool,
+    size: f64,
+) -> Result<Corner, &'static str> {
+    let (Some(in_), Some(out)) = (direction(minus(corner, before)), direction(minus(after, corner))) else {
+        return Err("a corner needs a line before and behind it");
+    };
+    if !(size > 0.0 && size.is_finite()) {
+        return Err("a corner needs a length or radius above zero");
+    }
+    let side = turn(in_, out);
+    if side.abs() < 1e-9 {
+        return Err("there is no corner between lines of one direction");
+    }
+    let need = match chamfer {
+        true => size,
+        // The tangent of half the turn.
+        false => size * side.abs() / (1.0 + dot(in_, out)),
+    };
+    if need > length(minus(corner, before)) + 1e-9 || need > length(minus(after, corner)) + 1e-9 {
+        return Err("a corner is larger than its lines");
+    }
+    Ok(Corner { from: along(corner, in_, -need), to: along(corner, out, need), clockwise: side < 0.0 })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn corners_take_room_of_both_lines() {
+        let made = corner([0.0, 0.0], [10.0, 0.0], [10.0, 10.0], false, 2.0).unwrap();
+        assert_eq!((made.from, made.to, made.clockwise), ([8.0, 0.0], [10.0, 2.0], false));
+        let made = corner([0.0, 0.0], [10.0, 0.0], [10.0, -10.0], true, 1.0).unwrap();
+        assert_eq!((made.from, made.to, made.clockwise), ([9.0, 0.0], [10.0, -1.0], true));
+        assert!(corner([0.0, 0.0], [1.0, 0.0], [1.0, 10.0], false, 2.0).is_err());
+        assert!(corner([0.0, 0.0], [1.0, 0.0], [2.0, 0.0], false, 0.1).is_err());
+    }
+}

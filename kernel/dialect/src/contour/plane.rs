@@ -1,0 +1,98 @@
+//! Points and directions of the working plane.
+//!
+//! *Invariant:* what does not exist is none, never a number that is not finite.
+
+use crate::numeric::{cosine, sine};
+
+/// A point or a vector.
+pub(crate) type Point = [f64; 2];
+
+pub(crate) fn minus(a: Point, b: Point) -> Point {
+    [a[0] - b[0], a[1] - b[1]]
+}
+
+pub(crate) fn times(a: Point, factor: f64) -> Point {
+    [a[0] * factor, a[1] * factor]
+}
+
+/// A point some way from another.
+pub(crate) fn along(from: Point, direction: Point, way: f64) -> Point {
+    [from[0] + direction[0] * way, from[1] + direction[1] * way]
+}
+
+/// Turned to the left by a quarter.
+pub(crate) fn left(a: Point) -> Point {
+    [-a[1], a[0]]
+}
+
+pub(super) fn dot(a: Point, b: Point) -> f64 {
+    a[0] * b[0] + a[1] * b[1]
+}
+
+/// Positive if the second turns to the left of the first.
+pub(super) fn turn(a: Point, b: Point) -> f64 {
+    a[0] * b[1] - a[1] * b[0]
+}
+
+pub(super) fn length(a: Point) -> f64 {
+    libm::hypot(a[0], a[1])
+}
+
+/// Direction of a vector that has one.
+pub(crate) fn direction(a: Point) -> Option<Point> {
+    let length = length(a);
+    (length.is_finite() && length > 1e-9).then(|| times(a, 1.0 / length))
+}
+
+/// Centre of a circle by its ends and radius; a negative radius takes the longer way.
+pub(crate) fn center_by_radius(from: Point, to: Point, radius: f64, clockwise: bool) -> Option<Point> {
+    let chord = minus(to, from);
+    let half = length(chord) / 2.0;
+    let across = left(direction(chord)?);
+    let rise = libm::sqrt((radius * radius - half * half).max(0.0));
+    let rise = if clockwise == (radius < 0.0) { rise } else { -rise };
+    Some(along(along(from, chord, 0.5), across, rise)).filter(|center| center.iter().all(|value| value.is_finite()))
+}
+
+/// Where a line to a circle touches it so that it goes on round its centre.
+pub(super) fn touch(from: Point, center: Point, radius: f64, clockwise: bool) -> Option<Point> {
+    let way = minus(center, from);
+    let distance = length(way);
+    if !(distance >= radius && distance > 0.0) {
+        return None;
+    }
+    let open = libm::acos((-radius / distance).clamp(-1.0, 1.0));
+    let angle = libm::atan2(way[1], way[0]) + if clockwise { open } else { -open };
+    Some(along(center, [libm::cos(angle), libm::sin(angle)], radius))
+}
+
+/// A vector turned by degrees, to the left.
+pub(crate) fn turned(a: Point, degrees: f64) -> Point {
+    let (sine, cosine) = (sine(degrees), cosine(degrees));
+    [a[0] * cosine - a[1] * sine, a[0] * sine + a[1] * cosine]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn near(a: Point, b: Point) {
+        assert!(length(minus(a, b)) < 1e-9, "{a:?} {b:?}");
+    }
+
+    #[test]
+    fn centres_lie_on_the_side_of_the_direction() {
+        // A quarter from (10,0) to (0,10) about the origin is counter-clockwise.
+        near(center_by_radius([10.0, 0.0], [0.0, 10.0], 10.0, false).unwrap(), [0.0, 0.0]);
+        near(center_by_radius([10.0, 0.0], [0.0, 10.0], 10.0, true).unwrap(), [10.0, 10.0]);
+        near(center_by_radius([10.0, 0.0], [0.0, 10.0], -10.0, true).unwrap(), [0.0, 0.0]);
+    }
+
+    #[test]
+    fn lines_touch_circles() {
+        // From (0,-10) along X the circle about (0,0) is reached counter-clockwise at (0,-10).
+        near(touch([-5.0, -10.0], [0.0, 0.0], 10.0, false).unwrap(), [0.0, -10.0]);
+        near(touch([-5.0, 10.0], [0.0, 0.0], 10.0, true).unwrap(), [0.0, 10.0]);
+        assert_eq!(touch([1.0, 0.0], [0.0, 0.0], 10.0, true), None);
+    }
+}

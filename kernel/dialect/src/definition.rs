@@ -1,0 +1,67 @@
+//! What a dialect is to the rest of the kernel.
+//!
+//! Facts: reference control-emulator.md 5.4. *Invariant:* whatever differs between controls because of their pre-processors
+//! is asked here or done by the [`Interpreter`]; nothing outside this module compares pre-processors.
+
+use super::interpreter::{Interpreter, MacroCall};
+use counterpoint_machine::Machine;
+use counterpoint_program::syntax::Syntax;
+
+/// A control's language for what its programs have besides words.
+pub trait Dialect: Sync {
+    /// Name in machine definitions.
+    fn name(&self) -> &'static str;
+
+    /// Name in messages; in capitals the value of `$PREPROC`.
+    fn title(&self) -> &'static str;
+
+    /// What it makes of program text.
+    fn syntax(&self) -> &'static Syntax;
+
+    /// Settings that `$FCEPP` can make, words joined by commas, besides those that all have.
+    fn settings(&self) -> &'static [&'static str] {
+        &[]
+    }
+
+    /// Where the lead of a thread and the feed per revolution have the same address, one is the modal value of the other.
+    fn lead_is_feed(&self) -> bool {
+        false
+    }
+
+    /// Number and title of the control's alarm for a G code that it does not have.
+    fn unknown_g_code(&self) -> Option<&'static str> {
+        None
+    }
+
+    /// What the control's alarm says about text that it does not know.
+    fn unknown_text(&self, text: &str, _kind: Unknown) -> String {
+        format!("{text} is not known to this control")
+    }
+
+    /// How a G word that the machine's code table does not have calls a macro.
+    fn macro_call(&self, _g: f64) -> Option<MacroCall> {
+        None
+    }
+
+    /// A new interpreter; none if plain words are all there is.
+    fn interpreter(&self, _machine: &Machine) -> Option<Box<dyn Interpreter>> {
+        None
+    }
+
+    /// An interpreter for a block within a block of its own, while the identification macro is asked; none if such blocks
+    /// are dropped, because an interpreter holds more than what it has read of programs.
+    fn nested(&self) -> Option<Box<dyn Interpreter>> {
+        None
+    }
+}
+
+/// Kind of a text that is neither a word of the machine nor a statement.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Unknown {
+    /// An address and a number.
+    Word,
+    /// An address that the machine has, alone.
+    Address,
+    /// Anything else.
+    Text,
+}

@@ -1,0 +1,197 @@
+//! Variables of the kernel as expressions see them.
+//!
+//! Facts: reference control-emulator.md 4.3, 5.4. Order for system variables: the machine's identification macro, then what
+//! the kernel knows. *Invariant:* the macro is not asked about what is in its own answer.
+
+use counterpoint_fault as diag;
+use counterpoint_fault::Halt;
+use counterpoint_lang::value::Value;
+
+use super::compile::compile;
+use super::expr::{Expr, Fault, Variables, number};
+use super::statement::Statement;
+use crate::host::{Answer, Host, NotThere};
+use counterpoint_program::key_words::Names;
+
+/// The first variable of the system.
+const SYSTEM: u32 = 1000;
+
+/// A host as the variables of expressions.
+pub(super) struct Access<'h> {
+    host: &'h mut dyn Host,
+    /// Steps of one unit that ROUND rounds to.
+    steps: f64,
+    /// An answer of the identification macro is being evaluated.
+    answering: bool,
+}
+
+impl<'h> Access<'h> {
+    /// In a statement.
+    pub(super) fn new(host: &'h mut dyn Host) -> Self {
+        Self { host, steps: 1.0, answering: false }
+    }
+
+    /// At an address whose values have so many steps of one unit.
+    pub(super) fn at_address(host: &'h mut dyn Host, steps: f64) -> Self {
+        Self { steps, ..Self::new(host) }
+    }
+
+    fn known(&mut self, index: u32) -> Result<f64, Fault> {
+        self.host.number(index).map_err(|why| fault(index, why))
+    }
+
+    fn asks(&self) -> bool {
+        !self.answering && self.host.identifies()
+    }
+
+    fn identified(&mut self, index: u32) -> Result<f64, Fault> {
+        match self.ask_variable(index, None)? {
+            Answer::Unknown => self.known(index),
+            Answer::Drop => Ok(0.0),
+            Answer::Keep => Err(Fault::Kept(index)),
+            Answer::Instead(text) => self.value_of(&text, Fault::NoVariable(f64::from(index))),
+        }
+    }
+
+    /// Asks about a variable; a text that is not changed is an error.
+    fn ask_variable(&mut self, index: u32, assigned: Option<&Value>) -> Result<Answer, Fault> {
+        let asked = format!("#{index}");
+        match self.host.identify(&asked, assigned)? {
+            // Evaluating the same text again would ask forever.
+            Answer::Instead(text) if text.trim() == asked => Err(Fault::NoVariable(f64::from(index))),
+            answer => Ok(answer),
+        }
+    }
+
+    /// Value of an expression that the macro gave in place of something that nobody knows.
+    fn value_of(&mut self, text: &str, unknown: Fault) -> Result<f64, Fault> {
+        let Ok(line) = compile(format!("#1=[{text}]").as_bytes(), Names::default()) else { return Err(unknown) };
+        let Statement::Assign(list) = line.statement else { return Err(unknown) };
+        let [(_, value)] = list.as_slice() else { return Err(unknown) };
+        let outer = std::mem::replace(&mut self.answering, true);
+        let value = value.eval(self);
+        self.answering = outer;
+        if let Err(Fault::NoFunction(_)) = value { Err(unknown) } else { value }
+    }
+
+    /// Sets a variable; the macro is asked where to write one of the system.
+    pub(super) fn set(&mut self, index: u32, value: f64) -> Result<(), Fault> {
+        let why = match self.host.set_number(index, value) {
+            Ok(()) => return Ok(()),
+            Err(NotThere::Halt(halt)) => return Err(Fault::Halt(halt)),
+            Err(why) => why,
+        };
+        if index < SYSTEM || !self.host.identifies() {
+            return Err(fault(index, why));
+        }
+        match self.ask_variable(index, Some(&Value::Real(number(value))))? {
+            Answer::Unknown => Err(fault(index, why)),
+            Answer::Drop => Ok(()),
+            Answer::Keep => Err(Fault::Kept(index)),
+            Answer::Instead(text) => {
+                let wanted = text.trim().strip_prefix('#').and_then(|text| text.trim().parse::<u32>().ok());
+                match wanted.filter(|wanted| *wanted != index && (*wanted < SYSTEM || self.host.is_common(*wanted))) {
+                    Some(wanted) => self.set(wanted, value),
+                    None => Err(Fault::NoVariable(f64::from(index))),
+                }
+            }
+        }
+    }
+}
+
+impl Variables for Access<'_> {
+    fn get(&mut self, index: u32) -> Result<f64, Fault> {
+        let system = index >= SYSTEM && !self.host.is_common(index);
+        let value = if system && self.asks() { self.identified(index) } else { self.known(index) };
+        match value {
+            Err(fault @ Fault::NoVariable(_)) if self.host.continues_after(&diag::MACRO_VARIABLE) => {
+                alarm(self.host, &fault);
+                Ok(0.0)
+            }
+            value => value,
+        }
+    }
+
+    fn unknown_function(&mut self, span: (u32, u32)) -> Result<f64, Fault> {
+        let text = self.host.part(span).to_ascii_uppercase();
+        let unknown = Fault::NoFunction(text.clone());
+        if !self.asks() {
+            return Err(unknown);
+        }
+        match self.host.identify(&text, None)? {
+            Answer::Unknown => Err(unknown),
+            Answer::Drop => Ok(0.0),
+            Answer::Keep => Err(Fault::KeptFunction(text)),
+            Answer::Instead(text) => self.value_of(&text, unknown),
+        }
+    }
+
+    fn steps(&self) -> f64 {
+        self.steps
+    }
+}
+
+/// Why a statement was abandoned.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Abandoned {
+    /// The kernel leaves its program.
+    Halt(Halt),
+    /// The identification macro wants the text with a variable that nobody knows to remain on the block.
+    Text,
+}
+
+impl From<Halt> for Abandoned {
+    fn from(halt: Halt) -> Self {
+        Self::Halt(halt)
+    }
+}
+
+/// Value of an expression in a statement.
+pub(super) fn eval(host: &mut dyn Host, expr: &Expr) -> Result<f64, Abandoned> {
+    eval_at(host, expr, 1.0)
+}
+
+/// Value of an expression at an address whose values have so many steps of one unit.
+pub(super) fn eval_at(host: &mut dyn Host, expr: &Expr, steps: f64) -> Result<f64, Abandoned> {
+    if let Some(value) = expr.as_constant() {
+        return Ok(value);
+    }
+    match expr.eval(&mut Access::at_address(host, steps)) {
+        Ok(value) => Ok(value),
+        // What has no value counts as 0 where the machine continues.
+        Err(fault) => abandons(host, &fault).map(|()| 0.0),
+    }
+}
+
+/// A fault ends its statement, unless the machine continues after it.
+pub(super) fn abandons(host: &mut dyn Host, fault: &Fault) -> Result<(), Abandoned> {
+    if matches!(fault, Fault::Kept(_) | Fault::KeptFunction(_)) {
+        return Err(Abandoned::Text);
+    }
+    match alarm(host, fault) {
+        Halt::Dropped => Ok(()),
+        halt => Err(Abandoned::Halt(halt)),
+    }
+}
+
+/// Alarm of a fault.
+fn alarm(host: &mut dyn Host, fault: &Fault) -> Halt {
+    let facts = match fault {
+        Fault::Halt(halt) => return *halt,
+        Fault::Division => &diag::MACRO_DIVISION,
+        Fault::Overflow => &diag::MACRO_OVERFLOW,
+        Fault::Domain(..) => &diag::MACRO_DOMAIN,
+        Fault::NoFunction(_) | Fault::KeptFunction(_) => &diag::MACRO_SYNTAX,
+        Fault::NoVariable(_) | Fault::ReadOnly(_) | Fault::Kept(_) => &diag::MACRO_VARIABLE,
+    };
+    let text = format!("{fault} in '{}'", host.block_text());
+    host.alarm(facts, text)
+}
+
+fn fault(index: u32, why: NotThere) -> Fault {
+    match why {
+        NotThere::Missing => Fault::NoVariable(f64::from(index)),
+        NotThere::ReadOnly => Fault::ReadOnly(index),
+        NotThere::Halt(halt) => Fault::Halt(halt),
+    }
+}

@@ -1,0 +1,144 @@
+//! Arguments of macro calls: G65, G66 and G66.1, and words that call like them.
+//!
+//! Facts: reference control-emulator.md 5.4. Decisions: every letter is an argument, also one that the machine has no
+//! register for, wherever it is on the block; what cannot be one (further G words, a second P) remains text.
+
+use counterpoint_fault as diag;
+use counterpoint_fault::{Acted, Halt};
+
+use super::access::{Abandoned, eval};
+use super::expr::number;
+use super::statement::{Name, Statement, TemplateWord};
+use crate::host::Host;
+use crate::interpreter::{Arguments, MacroCall};
+
+/// How a G word calls.
+pub(super) fn macro_call(g: f64) -> Option<MacroCall> {
+    Some(match g {
+        65.0 => MacroCall::Once,
+        66.0 => MacroCall::AfterMoves,
+        66.1 => MacroCall::EachBlock,
+        67.0 => MacroCall::End,
+        _ => return None,
+    })
+}
+
+/// The same for those that have arguments.
+fn with_arguments(g: f64) -> Option<MacroCall> {
+    macro_call(g).filter(|call| *call != MacroCall::End)
+}
+
+/// Reads the words of a call; the word that calls by itself is not one of them.
+pub(super) fn arguments(
+    host: &mut dyn Host,
+    words: &[TemplateWord],
+    mut own: Option<(u8, f64)>,
+) -> Result<Arguments, Halt> {
+    let mut read = Arguments::default();
+    let mut levels = [0_u8; 3];
+    let calls = |word: &TemplateWord| {
+        let value = word.value.as_constant().filter(|_| word.name == Name::Letter(b'G'));
+        value.is_some_and(|value| with_arguments(value).is_some())
+    };
+    let strict = host.is_call_strict() && own.is_none() && words.iter().any(calls);
+    for word in words {
+        let span = (word.start, word.end);
+        let Name::Letter(letter) = word.name else {
+            host.keep_text(span);
+            continue;
+        };
+        let register = host.register(letter);
+        let value = match (register, word.written) {
+            (Some((register, _)), Some(number)) => host.read(register, number),
+            _ => match eval(host, &word.value) {
+                Ok(value) => value,
+                Err(Abandoned::Halt(halt)) => return Err(halt),
+                Err(Abandoned::Text) => {
+                    host.keep_text(span);
+                    continue;
+                }
+            },
+        };
+        let plain = match (letter, word.written) {
+            // Numbers of programs and passes are whole.
+            (b'P' | b'L', None) => number(value).round(),
+            _ => number(value),
+        };
+        if own.is_some() && own == register.map(|(register, _)| (register, plain)) {
+            own = None;
+            continue;
+        }
+        let call = with_arguments(plain).filter(|_| read.call.is_none() && letter == b'G');
+        if strict && call.is_none() {
+            check_place(host, letter, read.call.is_some())?;
+        }
+        match letter {
+            b'G' if call.is_some() => read.call = call,
+            b'N' | b'O' => {}
+            b'P' if read.program.is_none() => read.program = Some(plain),
+            b'L' => read.count = Some(plain),
+            letter @ b'I'..=b'K' => {
+                let slot = letter - b'I';
+                let Some(level) = levels.get_mut(usize::from(slot)) else { continue };
+                read.values.push((4 + *level * 3 + slot, value));
+                *level = level.saturating_add(1).min(9);
+            }
+            letter => match variable(letter) {
+                Some(variable) => read.values.push((variable, value)),
+                None => host.keep_text(span),
+            },
+        }
+    }
+    Ok(read)
+}
+
+/// Arguments come after the word that calls, and a G word is never one.
+fn check_place(host: &mut dyn Host, letter: u8, after: bool) -> Acted {
+    if matches!(letter, b'N' | b'O') {
+        return Ok(());
+    }
+    let letter = char::from(letter);
+    if !after {
+        let text = format!("{letter} stands before the macro call in '{}'", host.block_text());
+        return Err(host.alarm(&diag::CALL_NOT_FIRST, text));
+    }
+    if letter == 'G' {
+        let text = format!("G is no argument of the macro call in '{}'", host.block_text());
+        return Err(host.alarm(&diag::CALL_G_WORD, text));
+    }
+    Ok(())
+}
+
+/// The words of a block, also after THEN.
+pub(super) fn words_of(statement: &Statement) -> Option<&[TemplateWord]> {
+    match statement {
+        Statement::Words(words) => Some(words),
+        Statement::IfThen(_, inner) => words_of(inner),
+        _ => None,
+    }
+}
+
+/// Local variable of an argument letter (argument list I of the control).
+fn variable(letter: u8) -> Option<u8> {
+    Some(match letter {
+        b'A' => 1,
+        b'B' => 2,
+        b'C' => 3,
+        b'D' => 7,
+        b'E' => 8,
+        b'F' => 9,
+        b'H' => 11,
+        b'M' => 13,
+        b'Q' => 17,
+        b'R' => 18,
+        b'S' => 19,
+        b'T' => 20,
+        b'U' => 21,
+        b'V' => 22,
+        b'W' => 23,
+        b'X' => 24,
+        b'Y' => 25,
+        b'Z' => 26,
+        _ => return None,
+    })
+}

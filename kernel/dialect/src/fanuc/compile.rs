@@ -1,0 +1,167 @@
+//! From the text of a line to a [`Line`]: its statement.
+
+use super::control::KEY_WORDS;
+use super::cursor::{Error, NESTING, Parser};
+use super::expr::Expr;
+use super::statement::{Line, Statement};
+use counterpoint_program::key_words::{Names, key_word};
+
+/// Compiles a line (comments and optional-skip marks already blanked out) of a machine that has these names.
+///
+/// # Errors
+/// [`Error`] with the column and what was expected.
+pub(super) fn compile(text: &[u8], names: Names<'_>) -> Result<Line, Error> {
+    let mut parser = Parser { text, at: 0, depth: 0, names, written: None, name: None };
+    let mut sequence = None;
+    parser.blanks();
+    if matches!(parser.peek(), Some(b'N' | b'n')) {
+        let start = parser.at;
+        parser.at += 1;
+        match parser.unsigned() {
+            Some(number) => sequence = Some(number),
+            None => parser.at = start,
+        }
+    }
+    parser.blanks();
+    let place = (parser.at as u32, text.trim_ascii_end().len() as u32);
+    let statement = parser.statement()?;
+    parser.blanks();
+    if parser.at < text.len() {
+        return Err(parser.error("the end of the statement"));
+    }
+    Ok(Line { sequence, statement, place, name: parser.name, messages: Box::default() })
+}
+
+impl Parser<'_> {
+    fn statement(&mut self) -> Result<Statement, Error> {
+        if self.peek() == Some(b'#') {
+            return self.assignments();
+        }
+        if self.stands_long_name() || !key_word(self.names, self.text, self.at) {
+            return self.words();
+        }
+        match self.keyword(KEY_WORDS.all) {
+            Some("IF") => self.conditional(),
+            Some("WHILE") => {
+                let condition = self.condition()?;
+                if self.keyword(&["DO"]).is_none() {
+                    return Err(self.error("DO after the condition"));
+                }
+                Ok(Statement::While(condition, self.loop_number()?))
+            }
+            Some("DO") => Ok(Statement::Do(self.loop_number()?)),
+            Some("END") => Ok(Statement::End(self.loop_number()?)),
+            Some("ENDIF") => Ok(Statement::EndIf),
+            Some("ELSE") => Ok(Statement::Else),
+            Some("GOTO") => Ok(Statement::Goto(self.jump_target()?)),
+            Some("THEN") => Err(self.error("IF before THEN")),
+            Some("POPEN") => Ok(Statement::Output(true)),
+            Some("PCLOS") => Ok(Statement::Output(false)),
+            Some("DPRNT") => Ok(Statement::Print(self.items(2)?)),
+            Some("BPRNT") => Ok(Statement::PrintBinary(self.items(1)?)),
+            Some(_) | None => self.words(),
+        }
+    }
+
+    fn conditional(&mut self) -> Result<Statement, Error> {
+        let condition = self.condition()?;
+        match self.keyword(&["GOTO", "THEN"]) {
+            Some("GOTO") => Ok(Statement::IfGoto(condition, self.jump_target()?)),
+            Some(_) if self.peek().is_none() => Ok(Statement::IfBlock(condition)),
+            Some(_) => {
+                self.depth += 1;
+                if self.depth > NESTING {
+                    return Err(self.error("less nesting"));
+                }
+                let inner = self.statement()?;
+                self.depth -= 1;
+                Ok(Statement::IfThen(condition, Box::new(inner)))
+            }
+            None => Err(self.error("GOTO or THEN after the condition")),
+        }
+    }
+
+    fn loop_number(&mut self) -> Result<u8, Error> {
+        match self.unsigned() {
+            Some(n @ 1..=3) => Ok(n as u8),
+            _ => Err(self.error("a loop number 1, 2 or 3")),
+        }
+    }
+
+    fn jump_target(&mut self) -> Result<Expr, Error> {
+        match self.peek() {
+            Some(b'0'..=b'9') => Ok(Expr::constant(f64::from(self.unsigned().unwrap_or(0)))),
+            Some(b'[' | b'#') => {
+                let mut ops = Vec::new();
+                self.primary(&mut ops)?;
+                Ok(Expr { ops })
+            }
+            _ => Err(self.error("a sequence number")),
+        }
+    }
+
+    fn condition(&mut self) -> Result<Expr, Error> {
+        if self.peek() != Some(b'[') {
+            return Err(self.error("'[' before the condition"));
+        }
+        // Its own brackets are no level.
+        self.at += 1;
+        let mut ops = Vec::new();
+        self.relation(&mut ops)?;
+        if !self.accept(b']') {
+            return Err(self.error("']'"));
+        }
+        self.checked(ops)
+    }
+
+    fn assignments(&mut self) -> Result<Statement, Error> {
+        let mut list = Vec::new();
+        while self.accept(b'#') {
+            let mut target = Vec::new();
+            self.variable_number(&mut target)?;
+            if !self.accept(b'=') {
+                return Err(self.error("'=' after the variable"));
+            }
+            let mut value = Vec::new();
+            self.logical(&mut value)?;
+            list.push((self.checked(target)?, self.checked(value)?));
+        }
+        Ok(Statement::Assign(list))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn plain(text: &[u8]) -> Result<Line, Error> {
+        compile(text, Names { key_words: KEY_WORDS, ..Names::default() })
+    }
+
+    #[test]
+    fn statements() {
+        let kind = |text: &str| plain(text.as_bytes()).map(|l| l.statement);
+        assert!(matches!(kind("IF[#4GT0]GOTO10"), Ok(Statement::IfGoto(..))));
+        assert!(matches!(kind("N10 IF [#1 EQ 2] THEN #3=4"), Ok(Statement::IfThen(..))));
+        assert!(matches!(kind("WHILE[#1LT200000]DO1"), Ok(Statement::While(_, 1))));
+        assert!(matches!(kind("WH[#1LT3]DO2"), Ok(Statement::While(_, 2))));
+        assert!(matches!(kind("END1"), Ok(Statement::End(1))));
+        assert!(matches!(kind("EN2"), Ok(Statement::End(2))));
+        assert!(matches!(kind("ENDIF"), Ok(Statement::EndIf)));
+        assert!(matches!(kind("GO20"), Ok(Statement::Goto(_))));
+        assert!(matches!(kind("DPRNT[X#1[42]]"), Ok(Statement::Print(_))));
+        assert!(matches!(kind("BP[C**#1[2]D]"), Ok(Statement::PrintBinary(items)) if items.len() == 3));
+        assert!(matches!(kind("POPEN"), Ok(Statement::Output(true))));
+        for wrong in
+            ["DPRNT", "DPRNT[X#1]", "DPRNT[X#1[4]]", "DPRNT[X#1[42]", "BPRNT[#1[42]]", "DPRNT[]]", "DPRNT[A[B]"]
+        {
+            assert!(kind(wrong).is_err(), "{wrong}");
+        }
+        assert_eq!(plain(b"N20 G1 X#4 Y-#5 Z[#6+1]").unwrap().sequence, Some(20));
+        assert!(plain(b"#1=[1+2").is_err());
+        assert!(plain(b"IF[1EQ1]").is_err());
+        assert!(plain("#1=".repeat(2).as_bytes()).is_err());
+        assert!(plain(format!("#1={}1", "[".repeat(10_000)).as_bytes()).is_err());
+        assert!(plain(format!("#1={}1", "#".repeat(10_000)).as_bytes()).is_err());
+    }
+}

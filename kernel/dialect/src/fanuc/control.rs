@@ -1,0 +1,68 @@
+//! Fanuc custom macro as a dialect.
+
+use super::{Fanuc, call};
+use crate::definition::{Dialect, Unknown};
+use crate::interpreter::{Interpreter, MacroCall};
+use counterpoint_machine::Machine;
+use counterpoint_program::key_words::KeyWords;
+use counterpoint_program::syntax::{PLAIN, Syntax};
+
+/// Key words of statements.
+pub(super) const KEY_WORDS: KeyWords = KeyWords {
+    all: &["IF", "WHILE", "GOTO", "DO", "END", "ENDIF", "ELSE", "THEN", "POPEN", "PCLOS", "BPRNT", "DPRNT"],
+    joined: "THEN",
+};
+
+static SYNTAX: Syntax = Syntax { angle_names: true, call_words: &["G65", "G66"], key_words: Some(KEY_WORDS), ..PLAIN };
+
+/// Fanuc controls and those with their macro language.
+pub(crate) struct Control;
+
+impl Dialect for Control {
+    fn name(&self) -> &'static str {
+        "fanuc"
+    }
+
+    fn title(&self) -> &'static str {
+        "Fanuc"
+    }
+
+    fn syntax(&self) -> &'static Syntax {
+        &SYNTAX
+    }
+
+    fn settings(&self) -> &'static [&'static str] {
+        &["PROCESS,SYSVARASSIGNMENT", "USENULL"]
+    }
+
+    fn macro_call(&self, g: f64) -> Option<MacroCall> {
+        call::macro_call(g)
+    }
+
+    fn interpreter(&self, _: &Machine) -> Option<Box<dyn Interpreter>> {
+        self.nested()
+    }
+
+    fn nested(&self) -> Option<Box<dyn Interpreter>> {
+        Some(Box::<Fanuc>::default())
+    }
+
+    fn lead_is_feed(&self) -> bool {
+        true
+    }
+
+    fn unknown_g_code(&self) -> Option<&'static str> {
+        Some("PS0010 improper G-code")
+    }
+
+    fn unknown_text(&self, text: &str, kind: Unknown) -> String {
+        match kind {
+            Unknown::Word => format!("PS0009 improper address: this control has no address for {text}"),
+            Unknown::Address => format!("PS0005 no number: {text} has no number"),
+            Unknown::Text if text.starts_with('.') => {
+                format!("PS0007 decimal point: {text} comes after another point")
+            }
+            Unknown::Text => format!("PS0004 bad word: {text} is not a word"),
+        }
+    }
+}

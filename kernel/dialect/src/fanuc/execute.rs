@@ -1,0 +1,228 @@
+//! Statements: assignments, branches, loops, printing, and words with expressions.
+//!
+//! Facts: reference control-emulator.md 5.4, fanuc-variables-and-alarms.md 2.5. *Invariant:* a loop is repeated only by a
+//! program that came in through its start.
+
+use std::sync::Arc;
+
+use counterpoint_fault as diag;
+use counterpoint_fault::{Acted, Halt};
+
+use super::access::{Abandoned, Access, abandons, eval, eval_at};
+use super::compile::compile;
+use super::expr::{Expr, is_vacant, number, to_step, variable_index};
+use super::loops::Pairs;
+use super::statement::{Item, Name, Statement, TemplateWord};
+use super::{Fanuc, print};
+use crate::host::{Host, MadeWord};
+use crate::interpreter::Remaining;
+use counterpoint_program::spot::Spot;
+
+impl Fanuc {
+    pub(super) fn statement(&mut self, host: &mut dyn Host, statement: &Statement) -> Result<Remaining, Abandoned> {
+        match statement {
+            Statement::Words(words) => return template(host, words),
+            Statement::IfThen(condition, inner) => {
+                if truth(host, condition)? {
+                    return self.statement(host, inner);
+                }
+            }
+            Statement::Assign(list) => list.iter().try_for_each(|(target, value)| assign(host, target, value))?,
+            Statement::IfGoto(condition, target) => {
+                if truth(host, condition)? {
+                    self.goto(host, target)?;
+                }
+            }
+            Statement::Goto(target) => self.goto(host, target)?,
+            Statement::While(condition, _) => {
+                if truth(host, condition)? {
+                    self.enter_loop(host)?;
+                } else {
+                    let (level, start) = (host.place().level, host.spot());
+                    host.loops().leave(level, start);
+                    self.skip_past(host, Pairs::of_loop)?;
+                }
+            }
+            Statement::Do(_) => self.enter_loop(host)?,
+            Statement::End(_) => self.end_loop(host)?,
+            Statement::IfBlock(condition) => {
+                if !truth(host, condition)? {
+                    self.skip_past(host, Pairs::of_branch)?;
+                }
+            }
+            Statement::Else => self.skip_past(host, Pairs::of_branch)?,
+            Statement::EndIf => {}
+            Statement::Output(open) => host.open_output(*open),
+            Statement::Print(items) => print_line(host, items, false)?,
+            Statement::PrintBinary(items) => print_line(host, items, true)?,
+        }
+        Ok(Remaining::Nothing)
+    }
+
+    /// The block opens a loop, or starts its next pass.
+    fn enter_loop(&mut self, host: &mut dyn Host) -> Acted {
+        let (level, start) = (host.place().level, host.spot());
+        if host.loops().enter(level, start) && self.pairs(host).of_loop(start).is_none() {
+            host.loops().leave(level, start);
+            return Err(unpaired(host));
+        }
+        Ok(())
+    }
+
+    /// The end of a loop: its next pass, if the program has come in through its start.
+    fn end_loop(&mut self, host: &mut dyn Host) -> Acted {
+        let Some(start) = self.pairs(host).of_loop(host.spot()) else { return Err(unpaired(host)) };
+        let level = host.place().level;
+        if host.loops().repeat(level, start) {
+            return host.go_to_block(start);
+        }
+        let (block, line) = (host.block_text(), start.line);
+        let text = format!("'{block}' ends a loop that line {line} opens, but a jump has led into it");
+        Err(host.alarm(&diag::LOOP_ENTERED, text))
+    }
+
+    /// A jump within the program leaves the loops that do not hold its target.
+    pub(super) fn leave_loops(&mut self, host: &mut dyn Host, target: Spot) {
+        if host.loops().is_empty() {
+            return;
+        }
+        let (pairs, level) = (self.pairs(host), host.place().level);
+        host.loops().jump(level, |start| pairs.of_loop(start).is_some_and(|end| (start..=end).contains(&target)));
+    }
+
+    /// Continues after the partner of the block.
+    fn skip_past(&mut self, host: &mut dyn Host, partner: fn(&Pairs, Spot) -> Option<Spot>) -> Acted {
+        match partner(&self.pairs(host), host.spot()) {
+            Some(block) => {
+                let after = host.after(block);
+                host.go_to_block(after)
+            }
+            None => Err(unpaired(host)),
+        }
+    }
+
+    /// Partners of the statements of the running program, found once.
+    fn pairs(&mut self, host: &dyn Host) -> Arc<Pairs> {
+        let Some((file, range)) = host.program() else { return Arc::default() };
+        self.pairs.get((file, range), || {
+            let Some(source) = host.source(file) else { return Pairs::default() };
+            let mut statements = Vec::new();
+            for line in source.walk(range.first, range.last).filter(|&line| has_bracketing(source.line(line))) {
+                host.each_block(source.line(line), &mut |offset, text, names| {
+                    let block = Spot { line, offset: offset as u32 };
+                    statements.extend(compile(text, names).map(|compiled| (block, compiled.statement)));
+                });
+            }
+            Pairs::of(statements.into_iter())
+        })
+    }
+
+    fn goto(&mut self, host: &mut dyn Host, target: &Expr) -> Result<(), Abandoned> {
+        let value = number(eval(host, target)?).round();
+        if !(1.0..=f64::from(u32::MAX)).contains(&value) {
+            let text = format!("{value} is no sequence number to go to in '{}'", host.block_text());
+            return Err(host.alarm(&diag::JUMP_TARGET, text).into());
+        }
+        let block = host.sequence(value as u32)?;
+        self.leave_loops(host, block);
+        Ok(host.go_to_block(block)?)
+    }
+}
+
+fn unpaired(host: &mut dyn Host) -> Halt {
+    let text = format!("'{}' has no partner in the program", host.block_text());
+    host.alarm(&diag::MACRO_LOOP, text)
+}
+
+fn truth(host: &mut dyn Host, condition: &Expr) -> Result<bool, Abandoned> {
+    eval(host, condition).map(|value| number(value) != 0.0)
+}
+
+fn assign(host: &mut dyn Host, target: &Expr, value: &Expr) -> Result<(), Abandoned> {
+    let value = eval(host, value)?;
+    let target = number(eval(host, target)?);
+    let index = match variable_index(target) {
+        Ok(index) => index,
+        Err(fault) => return abandons(host, &fault),
+    };
+    match index {
+        3000 => {
+            let text = format!("alarm {} raised by the program in '{}'", 3000.0 + number(value), host.block_text());
+            Err(host.alarm(&diag::MACRO_ALARM, text).into())
+        }
+        3006 => {
+            let text = host.block_text();
+            host.log_message(&text);
+            Ok(())
+        }
+        3001..=3004 => Ok(()),
+        _ => match Access::new(host).set(index, value) {
+            Ok(()) => Ok(()),
+            Err(fault) => abandons(host, &fault),
+        },
+    }
+}
+
+/// Prints a line.
+fn print_line(host: &mut dyn Host, items: &[Item], binary: bool) -> Result<(), Abandoned> {
+    let mut line = String::new();
+    for item in items {
+        match item {
+            Item::Text(text) => line.push_str(text),
+            Item::Number(value, whole, fraction) => {
+                let value = eval(host, value)?;
+                line.push_str(&if binary {
+                    print::binary(value, *fraction)
+                } else {
+                    print::decimal(value, *whole, *fraction, host.output())
+                });
+            }
+        }
+    }
+    line.push_str(if binary { "\n" } else { host.output().line_end });
+    Ok(host.print(&line)?)
+}
+
+/// Words with expressions become plain words; vacant values drop their word, kept ones remain text.
+fn template(host: &mut dyn Host, words: &[TemplateWord]) -> Result<Remaining, Abandoned> {
+    host.effect();
+    for word in words {
+        let span = (word.start, word.end);
+        let register = match word.name {
+            Name::Letter(letter) => host.register(letter),
+            Name::Register(register, incremental) => Some((register, incremental)),
+            Name::Text(_) => None,
+        };
+        let steps = register.filter(|_| word.written.is_none()).and_then(|(register, _)| host.steps(register));
+        let value = match eval_at(host, &word.value, steps.unwrap_or(1.0)) {
+            Ok(value) if is_vacant(value) => continue,
+            Ok(value) => steps.map_or(value, |steps| to_step(value, steps)),
+            Err(Abandoned::Text) => {
+                host.keep_text(span);
+                continue;
+            }
+            Err(halt) => return Err(halt),
+        };
+        match (word.name, register) {
+            (Name::Text(row), _) => host.push_text(row),
+            (Name::Register(register, _), _) if host.take_sequence(register, value) => {}
+            (_, Some((register, incremental))) => {
+                host.push(MadeWord { register, incremental, value, written: word.written, span });
+            }
+            (_, None) => host.keep_text(span),
+        }
+    }
+    host.words_are_made();
+    Ok(Remaining::Words)
+}
+
+/// A line that may hold a bracketing statement.
+fn has_bracketing(text: &[u8]) -> bool {
+    text.windows(2).any(|pair| match pair {
+        [a, b] => {
+            let pair = [a.to_ascii_uppercase(), b.to_ascii_uppercase()];
+            [*b"DO", *b"EN", *b"IF", *b"EL", *b"WH"].contains(&pair)
+        }
+        _ => false,
+    })
+}

@@ -1,0 +1,377 @@
+//! Expressions: from text to postfix operations.
+//!
+//! Facts: reference control-emulator.md 5.4 (Fanuc row). Binding from weak to strong: `||`, `&&`, comparisons, sums
+//! with OR and XOR, products with AND and MOD, signs. Invariant: what is made fits the stack of the evaluation.
+
+use super::cursor::{Error, Parser};
+use super::expr::{Expr, Op, STACK};
+use crate::expression::{Grammar, read};
+use crate::numeric::Function;
+
+/// Functions of one argument in brackets.
+const FUNCTIONS: &[(&str, Op)] = &[
+    ("SIN", Op::Apply(Function::Sin)),
+    ("COS", Op::Apply(Function::Cos)),
+    ("TAN", Op::Apply(Function::Tan)),
+    ("ASIN", Op::Apply(Function::Asin)),
+    ("ACOS", Op::Apply(Function::Acos)),
+    ("ATAN", Op::Apply(Function::Atan)),
+    ("SQRT", Op::Apply(Function::Sqrt)),
+    ("SQR", Op::Apply(Function::Sqrt)),
+    ("ABS", Op::Apply(Function::Abs)),
+    ("ROUND", Op::Round),
+    ("FIX", Op::Apply(Function::Fix)),
+    ("FUP", Op::Apply(Function::Fup)),
+    ("LN", Op::Apply(Function::Ln)),
+    ("EXP", Op::Apply(Function::Exp)),
+    ("BIN", Op::Apply(Function::Bin)),
+    ("BCD", Op::Apply(Function::Bcd)),
+];
+
+/// Operators by level, loosest first: text, how many of its letters are enough, what it does.
+const OPERATORS: [&[(&str, usize, Op)]; 5] = [
+    &[("||", 2, Op::Either)],
+    &[("&&", 2, Op::Both)],
+    &[("EQ", 2, Op::Eq), ("NE", 2, Op::Ne), ("GT", 2, Op::Gt), ("GE", 2, Op::Ge), ("LT", 2, Op::Lt), ("LE", 2, Op::Le)],
+    &[("+", 1, Op::Add), ("-", 1, Op::Sub), ("|", 1, Op::Or), ("OR", 2, Op::Or), ("XOR", 2, Op::Xor)],
+    &[("*", 1, Op::Mul), ("/", 1, Op::Div), ("&", 1, Op::And), ("AND", 2, Op::And), ("MOD", 3, Op::Mod)],
+];
+
+/// Level of comparisons, which are understood inside brackets only.
+const COMPARISONS: usize = 2;
+/// Level of sums.
+const SUMS: usize = 3;
+
+/// Reads an expression into postfix operations.
+struct Reader<'p, 't> {
+    parser: &'p mut Parser<'t>,
+    ops: &'p mut Vec<Op>,
+    /// Inside brackets.
+    compares: bool,
+}
+
+impl Grammar for Reader<'_, '_> {
+    type Operator = Op;
+    type Part = ();
+    type Mistake = Error;
+
+    fn operand(&mut self) -> Result<(), Error> {
+        self.parser.signed(self.ops)
+    }
+
+    fn operator(&mut self, loosest: usize) -> Option<(usize, Op)> {
+        self.parser.peek()?;
+        let letters = self.parser.letters();
+        for (level, operators) in OPERATORS.iter().enumerate().skip(loosest) {
+            if level == COMPARISONS && !self.compares {
+                continue;
+            }
+            if let Some((_, _, op)) =
+                operators.iter().find(|(text, least, _)| self.parser.takes(text, *least, &letters))
+            {
+                return Some((level, *op));
+            }
+        }
+        None
+    }
+
+    fn join(&mut self, op: Op, (): (), (): ()) {
+        self.ops.push(op);
+    }
+}
+
+impl Parser<'_> {
+    /// An expression that fits the evaluation stack.
+    pub(super) fn checked(&self, ops: Vec<Op>) -> Result<Expr, Error> {
+        let (mut depth, mut most) = (0_usize, 0_usize);
+        for op in &ops {
+            match op {
+                Op::Number(_) | Op::Variable(_) | Op::Unknown(..) => depth += 1,
+                Op::Add
+                | Op::Sub
+                | Op::Mul
+                | Op::Div
+                | Op::Mod
+                | Op::And
+                | Op::Or
+                | Op::Xor
+                | Op::Both
+                | Op::Either
+                | Op::Eq
+                | Op::Ne
+                | Op::Gt
+                | Op::Ge
+                | Op::Lt
+                | Op::Le
+                | Op::Atan2 => depth = depth.saturating_sub(1),
+                _ => {}
+            }
+            most = most.max(depth);
+        }
+        if most > STACK { Err(self.error("a shorter expression")) } else { Ok(Expr { ops }) }
+    }
+
+    /// An expression outside brackets: without comparisons.
+    pub(super) fn logical(&mut self, ops: &mut Vec<Op>) -> Result<(), Error> {
+        read(&mut Reader { parser: self, ops, compares: false }, 0)
+    }
+
+    /// An expression inside brackets.
+    pub(super) fn relation(&mut self, ops: &mut Vec<Op>) -> Result<(), Error> {
+        read(&mut Reader { parser: self, ops, compares: true }, 0)
+    }
+
+    /// A sum.
+    pub(super) fn expression(&mut self, ops: &mut Vec<Op>) -> Result<(), Error> {
+        read(&mut Reader { parser: self, ops, compares: false }, SUMS)
+    }
+
+    /// Takes an operator that stands here; of one of letters so many are enough.
+    fn takes(&mut self, text: &str, least: usize, letters: &str) -> bool {
+        let here = self.text.get(self.at..).unwrap_or_default();
+        let length = match text.as_bytes() {
+            // A doubled one is another operator.
+            [sign @ (b'|' | b'&')] if here.get(1) == Some(sign) => 0,
+            [b'A'..=b'Z', ..] if letters.starts_with(text) => text.len(),
+            [b'A'..=b'Z', ..] if text.get(..least).is_some_and(|begin| letters.starts_with(begin)) => least,
+            [b'A'..=b'Z', ..] => 0,
+            sign if here.starts_with(sign) => sign.len(),
+            _ => 0,
+        };
+        self.at += length;
+        length > 0
+    }
+
+    fn signed(&mut self, ops: &mut Vec<Op>) -> Result<(), Error> {
+        let mut negative = false;
+        loop {
+            if self.accept(b'-') {
+                negative = !negative;
+            } else if !self.accept(b'+') {
+                break;
+            }
+        }
+        self.primary(ops)?;
+        if negative {
+            ops.push(Op::Neg);
+        }
+        Ok(())
+    }
+
+    pub(super) fn primary(&mut self, ops: &mut Vec<Op>) -> Result<(), Error> {
+        match self.peek() {
+            Some(b'#') => {
+                self.at += 1;
+                let mut number = Vec::new();
+                self.variable_number(&mut number)?;
+                match number.as_slice() {
+                    [Op::Number(n)] if *n >= 0.0 && n.fract() == 0.0 && *n <= f64::from(u32::MAX) => {
+                        ops.push(Op::Variable(*n as u32));
+                    }
+                    _ => {
+                        ops.append(&mut number);
+                        ops.push(Op::Indirect);
+                    }
+                }
+                Ok(())
+            }
+            Some(b'[') => self.bracketed(ops),
+            Some(b'0'..=b'9' | b'.') => {
+                ops.push(Op::Number(self.literal()?));
+                Ok(())
+            }
+            Some(byte) if byte.is_ascii_uppercase() => self.function(ops),
+            _ => Err(self.error("a value")),
+        }
+    }
+
+    /// What stands after `#`: digits, `[expression]` or another variable.
+    pub(super) fn variable_number(&mut self, ops: &mut Vec<Op>) -> Result<(), Error> {
+        match self.peek() {
+            Some(b'0'..=b'9') => {
+                ops.push(Op::Number(f64::from(self.unsigned().unwrap_or(0))));
+                Ok(())
+            }
+            Some(b'[') => self.bracketed(ops),
+            Some(b'#') => {
+                self.nest()?;
+                self.primary(ops)?;
+                self.depth -= 1;
+                Ok(())
+            }
+            _ => Err(self.error("a variable number")),
+        }
+    }
+
+    pub(super) fn bracketed(&mut self, ops: &mut Vec<Op>) -> Result<(), Error> {
+        self.nest()?;
+        self.at += 1;
+        self.relation(ops)?;
+        if !self.accept(b']') {
+            return Err(self.error("']'"));
+        }
+        self.depth -= 1;
+        Ok(())
+    }
+
+    fn literal(&mut self) -> Result<f64, Error> {
+        let start = self.at;
+        while matches!(self.text.get(self.at), Some(b'0'..=b'9' | b'.')) {
+            self.at += 1;
+        }
+        std::str::from_utf8(self.text.get(start..self.at).unwrap_or_default())
+            .ok()
+            .and_then(|s| s.parse().ok())
+            .ok_or_else(|| self.error("a number"))
+    }
+
+    fn function(&mut self, ops: &mut Vec<Op>) -> Result<(), Error> {
+        let letters = self.letters();
+        // The longest name wins; two letters of a name are enough.
+        let mut best: Option<(Op, usize)> = None;
+        for &(name, op) in FUNCTIONS {
+            let common = name.bytes().zip(letters.bytes()).take_while(|(a, b)| a == b).count();
+            if common >= 2 && common == letters.len() && best.is_none_or(|(_, n)| n < common) {
+                best = Some((op, common));
+            }
+        }
+        let Some((op, length)) = best else {
+            return self.unknown_function(ops);
+        };
+        self.at += length;
+        if self.peek() != Some(b'[') {
+            return Err(self.error("'[' after the function"));
+        }
+        if op == Op::Apply(Function::Atan) {
+            return self.arc_tangent(ops);
+        }
+        self.bracketed(ops)?;
+        ops.push(op);
+        Ok(())
+    }
+
+    /// A function begins here that the control has.
+    pub(super) fn stands_function(&mut self) -> bool {
+        let letters = self.letters();
+        letters.len() >= 2 && FUNCTIONS.iter().any(|(name, _)| name.starts_with(&letters))
+    }
+
+    /// `NAME[…]` that the control does not have: the machine may know its value.
+    fn unknown_function(&mut self, ops: &mut Vec<Op>) -> Result<(), Error> {
+        let start = self.at;
+        let name = self.text.get(start..).unwrap_or_default();
+        let name = name.iter().take_while(|byte| byte.is_ascii_alphanumeric() || **byte == b'_').count();
+        self.at += name;
+        if self.peek() != Some(b'[') {
+            self.at = start;
+            return Err(self.error("a value"));
+        }
+        let mut open = 0_usize;
+        while let Some(byte) = self.text.get(self.at) {
+            self.at += 1;
+            match byte {
+                b'[' => open += 1,
+                b']' if open == 1 => {
+                    ops.push(Op::Unknown(start as u32, self.at as u32));
+                    return Ok(());
+                }
+                b']' => open -= 1,
+                _ => {}
+            }
+        }
+        Err(self.error("']'"))
+    }
+
+    /// The arguments of `ATAN[y]`, `ATAN[y]/[x]`, `ATAN[y,x]`.
+    fn arc_tangent(&mut self, ops: &mut Vec<Op>) -> Result<(), Error> {
+        self.nest()?;
+        self.at += 1;
+        self.relation(ops)?;
+        let two = self.accept(b',');
+        if two {
+            self.relation(ops)?;
+        }
+        if !self.accept(b']') {
+            return Err(self.error("']'"));
+        }
+        self.depth -= 1;
+        let mark = self.at;
+        if !two && self.accept(b'/') && self.peek() == Some(b'[') {
+            self.bracketed(ops)?;
+            ops.push(Op::Atan2);
+            return Ok(());
+        }
+        self.at = mark;
+        ops.push(if two { Op::Atan2 } else { Op::Apply(Function::Atan) });
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::compile;
+    use super::super::expr::{Fault, Variables};
+    use super::super::statement::Statement;
+    use crate::numeric::VACANT;
+    use counterpoint_program::key_words::Names;
+
+    struct Fixed;
+
+    impl Variables for Fixed {
+        fn get(&mut self, index: u32) -> Result<f64, Fault> {
+            Ok(match index {
+                0 | 9 => VACANT,
+                n => f64::from(n),
+            })
+        }
+    }
+
+    fn value(text: &str) -> Result<f64, Fault> {
+        let line = compile(format!("#1={text}").as_bytes(), Names::default()).unwrap();
+        let Statement::Assign(list) = line.statement else { panic!("no assignment") };
+        list[0].1.eval(&mut Fixed)
+    }
+
+    #[test]
+    fn operators_bind_as_on_the_control() {
+        for (text, expected) in [
+            ("1+2*3", 7.0),
+            ("[1+2]*3", 9.0),
+            ("-2*-3", 6.0),
+            ("7MOD3", 1.0),
+            ("#[2+3]", 5.0),
+            ("##3", 3.0),
+            ("SIN[30]", 0.5),
+            ("COS[90]", 0.0),
+            ("ATAN[1]/[-1]", 135.0),
+            ("ATAN[1]", 45.0),
+            ("SQRT[#4*#4+9]", 5.0),
+            ("FIX[-2.5]", -2.0),
+            ("FUP[2.1]", 3.0),
+            ("ROUND[2.5]", 3.0),
+            ("[#3EQ3]AND[2LT1]", 0.0),
+            ("[#3EQ3]OR[2LT1]", 1.0),
+            ("6AN3", 2.0),
+            ("6XO3", 5.0),
+            ("6&&3", 1.0),
+            ("0||[2&&0]", 0.0),
+            ("[1EQ1&&2EQ3||4GT3]", 1.0),
+            ("[1EQ2&&2EQ2]", 0.0),
+            ("ATAN[1,-1]", 135.0),
+            ("ATAN[1]/2", 22.5),
+            ("[#9EQ#0]", 1.0),
+            ("[#9EQ0]", 0.0),
+            ("#9+1", 1.0),
+        ] {
+            let found = value(text).unwrap();
+            assert!((found - expected).abs() < 1e-12, "{text}: {found}");
+        }
+    }
+
+    #[test]
+    fn faults_are_told() {
+        assert_eq!(value("1/0"), Err(Fault::Division));
+        assert!(matches!(value("SQRT[-1]"), Err(Fault::Domain("SQRT", _))));
+        assert!(matches!(value("#[0-1.5]"), Err(Fault::NoVariable(_))));
+    }
+}

@@ -1,0 +1,174 @@
+//! Fanuc custom macro: variables, expressions, branches and loops.
+//!
+//! Facts: reference control-emulator.md 5.4 (Fanuc row). A line is compiled (`compile`, `formula`, `words`) and executed
+//! (`execute`, `access`). The numbered variables are the kernel's: they belong to its call levels, channels and axes.
+//! *Invariants:* compiling is linear in the length of the line and never panics; nesting of brackets is limited; the
+//! interpreter holds nothing but what it has read of programs, so a block within a block may run with another one.
+
+mod access;
+mod call;
+mod compile;
+mod control;
+mod cursor;
+mod execute;
+mod expr;
+mod formula;
+mod loops;
+mod print;
+mod statement;
+mod words;
+
+use std::sync::Arc;
+
+use counterpoint_fault as diag;
+use counterpoint_fault::Halt;
+use counterpoint_lang::value::Value;
+
+pub(crate) use control::Control;
+
+use super::host::{Host, NotThere};
+use super::interpreter::{Arguments, Interpreter, Remaining, Setting};
+use super::kept::{Kept, Tables};
+use super::numeric::is_vacant;
+use access::{Abandoned, Access};
+use compile::compile;
+use counterpoint_event::FileId;
+use counterpoint_program::program::Range;
+use counterpoint_program::spot::Spot;
+use expr::Fault;
+use loops::Pairs;
+use statement::Line;
+
+/// The interpreter.
+#[derive(Debug, Default)]
+struct Fanuc {
+    lines: Kept<Line>,
+    /// Partners of loops and branches by program.
+    pairs: Tables<(FileId, Range), Pairs>,
+    /// Text of the block without comments.
+    stripped: Vec<u8>,
+}
+
+impl Fanuc {
+    /// The compiled form of the block, kept once the program has jumped back or called. `displays` shows its messages: on
+    /// every pass, but once for a block that is read twice.
+    fn line(&mut self, host: &mut dyn Host, text: &[u8], displays: bool) -> Result<Arc<Line>, Halt> {
+        let place = host.place();
+        let key = (place.file, place.line);
+        if place.as_read
+            && let Some(line) = self.lines.get(key)
+        {
+            let line = Arc::clone(line);
+            if displays && !line.messages.is_empty() {
+                host.display_again(text, &line.messages);
+            }
+            return Ok(line);
+        }
+        let messages = host.strip(text, displays, &mut self.stripped);
+        match compile(&self.stripped, host.names()) {
+            Ok(line) => {
+                let line = Arc::new(Line { messages, ..line });
+                if place.repeats && place.as_read {
+                    self.lines.insert(key, &line, text.len());
+                }
+                Ok(line)
+            }
+            Err(error) => {
+                let facts = if error.brackets { &diag::BRACKETS } else { &diag::MACRO_SYNTAX };
+                let text = format!("{error} in '{}'", host.block_text());
+                Err(host.alarm(facts, text))
+            }
+        }
+    }
+}
+
+impl Interpreter for Fanuc {
+    fn block(&mut self, host: &mut dyn Host, text: &[u8]) -> Result<Remaining, Halt> {
+        let line = self.line(host, text, true)?;
+        if let Some(number) = line.sequence {
+            host.set_sequence(number);
+        }
+        if let Some(span) = line.name {
+            host.set_program_name(span);
+        }
+        match self.statement(host, &line.statement) {
+            Ok(remaining) => Ok(remaining),
+            Err(Abandoned::Halt(halt)) => Err(halt),
+            Err(Abandoned::Text) => {
+                host.keep_text(line.place);
+                Ok(Remaining::Words)
+            }
+        }
+    }
+
+    fn arguments(
+        &mut self,
+        host: &mut dyn Host,
+        text: &[u8],
+        own: Option<(u8, f64)>,
+    ) -> Result<Option<Arguments>, Halt> {
+        let line = self.line(host, text, false)?;
+        if let Some(span) = line.name {
+            host.set_program_name(span);
+        }
+        call::words_of(&line.statement).map(|words| call::arguments(host, words, own)).transpose()
+    }
+
+    fn restart(&mut self, _: bool) {
+        *self = Self::default();
+    }
+
+    fn on_jump(&mut self, host: &mut dyn Host, target: Spot) {
+        self.leave_loops(host, target);
+    }
+
+    fn forget_lines(&mut self) {
+        self.lines.clear();
+        self.pairs.clear();
+    }
+
+    fn variable(&mut self, host: &mut dyn Host, name: &str, indices: &[f64]) -> Result<Option<Value>, Halt> {
+        let Some(index) = spelled(name, indices) else { return Ok(None) };
+        match host.number(index) {
+            Ok(value) => Ok((!is_vacant(value)).then_some(Value::Real(value))),
+            Err(NotThere::Halt(halt)) => Err(halt),
+            Err(_) => Ok(None),
+        }
+    }
+
+    fn set_variable(&mut self, host: &mut dyn Host, name: &str, indices: &[f64], value: &Value) -> Result<bool, Halt> {
+        let (Some(index), Some(value)) = (spelled(name, indices), value.as_real()) else { return Ok(false) };
+        match Access::new(host).set(index, value) {
+            Err(Fault::Halt(halt)) => Err(halt),
+            done => Ok(done.is_ok()),
+        }
+    }
+
+    fn setting(&mut self, host: &mut dyn Host, name: &str, values: &[Value]) -> Setting {
+        let set = match name {
+            "PROCESS,SYSVARASSIGNMENT" => |host: &mut dyn Host, on| host.set_asking(on),
+            "USENULL" => |host: &mut dyn Host, on| host.set_vacant(on),
+            _ => return Setting::Unknown,
+        };
+        let [value] = values else { return Setting::NotLogical };
+        let Some(on) = value.as_logical() else { return Setting::NotLogical };
+        set(host, on);
+        Setting::Made
+    }
+
+    fn tables(&self) -> u64 {
+        (self.lines.bytes() + self.pairs.bytes()) as u64
+    }
+}
+
+/// Number of a variable as macros name it: `#100`, or `#` with an index apart.
+fn spelled(name: &str, indices: &[f64]) -> Option<u32> {
+    let name = name.trim().strip_prefix('#')?.trim().trim_start_matches('[').trim_end_matches(']');
+    match indices.first() {
+        Some(index) if name.is_empty() => {
+            let whole = index.fract() == 0.0 && (0.0..=f64::from(u32::MAX)).contains(index);
+            whole.then_some(*index as u32)
+        }
+        _ => name.parse().ok(),
+    }
+}

@@ -1,0 +1,86 @@
+//! A compiled program line, and what its words may be called.
+
+use super::expr::Expr;
+use counterpoint_program::key_words::Number;
+
+/// A line after compiling.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Line {
+    /// Sequence number.
+    pub(super) sequence: Option<u32>,
+    /// What it does.
+    pub(super) statement: Statement,
+    /// Place of the statement, after the sequence number.
+    pub(super) place: (u32, u32),
+    /// Place of a program name in angle brackets.
+    pub(super) name: Option<(u32, u32)>,
+    /// Places of its messages to the operator.
+    pub(super) messages: Box<[(u32, u32)]>,
+}
+
+/// What a line does.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) enum Statement {
+    /// A block of words, some of them with expressions.
+    Words(Vec<TemplateWord>),
+    /// `#i = expression`, left to right.
+    Assign(Vec<(Expr, Expr)>),
+    /// `IF [condition] GOTO n`.
+    IfGoto(Expr, Expr),
+    /// `IF [condition] THEN statement`.
+    IfThen(Expr, Box<Statement>),
+    /// `IF [condition] THEN` alone: a block form that `ELSE` and `ENDIF` close.
+    IfBlock(Expr),
+    /// `ELSE`.
+    Else,
+    /// `ENDIF`.
+    EndIf,
+    /// `WHILE [condition] DO m`.
+    While(Expr, u8),
+    /// `DO m` without a condition.
+    Do(u8),
+    /// `END m`.
+    End(u8),
+    /// `GOTO n`.
+    Goto(Expr),
+    /// `POPEN` and `PCLOS`: output begins, output ends.
+    Output(bool),
+    /// `DPRNT[…]`: a line of text and numbers.
+    Print(Vec<Item>),
+    /// `BPRNT[…]`: a line of text and binary numbers.
+    PrintBinary(Vec<Item>),
+}
+
+/// A part of what a printing statement writes.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) enum Item {
+    Text(String),
+    /// A variable, its digits before the point and after it.
+    Number(Expr, u8, u8),
+}
+
+/// A word whose value may be an expression.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct TemplateWord {
+    /// What it is called.
+    pub(super) name: Name,
+    /// Value; vacant values drop the word.
+    pub(super) value: Expr,
+    /// The value is this number, which the word's register reads.
+    pub(super) written: Option<Number>,
+    /// Start in the line.
+    pub(super) start: u32,
+    /// End in the line.
+    pub(super) end: u32,
+}
+
+/// What a word is called.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Name {
+    /// Upper-case letter.
+    Letter(u8),
+    /// A special register of the machine, and whether it is the incremental form.
+    Register(u8, bool),
+    /// A literal text: row of the code table. It has no value.
+    Text(u16),
+}

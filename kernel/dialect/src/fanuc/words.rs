@@ -1,0 +1,124 @@
+//! Words of a line with expressions: by letter, by special register, literal texts.
+//!
+//! Facts: reference control-emulator.md 1.2 (ALT string), 1.4 (special registers). Invariant: names are tried in the
+//! order in which the scanner of plain lines tries them.
+
+use super::cursor::{Error, Parser};
+use super::expr::{Expr, Op};
+use super::statement::{Name, Statement, TemplateWord};
+use counterpoint_program::key_words::Number;
+use counterpoint_program::program::program_name;
+use counterpoint_program::special::{stands, starts_value};
+
+impl Parser<'_> {
+    /// A special register with a value, or a text that looks like a word, begins here.
+    pub(super) fn stands_long_name(&self) -> bool {
+        self.names.like_words.iter().any(|(text, _)| stands(text, self.text, self.at))
+            || self.names.registers.iter().any(|special| special.has_value(self.text, self.at))
+    }
+
+    pub(super) fn words(&mut self) -> Result<Statement, Error> {
+        let mut words = Vec::new();
+        while let Some(byte) = self.peek() {
+            let start = self.at;
+            self.written = None;
+            let (name, value) = match self.long_name() {
+                Some(word) => word,
+                None if byte.is_ascii_uppercase() => {
+                    self.at += 1;
+                    (Name::Letter(byte), self.word_value()?)
+                }
+                None if byte == b'<' && self.name.is_none() && program_name(self.text, start).is_some() => {
+                    self.at = program_name(self.text, start).unwrap_or(self.at);
+                    self.name = Some((start as u32, self.at as u32));
+                    continue;
+                }
+                None => return Err(self.error("a word")),
+            };
+            let written = self.written.take();
+            words.push(TemplateWord { name, value, written, start: start as u32, end: self.at as u32 });
+        }
+        Ok(Statement::Words(words))
+    }
+
+    /// A word that is more than a letter and a value.
+    fn long_name(&mut self) -> Option<(Name, Expr)> {
+        let (names, text, start) = (self.names, self.text, self.at);
+        if let Some((like_word, row)) = names.like_words.iter().find(|(name, _)| stands(name, text, start)) {
+            self.at += like_word.len();
+            return Some((Name::Text(*row), Expr::constant(0.0)));
+        }
+        for special in names.registers.iter().filter(|special| special.has_value(text, start)) {
+            self.at = start + special.before.len();
+            // Text after the number encloses an expression like brackets.
+            let value = if special.after.is_empty() { self.word_value() } else { self.enclosed() };
+            if let Ok(value) = value
+                && text.get(self.at..).is_some_and(|rest| rest.starts_with(&special.after))
+            {
+                self.at += special.after.len();
+                return Some((Name::Register(special.register, special.incremental), value));
+            }
+            self.at = start;
+        }
+        if starts_value(text, start + 1) {
+            return None;
+        }
+        let (plain, row) = names.texts.iter().find(|(name, _)| stands(name, text, start))?;
+        self.at += plain.len();
+        Some((Name::Text(*row), Expr::constant(0.0)))
+    }
+
+    /// The number whose digits stand from `start` to here; an expression in brackets is none.
+    fn as_written(&self, start: usize, value: f64) -> Option<Number> {
+        let text = self.text.get(start..self.at)?.trim_ascii();
+        if !text.iter().all(|byte| byte.is_ascii_digit() || *byte == b'.') {
+            return None;
+        }
+        let point = text.iter().position(|byte| *byte == b'.');
+        let digits = point.unwrap_or(text.len()).min(255) as u8;
+        Some(Number { value, point: point.is_some(), digits })
+    }
+
+    fn enclosed(&mut self) -> Result<Expr, Error> {
+        let mut ops = Vec::new();
+        let sign = self.peek().filter(|byte| b"+-".contains(byte));
+        let start = self.at + usize::from(sign.is_some());
+        self.expression(&mut ops)?;
+        self.written = match ops.as_slice() {
+            [Op::Number(value)] => self.as_written(start, *value),
+            [Op::Number(value), Op::Neg] => self.as_written(start, -*value),
+            _ => None,
+        };
+        self.checked(ops)
+    }
+
+    fn word_value(&mut self) -> Result<Expr, Error> {
+        let mut ops = Vec::new();
+        let negative = match self.peek() {
+            Some(sign @ (b'-' | b'+')) => {
+                self.at += 1;
+                sign == b'-'
+            }
+            _ => false,
+        };
+        self.blanks();
+        let start = self.at;
+        // Letters after that of the word are a function only if the control has it.
+        if self.peek().is_some_and(|byte| byte.is_ascii_uppercase()) && !self.stands_function() {
+            return Err(self.error("a value"));
+        }
+        self.primary(&mut ops)?;
+        self.written = match ops.as_slice() {
+            [Op::Number(value)] => self.as_written(start, if negative { -*value } else { *value }),
+            _ => None,
+        };
+        if negative {
+            ops.push(Op::Neg);
+            // A negated constant stays one.
+            if let [Op::Number(value), Op::Neg] = ops.as_slice() {
+                ops = vec![Op::Number(-*value)];
+            }
+        }
+        self.checked(ops)
+    }
+}

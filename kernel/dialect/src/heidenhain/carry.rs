@@ -1,0 +1,338 @@
+//! Statements executed.
+//!
+//! Facts: see [`super::statement`]. Invariant: a block is either executed, left as words, or diagnosed.
+
+use super::eval::{Asked, Evaluator};
+use super::formula::Formula;
+use super::path::{AXES, Shape, Step, axis, walk};
+use super::statement::{Condition, Statement, Test};
+use super::variables::Value;
+use super::words::{Seen, Word, joined};
+use super::{Heidenhain, Line};
+use crate::host::{Host, Place};
+use counterpoint_fault as diag;
+use counterpoint_fault::Halt;
+
+/// Blocks between a line and the corner or the path block after it.
+const NEAR: u32 = 50;
+
+impl Heidenhain {
+    /// Executes a block: what is left of it, blocks in lines of their own.
+    pub(super) fn carry_out(&mut self, host: &mut dyn Host, line: &Line, place: Place) -> Result<Option<String>, Halt> {
+        match &line.statement {
+            Statement::Nothing | Statement::Label(_) => Ok(None),
+            Statement::Words(words) => self.plain(host, words),
+            Statement::Assign(name, formula) => {
+                let mut evaluator = Evaluator::new(&mut self.variables, host);
+                let value = evaluator.value(formula)?;
+                evaluator.assign(*name, value).map(|()| None)
+            }
+            Statement::Branch(condition, to) => {
+                if self.holds(host, condition)? {
+                    self.jump(host, to)?;
+                }
+                Ok(None)
+            }
+            Statement::Error(number) => {
+                let number = Evaluator::new(&mut self.variables, host).number(number)?;
+                let text = format!("FN 14: ERROR = {number} in '{}'", host.block_text());
+                Err(host.alarm(&diag::MACRO_ALARM, text))
+            }
+            Statement::Print(text) => self.print(host, text).map(|()| None),
+            Statement::Send(text) => self.send(host, text).map(|()| None),
+            Statement::SysRead { to, id, number, index } => {
+                self.system_read(host, *to, (id, number, index.as_ref())).map(|()| None)
+            }
+            Statement::EndOfLabel => {
+                self.end_label(host);
+                Ok(None)
+            }
+            Statement::CallLabel { label, repeat } => self.call_label(host, label, repeat.as_ref()).map(|()| None),
+            Statement::CallProgram(name) => {
+                let name = self.text(host, name)?;
+                self.call_program(host, &name).map(|()| None)
+            }
+            Statement::SelectProgram(name) => {
+                self.selected = Some(self.text(host, name)?);
+                Ok(None)
+            }
+            Statement::CallSelected => match self.selected.clone() {
+                Some(name) => self.call_program(host, &name).map(|()| None),
+                None => {
+                    let text = format!("no program is selected for '{}'", host.block_text());
+                    Err(host.alarm(&diag::SUBPROGRAM_MISSING, text))
+                }
+            },
+            Statement::Begin { iso: true, .. } if line.number.is_some() => self.end_program(host),
+            Statement::Begin { inch, words, .. } => self.begin_program(host, *inch, words),
+            Statement::End => self.end_program(host),
+            Statement::CycleDefinition(words) => self.define_cycle(host, words),
+            Statement::CyclePart { .. } => self.define_by_parts(host, line, place),
+            Statement::CycleCall { kind, words } => self.call_cycle(host, *kind, words),
+            Statement::ToolCall { tool, words } => self.call_tool(host, tool.as_ref(), words),
+            Statement::ToolDefinition { tool, words } => self.define_tool(host, tool, words),
+            Statement::Stop(words) => {
+                let seen = Evaluator::new(&mut self.variables, host).seen(words)?;
+                self.functions_of(&seen);
+                Ok(Some(joined(if host.is_code_text("STOP") { "STOP" } else { "M0" }, &seen)))
+            }
+            Statement::Path { shape, iso, words } => self.path(host, (*shape, *iso, words), line, place),
+            Statement::Foreign(words) => {
+                let starts = |count: usize| {
+                    let first = words.get(..count)?.iter().map(|word| Seen::text(&word.name));
+                    Some(joined("", &first.collect::<Vec<_>>()))
+                };
+                if !(1..=4).any(|count| starts(count).is_some_and(|text| host.is_code_text(&text))) {
+                    return Ok(self.not_understood(host));
+                }
+                let seen = Evaluator::new(&mut self.variables, host).seen(words)?;
+                Ok(Some(joined("", &seen)))
+            }
+        }
+    }
+
+    /// A statement that is not emulated: reported and dropped.
+    pub(super) fn not_understood(&mut self, host: &mut dyn Host) -> Option<String> {
+        let text = format!("the pre-processor does not understand '{}', it is dropped", host.block_text());
+        host.diagnose(&diag::STATEMENT_UNKNOWN, text);
+        None
+    }
+
+    /// A value that has to be a text.
+    fn text(&mut self, host: &mut dyn Host, formula: &Formula) -> Result<std::sync::Arc<str>, Halt> {
+        Ok(match Evaluator::new(&mut self.variables, host).value(formula)? {
+            Value::Text(text) => text,
+            Value::Number(number) => super::words::shown(number).into(),
+        })
+    }
+
+    fn holds(&mut self, host: &mut dyn Host, condition: &Condition) -> Result<bool, Halt> {
+        let (left, test, right) = match condition {
+            Condition::Defined(name, defined) => return Ok(self.variables.get(*name).is_some() == *defined),
+            Condition::Compare(left, test, right) => (left, test, right),
+        };
+        let mut evaluator = Evaluator::new(&mut self.variables, host);
+        let (left, right) = (evaluator.value(left)?, evaluator.value(right)?);
+        let order = match (&left, &right) {
+            (Value::Number(left), Value::Number(right)) => left.partial_cmp(right),
+            (Value::Text(left), Value::Text(right)) => Some(left.cmp(right)),
+            _ => {
+                let text = format!("a text and a number cannot be compared in '{}'", host.block_text());
+                return Err(host.alarm(&diag::MACRO_DOMAIN, text));
+            }
+        };
+        Ok(match test {
+            Test::Equal => order == Some(std::cmp::Ordering::Equal),
+            Test::NotEqual => order != Some(std::cmp::Ordering::Equal),
+            Test::Greater => order == Some(std::cmp::Ordering::Greater),
+            Test::Less => order == Some(std::cmp::Ordering::Less),
+        })
+    }
+
+    /// Words of a block that the control tells by parameters.
+    pub(super) fn functions_of(&mut self, seen: &[Seen]) {
+        let control = &mut self.variables.control;
+        for word in seen {
+            match (&*word.name, word.value) {
+                ("M", Some(number)) => control.function(number),
+                ("T", Some(number)) => control.tool = Some(number),
+                ("G", Some(17.0)) => control.tool_axis = Some(2),
+                ("G", Some(18.0)) => control.tool_axis = Some(1),
+                ("G", Some(19.0)) => control.tool_axis = Some(0),
+                _ => {}
+            }
+        }
+    }
+
+    fn plain(&mut self, host: &mut dyn Host, words: &[Word]) -> Result<Option<String>, Halt> {
+        let mut seen = Evaluator::new(&mut self.variables, host).seen(words)?;
+        self.functions_of(&seen);
+        self.feed_units(host, &mut seen)?;
+        self.cycle_calls(host, &mut seen, false)?;
+        Ok(Some(joined("", &seen)))
+    }
+
+    /// Units are codes of the machine.
+    fn begin_program(
+        &mut self,
+        host: &mut dyn Host,
+        inch: Option<bool>,
+        words: &[Word],
+    ) -> Result<Option<String>, Halt> {
+        if let Some(inch) = inch {
+            self.variables.control.inch = inch;
+        }
+        if !words.is_empty() {
+            let seen = Evaluator::new(&mut self.variables, host).seen(words)?;
+            return Ok(Some(joined("", &seen)));
+        }
+        let Some(inch) = inch else { return Ok(None) };
+        let unit = if inch { "INCH" } else { "MM" };
+        if host.is_code_text(unit) {
+            return Ok(Some(unit.to_owned()));
+        }
+        if inch {
+            let text =
+                format!("the machine has no code INCH for '{}', lengths are read in its own unit", host.block_text());
+            host.diagnose(&diag::STATEMENT_UNKNOWN, text);
+        }
+        Ok(None)
+    }
+
+    /// Number of a tool; none for a name that nobody knows.
+    fn tool(&mut self, host: &mut dyn Host, tool: &Formula) -> Result<Option<String>, Halt> {
+        let mut evaluator = Evaluator::new(&mut self.variables, host);
+        let name = match evaluator.value(tool)? {
+            Value::Number(number) => return Ok(Some(super::words::shown(number))),
+            Value::Text(name) => name,
+        };
+        let quoted = format!("\"{name}\"");
+        Ok(match evaluator.ask(&quoted)? {
+            Asked::Value(Value::Number(number)) => Some(super::words::shown(number)),
+            Asked::Value(Value::Text(text)) => Some(text.to_string()),
+            Asked::Kept => Some(quoted),
+            Asked::Nothing => None,
+            Asked::Unknown => {
+                let text = format!("nobody knows the number of the tool {quoted} in '{}'", host.block_text());
+                host.diagnose(&diag::TOOL_NAME, text);
+                None
+            }
+        })
+    }
+
+    fn call_tool(
+        &mut self,
+        host: &mut dyn Host,
+        tool: Option<&Formula>,
+        words: &[Word],
+    ) -> Result<Option<String>, Halt> {
+        let number = match tool {
+            Some(tool) => self.tool(host, tool)?,
+            None => None,
+        };
+        let mut seen = Evaluator::new(&mut self.variables, host).seen(words)?;
+        if let Some(number) = number.as_deref().and_then(|number| number.parse::<f64>().ok()) {
+            self.variables.control.tool = Some(number);
+        }
+        self.feed_units(host, &mut seen)?;
+        for word in &seen {
+            if word.value.is_none()
+                && let Some(at) = AXES.iter().position(|axis| word.is(axis))
+            {
+                // Q109 counts X, Y, Z as 0 to 2, U, V, W as 6 to 8, as the axes stand here.
+                self.variables.control.tool_axis = Some(at);
+                self.path.plane = match at % 3 {
+                    0 => [1, 2],
+                    1 => [2, 0],
+                    _ => [0, 1],
+                };
+            }
+            if word.is("F") {
+                self.path.tool_feed = Some(word.text.clone());
+                self.path.feed = Some(word.text.clone());
+            }
+        }
+        if let Some(number) = number.as_deref().and_then(|number| number.parse::<f64>().ok()) {
+            let own = self.tools.get(&(number as u32)).copied().unwrap_or_default();
+            let more = seen.iter().find(|word| word.is("DR")).and_then(|word| word.value).unwrap_or(0.0);
+            let control = &mut self.variables.control;
+            (control.tool, control.length) = (Some(number), own.0);
+            control.radius = own.1.map(|radius| radius + more);
+        }
+        self.functions_of(&seen);
+        // Allowances belong to the tool table, unless the machine has registers for them.
+        let stays = |word: &Seen| !matches!(&*word.name, "DL" | "DR") || host.is_register(&word.name);
+        let left: Vec<Seen> = seen.into_iter().filter(stays).collect();
+        Ok(Some(match number {
+            Some(number) => joined(&format!("TOOL CALL {number}"), &left),
+            None => joined("", &left),
+        }))
+    }
+
+    fn define_tool(&mut self, host: &mut dyn Host, tool: &Formula, words: &[Word]) -> Result<Option<String>, Halt> {
+        let Some(number) = self.tool(host, tool)? else { return Ok(None) };
+        let seen = Evaluator::new(&mut self.variables, host).seen(words)?;
+        let value = |name: &str| seen.iter().find(|word| word.is(name)).and_then(|word| word.value);
+        if let Ok(number) = number.parse::<f64>()
+            && (value("L").is_some() || value("R").is_some())
+            && self.tools.len() < 10_000
+        {
+            self.tools.insert(number as u32, (value("L"), value("R")));
+        }
+        // Length and radius are those of the tool table, no words of the block.
+        let others: Vec<Seen> = seen.into_iter().filter(|word| !word.is("L") && !word.is("R")).collect();
+        Ok(Some(joined(&format!("TOOL DEF {number}"), &others)))
+    }
+
+    fn path(
+        &mut self,
+        host: &mut dyn Host,
+        (shape, iso, words): (Shape, bool, &[Word]),
+        line: &Line,
+        place: Place,
+    ) -> Result<Option<String>, Halt> {
+        let mut seen = Evaluator::new(&mut self.variables, host).seen(words)?;
+        // Old programs show what they do not say.
+        seen.retain(|word| word.value.is_some() || !matches!(word.text.as_str(), "R" | "F" | "M"));
+        self.functions_of(&seen);
+        self.feed_units(host, &mut seen)?;
+        let moves = seen.iter().any(|word| {
+            word.value.is_some()
+                && (axis(&word.name).is_some() || matches!(&*word.name, "PR" | "PA" | "IPR" | "IPA" | "H"))
+        });
+        self.cycle_calls(host, &mut seen, moves)?;
+        let step = Step { shape, iso, seen, line: place.line };
+        let ahead = if place.as_read { self.ahead(host, shape, line.next, place)? } else { Vec::new() };
+        let lines = walk(&mut self.path, host, &step, &ahead)?;
+        Ok(if lines.is_empty() { None } else { Some(lines.join("\n")) })
+    }
+
+    /// Path blocks that a block has to know: a corner with what follows it, or the first element of a contour.
+    fn ahead(&mut self, host: &mut dyn Host, shape: Shape, next: u32, place: Place) -> Result<Vec<Step>, Halt> {
+        let approach = matches!(shape, Shape::Approach(_));
+        if !approach && !matches!(shape, Shape::Line | Shape::PolarLine | Shape::Iso) {
+            return Ok(Vec::new());
+        }
+        let Some((first, behind)) = self.following(host, next, place) else { return Ok(Vec::new()) };
+        let is_corner = match &first.statement {
+            Statement::Path { shape: Shape::Chamfer | Shape::Round, .. } => true,
+            Statement::Path { shape: Shape::Iso, words, .. } => words.iter().any(|word| {
+                &*word.name == "G"
+                    && matches!(word.operand, super::words::Operand::Number(_, value) if value == 24.0 || value == 25.0)
+            }),
+            _ => false,
+        };
+        if !approach && !is_corner {
+            return Ok(Vec::new());
+        }
+        let mut steps = Vec::new();
+        let second = if is_corner { self.following(host, behind, place) } else { None };
+        // The line of a corner follows from what it was read from.
+        for (read, at) in [(Some(first), behind), (second.map(|(read, _)| read), 0)] {
+            if let Some(read) = read
+                && let Statement::Path { shape, iso, words } = &read.statement
+            {
+                let seen = Evaluator::new(&mut self.variables, host).seen(words)?;
+                steps.push(Step { shape: *shape, iso: *iso, seen, line: at.saturating_sub(1) });
+            }
+        }
+        Ok(steps)
+    }
+
+    /// The next path block from a line on, with the line after it.
+    fn following(&mut self, host: &mut dyn Host, from: u32, place: Place) -> Option<(std::sync::Arc<Line>, u32)> {
+        let mut line = from;
+        while line <= place.range.last && line < from.saturating_add(NEAR) {
+            let read = self.line(host, line).ok()?;
+            match &read.statement {
+                Statement::Nothing => line = read.next,
+                Statement::Path { .. } => {
+                    let next = read.next;
+                    return Some((read, next));
+                }
+                _ => return None,
+            }
+        }
+        None
+    }
+}

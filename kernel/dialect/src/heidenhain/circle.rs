@@ -1,0 +1,175 @@
+//! Circles of path blocks, and their centres.
+//!
+//! Facts: programming manuals of the control (C, CR, CT, CC; G2, G3, G5, G6, I, J, K). Invariant: the centre of a
+//! circle comes either from `CC` before it or by words of its own block, never by both.
+
+use super::path::{AXES, Position, Shape, Walk};
+use super::words::{Seen, joined};
+use crate::contour::{Point, along, center_by_radius, left, minus, times};
+
+impl Walk<'_> {
+    /// Direction of a circle: before its words in ISO programs, after them in others.
+    pub(super) fn circle_code(&self, code: &str, clockwise: bool) -> (String, Option<Seen>) {
+        match self.step.iso && self.path.mode.is_some() {
+            true => ((if clockwise { "G2" } else { "G3" }).to_owned(), None),
+            false => (code.to_owned(), Some(Seen::text(if clockwise { "DR-" } else { "DR+" }))),
+        }
+    }
+
+    /// An arc of less than a circle by its radius; a negative one takes the longer way.
+    pub(super) fn by_radius(&mut self, to: &Position, radius: f64, clockwise: bool, others: &[Seen]) -> String {
+        let (code, sign) = self.circle_code("CR", clockwise);
+        self.path.restate = true;
+        let mut words = self.positions(&self.actual, to);
+        words.push(Seen::made("R", radius));
+        words.extend(sign);
+        words.extend_from_slice(others);
+        joined(&code, &words)
+    }
+
+    /// Direction at the end of a circle.
+    pub(super) fn leave_circle(&mut self, center: Point, end: Point, clockwise: bool) {
+        let tangent = left(minus(end, center));
+        self.head_for(if clockwise { times(tangent, -1.0) } else { tangent });
+        self.path.clockwise = Some(clockwise);
+    }
+
+    /// Whether the machine keeps the centre that `CC` defines.
+    pub(super) fn keeps_center(&self) -> bool {
+        self.host.is_code_text("CC")
+    }
+
+    /// Centre words of a circle, where the machine does not keep the centre.
+    pub(super) fn center_words(&self, center: Point) -> Vec<Seen> {
+        if self.keeps_center() {
+            return Vec::new();
+        }
+        let letters = self.path.plane.map(|axis| ["I", "J", "K"].get(axis).copied().unwrap_or("I"));
+        letters.into_iter().zip(center).map(|(letter, value)| Seen::made(letter, value)).collect()
+    }
+
+    pub(super) fn circle(&mut self, shape: Shape) -> Vec<String> {
+        let own = self.take_center();
+        let end = self.target();
+        let (start, to) = (self.flat(&self.start), self.flat(&end));
+        let base = self.path.base.take();
+        let mut lines = Vec::new();
+        let Some(clockwise) = self.path.clockwise else {
+            self.complain("a circle has no direction");
+            return vec![self.verbatim(&[])];
+        };
+        let mut centre = Vec::new();
+        if shape == Shape::Arc {
+            let Some(pole) = self.path.pole else {
+                self.complain("a circle has no centre");
+                return vec![self.verbatim(&[])];
+            };
+            centre = self.center_words(pole);
+            if own && self.keeps_center() {
+                lines.push(self.pole_line(pole));
+            }
+            self.leave_circle(pole, to, clockwise);
+        } else {
+            let radius =
+                self.step.seen.iter().find(|word| word.is("R") && word.text != "R0").and_then(|word| word.value);
+            if let Some(center) = radius.and_then(|radius| center_by_radius(start, to, radius, clockwise)) {
+                self.leave_circle(center, to, clockwise);
+            }
+        }
+        let by_last = self.step.iso && self.path.mode == Some(5);
+        let rewritten = base.is_some() && self.has_increments() || own && self.keeps_center() || by_last;
+        if !rewritten {
+            lines.push(self.verbatim(if own { &[] } else { &centre }));
+            return lines;
+        }
+        let (code, sign) = self.circle_code(self.step.shape.head(), clockwise);
+        self.path.restate = true;
+        let mut words = self.positions(&self.actual, &end);
+        words.extend(self.others(&["I", "J", "K", "DR"]));
+        words.extend(sign);
+        words.extend(centre);
+        lines.push(joined(&code, &words));
+        lines
+    }
+
+    /// Takes a centre from words of an ISO block.
+    pub(super) fn take_center(&mut self) -> bool {
+        let start = self.flat(&self.start);
+        let mut pole = self.path.pole.unwrap_or(start);
+        let mut found = false;
+        for word in &self.step.seen {
+            let role = match &*word.name {
+                "I" => 0,
+                "J" => 1,
+                "K" => 2,
+                _ => continue,
+            };
+            let side = self.path.plane.iter().position(|axis| *axis == role);
+            let (Some(value), Some(side)) = (word.value, side) else { continue };
+            if let (Some(slot), Some(from)) = (pole.get_mut(side), start.get(side)) {
+                *slot = if self.path.increments { from + value } else { value };
+                found = true;
+            }
+        }
+        if found {
+            self.path.pole = Some(pole);
+        }
+        found
+    }
+
+    pub(super) fn pole_line(&self, pole: Point) -> String {
+        let letters = self.path.plane.map(|axis| AXES.get(axis).copied().unwrap_or("X"));
+        let words: Vec<Seen> = letters.into_iter().zip(pole).map(|(letter, value)| Seen::made(letter, value)).collect();
+        joined("CC", &words)
+    }
+
+    pub(super) fn pole(&mut self) -> Vec<String> {
+        if !self.take_center() {
+            let end = self.target();
+            // Without a word the pole stays where it was along that axis; without any it is where the tool is.
+            let coded = self.coded();
+            let here = self.flat(&self.start);
+            let said = self.path.plane.map(|axis| coded.get(axis) == Some(&true));
+            let old = if said.contains(&true) { self.path.pole.unwrap_or(here) } else { here };
+            let new = self.flat(&end);
+            self.path.pole = Some([if said[0] { new[0] } else { old[0] }, if said[1] { new[1] } else { old[1] }]);
+        }
+        let others = self.others(&["I", "J", "K"]);
+        let mut lines = Vec::new();
+        if let Some(pole) = self.path.pole.filter(|_| self.keeps_center()) {
+            lines.push(self.pole_line(pole));
+        }
+        if !others.is_empty() {
+            lines.push(joined("", &others));
+        }
+        lines
+    }
+
+    /// A circle that goes on in the direction of the last element.
+    pub(super) fn tangent(&mut self, end: Position) -> Vec<String> {
+        let (start, to) = (self.flat(&self.actual), self.flat(&end));
+        self.path.base = None;
+        let others = self.others(self.polar_words());
+        let Some(heading) = self.path.heading else {
+            self.complain("a tangential circle has nothing before it, its end is reached straight");
+            return vec![self.straight(&end, &others)];
+        };
+        let chord = minus(to, start);
+        let (across, length) =
+            (chord[1] * heading[0] - chord[0] * heading[1], chord[0] * chord[0] + chord[1] * chord[1]);
+        if across.abs() <= 1e-9 * length.max(1e-9) {
+            if chord[0] * heading[0] + chord[1] * heading[1] < 0.0 {
+                self.complain("a tangential circle cannot lead straight back, its end is reached straight");
+            }
+            self.head_for(chord);
+            return vec![self.straight(&end, &others)];
+        }
+        let radius = length / (2.0 * across);
+        let clockwise = radius < 0.0;
+        let center = along(start, left(heading), radius);
+        let longer = chord[0] * heading[0] + chord[1] * heading[1] < 0.0;
+        let line = self.by_radius(&end, if longer { -radius.abs() } else { radius.abs() }, clockwise, &others);
+        self.leave_circle(center, to, clockwise);
+        vec![line]
+    }
+}

@@ -1,0 +1,34 @@
+//! Heidenhain as a dialect.
+
+use super::{Heidenhain, iso};
+use crate::definition::Dialect;
+use crate::interpreter::Interpreter;
+use counterpoint_machine::Machine;
+use counterpoint_program::syntax::{PLAIN, Syntax};
+
+static SYNTAX: Syntax = Syntax { needs_interpreter: Some(iso::needs_interpreter), ..PLAIN };
+
+/// TNC controls.
+pub(crate) struct Control;
+
+impl Dialect for Control {
+    fn name(&self) -> &'static str {
+        "heidenhain"
+    }
+
+    fn title(&self) -> &'static str {
+        "Heidenhain"
+    }
+
+    fn syntax(&self) -> &'static Syntax {
+        &SYNTAX
+    }
+
+    fn settings(&self) -> &'static [&'static str] {
+        &["SETFILEROOT", "CYCLEDEF", "GRAMMAR", "CONCATENATE", "KEEPCYCLDEFQVARS"]
+    }
+
+    fn interpreter(&self, _: &Machine) -> Option<Box<dyn Interpreter>> {
+        Some(Box::<Heidenhain>::default())
+    }
+}

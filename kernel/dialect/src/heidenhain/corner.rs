@@ -1,0 +1,249 @@
+//! Corners, and ways to and from a contour.
+//!
+//! Facts: programming manuals of the control (CHF, RND, APPR, DEP; G24, G25). Decisions: only corners between straight
+//! lines are made; a way to the contour takes the direction of the path block after it; radius compensation begins on
+//! the first line of an approach and ends on the last line of a departure, after an arc on the next straight line.
+//! Invariant: a corner that cannot be made is left sharp and reported.
+
+use super::path::{Corner, Position, Shape, Walk, axis};
+use super::words::Seen;
+use crate::contour::{self, Approach, Departure, Point, Side, Way, along, direction, left, minus, times, turned};
+
+impl Walk<'_> {
+    /// Where a line has to end, if the next block makes a corner at its end.
+    pub(super) fn corner_ahead(&mut self, end: &Position) -> Option<Point> {
+        let (first, second) = (self.ahead.first()?, self.ahead.get(1));
+        let chamfer = match first.shape {
+            Shape::Chamfer => true,
+            Shape::Round => false,
+            Shape::Iso if is_g(&first.seen, 24.0) => true,
+            Shape::Iso if is_g(&first.seen, 25.0) => false,
+            _ => return None,
+        };
+        let size = first
+            .seen
+            .iter()
+            .find(|word| (word.is("R") || word.is("") || word.is("RND") || word.is("CHF")) && word.value.is_some());
+        let size = size.and_then(|word| word.value).unwrap_or(0.0);
+        let after = second.and_then(|step| {
+            let straight = match step.shape {
+                Shape::Line | Shape::PolarLine => true,
+                Shape::Iso => step.seen.iter().all(|word| !is_arc(word)) && self.is_straight_mode(&step.seen),
+                _ => false,
+            };
+            straight.then(|| self.end_of(&step.seen, end, step.shape == Shape::PolarLine)).flatten()
+        });
+        let Some(after) = after else {
+            self.complain("a corner is only made between straight lines, that behind this block is left sharp");
+            return None;
+        };
+        let (before, corner) = (self.flat(&self.actual), self.flat(end));
+        match contour::corner(before, corner, after, chamfer, size) {
+            Ok(contour::Corner { from, to, clockwise }) => {
+                let radius = if chamfer { None } else { Some(size) };
+                self.path.corner = Some(Corner { line: first.line, to, radius, clockwise });
+                Some(from)
+            }
+            Err(why) => {
+                self.complain(&format!("{why}; the corner behind this block is left sharp"));
+                None
+            }
+        }
+    }
+
+    /// A block without a motion word goes straight on.
+    fn is_straight_mode(&self, seen: &[Seen]) -> bool {
+        let own = seen.iter().any(|word| word.is("G") && word.value.is_some_and(|value| value < 2.0));
+        own || matches!(self.path.mode, None | Some(0 | 1 | 7 | 10 | 11))
+    }
+
+    /// End of another block in the plane.
+    fn end_of(&self, seen: &[Seen], start: &Position, polar: bool) -> Option<Point> {
+        if !polar {
+            return Some(self.flat(&self.target_of(seen, start)));
+        }
+        let pole = self.path.pole?;
+        let from = minus(self.flat(start), pole);
+        let (mut radius, mut angle) = (libm::hypot(from[0], from[1]), libm::atan2(from[1], from[0]).to_degrees());
+        for word in seen {
+            match (&*word.name, word.value) {
+                ("PR", Some(value)) => radius = value,
+                ("IPR", Some(value)) => radius += value,
+                ("PA", Some(value)) => angle = value,
+                ("IPA", Some(value)) => angle += value,
+                _ => {}
+            }
+        }
+        Some(along(pole, turned([1.0, 0.0], angle), radius))
+    }
+
+    /// A corner: what the line before has made room for.
+    pub(super) fn corner(&mut self, corner: Option<Corner>) -> Vec<String> {
+        let Some(corner) = corner.filter(|corner| corner.line == self.step.line) else {
+            // A line that could not make room has said so.
+            if self.path.heading.is_none() {
+                self.complain("a corner needs a line before it");
+            }
+            return Vec::new();
+        };
+        let mut end = self.actual;
+        self.put(&mut end, corner.to);
+        let others = self.others(&["R", "", "CHF", "RND"]);
+        let line = match corner.radius {
+            Some(radius) => self.by_radius(&end, radius, corner.clockwise, &others),
+            None => self.straight(&end, &others),
+        };
+        if let Some(base) = &self.path.base {
+            let out = minus(corner.to, self.flat(base));
+            self.head_for(out);
+        }
+        vec![line]
+    }
+
+    fn word(&self, name: &str) -> Option<f64> {
+        self.step.seen.iter().find(|word| word.is(name) && word.text != "R0").and_then(|word| word.value)
+    }
+
+    /// Length or radius of a way, and the side on which the tool goes: that of the compensation, else left for a positive
+    /// value.
+    fn side(&self, way: Way) -> Side {
+        let size = self.word(if matches!(way, Way::Straight | Way::Normal) { "LEN" } else { "R" }).unwrap_or(0.0);
+        let angle = self.word("CCA").unwrap_or(90.0).abs();
+        Side { size: size.abs(), on_left: self.path.is_left.unwrap_or(size >= 0.0), angle }
+    }
+
+    pub(super) fn approach(&mut self, way: Way) -> Vec<String> {
+        let polar = self.step.seen.iter().any(|word| matches!(&*word.name, "PR" | "PA" | "IPR" | "IPA"));
+        let end = match polar {
+            true => match self.polar_end() {
+                Some((end, _)) => end,
+                None => return Vec::new(),
+            },
+            false => self.target(),
+        };
+        let (from, to) = (self.flat(&self.start), self.flat(&end));
+        self.path.base = None;
+        let next = self.ahead.first().cloned();
+        let heading = next.as_ref().and_then(|step| self.heading_of(step, &end, to));
+        let Some(heading) = heading else {
+            self.complain(
+                "an approach needs a path block behind it that tells its direction, the point is reached straight",
+            );
+            let others = self.others(&USED);
+            return vec![self.straight(&end, &others)];
+        };
+        let side = self.side(way);
+        let made = contour::approach(way, from, (to, heading), side);
+        let others = self.others(&USED);
+        let Some(Approach { begin, radius, heading }) = made else {
+            self.complain("an approach has no length or radius that fits, the point is reached straight");
+            return vec![self.straight(&end, &others)];
+        };
+        let mut first = self.actual;
+        for ((slot, to), start) in first.iter_mut().zip(&end).zip(&self.start) {
+            *slot = if to == start { *slot } else { *to };
+        }
+        self.put(&mut first, begin);
+        let lines = vec![self.straight(&first, &others)];
+        let from = std::mem::replace(&mut self.actual, first);
+        let last = match radius {
+            None => self.straight(&end, &[]),
+            Some(radius) => self.by_radius(&end, radius, !side.on_left, &[]),
+        };
+        self.actual = from;
+        self.path.heading = Some(heading);
+        lines.into_iter().chain([last]).collect()
+    }
+
+    /// Direction in which a block leaves a point.
+    fn heading_of(&self, step: &super::path::Step, from: &Position, point: Point) -> Option<Point> {
+        let moves = step.seen.iter().any(|word| {
+            word.value.is_some() && (axis(&word.name).is_some() || matches!(&*word.name, "PR" | "PA" | "IPR" | "IPA"))
+        });
+        match step.shape {
+            _ if !moves => None,
+            Shape::Line | Shape::Tangent => direction(minus(self.end_of(&step.seen, from, false)?, point)),
+            Shape::PolarLine => direction(minus(self.end_of(&step.seen, from, true)?, point)),
+            Shape::Arc | Shape::PolarArc => {
+                let clockwise = step.seen.iter().any(|word| word.text == "DR-");
+                let tangent = left(direction(minus(point, self.path.pole?))?);
+                Some(if clockwise { times(tangent, -1.0) } else { tangent })
+            }
+            Shape::Radius => {
+                let to = self.end_of(&step.seen, from, false)?;
+                let clockwise = step.seen.iter().any(|word| word.text == "DR-");
+                let radius = step.seen.iter().find(|word| word.is("R") && word.text != "R0")?.value?;
+                let center = contour::center_by_radius(point, to, radius, clockwise)?;
+                let tangent = left(direction(minus(point, center))?);
+                Some(if clockwise { times(tangent, -1.0) } else { tangent })
+            }
+            _ => None,
+        }
+    }
+
+    pub(super) fn depart(&mut self, way: Way) -> Vec<String> {
+        let from = self.flat(&self.start);
+        let polar = self.step.seen.iter().any(|word| matches!(&*word.name, "PR" | "PA" | "IPR" | "IPA"));
+        let mut end = match polar {
+            true => self.polar_end().map_or(self.start, |(end, _)| end),
+            false => self.target(),
+        };
+        self.path.base = None;
+        let others = self.others(&USED);
+        let Some(heading) = self.path.heading else {
+            self.complain("a departure needs a path block before it");
+            return Vec::new();
+        };
+        let side = self.side(way);
+        if side.size == 0.0 {
+            self.complain("a departure has no length or radius");
+            return Vec::new();
+        }
+        self.path.is_left = None;
+        let mut with_end = others;
+        if !with_end.iter().any(|word| word.text == "R0") {
+            with_end.insert(0, Seen::text("R0"));
+        }
+        match contour::depart(way, (from, heading), self.flat(&end), side) {
+            Some(Departure::Line { to, heading }) => {
+                self.put(&mut end, to);
+                self.path.heading = Some(heading);
+                vec![self.straight(&end, &with_end)]
+            }
+            Some(Departure::Arc { to, radius, heading }) => {
+                self.put(&mut end, to);
+                self.path.heading = Some(heading);
+                self.path.ends_compensation = true;
+                with_end.retain(|word| word.text != "R0");
+                vec![self.by_radius(&end, radius, !side.on_left, &with_end)]
+            }
+            Some(Departure::ArcAndLine { leave, radius, to }) => {
+                let mut middle = self.actual;
+                self.put(&mut middle, leave);
+                let feed: Vec<Seen> = with_end.iter().filter(|word| word.is("F")).cloned().collect();
+                let first = self.by_radius(&middle, radius, !side.on_left, &feed);
+                with_end.retain(|word| !word.is("F"));
+                let start = std::mem::replace(&mut self.actual, middle);
+                let last = self.straight(&end, &with_end);
+                self.actual = start;
+                self.head_for(minus(to, leave));
+                vec![first, last]
+            }
+            None => {
+                self.complain("a departure ends inside its circle, the point is reached straight");
+                vec![self.straight(&end, &with_end)]
+            }
+        }
+    }
+}
+
+/// Words that ways to and from a contour use.
+const USED: [&str; 8] = ["PR", "PA", "IPR", "IPA", "LEN", "CCA", "CCA=", "R"];
+
+fn is_g(seen: &[Seen], number: f64) -> bool {
+    seen.iter().any(|word| word.is("G") && word.value == Some(number))
+}
+
+fn is_arc(word: &Seen) -> bool {
+    word.is("G") && word.value.is_some_and(|value| matches!(value as u32, 2 | 3 | 5 | 6 | 12 | 13 | 15 | 16))
+}

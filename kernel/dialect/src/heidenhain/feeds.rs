@@ -1,0 +1,97 @@
+//! Feeds per revolution and per tooth: FU and FZ.
+//!
+//! Facts: programming manuals of the control: FU is in millimetres per revolution, FZ in millimetres per tooth, whose
+//! number is CUT of the tool table (system data ID50 NR15); both hold until another feed. Decisions: they become the F
+//! word of M136, other feeds that of M137 from then on; a machine with registers of these names gets them as they are.
+//! Invariant: a program without FU and FZ keeps its F words.
+
+use super::Heidenhain;
+use super::eval::{Asked, Evaluator};
+use super::variables::Value;
+use super::words::{Seen, shown};
+use crate::host::Host;
+use counterpoint_fault as diag;
+use counterpoint_fault::Halt;
+
+/// Units of the feeds of a program.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Units {
+    /// FU or FZ has been used.
+    used: bool,
+    /// M136 has been programmed.
+    per_turn: bool,
+}
+
+impl Units {
+    /// An M function acts.
+    fn function(&mut self, number: f64) {
+        match number {
+            136.0 => self.per_turn = true,
+            137.0 => self.per_turn = false,
+            _ => {}
+        }
+    }
+
+    /// The M function that an F word means.
+    fn of_feed(self) -> &'static str {
+        if self.per_turn { "M136" } else { "M137" }
+    }
+}
+
+impl Heidenhain {
+    /// FU and FZ of a block become F words with their M function.
+    pub(super) fn feed_units(&mut self, host: &mut dyn Host, seen: &mut [Seen]) -> Result<(), Halt> {
+        for word in &*seen {
+            if let ("M", Some(number)) = (&*word.name, word.value) {
+                self.units.function(number);
+            }
+        }
+        for word in seen {
+            let Some(value) = word.value else { continue };
+            let value = match &*word.name {
+                "F" if self.units.used => {
+                    word.text = format!("{} {}", self.units.of_feed(), word.text);
+                    continue;
+                }
+                "FU" if !host.is_register("FU") => value,
+                "FZ" if !host.is_register("FZ") => value * self.teeth(host)?,
+                _ => continue,
+            };
+            if !host.knows_code(b'M', 136.0) {
+                let text = format!("the machine has no code M136 for the feed of '{}'", host.block_text());
+                return Err(host.alarm(&diag::NO_FEED_PER_TURN, text));
+            }
+            self.begin_units();
+            *word = Seen { name: "F".into(), value: Some(value), text: format!("M136 F{}", shown(value)) };
+        }
+        Ok(())
+    }
+
+    /// Feeds that are kept have the unit that they had.
+    fn begin_units(&mut self) {
+        if std::mem::replace(&mut self.units.used, true) {
+            return;
+        }
+        for feed in [&mut self.path.feed, &mut self.path.tool_feed].into_iter().flatten() {
+            *feed = format!("{} {feed}", self.units.of_feed());
+        }
+    }
+
+    /// Teeth of the tool in use.
+    fn teeth(&mut self, host: &mut dyn Host) -> Result<f64, Halt> {
+        let tool = self.variables.control.tool.unwrap_or(0.0);
+        let asked = format!("ID50 NR15 IDX{}", shown(tool));
+        let answer = Evaluator::new(&mut self.variables, host).ask(&asked)?;
+        match answer {
+            Asked::Value(Value::Number(teeth)) if teeth > 0.0 => Ok(teeth),
+            _ => {
+                let text = format!(
+                    "the feed per tooth of '{}' needs the number of teeth of tool {}, which the identification macro does not give for '{asked}'",
+                    host.block_text(),
+                    shown(tool)
+                );
+                Err(host.alarm(&diag::NO_TEETH, text))
+            }
+        }
+    }
+}

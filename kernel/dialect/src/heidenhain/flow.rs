@@ -1,0 +1,243 @@
+//! Labels, repeats and calls.
+//!
+//! Facts: programming manuals of the control: CALL LBL without REP calls a subprogram that ends at LBL 0; with REP m
+//! the part from the label to the call runs m more times. Heidenhain pre-processor page: CALL PGM, TNC: and the file
+//! root. Decisions: REP with a label further down calls it that many times; the first label of a name counts.
+//! Invariant: a jump back and a call are counted by the kernel.
+
+use counterpoint_fault::Halt;
+
+use rustc_hash::FxHashMap;
+
+use super::Heidenhain;
+use super::eval::Evaluator;
+use super::formula::Formula;
+use super::lex;
+use super::statement::{self, Label, Statement};
+use super::variables::Value;
+use crate::host::{Call, Host};
+use crate::kept::Table;
+use counterpoint_event::FileId;
+use counterpoint_fault as diag;
+use counterpoint_machine::model::StoredFile;
+use counterpoint_program::program::Range;
+use counterpoint_program::source::Source;
+
+/// Lines of a file by label.
+pub(super) type Labels = FxHashMap<Label, u32>;
+
+impl Table for Labels {
+    fn bytes(&self) -> usize {
+        self.len() * 80
+    }
+}
+
+/// What a frame of the kernel runs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub(super) enum Kind {
+    #[default]
+    Program,
+    Label,
+}
+
+/// What is known of a frame.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Frame {
+    pub(super) kind: Kind,
+    /// Passes to come of the repeats that run, by line of their call.
+    pub(super) repeats: Vec<(u32, u32)>,
+}
+
+/// Labels of a file; blocks that cannot be read have none.
+fn labels(source: &Source) -> Labels {
+    let mut labels = Labels::default();
+    for line in source.walk(1, source.lines()) {
+        let text = source.line(line);
+        let may = |word: &[u8]| memchr::memmem::find(text, word).is_some();
+        if !(may(b"LBL") || may(b"lbl") || may(b"Lbl") || may(b"98")) {
+            continue;
+        }
+        let clean = lex::clean(text, &|_| false);
+        if let Ok(Statement::Label(label)) = statement::read(&clean.text) {
+            labels.entry(label).or_insert(line);
+        }
+    }
+    labels
+}
+
+/// Most passes of a repeat.
+const MOST: f64 = 65_534.0;
+
+impl Heidenhain {
+    fn frame(&mut self) -> &mut Frame {
+        self.frames.here_mut()
+    }
+
+    /// Line of a label in the file being processed.
+    fn find_label(&mut self, host: &mut dyn Host, label: &Label) -> Option<u32> {
+        let file = host.place().file;
+        let known = self.labels.get(file, || host.source(file).map(|source| labels(&source)).unwrap_or_default());
+        known.get(label).copied()
+    }
+
+    fn label_of(&mut self, host: &mut dyn Host, formula: &Formula) -> Result<Label, Halt> {
+        let value = Evaluator::new(&mut self.variables, host).value(formula)?;
+        match value {
+            Value::Text(name) => Ok(Label::Name(name.to_string())),
+            Value::Number(number) if (0.0..=1e9).contains(&number) && number.fract() == 0.0 => {
+                Ok(Label::Number(number as u32))
+            }
+            Value::Number(number) => {
+                let text = format!("there is no label {number} in '{}'", host.block_text());
+                Err(host.alarm(&diag::JUMP_TARGET, text))
+            }
+        }
+    }
+
+    fn known_label(&mut self, host: &mut dyn Host, formula: &Formula) -> Result<(Label, u32), Halt> {
+        let label = self.label_of(host, formula)?;
+        match self.find_label(host, &label) {
+            Some(line) => Ok((label, line)),
+            None => {
+                let text = format!("there is no {label} in the program to go to from '{}'", host.block_text());
+                Err(host.alarm(&diag::JUMP_TARGET, text))
+            }
+        }
+    }
+
+    /// GOTO LBL.
+    pub(super) fn jump(&mut self, host: &mut dyn Host, to: &Formula) -> Result<(), Halt> {
+        let (_, line) = self.known_label(host, to)?;
+        self.keeping = true;
+        host.go_to(line)
+    }
+
+    /// CALL LBL: a subprogram, or a repeat of what stands between the label and here.
+    pub(super) fn call_label(
+        &mut self,
+        host: &mut dyn Host,
+        label: &Formula,
+        repeat: Option<&Formula>,
+    ) -> Result<(), Halt> {
+        let (label, line) = self.known_label(host, label)?;
+        let here = host.place();
+        let passes = match repeat {
+            None => 1,
+            Some(repeat) => {
+                let passes = Evaluator::new(&mut self.variables, host).number(repeat)?;
+                passes.clamp(0.0, MOST) as u32
+            }
+        };
+        if repeat.is_some() && line < here.line {
+            let frame = self.frame();
+            let at = frame.repeats.iter().position(|(call, _)| *call == here.line);
+            let left = at.and_then(|at| frame.repeats.get(at)).map_or(passes, |(_, left)| *left);
+            if let Some(at) = at {
+                frame.repeats.remove(at);
+            }
+            if left == 0 {
+                return Ok(());
+            }
+            frame.repeats.push((here.line, left - 1));
+            self.keeping = true;
+            return host.go_to(line);
+        }
+        if passes == 0 {
+            return Ok(());
+        }
+        let last = host.source(here.file).map_or(here.range.last, |source| source.lines());
+        let place = Some((here.file, Range { number: None, first: line, last }));
+        self.calling = Some(Kind::Label);
+        host.call(Call { name: label.to_string().into(), place, passes, closes: true });
+        Ok(())
+    }
+
+    /// LBL 0: the end of a subprogram, nothing where none was called.
+    pub(super) fn end_label(&mut self, host: &mut dyn Host) {
+        if self.frames.here().kind == Kind::Label {
+            host.return_from();
+        }
+    }
+
+    /// END PGM: a code of the machine if it has one, else the end of the program or the return of a called one.
+    pub(super) fn end_program(&mut self, host: &mut dyn Host) -> Result<Option<String>, Halt> {
+        if self.frames.depth() > 0 {
+            host.return_from();
+            return Ok(None);
+        }
+        if host.is_code_text("END PGM") {
+            return Ok(Some("END PGM".to_owned()));
+        }
+        Err(Halt::End(None))
+    }
+
+    /// A program called by name.
+    pub(super) fn call_program(&mut self, host: &mut dyn Host, name: &str) -> Result<(), Halt> {
+        let place = self.find_program(host, name)?;
+        self.calling = Some(Kind::Program);
+        host.call(Call { name: name.trim().into(), place, passes: 1, closes: true });
+        Ok(())
+    }
+
+    /// Whether the program in process is an ISO program: by setting, name of its file, first block.
+    fn is_iso(&self, host: &dyn Host) -> bool {
+        if let Some(iso) = self.settings.iso {
+            return iso;
+        }
+        let file = host.place().file;
+        let name = host.files().get(usize::from(file)).map_or(String::new(), |name| name.to_ascii_uppercase());
+        match name.rsplit_once('.').map(|(_, extension)| extension) {
+            Some("I") => true,
+            Some("H") => false,
+            _ => host.source(file).is_some_and(|source| {
+                let first = source.walk(1, source.lines()).map(|line| source.line(line).trim_ascii());
+                first.into_iter().find(|line| !line.is_empty()).is_some_and(|line| line.starts_with(b"%"))
+            }),
+        }
+    }
+
+    /// Where a program of a name is: beside the calling or the main program, then where the settings say.
+    pub(super) fn find_program(&self, host: &mut dyn Host, name: &str) -> Result<Option<(FileId, Range)>, Halt> {
+        let path = name.trim().trim_matches('"').replace('\\', "/");
+        let files = host.files();
+        let folder = |file: FileId| {
+            let name = files.get(usize::from(file)).map_or("", String::as_str);
+            name.rsplit_once('/').map_or(String::new(), |(folder, _)| format!("{folder}/"))
+        };
+        let mut wanted = Vec::new();
+        let root = self.settings.root.as_str();
+        let absolute = path.get(..4).filter(|drive| drive.eq_ignore_ascii_case("TNC:")).and_then(|_| path.get(4..));
+        match absolute {
+            Some(path) => {
+                let path = path.trim_start_matches('/');
+                wanted.push(format!("{}{path}", StoredFile::ROOT));
+                wanted.push(format!("{}{path}", folder(host.main_file())));
+                let own = path.rsplit_once('/').map_or(path, |(_, name)| name);
+                wanted.push(format!("{}{own}", folder(host.main_file())));
+            }
+            None => {
+                let path = path.trim_start_matches('/');
+                wanted.push(format!("{}{path}", folder(host.place().file)));
+                wanted.push(format!("{}{path}", folder(host.main_file())));
+                wanted.push(format!("{root}{path}"));
+            }
+        }
+        let endings = if self.is_iso(host) { ["", ".I", ".H"] } else { ["", ".H", ".I"] };
+        for place in &wanted {
+            for ending in endings {
+                let full = format!("{place}{ending}");
+                if let Some(file) = files.iter().position(|file| file.eq_ignore_ascii_case(&full)) {
+                    return whole(host, file as FileId).map(Some);
+                }
+            }
+        }
+        Ok(None)
+    }
+}
+
+/// All of a file.
+fn whole(host: &mut dyn Host, file: FileId) -> Result<(FileId, Range), Halt> {
+    host.load(file)?;
+    let last = host.source(file).map_or(0, |source| source.lines());
+    Ok((file, Range { number: None, first: 1, last }))
+}

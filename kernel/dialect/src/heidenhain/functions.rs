@@ -1,0 +1,222 @@
+//! FN functions and their ISO forms D00 to D38.
+//!
+//! Facts: Heidenhain pre-processor pages (FN 0 to FN 14 with their examples, D00 to D14), programming manuals (FN 16,
+//! FN 18, FN 20, FN 38). Invariant: a function that is not emulated is a statement of its own, never nothing.
+
+use super::formula::{Formula, Function, Name, Op, Wrong, expected, parameter};
+use super::lex::Cursor;
+use super::statement::{Condition, Statement, Test, target};
+use super::words::words;
+use crate::numeric;
+
+/// Behind `FN`: number, colon, function.
+pub(super) fn read(cursor: &mut Cursor<'_>) -> Result<Statement, Wrong> {
+    let Some(number) = cursor.whole() else { return Err(expected(cursor, "the number of the function")) };
+    cursor.take(b':');
+    let statement = match number {
+        0..=8 | 13 => {
+            let name = name(cursor)?;
+            if !cursor.take(b'=') {
+                return Err(expected(cursor, "an equal sign"));
+            }
+            Statement::Assign(name, calculated(number, cursor)?)
+        }
+        9..=12 => return branch(number, cursor),
+        14 => {
+            if !cursor.keyword("ERROR") || !cursor.take(b'=') {
+                return Err(expected(cursor, "ERROR ="));
+            }
+            Statement::Error(Formula::operand(cursor)?)
+        }
+        15 => Statement::Send(text_of(cursor, &["PRINT"])),
+        16 => Statement::Print(text_of(cursor, &["F-PRINT"])),
+        18 => {
+            cursor.keyword("SYSREAD");
+            let to = name(cursor)?;
+            if !cursor.take(b'=') {
+                return Err(expected(cursor, "an equal sign"));
+            }
+            system(to, cursor)?
+        }
+        20 => return Ok(Statement::Nothing),
+        38 => Statement::Send(text_of(cursor, &["SEND"])),
+        _ => return Ok(foreign(&format!("FN {number}"), cursor)),
+    };
+    ended(statement, cursor)
+}
+
+/// An ISO function by its number: `D01 Q2 P01 +5.5 P02 Q1`.
+pub(super) fn read_iso(number: u32, cursor: &mut Cursor<'_>) -> Result<Statement, Wrong> {
+    let statement = match number {
+        0..=8 | 13 => {
+            let name = name(cursor)?;
+            let first = operand(1, cursor)?;
+            let formula = match (number, with_one(number)) {
+                (0, _) => first,
+                (_, Some(function)) => applied(first, function),
+                _ => first.of_two(operand(2, cursor)?, of_two(number)),
+            };
+            Statement::Assign(name, formula)
+        }
+        9..=12 => {
+            let (first, second) = (operand(1, cursor)?, operand(2, cursor)?);
+            place(3, cursor)?;
+            return Ok(Statement::Branch(Condition::Compare(first, test(number), second), target(cursor)?));
+        }
+        14 => Statement::Error(operand(1, cursor)?),
+        15 | 38 => Statement::Send(text_of(cursor, &[])),
+        16 => Statement::Print(text_of(cursor, &["P01"])),
+        18 => {
+            let to = name(cursor)?;
+            system(to, cursor)?
+        }
+        20 => return Ok(Statement::Nothing),
+        _ => return Ok(foreign(&format!("D{number:02}"), cursor)),
+    };
+    ended(statement, cursor)
+}
+
+fn ended(statement: Statement, cursor: &mut Cursor<'_>) -> Result<Statement, Wrong> {
+    if cursor.is_over() { Ok(statement) } else { Err(expected(cursor, "the end of the block")) }
+}
+
+fn foreign(head: &str, cursor: &mut Cursor<'_>) -> Statement {
+    let mut all = words(&mut Cursor::new(head));
+    all.extend(words(cursor));
+    Statement::Foreign(all)
+}
+
+fn name(cursor: &mut Cursor<'_>) -> Result<Name, Wrong> {
+    parameter(cursor).ok_or_else(|| expected(cursor, "a parameter"))
+}
+
+fn text_of(cursor: &mut Cursor<'_>, words: &[&str]) -> String {
+    for word in words {
+        cursor.take_text(word);
+    }
+    cursor.all().to_owned()
+}
+
+/// `P01`, `P1`, `p02` before an operand.
+fn place(number: u32, cursor: &mut Cursor<'_>) -> Result<(), Wrong> {
+    let mut ahead = cursor.clone();
+    if ahead.take(b'P') && ahead.whole() == Some(number) {
+        *cursor = ahead;
+        return Ok(());
+    }
+    Err(expected(cursor, "the next operand, P01, P02 or P03"))
+}
+
+fn operand(number: u32, cursor: &mut Cursor<'_>) -> Result<Formula, Wrong> {
+    place(number, cursor)?;
+    Formula::operand(cursor)
+}
+
+/// Functions of one operand.
+fn with_one(number: u32) -> Option<Function> {
+    match number {
+        5 => Some(Function::Common(numeric::Function::Sqrt)),
+        6 => Some(Function::Common(numeric::Function::Sin)),
+        7 => Some(Function::Common(numeric::Function::Cos)),
+        _ => None,
+    }
+}
+
+fn of_two(number: u32) -> Op {
+    match number {
+        1 => Op::Add,
+        2 => Op::Subtract,
+        3 => Op::Multiply,
+        4 => Op::Divide,
+        8 => Op::Legs,
+        _ => Op::Angle,
+    }
+}
+
+fn applied(mut formula: Formula, function: Function) -> Formula {
+    formula.0.push(Op::Apply(function));
+    formula
+}
+
+/// What stands after the equal sign of FN 0 to FN 8 and FN 13.
+fn calculated(number: u32, cursor: &mut Cursor<'_>) -> Result<Formula, Wrong> {
+    if number == 0 {
+        return Formula::parse(cursor);
+    }
+    if let Some(function) = with_one(number) {
+        let key = [(5, "SQRT"), (6, "SIN"), (7, "COS")].into_iter().find(|(n, _)| *n == number).map_or("", |(_, k)| k);
+        if !cursor.keyword(key) {
+            return Err(expected(cursor, "SQRT, SIN or COS"));
+        }
+        return Ok(applied(Formula::operand(cursor)?, function));
+    }
+    let first = Formula::operand(cursor)?;
+    let key = match number {
+        1 => "+",
+        2 => "-",
+        3 => "*",
+        4 => "DIV",
+        8 => "LEN",
+        _ => "ANG",
+    };
+    // A division may be written by its sign, too.
+    if !(cursor.take_text(key) || number == 4 && cursor.take(b'/')) {
+        return Err(expected(cursor, "the sign of the operation"));
+    }
+    Ok(first.of_two(Formula::operand(cursor)?, of_two(number)))
+}
+
+fn test(number: u32) -> Test {
+    match number {
+        9 => Test::Equal,
+        10 => Test::NotEqual,
+        11 => Test::Greater,
+        _ => Test::Less,
+    }
+}
+
+fn branch(number: u32, cursor: &mut Cursor<'_>) -> Result<Statement, Wrong> {
+    if !cursor.keyword("IF") {
+        return Err(expected(cursor, "IF"));
+    }
+    let first = Formula::operand(cursor)?;
+    let condition = if cursor.keyword("IS") {
+        let defined = !cursor.keyword("UNDEFINED");
+        if defined && !cursor.keyword("DEFINED") {
+            return Err(expected(cursor, "DEFINED or UNDEFINED"));
+        }
+        match first.0.as_slice() {
+            [Op::Variable(name)] => Condition::Defined(*name, defined),
+            _ => return Err(expected(cursor, "a parameter before IS")),
+        }
+    } else {
+        let key = match number {
+            9 => "EQU",
+            10 => "NE",
+            11 => "GT",
+            _ => "LT",
+        };
+        if !cursor.take_text(key) {
+            return Err(expected(cursor, "EQU, NE, GT or LT, as the function has it"));
+        }
+        Condition::Compare(first, test(number), Formula::operand(cursor)?)
+    };
+    if !cursor.keyword("GOTO") {
+        return Err(expected(cursor, "GOTO"));
+    }
+    Ok(Statement::Branch(condition, target(cursor)?))
+}
+
+/// `ID270 NR1 IDX2`.
+fn system(to: Name, cursor: &mut Cursor<'_>) -> Result<Statement, Wrong> {
+    if !cursor.take_text("ID") {
+        return Err(expected(cursor, "ID"));
+    }
+    let id = Formula::operand(cursor)?;
+    if !cursor.take_text("NR") {
+        return Err(expected(cursor, "NR"));
+    }
+    let number = Formula::operand(cursor)?;
+    let index = if cursor.take_text("IDX") { Some(Formula::operand(cursor)?) } else { None };
+    Ok(Statement::SysRead { to, id, number, index })
+}

@@ -1,0 +1,238 @@
+//! Heidenhain: conversational and ISO programs.
+//!
+//! Facts: reference control-emulator.md 5.4, the pages of the emulated system's Heidenhain pre-processor, programming
+//! manuals of the control. Both forms of program are read block by block as they are written. What is left of a block
+//! are words for the tables of the machine: [docs/preprocessors.md] says which. Invariants: a statement is compiled
+//! once for each line that stands as it was read; frames here are those of the kernel, in the same order.
+
+mod carry;
+mod circle;
+mod control;
+mod corner;
+mod cycles;
+mod eval;
+mod feeds;
+mod flow;
+mod formula;
+mod functions;
+mod iso;
+mod lex;
+mod path;
+mod polar;
+mod print;
+mod settings;
+mod shifts;
+mod statement;
+mod system;
+mod variables;
+mod words;
+
+use counterpoint_fault::Halt;
+use std::sync::Arc;
+
+use counterpoint_lang::value::Value;
+use rustc_hash::FxHashMap;
+
+use super::host::Host;
+use super::interpreter::{Interpreter, Remaining, Setting};
+use crate::kept::{Kept, Tables};
+use crate::levels::Levels;
+use counterpoint_event::FileId;
+use counterpoint_fault as diag;
+use flow::{Frame, Labels};
+use lex::Cursor;
+use path::Path;
+use settings::Settings;
+use statement::Statement;
+use variables::Variables;
+
+pub(crate) use control::Control;
+
+/// Most lines that continue one another.
+const CONTINUED: u32 = 1000;
+
+/// A block that has been read.
+#[derive(Debug)]
+struct Line {
+    number: Option<u32>,
+    statement: Statement,
+    /// Line after the last one of the block.
+    next: u32,
+}
+
+/// The pre-processor with its variables.
+#[derive(Debug, Default)]
+pub(crate) struct Heidenhain {
+    variables: Variables,
+    path: Path,
+    settings: Settings,
+    /// Frames of the kernel.
+    frames: Levels<Frame>,
+    /// Kind of the call that has been asked for.
+    calling: Option<flow::Kind>,
+    /// Program that CALL SELECTED PGM calls.
+    selected: Option<Arc<str>>,
+    cycle: cycles::State,
+    shifts: shifts::Shifts,
+    units: feeds::Units,
+    /// Lengths and radii that TOOL DEF has set.
+    tools: FxHashMap<u32, (Option<f64>, Option<f64>)>,
+    /// A line may run again, so compiled lines are worth keeping.
+    keeping: bool,
+    compiled: Kept<Line>,
+    labels: Tables<FileId, Labels>,
+}
+
+impl Heidenhain {
+    /// The block that begins at a line of the file being processed.
+    fn line(&mut self, host: &mut dyn Host, line: u32) -> Result<Arc<Line>, String> {
+        let file = host.place().file;
+        if let Some(known) = self.compiled.get((file, line)) {
+            return Ok(Arc::clone(known));
+        }
+        let source = host.source(file);
+        let text = |line: u32| source.as_deref().map_or(&[][..], |source| source.line(line));
+        let last = source.as_deref().map_or(0, |source| source.lines());
+        let (read, marked) = self.compile(host, text(line), (line, last), &text)?;
+        let read = Arc::new(read);
+        if !marked && self.keeping {
+            let length = (line..read.next).map(|line| text(line).len()).sum();
+            self.compiled.insert((file, line), &read, length);
+        }
+        Ok(read)
+    }
+
+    /// Reads a block with the lines that belong to it; whether it has a mark of optional skip.
+    fn compile<'s>(
+        &self,
+        host: &dyn Host,
+        first: &[u8],
+        (line, last): (u32, u32),
+        text: &dyn Fn(u32) -> &'s [u8],
+    ) -> Result<(Line, bool), String> {
+        let mut clean = lex::clean(first, &|level| host.skips(level));
+        let mut next = line + 1;
+        // Of a block that is skipped, or that is a comment alone, the lines that follow are part.
+        let silent = clean.text.is_empty() && clean.silent;
+        let joins = silent || self.settings.joins || clean.text.starts_with("CYCL") || clean.text.starts_with('G');
+        while clean.continues && joins && next <= last && next - line < CONTINUED {
+            let more = lex::clean(text(next), &|level| host.skips(level));
+            if !silent {
+                clean.text.push(' ');
+                clean.text.push_str(&more.text);
+            }
+            clean.continues = more.continues;
+            clean.marked |= more.marked;
+            next += 1;
+        }
+        let statement = statement::read(&clean.text).map_err(|wrong| format!("{wrong} of '{}'", clean.text))?;
+        Ok((Line { number: clean.number, statement, next }, clean.marked))
+    }
+
+    /// A block whose text is not that of its line.
+    fn compile_alone(&self, host: &dyn Host, text: &[u8]) -> Result<Arc<Line>, String> {
+        let line = host.place().line;
+        self.compile(host, text, (line, line), &|_| &[]).map(|(read, _)| Arc::new(read))
+    }
+}
+
+impl Interpreter for Heidenhain {
+    fn block(&mut self, host: &mut dyn Host, text: &[u8]) -> Result<Remaining, Halt> {
+        self.calling = None;
+        let place = host.place();
+        let read = match place.as_read {
+            true => self.line(host, place.line),
+            false => self.compile_alone(host, text),
+        };
+        let line = match read {
+            Ok(line) => line,
+            Err(wrong) => return Err(host.alarm(&diag::MACRO_SYNTAX, wrong)),
+        };
+        if place.as_read && line.next > place.line + 1 {
+            host.go_to(line.next)?;
+        }
+        let left = self.carry_out(host, &line, place)?;
+        let Some(left) = left.filter(|left| !left.trim().is_empty()) else { return Ok(Remaining::Nothing) };
+        match line.number.filter(|_| host.is_register("N")) {
+            Some(number) => Ok(Remaining::Text(format!("N{number} {left}"))),
+            None => Ok(Remaining::Text(left)),
+        }
+    }
+
+    fn restart(&mut self, reset: bool) {
+        self.variables.begin(reset);
+        self.frames = Levels::default();
+        self.calling = None;
+        self.path = Path::default();
+        self.units = feeds::Units::default();
+        if reset {
+            self.shifts = shifts::Shifts::default();
+            self.cycle = cycles::State::default();
+            self.selected = None;
+        }
+    }
+
+    fn on_call(&mut self, _: &mut dyn Host) {
+        self.keeping = true;
+        let kind = self.calling.take().unwrap_or(flow::Kind::Program);
+        if kind == flow::Kind::Program {
+            self.variables.enter();
+        }
+        self.frames.enter(Frame { kind, ..Frame::default() });
+    }
+
+    fn on_repeat(&mut self) {
+        if let Some(frame) = self.frames.called_mut() {
+            frame.repeats.clear();
+        }
+    }
+
+    fn on_return(&mut self, _: &mut dyn Host) {
+        if self.frames.leave().is_some_and(|frame| frame.kind == flow::Kind::Program) {
+            self.variables.leave();
+        }
+    }
+
+    fn variable(&mut self, _: &mut dyn Host, name: &str, indices: &[f64]) -> Result<Option<Value>, Halt> {
+        let Some(name) = spelled(name, indices) else { return Ok(None) };
+        let value = self.variables.get(name).or_else(|| self.variables.of_control(name));
+        Ok(value.filter(|_| Variables::exists(name)).map(|value| eval::given(&value)))
+    }
+
+    fn set_variable(&mut self, host: &mut dyn Host, name: &str, indices: &[f64], value: &Value) -> Result<bool, Halt> {
+        let Some(name) = spelled(name, indices) else { return Ok(false) };
+        let value = match (value.as_real(), value.as_text()) {
+            (Some(value), _) if value.is_finite() => variables::Value::Number(value),
+            (_, Some(text)) => variables::Value::Text(text.into()),
+            _ => return Ok(false),
+        };
+        host.effect();
+        Ok(self.variables.set(name, value))
+    }
+
+    fn memory(&self) -> u64 {
+        (self.variables.bytes() + self.compiled.bytes() + self.labels.bytes() + self.tools.len() * 60) as u64
+    }
+
+    fn setting(&mut self, _: &mut dyn Host, name: &str, values: &[Value]) -> Setting {
+        let made = self.settings.make(name, values);
+        if made == Setting::Made {
+            // What was joined or not is read again.
+            self.compiled.clear();
+        }
+        made
+    }
+}
+
+/// A parameter as macros name it: `Q200`, or `Q` with an index apart.
+fn spelled(name: &str, indices: &[f64]) -> Option<formula::Name> {
+    let text = match indices {
+        [] => name.to_ascii_uppercase(),
+        [index] if *index >= 0.0 && index.fract() == 0.0 && *index < 1e9 => {
+            format!("{}{index}", name.to_ascii_uppercase().trim_end_matches(['(', '[', ' ']))
+        }
+        _ => return None,
+    };
+    let mut cursor = Cursor::new(&text);
+    formula::parameter(&mut cursor).filter(|_| cursor.is_over())
+}

@@ -1,0 +1,420 @@
+//! Path blocks: what the tables of a machine cannot say by themselves is reduced to straight lines and circles.
+//!
+//! Facts: programming manuals of the control (path functions, polar coordinates, corners). Decisions: a block whose
+//! words say everything is left as it is; polar, tangential and corner blocks become blocks with positions. Invariant:
+//! positions are in the units of the program, in the frame that the program sees; what cannot be made is diagnosed.
+
+use super::words::{Seen, joined};
+use crate::contour::{Point, Way, direction, minus};
+use crate::host::Host;
+use counterpoint_fault as diag;
+use counterpoint_fault::Halt;
+
+/// Letters of the axes.
+pub(super) const AXES: [&str; 9] = ["X", "Y", "Z", "A", "B", "C", "U", "V", "W"];
+
+/// A position by axis.
+pub(super) type Position = [f64; AXES.len()];
+
+/// Kind of a path block.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Shape {
+    Line,
+    Arc,
+    Radius,
+    Tangent,
+    PolarLine,
+    PolarArc,
+    PolarTangent,
+    Pole,
+    Chamfer,
+    Round,
+    Approach(Way),
+    Depart(Way),
+    /// As G words say, or the last of them.
+    Iso,
+}
+
+impl Shape {
+    /// Key words of the shapes.
+    pub(super) const WORDS: [(&'static str, Self); 23] = [
+        ("L", Self::Line),
+        ("C", Self::Arc),
+        ("CR", Self::Radius),
+        ("CT", Self::Tangent),
+        ("LP", Self::PolarLine),
+        ("CP", Self::PolarArc),
+        ("CTP", Self::PolarTangent),
+        ("CC", Self::Pole),
+        ("CHF", Self::Chamfer),
+        ("RND", Self::Round),
+        ("APPR LT", Self::Approach(Way::Straight)),
+        ("APPR LN", Self::Approach(Way::Normal)),
+        ("APPR CT", Self::Approach(Way::Circle)),
+        ("APPR LCT", Self::Approach(Way::LineAndCircle)),
+        ("APPR PLT", Self::Approach(Way::Straight)),
+        ("APPR PLN", Self::Approach(Way::Normal)),
+        ("APPR PCT", Self::Approach(Way::Circle)),
+        ("APPR PLCT", Self::Approach(Way::LineAndCircle)),
+        ("DEP LT", Self::Depart(Way::Straight)),
+        ("DEP LN", Self::Depart(Way::Normal)),
+        ("DEP CT", Self::Depart(Way::Circle)),
+        ("DEP LCT", Self::Depart(Way::LineAndCircle)),
+        ("DEP PLCT", Self::Depart(Way::LineAndCircle)),
+    ];
+
+    /// Key word of the block, where one begins it.
+    pub(super) fn head(self) -> &'static str {
+        match self {
+            Self::Iso => "",
+            shape => Self::WORDS.iter().find(|(_, known)| *known == shape).map_or("", |(word, _)| word),
+        }
+    }
+}
+
+/// Axis of a word, and whether it counts from where the program is.
+pub(super) fn axis(name: &str) -> Option<(usize, bool)> {
+    let (letter, incremental) = match name.strip_prefix('I') {
+        Some(letter) if !letter.is_empty() => (letter, true),
+        _ => (name, false),
+    };
+    Some((AXES.iter().position(|axis| *axis == letter)?, incremental))
+}
+
+/// A path block with its values.
+#[derive(Debug, Clone)]
+pub(super) struct Step {
+    pub(super) shape: Shape,
+    pub(super) iso: bool,
+    pub(super) seen: Vec<Seen>,
+    /// Line that it stands in.
+    pub(super) line: u32,
+}
+
+/// A corner that the block before has made room for.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Corner {
+    /// Line of the block that makes it.
+    pub(super) line: u32,
+    pub(super) to: Point,
+    /// Radius, none for a chamfer.
+    pub(super) radius: Option<f64>,
+    pub(super) clockwise: bool,
+}
+
+/// What is known of the path.
+#[derive(Debug, Clone)]
+pub(super) struct Path {
+    /// Axes of the working plane.
+    pub(super) plane: [usize; 2],
+    pub(super) pole: Option<Point>,
+    /// Direction at the end of the last element.
+    pub(super) heading: Option<Point>,
+    pub(super) clockwise: Option<bool>,
+    /// Programmed point, where a corner has led the tool elsewhere.
+    pub(super) base: Option<Position>,
+    pub(super) corner: Option<Corner>,
+    /// Motion word of ISO programs.
+    pub(super) mode: Option<u32>,
+    /// The next block without a motion word has to say it again.
+    pub(super) restate: bool,
+    /// G91.
+    pub(super) increments: bool,
+    /// The tool goes left of the contour.
+    pub(super) is_left: Option<bool>,
+    /// The next straight line ends the compensation.
+    pub(super) ends_compensation: bool,
+    /// Last feed, as written; of TOOL CALL.
+    pub(super) feed: Option<String>,
+    pub(super) tool_feed: Option<String>,
+    /// A corner had a feed of its own.
+    pub(super) gives_feed_back: bool,
+}
+
+impl Default for Path {
+    fn default() -> Self {
+        Self {
+            plane: [0, 1],
+            pole: None,
+            heading: None,
+            clockwise: None,
+            base: None,
+            corner: None,
+            mode: None,
+            restate: false,
+            increments: false,
+            is_left: None,
+            ends_compensation: false,
+            feed: None,
+            tool_feed: None,
+            gives_feed_back: false,
+        }
+    }
+}
+
+/// A path block at work.
+pub(super) struct Walk<'a> {
+    pub(super) path: &'a mut Path,
+    pub(super) host: &'a mut dyn Host,
+    pub(super) step: &'a Step,
+    /// Path blocks that follow.
+    pub(super) ahead: &'a [Step],
+    /// Where the tool is, and where the program is.
+    pub(super) actual: Position,
+    pub(super) start: Position,
+}
+
+/// Where the tool is, in units of the program.
+pub(super) fn actual(host: &dyn Host) -> Position {
+    let mut out = Position::default();
+    let factor = host.length_factor();
+    for (name, position, _) in host.positions() {
+        let letter = name.trim_end_matches(|c: char| c.is_ascii_digit());
+        if let Some(at) = AXES.iter().position(|axis| *axis == letter)
+            && let Some(slot) = out.get_mut(at)
+        {
+            *slot = if matches!(at, 3..=5) { position } else { position / factor };
+        }
+    }
+    out
+}
+
+/// Executes a path block: the blocks that are left of it.
+pub(super) fn walk(path: &mut Path, host: &mut dyn Host, step: &Step, ahead: &[Step]) -> Result<Vec<String>, Halt> {
+    let actual = actual(host);
+    let start = path.base.unwrap_or(actual);
+    let mut walk = Walk { path, host, step, ahead, actual, start };
+    let mut lines = walk.lines()?;
+    walk.feeds(&mut lines);
+    Ok(lines)
+}
+
+impl Walk<'_> {
+    pub(super) fn complain(&mut self, why: &str) {
+        let text = format!("{why} in '{}'", self.host.block_text());
+        self.host.diagnose(&diag::PATH_NOT_MADE, text);
+    }
+
+    fn lines(&mut self) -> Result<Vec<String>, Halt> {
+        self.note_words();
+        let step = self.step;
+        if step.seen.iter().any(|word| word.is("G") && matches!(word.value, Some(26.0 | 27.0))) {
+            self.complain("G26 and G27 are not emulated, the contour is reached and left without an arc");
+            return Ok(Vec::new());
+        }
+        let shape = if step.shape == Shape::Iso { self.iso_shape() } else { step.shape };
+        // A corner is made by the very next block or not at all.
+        let corner = self.path.corner.take();
+        Ok(match shape {
+            Shape::Line => self.line(),
+            Shape::Arc | Shape::Radius => self.circle(shape),
+            Shape::Tangent => {
+                let end = self.target();
+                self.tangent(end)
+            }
+            Shape::PolarLine => self.polar_line(),
+            Shape::PolarArc => self.polar_arc(),
+            Shape::PolarTangent => match self.polar_end() {
+                Some((end, _)) => self.tangent(end),
+                None => Vec::new(),
+            },
+            Shape::Pole => self.pole(),
+            Shape::Chamfer | Shape::Round => self.corner(corner),
+            Shape::Approach(way) => self.approach(way),
+            Shape::Depart(way) => self.depart(way),
+            Shape::Iso => vec![self.verbatim(&[])],
+        })
+    }
+
+    /// What words say for later blocks.
+    fn note_words(&mut self) {
+        for word in &self.step.seen {
+            let path = &mut *self.path;
+            match (&*word.name, word.value) {
+                ("G", Some(17.0)) => path.plane = [0, 1],
+                ("G", Some(18.0)) => path.plane = [2, 0],
+                ("G", Some(19.0)) => path.plane = [1, 2],
+                ("G", Some(90.0)) => path.increments = false,
+                ("G", Some(91.0)) => path.increments = true,
+                ("G", Some(40.0)) | ("R", Some(0.0)) if word.is("G") || word.text == "R0" => path.is_left = None,
+                ("RL", None) | ("G", Some(41.0)) => path.is_left = Some(true),
+                ("RR", None) | ("G", Some(42.0)) => path.is_left = Some(false),
+                ("DR", None) => path.clockwise = Some(word.text == "DR-"),
+                _ => {}
+            }
+        }
+    }
+
+    /// The block as it is, with words of the pre-processor after.
+    pub(super) fn verbatim(&mut self, more: &[Seen]) -> String {
+        let mut head = self.step.shape.head().to_owned();
+        let has_motion = self.step.seen.iter().any(|word| {
+            word.is("G") && word.value.is_some_and(|value| matches!(value as u32, 0..=3 | 5..=7 | 10..=16))
+        });
+        let moves = self.step.seen.iter().any(|word| axis(&word.name).is_some() && word.value.is_some());
+        if self.step.shape == Shape::Iso && !has_motion && moves {
+            match self.path.mode {
+                // Axis words of a conversational block without a key word are a straight line.
+                None => head = self.line_code(),
+                Some(mode) if self.path.restate => head = format!("G{}", self.plain_mode(mode)),
+                Some(_) => {}
+            }
+        }
+        if has_motion || moves {
+            self.path.restate = false;
+        }
+        let mut line = joined(&head, &self.step.seen);
+        for word in more {
+            line.push(' ');
+            line.push_str(&word.text);
+        }
+        line
+    }
+
+    pub(super) fn line_code(&self) -> String {
+        match self.step.iso && self.path.mode.is_some() {
+            true if matches!(self.path.mode, Some(0 | 10)) => "G0".to_owned(),
+            true => "G1".to_owned(),
+            false if self.host.is_code_text("L") => "L".to_owned(),
+            false => "G1".to_owned(),
+        }
+    }
+
+    pub(super) fn flat(&self, position: &Position) -> Point {
+        self.path.plane.map(|axis| position.get(axis).copied().unwrap_or(0.0))
+    }
+
+    pub(super) fn put(&self, position: &mut Position, point: Point) {
+        for (axis, value) in self.path.plane.into_iter().zip(point) {
+            if let Some(slot) = position.get_mut(axis) {
+                *slot = value;
+            }
+        }
+    }
+
+    /// Where the words of a block lead to from a point.
+    pub(super) fn target_of(&self, seen: &[Seen], start: &Position) -> Position {
+        let mut end = *start;
+        for word in seen {
+            let (Some((axis, incremental)), Some(value)) = (axis(&word.name), word.value) else { continue };
+            if let (Some(slot), Some(from)) = (end.get_mut(axis), start.get(axis)) {
+                *slot = if incremental || self.path.increments { from + value } else { value };
+            }
+        }
+        end
+    }
+
+    pub(super) fn target(&self) -> Position {
+        self.target_of(&self.step.seen, &self.start)
+    }
+
+    /// Axes that the block names.
+    pub(super) fn coded(&self) -> [bool; AXES.len()] {
+        let mut coded = [false; AXES.len()];
+        for word in &self.step.seen {
+            if let (Some((axis, _)), Some(_)) = (axis(&word.name), word.value)
+                && let Some(slot) = coded.get_mut(axis)
+            {
+                *slot = true;
+            }
+        }
+        coded
+    }
+
+    /// Words of the plane and of the axes that the block names, for a position.
+    pub(super) fn positions(&self, from: &Position, to: &Position) -> Vec<Seen> {
+        let coded = self.coded();
+        let mut out = Vec::new();
+        for (at, letter) in AXES.iter().enumerate() {
+            if coded.get(at) == Some(&true) || self.path.plane.contains(&at) {
+                let (Some(from), Some(to)) = (from.get(at), to.get(at)) else { continue };
+                out.push(Seen::made(letter, if self.path.increments { to - from } else { *to }));
+            }
+        }
+        out
+    }
+
+    /// Words of the block that are neither positions nor what the pre-processor has used.
+    pub(super) fn others(&self, used: &[&str]) -> Vec<Seen> {
+        let motion = |word: &Seen| {
+            word.is("G") && word.value.is_some_and(|value| matches!(value as u32, 0..=3 | 5..=7 | 10..=16 | 24..=29))
+        };
+        let position = |word: &Seen| word.value.is_some() && axis(&word.name).is_some();
+        let is_used = |word: &Seen| used.contains(&&*word.name) || used.contains(&word.text.as_str());
+        let seen = self.step.seen.iter();
+        seen.filter(|word| !motion(word) && !position(word) && !is_used(word)).cloned().collect()
+    }
+
+    /// A straight line to a position.
+    pub(super) fn straight(&mut self, to: &Position, others: &[Seen]) -> String {
+        let code = self.line_code();
+        self.path.restate = true;
+        let mut words = self.positions(&self.actual, to);
+        words.extend_from_slice(others);
+        joined(&code, &words)
+    }
+
+    pub(super) fn head_for(&mut self, vector: Point) {
+        if let Some(heading) = direction(vector) {
+            self.path.heading = Some(heading);
+        }
+    }
+
+    fn line(&mut self) -> Vec<String> {
+        let end = self.target();
+        let (start, to) = (self.flat(&self.start), self.flat(&end));
+        let base = self.path.base.take();
+        let line = match self.corner_ahead(&end) {
+            Some(corner_start) => {
+                let mut short = end;
+                self.put(&mut short, corner_start);
+                self.path.base = Some(end);
+                self.straight(&short, &self.others(&[]))
+            }
+            None if base.is_some() && self.has_increments() => self.straight(&end, &self.others(&[])),
+            None => self.verbatim(&[]),
+        };
+        self.head_for(minus(to, start));
+        let mut line = line;
+        if std::mem::take(&mut self.path.ends_compensation)
+            && !self.step.seen.iter().any(|word| word.is("RL") || word.is("RR") || word.text == "R0")
+            && !self.step.iso
+        {
+            line.push_str(" R0");
+        }
+        vec![line]
+    }
+
+    pub(super) fn has_increments(&self) -> bool {
+        self.path.increments || self.step.seen.iter().any(|word| axis(&word.name).is_some_and(|(_, by)| by))
+    }
+
+    /// Feeds of the lines: that of TOOL CALL, and the one before a corner with its own.
+    fn feeds(&mut self, lines: &mut [String]) {
+        let is_corner = matches!(self.step.shape, Shape::Chamfer | Shape::Round);
+        let own = self.step.seen.iter().find(|word| word.is("F") && word.value.is_some());
+        let moves = self.step.seen.iter().any(|word| axis(&word.name).is_some() && word.value.is_some());
+        let has = own.is_some() || self.step.seen.iter().any(|word| word.is("FAUTO") || word.is("FMAX"));
+        match own {
+            Some(_) if is_corner => self.path.gives_feed_back = true,
+            Some(word) => (self.path.feed, self.path.gives_feed_back) = (Some(word.text.clone()), false),
+            None if !has && moves && std::mem::take(&mut self.path.gives_feed_back) => {
+                if let (Some(feed), Some(line)) = (&self.path.feed, lines.first_mut()) {
+                    line.push(' ');
+                    line.push_str(feed);
+                }
+            }
+            None => {}
+        }
+        if self.step.seen.iter().any(|word| word.is("FAUTO")) {
+            let feed = self.path.tool_feed.clone();
+            if feed.is_none() {
+                self.complain("F AUTO has no feed of TOOL CALL");
+            }
+            for line in lines {
+                *line = line.replace("FAUTO", feed.as_deref().unwrap_or(""));
+            }
+            self.path.feed = feed;
+        }
+    }
+}

@@ -1,0 +1,114 @@
+//! Polar coordinates about the pole.
+//!
+//! Facts: programming manuals of the control (LP, CP, CTP; G10 to G16). Decision: circles of more than 270 degrees are
+//! made in pieces, so that none of them is full. Invariant: without a pole there is a diagnostic, no position.
+
+use super::path::{Position, Walk};
+use super::words::joined;
+use crate::contour::{Point, along, angle_between, minus, pieces};
+use crate::numeric::{cosine, sine};
+
+impl Walk<'_> {
+    const POLAR: [&'static str; 6] = ["PR", "IPR", "PA", "IPA", "H", "R"];
+
+    /// End of a block in polar coordinates, and the angle that the tool goes round the pole if that is said.
+    pub(super) fn polar_end(&mut self) -> Option<(Position, Option<f64>)> {
+        let Some(pole) = self.path.pole else {
+            self.complain("polar coordinates have no pole");
+            return None;
+        };
+        let from = minus(self.flat(&self.start), pole);
+        let (mut radius, mut angle) = (libm::hypot(from[0], from[1]), libm::atan2(from[1], from[0]).to_degrees());
+        let mut sweep = None;
+        for word in &self.step.seen {
+            let Some(value) = word.value else { continue };
+            let by = self.path.increments && self.step.iso;
+            match &*word.name {
+                "PR" => radius = value,
+                "IPR" => radius += value,
+                "R" if self.step.iso => radius = if by { radius + value } else { value },
+                "H" if self.step.iso && !by => angle = value,
+                "PA" => angle = value,
+                "IPA" | "H" => {
+                    angle += value;
+                    sweep = Some(value);
+                }
+                _ => {}
+            }
+        }
+        let mut end = self.target();
+        let point = along(pole, [cosine(angle), sine(angle)], radius);
+        self.put(&mut end, point);
+        Some((end, sweep))
+    }
+
+    /// Words that polar coordinates have used; R of a conversational block is that of something else.
+    pub(super) fn polar_words(&self) -> &'static [&'static str] {
+        if self.step.iso { &Self::POLAR } else { Self::POLAR.split_last().map_or(&[], |(_, rest)| rest) }
+    }
+
+    pub(super) fn polar_line(&mut self) -> Vec<String> {
+        let Some((end, _)) = self.polar_end() else { return Vec::new() };
+        let start = self.flat(&self.start);
+        self.path.base = None;
+        let to = self.flat(&end);
+        let mut stop = end;
+        if let Some(corner_start) = self.corner_ahead(&end) {
+            self.put(&mut stop, corner_start);
+            self.path.base = Some(end);
+        }
+        let line = self.straight(&stop, &self.others(self.polar_words()));
+        self.head_for(minus(to, start));
+        vec![line]
+    }
+
+    pub(super) fn polar_arc(&mut self) -> Vec<String> {
+        let Some((end, sweep)) = self.polar_end() else { return Vec::new() };
+        let (Some(pole), start) = (self.path.pole, self.flat(&self.start)) else { return Vec::new() };
+        self.path.base = None;
+        let clockwise = match (self.path.clockwise, sweep) {
+            (None, Some(sweep)) => sweep < 0.0,
+            (Some(clockwise), _) => clockwise,
+            (None, None) => {
+                self.complain("a circle has no direction");
+                return Vec::new();
+            }
+        };
+        if sweep.is_some_and(|sweep| sweep != 0.0 && (sweep < 0.0) != clockwise) {
+            self.complain("the angle about the pole and the direction do not agree, the direction counts");
+        }
+        let angle = |point: Point| libm::atan2(point[1] - pole[1], point[0] - pole[0]).to_degrees();
+        let (from, radius) = (angle(start), libm::hypot(start[0] - pole[0], start[1] - pole[1]));
+        let turned = match sweep {
+            Some(sweep) => sweep.abs(),
+            None => angle_between(from, angle(self.flat(&end)), clockwise),
+        };
+        if !(0.0..=360.0 * 1000.0).contains(&turned) || radius == 0.0 {
+            self.complain("a circle has no radius or more than 1000 turns");
+            return Vec::new();
+        }
+        let (begin, mut lines, mut last) = (self.actual, Vec::new(), self.actual);
+        for (piece, part) in pieces(turned).enumerate() {
+            let angle = from + if clockwise { -turned * part } else { turned * part };
+            let mut to = end;
+            for ((slot, from), end) in to.iter_mut().zip(&begin).zip(&end) {
+                *slot = if part == 1.0 { *end } else { from + (end - from) * part };
+            }
+            self.put(&mut to, along(pole, [cosine(angle), sine(angle)], radius));
+            let (code, sign) = self.circle_code("C", clockwise);
+            let mut words = self.positions(&last, &to);
+            words.extend(sign);
+            words.extend(self.center_words(pole));
+            if piece == 0 {
+                let mut used = self.polar_words().to_vec();
+                used.push("DR");
+                words.extend(self.others(&used));
+            }
+            lines.push(joined(&code, &words));
+            last = to;
+        }
+        self.path.restate = true;
+        self.leave_circle(pole, self.flat(&last), clockwise);
+        lines
+    }
+}

@@ -1,0 +1,155 @@
+//! Q, QL, QR and QS parameters.
+//!
+//! Facts: Heidenhain pre-processor pages: Q and QS 0 to 1999, QL and QR 0 to 499; release notes: Q108 to Q111 and Q113
+//! come from the control. Decisions: Q and QS belong to the channel, QL to the program or cycle that uses them,
+//! labels in it included, QR outlives a restart of the program. Invariant: an index in here is one that exists.
+
+use std::sync::Arc;
+
+use rustc_hash::FxHashMap;
+
+use super::formula::{Kind, Name};
+use crate::levels::Levels;
+
+/// A value.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) enum Value {
+    Number(f64),
+    Text(Arc<str>),
+}
+
+/// What the control tells by Q parameters of its own.
+#[derive(Debug, Clone, Default)]
+pub(super) struct ControlState {
+    /// Tool called last.
+    pub(super) tool: Option<f64>,
+    /// Radius of the tool: what TOOL DEF says, with the allowance of TOOL CALL.
+    pub(super) radius: Option<f64>,
+    /// Length by TOOL DEF.
+    pub(super) length: Option<f64>,
+    /// Tool axis, 0 = X.
+    pub(super) tool_axis: Option<usize>,
+    /// M3, M4, M5 after M3, M5 after M4: 0 to 3.
+    pub(super) spindle: Option<u8>,
+    pub(super) coolant: bool,
+    pub(super) inch: bool,
+}
+
+impl ControlState {
+    /// Value of a parameter that the control sets.
+    fn get(&self, index: u32) -> Option<f64> {
+        Some(match index {
+            108 => self.radius.unwrap_or(0.0),
+            109 => self.tool_axis.map_or(-1.0, |axis| axis as f64),
+            110 => self.spindle.map_or(-1.0, f64::from),
+            111 => f64::from(u8::from(self.coolant)),
+            113 => f64::from(u8::from(self.inch)),
+            114 => self.length?,
+            _ => return None,
+        })
+    }
+
+    /// An M function acts.
+    pub(super) fn function(&mut self, number: f64) {
+        match number {
+            3.0 | 13.0 => self.spindle = Some(0),
+            4.0 | 14.0 => self.spindle = Some(1),
+            5.0 => self.spindle = self.spindle.map(|now| if now % 2 == 1 { 3 } else { 2 }),
+            _ => {}
+        }
+        match number {
+            8.0 | 13.0 | 14.0 => self.coolant = true,
+            9.0 => self.coolant = false,
+            _ => {}
+        }
+    }
+}
+
+/// The parameters of a kernel.
+#[derive(Debug, Default)]
+pub(super) struct Variables {
+    q: FxHashMap<u32, f64>,
+    kept: FxHashMap<u32, f64>,
+    texts: FxHashMap<u32, Arc<str>>,
+    /// Of the main program and the programs it has called.
+    local: Levels<FxHashMap<u32, f64>>,
+    pub(super) control: ControlState,
+}
+
+impl Variables {
+    /// Whether there can be such a parameter.
+    pub(super) fn exists(name: Name) -> bool {
+        name.index <= name.kind.last()
+    }
+
+    /// Bytes that they take, about.
+    pub(super) fn bytes(&self) -> usize {
+        let texts: usize = self.texts.values().map(|text| text.len() + 60).sum();
+        let local: usize = self.local.iter().map(|values| values.len() * 32).sum();
+        texts + local + (self.q.len() + self.kept.len()) * 32
+    }
+
+    fn numbers(&self, kind: Kind) -> Option<&FxHashMap<u32, f64>> {
+        match kind {
+            Kind::Q => Some(&self.q),
+            Kind::Kept => Some(&self.kept),
+            Kind::Local => Some(self.local.here()),
+            Kind::Text => None,
+        }
+    }
+
+    /// What a parameter was set to.
+    pub(super) fn get(&self, name: Name) -> Option<Value> {
+        match self.numbers(name.kind) {
+            Some(numbers) => numbers.get(&name.index).copied().map(Value::Number),
+            None => self.texts.get(&name.index).cloned().map(Value::Text),
+        }
+    }
+
+    /// What the control itself says of a parameter that was not set.
+    pub(super) fn of_control(&self, name: Name) -> Option<Value> {
+        if name.kind == Kind::Q { self.control.get(name.index).map(Value::Number) } else { None }
+    }
+
+    /// Sets a parameter that exists to a value of its kind; whether that is so.
+    pub(super) fn set(&mut self, name: Name, value: Value) -> bool {
+        if !Self::exists(name) {
+            return false;
+        }
+        match (name.kind, value) {
+            (Kind::Text, Value::Text(text)) => {
+                self.texts.insert(name.index, text);
+            }
+            (Kind::Q, Value::Number(value)) => {
+                self.q.insert(name.index, value);
+            }
+            (Kind::Kept, Value::Number(value)) => {
+                self.kept.insert(name.index, value);
+            }
+            (Kind::Local, Value::Number(value)) => {
+                self.local.here_mut().insert(name.index, value);
+            }
+            _ => return false,
+        }
+        true
+    }
+
+    /// A called program has local parameters of its own.
+    pub(super) fn enter(&mut self) {
+        self.local.enter(FxHashMap::default());
+    }
+
+    pub(super) fn leave(&mut self) {
+        self.local.leave();
+    }
+
+    /// The program begins again.
+    pub(super) fn begin(&mut self, reset: bool) {
+        self.local = Levels::default();
+        if reset {
+            self.q.clear();
+            self.texts.clear();
+            self.control = ControlState::default();
+        }
+    }
+}

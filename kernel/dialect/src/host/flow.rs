@@ -1,0 +1,139 @@
+//! Where the program continues: jumps, loops, calls and returns.
+
+use std::sync::Arc;
+
+use counterpoint_fault::{Acted, Halt};
+
+use counterpoint_event::FileId;
+use counterpoint_program::program::Range;
+use counterpoint_program::spot::Spot;
+
+/// A subprogram that the interpreter calls.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Call {
+    /// Name for events, messages and the subprogram macros.
+    pub name: Arc<str>,
+    /// Where it is; a startup macro of the machine may know what the interpreter does not.
+    pub place: Option<(FileId, Range)>,
+    /// Passes, at least 1.
+    pub passes: u32,
+    /// The end of its text is its return, without a return code.
+    pub closes: bool,
+}
+
+/// Loops that the programs are in: level of the program, and the block that opens the loop.
+///
+/// *Invariant:* loops of outer levels come first.
+#[derive(Debug, Default)]
+pub struct Loops(Vec<(usize, Spot)>);
+
+impl Loops {
+    /// Enters a loop; false if the program is in it.
+    pub fn enter(&mut self, level: usize, start: Spot) -> bool {
+        let entered = !self.0.contains(&(level, start));
+        if entered {
+            self.0.push((level, start));
+        }
+        entered
+    }
+
+    /// Leaves a loop and those inside it, if the program is in it.
+    pub fn leave(&mut self, level: usize, start: Spot) {
+        if let Some(at) = self.position(level, start) {
+            self.0.truncate(at);
+        }
+    }
+
+    /// Leaves the loops inside a loop for its next pass; false if the program is not in it.
+    pub fn repeat(&mut self, level: usize, start: Spot) -> bool {
+        let found = self.position(level, start);
+        if let Some(at) = found {
+            self.0.truncate(at + 1);
+        }
+        found.is_some()
+    }
+
+    /// Leaves the loops of a level that do not hold the target of a jump.
+    pub fn jump(&mut self, level: usize, holds: impl Fn(Spot) -> bool) {
+        self.0.retain(|&(of, start)| of != level || holds(start));
+    }
+
+    /// Leaves the loops of this level and those inside it: the program of the level starts again.
+    pub fn restart(&mut self, level: usize) {
+        self.0.retain(|(of, _)| *of < level);
+    }
+
+    /// Leaves the loops inside this level: a program returns to it.
+    pub fn return_to(&mut self, level: usize) {
+        self.0.retain(|(of, _)| *of <= level);
+    }
+
+    /// The programs are in no loop.
+    pub fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+
+    fn position(&self, level: usize, start: Spot) -> Option<usize> {
+        self.0.iter().position(|inside| *inside == (level, start))
+    }
+}
+
+/// Program flow.
+pub trait Flow {
+    /// The block continues at a line of its program.
+    ///
+    /// # Errors
+    /// A loop that nothing can end any more.
+    fn go_to(&mut self, line: u32) -> Acted;
+
+    /// The same at a block.
+    ///
+    /// # Errors
+    /// Those of [`Flow::go_to`].
+    fn go_to_block(&mut self, block: Spot) -> Acted;
+
+    /// The block with a sequence number: from here on, else from the top of the program.
+    ///
+    /// # Errors
+    /// There is none: an alarm.
+    fn sequence(&mut self, number: u32) -> Result<Spot, Halt>;
+
+    /// The block after another one of the program.
+    fn after(&self, block: Spot) -> Spot;
+
+    /// Loops that the programs are in.
+    fn loops(&mut self) -> &mut Loops;
+
+    /// Calls a subprogram at the end of the block.
+    fn call(&mut self, call: Call);
+
+    /// After every block that moves, the interpreter is asked for a call, or no longer.
+    fn calls_modally(&mut self, on: bool);
+
+    /// Returns from the subprogram at the end of the block, or ends the main program.
+    fn return_from(&mut self);
+
+    /// Plain words are for the interpreter too, or no longer.
+    fn watch(&mut self, on: bool);
+
+    /// A variable of this channel has changed, or something else that the next pass of a loop could see.
+    fn effect(&mut self);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_jump_out_and_a_return_leave_loops() {
+        let [outer, inner, called] = [Spot::line(2), Spot::line(4), Spot::line(20)];
+        let mut loops = Loops::default();
+        assert!(loops.enter(0, outer) && loops.enter(0, inner) && loops.enter(1, called));
+        assert!(!loops.enter(0, inner), "the next pass is no further loop");
+        loops.return_to(0);
+        assert!(!loops.repeat(1, called) && loops.repeat(0, outer));
+        assert!(!loops.repeat(0, inner), "the next pass of a loop leaves those inside");
+        loops.jump(0, |start| start == inner);
+        assert!(loops.is_empty());
+    }
+}

@@ -1,0 +1,61 @@
+//! Axes, frames and modes: where the tool is, and how the program counts.
+
+use counterpoint_machine::ident::CodeId;
+
+/// An axis of the channel.
+#[derive(Debug, Clone, PartialEq)]
+pub struct AxisPlace {
+    /// Name on the machine.
+    pub name: String,
+    /// Name in the programs of the channel.
+    pub letter: String,
+    /// Programmed as a diameter.
+    pub diameter: bool,
+    /// Where it is in the frame of the program, as the program counts now.
+    pub work: f64,
+    /// What incremental words count from: where it is, or where it was before a change of frames that is to be travelled.
+    pub from: f64,
+    /// Where it is in the machine frame, as the program counts now.
+    pub machine: f64,
+}
+
+/// The active codes of all groups.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Modes(pub Vec<(u16, CodeId, u16)>);
+
+/// Positions, frames and modes of the channel.
+pub trait Frames {
+    /// Axes of the channel, in its order.
+    fn axes(&self) -> Vec<AxisPlace>;
+
+    /// Positions of the channel's axes by name: in the work frame as programmed, in the machine frame.
+    fn positions(&self) -> Vec<(String, f64, f64)>;
+
+    /// Positions count from where the axes are.
+    fn relative(&self) -> bool;
+
+    /// Moves are rapid or straight unless a block says otherwise.
+    fn moves_straight(&self) -> bool;
+
+    /// From the program to the work frame: three rows of a linear part and a shift, in the order X, Y, Z; shifts as the
+    /// program counts now.
+    fn local_frame(&self) -> [f64; 12];
+
+    /// Number of the work offset in force, 0 for none.
+    fn work_offset(&self) -> u32;
+
+    /// Values of a work offset by axis, as the program counts now; 0 is the base.
+    fn offset(&self, number: u32) -> Vec<f64>;
+
+    /// Sets a work offset, which acts at once; whether it was set.
+    fn set_offset(&mut self, number: u32, values: &[f64]) -> bool;
+
+    /// Number of the tool that is loaded.
+    fn tool(&self) -> u32;
+
+    /// The active codes, to be restored later.
+    fn modes(&self) -> Modes;
+
+    /// Makes such codes active again.
+    fn restore_modes(&mut self, modes: &Modes);
+}

@@ -1,0 +1,89 @@
+//! Where the kernel is, and the texts of its programs.
+
+use std::sync::Arc;
+
+use counterpoint_event::FileId;
+use counterpoint_fault::Acted;
+use counterpoint_program::key_words::Names;
+use counterpoint_program::program::Range;
+use counterpoint_program::source::Source;
+use counterpoint_program::spot::Spot;
+
+/// Where a kernel is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Place {
+    /// File of the block.
+    pub file: FileId,
+    /// Its line, from 1.
+    pub line: u32,
+    /// Lines of the program, or of the called text, that the block belongs to.
+    pub range: Range,
+    /// Subprograms that are running.
+    pub level: usize,
+    /// The text of the block is its line of the file, and was not changed: what was compiled for the line holds.
+    pub as_read: bool,
+    /// The program has jumped back or called, so a line may run again.
+    pub repeats: bool,
+}
+
+/// Programs and the block in process.
+pub trait Programs {
+    /// Where the kernel is.
+    fn place(&self) -> Place;
+
+    /// Where the block begins.
+    fn spot(&self) -> Spot;
+
+    /// File and lines of the running program, none before the first one. After a return it is the caller, while
+    /// [`Programs::place`] remains that of the block.
+    fn program(&self) -> Option<(FileId, Range)>;
+
+    /// Text of a file that is loaded, as the file of the block is.
+    fn source(&self, file: FileId) -> Option<Arc<Source>>;
+
+    /// Names of the files of the job and of those stored with the machine (`//ICAMFS/…`), in order of their ids.
+    fn files(&self) -> Vec<String>;
+
+    /// Loads a file.
+    ///
+    /// # Errors
+    /// It cannot be read: an alarm.
+    fn load(&mut self, file: FileId) -> Acted;
+
+    /// File of the main program.
+    fn main_file(&self) -> FileId;
+
+    /// Text of the block for messages.
+    fn block_text(&self) -> String;
+
+    /// A part of the text of the block.
+    fn part(&self, span: (u32, u32)) -> String;
+
+    /// Copies the text of the block with blanks in place of comments and skipped portions. Gives the places of its
+    /// messages, which are displayed if `displays`.
+    fn strip(&mut self, text: &[u8], displays: bool, into: &mut Vec<u8>) -> Box<[(u32, u32)]>;
+
+    /// Displays messages of the block that [`Programs::strip`] found when its line was read for the first time.
+    fn display_again(&mut self, text: &[u8], messages: &[(u32, u32)]);
+
+    /// What words of the block may be called besides letters.
+    fn names(&self) -> Names<'_>;
+
+    /// Visits the blocks of a line of a program: where each begins, and its text without comments and skipped portions.
+    fn each_block(&self, line: &[u8], visit: &mut dyn FnMut(usize, &[u8], Names<'_>));
+
+    /// Whether blocks after an optional-skip mark of this level are skipped; `None` for a mark without number.
+    fn skips(&self, level: Option<u8>) -> bool;
+
+    /// Counts work on so many elements within a block.
+    ///
+    /// # Errors
+    /// The job is to end, or a limit is reached.
+    fn work(&mut self, elements: usize) -> Acted;
+
+    /// Simulated time, ns.
+    fn clock(&self) -> i64;
+
+    /// Channel number.
+    fn channel(&self) -> u16;
+}

@@ -1,0 +1,41 @@
+//! What people see: messages, diagnostics, alarms, and what programs print.
+
+use counterpoint_fault::{Acted, Facts, Halt};
+
+use counterpoint_machine::model::Output;
+
+/// Ways to the log.
+pub trait Report {
+    /// Displays a message to the operator.
+    fn show(&mut self, text: &str);
+
+    /// Logs a message without the code of a display.
+    fn log_message(&mut self, text: &str);
+
+    /// The kernel itself handles the messages of this text.
+    fn handles_messages(&self, text: &[u8]) -> bool;
+
+    /// Reports a diagnostic of the block.
+    fn diagnose(&mut self, facts: &'static Facts, text: String);
+
+    /// Reports a diagnostic with a severity of its own.
+    fn report(&mut self, facts: &'static Facts, severity: u8, text: String);
+
+    /// Reports an alarm; gives what it does: the channel stops, or the rest of the block is dropped.
+    fn alarm(&mut self, facts: &'static Facts, text: String) -> Halt;
+
+    /// The machine continues after this alarm.
+    fn continues_after(&self, facts: &'static Facts) -> bool;
+
+    /// How the control writes what programs print.
+    fn output(&self) -> &Output;
+
+    /// The program opens or closes its output.
+    fn open_output(&mut self, open: bool);
+
+    /// Prints a line, with its end.
+    ///
+    /// # Errors
+    /// The job was stopped.
+    fn print(&mut self, line: &str) -> Acted;
+}

@@ -1,0 +1,77 @@
+//! Words of the machine: what they are called, how their numbers are written and read, and the block that is made of them.
+
+use counterpoint_program::key_words::Number;
+
+/// A word that the interpreter made.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MadeWord {
+    /// Register.
+    pub register: u8,
+    /// It is the incremental form.
+    pub incremental: bool,
+    /// Value.
+    pub value: f64,
+    /// The value is this number as written, which the register reads by its format.
+    pub written: Option<Number>,
+    /// Start and end in the text of the block.
+    pub span: (u32, u32),
+}
+
+/// Words and codes of the machine.
+pub trait Words {
+    /// Words may begin with this text: a register of the machine has the name.
+    fn is_register(&self, name: &str) -> bool;
+
+    /// The word of a register with a value: as it is spelled, else so that the register reads this value, rounded to its
+    /// digits. None if no register has the name, with or without `=` at its end.
+    fn word(&self, name: &str, value: f64, spelled: Option<&str>) -> Option<String>;
+
+    /// Name of the incremental form of a register.
+    fn second(&self, register: &str) -> Option<String>;
+
+    /// A literal text of the machine's code table, letter case ignored.
+    fn is_code_text(&self, text: &str) -> bool;
+
+    /// The machine has a code for the word of a letter with this value.
+    fn knows_code(&self, letter: u8, value: f64) -> bool;
+
+    /// Lengths are in inches.
+    fn is_inch(&self) -> bool;
+
+    /// Units of positions in one unit of the program's lengths.
+    fn length_factor(&self) -> f64;
+
+    /// Register of a letter, and whether the letter is its incremental form.
+    fn register(&self, letter: u8) -> Option<(u8, bool)>;
+
+    /// Steps of one unit that the value of an expression is rounded to at a register, if the machine rounds.
+    fn steps(&self, register: u8) -> Option<f64>;
+
+    /// Value of a number as a register reads it. What is wrong with the number is kept with the block.
+    fn read(&mut self, register: u8, number: Number) -> f64;
+
+    /// Makes the value the sequence number of the block, if the register is that of sequence numbers and the block has
+    /// none; whether it did.
+    fn take_sequence(&mut self, register: u8, value: f64) -> bool;
+
+    /// The sequence number of the block.
+    fn set_sequence(&mut self, number: u32);
+
+    /// Place of a program name in angle brackets on the block.
+    fn set_program_name(&mut self, span: (u32, u32));
+
+    /// Adds a word to the block.
+    fn push(&mut self, word: MadeWord);
+
+    /// Adds a literal text of the machine, by its row in the code table.
+    fn push_text(&mut self, row: u16);
+
+    /// A part of the text remains on the block for the tables of the machine.
+    fn keep_text(&mut self, span: (u32, u32));
+
+    /// All words of the block are made: the trace shows them.
+    fn words_are_made(&mut self);
+
+    /// A macro call comes first on its block, and no G word is an argument.
+    fn is_call_strict(&self) -> bool;
+}

@@ -1,0 +1,138 @@
+//! What an interpreter is to its kernel.
+//!
+//! *Invariant:* an interpreter keeps what belongs to its control alone; the kernel knows nothing of it.
+
+use counterpoint_fault::Halt;
+use counterpoint_lang::value::Value;
+
+use super::host::Host;
+use counterpoint_program::spot::Spot;
+
+/// The interpreter of one kernel, with its variables.
+pub trait Interpreter: Send {
+    /// Executes a block that is more than plain words. What remains of it acts when the interpreter has done its part, so
+    /// nothing of the interpreter runs while a block of its own acts.
+    ///
+    /// # Errors
+    /// What stops the channel; mistakes of the program are alarms by [`super::host::Report::alarm`].
+    fn block(&mut self, host: &mut dyn Host, text: &[u8]) -> Result<Remaining, Halt>;
+
+    /// Reads the words of the block as the arguments of a macro call; `own` is the word (register and value) that calls by
+    /// itself. None if the block has no words.
+    ///
+    /// # Errors
+    /// What stops the channel.
+    fn arguments(
+        &mut self,
+        _host: &mut dyn Host,
+        _text: &[u8],
+        _own: Option<(u8, f64)>,
+    ) -> Result<Option<Arguments>, Halt> {
+        Ok(None)
+    }
+
+    /// The program starts again with another file, with or without a reset (reference control-emulator.md 5.8).
+    fn restart(&mut self, reset: bool);
+
+    /// The main program is about to run; its file is loaded.
+    fn on_start(&mut self, _host: &mut dyn Host) {}
+
+    /// A subprogram begins: one that [`super::host::Flow::call`] asked for, or another that words called.
+    fn on_call(&mut self, _host: &mut dyn Host) {}
+
+    /// A further pass of the subprogram begins.
+    fn on_repeat(&mut self) {}
+
+    /// A subprogram has returned.
+    fn on_return(&mut self, _host: &mut dyn Host) {}
+
+    /// A block has moved, and modal calls are on ([`super::host::Flow::calls_modally`]).
+    fn on_move(&mut self, _host: &mut dyn Host) {}
+
+    /// A word of the machine jumps within the program while the program is in loops.
+    fn on_jump(&mut self, _host: &mut dyn Host, _target: Spot) {}
+
+    /// Lines or levels of optional skip have changed: what was read of programs no longer holds.
+    fn forget_lines(&mut self) {}
+
+    /// `$FCEGNCV`: value of a variable in native spelling; none if it does not exist or has no value.
+    ///
+    /// # Errors
+    /// The job was stopped.
+    fn variable(&mut self, host: &mut dyn Host, name: &str, indices: &[f64]) -> Result<Option<Value>, Halt>;
+
+    /// `$FCESNCV`: sets a variable that exists; whether it was set.
+    ///
+    /// # Errors
+    /// The job was stopped.
+    fn set_variable(&mut self, host: &mut dyn Host, name: &str, indices: &[f64], value: &Value) -> Result<bool, Halt>;
+
+    /// `$FCEPP`: a setting by its name, words joined by commas as in `PROCESS,SUBPROGRAMS`, with its values.
+    fn setting(&mut self, host: &mut dyn Host, name: &str, values: &[Value]) -> Setting;
+
+    /// Bytes that its variables and what it remembers of programs take, about.
+    fn memory(&self) -> u64 {
+        0
+    }
+
+    /// Bytes that compiled lines and tables take, about, if they are counted apart.
+    fn tables(&self) -> u64 {
+        0
+    }
+}
+
+/// What remains of a block after its interpreter.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Remaining {
+    /// Nothing.
+    Nothing,
+    /// The text of the words; several blocks are in lines of their own.
+    Text(String),
+    /// The words that the interpreter has put on the block ([`super::host::Words::push`]).
+    Words,
+}
+
+impl From<Option<String>> for Remaining {
+    fn from(text: Option<String>) -> Self {
+        text.map_or(Self::Nothing, Self::Text)
+    }
+}
+
+/// What became of a setting.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Setting {
+    /// It holds from now on.
+    Made,
+    /// It cannot have the value.
+    Wrong,
+    /// It is true or false.
+    NotLogical,
+    /// This interpreter has no such setting.
+    Unknown,
+}
+
+/// How a G word of the control calls a macro by itself.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum MacroCall {
+    /// Once.
+    Once,
+    /// After blocks that move.
+    AfterMoves,
+    /// With the words of every block.
+    EachBlock,
+    /// Ends modal calls.
+    End,
+}
+
+/// What the words of a macro call say.
+#[derive(Debug, Default)]
+pub struct Arguments {
+    /// Number of the program.
+    pub program: Option<f64>,
+    /// Passes.
+    pub count: Option<f64>,
+    /// How the block calls, if one of its words says so.
+    pub call: Option<MacroCall>,
+    /// Values by number of the local variable.
+    pub values: Vec<(u8, f64)>,
+}

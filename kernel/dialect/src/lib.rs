@@ -1,0 +1,32 @@
+//! Dialects: what turns a program line with variables and statements into plain words, for each control.
+//!
+//! Facts: reference control-emulator.md 5.4. `definition` says what a dialect is, `table` names all of them, `host` is what
+//! their interpreters see of the kernel. An [`Interpreter`] gets the text of a block that is more than plain words and
+//! leaves words or text. *Invariants:* an interpreter reaches its kernel only through `Host`; the folders of the controls
+//! use what they share (`kept`, `numeric`, `text`) and never each other.
+
+mod contour;
+mod definition;
+mod expression;
+mod fanuc;
+mod heidenhain;
+mod host;
+mod interpreter;
+mod kept;
+mod levels;
+mod numeric;
+mod okuma;
+mod plain;
+mod siemens;
+mod table;
+mod text;
+
+pub use definition::{Dialect, Unknown};
+pub use host::{
+    Answer, AxisPlace, Call, Flow, Frames, Loops, MadeWord, Modes, NotThere, Place, Programs, Report, Values, Words,
+};
+pub use interpreter::{Interpreter, MacroCall, Remaining, Setting};
+pub use kept::next_or_first;
+pub use levels::Levels;
+pub use numeric::{VACANT, is_vacant};
+pub use table::{all, of};

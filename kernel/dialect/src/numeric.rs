@@ -1,0 +1,164 @@
+//! What functions of numbers mean on every control that has them.
+//!
+//! Angles are degrees. Invariants: sine and cosine are exact at multiples of 90 degrees; functions come from `libm`, so
+//! that every machine gives the same bits.
+
+use std::f64::consts::PI;
+
+/// The value of a numbered variable that has none: one special NaN, which counts as zero in arithmetic and equals only
+/// itself.
+pub const VACANT: f64 = f64::from_bits(0x7ff8_0000_0c0d_e001);
+
+/// Tells the vacant value from every other one.
+pub fn is_vacant(value: f64) -> bool {
+    value.to_bits() == VACANT.to_bits()
+}
+
+/// Degrees of a radian.
+pub(super) const DEGREES: f64 = 180.0 / PI;
+
+/// Sine.
+pub(super) fn sine(degrees: f64) -> f64 {
+    if degrees.rem_euclid(180.0) == 0.0 { 0.0 } else { libm::sin(degrees * PI / 180.0) }
+}
+
+/// Cosine.
+pub(super) fn cosine(degrees: f64) -> f64 {
+    if (degrees - 90.0).rem_euclid(180.0) == 0.0 { 0.0 } else { libm::cos(degrees * PI / 180.0) }
+}
+
+/// Tangent; none where there is none.
+fn tangent(degrees: f64) -> Option<f64> {
+    let cosine = cosine(degrees);
+    (cosine != 0.0).then(|| sine(degrees) / cosine)
+}
+
+/// The whole number away from zero.
+pub(super) fn away(value: f64) -> f64 {
+    if value < 0.0 { value.floor() } else { value.ceil() }
+}
+
+/// The number whose decimal digits are the groups of four bits.
+fn from_bcd(value: f64) -> f64 {
+    let (mut rest, mut out, mut weight) = (value.abs() as u64, 0.0, 1.0);
+    while rest > 0 {
+        out += (rest & 15) as f64 * weight;
+        weight *= 10.0;
+        rest >>= 4;
+    }
+    out.copysign(value)
+}
+
+/// The number whose groups of four bits are the decimal digits.
+fn to_bcd(value: f64) -> f64 {
+    let (mut rest, mut out, mut shift) = (value.abs() as u64, 0_u64, 0_u32);
+    while rest > 0 && shift < 64 {
+        out |= (rest % 10) << shift;
+        rest /= 10;
+        shift += 4;
+    }
+    (out as f64).copysign(value)
+}
+
+/// Functions of one number that most controls have.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Function {
+    Sin,
+    Cos,
+    Tan,
+    Asin,
+    Acos,
+    Atan,
+    Sqrt,
+    Abs,
+    Ln,
+    Exp,
+    /// To the nearest whole number, halves away from zero.
+    Round,
+    /// To the whole number towards zero.
+    Fix,
+    /// To the whole number away from zero.
+    Fup,
+    Bin,
+    Bcd,
+}
+
+impl Function {
+    /// Name in messages.
+    pub(super) fn name(self) -> &'static str {
+        match self {
+            Self::Sin => "SIN",
+            Self::Cos => "COS",
+            Self::Tan => "TAN",
+            Self::Asin => "ASIN",
+            Self::Acos => "ACOS",
+            Self::Atan => "ATAN",
+            Self::Sqrt => "SQRT",
+            Self::Abs => "ABS",
+            Self::Ln => "LN",
+            Self::Exp => "EXP",
+            Self::Round => "ROUND",
+            Self::Fix => "FIX",
+            Self::Fup => "FUP",
+            Self::Bin => "BIN",
+            Self::Bcd => "BCD",
+        }
+    }
+
+    /// Value, none outside the domain of the function. Whether it is finite is not checked.
+    pub(super) fn value(self, v: f64) -> Option<f64> {
+        Some(match self {
+            Self::Sin => sine(v),
+            Self::Cos => cosine(v),
+            Self::Tan => tangent(v)?,
+            Self::Asin | Self::Acos if v.abs() > 1.0 => return None,
+            Self::Asin => libm::asin(v) * DEGREES,
+            Self::Acos => libm::acos(v) * DEGREES,
+            Self::Atan => libm::atan(v) * DEGREES,
+            Self::Sqrt if v < 0.0 => return None,
+            Self::Sqrt => v.sqrt(),
+            Self::Abs => v.abs(),
+            Self::Ln if v <= 0.0 => return None,
+            Self::Ln => libm::log(v),
+            Self::Exp => libm::exp(v),
+            Self::Round => v.round(),
+            Self::Fix => v.trunc(),
+            Self::Fup => away(v),
+            Self::Bin => from_bcd(v),
+            Self::Bcd => to_bcd(v),
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn right_angles_are_exact() {
+        for (degrees, sin, cos) in [(0.0, 0.0, 1.0), (90.0, 1.0, 0.0), (180.0, 0.0, -1.0), (-90.0, -1.0, 0.0)] {
+            assert_eq!((sine(degrees), cosine(degrees)), (sin, cos), "{degrees}");
+        }
+        assert_eq!((tangent(180.0), tangent(-90.0), tangent(450.0)), (Some(-0.0), None, None));
+    }
+
+    #[test]
+    fn decimals_in_bits() {
+        assert_eq!((to_bcd(25.0), from_bcd(37.0), from_bcd(-37.0)), (37.0, 25.0, -25.0));
+        assert_eq!((away(2.1), away(-2.1)), (3.0, -3.0));
+    }
+
+    #[test]
+    fn functions_have_no_value_outside_their_domain() {
+        for (function, outside) in [
+            (Function::Tan, 90.0),
+            (Function::Asin, 1.1),
+            (Function::Acos, -1.1),
+            (Function::Sqrt, -1.0),
+            (Function::Ln, 0.0),
+        ] {
+            assert_eq!(function.value(outside), None, "{}", function.name());
+        }
+        assert_eq!((Function::Sqrt.value(9.0), Function::Fup.value(-2.1)), (Some(3.0), Some(-3.0)));
+    }
+}

@@ -1,0 +1,39 @@
+//! Okuma user task as a dialect.
+
+use super::programs::{called, program_name, returns};
+use super::{Okuma, line, quick_look};
+use crate::definition::Dialect;
+use crate::interpreter::Interpreter;
+use counterpoint_machine::Machine;
+use counterpoint_program::syntax::{NamedPrograms, PLAIN, Syntax};
+
+static SYNTAX: Syntax = Syntax {
+    named_programs: Some(NamedPrograms { defined: program_name, called, is_header: line::is_header, returns }),
+    needs_interpreter: Some(quick_look::needs_interpreter),
+    ..PLAIN
+};
+
+/// OSP controls.
+pub(crate) struct Control;
+
+impl Dialect for Control {
+    fn name(&self) -> &'static str {
+        "okuma"
+    }
+
+    fn title(&self) -> &'static str {
+        "Okuma"
+    }
+
+    fn syntax(&self) -> &'static Syntax {
+        &SYNTAX
+    }
+
+    fn settings(&self) -> &'static [&'static str] {
+        &["PROCESS,SUBPROGRAMS", "PROCESS,SEQNAME"]
+    }
+
+    fn interpreter(&self, machine: &Machine) -> Option<Box<dyn Interpreter>> {
+        Some(Box::new(Okuma::new(machine.macros.is_none())))
+    }
+}

@@ -1,0 +1,246 @@
+//! Values of expressions, and where values go.
+//!
+//! Facts: reference control-emulator.md 4.3, 5.4. Order for what the program does not own: the identification macro,
+//! then what the control knows, then a diagnostic and 0. Decisions: a local variable without a value is unknown, but
+//! for a comparison with EMPTY; VSIO and VAPA with the letter of an axis are its position as the program counts, VPBR1
+//! to VPBR9 are the switches of branches, all off. Invariant: no value is infinite or not a number.
+
+use counterpoint_fault::Halt;
+use counterpoint_lang::value::Value;
+
+use super::cursor::Cursor;
+use super::expr::{Expr, Reader, Variable};
+use super::math::{Binary, Fault};
+use super::names::Local;
+use super::store::Store;
+use crate::host::{Answer, Host};
+use counterpoint_fault as diag;
+
+/// Why there is no value.
+#[derive(Debug)]
+pub(super) enum Stop {
+    Halt(Halt),
+    /// The identification macro leaves the text as it is.
+    Keep,
+}
+
+impl From<Halt> for Stop {
+    fn from(halt: Halt) -> Self {
+        Stop::Halt(halt)
+    }
+}
+
+/// Evaluates with the variables of a kernel.
+pub(super) struct Eval<'e> {
+    pub(super) store: &'e mut Store,
+    pub(super) host: &'e mut dyn Host,
+    /// An answer of the identification macro is evaluated: it is not asked again.
+    answering: bool,
+}
+
+impl<'e> Eval<'e> {
+    pub(super) fn new(store: &'e mut Store, host: &'e mut dyn Host) -> Self {
+        Self { store, host, answering: false }
+    }
+
+    /// A value; what has none is 0.
+    pub(super) fn value(&mut self, expr: &Expr) -> Result<f64, Stop> {
+        let value = match expr {
+            Expr::Number(value) => *value,
+            Expr::Empty => 0.0,
+            Expr::Variable(variable) => return self.variable(variable),
+            Expr::Unknown(text) => return self.unknown(text, "function"),
+            Expr::Apply(function, arguments) => {
+                let mut values = [0.0; 2];
+                for (slot, argument) in values.iter_mut().zip(arguments) {
+                    *slot = self.value(argument)?;
+                }
+                let [first, second] = values;
+                let unit = if self.host.is_inch() { 10_000.0 } else { 1_000.0 };
+                self.checked(function.apply(first, second, unit))?
+            }
+            Expr::Binary(operator, sides) => {
+                let (left, right) = &**sides;
+                if matches!(operator, Binary::Eq | Binary::Ne) && (*left == Expr::Empty || *right == Expr::Empty) {
+                    let same = self.known(left)?.is_none() == self.known(right)?.is_none();
+                    return Ok(super::math::truth(same == (*operator == Binary::Eq)));
+                }
+                let values = (self.value(left)?, self.value(right)?);
+                self.checked(operator.apply(values.0, values.1))?
+            }
+        };
+        Ok(value)
+    }
+
+    /// A value, none for a variable that has none.
+    fn known(&mut self, expr: &Expr) -> Result<Option<f64>, Stop> {
+        match expr {
+            Expr::Empty => Ok(None),
+            Expr::Variable(Variable::Local(name)) => Ok(self.store.local(*name)),
+            Expr::Variable(Variable::Common(family, index)) => match family.name(self.value(index)?) {
+                Some(name) => Ok(self.store.common(self.host, &name)?),
+                None => Ok(None),
+            },
+            other => self.value(other).map(Some),
+        }
+    }
+
+    /// What is assigned: none takes the value of a variable away.
+    pub(super) fn assigned(&mut self, expr: &Expr) -> Result<Option<f64>, Stop> {
+        if *expr == Expr::Empty { Ok(None) } else { self.value(expr).map(Some) }
+    }
+
+    fn checked(&mut self, result: Result<f64, Fault>) -> Result<f64, Stop> {
+        let fault = match result {
+            Ok(value) if value.is_finite() => return Ok(value),
+            Ok(_) => Fault::Overflow,
+            Err(fault) => fault,
+        };
+        let facts = if fault == Fault::Division { &diag::MACRO_DIVISION } else { &diag::MACRO_DOMAIN };
+        let text = format!("{fault} in '{}'", self.host.block_text());
+        Err(Stop::Halt(self.host.alarm(facts, text)))
+    }
+
+    fn variable(&mut self, variable: &Variable) -> Result<f64, Stop> {
+        match variable {
+            Variable::Local(name) => match self.store.local(*name) {
+                Some(value) => Ok(value),
+                None => self.unknown(&name.to_string(), "local variable"),
+            },
+            Variable::Common(family, index) => {
+                let index = self.value(index)?;
+                match family.name(index) {
+                    Some(name) => Ok(self.store.common(self.host, &name)?.unwrap_or(0.0)),
+                    None => self.unknown(&format!("{}{index}", family.prefix()), "common variable"),
+                }
+            }
+            Variable::System(name, indices) => {
+                let text = self.spelled(name, indices)?;
+                self.unknown(&text, "variable")
+            }
+        }
+    }
+
+    /// A variable with the values of its indices.
+    pub(super) fn asked_name(&mut self, variable: &Variable) -> Result<String, Stop> {
+        match variable {
+            Variable::Local(name) => Ok(name.to_string()),
+            Variable::Common(family, index) => Ok(format!("{}{}", family.prefix(), self.value(index)?)),
+            Variable::System(name, indices) => self.spelled(name, indices),
+        }
+    }
+
+    /// A name with the values of its indices.
+    fn spelled(&mut self, name: &str, indices: &[Expr]) -> Result<String, Stop> {
+        let mut text = name.to_owned();
+        for (at, index) in indices.iter().enumerate() {
+            let index = self.value(index)?;
+            text.push_str(&format!("{}{index}", if at == 0 { "[" } else { "," }));
+        }
+        if !indices.is_empty() {
+            text.push(']');
+        }
+        Ok(text)
+    }
+
+    /// Value of what the program does not own.
+    fn unknown(&mut self, text: &str, kind: &str) -> Result<f64, Stop> {
+        let answer = if self.answering { Answer::Unknown } else { self.host.identify(text, None)?.unless(text) };
+        match answer {
+            Answer::Drop => Ok(0.0),
+            Answer::Keep => Err(Stop::Keep),
+            Answer::Instead(instead) => self.instead(&instead),
+            Answer::Unknown => match system(self.host, text) {
+                Some(value) => Ok(value),
+                None => {
+                    let text = format!("there is no {kind} {text}, it counts as 0 in '{}'", self.host.block_text());
+                    self.host.diagnose(&diag::OKUMA_UNKNOWN, text);
+                    Ok(0.0)
+                }
+            },
+        }
+    }
+
+    /// Value of an answer of the identification macro.
+    fn instead(&mut self, text: &str) -> Result<f64, Stop> {
+        let upper = text.to_ascii_uppercase();
+        let mut cursor = Cursor::new(upper.as_bytes());
+        let read = Reader::new(&mut cursor).expression();
+        match read.and_then(|expr| cursor.end().map(|()| expr)) {
+            Ok(expr) => {
+                let outer = std::mem::replace(&mut self.answering, true);
+                let value = self.value(&expr);
+                self.answering = outer;
+                value
+            }
+            Err(mistake) => {
+                let text = format!("{mistake} in '{}', the answer of a macro", text.trim());
+                Err(Stop::Halt(self.host.alarm(&diag::MACRO_SYNTAX, text)))
+            }
+        }
+    }
+
+    /// Sets a variable.
+    pub(super) fn assign(&mut self, variable: &Variable, value: Option<f64>) -> Result<(), Stop> {
+        match variable {
+            Variable::Local(name) => {
+                self.set_local(*name, value);
+                Ok(())
+            }
+            Variable::Common(family, index) => {
+                let index = self.value(index)?;
+                match family.name(index) {
+                    Some(name) => Ok(self.store.set_common(self.host, name, value)?),
+                    None => self.assign_unknown(&format!("{}{index}", family.prefix()), value),
+                }
+            }
+            Variable::System(name, indices) => {
+                let text = self.spelled(name, indices)?;
+                self.assign_unknown(&text, value)
+            }
+        }
+    }
+
+    fn set_local(&mut self, name: Local, value: Option<f64>) {
+        if self.store.set_local(name, value) {
+            self.host.effect();
+        }
+    }
+
+    /// Sets what the program does not own: only the identification macro knows how.
+    pub(super) fn assign_unknown(&mut self, text: &str, value: Option<f64>) -> Result<(), Stop> {
+        let assigned = value.map_or(Value::Null, Value::Real);
+        let answer =
+            if self.answering { Answer::Unknown } else { self.host.identify(text, Some(&assigned))?.unless(text) };
+        match answer {
+            Answer::Drop => return Ok(()),
+            Answer::Keep => return Err(Stop::Keep),
+            Answer::Instead(instead) => {
+                let upper = instead.to_ascii_uppercase();
+                let mut cursor = Cursor::new(upper.as_bytes());
+                let name = super::expr::name_text(&mut cursor);
+                let target = Reader::new(&mut cursor).variable(name);
+                if let Ok(target) = target.and_then(|target| cursor.end().map(|()| target)) {
+                    let outer = std::mem::replace(&mut self.answering, true);
+                    let assigned = self.assign(&target, value);
+                    self.answering = outer;
+                    return assigned;
+                }
+            }
+            Answer::Unknown => {}
+        }
+        let text = format!("{text} cannot be set in '{}', nothing is", self.host.block_text());
+        self.host.diagnose(&diag::OKUMA_UNKNOWN, text);
+        Ok(())
+    }
+}
+
+/// Variables of the control that the kernel can tell.
+pub(super) fn system(host: &dyn Host, name: &str) -> Option<f64> {
+    if let Some(number) = name.strip_prefix("VPBR") {
+        return matches!(number.as_bytes(), [b'1'..=b'9']).then_some(0.0);
+    }
+    let axis = name.strip_prefix("VSIO").or_else(|| name.strip_prefix("VAPA"))?;
+    let is = |name: &str| name == axis || name.trim_end_matches(|c: char| c.is_ascii_digit()) == axis;
+    host.positions().into_iter().find(|(name, ..)| is(name)).map(|(_, work, _)| work)
+}

@@ -1,0 +1,295 @@
+//! Okuma user task.
+//!
+//! Facts: reference control-emulator.md 4.3, 5.4, 5.7. A block is made ready (`text`), read (`line`, `expr`) and
+//! executed (`run`, `eval`) with the variables of the kernel (`store`); `programs` knows where programs and sequence
+//! names are. Invariant: a line that runs again is not read again.
+
+mod control;
+mod cursor;
+mod eval;
+mod expr;
+mod line;
+mod math;
+mod names;
+mod programs;
+mod quick_look;
+mod run;
+mod store;
+mod text;
+
+use counterpoint_fault::Halt;
+use std::sync::Arc;
+
+use counterpoint_lang::value::Value;
+use rustc_hash::FxHashMap;
+
+pub(crate) use control::Control;
+
+use super::host::Host;
+use super::interpreter::{Interpreter, Remaining, Setting};
+use crate::kept::{Kept, Tables};
+use counterpoint_event::FileId;
+use counterpoint_fault as diag;
+use counterpoint_program::program::Range;
+use cursor::Cursor;
+use expr::{Expr, Reader, Variable};
+use programs::Index;
+use store::Arguments;
+
+/// Most lines of a block.
+const CONTINUED: u32 = 100;
+
+/// Most texts of alarms.
+const ALARM_TEXTS: usize = 1000;
+
+/// The pre-processor with its variables.
+#[derive(Debug)]
+pub(crate) struct Okuma {
+    store: store::Store,
+    /// Modal calls, the one in force last.
+    modal: Vec<run::Modal>,
+    /// Arguments of the call that the block at a place has made.
+    arguments: Option<(FileId, u32, Arguments)>,
+    /// A line may run again, so what was read is worth keeping.
+    caching: bool,
+    lines: Kept<line::Line>,
+    indices: Tables<FileId, Index>,
+    /// Texts of the alarms of the user, `VUACM[n]`.
+    alarm_texts: FxHashMap<u32, String>,
+    /// Calls are executed; otherwise they stay on the block.
+    takes_calls: bool,
+    /// Sequence names are taken off the block.
+    takes_names: bool,
+    /// Messages are taken off the block.
+    takes_messages: bool,
+}
+
+impl Okuma {
+    /// With sequence names taken off the block, or left on it for the macros of a machine (`$FCEPP` says otherwise).
+    pub(crate) fn new(takes_names: bool) -> Self {
+        Self {
+            store: store::Store::default(),
+            modal: Vec::new(),
+            arguments: None,
+            caching: false,
+            lines: Kept::default(),
+            indices: Tables::default(),
+            alarm_texts: FxHashMap::default(),
+            takes_calls: true,
+            takes_names,
+            takes_messages: true,
+        }
+    }
+}
+
+impl Okuma {
+    /// What the block says.
+    fn line(&mut self, host: &mut dyn Host, text: &[u8]) -> Result<Arc<line::Line>, Halt> {
+        let place = host.place();
+        let key = (place.file, place.line);
+        if place.as_read
+            && let Some(line) = self.lines.get(key)
+        {
+            return Ok(Arc::clone(line));
+        }
+        let wanted = line::Wanted { subprograms: self.takes_calls };
+        match line::read(text::prepare(text), wanted) {
+            Ok(line) => {
+                let line = Arc::new(line);
+                if self.caching && place.as_read {
+                    self.lines.insert(key, &line, text.len());
+                }
+                Ok(line)
+            }
+            Err(mistake) => {
+                let text = format!("{mistake} in '{}'", host.block_text());
+                Err(host.alarm(&diag::MACRO_SYNTAX, text))
+            }
+        }
+    }
+
+    /// The text of a block with the lines that continue it, and the line after them.
+    fn continued(&mut self, host: &mut dyn Host, text: &[u8]) -> Option<(Vec<u8>, u32)> {
+        let place = host.place();
+        let of_the_file = text.trim_ascii_start().first() == Some(&b'$');
+        if !place.as_read || of_the_file || !self.index(host, place.file).continues {
+            return None;
+        }
+        let source = host.source(place.file)?;
+        let mut whole = text.to_vec();
+        let mut next = place.line + 1;
+        while next - place.line < CONTINUED && next <= source.lines() && line::is_continued(source.line(next)) {
+            let more = source.line(next).trim_ascii_start();
+            whole.push(b' ');
+            whole.extend_from_slice(more.get(1..).unwrap_or_default());
+            next += 1;
+        }
+        (next > place.line + 1).then_some((whole, next))
+    }
+
+    /// Plain words too are for the pre-processor where lines continue those above them.
+    fn watch(&mut self, host: &mut dyn Host, file: FileId) {
+        if self.index(host, file).continues {
+            host.watch(true);
+        }
+    }
+
+    /// What a file that is loaded defines.
+    fn index(&mut self, host: &dyn Host, file: FileId) -> Arc<Index> {
+        self.indices.get(file, || host.source(file).map(|source| Index::of(&source)).unwrap_or_default())
+    }
+
+    /// Where a subprogram is; none if it is nowhere to be found.
+    fn find(&mut self, host: &mut dyn Host, name: String) -> Result<Option<(FileId, Range)>, Halt> {
+        let (here, main) = (host.place().file, host.main_file());
+        for file in [here, main] {
+            if let Some(range) = self.index(host, file).program(&name) {
+                return Ok(Some((file, range)));
+            }
+        }
+        let files = host.files();
+        let main = files.get(usize::from(main)).map_or("", String::as_str);
+        for (file, whole) in programs::places(&files, main, &name) {
+            let file = file as FileId;
+            host.load(file)?;
+            let index = self.index(host, file);
+            let all = || host.source(file).map(|source| Range { number: None, first: 1, last: source.lines() });
+            let range = match index.program(&name) {
+                None if whole && index.definitions.is_empty() => all(),
+                found => found,
+            };
+            if let Some(range) = range {
+                return Ok(Some((file, range)));
+            }
+        }
+        Ok(None)
+    }
+
+    /// The variable of a name in native spelling, with its indices in it or apart.
+    fn named(name: &str, indices: &[f64]) -> Option<Variable> {
+        let upper = name.trim().to_ascii_uppercase();
+        let mut cursor = Cursor::new(upper.as_bytes());
+        let name = expr::name_text(&mut cursor);
+        let variable = Reader::new(&mut cursor).variable(name).ok()?;
+        cursor.end().ok()?;
+        match (variable, indices) {
+            (Variable::System(name, own), [index]) if own.is_empty() => match names::common(&name) {
+                Some((family, None)) => Some(Variable::Common(family, Box::new(Expr::Number(*index)))),
+                _ => Some(Variable::System(name, [Expr::Number(*index)].into())),
+            },
+            (variable, []) => Some(variable),
+            _ => None,
+        }
+    }
+}
+
+impl Interpreter for Okuma {
+    fn block(&mut self, host: &mut dyn Host, text: &[u8]) -> Result<Remaining, Halt> {
+        self.arguments = None;
+        let whole = self.continued(host, text);
+        let text = match &whole {
+            Some((whole, next)) => {
+                host.go_to(*next)?;
+                whole.as_slice()
+            }
+            None => text,
+        };
+        let line = self.line(host, text)?;
+        if !line.messages.is_empty() && !self.takes_messages {
+            return Ok(Remaining::Text(String::from_utf8_lossy(text).into_owned()));
+        }
+        Ok(self.run(host, &line, text)?.into())
+    }
+
+    fn restart(&mut self, reset: bool) {
+        self.store.begin(reset);
+        self.modal.clear();
+        self.alarm_texts.clear();
+        self.arguments = None;
+        self.caching = false;
+    }
+
+    fn on_start(&mut self, host: &mut dyn Host) {
+        let file = host.place().file;
+        self.watch(host, file);
+    }
+
+    fn on_call(&mut self, host: &mut dyn Host) {
+        let place = host.place();
+        let arguments = self.arguments.take().filter(|(file, line, _)| (*file, *line) == (place.file, place.line));
+        self.store.enter(arguments.map(|(.., arguments)| arguments).unwrap_or_default());
+        self.caching = true;
+    }
+
+    fn on_repeat(&mut self) {
+        self.store.again();
+    }
+
+    fn on_return(&mut self, host: &mut dyn Host) {
+        self.store.leave();
+        if !self.modal.is_empty() {
+            self.end_modal(host);
+        }
+    }
+
+    fn on_move(&mut self, host: &mut dyn Host) {
+        self.call_modally(host);
+    }
+
+    fn variable(&mut self, host: &mut dyn Host, name: &str, indices: &[f64]) -> Result<Option<Value>, Halt> {
+        let value = match Self::named(name, indices) {
+            Some(Variable::Local(name)) => self.store.local(name),
+            Some(Variable::Common(family, index)) => match constant(&index).and_then(|index| family.name(index)) {
+                Some(name) => self.store.common(host, &name)?,
+                None => None,
+            },
+            Some(Variable::System(name, own)) if own.is_empty() => eval::system(host, &name),
+            _ => None,
+        };
+        Ok(value.map(Value::Real))
+    }
+
+    fn set_variable(&mut self, host: &mut dyn Host, name: &str, indices: &[f64], value: &Value) -> Result<bool, Halt> {
+        let Some(value) = value.as_real().filter(|value| value.is_finite()) else { return Ok(false) };
+        match Self::named(name, indices) {
+            Some(Variable::Local(name)) if self.store.local(name).is_some() => {
+                if self.store.set_local(name, Some(value)) {
+                    host.effect();
+                }
+                Ok(true)
+            }
+            Some(Variable::Common(family, index)) => match constant(&index).and_then(|index| family.name(index)) {
+                Some(name) => self.store.set_common(host, name, Some(value)).map(|()| true),
+                None => Ok(false),
+            },
+            _ => Ok(false),
+        }
+    }
+
+    fn memory(&self) -> u64 {
+        (self.store.bytes() + self.lines.bytes() + self.indices.bytes()) as u64
+    }
+
+    fn setting(&mut self, _: &mut dyn Host, name: &str, values: &[Value]) -> Setting {
+        let slot = match name {
+            "PROCESS,SUBPROGRAMS" => &mut self.takes_calls,
+            "PROCESS,SEQNAME" => &mut self.takes_names,
+            "PROCESS,MESSAGES" => &mut self.takes_messages,
+            _ => return Setting::Unknown,
+        };
+        let [value] = values else { return Setting::Wrong };
+        let Some(on) = value.as_logical() else { return Setting::Wrong };
+        *slot = on;
+        self.lines.clear();
+        // Messages that the machine knows follow the same setting.
+        if name == "PROCESS,MESSAGES" { Setting::Unknown } else { Setting::Made }
+    }
+}
+
+/// An index that is a number.
+fn constant(index: &Expr) -> Option<f64> {
+    match index {
+        Expr::Number(number) => Some(*number),
+        _ => None,
+    }
+}

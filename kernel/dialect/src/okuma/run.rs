@@ -1,0 +1,301 @@
+//! What a block of the pre-processor does.
+//!
+//! Facts: reference control-emulator.md 5.4, 5.5, 5.7. Decisions: `Qn` repeats a call n times, so it runs n + 1 times;
+//! a modal call calls after every block that moves in the program that said it, with the values its arguments had
+//! then, and ends with that program. Invariant: words keep their order; a block that leaves none leaves no text.
+
+use counterpoint_fault::{Acted, Halt};
+use std::sync::Arc;
+
+use counterpoint_lang::value::Value;
+
+use super::eval::{Eval, Stop};
+use super::expr::{Expr, Variable};
+use super::line::{Call, Head, Item, Line, Statement, Target, normal};
+use super::store::Arguments;
+use super::{ALARM_TEXTS, Okuma};
+use crate::host;
+use crate::host::{Answer, Host};
+use counterpoint_fault as diag;
+
+/// Modal calls at the same time.
+const MODAL: usize = 8;
+
+/// Output that sets an alarm of the user.
+const USER_ALARM: f64 = 992.0;
+
+/// Largest number of repeats.
+const REPEATS: f64 = 9999.0;
+
+/// A modal call.
+#[derive(Debug, Clone)]
+pub(super) struct Modal {
+    call: host::Call,
+    arguments: Arguments,
+    /// Subprograms that were running when it was said.
+    level: usize,
+}
+
+impl Okuma {
+    pub(super) fn run(&mut self, host: &mut dyn Host, line: &Line, text: &[u8]) -> Result<Option<String>, Halt> {
+        if line.open {
+            let text = format!("a comment or message has no end in '{}'", host.block_text());
+            host.diagnose(&diag::COMMENT_OPEN, text);
+        }
+        let mut left = String::new();
+        if !self.head(host, line, &mut left) {
+            return Ok(some(left));
+        }
+        if !line.messages.is_empty() && !host.handles_messages(text) {
+            line.messages.iter().for_each(|message| host.show(message));
+        }
+        match &line.statement {
+            Statement::Nothing => {}
+            Statement::Continued => {
+                let text = format!("'{}' goes on with a block that is not above it, it is dropped", host.block_text());
+                host.diagnose(&diag::OKUMA_CONTINUED, text);
+                return Ok(None);
+            }
+            Statement::Goto(condition, target) => self.go_to(host, condition.as_ref(), target)?,
+            Statement::Call(call) => {
+                let (call, arguments) = self.made(host, call)?;
+                self.call(host, call, arguments);
+            }
+            Statement::ModIn(call) => self.mod_in(host, call)?,
+            Statement::ModOut => self.mod_out(host),
+            Statement::Return => host.return_from(),
+            Statement::Items(items) => items.iter().try_for_each(|item| self.item(host, item, &mut left))?,
+        }
+        Ok(some(left))
+    }
+
+    /// Marks, sequence number and name of a program: whether the rest of the block is executed.
+    fn head(&mut self, host: &mut dyn Host, line: &Line, left: &mut String) -> bool {
+        let mut skipped = false;
+        for head in &line.head {
+            match head {
+                Head::Mark(level) => skipped = host.skips(*level),
+                _ if skipped => {}
+                Head::Number(text) => push(left, text),
+                Head::Name(text) if !self.takes_names => push(left, text),
+                Head::Name(_) => {}
+                // A number may be a word of the machine.
+                Head::Program(text) => {
+                    let is_number = text.get(1..).is_some_and(|name| name.bytes().all(|byte| byte.is_ascii_digit()));
+                    if is_number && host.is_register("O") {
+                        push(left, text);
+                    }
+                }
+            }
+        }
+        !skipped
+    }
+
+    fn value(&mut self, host: &mut dyn Host, expr: &Expr) -> Result<f64, Halt> {
+        match Eval::new(&mut self.store, host).value(expr) {
+            Ok(value) => Ok(value),
+            // There is no text here that could stay.
+            Err(Stop::Keep) => Ok(0.0),
+            Err(Stop::Halt(halt)) => Err(halt),
+        }
+    }
+
+    fn go_to(&mut self, host: &mut dyn Host, condition: Option<&Expr>, target: &Target) -> Acted {
+        if let Some(condition) = condition
+            && self.value(host, condition)? == 0.0
+        {
+            return Ok(());
+        }
+        let name = match target {
+            Target::Named(name) => name.clone(),
+            Target::Computed(number) => normal(&self.value(host, number)?.to_string()),
+        };
+        let place = host.place();
+        let index = self.index(host, place.file);
+        match index.label(&name, place.line, place.range) {
+            Some(line) => {
+                self.caching = true;
+                host.go_to(line)
+            }
+            None => {
+                let text = format!("there is no block N{name} in the program to go to from '{}'", host.block_text());
+                Err(host.alarm(&diag::JUMP_TARGET, text))
+            }
+        }
+    }
+
+    /// A call with the values of its arguments.
+    fn made(&mut self, host: &mut dyn Host, call: &Call) -> Result<(host::Call, Arguments), Halt> {
+        let repeats = match &call.repeats {
+            Some(repeats) => self.value(host, repeats)?,
+            None => 0.0,
+        };
+        if !(0.0..=REPEATS).contains(&repeats) || repeats.fract() != 0.0 {
+            let text = format!("a call cannot be repeated {repeats} times in '{}'", host.block_text());
+            return Err(host.alarm(&diag::MACRO_CALL, text));
+        }
+        let mut arguments = Vec::with_capacity(call.arguments.len());
+        for (name, value) in &call.arguments {
+            let value = match Eval::new(&mut self.store, host).assigned(value) {
+                Ok(value) => value,
+                Err(Stop::Keep) => Some(0.0),
+                Err(Stop::Halt(halt)) => return Err(halt),
+            };
+            arguments.extend(value.map(|value| (*name, value)));
+        }
+        let place = self.find(host, normal(call.name.get(1..).unwrap_or_default()))?;
+        let name = Arc::from(call.name.as_str());
+        Ok((host::Call { name, place, passes: repeats as u32 + 1, closes: false }, arguments.into()))
+    }
+
+    fn call(&mut self, host: &mut dyn Host, call: host::Call, arguments: Arguments) {
+        let place = host.place();
+        self.caching = true;
+        if let Some((file, _)) = call.place {
+            self.watch(host, file);
+        }
+        self.arguments = Some((place.file, place.line, arguments));
+        host.call(call);
+    }
+
+    fn mod_in(&mut self, host: &mut dyn Host, call: &Call) -> Acted {
+        let (call, arguments) = self.made(host, call)?;
+        if self.modal.len() >= MODAL {
+            let text = format!("more than {MODAL} modal calls at the same time in '{}'", host.block_text());
+            return Err(host.alarm(&diag::MACRO_CALL, text));
+        }
+        let level = host.place().level;
+        self.modal.push(Modal { call, arguments, level });
+        host.effect();
+        host.calls_modally(true);
+        Ok(())
+    }
+
+    fn mod_out(&mut self, host: &mut dyn Host) {
+        if self.modal.pop().is_none() {
+            let text = format!("there is no modal call to end in '{}'", host.block_text());
+            host.diagnose(&diag::OKUMA_NO_MODAL, text);
+        }
+        host.effect();
+        host.calls_modally(!self.modal.is_empty());
+    }
+
+    /// Modal calls of programs that have ended are over.
+    pub(super) fn end_modal(&mut self, host: &mut dyn Host) {
+        let level = host.place().level;
+        self.modal.retain(|modal| modal.level <= level);
+        host.calls_modally(!self.modal.is_empty());
+    }
+
+    /// A block has moved.
+    pub(super) fn call_modally(&mut self, host: &mut dyn Host) {
+        let level = host.place().level;
+        if let Some(modal) = self.modal.last().filter(|modal| modal.level == level).cloned() {
+            self.call(host, modal.call, modal.arguments);
+        }
+    }
+
+    fn item(&mut self, host: &mut dyn Host, item: &Item, left: &mut String) -> Acted {
+        let (name, variable, value, spelled, raw) = match item {
+            Item::Plain(text) => {
+                push(left, text);
+                return Ok(());
+            }
+            Item::Text { variable, text, raw } => return self.text(host, (variable, text, raw), left),
+            Item::Set { name, variable, value, spelled, raw } => (name, variable, value, spelled, raw),
+        };
+        if let Some(Variable::System(name, index)) = variable
+            && let ("VDOUT", [index]) = (&**name, &**index)
+            && self.value(host, index)? == USER_ALARM
+        {
+            return self.user_alarm(host, value, raw, left);
+        }
+        let mut eval = Eval::new(&mut self.store, host);
+        let done = eval.assigned(value).and_then(|assigned| {
+            let number = assigned.unwrap_or(0.0);
+            let word = eval.host.word(name, number, spelled.as_deref());
+            match (word, variable) {
+                (Some(word), _) => {
+                    if assigned.is_none() {
+                        let text = format!("EMPTY is no value for {name}, it counts as 0 in '{raw}'");
+                        eval.host.diagnose(&diag::OKUMA_UNKNOWN, text);
+                    }
+                    push(left, &word);
+                    Ok(())
+                }
+                (None, Some(variable)) => eval.assign(variable, assigned),
+                (None, None) => eval.assign_unknown(name, assigned),
+            }
+        });
+        match done {
+            Ok(()) => Ok(()),
+            Err(Stop::Keep) => {
+                push(left, raw);
+                Ok(())
+            }
+            Err(Stop::Halt(halt)) => Err(halt),
+        }
+    }
+}
+
+impl Okuma {
+    /// A text for a variable: that of an alarm, or what the machine knows.
+    fn text(
+        &mut self,
+        host: &mut dyn Host,
+        (variable, text, raw): (&Variable, &str, &str),
+        left: &mut String,
+    ) -> Acted {
+        let asked = match Eval::new(&mut self.store, host).asked_name(variable) {
+            Ok(asked) => asked,
+            Err(Stop::Keep) => raw.to_owned(),
+            Err(Stop::Halt(halt)) => return Err(halt),
+        };
+        match host.identify(&asked, Some(&Value::text(text)))?.unless(&asked) {
+            Answer::Drop => return Ok(()),
+            Answer::Keep => {
+                push(left, raw);
+                return Ok(());
+            }
+            Answer::Instead(_) | Answer::Unknown => {}
+        }
+        let number = asked.strip_prefix("VUACM[").and_then(|rest| rest.strip_suffix(']')?.parse().ok());
+        match number {
+            Some(number) if self.alarm_texts.len() < ALARM_TEXTS => {
+                self.alarm_texts.insert(number, text.to_owned());
+            }
+            _ => {
+                let text = format!("{asked} takes no text in '{}', nothing is set", host.block_text());
+                host.diagnose(&diag::OKUMA_UNKNOWN, text);
+            }
+        }
+        Ok(())
+    }
+
+    /// `VDOUT[992]=n`: the alarm of the user with that number, unless the machine sees to it.
+    fn user_alarm(&mut self, host: &mut dyn Host, value: &Expr, raw: &str, left: &mut String) -> Acted {
+        let number = self.value(host, value)?;
+        match host.identify("VDOUT[992]", Some(&Value::Real(number)))?.unless("VDOUT[992]") {
+            Answer::Drop => return Ok(()),
+            Answer::Keep => {
+                push(left, raw);
+                return Ok(());
+            }
+            Answer::Instead(_) | Answer::Unknown => {}
+        }
+        let text = self.alarm_texts.get(&1).map_or(String::new(), |text| format!(": {text}"));
+        let text = format!("the program sets alarm {number}{text} in '{}'", host.block_text());
+        Err(host.alarm(&diag::OKUMA_ALARM, text))
+    }
+}
+
+fn push(left: &mut String, text: &str) {
+    if !left.is_empty() {
+        left.push(' ');
+    }
+    left.push_str(text);
+}
+
+fn some(left: String) -> Option<String> {
+    if left.is_empty() { None } else { Some(left) }
+}

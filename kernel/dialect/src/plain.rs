@@ -1,0 +1,21 @@
+//! No pre-processor: plain words only.
+
+use super::definition::Dialect;
+use counterpoint_program::syntax::{PLAIN, Syntax};
+
+/// A control that understands words and nothing else.
+pub(crate) struct Control;
+
+impl Dialect for Control {
+    fn name(&self) -> &'static str {
+        "none"
+    }
+
+    fn title(&self) -> &'static str {
+        ""
+    }
+
+    fn syntax(&self) -> &'static Syntax {
+        &PLAIN
+    }
+}

@@ -1,0 +1,161 @@
+//! Branches, loops, jumps and repetitions, executed.
+//!
+//! Facts: reference control-emulator.md 5.4. Decisions: FOR adds 1 and asks for its last value again after each pass; a
+//! part that is repeated runs as a call of its blocks. Invariant: nothing is remembered of a loop, its partners are found
+//! in the text.
+
+use super::expression::Expression;
+use super::line::{Assigned, Item, Jump, Label, Structure};
+use super::run::{Left, MOST_PASSES, Then};
+use super::value::Data;
+use super::{Outcome, Siemens, syntax};
+use crate::host::{Call, Host};
+
+impl Siemens {
+    /// Branches, loops and jumps.
+    pub(super) fn flow(&mut self, host: &mut dyn Host, item: &Item, left: &mut Left) -> Outcome<Then> {
+        match item {
+            Item::If(condition, jump) => {
+                let holds = self.is_true(host, condition)?;
+                let gone = match jump {
+                    Some(jump) => holds && self.jump(host, jump)?,
+                    None if holds => false,
+                    None => {
+                        let partners = self.partners(host)?;
+                        self.go(host, partners.otherwise.unwrap_or(partners.last).saturating_add(1))?;
+                        true
+                    }
+                };
+                // What stands after a jump that is not made is executed, further conditions too.
+                return Ok(if gone { Then::Stop } else { Then::GoOn });
+            }
+            Item::Goto(jump) => return Ok(if self.jump(host, jump)? { Then::Stop } else { Then::GoOn }),
+            Item::Case(value, cases, default) => self.case(host, value, cases, default.as_ref())?,
+            Item::For(variable, first, _) => {
+                let value = Assigned::One(first.clone(), String::new());
+                self.set(host, variable, &value, left)?;
+                if !self.loop_goes_on(host, item)? {
+                    let partners = self.partners(host)?;
+                    self.go(host, partners.last.saturating_add(1))?;
+                }
+            }
+            Item::While(condition) | Item::Until(condition) => {
+                let holds = self.is_true(host, condition)?;
+                let partners = self.partners(host)?;
+                let ahead = matches!(item, Item::While(_));
+                if !holds {
+                    self.go(host, if ahead { partners.last } else { partners.first }.saturating_add(1))?;
+                }
+            }
+            Item::Structure(structure) => self.structure(host, *structure)?,
+            Item::RepeatPart { first, last, passes, one_block } => {
+                let passes = match passes {
+                    Some(passes) => self.whole_number(host, passes)?,
+                    None => 1,
+                };
+                if passes > MOST_PASSES {
+                    return syntax(format!("{passes} passes are too many, {MOST_PASSES} are possible"));
+                }
+                left.call =
+                    self.repeated(host, first, last.as_ref(), *one_block, u32::try_from(passes).unwrap_or(0))?;
+            }
+            _ => {}
+        }
+        Ok(Then::Stop)
+    }
+
+    fn structure(&mut self, host: &mut dyn Host, structure: Structure) -> Outcome<()> {
+        let partners = self.partners(host)?;
+        match structure {
+            Structure::EndIf | Structure::Loop | Structure::Repeat => Ok(()),
+            Structure::Else => self.go(host, partners.last.saturating_add(1)),
+            Structure::EndLoop => self.go(host, partners.first.saturating_add(1)),
+            Structure::EndWhile => self.go(host, partners.first),
+            Structure::EndFor => {
+                let file = host.place().file;
+                let line = self.line_of(host, file, partners.first);
+                let head = line
+                    .as_ref()
+                    .as_ref()
+                    .ok()
+                    .and_then(|line| line.items.iter().find(|item| matches!(item, Item::For(..))).cloned());
+                let Some(Item::For(variable, ..)) = &head else { return syntax("ENDFOR has no FOR") };
+                let Some(target) = self.locate(host, variable)? else {
+                    return syntax(format!("{} of FOR is no variable", variable.name));
+                };
+                let value = super::evaluate::number(&self.value_of(host, &target)?)?;
+                self.store(host, &target, Data::Real(value + 1.0))?;
+                match head {
+                    Some(head) if self.loop_goes_on(host, &head)? => self.go(host, partners.first.saturating_add(1)),
+                    _ => Ok(()),
+                }
+            }
+        }
+    }
+
+    /// The variable of FOR is not beyond its last value.
+    fn loop_goes_on(&mut self, host: &mut dyn Host, head: &Item) -> Outcome<bool> {
+        let Item::For(variable, _, last) = head else { return Ok(false) };
+        let value = self.evaluate(host, &Expression::Name(variable.clone()))?;
+        let last = self.evaluate(host, last)?;
+        Ok(super::evaluate::number(&value)? <= super::evaluate::number(&last)?)
+    }
+
+    fn case(
+        &mut self,
+        host: &mut dyn Host,
+        value: &Expression,
+        cases: &[(Expression, Jump)],
+        default: Option<&Jump>,
+    ) -> Outcome<()> {
+        let value = self.evaluate(host, value)?;
+        for (constant, jump) in cases {
+            let constant = self.evaluate(host, constant)?;
+            let equal = match (value.number(), constant.number()) {
+                (Some(value), Some(constant)) => value == constant,
+                _ => value == constant,
+            };
+            if equal {
+                self.jump(host, jump)?;
+                return Ok(());
+            }
+        }
+        if let Some(jump) = default {
+            self.jump(host, jump)?;
+        }
+        Ok(())
+    }
+
+    /// REPEAT and REPEATB of a part of the program.
+    fn repeated(
+        &mut self,
+        host: &mut dyn Host,
+        first: &Label,
+        last: Option<&Label>,
+        one_block: bool,
+        passes: u32,
+    ) -> Outcome<Option<Call>> {
+        let place = host.place();
+        let from = self.label_line(host, first, &place)?;
+        let to = match last {
+            _ if one_block => from,
+            Some(last) => self.label_line(host, last, &place)?,
+            None => match self.end_label(host, &place, from) {
+                Some(line) => line,
+                None => place.line.saturating_sub(1),
+            },
+        };
+        if to < from {
+            return syntax("the part to be repeated ends before it begins");
+        }
+        if passes == 0 {
+            return Ok(None);
+        }
+        let name = match first {
+            Label::Number(number) => format!("N{number}"),
+            Label::Name(name) => name.clone(),
+            Label::Value(_) => "REPEAT".to_owned(),
+        };
+        Ok(Some(self.prepare_part(host, name, (from, to), passes)))
+    }
+}

@@ -1,0 +1,261 @@
+//! Calls: what they hand over, and what comes back.
+//!
+//! Facts: reference control-emulator.md 5.4, 5.7. Arguments are evaluated by the caller; PROC takes them, by value or,
+//! with VAR, so that the caller's variable has the parameter's value after the return. Invariant: every subprogram that
+//! begins has a level of its own, which goes when it returns.
+
+use super::define::{Header, Parameter};
+use super::expression::{Argument, Expression};
+use super::jumps::bare;
+use super::line::{Item, read};
+use super::value::Data;
+use super::variables::{Level, Target, Variable};
+use super::{Fault, Outcome, Siemens, syntax};
+use crate::host::{Call, Host};
+use counterpoint_event::FileId;
+use counterpoint_fault as diag;
+use counterpoint_program::program::Range;
+
+/// A call that is about to begin.
+#[derive(Debug)]
+pub(super) struct Calling {
+    /// Block that calls.
+    pub(super) line: u32,
+    /// A part of the program, which has no variables of its own.
+    pub(super) part: bool,
+    pub(super) given: Vec<Given>,
+}
+
+/// An argument.
+#[derive(Debug, Clone)]
+pub(super) struct Given {
+    value: Passed,
+    /// Where it came from, if that is a variable.
+    from: Option<Target>,
+}
+
+#[derive(Debug, Clone)]
+enum Passed {
+    Missing,
+    One(Data),
+    Whole(Box<Variable>),
+}
+
+impl Given {
+    /// The same value, as if no variable had given it.
+    pub(super) fn without_variable(&self) -> Self {
+        Self { value: self.value.clone(), from: None }
+    }
+
+    /// The caller has given something.
+    pub(super) fn is_there(&self) -> bool {
+        !matches!(self.value, Passed::Missing)
+    }
+
+    /// What a parameter has become.
+    pub(super) fn take_from(&mut self, variable: &Variable) {
+        self.value = match variable.values.as_slice() {
+            [one] if variable.sizes.is_empty() => Passed::One(one.clone()),
+            _ => Passed::Whole(Box::new(variable.clone())),
+        };
+    }
+}
+
+fn mismatch<T>(text: String) -> Outcome<T> {
+    Err(Fault::Alarm(&diag::SIEMENS_ARGUMENTS, text))
+}
+
+impl Siemens {
+    /// Prepares a call; it is made at the end of the block.
+    pub(super) fn prepare_call(
+        &mut self,
+        host: &mut dyn Host,
+        name: &str,
+        place: Option<(FileId, Range)>,
+        arguments: &[Argument],
+    ) -> Outcome<Call> {
+        if let (false, Some((file, range))) = (arguments.is_empty(), place) {
+            let count = self.header_of(host, file, range).map_or(0, |header| header.parameters.len());
+            if arguments.len() > count {
+                return mismatch(format!("{name} takes {count} arguments, not {}", arguments.len()));
+            }
+        }
+        let mut given = Vec::new();
+        for argument in arguments {
+            given.push(self.given(host, argument)?);
+        }
+        self.calling = Some(Calling { line: host.place().line, part: false, given });
+        Ok(Call { name: name.into(), place, passes: 1, closes: true })
+    }
+
+    /// Prepares a part of the program that runs.
+    pub(super) fn prepare_part(&mut self, host: &dyn Host, name: String, range: (u32, u32), passes: u32) -> Call {
+        let place = host.place();
+        self.calling = Some(Calling { line: place.line, part: true, given: Vec::new() });
+        let range = Range { number: None, first: range.0, last: range.1 };
+        Call { name: name.into(), place: Some((place.file, range)), passes, closes: true }
+    }
+
+    fn given(&mut self, host: &mut dyn Host, argument: &Argument) -> Outcome<Given> {
+        let expression = match &argument.value {
+            Ok(None) => return Ok(Given { value: Passed::Missing, from: None }),
+            Ok(Some(expression)) => expression,
+            Err(text) => return syntax(text.clone()),
+        };
+        if let Expression::Name(name) = expression
+            && (name.name == "R" || self.variables.knows(&name.name))
+            && let Some(target) = self.locate(host, name)?
+        {
+            if target.is_array() {
+                let Some(variable) = self.variables.whole(&name.name).cloned() else {
+                    return mismatch(format!("the array {} of all channels cannot be an argument", name.name));
+                };
+                return Ok(Given { value: Passed::Whole(Box::new(variable)), from: Some(target) });
+            }
+            let value = self.value_of(host, &target)?;
+            return Ok(Given { value: Passed::One(value), from: Some(target) });
+        }
+        let value = self.evaluate(host, expression)?;
+        Ok(Given { value: Passed::One(value), from: None })
+    }
+
+    /// PROC of a subprogram: its first block.
+    fn header_of(&mut self, host: &dyn Host, file: FileId, range: Range) -> Option<Header> {
+        let source = host.source(file)?;
+        for line in source.walk(range.first, range.last.min(source.lines())) {
+            let text = String::from_utf8_lossy(source.line(line));
+            let text = bare(&text).trim();
+            if text.is_empty() || super::jumps::is_head(text) {
+                continue;
+            }
+            return match read(text).ok()?.items.into_iter().next()? {
+                Item::Header(header) => Some(header),
+                _ => None,
+            };
+        }
+        None
+    }
+
+    /// A subprogram begins.
+    pub(super) fn enter(&mut self, host: &mut dyn Host) {
+        let line = host.place().line;
+        let level = match self.calling.take().filter(|calling| calling.line == line) {
+            Some(calling) => Level { part: calling.part, given: calling.given, ..Level::default() },
+            None => Level::default(),
+        };
+        self.variables.enter(level);
+    }
+
+    /// PROC: parameters become variables.
+    pub(super) fn take_arguments(&mut self, host: &mut dyn Host, header: &Header) -> Outcome<()> {
+        let Some(level) = self.variables.level() else { return Ok(()) };
+        if std::mem::replace(&mut level.taken, true) {
+            return Ok(());
+        }
+        let given = std::mem::take(&mut level.given);
+        if given.len() > header.parameters.len() {
+            let count = header.parameters.len();
+            return mismatch(format!("{} takes {count} arguments, not {}", header.name, given.len()));
+        }
+        let mut back = Vec::new();
+        for (at, parameter) in header.parameters.iter().enumerate() {
+            let variable = self.parameter(host, parameter, given.get(at))?;
+            if parameter.by_reference && given.get(at).is_some_and(|given| given.from.is_some()) {
+                back.push((parameter.name.clone(), at));
+            }
+            self.variables.keep(&parameter.name, variable);
+        }
+        let modes = header.save.then(|| host.modes());
+        if let Some(level) = self.variables.level() {
+            (level.given, level.back) = (given, back);
+            if level.modes.is_none() {
+                level.modes = modes;
+            }
+        }
+        Ok(())
+    }
+
+    fn parameter(&mut self, host: &mut dyn Host, parameter: &Parameter, given: Option<&Given>) -> Outcome<Variable> {
+        let name = &parameter.name;
+        let value = match given.map(|given| &given.value) {
+            Some(Passed::Whole(variable)) if parameter.array && variable.kind == parameter.kind => {
+                return Ok((**variable).clone());
+            }
+            Some(Passed::Whole(_)) => return mismatch(format!("an array does not fit the parameter {name}")),
+            Some(Passed::One(_)) if parameter.array => return mismatch(format!("the parameter {name} is an array")),
+            Some(Passed::One(value)) => value.clone(),
+            Some(Passed::Missing) | None if parameter.by_reference => {
+                return mismatch(format!("the parameter {name} is a variable of the caller, and was not given"));
+            }
+            Some(Passed::Missing) | None => match &parameter.default {
+                Some(default) => self.evaluate(host, default)?,
+                None => parameter.kind.initial(),
+            },
+        };
+        if parameter.by_reference && given.is_some_and(|given| given.from.is_none()) {
+            return mismatch(format!("the parameter {name} needs a variable of the caller"));
+        }
+        match parameter.kind.hold(value) {
+            Ok(value) => Ok(Variable::one(parameter.kind, value)),
+            Err(text) => mismatch(format!("{text}, for the parameter {name}")),
+        }
+    }
+
+    /// A subprogram has returned: what goes back is stored by the caller.
+    pub(super) fn leave(&mut self, host: &mut dyn Host) -> Outcome<()> {
+        let Some(level) = self.variables.leave() else { return Ok(()) };
+        if let Some(modes) = &level.modes {
+            host.restore_modes(modes);
+        }
+        if self.modal_from.is_some_and(|level| host.place().level <= level) {
+            self.modal_from = None;
+        }
+        for (name, given) in &level.back {
+            let variable = level.variables.get(name);
+            let target = level.given.get(*given).and_then(|given| given.from.as_ref());
+            if let (Some(variable), Some(target)) = (variable, target) {
+                self.store_back(host, target, variable)?;
+            }
+        }
+        Ok(())
+    }
+
+    fn store_back(&mut self, host: &mut dyn Host, target: &Target, variable: &Variable) -> Outcome<()> {
+        for (step, value) in variable.values.iter().enumerate() {
+            self.store(host, &target.element(step), value.clone())?;
+        }
+        Ok(())
+    }
+
+    /// `L…`, a name, a name with arguments: the subprogram, if there is one.
+    pub(super) fn known_program(
+        &mut self,
+        host: &mut dyn Host,
+        name: &str,
+    ) -> Outcome<Option<Option<(FileId, Range)>>> {
+        if !self.settings.subprograms {
+            return Ok(None);
+        }
+        let found = self.program(host, name)?;
+        let declared = self.externals.contains(name);
+        Ok(if found.is_some() || declared { Some(found) } else { None })
+    }
+
+    /// The lines between two labels, both of a subprogram or of the program that runs.
+    pub(super) fn section(
+        &mut self,
+        host: &mut dyn Host,
+        place: (FileId, Range),
+        labels: &(String, String),
+    ) -> Outcome<(FileId, Range)> {
+        let (file, range) = place;
+        let at = crate::host::Place { file, range, line: range.first.saturating_sub(1), ..host.place() };
+        let label = |name: &String| super::line::Label::Name(name.clone());
+        let first = self.label_line(host, &label(&labels.0), &at)?;
+        let last = self.label_line(host, &label(&labels.1), &at)?;
+        if last < first {
+            return syntax(format!("label {} stands before {}", labels.1, labels.0));
+        }
+        Ok((file, Range { number: None, first, last }))
+    }
+}

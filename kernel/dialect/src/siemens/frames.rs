@@ -1,0 +1,263 @@
+//! Frames of the program: functions that make them, and what assigning one does to the machine.
+//!
+//! Facts: reference control-emulator.md 5.4, functions.md 9 (`APPLYFRAMES`). Decisions: the programmable frame is set by
+//! blocks with the words TRANS, AROT, ASCALE and AMIRROR of the machine's tables, a settable frame by the work offset of
+//! its number. Invariant: what the machine has no words for is reported, and then nothing of the frame is set.
+
+use rustc_hash::FxHashMap;
+
+use super::expression::{Argument, Name};
+use super::frame::{Frame, Part, Parts};
+use super::value::Data;
+use super::{Outcome, Siemens, syntax, wrong_type};
+use crate::host::Host;
+use counterpoint_fault as diag;
+
+/// Frames that are kept without being applied.
+#[derive(Debug, Default)]
+pub(super) struct Assigned {
+    program: Frame,
+    settable: FxHashMap<u32, Frame>,
+}
+
+/// Largest number of a settable frame.
+const MOST_SETTABLE: i64 = 99;
+
+/// Names of the geometry axes.
+const GEOMETRY: [&str; 3] = ["X", "Y", "Z"];
+
+/// X, Y or Z as 0, 1 or 2.
+pub(super) fn geometry(host: &dyn Host, axis: &Data) -> Outcome<usize> {
+    if let Data::Axis(wanted) = axis {
+        let is = |name: &&str| name.eq_ignore_ascii_case(wanted);
+        let letter = host.axes().into_iter().find(|axis| axis.name.eq_ignore_ascii_case(wanted));
+        let letter = letter.map(|axis| axis.letter);
+        let by_letter = |letter: &String| GEOMETRY.iter().position(|name| name.eq_ignore_ascii_case(letter));
+        if let Some(at) = GEOMETRY.iter().position(is).or_else(|| letter.as_ref().and_then(by_letter)) {
+            return Ok(at);
+        }
+    }
+    wrong_type(format!("{} is no geometry axis", axis.described()))
+}
+
+fn parts(frame: &Frame) -> Outcome<Parts> {
+    match frame.parts() {
+        Some(parts) => Ok(parts),
+        None => wrong_type("the frame is no rotation of a scaled frame, it has no parts"),
+    }
+}
+
+/// A part of a frame along an axis.
+pub(super) fn part_of(frame: &Frame, axis: usize, part: Part) -> Outcome<f64> {
+    Ok(parts(frame)?.get(axis, part))
+}
+
+/// The frame with another value of a part.
+pub(super) fn with_part(frame: &Frame, axis: usize, part: Part, value: &Data) -> Outcome<Frame> {
+    let mut parts = parts(frame)?;
+    parts.set(axis, part, super::evaluate::number(value)?);
+    match parts.frame() {
+        Some(frame) => Ok(frame),
+        None => wrong_type("the frame is out of all bounds"),
+    }
+}
+
+impl Siemens {
+    /// CTRANS, CFINE, CROT, CSCALE, CMIRROR; none for other functions.
+    pub(super) fn frame_function(
+        &mut self,
+        host: &mut dyn Host,
+        name: &str,
+        arguments: &[Argument],
+    ) -> Outcome<Option<Data>> {
+        let part = match name {
+            "CTRANS" => Part::Translation,
+            "CFINE" => Part::Fine,
+            "CROT" => Part::Rotation,
+            "CSCALE" => Part::Scale,
+            "CMIRROR" => Part::Mirror,
+            _ => return Ok(None),
+        };
+        let mut made = Parts::default();
+        let mut arguments = arguments.iter();
+        while let Some(argument) = arguments.next() {
+            let Some(axis) = self.argument(host, argument)? else { return syntax(format!("{name} needs an axis")) };
+            let axis = geometry(host, &axis)?;
+            if part == Part::Mirror {
+                made.set(axis, part, 1.0);
+                continue;
+            }
+            let value = match arguments.next() {
+                Some(argument) => self.argument(host, argument)?,
+                None => None,
+            };
+            let Some(value) = value else { return syntax(format!("{name} needs a value for each axis")) };
+            made.set(axis, part, super::evaluate::number(&value)?);
+        }
+        match made.frame() {
+            Some(frame) => Ok(Some(Data::Frame(Box::new(frame)))),
+            None => wrong_type("the frame is out of all bounds"),
+        }
+    }
+
+    /// A frame of the control by its name, and the number of a settable one; none if it is no such name.
+    fn frame_name(&mut self, host: &mut dyn Host, name: &Name) -> Outcome<Option<(u32, usize)>> {
+        let active = host.work_offset();
+        Ok(match name.name.as_str() {
+            "$P_PFRAME" => Some((u32::MAX, 0)),
+            "$P_IFRAME" => Some((active, 0)),
+            "$P_BFRAME" | "$P_CHBFRAME" => Some((0, 0)),
+            "$P_UIFR" => {
+                let Some(index) = name.index.first() else { return syntax("$P_UIFR needs an index") };
+                let number = self.whole_number(host, index)?;
+                if !(1..=MOST_SETTABLE).contains(&number) {
+                    return wrong_type(format!("there is no settable frame {number}"));
+                }
+                Some((number as u32, 1))
+            }
+            _ => None,
+        })
+    }
+
+    /// A frame of the control, or a part of it.
+    pub(super) fn control_frame(&mut self, host: &mut dyn Host, name: &Name) -> Outcome<Option<Data>> {
+        let Some((number, used)) = self.frame_name(host, name)? else { return Ok(None) };
+        let frame = self.current(host, number);
+        let rest = name.index.get(used..).unwrap_or_default();
+        if rest.is_empty() {
+            return Ok(Some(Data::Frame(Box::new(frame))));
+        }
+        let (axis, part) = self.frame_part(host, rest)?;
+        part_of(&frame, axis, part).map(|value| Some(Data::Real(value)))
+    }
+
+    /// The frame that holds.
+    fn current(&self, host: &dyn Host, number: u32) -> Frame {
+        if number == u32::MAX {
+            return if self.settings.applies_frames {
+                Frame::from_numbers(&host.local_frame()).unwrap_or_default()
+            } else {
+                self.frames.program
+            };
+        }
+        if let Some(kept) = self.frames.settable.get(&number) {
+            return *kept;
+        }
+        let mut made = Parts::default();
+        for (axis, value) in host.axes().iter().zip(host.offset(number)) {
+            if let Some(at) = GEOMETRY.iter().position(|name| name.eq_ignore_ascii_case(&axis.letter)) {
+                made.set(at, Part::Translation, value);
+            }
+        }
+        made.frame().unwrap_or_default()
+    }
+
+    /// Assigns a frame of the control; the blocks that set it. None if it is no such name.
+    pub(super) fn set_control_frame(
+        &mut self,
+        host: &mut dyn Host,
+        name: &Name,
+        value: &Data,
+    ) -> Outcome<Option<Vec<String>>> {
+        let Some((number, used)) = self.frame_name(host, name)? else { return Ok(None) };
+        let rest = name.index.get(used..).unwrap_or_default();
+        let frame = if rest.is_empty() {
+            super::variables::as_frame(value.clone())?
+        } else {
+            let (axis, part) = self.frame_part(host, rest)?;
+            with_part(&self.current(host, number), axis, part, value)?
+        };
+        host.effect();
+        if !self.settings.applies_frames {
+            if number == u32::MAX {
+                self.frames.program = frame;
+            } else {
+                self.frames.settable.insert(number, frame);
+            }
+            return Ok(Some(Vec::new()));
+        }
+        let blocks = if number == u32::MAX {
+            blocks(host, &frame)
+        } else if name.name == "$P_IFRAME" {
+            Err(format!("{} cannot be set, assign $P_UIFR", name.name))
+        } else {
+            offset(host, number, &frame).map(|()| Vec::new())
+        };
+        match blocks {
+            Ok(blocks) => Ok(Some(blocks)),
+            Err(text) => {
+                let text = format!("{text}, in '{}'", host.block_text());
+                host.diagnose(&diag::SIEMENS_FRAME, text);
+                Ok(Some(Vec::new()))
+            }
+        }
+    }
+}
+
+/// Sets a work offset to a frame that is only a translation.
+fn offset(host: &mut dyn Host, number: u32, frame: &Frame) -> Result<(), String> {
+    let parts = frame.parts().unwrap_or_default();
+    let only = Parts { shift: parts.shift, fine: parts.fine, ..Parts::default() };
+    if only.frame().map(|only| only.numbers()) != Some(frame.numbers()) {
+        return Err("a work offset of this machine is a translation only".to_owned());
+    }
+    let mut values = host.offset(number);
+    let mut rest: [f64; 3] = [0, 1, 2].map(|at| parts.get(at, Part::Translation) + parts.get(at, Part::Fine));
+    for (axis, value) in host.axes().iter().zip(&mut values) {
+        let at = GEOMETRY.iter().position(|name| name.eq_ignore_ascii_case(&axis.letter));
+        if let Some(slot) = at.and_then(|at| rest.get_mut(at)) {
+            *value = std::mem::take(slot);
+        }
+    }
+    if rest.iter().any(|value| *value != 0.0) {
+        return Err("the frame moves an axis that the channel does not have".to_owned());
+    }
+    if host.set_offset(number, &values) { Ok(()) } else { Err(format!("work offset {number} cannot be kept")) }
+}
+
+/// Blocks that set the programmable frame.
+fn blocks(host: &dyn Host, frame: &Frame) -> Result<Vec<String>, String> {
+    let Some(parts) = frame.parts() else {
+        return Err("the frame is no rotation of a scaled frame, the machine has no words for it".to_owned());
+    };
+    let axes = host.axes();
+    let present = GEOMETRY.map(|name| axes.iter().any(|axis| axis.letter.eq_ignore_ascii_case(name)));
+    let word = |code: &str, words: String| {
+        if host.is_code_text(code) {
+            Ok(format!("{code} {}", words.trim_start()))
+        } else {
+            Err(format!("the machine has no literal code {code} for the frame"))
+        }
+    };
+    let named = |at: usize, value: f64| {
+        let name = GEOMETRY.get(at).copied().unwrap_or_default();
+        format!("{name}{}", Data::Real(value).word())
+    };
+    let mut shift = String::new();
+    for (at, present) in present.into_iter().enumerate() {
+        let value = parts.get(at, Part::Translation) + parts.get(at, Part::Fine);
+        if present {
+            shift.push(' ');
+            shift.push_str(&named(at, value));
+        } else if value != 0.0 {
+            return Err("the frame moves an axis that the channel does not have".to_owned());
+        }
+    }
+    let mut blocks = vec![word("TRANS", shift)?];
+    for at in [2, 1, 0] {
+        let angle = parts.get(at, Part::Rotation);
+        if angle != 0.0 {
+            blocks.push(word("AROT", named(at, angle))?);
+        }
+    }
+    let changed = |part: Part, nothing: f64| {
+        let words = (0..3).filter(|at| parts.get(*at, part) != nothing);
+        words.map(|at| named(at, if part == Part::Mirror { 0.0 } else { parts.get(at, part) })).collect::<Vec<_>>()
+    };
+    for (code, words) in [("ASCALE", changed(Part::Scale, 1.0)), ("AMIRROR", changed(Part::Mirror, 0.0))] {
+        if !words.is_empty() {
+            blocks.push(word(code, words.join(" "))?);
+        }
+    }
+    Ok(blocks)
+}

@@ -1,0 +1,228 @@
+//! Siemens 840D.
+//!
+//! Facts: reference control-emulator.md 5.4, functions.md 9. A block is read once (`line`, kept by file and line) and
+//! executed item by item (`run`): statements act at once, words are gathered as text. Invariants: a mistake of the
+//! program is an alarm with a text, never a silence; what is no statement, variable or subprogram stays as text for the
+//! tables of the machine.
+
+mod branches;
+mod calls;
+mod control;
+mod cursor;
+mod declare;
+mod define;
+mod defines;
+mod evaluate;
+mod expression;
+mod files;
+mod frame;
+mod frames;
+mod functions;
+mod jumps;
+mod line;
+mod modal;
+mod run;
+mod settings;
+mod statement;
+mod system;
+#[cfg(test)]
+mod tests;
+mod texts;
+mod value;
+mod variables;
+mod words;
+
+use counterpoint_fault::Halt;
+
+use counterpoint_lang::value::Value;
+use rustc_hash::{FxHashMap, FxHashSet};
+
+use super::host::Host;
+use super::interpreter::{Interpreter, Remaining, Setting};
+use crate::kept::{Kept, Tables};
+use counterpoint_event::FileId;
+use counterpoint_fault as diag;
+use counterpoint_fault::Facts;
+use counterpoint_program::program::Range;
+
+pub(crate) use control::Control;
+
+/// What keeps a block from being executed.
+#[derive(Debug)]
+enum Fault {
+    /// The channel stops.
+    Halt(Halt),
+    /// An alarm that is still to be reported.
+    Alarm(&'static Facts, String),
+}
+
+impl From<Halt> for Fault {
+    fn from(halt: Halt) -> Self {
+        Self::Halt(halt)
+    }
+}
+
+type Outcome<T> = Result<T, Fault>;
+
+/// A mistake in the text of a block.
+fn syntax<T>(text: impl Into<String>) -> Outcome<T> {
+    Err(Fault::Alarm(&diag::MACRO_SYNTAX, text.into()))
+}
+
+/// A value of the wrong type or beyond its type.
+fn wrong_type<T>(text: impl Into<String>) -> Outcome<T> {
+    Err(Fault::Alarm(&diag::SIEMENS_TYPE, text.into()))
+}
+
+/// The pre-processor with its variables.
+#[derive(Debug, Default)]
+pub(crate) struct Siemens {
+    variables: variables::Variables,
+    /// Timers `$AC_TIMER`: value, and the time at which it had it while it runs.
+    timers: FxHashMap<i64, (f64, Option<i64>)>,
+    /// Frames that the program has assigned.
+    frames: frames::Assigned,
+    /// DEFINE: texts for names.
+    defines: FxHashMap<String, String>,
+    /// Blocks that were read.
+    read: Kept<Result<line::Line, String>>,
+    /// Bytes of those texts.
+    define_bytes: usize,
+    /// Labels and loops of files.
+    places: Tables<FileId, jumps::Places>,
+    /// Where subprograms are, by calling file and name.
+    found: FxHashMap<(FileId, String), Option<(FileId, Range)>>,
+    /// Subprograms that were declared by EXTERN.
+    externals: FxHashSet<String>,
+    /// Subprogram that the block calls.
+    calling: Option<calls::Calling>,
+    /// Subprogram that blocks with motion call.
+    modal: Option<modal::Modal>,
+    /// Subprograms that were running where it was called; it runs, or has run.
+    modal_from: Option<usize>,
+    settings: settings::Settings,
+    /// What stopped the channel where nothing could be returned.
+    halted: Option<Halt>,
+    /// Macros are not asked about what is unknown.
+    quiet: bool,
+}
+
+/// Whether a block is anything but plain words: a name, a call by L, M17, or a sign that plain words do not have.
+fn needs_interpreter(text: &[u8]) -> bool {
+    let mut before = b' ';
+    for (at, &byte) in text.iter().enumerate() {
+        match byte {
+            b';' => return false,
+            b'=' | b'(' | b'[' | b'"' | b'\'' | b'$' | b':' | b'_' | b'<' | b'>' | b'%' => return true,
+            b'L' | b'l' if text.get(at + 1).is_some_and(u8::is_ascii_digit) => return true,
+            b'M' | b'm' if returns(text.get(at + 1..).unwrap_or_default()) => return true,
+            _ if byte.is_ascii_alphabetic() && before.is_ascii_alphabetic() => return true,
+            _ => {}
+        }
+        before = byte;
+    }
+    false
+}
+
+/// Behind an M: 17.
+fn returns(text: &[u8]) -> bool {
+    let zeros = text.iter().take_while(|byte| **byte == b'0').count();
+    let digits = text.get(zeros..).unwrap_or_default();
+    digits.starts_with(b"17") && !digits.get(2).is_some_and(|byte| byte.is_ascii_digit() || *byte == b'.')
+}
+
+impl Siemens {
+    /// A fault becomes an alarm.
+    fn reported<T>(&self, host: &mut dyn Host, outcome: Outcome<T>) -> Result<T, Halt> {
+        match outcome {
+            Ok(done) => Ok(done),
+            Err(Fault::Halt(halt)) => Err(halt),
+            Err(Fault::Alarm(facts, text)) => {
+                let text = format!("{text} in '{}'", host.block_text());
+                Err(host.alarm(facts, text))
+            }
+        }
+    }
+
+    /// Does something without asking macros; none if it cannot be done.
+    fn quietly<T>(&mut self, work: impl FnOnce(&mut Self) -> Outcome<T>) -> Result<Option<T>, Halt> {
+        let before = std::mem::replace(&mut self.quiet, true);
+        let done = work(self);
+        self.quiet = before;
+        match done {
+            Ok(done) => Ok(Some(done)),
+            Err(Fault::Halt(halt)) => Err(halt),
+            Err(Fault::Alarm(..)) => Ok(None),
+        }
+    }
+
+    /// All blocks are for the pre-processor while a name may stand for something else, or motion may call.
+    fn watch(&self, host: &mut dyn Host) {
+        host.watch(!self.defines.is_empty() || self.modal.is_some());
+    }
+}
+
+impl Interpreter for Siemens {
+    fn block(&mut self, host: &mut dyn Host, text: &[u8]) -> Result<Remaining, Halt> {
+        if let Some(halt) = self.halted.take() {
+            return Err(halt);
+        }
+        self.calling = None;
+        let outcome = match self.definition_files(host) {
+            Ok(()) => self.carry_out(host, &String::from_utf8_lossy(text)),
+            Err(fault) => Err(fault),
+        };
+        Ok(self.reported(host, outcome)?.into())
+    }
+
+    fn restart(&mut self, reset: bool) {
+        let before = std::mem::take(self);
+        if !reset {
+            self.variables = before.variables.for_next_program();
+            self.timers = before.timers;
+            (self.defines, self.define_bytes) = (before.defines, before.define_bytes);
+            self.settings = before.settings;
+        }
+    }
+
+    fn on_call(&mut self, host: &mut dyn Host) {
+        self.enter(host);
+    }
+
+    fn on_repeat(&mut self) {
+        self.variables.again();
+    }
+
+    fn on_return(&mut self, host: &mut dyn Host) {
+        let outcome = self.leave(host);
+        if let Err(halt) = self.reported(host, outcome) {
+            self.halted = Some(halt);
+        }
+    }
+
+    fn variable(&mut self, host: &mut dyn Host, name: &str, indices: &[f64]) -> Result<Option<Value>, Halt> {
+        let outcome = self.definition_files(host);
+        self.reported(host, outcome)?;
+        let Some(name) = settings::named(name, indices) else { return Ok(None) };
+        let read = self.quietly(|this| this.read_for_macro(host, &name))?;
+        Ok(read.flatten().map(|data| data.value()))
+    }
+
+    fn set_variable(&mut self, host: &mut dyn Host, name: &str, indices: &[f64], value: &Value) -> Result<bool, Halt> {
+        let outcome = self.definition_files(host);
+        self.reported(host, outcome)?;
+        let Some(name) = settings::named(name, indices) else { return Ok(false) };
+        let set = self.quietly(|this| this.set_for_macro(host, &name, value))?;
+        Ok(set.unwrap_or(false))
+    }
+
+    fn setting(&mut self, _: &mut dyn Host, name: &str, values: &[Value]) -> Setting {
+        self.settings.set(name, values)
+    }
+
+    fn memory(&self) -> u64 {
+        let names = self.externals.len() + self.found.len() + self.timers.len();
+        let defines = self.defines.len() * 100 + self.define_bytes;
+        (self.variables.bytes() + names * 100 + defines + self.places.bytes() + self.read.bytes()) as u64
+    }
+}

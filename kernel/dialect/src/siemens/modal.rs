@@ -1,0 +1,122 @@
+//! MCALL: a subprogram that blocks with path motion call.
+//!
+//! Facts: 840D programming manual, modal subprogram call. The last one said counts, in subprograms too, until MCALL alone
+//! or the end of the program; its arguments are handed over once, as they are when it is said. Blocks call that
+//! program a path axis, that have only F or S while G0 or G1 holds, or G0 or G1 with nothing but other G functions.
+//! Invariant: the blocks of the modal subprogram itself, and of what it calls, do not call it.
+
+use super::calls::{Calling, Given};
+use super::line::Item;
+use super::run::Left;
+use super::{Outcome, Siemens};
+use crate::host::{Call, Host};
+
+/// What blocks with path motion call.
+#[derive(Debug)]
+pub(super) struct Modal {
+    /// Text that stands on the block, if what is called is not a subprogram.
+    words: String,
+    call: Option<Call>,
+    passes: Option<u32>,
+    given: Vec<Given>,
+    /// Subprograms that were running when it was said: variables of the caller are those of this level.
+    level: usize,
+}
+
+/// Statements whose axis words are not positions of the path.
+const STILL: [&str; 13] = [
+    "TRANS", "ATRANS", "ROT", "AROT", "ROTS", "AROTS", "CROTS", "SCALE", "ASCALE", "MIRROR", "AMIRROR", "PRESETON",
+    "GEOAX",
+];
+
+/// G functions of the same kind: dwell, limits, parts of frames, reference and fixed points, poles.
+const STILL_CODES: [u32; 10] = [4, 25, 26, 58, 59, 74, 75, 110, 111, 112];
+
+/// G functions of the motion group that are neither G0 nor G1.
+const CURVES: [u32; 9] = [2, 3, 33, 34, 35, 63, 331, 332, 335];
+
+impl Siemens {
+    /// MCALL with what stands after it.
+    pub(super) fn set_modal(&mut self, host: &mut dyn Host, items: &[Item]) -> Outcome<()> {
+        self.modal = None;
+        if !items.is_empty() {
+            let mut left = Left::default();
+            for item in items {
+                self.item(host, item, &mut left)?;
+            }
+            let given = self.calling.take().map_or_else(Vec::new, |calling| calling.given);
+            let (words, call, passes) = (left.words, left.call, left.passes);
+            let level = host.place().level;
+            self.modal = Some(Modal { words, call, passes, given, level });
+        }
+        self.watch(host);
+        Ok(())
+    }
+
+    /// The block calls what MCALL has said, if it asks for that.
+    pub(super) fn call_modally(&mut self, host: &dyn Host, left: &mut Left) {
+        if self.modal.is_none() {
+            return;
+        }
+        let place = host.place();
+        if self.modal_from.is_some_and(|level| place.level > level) {
+            return;
+        }
+        self.modal_from = None;
+        if left.call.is_some() || !asks(host, left) {
+            return;
+        }
+        let Some(modal) = &self.modal else { return };
+        if !modal.words.is_empty() {
+            left.add(&modal.words);
+        }
+        let Some(call) = &modal.call else { return };
+        let own = modal.level == place.level;
+        let given = modal.given.iter().map(|given| if own { given.clone() } else { given.without_variable() });
+        self.calling = Some(Calling { line: place.line, part: false, given: given.collect() });
+        left.call = Some(call.clone());
+        left.passes = modal.passes;
+        self.modal_from = Some(place.level);
+    }
+}
+
+/// The block has path motion, or what counts as such.
+fn asks(host: &dyn Host, left: &Left) -> bool {
+    let mut axis = left.moves;
+    let (mut rates, mut straight, mut curve, mut others) = (false, false, false, false);
+    for word in words(&left.words) {
+        let name = word.split(|c: char| !c.is_ascii_alphabetic() && c != '_').next().unwrap_or_default();
+        let letter = name.bytes().next().unwrap_or(b' ').to_ascii_uppercase();
+        if name.len() != 1 {
+            if STILL.iter().any(|still| still.eq_ignore_ascii_case(name)) {
+                return false;
+            }
+            // Polar coordinates.
+            axis |= name.eq_ignore_ascii_case("AP") || name.eq_ignore_ascii_case("RP");
+            continue;
+        }
+        match letter {
+            b'G' => {
+                let code = word.get(1..).and_then(|digits| digits.trim().parse::<u32>().ok());
+                if code.is_some_and(|code| STILL_CODES.contains(&code)) {
+                    return false;
+                }
+                straight |= code.is_some_and(|code| code < 2);
+                curve |= code.is_some_and(|code| CURVES.contains(&code));
+            }
+            b'N' => {}
+            b'F' | b'S' => rates = true,
+            _ => {
+                let is_axis = host.axes().iter().any(|axis| axis.letter.eq_ignore_ascii_case(name));
+                axis |= is_axis;
+                others |= !is_axis;
+            }
+        }
+    }
+    axis || (!others && (straight || (rates && !curve && host.moves_straight())))
+}
+
+/// Words of a block, without texts and what stands in parentheses.
+fn words(text: &str) -> impl Iterator<Item = &str> {
+    text.split([' ', '\t']).filter(|word| word.bytes().next().is_some_and(|byte| byte.is_ascii_alphabetic()))
+}

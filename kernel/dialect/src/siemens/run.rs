@@ -1,0 +1,441 @@
+//! A block, executed item by item.
+//!
+//! Facts: reference control-emulator.md 2.2 and 5.4. Statements act in the order in which they stand, words are gathered
+//! and act after them; a call begins after the words. Invariant: what is neither statement nor variable nor subprogram
+//! is among the words that are left.
+
+use std::sync::Arc;
+
+use super::expression::{Argument, Expression, Name, whole};
+use super::line::{Assigned, Item, Line, read};
+use super::value::Data;
+use super::{Fault, Outcome, Siemens, syntax};
+use crate::host::{Answer, Call, Host};
+use crate::text::without_comment;
+use counterpoint_fault as diag;
+
+/// Most passes of a call.
+pub(super) const MOST_PASSES: i64 = 9_999;
+
+/// What is left of a block.
+#[derive(Debug, Default)]
+pub(super) struct Left {
+    /// Blocks that act before the words.
+    before: Vec<String>,
+    pub(super) words: String,
+    pub(super) call: Option<Call>,
+    pub(super) passes: Option<u32>,
+    /// The word for passes, which is one of the block if nothing is called.
+    passes_word: Option<String>,
+    /// An axis is programmed.
+    pub(super) moves: bool,
+    /// G90 or G91 stands on the block.
+    pub(super) relative: Option<bool>,
+}
+
+impl Left {
+    /// A word more.
+    pub(super) fn add(&mut self, word: &str) {
+        if !self.words.is_empty() {
+            self.words.push(' ');
+        }
+        self.words.push_str(word);
+    }
+}
+
+/// Whether the rest of the block is executed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Then {
+    GoOn,
+    Stop,
+}
+
+impl Siemens {
+    /// Executes a block: the text of the words that are left.
+    pub(super) fn carry_out(&mut self, host: &mut dyn Host, text: &str) -> Outcome<Option<String>> {
+        let Some(text) = skipped(host, text) else { return Ok(None) };
+        let place = host.place();
+        if super::jumps::is_head(text) {
+            return self.program_head(host).map(|()| None);
+        }
+        let kept = place.as_read && self.defines.is_empty();
+        let line = match self.read.get((place.file, place.line)).filter(|_| kept) {
+            Some(line) => Arc::clone(line),
+            None => {
+                let text = self.expanded(without_comment(text));
+                let line = Arc::new(read(&text));
+                if kept {
+                    self.read.insert((place.file, place.line), &line, text.len());
+                }
+                line
+            }
+        };
+        match &*line {
+            Ok(line) => self.run(host, line),
+            Err(text) => syntax(text.clone()),
+        }
+    }
+
+    /// The head of a program of an archive: the next one is not run into.
+    fn program_head(&mut self, host: &mut dyn Host) -> Outcome<()> {
+        let place = host.place();
+        let source = host.source(place.file);
+        let is_first = source.is_none_or(|source| {
+            (place.range.first..place.line).all(|line| source.line(line).iter().all(u8::is_ascii_whitespace))
+        });
+        if is_first { Ok(()) } else { Ok(host.go_to(place.range.last.saturating_add(1))?) }
+    }
+
+    fn run(&mut self, host: &mut dyn Host, line: &Line) -> Outcome<Option<String>> {
+        let mut left = Left::default();
+        let is_mode = |item: &&Item| matches!(item, Item::Text(text) if mode(text).is_some());
+        if let Some(Item::Text(text)) = line.items.iter().rfind(is_mode) {
+            left.relative = mode(text);
+        }
+        for (at, item) in line.items.iter().enumerate() {
+            if let Item::Modal = item {
+                self.set_modal(host, line.items.get(at + 1..).unwrap_or_default())?;
+                break;
+            }
+            if self.item(host, item, &mut left)? == Then::Stop {
+                break;
+            }
+        }
+        whole_translation(host, &mut left);
+        self.call_modally(host, &mut left);
+        self.finish(host, line, left)
+    }
+
+    fn finish(&mut self, host: &mut dyn Host, line: &Line, mut left: Left) -> Outcome<Option<String>> {
+        match left.call.take() {
+            Some(call) => {
+                let passes = left.passes.unwrap_or(call.passes);
+                if passes > 0 {
+                    host.call(Call { passes, ..call });
+                }
+            }
+            None => {
+                if let Some(word) = left.passes_word.take() {
+                    left.add(&word);
+                }
+            }
+        }
+        let mut text = left.before.join("\n");
+        if !left.words.is_empty() {
+            if !text.is_empty() {
+                text.push('\n');
+            }
+            if let Some(number) = line.number.as_ref().filter(|_| host.is_register("N")) {
+                text.push('N');
+                text.push_str(number);
+                text.push(' ');
+            }
+            text.push_str(&left.words);
+        }
+        Ok((!text.is_empty()).then_some(text))
+    }
+
+    pub(super) fn item(&mut self, host: &mut dyn Host, item: &Item, left: &mut Left) -> Outcome<Then> {
+        match item {
+            Item::Text(text) => left.add(text),
+            Item::Set { name, value } => self.set(host, name, value, left)?,
+            Item::Bare(name) => self.bare_name(host, name, left)?,
+            Item::Function(name, arguments) => self.function_block(host, name, arguments, left)?,
+            Item::Passes(passes, word) => {
+                let passes = self.whole_number(host, passes)?;
+                if passes > MOST_PASSES {
+                    return syntax(format!("{passes} passes are too many, {MOST_PASSES} are possible"));
+                }
+                left.passes = Some(u32::try_from(passes).unwrap_or(0));
+                left.passes_word = Some(word.clone());
+            }
+            Item::Program(name) => match self.known_program(host, name)? {
+                Some(found) => left.call = Some(self.prepare_call(host, name, found, &[])?),
+                None if self.settings.subprograms => left.call = Some(self.prepare_call(host, name, None, &[])?),
+                None => left.add(name),
+            },
+            Item::CallText { name, section, arguments } => {
+                return self.call_text(host, name, section.as_ref(), arguments, left);
+            }
+            Item::Modal => {}
+            Item::Return(text, elsewhere) => {
+                if !self.settings.subprograms {
+                    left.add(text);
+                    return Ok(Then::GoOn);
+                }
+                if self.variables.in_part() {
+                    let text = format!("'{}' ends a pass of the part that is repeated", host.block_text());
+                    host.diagnose(&diag::SIEMENS_IGNORED, text);
+                }
+                if *elsewhere {
+                    let text = format!("the target of RET is not looked for in '{}'", host.block_text());
+                    host.diagnose(&diag::SIEMENS_IGNORED, text);
+                }
+                host.return_from();
+            }
+            Item::Define(name, text) => {
+                self.define(name, text);
+                self.watch(host);
+            }
+            Item::Declare(declaration) => self.declare(host, declaration, false)?,
+            Item::Redeclare(declaration) => self.declare(host, declaration, true)?,
+            Item::Header(header) => self.take_arguments(host, header)?,
+            Item::External(header) => {
+                self.externals.insert(header.name.clone());
+            }
+            Item::Message(argument) => self.message(host, argument.as_ref(), left)?,
+            Item::Idle(text) => {
+                if host.is_code_text(text) {
+                    left.add(text);
+                }
+            }
+            _ => return self.flow(host, item, left),
+        }
+        Ok(Then::GoOn)
+    }
+
+    pub(super) fn set(&mut self, host: &mut dyn Host, name: &Name, value: &Assigned, left: &mut Left) -> Outcome<()> {
+        if name.name.starts_with('$') {
+            return self.set_by_name(host, name, value, left);
+        }
+        let is_parameter = name.name == "R" && !name.index.is_empty();
+        let is_local = is_parameter || self.variables.knows(&name.name);
+        let is_word = name.name.len() == 1 || name.name == "AX" || words_address(host, &name.name);
+        if !is_local && is_word {
+            return self.word(host, name, value, left);
+        }
+        match self.locate(host, name)? {
+            Some(target) => self.assign(host, &target, value),
+            None => self.set_by_name(host, name, value, left),
+        }
+    }
+
+    /// A system variable, or a name that is no variable and no address.
+    fn set_by_name(&mut self, host: &mut dyn Host, name: &Name, value: &Assigned, left: &mut Left) -> Outcome<()> {
+        let is_system = name.name.starts_with('$');
+        let assigned = match value {
+            Assigned::One(value, _) if is_system => Some(self.evaluate(host, value)?),
+            Assigned::One(value, _) => self.quietly(|this| this.evaluate(host, value))?,
+            _ => None,
+        };
+        let asked = self.written(host, name)?;
+        let given = assigned.as_ref().map(Data::value);
+        match self.ask(host, &asked, given.as_ref())? {
+            Answer::Drop => Ok(()),
+            Answer::Instead(text) => self.set_instead(host, &text, value, left),
+            Answer::Keep => self.word(host, name, value, left),
+            Answer::Unknown if is_system => {
+                if let Some(assigned) = &assigned
+                    && let Some(blocks) = self.set_system(host, name, assigned)?
+                {
+                    left.before.extend(blocks);
+                    return Ok(());
+                }
+                Err(Fault::Alarm(&diag::MACRO_VARIABLE, format!("the variable {asked} cannot be set")))
+            }
+            Answer::Unknown => self.word(host, name, value, left),
+        }
+    }
+
+    /// A macro has named another variable, or given the text that stands on the block.
+    fn set_instead(&mut self, host: &mut dyn Host, text: &str, value: &Assigned, left: &mut Left) -> Outcome<()> {
+        if let Ok(Expression::Name(name)) = whole(text)
+            && let Some(target) = self.locate(host, &name)?
+        {
+            return self.assign(host, &target, value);
+        }
+        left.add(text.trim());
+        Ok(())
+    }
+
+    /// A name alone: a literal code, a subprogram, or text.
+    fn bare_name(&mut self, host: &mut dyn Host, written: &str, left: &mut Left) -> Outcome<()> {
+        let name = written.to_ascii_uppercase();
+        if host.is_code_text(&name) {
+            left.add(&name);
+            return Ok(());
+        }
+        if let Some(found) = self.known_program(host, &name)? {
+            left.call = Some(self.prepare_call(host, &name, found, &[])?);
+            return Ok(());
+        }
+        self.unknown(host, &name, written, left)
+    }
+
+    /// A name with arguments: SETAL, a subprogram, or text.
+    fn function_block(
+        &mut self,
+        host: &mut dyn Host,
+        name: &str,
+        arguments: &[Argument],
+        left: &mut Left,
+    ) -> Outcome<()> {
+        if name == "SETAL" {
+            return self.set_alarm(host, arguments);
+        }
+        let is_text = host.is_code_text(name) || host.is_register(&format!("{name}("));
+        if !is_text && let Some(found) = self.known_program(host, name)? {
+            left.call = Some(self.prepare_call(host, name, found, arguments)?);
+            return Ok(());
+        }
+        let text = format!("{name}({})", self.texts(host, arguments)?);
+        if is_text {
+            left.add(&text);
+            return Ok(());
+        }
+        self.unknown(host, &text, &text, left)
+    }
+
+    /// A text that nothing knows: a macro may, else the tables of the machine have to.
+    fn unknown(&mut self, host: &mut dyn Host, asked: &str, written: &str, left: &mut Left) -> Outcome<()> {
+        match self.ask(host, asked, None)? {
+            Answer::Drop => {}
+            Answer::Instead(text) => return self.block_instead(host, &text, left),
+            Answer::Keep | Answer::Unknown => left.add(written),
+        }
+        Ok(())
+    }
+
+    /// A macro has given a text for a part of the block; it is not asked about what stands in it.
+    fn block_instead(&mut self, host: &mut dyn Host, text: &str, left: &mut Left) -> Outcome<()> {
+        let line = read(text).or_else(syntax)?;
+        let before = std::mem::replace(&mut self.quiet, true);
+        let done = line.items.iter().try_for_each(|item| self.item(host, item, left).map(|_| ()));
+        self.quiet = before;
+        done
+    }
+
+    fn call_text(
+        &mut self,
+        host: &mut dyn Host,
+        name: &Expression,
+        section: Option<&(String, String)>,
+        arguments: &[Argument],
+        left: &mut Left,
+    ) -> Outcome<Then> {
+        let name = match self.evaluate(host, name)? {
+            Data::Text(text) => text.trim().to_owned(),
+            other => return super::wrong_type(format!("{} is no name of a subprogram", other.described())),
+        };
+        if !self.settings.subprograms {
+            left.add(&format!("CALL \"{name}\""));
+            return Ok(Then::GoOn);
+        }
+        let place = host.place();
+        let whole = if name.is_empty() && section.is_some() {
+            Some((place.file, place.range))
+        } else {
+            self.program_by_path(host, &name)?
+        };
+        let Some((labels, whole)) = section.zip(whole) else {
+            left.call = Some(self.prepare_call(host, &name, whole, arguments)?);
+            return Ok(Then::GoOn);
+        };
+        let (file, range) = self.section(host, whole, labels)?;
+        let call = if file == place.file && name.is_empty() {
+            self.prepare_part(host, labels.0.clone(), (range.first, range.last), 1)
+        } else {
+            self.prepare_call(host, &name, Some((file, range)), &[])?
+        };
+        left.call = Some(call);
+        Ok(Then::GoOn)
+    }
+
+    fn message(&mut self, host: &mut dyn Host, argument: Option<&Argument>, left: &mut Left) -> Outcome<()> {
+        let text = match argument {
+            None => String::new(),
+            Some(argument) => match &argument.value {
+                Ok(None) => String::new(),
+                Ok(Some(Expression::Name(name)))
+                    if name.index.is_empty() && !name.name.starts_with('$') && !self.variables.knows(&name.name) =>
+                {
+                    argument.text.clone()
+                }
+                Ok(Some(expression)) => self.evaluate(host, expression)?.text(),
+                // A text without quotation marks.
+                Err(_) if !argument.text.contains('"') => argument.text.clone(),
+                Err(text) => return syntax(text.clone()),
+            },
+        };
+        if self.settings.messages {
+            host.show(&text);
+        } else {
+            left.add(&format!("MSG(\"{text}\")"));
+        }
+        Ok(())
+    }
+
+    /// SETAL: an alarm, which stops the channel or is only shown, as its number says.
+    fn set_alarm(&mut self, host: &mut dyn Host, arguments: &[Argument]) -> Outcome<()> {
+        let Some(first) = arguments.first() else { return syntax("SETAL needs the number of an alarm") };
+        let number = match self.argument(host, first)? {
+            Some(value) => super::evaluate::number(&value)?,
+            None => return syntax("SETAL needs the number of an alarm"),
+        };
+        if number.fract() != 0.0 || !(60_000.0..70_000.0).contains(&number) {
+            let number = super::value::shown(number);
+            return super::wrong_type(format!("SETAL sets alarms 60000 to 69999, not {number}"));
+        }
+        let text = match arguments.get(1) {
+            Some(text) => self.argument(host, text)?.map_or_else(String::new, |text| format!(": {}", text.text())),
+            None => String::new(),
+        };
+        let text = format!("the program sets alarm {number}{text}");
+        let is_shown = matches!(number as u32 / 1000, 60 | 63 | 64 | 67);
+        match self.settings.severity {
+            Some(severity) => host.report(&diag::SIEMENS_ALARM, severity, text),
+            None if is_shown => host.diagnose(&diag::SIEMENS_ALARM, text),
+            None => return Err(Fault::Alarm(&diag::SIEMENS_STOP, text)),
+        }
+        Ok(())
+    }
+}
+
+/// The block after its marks of optional skip; none if it is skipped.
+fn skipped<'a>(host: &dyn Host, text: &'a str) -> Option<&'a str> {
+    let mut text = text.trim_start();
+    while let Some(rest) = text.strip_prefix('/') {
+        let digit = rest.bytes().next().filter(u8::is_ascii_digit);
+        let level = digit.map(|digit| digit - b'0').filter(|level| *level > 0);
+        if host.skips(level) {
+            return None;
+        }
+        text = rest.get(usize::from(digit.is_some())..).unwrap_or_default().trim_start();
+    }
+    Some(text)
+}
+
+/// TRANS replaces the whole translation: axes that it does not name are not moved any more.
+fn whole_translation(host: &dyn Host, left: &mut Left) {
+    let mut words = left.words.split(' ');
+    if !words.any(|word| word == "TRANS") || !host.is_code_text("TRANS") {
+        return;
+    }
+    for axis in host.axes().iter().filter(|axis| matches!(axis.letter.as_str(), "X" | "Y" | "Z")) {
+        let is_axis = |word: &str| {
+            let (letter, value) = word.split_at_checked(1).unwrap_or_default();
+            letter.eq_ignore_ascii_case(&axis.letter) && !value.starts_with(|c: char| c.is_ascii_alphabetic())
+        };
+        if !left.words.split(' ').any(is_axis) {
+            let word = format!("{}0", axis.letter);
+            left.add(&word);
+        }
+    }
+}
+
+/// G90 and G91: whether positions are distances.
+fn mode(text: &str) -> Option<bool> {
+    let text = text.to_ascii_uppercase();
+    let digits = text.strip_prefix('G')?.trim_start().trim_start_matches('0');
+    match digits {
+        "90" => Some(false),
+        "91" => Some(true),
+        _ => None,
+    }
+}
+
+/// A word of the machine may begin with this name.
+fn words_address(host: &dyn Host, name: &str) -> bool {
+    let forms = [name.to_owned(), format!("{name}="), format!("{name}[")];
+    forms.iter().any(|form| host.is_register(form)) || super::evaluate::words_name(host, name)
+}

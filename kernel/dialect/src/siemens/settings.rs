@@ -1,0 +1,136 @@
+//! `$FCEPP` settings of this control, and names as macros write them.
+//!
+//! Facts: reference functions.md 9. Decision: as long as COLLAPSEASSIGNS is not set, `=` goes away where the machine has
+//! the address as a register and not together with its `=`. Invariant: blanks around `=` are always taken off a word.
+
+use counterpoint_lang::value::Value;
+
+use super::expression::{Expression, Name, whole};
+use crate::interpreter::Setting;
+
+/// Settings.
+#[derive(Debug)]
+pub(super) struct Settings {
+    /// MSG is executed here.
+    pub(super) messages: bool,
+    /// Subprograms are called here.
+    pub(super) subprograms: bool,
+    /// Definitions without a scope are those of the channel.
+    pub(super) global: bool,
+    /// Frames that are assigned act.
+    pub(super) applies_frames: bool,
+    /// Whether `X=5` becomes `X5`.
+    pub(super) collapse: Option<bool>,
+    /// Severity of SETAL; without one the number of the alarm says what it does.
+    pub(super) severity: Option<u8>,
+    /// Folder of the control's files.
+    pub(super) root: String,
+    /// Definition files that are still to be read, and whether a missing one is reported.
+    pub(super) definitions: Vec<(String, bool)>,
+}
+
+/// Definition files that are looked for without being named.
+const DEFINITIONS: [&str; 12] = [
+    "SMAC_DEF", "MMAC_DEF", "UMAC_DEF", "SGUD_DEF", "MGUD_DEF", "UGUD_DEF", "GUD4_DEF", "GUD5_DEF", "GUD6_DEF",
+    "GUD7_DEF", "GUD8_DEF", "GUD9_DEF",
+];
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self {
+            messages: true,
+            subprograms: true,
+            global: false,
+            applies_frames: true,
+            collapse: None,
+            severity: None,
+            root: String::new(),
+            definitions: Vec::new(),
+        }
+    }
+}
+
+impl Settings {
+    /// Sets one by its name.
+    pub(super) fn set(&mut self, name: &str, values: &[Value]) -> Setting {
+        let truth = match values {
+            [value] => value.as_logical(),
+            _ => None,
+        };
+        let slot = match name {
+            "PROCESS,MESSAGES" => {
+                // The kernel keeps it too.
+                self.messages = truth.unwrap_or(self.messages);
+                return Setting::Unknown;
+            }
+            "PROCESS,SUBPROGRAMS" => &mut self.subprograms,
+            "GLOBALDEF" => &mut self.global,
+            "APPLYFRAMES" => &mut self.applies_frames,
+            // Blanks around `=` are taken off in any case.
+            "COLLAPSEASSIGNSPACES" => return if truth.is_some() { Setting::Made } else { Setting::Wrong },
+            "COLLAPSEASSIGNS" => {
+                self.collapse = truth.or(self.collapse);
+                return if truth.is_some() { Setting::Made } else { Setting::Wrong };
+            }
+            "SETALSEVERITY" => return self.set_severity(values),
+            "SETFILEROOT" => return self.set_root(values),
+            "PROCESSGUDFILES" => return self.set_definitions(values),
+            _ => return Setting::Unknown,
+        };
+        match truth {
+            Some(truth) => {
+                *slot = truth;
+                Setting::Made
+            }
+            None => Setting::Wrong,
+        }
+    }
+
+    fn set_severity(&mut self, values: &[Value]) -> Setting {
+        match values {
+            [value] => match value.as_real() {
+                Some(severity) if severity.fract() == 0.0 && (0.0..100.0).contains(&severity) => {
+                    self.severity = Some(severity as u8);
+                    Setting::Made
+                }
+                _ => Setting::Wrong,
+            },
+            _ => Setting::Wrong,
+        }
+    }
+
+    fn set_root(&mut self, values: &[Value]) -> Setting {
+        match values {
+            [Value::Text(text)] => {
+                self.root = text.trim().replace('\\', "/").trim_end_matches('/').to_owned();
+                Setting::Made
+            }
+            _ => Setting::Wrong,
+        }
+    }
+
+    fn set_definitions(&mut self, values: &[Value]) -> Setting {
+        let text = |value: &Value| value.as_text().map(|text| (text.trim().to_owned(), true));
+        match values {
+            [] => self.definitions.extend(DEFINITIONS.map(|name| (name.to_owned(), false))),
+            [Value::Sequence(names)] => match names.iter().map(text).collect::<Option<Vec<_>>>() {
+                Some(names) => self.definitions.extend(names),
+                None => return Setting::Wrong,
+            },
+            [value] => match text(value) {
+                Some(name) => self.definitions.push(name),
+                None => return Setting::Wrong,
+            },
+            _ => return Setting::Wrong,
+        }
+        Setting::Made
+    }
+}
+
+/// A variable in native spelling, with further indices after it.
+pub(super) fn named(text: &str, indices: &[f64]) -> Option<Name> {
+    let Ok(Expression::Name(mut name)) = whole(text.trim()) else { return None };
+    name.index.extend(indices.iter().map(|index| Expression::Real(*index)));
+    let sound = indices.iter().all(|index| index.is_finite());
+    sound.then_some(name)
+}

@@ -1,0 +1,161 @@
+//! Words that are written with `=`, and texts with values, as the tables of the machine know them.
+//!
+//! Facts: reference control-emulator.md 5.4. Decisions: positions given by AC and IC become what the machine's words can
+//! say: the incremental letter of the axis if it has one, else the position of the axis now is added or taken off; DC,
+//! ACP and ACN become the position to which a rotary axis goes on from where it stands; AC of I, J and K counts from the
+//! start of the circle. Invariant: a number is written without an exponent.
+
+use super::evaluate::{number, words_name};
+use super::expression::{Argument, Expression, Name};
+use super::line::{Assigned, Way};
+use super::run::Left;
+use super::value::{Data, shown};
+use super::{Outcome, Siemens};
+use crate::host::{AxisPlace, Host};
+use counterpoint_fault as diag;
+
+/// Largest value of a word.
+const BOUND: f64 = 1e12;
+
+impl Siemens {
+    /// `ADDRESS=value` as a word.
+    pub(super) fn word(&mut self, host: &mut dyn Host, name: &Name, value: &Assigned, left: &mut Left) -> Outcome<()> {
+        let address = match (name.name.as_str(), name.index.as_slice()) {
+            ("AX", [_]) => self.axis_of(host, name)?.text(),
+            (_, []) => name.name.clone(),
+            _ => self.written(host, name)?,
+        };
+        let axes = host.axes();
+        let is = |text: &str| text.eq_ignore_ascii_case(&address);
+        let axis = axes.iter().find(|axis| is(&axis.letter) || is(&axis.name));
+        left.moves |= axis.is_some();
+        let has_word = host.is_register(&address) || host.is_register(&format!("{address}="));
+        let address = match axis {
+            // The name of an axis stands for the letter by which the channel programs it.
+            Some(axis) if !has_word => axis.letter.clone(),
+            _ => address,
+        };
+        let text = match value {
+            Assigned::One(_, text) if is_number(text) => text.clone(),
+            Assigned::One(value, _) => self.evaluate(host, value)?.word(),
+            Assigned::List(values) => format!("SET({})", self.texts(host, values)?),
+            Assigned::Fill(values) => format!("REP({})", self.texts(host, values)?),
+            Assigned::Way(way, value, key) => {
+                let value = number(&self.evaluate(host, value)?)?;
+                let value = if value.abs() <= BOUND {
+                    value
+                } else {
+                    return super::wrong_type("the position is beyond the numbers of words");
+                };
+                let relative = left.relative.unwrap_or_else(|| host.relative());
+                match placed(&axes, axis, &address, *way, value, relative) {
+                    Placed::Value(value) => Data::Real(value).word(),
+                    Placed::Step(value) => match host.second(&address) {
+                        Some(second) => {
+                            left.add(&format!("{second}{}", Data::Real(value).word()));
+                            return Ok(());
+                        }
+                        None => {
+                            let at = axis.map_or(0.0, |axis| axis.from);
+                            Data::Real(if relative { value } else { at + value }).word()
+                        }
+                    },
+                    Placed::Text => format!("{key}({})", shown(value)),
+                }
+            }
+        };
+        let word = format!("{address}{}{text}", self.sign(host, &address));
+        if address.len() > 1 && splits(&address) && !has_word && !host.is_code_text(&word) {
+            // The scanner would read a word of the letter and its extension.
+            let text = format!("{word} not recognised in '{}'", host.block_text());
+            host.diagnose(&diag::NOT_RECOGNISED, text);
+            return Ok(());
+        }
+        left.add(&word);
+        Ok(())
+    }
+
+    /// `=`, or nothing, between an address and its value.
+    fn sign(&self, host: &dyn Host, address: &str) -> &'static str {
+        let one = address.len() == 1;
+        let collapses = match self.settings.collapse {
+            Some(collapse) => collapse && one,
+            None => one && host.is_register(address) && !host.is_register(&format!("{address}=")),
+        };
+        if collapses { "" } else { "=" }
+    }
+
+    /// Arguments of what stays on the block: values where there are some, else as they are written.
+    pub(super) fn texts(&mut self, host: &mut dyn Host, arguments: &[Argument]) -> Outcome<String> {
+        let mut texts = Vec::new();
+        for argument in arguments {
+            let value = match &argument.value {
+                Ok(Some(Expression::Text(_))) | Ok(None) | Err(_) => None,
+                Ok(Some(Expression::Name(name))) if !self.has_value(host, name) => None,
+                Ok(Some(_)) if is_number(&argument.text) => None,
+                Ok(Some(expression)) => self.quietly(|this| this.evaluate(host, expression))?,
+            };
+            texts.push(match value {
+                None => argument.text.clone(),
+                Some(Data::Real(value)) => shown(value),
+                Some(value) => value.word(),
+            });
+        }
+        Ok(texts.join(","))
+    }
+
+    fn has_value(&self, host: &dyn Host, name: &Name) -> bool {
+        let known = name.name == "R" || name.name.starts_with('$') || self.variables.knows(&name.name);
+        known && !(name.index.is_empty() && words_name(host, &name.name) && !self.variables.knows(&name.name))
+    }
+}
+
+/// A letter with a number after it.
+fn splits(address: &str) -> bool {
+    address.as_bytes().get(1).is_some_and(u8::is_ascii_digit)
+}
+
+/// A number as it is written in a program.
+fn is_number(text: &str) -> bool {
+    let digits = text.strip_prefix(['+', '-']).unwrap_or(text);
+    let plain = digits.bytes().all(|byte| byte.is_ascii_digit() || byte == b'.');
+    plain && digits.bytes().filter(|byte| *byte == b'.').count() < 2 && digits.bytes().any(|byte| byte.is_ascii_digit())
+}
+
+/// What becomes of a position.
+enum Placed {
+    Value(f64),
+    /// A distance from where the axis stands.
+    Step(f64),
+    /// It stays as it is written.
+    Text,
+}
+
+fn placed(axes: &[AxisPlace], axis: Option<&AxisPlace>, address: &str, way: Way, value: f64, relative: bool) -> Placed {
+    if way == Way::Value {
+        return Placed::Value(value);
+    }
+    if let Some(axis) = axis {
+        let to = |end: f64| Placed::Value(if relative { end - axis.from } else { end });
+        let turn = (value - axis.work).rem_euclid(360.0);
+        return match way {
+            Way::Incremental => Placed::Step(value),
+            Way::Absolute | Way::Value => to(value),
+            Way::Shortest => to(axis.work + if turn > 180.0 { turn - 360.0 } else { turn }),
+            Way::Positive => to(axis.work + turn),
+            Way::Negative => to(axis.work + if turn == 0.0 { 0.0 } else { turn - 360.0 }),
+        };
+    }
+    let center = ["I", "J", "K"].iter().position(|name| name.eq_ignore_ascii_case(address));
+    match (center.and_then(|at| ["X", "Y", "Z"].get(at)), way) {
+        (Some(_), Way::Incremental) => Placed::Value(value),
+        (Some(along), Way::Absolute) => match axes.iter().find(|axis| axis.letter.eq_ignore_ascii_case(along)) {
+            Some(axis) => Placed::Value((value - axis.work) / if axis.diameter { 2.0 } else { 1.0 }),
+            None => Placed::Text,
+        },
+        (None, Way::Absolute | Way::Shortest | Way::Positive | Way::Negative) if !address.contains('[') => {
+            Placed::Value(value)
+        }
+        _ => Placed::Text,
+    }
+}

@@ -1,0 +1,187 @@
+//! The control handle of a running job: cancel, live progress, who answers dialogs, and the test hook that disturbs scheduling.
+
+use std::sync::atomic::{AtomicI64, AtomicU8, AtomicU32, AtomicU64, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
+
+pub use crate::Stop;
+use crate::dialog::operator::Operator;
+use crate::system::System;
+use counterpoint_event::event::Wait;
+
+/// Shared between the one who runs a job and the one who watches it. Reading progress never slows a kernel.
+#[derive(Default)]
+pub struct Control {
+    stop: Stop,
+    /// One entry per channel in ascending channel number.
+    progress: Box<[Progress]>,
+    /// Takes the place of a missing one.
+    spare: Progress,
+    jitter: Option<Box<dyn Fn(u16) + Send + Sync>>,
+    operator: Option<Arc<dyn Operator>>,
+    system: Option<Arc<dyn System>>,
+}
+
+impl Control {
+    /// For a job of `channels` channels.
+    #[must_use]
+    pub fn new(channels: usize) -> Self {
+        Self { progress: (0..channels).map(|_| Progress::default()).collect(), ..Self::default() }
+    }
+
+    /// Whoever has `stop` can cancel the job, too.
+    #[must_use]
+    pub fn with_stop(mut self, stop: Stop) -> Self {
+        self.stop = stop;
+        self
+    }
+
+    /// Calls `jitter(channel)` around every shared operation, so that tests can delay kernels at will.
+    #[must_use]
+    pub fn with_jitter(mut self, jitter: impl Fn(u16) + Send + Sync + 'static) -> Self {
+        self.jitter = Some(Box::new(jitter));
+        self
+    }
+
+    /// Somebody answers the dialogs that the job brings no answer for.
+    #[must_use]
+    pub fn with_operator(mut self, operator: Arc<dyn Operator>) -> Self {
+        self.operator = Some(operator);
+        self
+    }
+
+    /// Who answers dialogs.
+    #[must_use]
+    pub fn operator(&self) -> Option<&dyn Operator> {
+        self.operator.as_deref()
+    }
+
+    /// Macros may start commands of the operating system.
+    #[must_use]
+    pub fn with_system(mut self, system: Arc<dyn System>) -> Self {
+        self.system = Some(system);
+        self
+    }
+
+    /// Who starts commands for macros; nobody unless the owner of the server allows it.
+    #[must_use]
+    pub fn system(&self) -> Option<&dyn System> {
+        self.system.as_deref()
+    }
+
+    /// Asks the job to stop; it ends soon after with its channels `STOPPED`.
+    pub fn cancel(&self) {
+        self.stop.ask();
+    }
+
+    /// Whether [`cancel`](Self::cancel) was called.
+    #[must_use]
+    #[inline(always)]
+    pub fn cancelled(&self) -> bool {
+        self.stop.asked()
+    }
+
+    /// The wish itself, to be looked at where there is no control.
+    #[must_use]
+    pub fn stop(&self) -> &Stop {
+        &self.stop
+    }
+
+    /// Live progress by channel, ascending channel number.
+    #[must_use]
+    pub fn progress(&self) -> &[Progress] {
+        &self.progress
+    }
+
+    /// Progress that nobody looks at.
+    pub fn spare(&self) -> &Progress {
+        &self.spare
+    }
+
+    /// Calls the hook of tests around a shared operation of a channel.
+    pub fn disturb(&self, channel: u16) {
+        if let Some(jitter) = &self.jitter {
+            jitter(channel);
+        }
+    }
+}
+
+impl std::fmt::Debug for Control {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Control").field("cancelled", &self.cancelled()).finish_non_exhaustive()
+    }
+}
+
+/// Where one channel stands, as far as its kernel has run (which may be ahead of the ordered log).
+#[derive(Debug, Default)]
+#[repr(align(64))]
+pub struct Progress {
+    /// Blocks processed.
+    pub blocks: AtomicU64,
+    /// Simulated time, ns.
+    pub t_ns: AtomicI64,
+    /// Line in the file being executed.
+    pub line: AtomicU32,
+    /// File being executed.
+    pub file: AtomicU32,
+    /// [`State`] as a number.
+    pub state: AtomicU8,
+    standing: Mutex<Option<Arc<Wait>>>,
+}
+
+/// What a channel does right now.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[repr(u8)]
+pub enum State {
+    /// Not yet started.
+    #[default]
+    Ready = 0,
+    /// Executing blocks.
+    Running = 1,
+    /// Standing at a meeting point.
+    Waiting = 2,
+    /// Program ended.
+    Ended = 3,
+    /// Alarm.
+    Alarmed = 4,
+    /// No program.
+    NotStarted = 5,
+    /// Stopped by a limit or cancel.
+    Stopped = 6,
+    /// Can never go on.
+    Blocked = 7,
+}
+
+impl Progress {
+    /// Current state.
+    #[must_use]
+    pub fn state(&self) -> State {
+        match self.state.load(Ordering::Relaxed) {
+            1 => State::Running,
+            2 => State::Waiting,
+            3 => State::Ended,
+            4 => State::Alarmed,
+            5 => State::NotStarted,
+            6 => State::Stopped,
+            7 => State::Blocked,
+            _ => State::Ready,
+        }
+    }
+
+    /// What the channel waits for, if its state is [`State::Waiting`].
+    #[must_use]
+    pub fn waiting_for(&self) -> Option<Arc<Wait>> {
+        let standing = self.standing.lock().unwrap_or_else(PoisonError::into_inner);
+        standing.as_ref().filter(|_| self.state() == State::Waiting).cloned()
+    }
+
+    /// The state of the channel has changed.
+    pub fn set_state(&self, state: State) {
+        self.state.store(state as u8, Ordering::Relaxed);
+    }
+
+    /// The channel stands at a wait.
+    pub fn stand(&self, wait: Arc<Wait>) {
+        *self.standing.lock().unwrap_or_else(PoisonError::into_inner) = Some(wait);
+        self.set_state(State::Waiting);
+    }
+}

@@ -1,0 +1,61 @@
+//! Where a statement starts among words: key words, told from literal texts and unknown words that start with the same
+//! letters.
+//!
+//! Facts: reference control-emulator.md 5.4 (key words may be cut to two letters). *Invariant:* scanner and compiler ask
+//! the same question, so a line that one of them takes for words is never a statement for the other.
+
+use super::special::{Special, stands};
+
+/// Key words of the statements of a control.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct KeyWords {
+    /// All of them; two letters are enough.
+    pub all: &'static [&'static str],
+    /// The one that letters may follow without a blank.
+    pub joined: &'static str,
+}
+
+/// What a machine has besides words of one letter.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Names<'a> {
+    /// Literal texts that look like words, with their rows, longest first.
+    pub like_words: &'a [(Vec<u8>, u16)],
+    /// Special registers, longest first.
+    pub registers: &'a [Special],
+    /// All literal texts with their rows, longest first.
+    pub texts: &'a [(Vec<u8>, u16)],
+    /// Most levels of brackets in an expression.
+    pub brackets: Option<u8>,
+    /// Key words of statements.
+    pub key_words: KeyWords,
+}
+
+/// A number as written.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Number {
+    /// Value read as a plain number.
+    pub value: f64,
+    /// A decimal point was written.
+    pub point: bool,
+    /// Digits written before the point.
+    pub digits: u8,
+}
+
+/// A key word of statements, or the first letters of one, stands at a place: it begins and ends there with its letters,
+/// and no literal text that is longer stands there.
+pub fn key_word(names: Names<'_>, line: &[u8], at: usize) -> bool {
+    let letter = |at: Option<usize>| at.and_then(|at| line.get(at)).is_some_and(u8::is_ascii_alphabetic);
+    if !letter(Some(at)) || letter(at.checked_sub(1)) {
+        return false;
+    }
+    let rest = line.get(at..).unwrap_or_default();
+    let length = rest.iter().take_while(|byte| byte.is_ascii_alphabetic()).count();
+    let letters = rest.get(..length).unwrap_or_default();
+    let KeyWords { all, joined } = names.key_words;
+    let opens = |word: &&str| word.as_bytes().get(..length).is_some_and(|begin| begin.eq_ignore_ascii_case(letters));
+    let begins = letters.get(..joined.len()).is_some_and(|begin| begin.eq_ignore_ascii_case(joined.as_bytes()));
+    let joins = !joined.is_empty() && letters.len() > joined.len() && begins;
+    length >= 2
+        && (joins || all.iter().any(opens))
+        && !names.texts.iter().any(|(text, _)| text.len() > length && stands(text, line, at))
+}

@@ -1,0 +1,362 @@
+//! Which program runs on which channel.
+//!
+//! Facts: reference control-emulator.md 8.1 and channel-synchronisation.md 1.2 (files column). A file per channel, or
+//! several O-programs in one file: programs that another one of the file calls are subprograms, the others are main
+//! programs from left to right; codes of heads may divide a file instead (`heads`). Invariant: files are numbered
+//! programs first, then the rest by name, so the same job has the same numbers.
+
+use std::sync::{Arc, OnceLock};
+
+use counterpoint_event::{Letters, Text, letters};
+use counterpoint_ports::Shares;
+use rustc_hash::FxHashSet;
+
+use super::heads;
+use super::program::{Called, Callers, Range, Shape};
+use super::source::Source;
+use super::sources::Sources;
+use super::syntax::Syntax;
+use crate::spec::{Program, Spec};
+use counterpoint_event::info::{Axis, Channel, File, Info};
+use counterpoint_machine::Machine;
+use counterpoint_machine::finding::Finding;
+use counterpoint_machine::model::{Format, RewindStop, StoredFile};
+use counterpoint_ports::control::Stop;
+use counterpoint_ports::files::Files;
+
+/// Characters that the user's parameters of a job may have.
+const MOST_PARAMETERS: usize = 1000;
+
+/// Assigns the programs of a job. When `stop` is asked for meanwhile, what comes out is of no use.
+pub fn assign(
+    spec: &Spec,
+    syntax: &'static Syntax,
+    files: &dyn Files,
+    stop: &Stop,
+) -> Result<(Info, Sources), Vec<Finding>> {
+    let mut findings = Vec::new();
+    check_options(spec, &mut findings);
+    let (table, sources) = file_table(spec, syntax, files, stop, &mut findings);
+    if spec.programs.is_empty() {
+        findings.push(Finding::error("job", 0, 0, "a job needs at least one program"));
+    }
+    let mut channels = channels(&spec.machine);
+    if findings.is_empty() {
+        let candidates = candidates(spec, syntax, (&table, &sources), &mut findings);
+        place(spec, candidates, &mut channels, &mut findings);
+    }
+    if findings.iter().any(|f| f.error) {
+        return Err(findings);
+    }
+    let info = Info {
+        machine: spec.machine.name.clone(),
+        machine_number: spec.machine.number,
+        machine_revision: spec.machine.revision,
+        machine_created: spec.machine.created.clone(),
+        machine_file: spec.machine.file.clone(),
+        parameters: spec.options.parameters.trim().to_owned(),
+        unit: spec.machine.unit,
+        trace: Letters::parse(&spec.options.trace).unwrap_or_default(),
+        room: Shares::of_channels(&spec.options.limits, channels.len()).room(),
+        channels,
+        files: table,
+    };
+    Ok((info, sources))
+}
+
+fn channels(machine: &Machine) -> Vec<Channel> {
+    let axis = |i: &usize| machine.axes.get(*i);
+    machine
+        .channels
+        .iter()
+        .map(|c| Channel {
+            number: c.number,
+            name: c.name.clone(),
+            program: String::new(),
+            lines: (0, 0),
+            file: 0,
+            lower: c.lower,
+            axes: c
+                .axes
+                .iter()
+                .filter_map(axis)
+                .map(|a| Axis { name: a.letter.clone(), rotary: a.role.is_rotary(), diameter: a.diameter })
+                .collect(),
+        })
+        .collect()
+}
+
+fn check_options(spec: &Spec, findings: &mut Vec<Finding>) {
+    let mut wrong = |text: String| findings.push(Finding::error("job", 0, 0, text));
+    for level in &spec.options.opskip {
+        if *level > 9 {
+            wrong(format!("optional-skip level {level} is not between 1 and 9, nor 0 for the machine's own"));
+        }
+    }
+    let parameters = &spec.options.parameters;
+    if parameters.chars().count() > MOST_PARAMETERS || parameters.chars().any(char::is_control) {
+        wrong(format!("the parameters must be one line of at most {MOST_PARAMETERS} characters"));
+    }
+    if let Err(letter) = Letters::parse(&spec.options.trace) {
+        wrong(format!("'{}' is no letter of a trace, they are {}", letter.escape_debug(), letters::ALL));
+    }
+    counterpoint_ports::dialog::answers::check(&spec.machine.dialogs, &spec.options.answers)
+        .into_iter()
+        .for_each(&mut wrong);
+    for channel in &spec.options.ignore_waits {
+        if !spec.machine.channels.iter().any(|c| c.number == *channel) {
+            wrong(format!("channel {channel} of ignore_waits is not on machine {}", spec.machine.name));
+        }
+    }
+}
+
+fn text_of(source: &Option<Arc<Source>>) -> Option<Arc<Text>> {
+    source.as_ref().map(|source| Arc::clone(source.text()))
+}
+
+fn file_table(
+    spec: &Spec,
+    syntax: &'static Syntax,
+    files: &dyn Files,
+    stop: &Stop,
+    findings: &mut Vec<Finding>,
+) -> (Vec<File>, Sources) {
+    let (mut table, mut sources) = (Vec::new(), Sources::default());
+    let mut known: FxHashSet<String> = FxHashSet::default();
+    let shape = Arc::new(Shape::of(&spec.machine, syntax));
+    let shaped = |name: &str, bytes| Arc::new(Source::shaped(name, bytes, Arc::clone(&shape), stop.clone()));
+    let file = |name: String, text| File { stored: name.starts_with(StoredFile::ROOT), name, text };
+    for program in &spec.programs {
+        if stop.asked() || !known.insert(program.file.clone()) {
+            continue;
+        }
+        let source = match files.read(&program.file) {
+            Ok(bytes) => Some(shaped(&program.file, bytes)),
+            Err(error) => {
+                findings.push(Finding::error(program.file.clone(), 0, 0, error.to_string()));
+                None
+            }
+        };
+        table.push(file(program.file.clone(), OnceLock::from(text_of(&source))));
+        sources.push(Some(source));
+    }
+    for name in files.list() {
+        if table.len() + spec.machine.storage.len() >= usize::from(u16::MAX) {
+            findings.push(Finding::error("job", 0, 0, "a job can have 65534 files at most"));
+            break;
+        }
+        if !known.contains(&name) {
+            table.push(file(name, OnceLock::new()));
+            sources.push(None);
+        }
+    }
+    for stored in &spec.machine.storage {
+        let name = format!("{}{}", StoredFile::ROOT, stored.path);
+        let source = Some(shaped(&name, stored.content.clone()));
+        table.push(file(name, OnceLock::from(text_of(&source))));
+        sources.push(Some(source));
+    }
+    (table, sources)
+}
+
+/// One program to be placed.
+struct Candidate<'a> {
+    wish: &'a Program,
+    file: u16,
+    range: Range,
+    /// Channel that the file itself says.
+    channel: Option<u16>,
+}
+
+impl Candidate<'_> {
+    fn error(&self, text: String) -> Finding {
+        Finding::error(self.wish.file.clone(), self.range.first, 0, text)
+    }
+}
+
+fn candidates<'a>(
+    spec: &'a Spec,
+    syntax: &Syntax,
+    (table, sources): (&[File], &Sources),
+    findings: &mut Vec<Finding>,
+) -> Vec<Candidate<'a>> {
+    let mut candidates: Vec<Candidate<'a>> = Vec::new();
+    let callers = Callers::of(&spec.machine, syntax);
+    // One more than fit is enough to say that there are too many.
+    for wish in spec.programs.iter().take(spec.machine.channels.len() + 1) {
+        let Some(index) = table.iter().position(|f| f.name == wish.file) else { continue };
+        let file = index as u16;
+        let Some(source) = sources.get(file) else { continue };
+        if source.walk(1, source.lines()).all(|n| source.line(n).iter().all(u8::is_ascii_whitespace)) {
+            let text = "the file is empty: a program has at least one block";
+            findings.push(Finding::error(wish.file.clone(), 0, 0, text));
+            continue;
+        }
+        let ranges = match wish.number {
+            Some(number) => match named(number, source, &callers) {
+                Some(range) => vec![range],
+                None => {
+                    findings.push(missing_number(wish, number, source));
+                    continue;
+                }
+            },
+            None if spec.programs.len() == 1 => mains(source, &callers),
+            None => {
+                let free = |r: &&Range| {
+                    !candidates.iter().any(|t| t.file == file && t.range.number == r.number && t.range.last == r.last)
+                };
+                let mains = mains(source, &callers);
+                mains.iter().find(free).or_else(|| source.programs().first()).copied().into_iter().collect()
+            }
+        };
+        let alone = spec.programs.len() == 1 && wish.number.is_none();
+        for (range, channel) in by_head(spec, source, ranges, alone, findings) {
+            candidates.push(Candidate { wish, file, range: opening(source, range, &spec.machine.format), channel });
+        }
+    }
+    candidates
+}
+
+/// Programs with the channels that the heads in the text give them, where codes of heads divide files.
+fn by_head(
+    spec: &Spec,
+    source: &Source,
+    ranges: Vec<Range>,
+    alone: bool,
+    findings: &mut Vec<Finding>,
+) -> Vec<(Range, Option<u16>)> {
+    let first = ranges.first().copied().filter(|_| alone && spec.machine.habits.heads_in_file);
+    match first.map(|range| heads::divide(&spec.machine, source, range)) {
+        Some(Ok(found)) if found.len() > 1 => found.into_iter().map(|(head, range)| (range, Some(head))).collect(),
+        Some(Err((head, line))) => {
+            let text =
+                format!("the program of head {head} goes on after that of another head; it must be in one piece");
+            findings.push(Finding::error(source.name.clone(), line, 0, text));
+            Vec::new()
+        }
+        _ => ranges.into_iter().map(|range| (range, None)).collect(),
+    }
+}
+
+fn place(spec: &Spec, candidates: Vec<Candidate<'_>>, channels: &mut [Channel], findings: &mut Vec<Finding>) {
+    let machine = &spec.machine.name;
+    let count = channels.len();
+    for candidate in candidates {
+        let slot = match candidate.wish.channel.or(candidate.channel) {
+            Some(number) => match channels.iter_mut().find(|c| c.number == number) {
+                Some(channel) if channel.program.is_empty() => Some(channel),
+                Some(_) => {
+                    findings.push(candidate.error(format!("channel {number} already has a program")));
+                    continue;
+                }
+                None => {
+                    findings.push(candidate.error(format!("the machine {machine} has no channel {number}")));
+                    continue;
+                }
+            },
+            None => channels.iter_mut().find(|c| c.program.is_empty()),
+        };
+        match slot {
+            Some(channel) => {
+                channel.file = candidate.file;
+                channel.lines = (candidate.range.first, candidate.range.last);
+                channel.program = match candidate.range.number {
+                    Some(number) => format!("{}#{number}", candidate.wish.file),
+                    None => candidate.wish.file.clone(),
+                };
+            }
+            // Further programs of a single file stay callable; more files than channels are a mistake.
+            None if spec.programs.len() == 1 => {}
+            None => {
+                let plural = if count == 1 { "" } else { "s" };
+                let text = format!("machine {machine} has {count} channel{plural}, there are more programs");
+                findings.push(candidate.error(text));
+            }
+        }
+    }
+}
+
+/// The program of a number, with the text before it that it begins with.
+fn named(number: u32, source: &Source, callers: &Callers) -> Option<Range> {
+    let is = |range: &&Range| range.number == Some(number);
+    mains(source, callers).iter().find(is).or_else(|| source.programs().iter().find(is)).copied()
+}
+
+fn missing_number(wish: &Program, number: u32, source: &Source) -> Finding {
+    let known: Vec<String> = source.programs().iter().filter_map(|r| r.number).map(|n| format!("O{n:04}")).collect();
+    let known = if known.is_empty() { "none".to_owned() } else { known.join(", ") };
+    Finding::error(wish.file.clone(), 0, 0, format!("there is no program O{number:04} in the file, it has {known}"))
+}
+
+/// Main programs of a file: those that no other program of the file calls; the first one if all are called. Text before
+/// the first definition is one of its own if it comes to an end code or the program behind it is called; otherwise that
+/// program begins with it, since nothing skips a definition (reference control-emulator.md 5.7).
+fn mains(source: &Source, callers: &Callers) -> Vec<Range> {
+    let ranges = source.programs();
+    if ranges.len() < 2 {
+        return ranges.to_vec();
+    }
+    let mut called = Called::default();
+    ranges.iter().for_each(|&range| callers.called(source, range, &mut called));
+    let is_main =
+        |range: Range| !called.has(source, range) && !callers.by_word(range) && !callers.returns(source, range);
+    let mut mains: Vec<Range> = ranges.iter().copied().filter(|&range| is_main(range)).collect();
+    if let [heading, next, ..] = ranges
+        && source.is_plain(*heading)
+        && is_main(*next)
+        && !callers.ends_in(source, *heading)
+    {
+        mains.retain(|range| range != heading);
+        if let Some(first) = mains.first_mut() {
+            first.first = heading.first;
+        }
+    }
+    if mains.is_empty() {
+        mains.extend(ranges.first());
+    }
+    mains
+}
+
+/// The first main program of a file.
+pub fn first_main(source: &Source, machine: &Machine) -> Option<Range> {
+    mains(source, &Callers::of(machine, source.syntax())).first().copied()
+}
+
+/// Main programs of a file from a line on, in the order of the channels; none in place of one that ends before it.
+pub fn from_line(source: &Source, line: u32, machine: &Machine) -> Vec<Option<Range>> {
+    let mut ranges = mains(source, &Callers::of(machine, source.syntax()));
+    let first = ranges.first().copied().filter(|_| machine.habits.heads_in_file);
+    if let Some(Ok(found)) = first.map(|range| heads::divide(machine, source, range))
+        && found.len() > 1
+    {
+        let of = |number| found.iter().find(|(head, _)| *head == number).map(|(_, range)| *range);
+        let nothing = Range { number: None, first: 1, last: 0 };
+        ranges = machine.channels.iter().map(|channel| of(channel.number).unwrap_or(nothing)).collect();
+    }
+    let opened = ranges.into_iter().map(|range| opening(source, range, &machine.format));
+    opened.map(|range| (range.last >= line).then(|| Range { first: range.first.max(line), ..range })).collect()
+}
+
+/// The first program of a file begins at the rewind-stop before it, or at the comments before it, so that the listing
+/// shows those lines. Where a rewind-stop is expected before the program, one that stands only at the end leaves
+/// nothing to do (reference control-emulator.md 5.1).
+pub fn opening(source: &Source, range: Range, format: &Format) -> Range {
+    let rws = format.rws.as_bytes();
+    let is_stop = |n: &u32| !rws.is_empty() && source.line(*n).trim_ascii() == rws;
+    let is_blank = |n: u32| source.line(n).iter().all(u8::is_ascii_whitespace);
+    let expected = format.rws_at == RewindStop::Start;
+    let first_program = source.programs().first().is_some_and(|r| r.first == range.first);
+    let first = if source.is_plain(range) && source.programs().len() < 2 {
+        // A text without definition word begins at its first rewind-stop, if that is not its end.
+        source
+            .walk(range.first, range.last)
+            .find(is_stop)
+            .filter(|line| expected || source.walk(line + 1, range.last).any(|n| !is_blank(n)))
+    } else if first_program {
+        let before = source.walk(1, range.first.saturating_sub(1));
+        before.clone().rev().find(is_stop).or_else(|| before.clone().find(|&n| !is_blank(n)))
+    } else {
+        None
+    };
+    first.map_or(range, |line| Range { first: line, ..range })
+}

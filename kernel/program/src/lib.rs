@@ -1,0 +1,15 @@
+//! NC program text (machine control data): sources, layouts, words, the reader.
+
+pub mod block;
+pub mod heads;
+pub mod key_words;
+pub mod layout;
+pub mod program;
+pub mod scan;
+pub mod source;
+pub mod sources;
+pub mod spec;
+pub mod special;
+pub mod spot;
+pub mod syntax;
+pub mod tape;

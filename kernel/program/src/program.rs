@@ -1,0 +1,352 @@
+//! Programs inside a file: from a definition (`O2101`, `:2101`, `<NAME>`, `ONAME` on Okuma controls) to the next one.
+//!
+//! Facts: reference control-emulator.md 5.4 (`<name>`), 5.7. The text before the first definition, behind a rewind-stop
+//! if there is one, is a program of its own without a number; blank lines and comments are no text. Invariant: every
+//! line of text behind that rewind-stop belongs to exactly one program.
+
+use rustc_hash::FxHashSet;
+
+use super::source::Source;
+use super::spot;
+use super::syntax::{NamedPrograms, PLAIN, Syntax};
+use counterpoint_machine::Machine;
+use counterpoint_machine::ident::codes;
+use counterpoint_machine::model::CodeForm;
+
+/// One program of a file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub struct Range {
+    /// Number of its definition word.
+    pub number: Option<u32>,
+    /// First line, from 1.
+    pub first: u32,
+    /// Last line, inclusive.
+    pub last: u32,
+}
+
+/// What tells programs in a text apart, of the machine that reads it.
+#[derive(Debug, Clone)]
+pub struct Shape {
+    syntax: &'static Syntax,
+    /// Programs may have names in angle brackets.
+    names: bool,
+    /// Comments and messages, start and end.
+    remarks: Vec<(Vec<u8>, Vec<u8>)>,
+    rws: Vec<u8>,
+    eob: Option<u8>,
+}
+
+impl Default for Shape {
+    fn default() -> Self {
+        Self {
+            syntax: &PLAIN,
+            names: false,
+            remarks: vec![(b"(".to_vec(), b")".to_vec())],
+            rws: b"%".to_vec(),
+            eob: None,
+        }
+    }
+}
+
+impl Shape {
+    /// As a machine reads its programs, with what its pre-processor makes of them.
+    #[must_use]
+    pub fn of(machine: &Machine, syntax: &'static Syntax) -> Self {
+        let format = &machine.format;
+        let remarks = [&format.comment, &format.message].into_iter().flatten();
+        let taken = remarks.clone().any(|(start, _)| start.starts_with('<'));
+        Self {
+            syntax,
+            names: syntax.angle_names && !taken,
+            remarks: remarks.map(|(start, end)| (start.clone().into(), end.clone().into())).collect(),
+            rws: format.rws.clone().into(),
+            eob: format.eob.and_then(|eob| u8::try_from(eob).ok()),
+        }
+    }
+
+    /// What the pre-processor of the machine makes of text.
+    #[must_use]
+    pub fn syntax(&self) -> &'static Syntax {
+        self.syntax
+    }
+
+    /// Where the blocks of a line begin.
+    pub(super) fn block_starts(&self, line: &[u8]) -> impl Iterator<Item = usize> {
+        spot::starts(line, self.eob, self.remarks.iter())
+    }
+
+    /// A line is a rewind-stop.
+    fn is_stop(&self, line: &[u8]) -> bool {
+        !self.rws.is_empty() && line.trim_ascii() == self.rws
+    }
+
+    /// Something stands in a line besides blanks, comments and a rewind-stop.
+    pub(super) fn has_text(&self, line: &[u8]) -> bool {
+        let blank = |byte: &u8| byte.is_ascii_whitespace() || Some(*byte) == self.eob;
+        let header = self.syntax.named_programs.is_some_and(|names| (names.is_header)(line));
+        !self.is_stop(line) && !header && !self.words(line).iter().all(blank)
+    }
+
+    /// A line without its comments and messages, in capitals.
+    pub(super) fn words(&self, line: &[u8]) -> Vec<u8> {
+        let (mut out, mut at) = (Vec::with_capacity(line.len()), 0);
+        while let Some(&byte) = line.get(at) {
+            let rest = line.get(at..).unwrap_or_default();
+            let remark = self.remarks.iter().find(|(start, _)| !start.is_empty() && rest.starts_with(start));
+            let Some((start, end)) = remark else {
+                out.push(byte.to_ascii_uppercase());
+                at += 1;
+                continue;
+            };
+            let inside = at + start.len();
+            let close = memchr::memmem::find(line.get(inside..).unwrap_or_default(), end).filter(|_| !end.is_empty());
+            at = close.map_or(line.len(), |close| inside + close + end.len());
+        }
+        out
+    }
+
+    /// The name that a line defines a program by.
+    pub(super) fn name<'l>(&self, line: &'l [u8]) -> Option<&'l [u8]> {
+        if let Some(names) = self.syntax.named_programs {
+            return (names.defined)(line);
+        }
+        let at = line.iter().position(|byte| !matches!(byte, b' ' | b'\t' | b'/')).filter(|_| self.names)?;
+        line.get(at + 1..program_name(line, at)? - 1)
+    }
+}
+
+/// Where a program name in angle brackets that begins at `at` ends.
+pub fn program_name(line: &[u8], at: usize) -> Option<usize> {
+    const LONGEST: usize = 32;
+    let rest = line.get(at..)?.strip_prefix(b"<")?;
+    let length = rest.iter().take_while(|byte| byte.is_ascii_alphanumeric() || b"+-_.".contains(byte)).count();
+    ((1..=LONGEST).contains(&length) && rest.get(length) == Some(&b'>')).then_some(at + length + 2)
+}
+
+/// Finds the programs of a file; without any definition it is one program.
+pub(super) fn ranges(source: &Source, shape: &Shape) -> Vec<Range> {
+    let mut found: Vec<Range> = Vec::new();
+    let last = source.lines();
+    for line in source.walk(1, last) {
+        let text = source.line(line);
+        let number = leading_number(text, b'O')
+            .or_else(|| leading_number(text, b':'))
+            .filter(|_| shape.syntax.numbered_programs);
+        if number.is_some() || shape.name(text).is_some() {
+            if let Some(previous) = found.last_mut() {
+                previous.last = line - 1;
+            }
+            found.push(Range { number, first: line, last });
+        }
+    }
+    let Some(definition) = found.first().map(|range| range.first) else {
+        return if last > 0 { vec![Range { number: None, first: 1, last }] } else { found };
+    };
+    let stop = source.walk(1, definition - 1).find(|&line| shape.is_stop(source.line(line)));
+    let first = stop.map_or(1, |line| line + 1);
+    if source.walk(first, definition - 1).any(|line| shape.has_text(source.line(line))) {
+        found.insert(0, Range { number: None, first, last: definition - 1 });
+    }
+    found
+}
+
+/// The number after `letter` when the line begins with it (after blanks and optional-skip marks).
+pub(super) fn leading_number(line: &[u8], letter: u8) -> Option<u32> {
+    let mut bytes = line.iter().copied().skip_while(|b| matches!(b, b' ' | b'\t' | b'/')).peekable();
+    if bytes.next()?.to_ascii_uppercase() != letter {
+        return None;
+    }
+    let mut value: Option<u32> = None;
+    for byte in bytes {
+        match byte {
+            b'0'..=b'9' => {
+                value = Some(value.unwrap_or(0).checked_mul(10)?.checked_add(u32::from(byte - b'0'))?);
+            }
+            b' ' if value.is_none() => {}
+            _ => break,
+        }
+    }
+    value
+}
+
+/// The words by which programs of a machine call others and come to their end, seen textually.
+#[derive(Debug, Clone)]
+pub struct Callers {
+    words: Vec<String>,
+    /// Words that end a program or return from it.
+    ends: Vec<(u8, u32)>,
+    /// Texts that do.
+    end_texts: Vec<String>,
+    /// First and last number of the programs that single words call.
+    numbers: Vec<(u32, u32)>,
+    /// Statements that call by name.
+    named: Option<NamedPrograms>,
+}
+
+/// Programs that a text calls.
+#[derive(Debug, Default)]
+pub(super) struct Called {
+    numbers: FxHashSet<u32>,
+    /// In capitals.
+    names: FxHashSet<Vec<u8>>,
+}
+
+impl Called {
+    /// It calls the program that begins in this line.
+    pub(super) fn has(&self, source: &Source, range: Range) -> bool {
+        match (range.number, source.name_at(range.first)) {
+            (Some(number), _) => self.numbers.contains(&number),
+            (None, Some(name)) => self.names.contains(&name.to_ascii_uppercase()),
+            (None, None) => false,
+        }
+    }
+}
+
+impl Callers {
+    /// Of a machine: words of its code table that call by number, calls of its pre-processor, words that call.
+    pub fn of(machine: &Machine, syntax: &Syntax) -> Self {
+        let mut words: Vec<String> = Vec::new();
+        for row in machine.codes.iter().filter(|row| row.enable && row.id == codes::CALSUB_ID) {
+            match &row.form {
+                CodeForm::Text(text) => words.push(text.to_ascii_uppercase()),
+                CodeForm::Register { register, min, .. } | CodeForm::RegisterAsData { register, min, .. } => {
+                    // A row that comes before it takes the word away (M198 may be a waiting code).
+                    let first = machine.tables.code(*register, *min).first();
+                    let acts = first.and_then(|&row| machine.codes.get(usize::from(row))).map(|row| row.id);
+                    let letter = machine.registers.get(usize::from(*register)).filter(|_| acts == Some(row.id));
+                    words.extend(letter.map(|letter| format!("{}{min}", letter.name)));
+                }
+                CodeForm::NotApplicable => {}
+            }
+        }
+        words.extend(syntax.call_words.iter().map(|word| (*word).to_owned()));
+        let numbers = machine.subprograms.calls.iter().map(counterpoint_machine::model::WordCall::programs).collect();
+        let (mut ends, mut end_texts) = (Vec::new(), Vec::new());
+        let closing = [codes::END, codes::REWIND, codes::CALSUB_RETURN];
+        for row in machine.codes.iter().filter(|row| row.enable && closing.contains(&row.id)) {
+            match &row.form {
+                CodeForm::Text(text) => end_texts.push(text.to_ascii_uppercase()),
+                CodeForm::Register { register, min, .. } | CodeForm::RegisterAsData { register, min, .. } => {
+                    let letter = machine.registers.get(usize::from(*register)).and_then(|r| r.name.bytes().next());
+                    ends.extend(letter.filter(|_| min.fract() == 0.0).map(|letter| (letter, *min as u32)));
+                }
+                CodeForm::NotApplicable => {}
+            }
+        }
+        Self { words, ends, end_texts, numbers, named: syntax.named_programs }
+    }
+
+    /// A line of a range ends a program or returns.
+    pub fn ends_in(&self, source: &Source, range: Range) -> bool {
+        source.walk(range.first, range.last).any(|line| {
+            let text = source.words(line);
+            let ends = |&(letter, number): &(u8, u32)| {
+                let at = |at: usize| leading_number(text.get(at..).unwrap_or_default(), letter) == Some(number);
+                memchr::memchr_iter(letter, &text).any(at)
+            };
+            self.ends.iter().any(ends)
+                || self.end_texts.iter().any(|end| memchr::memmem::find(&text, end.as_bytes()).is_some())
+        })
+    }
+
+    /// Programs that the lines of a range call.
+    pub(super) fn called(&self, source: &Source, range: Range, into: &mut Called) {
+        for line in source.walk(range.first, range.last) {
+            let text = source.words(line);
+            if let Some(name) = self.named.and_then(|names| (names.called)(&text)) {
+                match name.parse() {
+                    Ok(number) => into.numbers.insert(number),
+                    Err(_) => into.names.insert(name.to_ascii_uppercase().into()),
+                };
+                continue;
+            }
+            if !self.words.iter().any(|word| memchr::memmem::find(&text, word.as_bytes()).is_some()) {
+                continue;
+            }
+            for at in memchr::memchr_iter(b'P', &text) {
+                if let Some(number) = leading_number(text.get(at..).unwrap_or_default(), b'P') {
+                    into.numbers.extend([number, number % 10_000]);
+                }
+            }
+            for at in memchr::memchr_iter(b'<', &text) {
+                let name = program_name(&text, at).and_then(|end| text.get(at + 1..end - 1));
+                into.names.extend(name.map(<[u8]>::to_ascii_uppercase));
+            }
+        }
+    }
+
+    /// The program says itself that it is a subprogram.
+    pub(super) fn returns(&self, source: &Source, range: Range) -> bool {
+        self.named
+            .is_some_and(|names| source.walk(range.first, range.last).any(|line| (names.returns)(source.line(line))))
+    }
+
+    /// A word by itself calls this program.
+    pub(super) fn by_word(&self, range: Range) -> bool {
+        let within = |number: u32| self.numbers.iter().any(|(first, last)| (first..=last).contains(&&number));
+        range.number.is_some_and(within)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use super::*;
+    use crate::spot::Spot;
+    use counterpoint_ports::control::Stop;
+
+    fn callers() -> Callers {
+        let ends = vec![(b'M', 2), (b'M', 30)];
+        Callers { words: vec!["M98".to_owned()], ends, end_texts: Vec::new(), numbers: Vec::new(), named: None }
+    }
+
+    #[test]
+    fn text_before_the_first_definition() {
+        let programs = |text: &str| Source::new("t", text.to_owned().into()).programs().to_vec();
+        let heading = Range { number: None, first: 1, last: 2 };
+        assert_eq!(programs("G0 X1\nM30\nO2\nM99")[0], heading);
+        assert_eq!(programs("(only a comment)\n\n%\n(another)\nO2\nM99").len(), 1);
+        assert_eq!(programs("LEADER\n%\nO2\nM99").len(), 1);
+        assert_eq!(programs("%\n(part) G0 X1\nO2\nM99")[0], Range { number: None, first: 2, last: 2 });
+        let source = Source::new("t", "G0 X1 (M30)\nM20\nM02\n".to_owned().into());
+        assert!(callers().ends_in(&source, Range { number: None, first: 1, last: 3 }));
+        assert!(!callers().ends_in(&source, heading));
+    }
+
+    #[test]
+    fn programs_of_a_file() {
+        let source = Source::new("t", b"%\nO2101 (A)\nG1\nM99\nO2102\nM98 P0031000\nM30\n%".as_slice().into());
+        let found = source.programs();
+        assert_eq!(found.len(), 2);
+        assert_eq!((found[0].number, found[0].first, found[0].last), (Some(2101), 2, 4));
+        assert_eq!((found[1].number, found[1].first, found[1].last), (Some(2102), 5, 8));
+        let callers = callers();
+        let mut called = Called::default();
+        callers.called(&source, found[1], &mut called);
+        assert_eq!(called.numbers, FxHashSet::from_iter([31000, 1000]));
+        assert!(source.sequences(10).is_empty());
+    }
+
+    #[test]
+    fn programs_by_name() {
+        let text = b"O1\nM98 <Face.2>\n<FACE.2> (second)\nM99\n<a b>\n<>\n".as_slice();
+        let source =
+            Source::shaped("t", text.into(), Arc::new(Shape { names: true, ..Shape::default() }), Stop::default());
+        let found = source.programs();
+        assert_eq!(found, [Range { number: Some(1), first: 1, last: 2 }, Range { number: None, first: 3, last: 6 }]);
+        assert_eq!(source.named("face.2"), Some(found[1]));
+        assert_eq!(source.named("face"), None);
+        let callers = callers();
+        let mut called = Called::default();
+        callers.called(&source, found[0], &mut called);
+        assert!(called.has(&source, found[1]));
+    }
+
+    #[test]
+    fn a_file_without_definition_is_one_program() {
+        let source = Source::new("t", b"N10 G1\nN20 M30\n".as_slice().into());
+        assert_eq!(source.programs(), [Range { number: None, first: 1, last: 2 }]);
+        assert_eq!(source.sequences(20), [Spot::line(2)]);
+    }
+}

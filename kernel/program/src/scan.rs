@@ -1,0 +1,349 @@
+//! From the text of a line to words.
+//!
+//! Facts: reference control-emulator.md 1.2, 1.4. Invariant: one pass over the line, nothing copied; whatever is not a
+//! word of a register is kept as unknown text.
+
+mod marks;
+mod numbers;
+mod passed;
+
+use crate::block::{Block, Word, irregular};
+use crate::key_words::{Names, Number, key_word};
+use crate::program::program_name;
+use crate::special::{self, Early};
+use crate::syntax::Syntax;
+use counterpoint_fault as diag;
+use counterpoint_machine::Machine;
+use counterpoint_machine::model::Register;
+use numbers::{Read, parse_number};
+
+/// What a line turned out to be.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Kind {
+    /// Plain words, now in the block.
+    Words,
+    /// A statement, or words with expressions: it needs the pre-processor.
+    Statement,
+}
+
+/// What the scanner needs of the machine, prepared once.
+#[derive(Debug)]
+pub struct Scanner {
+    comment: Option<(Vec<u8>, Vec<u8>)>,
+    message: Option<(Vec<u8>, Vec<u8>)>,
+    opskip: Option<u8>,
+    opskip_default: u8,
+    eob: Option<u8>,
+    /// Literal text codes: text and row.
+    texts: Vec<(Vec<u8>, u16)>,
+    /// How numbers of each register are read, in primary and in secondary units.
+    reads: Vec<[Read; 2]>,
+    syntax: &'static Syntax,
+    /// Active optional-skip levels, bit n.
+    levels: u16,
+    sequence: Option<u8>,
+    /// Register of program numbers, which a colon may stand for at the start of a block.
+    definition: Option<u8>,
+    /// Most levels of brackets in an expression.
+    brackets: Option<u8>,
+    letters: [(u8, bool); 128],
+    /// Special registers, and texts that would be read as words; `None` on most machines.
+    early: Option<Box<Early>>,
+}
+
+/// No register.
+const NONE: u8 = u8::MAX;
+
+impl Scanner {
+    /// For a machine, the syntax of its pre-processor and the active optional-skip levels.
+    pub fn new(machine: &Machine, syntax: &'static Syntax, opskip: &[u8]) -> Self {
+        let pair =
+            |p: &Option<(String, String)>| p.as_ref().map(|(a, b)| (a.clone().into_bytes(), b.clone().into_bytes()));
+        let ascii = |c: Option<char>| c.and_then(|c| u8::try_from(c).ok());
+        let mut letters = [(NONE, false); 128];
+        for (letter, entry) in letters.iter_mut().zip(&machine.tables.letter) {
+            if let Some((register, incremental)) = entry {
+                *letter = (*register, *incremental);
+            }
+        }
+        for lower in b'a'..=b'z' {
+            let upper = letters.get(usize::from(lower - 32)).copied().unwrap_or((NONE, false));
+            if let Some(slot) = letters.get_mut(usize::from(lower))
+                && slot.0 == NONE
+            {
+                *slot = upper;
+            }
+        }
+        let register_of = |id| machine.data.iter().find(|row| row.id == id && row.enable).and_then(|row| row.register);
+        let sequence = register_of(counterpoint_machine::ident::data::SEQNO);
+        // Elsewhere the colon is the letter of main blocks.
+        let definition = register_of(counterpoint_machine::ident::data::DEFSUB_ID).filter(|_| syntax.numbered_programs);
+        Self {
+            comment: pair(&machine.format.comment),
+            message: pair(&machine.format.message),
+            opskip: ascii(machine.format.opskip_mark),
+            opskip_default: machine.format.opskip_default,
+            eob: ascii(machine.format.eob),
+            texts: machine
+                .tables
+                .texts
+                .iter()
+                .filter_map(|&row| match &machine.codes.get(usize::from(row))?.form {
+                    counterpoint_machine::model::CodeForm::Text(text) => Some((text.clone().into_bytes(), row)),
+                    _ => None,
+                })
+                .collect(),
+            reads: machine.registers.iter().map(|r| reads(machine, r)).collect(),
+            syntax,
+            levels: levels(machine, opskip),
+            sequence,
+            definition,
+            brackets: machine.habits.brackets,
+            letters,
+            early: Early::new(machine),
+        }
+    }
+
+    /// What the pre-processor makes of text.
+    pub fn syntax(&self) -> &'static Syntax {
+        self.syntax
+    }
+
+    /// The machine has a pre-processor.
+    pub fn has_preprocessor(&self) -> bool {
+        self.syntax.has_preprocessor()
+    }
+
+    /// Statements are mixed with words: custom macro.
+    #[inline(always)]
+    pub fn has_custom_macro(&self) -> bool {
+        self.syntax.key_words.is_some()
+    }
+
+    /// The levels of optional skip that are on include this one; `None` is the one that a mark without number means.
+    pub fn skips(&self, level: Option<u8>) -> bool {
+        self.levels & 1 << level.unwrap_or(self.opskip_default).min(15) != 0
+    }
+
+    /// The machine has operator messages.
+    pub fn has_messages(&self) -> bool {
+        self.message.is_some()
+    }
+
+    /// Active optional-skip levels, bit by level.
+    pub fn levels(&self) -> u16 {
+        self.levels
+    }
+
+    /// Register of the sequence number.
+    pub fn sequence(&self) -> Option<u8> {
+        self.sequence
+    }
+
+    /// What words of lines with expressions may be called besides letters.
+    pub fn names(&self) -> Names<'_> {
+        let early = self.early.as_deref();
+        Names {
+            like_words: early.map_or(&[], |early| &early.texts),
+            registers: early.map_or(&[], |early| &early.registers),
+            texts: &self.texts,
+            brackets: self.brackets,
+            key_words: self.syntax.key_words.unwrap_or_default(),
+        }
+    }
+
+    /// Register of a letter, with its incremental flag.
+    pub fn register(&self, letter: u8) -> Option<(u8, bool)> {
+        self.letters.get(usize::from(letter)).copied().filter(|&(register, _)| register != NONE)
+    }
+
+    /// Splits `line` into `block` (which is cleared first); `watched` leaves all of it to another pre-processor.
+    #[inline(always)]
+    pub fn scan(&self, line: &[u8], secondary: bool, block: &mut Block, watched: bool) -> Kind {
+        if self.syntax.needs_interpreter.is_some_and(|needs| watched || needs(line)) {
+            return Kind::Statement;
+        }
+        self.split(line, secondary, block, self.has_custom_macro())
+    }
+
+    /// The same, with or without the pre-processor.
+    #[inline(never)]
+    pub fn scan_as(&self, line: &[u8], secondary: bool, block: &mut Block, preprocess: bool) -> Kind {
+        if preprocess && self.syntax.needs_interpreter.is_some_and(|needs| needs(line)) {
+            return Kind::Statement;
+        }
+        self.split(line, secondary, block, preprocess && self.has_custom_macro())
+    }
+
+    #[inline(always)]
+    fn split(&self, line: &[u8], secondary: bool, block: &mut Block, statements: bool) -> Kind {
+        block.clear();
+        let mut at = 0;
+        while let Some(&byte) = line.get(at) {
+            if byte == b' ' || byte == b'\t' {
+                at += 1;
+                continue;
+            }
+            if let Some(early) = &self.early {
+                if statements && early.opens_statement(line, at) {
+                    return Kind::Statement;
+                }
+                if let Some(next) = self.early(early, line, at, secondary, block) {
+                    at = next;
+                    continue;
+                }
+            }
+            if let Some((register, incremental)) = self.register(byte) {
+                match self.word(line, at + 1, (at, register, incremental), secondary, block) {
+                    Some(next) => {
+                        at = next;
+                        continue;
+                    }
+                    None if statements && self.opens_statement(line, at) => return Kind::Statement,
+                    None => {}
+                }
+            } else if statements && (byte == b'#' || self.opens_statement(line, at)) {
+                return Kind::Statement;
+            }
+            at = self.other(line, at, byte, block);
+        }
+        Kind::Words
+    }
+
+    /// Anything that is not a word: returns where to go on.
+    fn other(&self, line: &[u8], at: usize, byte: u8, block: &mut Block) -> usize {
+        if let Some(next) = self.skip(line, at, byte, block) {
+            return next;
+        }
+        for (text, row) in &self.texts {
+            if special::stands(text, line, at) {
+                let end = at + text.len().max(1);
+                block.push_text(*row, (at as u32, end as u32));
+                return end;
+            }
+        }
+        if byte == b':'
+            && let Some(register) = self.definition
+            && block.words.is_empty()
+            && let Some(end) = self.word(line, at + 1, (at, register, false), false, block)
+        {
+            return end;
+        }
+        if byte == b'<'
+            && self.has_custom_macro()
+            && block.name().is_none()
+            && let Some(end) = program_name(line, at)
+        {
+            block.set_name((at as u32, end as u32));
+            return end;
+        }
+        if byte < 32 || byte == 127 {
+            block.flags.irregular |= irregular::BYTES;
+            return at + 1;
+        }
+        // Unknown text runs to the next blank or the start of a word.
+        let mut end = if self.syntax.keeps_names { marks::name_end(line, at) } else { at }.max(at + 1);
+        while let Some(&next) = line.get(end) {
+            if next <= b' ' || Some(next) == self.opskip || self.starts_comment(line, end) || starts_word(line, end) {
+                break;
+            }
+            end += 1;
+        }
+        block.push_unrecognised((at as u32, end as u32));
+        end
+    }
+
+    /// A special register or an early text at `at`: where to go on.
+    fn early(&self, early: &Early, line: &[u8], at: usize, secondary: bool, block: &mut Block) -> Option<usize> {
+        if !early.may_start(*line.get(at)?) {
+            return None;
+        }
+        for (text, row) in &early.texts {
+            if special::stands(text, line, at) {
+                let end = at + text.len();
+                block.push_text(*row, (at as u32, end as u32));
+                return Some(end);
+            }
+        }
+        for special in &early.registers {
+            if !line.get(at..)?.starts_with(&special.before) {
+                continue;
+            }
+            let (words, sequence) = (block.words.len(), block.sequence);
+            let from = at + special.before.len();
+            if special.names
+                && let Some((tool, end)) = early.tool(special, line, from)
+            {
+                let (register, incremental, value) = (special.register, special.incremental, f64::from(tool));
+                let (start, end) = (at as u32, end as u32);
+                block.push(Word { register, incremental, used: false, value, start, end });
+                return Some(end as usize);
+            }
+            let Some(end) = self.word(line, from, (at, special.register, special.incremental), secondary, block) else {
+                continue;
+            };
+            if line.get(end..).is_some_and(|rest| rest.starts_with(&special.after)) {
+                return Some(end + special.after.len());
+            }
+            block.words.truncate(words);
+            block.sequence = sequence;
+        }
+        None
+    }
+
+    /// A letter, `#` or `[` where a number was expected, or key words: text for the pre-processor.
+    fn opens_statement(&self, line: &[u8], at: usize) -> bool {
+        special::starts_expression(line, at + 1) || key_word(self.names(), line, at)
+    }
+
+    /// Value of a number as a register reads it, and what is odd about it ([`irregular`]).
+    #[inline(always)]
+    pub fn reading(&self, register: u8, number: Number, secondary: bool) -> Option<(f64, u8)> {
+        let read = self.reads.get(usize::from(register))?.get(usize::from(secondary))?;
+        Some(read.value(number))
+    }
+
+    /// A word that begins at `at`, if a number follows its letter or text, which ends at `from`.
+    #[inline(always)]
+    fn word(
+        &self,
+        line: &[u8],
+        from: usize,
+        (at, register, incremental): (usize, u8, bool),
+        secondary: bool,
+        block: &mut Block,
+    ) -> Option<usize> {
+        let mut cursor = from;
+        while matches!(line.get(cursor), Some(b' ' | b'\t')) {
+            cursor += 1;
+        }
+        let (number, end) = parse_number(line, cursor)?;
+        let (value, odd) = self.reading(register, number, secondary)?;
+        block.flags.irregular |= odd;
+        if Some(register) == self.sequence && block.sequence.is_none() && value >= 0.0 {
+            block.sequence = Some(value as u32);
+            return Some(end);
+        }
+        block.push(Word { register, incremental, used: false, value, start: at as u32, end: end as u32 });
+        Some(end)
+    }
+}
+
+/// How numbers of a register are read in primary and in secondary units.
+fn reads(machine: &Machine, register: &Register) -> [Read; 2] {
+    let asked = |facts: &diag::Facts, bit| if machine.diagnostics.is_alarm(facts.number) { bit } else { 0 };
+    let sign = if register.signed { 0 } else { asked(&diag::MINUS_SIGN, irregular::SIGN) };
+    let pointed = if register.pointed { 0 } else { asked(&diag::DECIMAL_POINT, irregular::POINT) };
+    [register.format, register.secondary].map(|format| Read::new(format, (sign, pointed)))
+}
+
+/// Active optional-skip levels; 0 stands for that of a mark without a digit (reference control-emulator.md 5.5).
+fn levels(machine: &Machine, opskip: &[u8]) -> u16 {
+    let level = |&level: &u8| if level == 0 { machine.format.opskip_default } else { level };
+    opskip.iter().map(level).filter(|&level| level < 16).fold(0, |bits, level| bits | 1 << level)
+}
+
+fn starts_word(line: &[u8], at: usize) -> bool {
+    line.get(at).is_some_and(u8::is_ascii_alphabetic)
+        && matches!(line.get(at + 1), Some(b'0'..=b'9' | b'.' | b'-' | b'+' | b'#' | b'['))
+}

@@ -1,0 +1,147 @@
+//! Numbers of words: their digits, and what a register's format makes of them.
+//!
+//! Facts: reference control-emulator.md 1.4 (reading a number). Invariant: a value is the number closest to its digits.
+
+use crate::block::irregular;
+use crate::key_words::Number;
+use counterpoint_machine::model::{NumberFormat, Point, Zeros};
+
+/// Powers of ten that are exact in `f64`.
+const POW10: [f64; 23] = [
+    1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15, 1e16, 1e17, 1e18, 1e19, 1e20,
+    1e21, 1e22,
+];
+
+/// Digits whose value is exact in `u64` and `f64`.
+const EXACT_DIGITS: usize = 15;
+
+/// Appends the digits at the start of a text to a number; gives it with the rest of the text.
+#[inline(always)]
+fn leading_digits(mut number: u64, mut text: &[u8]) -> (u64, &[u8]) {
+    while let [byte, rest @ ..] = text {
+        let digit = byte.wrapping_sub(b'0');
+        if digit > 9 {
+            break;
+        }
+        number = number.wrapping_mul(10).wrapping_add(u64::from(digit));
+        text = rest;
+    }
+    (number, text)
+}
+
+/// Parses `[+-]digits[.digits]` at `at`; correctly rounded.
+#[inline(always)]
+pub(super) fn parse_number(line: &[u8], at: usize) -> Option<(Number, usize)> {
+    let rest = line.get(at..)?;
+    let (negative, text) = match rest {
+        [b'-', text @ ..] => (true, text),
+        [b'+', text @ ..] => (false, text),
+        text => (false, text),
+    };
+    let (mantissa, after) = leading_digits(0, text);
+    let digits = text.len() - after.len();
+    let (mantissa, fraction, point, length) = match after {
+        [b'.', decimals @ ..] => {
+            let (mantissa, after) = leading_digits(mantissa, decimals);
+            let fraction = decimals.len() - after.len();
+            (mantissa, fraction, true, digits + 1 + fraction)
+        }
+        _ => (mantissa, 0, false, digits),
+    };
+    if digits + fraction == 0 {
+        return None;
+    }
+    let magnitude = match POW10.get(fraction) {
+        // Both sides are exact, so the quotient is correctly rounded.
+        Some(power) if digits + fraction <= EXACT_DIGITS => mantissa as f64 / power,
+        _ => std::str::from_utf8(text.get(..length)?).ok()?.parse().ok()?,
+    };
+    let value = if negative { -magnitude } else { magnitude };
+    let number = Number { value, point, digits: digits.min(255) as u8 };
+    Some((number, at + (rest.len() - text.len()) + length))
+}
+
+/// How a register's numbers are read.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Read {
+    format: NumberFormat,
+    /// A number without a point has an implied one.
+    implied: bool,
+    /// Numbers from here on have more whole digits than the format.
+    room: f64,
+    /// The same without a written point: an implied one leaves room for the fraction too.
+    room_without_point: f64,
+    /// What is odd about a negative value, and about a written point.
+    sign: u8,
+    pointed: u8,
+}
+
+impl Read {
+    /// For one of the formats of a register; what is odd about a negative value, and about a written point.
+    pub(super) fn new(format: NumberFormat, (sign, pointed): (u8, u8)) -> Self {
+        let power = |digits: u8| POW10.get(usize::from(digits)).copied().unwrap_or(f64::INFINITY);
+        let implied = format.point == Point::Omit;
+        let room = power(format.whole);
+        let room_without_point = if implied { power(format.whole.saturating_add(format.frac)) } else { room };
+        Self { format, implied, room, room_without_point, sign, pointed }
+    }
+
+    /// Value of a number, and what is odd about it, bit by bit.
+    #[inline(always)]
+    pub(super) fn value(&self, number: Number) -> (f64, u8) {
+        let value = if number.point || !self.implied { number.value } else { implied(number, &self.format) };
+        let too_long = number.value.abs() >= if number.point { self.room } else { self.room_without_point };
+        let digits = u8::from(too_long) * irregular::DIGITS;
+        let sign = u8::from(number.value < 0.0) * self.sign;
+        let point = u8::from(number.point) * self.pointed;
+        (value, digits | sign | point)
+    }
+}
+
+/// Value of a number without a point in a register that implies one (reference control-emulator.md 1.4).
+fn implied(number: Number, format: &NumberFormat) -> f64 {
+    let power = |n: u8| POW10.get(usize::from(n)).copied().unwrap_or(1.0);
+    if format.point != Point::Omit || format.frac == 0 {
+        number.value
+    } else if format.trail == Zeros::Omit && format.lead != Zeros::Omit {
+        // Left-justified into the whole digits.
+        if number.digits <= format.whole {
+            number.value * power(format.whole - number.digits)
+        } else {
+            number.value / power(number.digits - format.whole)
+        }
+    } else {
+        number.value / power(format.frac)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_read_to_the_last_bit() {
+        for text in
+            ["0", "12", "-3.5", "+.125", "90.1999", "123456.7891", "0.1", "1.", "99999999999999999999.5", ".000001"]
+        {
+            let (number, end) = parse_number(text.as_bytes(), 0).unwrap();
+            assert_eq!(end, text.len());
+            assert_eq!(number.value, text.trim_start_matches('+').parse::<f64>().unwrap(), "{text}");
+        }
+        for text in ["", "-", ".", "+.", "X", "e5"] {
+            assert!(parse_number(text.as_bytes(), 0).is_none(), "{text}");
+        }
+    }
+
+    #[test]
+    fn implied_points() {
+        let format = |lead, trail| NumberFormat { whole: 4, frac: 3, point: Point::Omit, lead, trail, plus: false };
+        let number = |text: &str| parse_number(text.as_bytes(), 0).unwrap().0;
+        assert_eq!(implied(number("12500"), &format(Zeros::Omit, Zeros::Keep)), 12.5);
+        assert_eq!(implied(number("00125"), &format(Zeros::Keep, Zeros::Omit)), 12.5);
+        assert_eq!(
+            implied(number("125"), &NumberFormat { point: Point::Keep, ..format(Zeros::Omit, Zeros::Omit) }),
+            125.0
+        );
+    }
+}

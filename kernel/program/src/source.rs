@@ -1,0 +1,185 @@
+//! A program file: its text, the programs in it and its sequence numbers.
+//!
+//! Invariant: programs and sequence numbers are looked for once, when they are first needed.
+
+use std::ops::{Deref, RangeInclusive};
+use std::sync::{Arc, OnceLock};
+
+use bytes::Bytes;
+use counterpoint_event::Text;
+use rustc_hash::FxHashMap;
+
+use super::program::{self, Range, Shape};
+use super::spot::Spot;
+use super::syntax::Syntax;
+use counterpoint_ports::control::Stop;
+
+/// A file of the job.
+#[derive(Debug)]
+pub struct Source {
+    /// Name as the job knows it.
+    pub name: String,
+    text: Arc<Text>,
+    shape: Arc<Shape>,
+    stop: Stop,
+    programs: OnceLock<Vec<Range>>,
+    sequences: OnceLock<FxHashMap<u32, Vec<Spot>>>,
+    /// Whether a byte comes up in the text: the one that was asked for first.
+    has: OnceLock<(u8, bool)>,
+}
+
+impl Source {
+    /// A file of a machine without habits of its own.
+    #[must_use]
+    pub fn new(name: impl Into<String>, bytes: Bytes) -> Self {
+        Self::shaped(name, bytes, Arc::default(), Stop::default())
+    }
+
+    /// What the pre-processor of the machine makes of it.
+    #[must_use]
+    pub fn syntax(&self) -> &'static Syntax {
+        self.shape.syntax()
+    }
+
+    /// A file as a machine tells its programs apart. When `stop` is asked for, what is
+    /// looked for in the text ends where it is: nothing may be made of that any more.
+    #[must_use]
+    pub fn shaped(name: impl Into<String>, bytes: Bytes, shape: Arc<Shape>, stop: Stop) -> Self {
+        let text = Arc::new(Text::new(bytes, || stop.asked()));
+        let (programs, sequences, has) = (OnceLock::new(), OnceLock::new(), OnceLock::new());
+        Self { name: name.into(), text, shape, stop, programs, sequences, has }
+    }
+
+    /// The text of the file.
+    #[must_use]
+    pub fn text(&self) -> &Arc<Text> {
+        &self.text
+    }
+
+    /// Whether a byte comes up in the text; the byte that is asked for first is looked for once.
+    #[inline(always)]
+    pub fn has(&self, byte: u8) -> bool {
+        match self.has.get() {
+            Some((known, has)) if *known == byte => *has,
+            _ => self.find(byte),
+        }
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn find(&self, byte: u8) -> bool {
+        let find = || memchr::memchr(byte, self.text.bytes()).is_some();
+        match *self.has.get_or_init(|| (byte, find())) {
+            (known, has) if known == byte => has,
+            _ => find(),
+        }
+    }
+
+    /// The numbers of these lines, as long as nobody wants the job to end.
+    pub fn walk(&self, first: u32, last: u32) -> impl DoubleEndedIterator<Item = u32> + Clone + '_ {
+        Walk { lines: first..=last, stop: &self.stop }
+    }
+
+    /// The programs in the file, in order. Text before the first definition is one without number, so is a file without
+    /// definitions.
+    #[must_use]
+    pub fn programs(&self) -> &[Range] {
+        self.programs.get_or_init(|| program::ranges(self, &self.shape))
+    }
+
+    /// The name that a line defines a program by.
+    pub fn name_at(&self, line: u32) -> Option<&[u8]> {
+        self.shape.name(self.line(line))
+    }
+
+    /// A line without comments and messages, in capitals.
+    pub(super) fn words(&self, line: u32) -> Vec<u8> {
+        self.shape.words(self.line(line))
+    }
+
+    /// Something stands in a line besides blanks, comments and a rewind-stop.
+    pub fn has_text(&self, line: u32) -> bool {
+        self.shape.has_text(self.line(line))
+    }
+
+    /// The program of a name, letter case ignored.
+    #[must_use]
+    pub fn named(&self, name: &str) -> Option<Range> {
+        let is = |range: &&Range| self.name_at(range.first).is_some_and(|n| n.eq_ignore_ascii_case(name.as_bytes()));
+        self.programs().iter().filter(|range| range.number.is_none()).find(is).copied()
+    }
+
+    /// A program has no definition: it is the text of the file, or what stands before the first definition.
+    #[must_use]
+    pub fn is_plain(&self, range: Range) -> bool {
+        range.number.is_none() && self.name_at(range.first).is_none()
+    }
+
+    /// Blocks that begin with sequence number `number`, ascending.
+    #[must_use]
+    pub fn sequences(&self, number: u32) -> &[Spot] {
+        self.sequences
+            .get_or_init(|| {
+                let mut index: FxHashMap<u32, Vec<Spot>> = FxHashMap::default();
+                for line in self.walk(1, self.lines()) {
+                    let text = self.line(line);
+                    for offset in self.shape.block_starts(text) {
+                        let block = text.get(offset..).unwrap_or_default();
+                        if let Some(number) = program::leading_number(block, b'N') {
+                            index.entry(number).or_default().push(Spot { line, offset: offset as u32 });
+                        }
+                    }
+                }
+                index
+            })
+            .get(&number)
+            .map_or(&[], Vec::as_slice)
+    }
+}
+
+impl Deref for Source {
+    type Target = Text;
+
+    fn deref(&self) -> &Text {
+        &self.text
+    }
+}
+
+/// Lines until somebody wants the job to end.
+#[derive(Debug, Clone)]
+struct Walk<'s> {
+    lines: RangeInclusive<u32>,
+    stop: &'s Stop,
+}
+
+impl Iterator for Walk<'_> {
+    type Item = u32;
+
+    #[inline]
+    fn next(&mut self) -> Option<u32> {
+        if self.stop.asked() { None } else { self.lines.next() }
+    }
+}
+
+impl DoubleEndedIterator for Walk<'_> {
+    fn next_back(&mut self) -> Option<u32> {
+        if self.stop.asked() { None } else { self.lines.next_back() }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn nothing_is_looked_for_when_the_job_is_to_end() {
+        let stop = Stop::default();
+        let text = Bytes::from_static(b"O1\nN1\nO2\nN2\n");
+        let source = Source::shaped("t", text, Arc::default(), stop.clone());
+        assert_eq!(source.walk(2, 3).collect::<Vec<_>>(), [2, 3]);
+        stop.ask();
+        assert_eq!(source.walk(1, 4).count(), 0);
+        assert!(source.programs().iter().all(|range| range.number.is_none()));
+        assert!(source.sequences(2).is_empty());
+    }
+}

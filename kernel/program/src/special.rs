@@ -1,0 +1,141 @@
+//! What the scanner looks for before it reads a word by its letter: special registers, second names of more than a
+//! letter, and texts that look like words.
+//!
+//! Facts: reference control-emulator.md 1.2 (ALT string), 1.4 (special registers). Lines with expressions look for the
+//! same (`dialect`). Invariant: longer texts are tried
+//! first, so that `C1=` is not hidden by a register `C`; a machine with neither has nothing here.
+
+use counterpoint_machine::Machine;
+use counterpoint_machine::model::CodeForm;
+
+/// Special registers and texts, prepared once.
+#[derive(Debug)]
+pub struct Early {
+    /// Literal texts that a register would read as a word, with their rows.
+    pub texts: Vec<(Vec<u8>, u16)>,
+    /// Special registers.
+    pub registers: Vec<Special>,
+    /// Tools by name, in capital letters.
+    tools: Vec<(Vec<u8>, u32)>,
+    /// Bytes that any of them begins with.
+    first: [u64; 4],
+}
+
+/// A register with text around its number.
+#[derive(Debug)]
+pub struct Special {
+    /// Text before the number.
+    pub before: Vec<u8>,
+    /// Text after the number.
+    pub after: Vec<u8>,
+    /// Index of the register.
+    pub register: u8,
+    /// Written with the second (incremental) name of the register.
+    pub incremental: bool,
+    /// A tool's name may stand in place of the number.
+    pub names: bool,
+}
+
+/// What a value at a place begins with, blanks and signs left out.
+fn first_of_value(line: &[u8], at: usize) -> Option<u8> {
+    line.get(at..)?.iter().copied().find(|byte| !b" \t+-".contains(byte))
+}
+
+/// A number, a variable or a bracket stands at a place, with or without a sign.
+pub fn starts_value(line: &[u8], at: usize) -> bool {
+    matches!(first_of_value(line, at), Some(b'0'..=b'9' | b'.' | b'#' | b'['))
+}
+
+/// A variable or a bracket stands at a place, with or without a sign.
+pub fn starts_expression(line: &[u8], at: usize) -> bool {
+    matches!(first_of_value(line, at), Some(b'#' | b'['))
+}
+
+impl Special {
+    /// The text before the number stands at a place, with something behind it that may have a value.
+    pub fn has_value(&self, line: &[u8], at: usize) -> bool {
+        line.get(at..).is_some_and(|rest| rest.starts_with(&self.before)) && starts_value(line, at + self.before.len())
+    }
+}
+
+impl Early {
+    /// What a machine has of them.
+    pub fn new(machine: &Machine) -> Option<Box<Self>> {
+        let mut registers = Vec::new();
+        for (register, definition) in (0u8..).zip(&machine.registers) {
+            let regular = definition.is_regular();
+            let after = definition.after.clone().into_bytes();
+            let first = Some((&definition.before, false)).filter(|_| !regular);
+            let second = definition.second.as_ref().map(|second| (second, true));
+            // A letter is found as one.
+            let second = second.filter(|(second, _)| !(regular && second.len() == 1));
+            for (before, incremental) in [first, second].into_iter().flatten() {
+                let before = before.clone().into_bytes();
+                let names = definition.names;
+                registers.push(Special { before, after: after.clone(), register, incremental, names });
+            }
+        }
+        registers.sort_by_key(|special| usize::MAX - special.before.len());
+        let mut texts = Vec::new();
+        for &row in &machine.tables.texts {
+            if let Some(CodeForm::Text(text)) = machine.codes.get(usize::from(row)).map(|code| &code.form)
+                && looks_like_word(text.as_bytes())
+            {
+                texts.push((text.clone().into_bytes(), row));
+            }
+        }
+        if registers.is_empty() && texts.is_empty() {
+            return None;
+        }
+        let mut first = [0u64; 4];
+        let mut mark = |byte: u8| {
+            if let Some(bits) = first.get_mut(usize::from(byte >> 6)) {
+                *bits |= 1 << (byte & 63);
+            }
+        };
+        texts.iter().filter_map(|(text, _)| text.first()).for_each(|&byte| mark(byte));
+        for special in &registers {
+            match special.before.first() {
+                Some(&byte) => mark(byte),
+                None => b"0123456789.+-".iter().for_each(|&byte| mark(byte)),
+            }
+        }
+        let tools = machine.tool.names.iter().map(|(name, number)| (name.clone().into_bytes(), *number)).collect();
+        Some(Box::new(Self { texts, registers, tools, first }))
+    }
+
+    /// A special register with a variable or an expression in place of its number stands at a place.
+    pub fn opens_statement(&self, line: &[u8], at: usize) -> bool {
+        let Some(&byte) = line.get(at) else { return false };
+        self.may_start(byte)
+            && self
+                .registers
+                .iter()
+                .any(|special| starts_expression(line, at + special.before.len()) && special.has_value(line, at))
+    }
+
+    /// The tool that a name between the texts of a register stands for, and where they end; letter case does not count.
+    pub fn tool(&self, special: &Special, line: &[u8], from: usize) -> Option<(u32, usize)> {
+        let length = memchr::memmem::find(line.get(from..)?, &special.after)?;
+        let name = line.get(from..from + length)?.trim_ascii();
+        let (_, number) = self.tools.iter().find(|(known, _)| known.eq_ignore_ascii_case(name))?;
+        Some((*number, from + length + special.after.len()))
+    }
+
+    /// One of them may begin with this byte.
+    pub fn may_start(&self, byte: u8) -> bool {
+        self.first.get(usize::from(byte >> 6)).is_some_and(|bits| bits >> (byte & 63) & 1 != 0)
+    }
+}
+
+/// A letter and a digit, a sign or a point.
+fn looks_like_word(text: &[u8]) -> bool {
+    matches!(text, [letter, next, ..] if letter.is_ascii_alphabetic() && !next.is_ascii_alphabetic())
+}
+
+/// A literal text stands at a place: one that ends in a digit is not the beginning of a longer number.
+pub fn stands(text: &[u8], line: &[u8], at: usize) -> bool {
+    let Some(rest) = line.get(at..).and_then(|rest| rest.strip_prefix(text)) else { return false };
+    let digit_ends = text.last().is_some_and(u8::is_ascii_digit);
+    !(digit_ends && matches!(rest.first(), Some(b'0'..=b'9' | b'.')))
+}

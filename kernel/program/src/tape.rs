@@ -1,0 +1,329 @@
+//! The tape editor: rules that change the text of a block as it was read, before anything else looks at it.
+//!
+//! Facts: reference control-emulator.md 5.2. Invariants: every rule that is on is applied once, to its first match, in
+//! list order, each to what the rules before it left; a block that no rule matches costs one search for the texts that
+//! the rules need, and no memory.
+
+use aho_corasick::AhoCorasick;
+use counterpoint_lang::pattern::{Memory, Pattern, STEPS};
+
+use counterpoint_machine::model::TapeRule;
+use counterpoint_ports::control::Stop;
+
+/// Steps of the searches of all rules on one block.
+const MOST_STEPS: u64 = 2 * STEPS;
+
+/// Rules by number, from 0; a machine has 256 at most.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Rules([u64; 4]);
+
+impl Rules {
+    /// Switches a rule.
+    pub fn set(&mut self, rule: usize, on: bool) {
+        if let Some(bits) = self.0.get_mut(rule / 64) {
+            let bit = 1 << (rule % 64);
+            *bits = if on { *bits | bit } else { *bits & !bit };
+        }
+    }
+
+    /// A rule is on.
+    pub fn has(&self, rule: usize) -> bool {
+        self.0.get(rule / 64).is_some_and(|bits| bits & 1 << (rule % 64) != 0)
+    }
+
+    /// The first rule from `from` on that is in both.
+    fn next(&self, from: usize, and: &Self) -> Option<usize> {
+        (from / 64..4).find_map(|word| {
+            let both = self.0.get(word)? & and.0.get(word)?;
+            let wanted = if word == from / 64 { both & (u64::MAX << (from % 64)) } else { both };
+            (wanted != 0).then(|| word * 64 + wanted.trailing_zeros() as usize)
+        })
+    }
+}
+
+/// The rules of a machine, compiled once.
+#[derive(Debug)]
+pub struct Tape {
+    rules: Vec<Rule>,
+    /// The texts that rules need, and whose they are.
+    needed: Option<(AhoCorasick, Vec<u16>)>,
+    /// Rules that need no text: they are always tried.
+    always: Rules,
+    /// All of them.
+    every: Rules,
+    /// Rules that are on at program start.
+    pub start: Rules,
+}
+
+/// A compiled rule.
+#[derive(Debug)]
+struct Rule {
+    pattern: Pattern,
+    replace: String,
+    /// Text without which it does not match; empty: it needs none.
+    needs: String,
+}
+
+/// Rules that may match a text.
+struct Candidates {
+    rules: Rules,
+    /// Whether the text that each needs comes up in the text is not known.
+    unsure: bool,
+}
+
+/// What holds for the rules while they are applied.
+#[derive(Debug)]
+pub struct Within<'a> {
+    /// Rules that are on.
+    pub on: &'a Rules,
+    /// Bytes that a result may have.
+    pub longest: usize,
+    /// No further rule is applied when the job is to end.
+    pub stop: &'a Stop,
+}
+
+/// What became of a block.
+#[derive(Debug, Default, PartialEq, Eq)]
+pub struct Edited {
+    /// New text, `None` when nothing matched.
+    pub text: Option<Vec<u8>>,
+    /// A rule that gave up: it needs too many steps on this text.
+    pub stuck: Option<usize>,
+    /// A rule whose result is too long, and its length; nothing of the block is changed.
+    pub long: Option<(usize, usize)>,
+    /// Bytes that rules have looked at and made.
+    pub work: usize,
+}
+
+impl Tape {
+    /// Compiles the rules; `None` when there is none.
+    pub fn new(rules: &[TapeRule]) -> Option<Self> {
+        let (mut compiled, mut texts, mut owners) = (Vec::new(), Vec::new(), Vec::new());
+        let (mut always, mut every, mut start) = (Rules::default(), Rules::default(), Rules::default());
+        for (number, rule) in rules.iter().enumerate() {
+            // The loader has checked the expression.
+            let Ok(pattern) = Pattern::new(&rule.find) else { continue };
+            let number = number.min(255);
+            let mut needs = pattern.required();
+            // Blocks are bytes: a character beyond ASCII may be written in two ways.
+            if needs.is_empty() || !needs.is_ascii() {
+                needs.clear();
+                always.set(number, true);
+            } else {
+                texts.push(needs.clone());
+                owners.push(number as u16);
+            }
+            every.set(number, true);
+            start.set(number, rule.on);
+            compiled.push(Rule { pattern, replace: rule.replace.clone(), needs });
+        }
+        if compiled.is_empty() {
+            return None;
+        }
+        let needed = AhoCorasick::builder().kind(Some(aho_corasick::AhoCorasickKind::DFA)).build(&texts);
+        match needed {
+            Ok(automaton) => Some(Self { rules: compiled, needed: Some((automaton, owners)), always, every, start }),
+            Err(_) => {
+                owners.iter().for_each(|&owner| always.set(usize::from(owner), true));
+                Some(Self { rules: compiled, needed: None, always, every, start })
+            }
+        }
+    }
+
+    /// Rules that may match a text. Where needed texts come up very often they are not looked for any further.
+    fn candidates(&self, text: &[u8]) -> Candidates {
+        let mut rules = self.always;
+        if let Some((automaton, owners)) = &self.needed {
+            for (count, found) in automaton.find_overlapping_iter(text).enumerate() {
+                if count > text.len() + 64 {
+                    return Candidates { rules: self.every, unsure: true };
+                }
+                if let Some(&owner) = owners.get(found.pattern().as_usize()) {
+                    rules.set(usize::from(owner), true);
+                }
+            }
+        }
+        Candidates { rules, unsure: false }
+    }
+
+    /// Applies the rules that are on, within limits.
+    #[inline]
+    pub fn edit(&self, line: &[u8], limits: &Within<'_>, memory: &mut Memory) -> Edited {
+        let candidates = self.candidates(line);
+        match candidates.rules.next(0, limits.on) {
+            None => Edited::default(),
+            Some(first) => self.apply(line, (first, candidates), limits, memory),
+        }
+    }
+
+    fn apply(&self, line: &[u8], start: (usize, Candidates), limits: &Within<'_>, memory: &mut Memory) -> Edited {
+        match std::str::from_utf8(line) {
+            Ok(text) => {
+                let (text, edited) = self.rewrite(text, start, limits, memory);
+                Edited { text: text.map(String::into_bytes), ..edited }
+            }
+            Err(_) => {
+                // Eight-bit text: one character a byte.
+                let text: String = line.iter().copied().map(char::from).collect();
+                let (text, edited) = self.rewrite(&text, start, limits, memory);
+                Edited { text: text.map(|text| bytes(&text)), ..edited }
+            }
+        }
+    }
+
+    fn rewrite(
+        &self,
+        line: &str,
+        (first, Candidates { mut rules, mut unsure }): (usize, Candidates),
+        &Within { on, longest, stop }: &Within<'_>,
+        memory: &mut Memory,
+    ) -> (Option<String>, Edited) {
+        let (mut text, mut edited): (Option<String>, _) = (None, Edited::default());
+        let (mut next, mut left) = (Some(first), MOST_STEPS);
+        while let Some(number) = next.filter(|_| !stop.asked()) {
+            let now = text.as_deref().unwrap_or(line);
+            let rule = self.rules.get(number);
+            edited.work += if unsure { now.len() } else { 0 };
+            if let Some(Rule { pattern, replace, .. }) = rule.filter(|rule| !unsure || now.contains(&rule.needs)) {
+                let given = STEPS.min(left);
+                let mut budget = given;
+                edited.work += now.len();
+                match pattern.find_with(now, &mut budget, memory) {
+                    Ok(None) => {}
+                    Ok(Some(found)) => {
+                        let (start, end) = found.whole();
+                        let filled = Pattern::filled(replace, now, &found);
+                        let length = now.len() - (end - start) + filled.len();
+                        if length > longest.max(line.len()) {
+                            edited.long = Some((number, length));
+                            return (None, edited);
+                        }
+                        edited.work += length;
+                        let mut changed = String::with_capacity(length);
+                        changed += now.get(..start).unwrap_or_default();
+                        changed += &filled;
+                        changed += now.get(end..).unwrap_or_default();
+                        // What the rules to come need is looked for when it is their turn.
+                        (rules, unsure) = (self.every, true);
+                        text = Some(changed);
+                    }
+                    Err(_) => edited.stuck = Some(number),
+                }
+                left -= given - budget;
+                edited.work += usize::try_from(given - budget).unwrap_or(usize::MAX);
+            }
+            next = rules.next(number + 1, on);
+        }
+        (text.filter(|text| text != line), edited)
+    }
+}
+
+/// Characters back to bytes.
+fn bytes(text: &str) -> Vec<u8> {
+    let mut out = Vec::with_capacity(text.len());
+    for c in text.chars() {
+        match u8::try_from(u32::from(c)) {
+            Ok(byte) => out.push(byte),
+            Err(_) => out.extend_from_slice(c.encode_utf8(&mut [0; 4]).as_bytes()),
+        }
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn tape(rules: &[(&str, &str)]) -> Tape {
+        let rule = |(find, replace): &(&str, &str)| TapeRule {
+            find: (*find).into(),
+            replace: (*replace).into(),
+            on: true,
+            line: 0,
+            file: String::new(),
+        };
+        Tape::new(&rules.iter().map(rule).collect::<Vec<_>>()).unwrap()
+    }
+
+    fn within(tape: &Tape, line: &[u8], on: &Rules) -> Edited {
+        tape.edit(line, &Within { on, longest: 1000, stop: &Stop::default() }, &mut Memory::default())
+    }
+
+    #[test]
+    fn no_rule_is_applied_when_the_job_is_to_end() {
+        let (tape, stop) = (tape(&[("A", "B")]), Stop::default());
+        stop.ask();
+        let limits = Within { on: &tape.start, longest: 1000, stop: &stop };
+        assert_eq!(tape.edit(b"A", &limits, &mut Memory::default()), Edited::default());
+    }
+
+    fn edit(tape: &Tape, line: &str) -> Option<String> {
+        let edited = within(tape, line.as_bytes(), &tape.start);
+        assert_eq!(edited.stuck, None);
+        edited.text.map(|text| String::from_utf8(text).unwrap())
+    }
+
+    #[test]
+    fn no_rule_makes_a_block_longer_than_it_may_be() {
+        let rules: Vec<(&str, &str)> = vec![("\\(X.*\\)", "\\1\\1"); 24];
+        let tape = tape(&rules);
+        let edited = within(&tape, b"X0123456", &tape.start);
+        assert_eq!((edited.text, edited.long), (None, Some((6, 1024))));
+        assert!(edited.work < 20_000, "{}", edited.work);
+    }
+
+    #[test]
+    fn texts_that_come_up_everywhere_are_not_counted() {
+        let rules: Vec<(String, String)> = (1..100).map(|n| ("X".repeat(n), format!("{n}"))).collect();
+        let rules: Vec<(&str, &str)> = rules.iter().map(|(f, r)| (f.as_str(), r.as_str())).collect();
+        let tape = tape(&rules);
+        let candidates = tape.candidates("X".repeat(200).as_bytes());
+        assert!(candidates.unsure && candidates.rules == tape.every);
+        // Each takes its own off: 1 + 2 + 3 … up to 19 of them.
+        assert_eq!(edit(&tape, &"X".repeat(200)).map(|text| text.matches('X').count()), Some(10));
+        assert_eq!(edit(&tape, "Y"), None);
+    }
+
+    #[test]
+    fn each_rule_once_at_its_first_match_in_order() {
+        let tape = tape(&[("^%$", ""), ("A", "B"), ("B", "C"), ("\\(X\\)\\([0-9]*\\)", "\\1=\\2")]);
+        assert_eq!(edit(&tape, "%").as_deref(), Some(""));
+        assert_eq!(edit(&tape, "% 1"), None);
+        assert_eq!(edit(&tape, "AA").as_deref(), Some("CA"));
+        assert_eq!(edit(&tape, "G1 X12 X3").as_deref(), Some("G1 X=12 X3"));
+        assert_eq!(edit(&tape, "G1 Z12"), None);
+    }
+
+    #[test]
+    fn rules_without_a_literal_are_tried_always() {
+        let tape = tape(&[("[0-9][0-9]*$", "#"), ("Q", "")]);
+        assert_eq!(edit(&tape, "G1 X12").as_deref(), Some("G1 X#"));
+        assert_eq!(edit(&tape, "G1 X"), None);
+    }
+
+    #[test]
+    fn a_rule_that_is_off_does_nothing_and_later_rules_see_what_earlier_ones_made() {
+        let tape = tape(&[("G1", "G101"), ("101", "7")]);
+        let mut on = tape.start;
+        assert_eq!(edit(&tape, "G1").as_deref(), Some("G7"));
+        on.set(0, false);
+        assert_eq!(within(&tape, b"G1", &on).text, None);
+        assert_eq!(within(&tape, b"G101", &on).text.as_deref(), Some(&b"G7"[..]));
+    }
+
+    #[test]
+    fn eight_bit_text_stays_as_it_is() {
+        let tape = tape(&[("G1", "G0")]);
+        let edited = within(&tape, b"G1 (\xe4\xff)", &tape.start);
+        assert_eq!(edited.text.as_deref(), Some(&b"G0 (\xe4\xff)"[..]));
+    }
+
+    #[test]
+    fn more_than_one_word_of_rules() {
+        let rules: Vec<(String, String)> = (0..130).map(|n| (format!("K{n:03}"), format!("L{n}"))).collect();
+        let rules: Vec<(&str, &str)> = rules.iter().map(|(f, r)| (f.as_str(), r.as_str())).collect();
+        let tape = tape(&rules);
+        assert_eq!(edit(&tape, "K129 K063 K064").as_deref(), Some("L129 L63 L64"));
+        assert_eq!(edit(&tape, "K130"), None);
+    }
+}
