@@ -20,5 +20,6 @@ pub mod job;
 mod macros;
 mod multi;
 mod pipeline;
+mod prepared;
 mod state;
 pub mod trace;

@@ -54,7 +54,7 @@ impl Default for Limits {
 pub struct State {
     /// Budgets.
     pub limits: Limits,
-    /// Ticks left; set by [`run`] for the outermost macro.
+    /// Ticks left; set by `vm::run` for the outermost macro.
     pub ticks: u64,
     /// Macros active now.
     pub depth: u32,

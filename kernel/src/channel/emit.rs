@@ -3,11 +3,11 @@
 //! Invariant: events leave in the order of the kernel's clock; every chunk promises a tag that no later event of
 //! this stream is before.
 
-use crate::job::Sink;
 use counterpoint_event::event::{Dwell, Event, Kind};
 use counterpoint_sync::backlog::Backlog;
 use counterpoint_sync::coordinator::switch::Port;
 use counterpoint_sync::merge::{CHUNK, Feeder, Merger, Message, TEXTS};
+use counterpoint_sync::sink::Sink;
 use counterpoint_sync::tag::Tag;
 
 /// Events in a chunk that stays on this thread: small enough for the cache of the core that made them.

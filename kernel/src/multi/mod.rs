@@ -22,14 +22,16 @@ use crate::channel::carried::{Carried, Lived};
 use crate::channel::emit::{Emitter, Target};
 use crate::channel::parts::{Ports, Setup};
 use crate::channel::plan::Plan;
-use crate::job::{Job, Outcome, Sink, WrittenFiles};
+use crate::prepared::Job;
 use crate::state::channel::Environment;
+use counterpoint_event::Outcome;
 use counterpoint_event::event::{Event, FileId, Kind, Phase};
 use counterpoint_machine::model::Channel;
 use counterpoint_ports::control::{Control, Progress, State};
 use counterpoint_ports::files::Files;
 use counterpoint_program::program::Range;
 use counterpoint_results::builder::ResultsBuilder;
+use counterpoint_sync::sink::{Sink, WrittenFiles};
 
 /// Runs a prepared job; returns when every kernel has ended and the whole log has been received.
 pub(crate) fn run(job: &Job, files: &dyn Files, control: &Control, sink: &mut dyn Sink) -> Outcome {

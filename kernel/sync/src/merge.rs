@@ -3,7 +3,7 @@
 //! Each kernel sends chunks in its own order with a promise `upto`: nothing earlier will follow. An event goes out
 //! when no other stream can still produce an earlier one. Invariant: messages about a stream's state are sent under
 //! the coordinator's lock, so a release is in the queue before anything that the released partner's releaser does
-//! later. A kernel may have only [`CREDIT`] chunks on the way, each with [`TEXTS`]
+//! later. A kernel may have only `CREDIT` chunks on the way, each with `TEXTS`
 //! bytes of text; beyond that it waits for empty ones to come back.
 
 use std::collections::VecDeque;

@@ -1,0 +1,105 @@
+//! A prepared job: its programs are loaded and assigned to channels.
+
+use std::sync::Arc;
+
+use counterpoint_lang::compile;
+
+use counterpoint_event::info::Info;
+use counterpoint_machine::finding::Finding;
+use counterpoint_ports::control::Stop;
+use counterpoint_ports::files::Files;
+use counterpoint_program::sources::Sources;
+use counterpoint_program::spec::Spec;
+
+/// A prepared job: programs are loaded and assigned to channels.
+#[derive(Debug)]
+pub struct Job {
+    spec: Spec,
+    info: Arc<Info>,
+    sources: Sources,
+    /// The machine's macros as its kernels run them.
+    macros: Option<Arc<compile::Program>>,
+}
+
+/// Why a job cannot be run at all.
+#[derive(Debug, Clone, thiserror::Error)]
+#[error("the job cannot be run: {}", .findings.first().map_or("", |f| f.text.as_str()))]
+pub struct PrepareError {
+    /// All reasons.
+    pub findings: Vec<Finding>,
+    /// Nothing is wrong with the job as far as is known: it was asked to end meanwhile.
+    pub cancelled: bool,
+}
+
+/// Bytes of a text that are searched between two looks at whether the job is to end.
+const PIECE: usize = 1 << 20;
+
+/// A program of the job has embedded macro code, which needs no macro of the machine.
+fn has_embedded(info: &Info, files: &dyn Files, stop: &Stop) -> bool {
+    let has = |text: &[u8]| {
+        // Piece by piece, with the byte after each: a mark has two.
+        let pieces = (0..text.len()).step_by(PIECE).take_while(|_| !stop.asked());
+        let mut pieces = pieces.filter_map(|at| text.get(at..text.len().min(at + PIECE + 1)));
+        pieces.any(|piece| [&b"#{"[..], b"!{"].into_iter().any(|mark| memchr::memmem::find(piece, mark).is_some()))
+    };
+    info.files.iter().any(|file| match file.text.get() {
+        Some(text) => text.as_ref().is_some_and(|text| has(text.bytes())),
+        None => files.read(&file.name).is_ok_and(|bytes| has(&bytes)),
+    })
+}
+
+impl Job {
+    /// Loads the programs and assigns them to channels.
+    ///
+    /// # Errors
+    /// Every reason why the job cannot run: missing files, unknown channels, too many programs, bad options.
+    pub fn prepare(spec: Spec, files: &dyn Files) -> Result<Self, PrepareError> {
+        Self::prepare_until(spec, files, &Stop::default())
+    }
+
+    /// The same, unless `stop` is asked for: programs may be long. The job is run by a control with that `stop`.
+    ///
+    /// # Errors
+    /// Those of [`prepare`](Self::prepare), and that it was asked to end.
+    pub fn prepare_until(mut spec: Spec, files: &dyn Files, stop: &Stop) -> Result<Self, PrepareError> {
+        let cancelled = || PrepareError {
+            findings: vec![Finding::error("job", 0, 0, "the job was cancelled before it began")],
+            cancelled: true,
+        };
+        spec.options.limits = spec.options.limits.capped();
+        let syntax = counterpoint_dialect::of(&spec.machine).syntax();
+        let (info, sources) = match counterpoint_program::layout::assign(&spec, syntax, files, stop) {
+            _ if stop.asked() => return Err(cancelled()),
+            Ok(assigned) => assigned,
+            Err(findings) => return Err(PrepareError { findings, cancelled: false }),
+        };
+        let macros = spec.machine.macros.as_deref().map(|macros| macros.program_for(&spec.machine, info.trace));
+        let macros = macros.or_else(|| has_embedded(&info, files, stop).then(|| Arc::new(compile::Program::new())));
+        if stop.asked() {
+            return Err(cancelled());
+        }
+        Ok(Self { spec, info: Arc::new(info), sources, macros })
+    }
+
+    /// What is fixed about the job.
+    #[must_use]
+    pub fn info(&self) -> &Arc<Info> {
+        &self.info
+    }
+
+    /// Its program files.
+    pub(crate) fn sources(&self) -> &Sources {
+        &self.sources
+    }
+
+    /// What it was made of.
+    #[must_use]
+    pub fn spec(&self) -> &Spec {
+        &self.spec
+    }
+
+    /// The machine's macros as its kernels run them.
+    pub(crate) fn macros(&self) -> Option<&Arc<compile::Program>> {
+        self.macros.as_ref()
+    }
+}
