@@ -15,7 +15,6 @@ const FLOORS: &[&[&str]] = &[
     &["dialect", "results"],
     &["sync"],
     &["emulator"],
-    &["job"],
     &["kernel"],
     &["server"],
     &["cli"],

@@ -1,0 +1,101 @@
+//! What codes do: one file an idea, each with its entries of the registry.
+//!
+//! Facts: reference control-emulator.md 6. Invariants: an action takes its data in the documented order (feed before
+//! axes) and never touches another channel except through a shared operation; it reaches its kernel only by what
+//! `Act` offers.
+
+mod arc;
+mod change_point;
+mod clamp;
+mod compensation;
+mod coolant;
+mod cutter;
+mod cycle;
+mod dwell;
+pub(crate) mod entry;
+mod frame;
+mod head;
+mod home;
+mod local;
+mod mode;
+mod motion;
+mod offsets;
+mod polar;
+mod rates;
+mod skip;
+mod spindle;
+mod spindles;
+mod stop;
+mod subprogram;
+mod sync;
+mod thread;
+mod time;
+mod tip;
+mod tool;
+mod turned;
+mod turning;
+
+use crate::act::Act;
+use crate::channel::actions::{Action, Actions};
+use counterpoint_machine::ident::CodeId;
+use entry::Entry;
+
+/// The registry.
+static ENTRIES: &[&[Entry]] = &[
+    arc::ENTRIES,
+    change_point::ENTRIES,
+    clamp::ENTRIES,
+    compensation::ENTRIES,
+    coolant::ENTRIES,
+    cycle::ENTRIES,
+    dwell::ENTRIES,
+    frame::ENTRIES,
+    head::ENTRIES,
+    home::ENTRIES,
+    local::ENTRIES,
+    mode::ENTRIES,
+    motion::ENTRIES,
+    offsets::ENTRIES,
+    polar::ENTRIES,
+    skip::ENTRIES,
+    spindle::ENTRIES,
+    spindles::ENTRIES,
+    stop::ENTRIES,
+    subprogram::ENTRIES,
+    sync::ENTRIES,
+    thread::ENTRIES,
+    thread::cycle::ENTRIES,
+    tip::ENTRIES,
+    tool::ENTRIES,
+];
+
+/// The built-in actions, as a plan takes them.
+pub static ACTIONS: Actions = Actions {
+    of: find,
+    flush_lookahead: |kernel| Act::new(kernel).next_element(None),
+    flush_old: |kernel| Act::new(kernel).flush_old(),
+    end_compensation: |kernel, halt| Act::new(kernel).end_compensation(halt),
+    switch_compensation: |kernel| Act::new(kernel).switch_compensation(),
+    speed_word: |kernel| spindle::speed_word(&mut Act::new(kernel)),
+    make_hole: |kernel, hole| Act::new(kernel).make_hole(hole),
+    change_straight: |kernel, motion, rapid, to| Act::new(kernel).straight_again(motion, rapid, to),
+};
+
+/// The action of a code, if it has a built-in one.
+fn find(id: CodeId) -> Option<&'static dyn Action> {
+    ENTRIES.iter().copied().flatten().find(|entry| entry.takes(id)).map(|entry| entry as &dyn Action)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use counterpoint_machine::ident::codes;
+
+    #[test]
+    fn a_code_has_one_action_at_most() {
+        for (facts, at) in codes::TABLE.iter().zip(0..) {
+            let entries = ENTRIES.iter().copied().flatten().filter(|entry| entry.takes(CodeId(at)));
+            assert!(entries.count() <= 1, "{}", facts.name);
+        }
+    }
+}

@@ -1,0 +1,72 @@
+//! What the pipeline asks of the actions: it knows none of them, the plan holds what it calls.
+//!
+//! Invariant: an action is found once, when the plan is made.
+
+use std::fmt::Debug;
+
+use counterpoint_fault::{Acted, Halt};
+
+use super::Kernel;
+use crate::state::cycle::Hole;
+use counterpoint_event::event::{Motion, Position};
+use counterpoint_machine::ident::CodeId;
+use counterpoint_machine::model::CodeRow;
+use counterpoint_program::block::PendingCode;
+
+/// What a code does.
+pub(crate) trait Action: Debug + Sync {
+    /// Carries out the code.
+    fn run(&self, kernel: &mut Kernel<'_>, row: &CodeRow, code: &PendingCode) -> Acted;
+}
+
+/// The built-in actions: those of codes, and what other stages of the pipeline need of them.
+#[derive(Debug)]
+pub struct Actions {
+    /// What a code does; `None` for a code without a built-in action.
+    pub(crate) of: fn(CodeId) -> Option<&'static dyn Action>,
+    /// Finishes a move that compensation keeps back, without knowing the next one.
+    pub(crate) flush_lookahead: fn(&mut Kernel<'_>) -> Acted,
+    /// Finishes a move that compensation has kept back too long.
+    pub(crate) flush_old: fn(&mut Kernel<'_>) -> Acted,
+    /// The program has ended, and compensation with it.
+    pub(crate) end_compensation: fn(&mut Kernel<'_>, Halt) -> Halt,
+    /// A macro has made another code of compensation active.
+    pub(crate) switch_compensation: fn(&mut Kernel<'_>) -> Acted,
+    /// A speed that no code took.
+    pub(crate) speed_word: fn(&mut Kernel<'_>) -> Acted,
+    /// Makes a hole of a cycle.
+    pub(crate) make_hole: fn(&mut Kernel<'_>, &Hole) -> Acted,
+    /// Makes a straight move again that a macro has changed: at rapid or not, to another end.
+    pub(crate) change_straight: fn(&mut Kernel<'_>, &Motion, bool, Position) -> Acted,
+}
+
+impl Kernel<'_> {
+    /// Finishes the move that compensation keeps back, without knowing the next one.
+    pub(crate) fn flush_lookahead(&mut self) -> Acted {
+        if self.channel.is_compensated() { (self.plan.actions.flush_lookahead)(self) } else { Ok(()) }
+    }
+
+    /// Finishes a move that compensation has kept back too long.
+    pub(crate) fn flush_old(&mut self) -> Acted {
+        if self.channel.is_compensated() { (self.plan.actions.flush_old)(self) } else { Ok(()) }
+    }
+
+    /// The program has ended: the move that is kept back is made, unless the job has been stopped.
+    pub(crate) fn end_compensation(&mut self, halt: Halt) -> Halt {
+        if self.channel.is_compensated() { (self.plan.actions.end_compensation)(self, halt) } else { halt }
+    }
+
+    /// A macro has made another code of compensation active.
+    pub(crate) fn switch_compensation(&mut self) {
+        if let Err(halt) = (self.plan.actions.switch_compensation)(self) {
+            self.keep_halt(halt);
+        }
+    }
+
+    /// A macro is about to change offsets: the move that is kept back is made before.
+    pub(crate) fn flush_for_macro(&mut self) {
+        if let Err(halt) = self.flush_lookahead() {
+            self.keep_halt(halt);
+        }
+    }
+}

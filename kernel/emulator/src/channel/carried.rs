@@ -1,0 +1,120 @@
+//! What a kernel carries on when the machine is started again with another file.
+//!
+//! Facts: reference control-emulator.md 5.8. Invariant: only a kernel whose program came to its end is carried on, and
+//! only on a machine whose Machine Shutdown may start it again; everything that belongs to one run of all kernels
+//! (clock of the coordinator, waits, streams) begins anew.
+
+use counterpoint_lang::pattern::Memory;
+use rustc_hash::FxHashMap;
+
+use super::Kernel;
+use super::flow::Flow;
+use super::parts::DialectState;
+use crate::macros::runtime::Runtime;
+use crate::state::State;
+use crate::state::burden::Burden;
+use crate::state::channel::{At, BlockText, Channel, Reports};
+use counterpoint_event::event::FileId;
+use counterpoint_fault::{Acted, Halt};
+use counterpoint_machine::macros::model::Hook;
+use counterpoint_program::program::Range;
+use counterpoint_program::tape;
+
+/// How the life of a kernel ended.
+pub struct Lived {
+    /// Number of the channel.
+    pub rank: u16,
+    /// Why it ended.
+    pub halt: Halt,
+    /// What it carries on, if it may be started again.
+    pub left: Option<Box<Carried>>,
+}
+
+/// State of a kernel between two runs.
+pub struct Carried {
+    /// Number of the channel.
+    pub channel: u16,
+    clock: i64,
+    events: u64,
+    blocks: u64,
+    idle_blocks: u64,
+    diagnostics: u32,
+    raised: FxHashMap<u32, u32>,
+    burden: Burden,
+    tape: (tape::Rules, Memory),
+    state: State,
+    flow: Flow,
+    dialect: DialectState,
+    macros: Box<Runtime>,
+}
+
+impl Kernel<'_> {
+    /// Takes the kernel apart by name, so that a new part of it is either carried on or begins anew here.
+    fn into_carried(self) -> Carried {
+        let events = self.ports.emitter.count();
+        let Self { channel, ports: _, plan: _, flow, dialect, macros } = self;
+        let Channel { env: _, at, block: _, text, acting: _, state, reports, burden } = channel;
+        let At { channel, clock, micro: _, file: _, line: _, blocks, idle_blocks } = at;
+        let BlockText { edited: _, tape } = text;
+        let Reports { diagnostics, alarms: _, raised, waits: _ } = reports;
+        Carried {
+            channel,
+            clock,
+            events,
+            blocks,
+            idle_blocks,
+            diagnostics,
+            raised,
+            burden,
+            tape,
+            state,
+            flow,
+            dialect,
+            macros,
+        }
+    }
+
+    fn put_back(&mut self, carried: Carried) {
+        let at = &mut self.channel.at;
+        (at.blocks, at.idle_blocks) = (carried.blocks, carried.idle_blocks);
+        self.channel.reports.diagnostics = carried.diagnostics;
+        self.channel.reports.raised = carried.raised;
+        self.channel.burden = carried.burden;
+        self.channel.text.tape = carried.tape;
+        self.channel.state = carried.state;
+        self.flow = carried.flow;
+        self.dialect = carried.dialect;
+        self.macros = carried.macros;
+        self.ports.emitter.go_on_from(carried.events);
+    }
+}
+
+impl Kernel<'_> {
+    /// The end of its life.
+    pub(crate) fn lived(self, halt: Halt) -> Lived {
+        let hook = self.channel.env.machine.macros.as_deref().and_then(|macros| macros.hook(Hook::MachineShutdown));
+        let rank = self.channel.at.channel;
+        let left = (hook.is_some() && matches!(halt, Halt::End(_))).then(|| Box::new(self.into_carried()));
+        Lived { rank, halt, left }
+    }
+
+    /// Takes over what it was before; from its end to now it stood idle.
+    pub fn take_over(&mut self, carried: Carried) {
+        let idle = self.channel.at.clock.saturating_sub(carried.clock);
+        self.put_back(carried);
+        if idle > 0 {
+            self.channel.at.idle_blocks = 0;
+        }
+        self.macros.variables.store.idle = self.macros.variables.store.idle.saturating_add(idle);
+    }
+
+    /// Begins another program. It counts as a block, so that a macro that restarts for ever comes to a limit.
+    pub(crate) fn begin_again(&mut self, file: FileId, range: Range, name: Box<str>, reset: bool) -> Acted {
+        self.macros.course.closing = false;
+        self.channel.at.blocks += 1;
+        self.channel.at.idle_blocks += 1;
+        self.check_limits()?;
+        self.load(file)?;
+        self.start_over(file, range, name, reset)
+    }
+}

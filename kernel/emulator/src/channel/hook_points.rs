@@ -1,0 +1,102 @@
+//! Where the macros of a machine take part in what a kernel does.
+//!
+//! *Invariant:* the kernel knows its hooks by these points only. A machine without macros has none (`Plan::hooks` is
+//! `None`): its blocks go the same way and pay one comparison at each point. Facts: reference control-emulator.md 2.
+
+use counterpoint_fault::{Acted, Halt};
+
+use super::Kernel;
+use super::flow::Called;
+use counterpoint_event::event::{FileId, Motion};
+use counterpoint_machine::ident::{CodeId, DataId};
+use counterpoint_program::block::Datum;
+use counterpoint_program::block::PendingCode;
+use counterpoint_program::program::Range;
+
+/// Where the codes and data of a block come from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Origin {
+    /// Its text.
+    Text,
+    /// EXEC with identifiers.
+    Items,
+}
+
+/// What becomes of a block after it has been edited.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Edited {
+    /// Nothing is left of it.
+    Dropped,
+    /// It is split into words without the pre-processor.
+    Plain,
+    /// It goes to the pre-processor.
+    Preprocess,
+}
+
+/// Where a called subprogram is, if anywhere.
+pub(crate) type Found = Option<(FileId, Range)>;
+
+/// All points.
+pub struct HookPoints {
+    pub(crate) block: BlockHooks,
+    pub(crate) codes: CodeHooks,
+    pub(crate) program: ProgramHooks,
+    /// Carries out a motion and its duration in seconds.
+    pub(crate) motion: fn(&mut Kernel<'_>, f64, &Motion) -> Acted,
+    /// Writes a motion and its duration in seconds down for the tables of tools and operations.
+    pub(crate) moved: fn(&mut Kernel<'_>, f64, &Motion),
+}
+
+/// Around the text of a block.
+pub(crate) struct BlockHooks {
+    /// Processes a block that EXEC/NEXT left, in place of reading one; none if nothing was left.
+    pub(crate) next: fn(&mut Kernel<'_>) -> Option<Acted>,
+    /// A line of a file becomes the block.
+    pub(crate) begin: fn(&mut Kernel<'_>),
+    /// Block delete around embedded code, embedded code, Pre-Processor Startup.
+    pub(crate) edit: fn(&mut Kernel<'_>) -> Result<Edited, Halt>,
+    /// Pre-Processor Shutdown.
+    pub(crate) preprocessed: fn(&mut Kernel<'_>) -> Acted,
+    /// Pre-Processor Shutdown for words that the pre-processor made.
+    pub(crate) made: fn(&mut Kernel<'_>) -> Acted,
+    /// Pre-Processor Shutdown for a text that the pre-processor left, and what becomes of that text.
+    pub(crate) left: fn(&mut Kernel<'_>, &str) -> Acted,
+    /// Comments and messages of a statement, before it is carried out.
+    pub(crate) statement: fn(&mut Kernel<'_>, &[u8]) -> Acted,
+    /// Pre-Processor Shutdown after a statement that left no words.
+    pub(crate) consumed: fn(&mut Kernel<'_>) -> Acted,
+    /// Embedded code and Block Startup before the codes; false if the block is dropped.
+    pub(crate) words: fn(&mut Kernel<'_>) -> Result<bool, Halt>,
+    /// Comments and messages, before the codes.
+    pub(crate) remarks: fn(&mut Kernel<'_>) -> Acted,
+}
+
+/// Around the codes and data of a block.
+pub(crate) struct CodeHooks {
+    /// Sequence numbers and data of the block that macros can ask for.
+    pub(crate) begin: fn(&mut Kernel<'_>, Origin),
+    /// Codes that data fire.
+    pub(crate) implied: fn(&mut Kernel<'_>),
+    /// Lets a code act: its macro, else its action.
+    pub(crate) act: fn(&mut Kernel<'_>, PendingCode, CodeId) -> Acted,
+    /// A code has acted.
+    pub(crate) acted: fn(&mut Kernel<'_>) -> Acted,
+    /// Takes data off the block.
+    pub(crate) take: fn(&mut Kernel<'_>, DataId) -> Option<Datum>,
+    /// Block Shutdown.
+    pub(crate) end: fn(&mut Kernel<'_>, Origin) -> Acted,
+    /// Data that macros added and nothing took.
+    pub(crate) dropped: fn(&mut Kernel<'_>) -> Acted,
+}
+
+/// Around programs, calls and variables.
+pub(crate) struct ProgramHooks {
+    /// Declaration and Program Startup.
+    pub(crate) start: fn(&mut Kernel<'_>) -> Acted,
+    /// Subprogram Startup for the first pass, at a level: none if the call is ignored, else where the subprogram is.
+    pub(crate) call: fn(&mut Kernel<'_>, &Called, Found) -> Result<Option<Found>, Halt>,
+    /// Subprogram Shutdown and Startup between two passes.
+    pub(crate) next_pass: fn(&mut Kernel<'_>) -> Acted,
+    /// Subprogram Shutdown after the last pass.
+    pub(crate) returned: fn(&mut Kernel<'_>, &Called, (FileId, Range)) -> Acted,
+}

@@ -1,0 +1,222 @@
+//! Beginning and end of a kernel, its limits, and hopeless polling.
+
+use super::Kernel;
+use super::carried::Lived;
+use super::flow::Frame;
+use counterpoint_event::event::{Diagnostic, FileId, Kind, Member, Phase, Verdict, VerdictKind};
+use counterpoint_fault::{self as diag, Facts};
+use counterpoint_fault::{Acted, Halt};
+use counterpoint_ports::control::State;
+use counterpoint_program::program::Range;
+use counterpoint_sync::verdict;
+use counterpoint_sync::waits::{Finish, Terminal};
+
+/// Blocks after which a kernel looks at the memory that it takes.
+const WEIGHED_EVERY: u64 = 64;
+
+impl Kernel<'_> {
+    /// Runs the kernel's whole life. With `again` it goes on with another file, as if that were the first one or not.
+    pub fn live(mut self, start: (u16, Range, Box<str>), again: Option<bool>) -> Lived {
+        let (file, range, name) = start;
+        self.ports.coordinator.begin(self.channel.at.channel);
+        self.ports.progress.set_state(State::Running);
+        (self.channel.at.file, self.channel.at.line) = (file, 0);
+        self.emit(0, Kind::Lifecycle(Phase::ProgramStart));
+        let begun = match again {
+            Some(reset) => self.begin_again(file, range, name, reset),
+            None => self.begin(file, range, name),
+        };
+        let halt = match begun {
+            Ok(()) => self.program(),
+            Err(halt) => halt,
+        };
+        let mut halt = self.end_macros(halt);
+        while let Some(next) = self.restarted(halt) {
+            halt = self.end_macros(next);
+        }
+        self.close_files(halt);
+        self.finish(halt);
+        self.lived(halt)
+    }
+
+    fn begin(&mut self, file: FileId, range: Range, name: Box<str>) -> Acted {
+        self.flow.frames.push(Frame::main(file, range, name));
+        self.initial_codes();
+        self.initial_frame();
+        self.load(file)?;
+        self.report_leader(file, range);
+        self.interpreter_start();
+        self.plan.hooks.map_or(Ok(()), |hooks| (hooks.program.start)(self))
+    }
+
+    /// Says how it ended and lets the others know.
+    fn finish(&mut self, halt: Halt) {
+        let (how, phase, state) = match halt {
+            Halt::End(_) => (Terminal::Ended, Phase::ProgramEnd, State::Ended),
+            Halt::Alarm | Halt::Dropped => (Terminal::Alarmed, Phase::Alarmed, State::Alarmed),
+            Halt::Stopped => (Terminal::Stopped, Phase::Stopped, State::Stopped),
+            Halt::Blocked => (Terminal::Stopped, Phase::Blocked, State::Blocked),
+        };
+        if matches!(halt, Halt::End(_) | Halt::Alarm) {
+            self.report_order();
+        }
+        self.report_softened(halt);
+        if let Halt::End(Some(stop)) = halt {
+            self.emit(0, Kind::Stop(stop));
+        }
+        if matches!(halt, Halt::End(_) | Halt::Alarm) {
+            self.emit(0, Kind::Lifecycle(phase));
+            let finish = Finish { how, file: self.channel.at.file, line: self.channel.at.line };
+            let (rank, tag, info) = (self.channel.at.channel, self.tag(), self.channel.env.info);
+            let stop_all = halt == Halt::Alarm
+                && self.channel.env.machine.sync.alarm_scope == counterpoint_machine::model::AlarmScope::All;
+            let verdict = self.shared(|order| {
+                order.waits.finish(rank, finish);
+                if stop_all {
+                    order.stop(tag);
+                    return None;
+                }
+                order.judge(tag.t, info)
+            });
+            if let Ok(Some(verdict)) = verdict {
+                self.emit_verdict(verdict);
+            }
+        }
+        self.ports.progress.t_ns.store(self.channel.at.clock, std::sync::atomic::Ordering::Relaxed);
+        self.ports.progress.set_state(state);
+        self.ports.emitter.flush(self.tag());
+        let (rank, finish) =
+            (self.channel.at.channel, Finish { how, file: self.channel.at.file, line: self.channel.at.line });
+        self.ports.coordinator.done(rank, |order| {
+            if order.waits.end(rank).is_none() && halt != Halt::Blocked {
+                order.waits.finish(rank, finish);
+            }
+        });
+    }
+
+    /// Logs a verdict as an event of the master.
+    pub(crate) fn emit_verdict(&mut self, verdict: Verdict) {
+        let facts: &Facts = match verdict.kind {
+            VerdictKind::Limit => &diag::LIMIT_REACHED,
+            VerdictKind::Mismatch => &diag::WAIT_MISMATCH,
+            _ => &diag::DEADLOCK,
+        };
+        let (file, line) = verdict.members.first().map_or((0, 0), |m| (m.file, m.line));
+        let custom = self.customised(facts.number, (facts.severity, true), verdict.text.to_string());
+        let (severity, text) = custom.unwrap_or((facts.severity, String::new()));
+        let diagnostic = Diagnostic { number: facts.number, severity, text: text.into(), ..Diagnostic::default() };
+        for kind in [
+            (verdict.kind != VerdictKind::Mismatch).then(|| Kind::Diagnostic(Box::new(diagnostic))),
+            Some(Kind::Verdict(Box::new(verdict))),
+        ]
+        .into_iter()
+        .flatten()
+        {
+            self.ports.emitter.push(counterpoint_event::event::Event {
+                t_ns: self.channel.at.clock,
+                micro: self.channel.at.micro,
+                dur_ns: 0,
+                channel: 0,
+                file,
+                line,
+                kind,
+            });
+        }
+    }
+
+    /// Limits of the job that one channel can reach.
+    #[inline(always)]
+    pub(crate) fn check_limits(&mut self) -> Acted {
+        let limits = &self.channel.env.options.limits;
+        // All at once, as a block is seldom beyond any of them.
+        let within = (self.channel.at.clock <= limits.simulated_ns)
+            & (self.channel.at.blocks + self.channel.burden.blocks() <= limits.blocks)
+            & (self.ports.emitter.count() <= limits.events)
+            & (self.channel.at.idle_blocks <= limits.zero_time_blocks)
+            & (self.channel.burden.steps <= limits.macro_steps);
+        if within && !self.channel.at.blocks.is_multiple_of(WEIGHED_EVERY) { Ok(()) } else { self.check_each_limit() }
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn check_each_limit(&mut self) -> Acted {
+        let limits = &self.channel.env.options.limits;
+        let reason = if self.channel.at.clock > limits.simulated_ns {
+            format!("the simulated time passed {:.3} s", limits.simulated_ns as f64 / 1e9)
+        } else if self.channel.at.blocks + self.channel.burden.blocks() > limits.blocks {
+            format!("more than {} blocks", limits.blocks)
+        } else if self.ports.emitter.count() > limits.events {
+            format!("more than {} events in its log", limits.events)
+        } else if self.channel.at.idle_blocks > limits.zero_time_blocks {
+            format!("{} blocks in a row took no time", limits.zero_time_blocks)
+        } else if self.channel.burden.steps > limits.macro_steps {
+            format!("more than {} steps of macros", limits.macro_steps)
+        } else if let Some(reason) =
+            self.channel.at.blocks.is_multiple_of(WEIGHED_EVERY).then(|| self.overburdened()).flatten()
+        {
+            format!("the memory of the job is used up: {reason}")
+        } else {
+            return Ok(());
+        };
+        Err(self.limit(&reason, VerdictKind::Limit))
+    }
+
+    /// Stops the whole job here and says who was doing what.
+    pub(crate) fn limit(&mut self, reason: &str, kind: VerdictKind) -> Halt {
+        let (rank, tag, info) = (self.channel.at.channel, self.tag(), self.channel.env.info);
+        let own = self.what_it_did(reason);
+        let (file, line) = (self.channel.at.file, self.channel.at.line);
+        let verdict = self.shared(|order| {
+            let mut sentences = vec![own];
+            let mut members = Vec::new();
+            for channel in order.waits.channels() {
+                if channel == rank {
+                    members.push(Member { channel, file, line, waiting_for: Vec::new() });
+                } else if let Some(sentence) = verdict::waiting_sentence(channel, &order.waits, info) {
+                    sentences.push(sentence);
+                    members.push(verdict::member(channel, &order.waits));
+                }
+            }
+            order.stop(tag);
+            Verdict { kind, at_ns: tag.t, text: sentences.join("; ").into(), members }
+        });
+        match verdict {
+            Ok(verdict) => {
+                self.emit_verdict(verdict);
+                Halt::Stopped
+            }
+            Err(halt) => halt,
+        }
+    }
+
+    fn what_it_did(&self, reason: &str) -> String {
+        let pass = self.flow.pass.last();
+        let name = self.channel.env.info.file_name(self.channel.at.file);
+        if pass.count > 1 {
+            let (_, first, last) = pass.key;
+            format!(
+                "channel {}: {reason}; it looped {} times over lines {first}-{last} of {name} without a wait",
+                self.channel.at.channel, pass.count
+            )
+        } else {
+            format!(
+                "channel {}: {reason} at {}",
+                self.channel.at.channel,
+                verdict::place(self.channel.env.info, self.channel.at.file, self.channel.at.line)
+            )
+        }
+    }
+
+    /// No other channel is left to change what a polling loop reads.
+    pub(crate) fn is_alone(&mut self) -> Result<bool, Halt> {
+        let rank = self.channel.at.channel;
+        self.shared(|order| order.alone(rank))
+    }
+
+    /// A loop that only reads shared variables is hopeless once a whole pass of it has run alone.
+    pub(crate) fn spinning(&mut self, line: u32) -> Halt {
+        let place = verdict::place(self.channel.env.info, self.channel.at.file, line);
+        let reason = format!("polls at {place} for a variable that nobody is left to change");
+        self.limit(&reason, VerdictKind::PartnerSpinning)
+    }
+}

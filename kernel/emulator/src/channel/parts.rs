@@ -1,0 +1,51 @@
+//! The parts of a kernel beside its channel: the ways out of it, and its pre-processor.
+
+use super::emit::Emitter;
+use super::plan::Plan;
+use super::variables::ChannelVariables;
+use crate::state::channel::Environment;
+use counterpoint_dialect::{self, Dialect, Interpreter};
+use counterpoint_machine::Machine;
+use counterpoint_ports::control::{Control, Progress};
+use counterpoint_sync::coordinator::switch::Port;
+
+/// The ways out of a kernel: to the other kernels, to whoever started the job, to the log.
+pub struct Ports<'a> {
+    /// To the other kernels.
+    pub coordinator: Port<'a>,
+    /// To whoever started the job.
+    pub control: &'a Control,
+    /// Live progress of the channel.
+    pub progress: &'a Progress,
+    /// To the log.
+    pub emitter: Emitter<'a>,
+}
+
+/// The dialect of a channel.
+pub(crate) struct DialectState {
+    /// Which dialect.
+    pub(crate) kind: &'static dyn Dialect,
+    /// Numbered variables.
+    pub(crate) variables: ChannelVariables,
+    /// Interpreter of what is more than plain words; it is away while it works.
+    pub(crate) interpreter: Option<Box<dyn Interpreter>>,
+    /// What the interpreter has read of programs no longer holds; it is told when it comes back.
+    pub(crate) is_stale: bool,
+}
+
+impl DialectState {
+    pub(crate) fn new(machine: &Machine) -> Self {
+        let kind = counterpoint_dialect::of(machine);
+        Self { kind, variables: ChannelVariables::default(), interpreter: kind.interpreter(machine), is_stale: false }
+    }
+}
+
+/// What a kernel is given when it is made.
+pub struct Setup<'a> {
+    /// What the run is about.
+    pub env: Environment<'a>,
+    /// The ways out.
+    pub ports: Ports<'a>,
+    /// The machine, prepared.
+    pub plan: &'a Plan,
+}

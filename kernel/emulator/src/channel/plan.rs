@@ -1,0 +1,369 @@
+//! What is compiled once per job and shared by its kernels.
+
+use std::sync::Arc;
+
+use super::actions::{Action, Actions};
+use super::custom_macro::CodeCalls;
+use super::data::RECALLED;
+use super::hook_points::HookPoints;
+use super::refusals::Refusals;
+use counterpoint_machine::Machine;
+use counterpoint_machine::ident::{DataId, codes, data};
+use counterpoint_machine::model::{AxisRole, CodeForm, CodeRow, Dimension, Register};
+use counterpoint_program::scan::Scanner;
+use counterpoint_program::tape::Tape;
+
+/// Compiled form of the machine for the block loop.
+pub struct Plan {
+    /// Where the macros of the machine take part; none on a machine without macros.
+    pub(crate) hooks: Option<&'static HookPoints>,
+    pub(crate) scanner: Scanner,
+    /// For what the pre-processor of another control leaves: it has seen to the marks of optional skip.
+    pub(crate) unmarked: Option<Arc<Scanner>>,
+    /// Action of each code row.
+    pub(crate) action_of_row: Vec<Option<&'static dyn Action>>,
+    /// What else is asked of the actions.
+    pub(crate) actions: &'static Actions,
+    /// Words that call programs; `None` when the machine has none.
+    pub(crate) code_calls: Option<Box<CodeCalls>>,
+    /// First enabled row of each code.
+    pub(crate) rows_of_code: Vec<Option<u16>>,
+    pub(crate) registers: Registers,
+    pub(crate) data: DataPlan,
+    pub(crate) edits: Edits,
+    /// What the control makes of its blocks beyond their words.
+    pub(crate) rules: Rules,
+}
+
+/// Registers that a block is looked through for.
+#[derive(Debug)]
+pub(crate) struct Registers {
+    /// That of the G letter, for macro calls of the pre-processor.
+    pub(crate) g: Option<u8>,
+    /// That which defines programs (O).
+    pub(crate) definition: Option<u8>,
+    /// Those of the sequence numbers of the main and of the side head.
+    pub(crate) head_sequences: [Option<u8>; 2],
+    /// Those whose words can move an axis or shape an arc, bit by register.
+    pub(crate) motion: u128,
+    /// Those whose words are data whatever their value, bit by register.
+    pub(crate) only_data: u128,
+    /// Those that carry the spindle speed, bit by register.
+    pub(crate) speed: u128,
+}
+
+/// Where data come from.
+#[derive(Debug)]
+pub(crate) struct DataPlan {
+    /// Registers that can supply each data identifier, bit by register.
+    pub(crate) registers_of: Vec<u128>,
+    /// Where the values of each data identifier come from, in row order.
+    pub(crate) sources: Vec<Vec<Source>>,
+    /// Data that are positions of X, where programs choose between diameter and radius.
+    pub(crate) diameter_x: Vec<DataId>,
+    /// Data rows that drop their word silently.
+    pub(crate) ignore: Vec<bool>,
+    /// Data identifiers whose last value stands in when the word is missing; `None` when the machine has none.
+    pub(crate) recall: Option<Vec<bool>>,
+    /// Registers whose word an identifier must not take (`process = false`), bit by register.
+    pub(crate) refused: Vec<u128>,
+}
+
+/// What makes a block something else than its line.
+#[derive(Debug)]
+pub(crate) struct Edits {
+    /// Rules of the tape editor.
+    pub(crate) tape: Option<Tape>,
+    /// There is a tape editor, or a character that ends blocks.
+    pub(crate) reshapes: bool,
+}
+
+impl Edits {
+    fn new(machine: &Machine) -> Self {
+        Self {
+            tape: Tape::new(&machine.tape_editor),
+            reshapes: !machine.tape_editor.is_empty() || machine.format.eob.is_some(),
+        }
+    }
+}
+
+impl DataPlan {
+    fn new(machine: &Machine) -> Self {
+        let diameter_x = diameter_x(machine);
+        let refused = refused(machine);
+        let recall = recall(machine);
+        let recalled = |id: usize| recall.as_ref().and_then(|r| r.get(id)).copied().unwrap_or(false);
+        let registers_of = |(id, rows): (usize, &Vec<u16>)| {
+            let registers = rows.iter().filter_map(|&row| machine.data.get(usize::from(row))?.register);
+            let off = refused.get(id).copied().unwrap_or(0) & RECALLED;
+            let remembered = if recalled(id) { RECALLED } else { off };
+            registers.filter(|&r| r < 127).fold(remembered, |bits, r| bits | 1 << r)
+        };
+        Self {
+            registers_of: machine.tables.rows_of_data.iter().enumerate().map(registers_of).collect(),
+            sources: sources(machine, &diameter_x),
+            ignore: machine.data.iter().map(|r| !r.process || machine.data_name(r.id) == "REG_IGNORE").collect(),
+            diameter_x,
+            recall,
+            refused,
+        }
+    }
+}
+
+impl Registers {
+    fn new(machine: &Machine) -> Self {
+        let register_of = |id| machine.data.iter().find(|r| r.id == id && r.enable).and_then(|r| r.register);
+        let (mut motion, mut speed) = (0_u128, 0_u128);
+        for row in machine.data.iter().filter(|r| r.enable) {
+            let Some(register) = row.register.filter(|&r| r < 128) else { continue };
+            let name = machine.data_name(row.id);
+            if ["REG_AXIS_", "REG_ARC_", "REG_C2P_INTERP_", "REG_RTCP_"].iter().any(|start| name.starts_with(start)) {
+                motion |= 1 << register;
+            }
+            if row.id == data::SPINDLE_RPM || row.id == data::SPINDLE_CSS {
+                speed |= 1 << register;
+            }
+        }
+        let g = machine.registers.iter().position(|r| r.name == "G").map(|i| i as u8);
+        let definition = register_of(data::DEFSUB_ID);
+        let only_data = (0..128_u8).filter(|&r| {
+            let known = machine.tables.data_of_register.get(usize::from(r)).is_some_and(|rows| !rows.is_empty());
+            known && !machine.tables.has_codes(r) && Some(r) != g && Some(r) != definition
+        });
+        Self {
+            only_data: only_data.fold(0, |bits, r| bits | 1 << r),
+            head_sequences: [register_of(data::SEQNO_MAIN), register_of(data::SEQNO_SIDE)],
+            g,
+            definition,
+            motion,
+            speed,
+        }
+    }
+}
+
+/// What a control makes of blocks and values beyond the meaning of their words.
+#[derive(Debug)]
+pub(crate) struct Rules {
+    /// Group within which only the last G code of a block acts, by code row, 0 for none; empty where all act.
+    pub(crate) exclusive: Vec<u16>,
+    /// Steps of one unit that values of expressions are rounded to, by register in primary and secondary units; empty
+    /// where values stay as they are.
+    pub(crate) steps: Vec<[f64; 2]>,
+    /// The lead of a thread and the feed per revolution are one word that stays in force (F of Fanuc controls).
+    pub(crate) lead_is_feed: bool,
+    /// Rules by which the control refuses blocks.
+    pub(crate) refusals: Option<Box<Refusals>>,
+}
+
+impl Rules {
+    fn new(machine: &Machine, g: Option<u8>) -> Self {
+        Self {
+            exclusive: exclusive(machine, g),
+            steps: steps(machine),
+            lead_is_feed: lead_is_feed(machine),
+            refusals: Refusals::new(machine),
+        }
+    }
+}
+
+/// Modal data that no action remembers by itself: those the machine made modal beyond axes, feeds, speeds and tools.
+fn recall(machine: &Machine) -> Option<Vec<bool>> {
+    let own = ["REG_AXIS_", "REG_SPINDLE_", "REG_FEED_", "REG_RAPID_FEED", "REG_TOOL", "REG_INTERP_THREAD_PITCH"];
+    let of = |rows: &Vec<u16>| {
+        let mut rows = rows.iter().filter_map(|&row| machine.data.get(usize::from(row)));
+        rows.any(|row| row.modal && row.process && !own.iter().any(|p| machine.data_name(row.id).starts_with(p)))
+    };
+    let recall: Vec<bool> = machine.tables.rows_of_data.iter().map(of).collect();
+    recall.contains(&true).then_some(recall)
+}
+
+/// Data that whoever asks for them needs; others have a second form or a value of their own without the word.
+const NEEDED: [DataId; 24] = [
+    data::SPINDLE_RPM,
+    data::SPINDLE_CSS,
+    data::SPINDLE_RPM_MAX,
+    data::FEED_UPM,
+    data::FEED_UPR,
+    data::FEED_1T,
+    data::DELAY,
+    data::DELAY_REV,
+    data::INTERP_THREAD_PITCH,
+    data::INTERP_THREAD_PITCH_VAR,
+    data::TOOL,
+    data::HEAD_ID,
+    data::COMP_DIAM,
+    data::COMP_LENGTH,
+    data::COMP_WORKP,
+    data::COMP_EXTFIXT_REG,
+    data::OFFSET_NUMBER,
+    data::OFFSET_VALUE,
+    data::GOHOME_NTH,
+    data::CALSUB_ID,
+    data::SYNC,
+    data::CYCLE_CLEAR,
+    data::CYCLE_STEP,
+    data::CYCLE_DWELL,
+];
+
+/// Registers of rows that are recognised but not processed.
+fn refused(machine: &Machine) -> Vec<u128> {
+    let of = |rows: &Vec<u16>| {
+        let rows = rows.iter().filter_map(|&row| machine.data.get(usize::from(row)));
+        let registers = rows.filter(|row| !row.process).filter_map(|row| row.register).filter(|&r| r < 127);
+        registers.fold(0, |bits, r| bits | 1 << r)
+    };
+    let mut refused: Vec<u128> = machine.tables.rows_of_data.iter().map(of).collect();
+    // Data that actions need and whose rows are all off: whoever asks for them is refused, whatever is on the block.
+    for row in machine.data.iter().filter(|row| !row.enable && NEEDED.contains(&row.id)) {
+        let at = usize::from(row.id.0);
+        if machine.tables.rows_of_data.get(at).is_some_and(Vec::is_empty)
+            && let Some(bits) = refused.get_mut(at)
+        {
+            *bits = RECALLED;
+        }
+    }
+    refused
+}
+
+/// Group of the one-shot codes, which have none in the table of identifiers.
+const ONE_SHOT: u16 = 1000;
+
+/// Groups of rows whose codes exclude each other on a block: those of G words.
+fn exclusive(machine: &Machine, g: Option<u8>) -> Vec<u16> {
+    if !machine.habits.last_of_group {
+        return Vec::new();
+    }
+    let group = |row: &CodeRow| match row.form {
+        CodeForm::Register { register, .. } | CodeForm::RegisterAsData { register, .. } if Some(register) == g => {
+            match row.group {
+                0 => ONE_SHOT,
+                _ if row.id == codes::LCS_TRANSLATE_ON => ONE_SHOT,
+                group => group,
+            }
+        }
+        _ => 0,
+    };
+    machine.codes.iter().map(group).collect()
+}
+
+/// Steps of one unit at each register.
+fn steps(machine: &Machine) -> Vec<[f64; 2]> {
+    if !machine.habits.rounded {
+        return Vec::new();
+    }
+    let of = |register: &Register| {
+        let digits = |digits: u8| register.increment.map_or(10_f64.powi(i32::from(digits)), f64::recip);
+        [digits(register.format.frac), digits(register.secondary.frac)]
+    };
+    machine.registers.iter().map(of).collect()
+}
+
+/// A data row, cut down to what taking a value needs.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Source {
+    pub(crate) register: u8,
+    pub(crate) modal: bool,
+    pub(crate) mul: f64,
+    pub(crate) add: f64,
+    pub(crate) min: f64,
+    pub(crate) max: f64,
+    pub(crate) dimension: Dimension,
+    /// A position of X, which may be programmed as a diameter or as a radius.
+    pub(crate) diameter_x: bool,
+    /// Row of the data table.
+    pub(crate) row: u16,
+}
+
+/// Data that are positions of X; none on machines whose programs cannot choose between diameter and radius.
+fn diameter_x(machine: &Machine) -> Vec<DataId> {
+    let chooses = |id| id == codes::XAXIS_DIAMETER || id == codes::XAXIS_RADIUS;
+    if !machine.codes.iter().any(|row| row.enable && chooses(row.id)) {
+        return Vec::new();
+    }
+    let axes = machine.axes.iter().filter(|axis| axis.role == AxisRole::X).map(|axis| axis.data);
+    let own = [
+        data::ARC_3D_POINT_X,
+        data::LCS_TRANS_X,
+        data::LCS_ROT_CENTER_X,
+        data::LCS_SCALE_CENTER_X,
+        data::THREAD_SINGLE_START_X,
+        data::THREAD_SINGLE_END_X,
+        data::THREAD_MULTI_START_X,
+        data::THREAD_MULTI_END_X,
+    ];
+    axes.chain(own).collect()
+}
+
+fn sources(machine: &Machine, diameter_x: &[DataId]) -> Vec<Vec<Source>> {
+    let source = |&index: &u16| {
+        let row = machine.data.get(usize::from(index)).filter(|row| row.process)?;
+        Some(Source {
+            register: row.register?,
+            modal: row.modal,
+            mul: row.mul,
+            add: row.add,
+            min: row.min.unwrap_or(f64::NEG_INFINITY),
+            max: row.max.unwrap_or(f64::INFINITY),
+            dimension: row.dimension,
+            diameter_x: diameter_x.contains(&row.id),
+            row: index,
+        })
+    };
+    machine.tables.rows_of_data.iter().map(|rows| rows.iter().filter_map(source).collect()).collect()
+}
+
+/// First enabled row of each code.
+fn rows_of_code(machine: &Machine) -> Vec<Option<u16>> {
+    let mut rows = vec![None; counterpoint_machine::ident::codes::TABLE.len() + machine.custom_codes.len()];
+    for (row, at) in machine.codes.iter().zip(0_u16..) {
+        if let Some(slot @ None) = rows.get_mut(usize::from(row.id.0))
+            && row.enable
+        {
+            *slot = Some(at);
+        }
+    }
+    rows
+}
+
+/// Both are modal and have the same register.
+fn lead_is_feed(machine: &Machine) -> bool {
+    let row = |id| machine.data.iter().find(|row| row.id == id && row.enable && row.process && row.modal);
+    let registers = [data::INTERP_THREAD_PITCH, data::FEED_UPR].map(|id| row(id).and_then(|row| row.register));
+    counterpoint_dialect::of(machine).lead_is_feed() && registers[0].is_some() && registers[0] == registers[1]
+}
+
+impl Plan {
+    /// Where the values of an identifier come from.
+    pub(crate) fn sources_of(&self, id: DataId) -> &[Source] {
+        self.data.sources.get(usize::from(id.0)).map_or(&[], Vec::as_slice)
+    }
+
+    /// Registers that can supply an identifier, bit by register.
+    pub(crate) fn registers_of(&self, id: DataId) -> u128 {
+        self.data.registers_of.get(usize::from(id.0)).copied().unwrap_or(0)
+    }
+
+    /// The plan for a machine, with the optional skip levels that are on, its actions, and the hooks of its macros.
+    pub fn new(
+        machine: &Machine,
+        opskip: &[u8],
+        actions: &'static Actions,
+        hooks: Option<&'static HookPoints>,
+    ) -> Self {
+        let registers = Registers::new(machine);
+        let syntax = counterpoint_dialect::of(machine).syntax();
+        Self {
+            hooks,
+            unmarked: syntax.needs_interpreter.map(|_| Arc::new(Scanner::without_marks(machine, syntax))),
+            scanner: Scanner::new(machine, syntax, opskip),
+            action_of_row: machine.codes.iter().map(|row| (actions.of)(row.id)).collect(),
+            actions,
+            code_calls: CodeCalls::new(machine),
+            rows_of_code: rows_of_code(machine),
+            rules: Rules::new(machine, registers.g),
+            registers,
+            data: DataPlan::new(machine),
+            edits: Edits::new(machine),
+        }
+    }
+}

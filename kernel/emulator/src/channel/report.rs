@@ -1,0 +1,120 @@
+//! Diagnostics of a kernel, and what those do that are alarms of the control.
+//!
+//! Facts: reference control-emulator.md 7.5 (the emulated system goes on in all cases until an end code). Decision: a real
+//! control stops at its alarms; which of both a machine does is data of its own (`[control] stops`, `stops` of a number).
+//! Invariants: what stops the channel is in the log whatever macros have switched off; a job with an alarm never counts as
+//! succeeded, however softly the alarm is told.
+
+use super::Kernel;
+use crate::state::alarms::Alarms;
+use crate::state::burden::{RESULT, shortened};
+use counterpoint_event::event::{Diagnostic, Kind};
+use counterpoint_fault::{self as diag, Facts};
+use counterpoint_fault::{Acted, Halt};
+
+impl Kernel<'_> {
+    /// Logs a diagnostic at the current block. Beyond the limit of a channel one closing notice follows, then
+    /// nothing but alarms. A diagnostic that is an alarm of the control stops the channel before the next code acts.
+    pub fn diagnose(&mut self, facts: &Facts, text: impl Into<String>) {
+        if facts.alarm && self.ports.control.cancelled() {
+            // What was looked for may not have been looked for everywhere.
+            return;
+        }
+        let stops = self.channel.stops_at(facts);
+        if self.has_room(stops) {
+            self.log_diagnostic(facts, text.into(), stops);
+        } else if self.channel.is_alarm(facts) {
+            self.channel.reports.alarms.softened = self.channel.reports.alarms.softened.saturating_add(1);
+        }
+    }
+
+    /// Counts a diagnostic; false if it is one too many.
+    pub(crate) fn has_room(&mut self, alarm: bool) -> bool {
+        let limit = self.channel.env.options.limits.diagnostics;
+        self.channel.reports.diagnostics = self.channel.reports.diagnostics.saturating_add(1);
+        if self.channel.reports.diagnostics > limit && !alarm {
+            if self.channel.reports.diagnostics == limit + 1 {
+                let text = format!(
+                    "more than {limit} diagnostics in channel {}; further ones are not logged",
+                    self.channel.at.channel
+                );
+                self.log_diagnostic(&diag::TOO_MANY_DIAGNOSTICS, text, false);
+            }
+            return false;
+        }
+        true
+    }
+
+    fn log_diagnostic(&mut self, facts: &Facts, text: String, stops: bool) {
+        let errors = self.channel.reports.alarms.errors;
+        if let Some((severity, text)) = self.customised(facts.number, (facts.severity, stops), text) {
+            if self.plan.hooks.is_some() {
+                self.issue((facts.number, severity), text, (None, stops));
+            } else {
+                self.channel.count_error(severity);
+                let text = shortened(&text);
+                self.channel.burden.result(text.len() + RESULT);
+                let (number, text) = (facts.number, text.into());
+                let diagnostic = Diagnostic { number, severity, text, ..Diagnostic::default() };
+                self.emit(0, Kind::Diagnostic(Box::new(diagnostic)));
+            }
+        }
+        self.channel.reports.alarms.stopping |= stops;
+        let own = self.channel.env.machine.diagnostics.stops(facts.number);
+        if self.channel.is_alarm(facts) && own != Some(false) && self.channel.reports.alarms.errors == errors {
+            self.channel.reports.alarms.softened = self.channel.reports.alarms.softened.saturating_add(1);
+        }
+    }
+
+    /// Logs an alarm of the control and returns what it does: the channel stops, or the rest of the block is dropped.
+    pub(crate) fn alarm(&mut self, facts: &Facts, text: impl Into<String>) -> Halt {
+        self.diagnose(facts, text);
+        self.halted(if self.channel.stops_at(facts) { Halt::Alarm } else { Halt::Dropped })
+    }
+
+    /// What ends a block, unless the job is to end: then nothing is an alarm any more.
+    fn halted(&self, halt: Halt) -> Halt {
+        if self.ports.control.cancelled() { Halt::Stopped } else { halt }
+    }
+
+    /// Logs an alarm that leaves nothing to go on with.
+    pub(crate) fn fatal(&mut self, facts: &Facts, text: impl Into<String>) -> Halt {
+        self.diagnose(facts, text);
+        self.halted(Halt::Alarm)
+    }
+
+    /// An alarm that the machine goes on from ends its block; what the block had asked for before still happens.
+    #[inline(always)]
+    pub(crate) fn went_on(&mut self, done: Acted) -> Acted {
+        if done == Err(Halt::Dropped) { self.goes_on() } else { done }
+    }
+
+    #[cold]
+    fn goes_on(&mut self) -> Acted {
+        match self.follow() {
+            Err(Halt::Dropped) => Ok(()),
+            done => done,
+        }
+    }
+
+    /// Says that there were alarms, where the log would not show an error. Nothing changes this diagnostic.
+    pub fn report_softened(&mut self, halt: Halt) {
+        let Alarms { errors, softened, .. } = self.channel.reports.alarms;
+        if errors > 0 || softened == 0 && halt != Halt::Alarm {
+            return;
+        }
+        let what = if halt == Halt::Alarm { "is stopped by an alarm" } else { "continued after an alarm" };
+        let text = format!("channel {} {what} that the machine reports as less than an error", self.channel.at.channel);
+        let (number, severity, text) = (diag::ALARM_SOFTENED.number, diag::ALARM_SOFTENED.severity, text.into());
+        let diagnostic = Diagnostic { number, severity, text, ..Diagnostic::default() };
+        self.emit(0, Kind::Diagnostic(Box::new(diagnostic)));
+    }
+
+    /// Text of the current block, for messages: at most 60 characters.
+    pub(crate) fn block_text(&self) -> String {
+        match self.macros.block.text.as_ref() {
+            Some(text) => counterpoint_event::info::cut(text, 60),
+            None => self.channel.env.info.block_text(self.channel.at.file, self.channel.at.line, 60).into_owned(),
+        }
+    }
+}

@@ -1,0 +1,347 @@
+//! Hooks around the codes of a block: code macros before built-in actions, data macros on every value taken.
+//!
+//! Facts: reference control-emulator.md 2.3, 4.2. Invariants: a macro that runs is no candidate; a code counts as fired
+//! (and modal) before its macro runs; codes that macros add act on this block, by their order.
+
+use counterpoint_lang::value::Value;
+
+use crate::channel::Kernel;
+use crate::channel::hook_points::Origin;
+use crate::macros::calls::Task;
+use crate::macros::values::{code_id, code_value, data_value};
+use crate::state::modal::group;
+use counterpoint_fault as diag;
+use counterpoint_fault::{Acted, Halt};
+use counterpoint_machine::ident::{CodeId, DataId, codes, data};
+use counterpoint_machine::macros::condition::Item;
+use counterpoint_machine::model::{CodeForm, Dimension};
+use counterpoint_program::block::Datum;
+use counterpoint_program::block::PendingCode;
+
+/// A value that has been taken, before data macros and units.
+struct Taken {
+    value: f64,
+    factor: f64,
+    incremental: bool,
+    raw: f64,
+    modal: bool,
+    register: Option<u8>,
+}
+
+impl Kernel<'_> {
+    /// Sequence numbers and marks of the block that macros can ask for.
+    pub(crate) fn begin_codes(&mut self, origin: Origin) {
+        self.head_sequence();
+        if let Some(number) = self.channel.block.sequence {
+            self.macros.books.last_sequence = number;
+        }
+        self.channel.block.next = 0;
+        let mark = self.macros.block.mark.filter(|_| origin == Origin::Text);
+        if let Some(level) = mark {
+            self.channel.block.added.push((data::OPSKIP, f64::from(level)));
+        }
+    }
+
+    /// Block Shutdown, for a block that was a text.
+    pub(crate) fn end_codes(&mut self, origin: Origin) -> Acted {
+        if origin == Origin::Text { self.block_shutdown() } else { Ok(()) }
+    }
+
+    /// Data that macros added and nothing took; then what they found out about the program.
+    pub(crate) fn drop_added_data(&mut self) -> Acted {
+        self.added_leftovers();
+        self.pending_halt()
+    }
+
+    /// The sequence number that the head of this channel has of its own.
+    fn head_sequence(&mut self) {
+        if let Some(register) = self.own_sequence()
+            && let Some(word) = self.channel.block.take(register)
+        {
+            self.channel.block.sequence =
+                self.channel.block.sequence.or((word.value >= 0.0).then_some(word.value as u32));
+        }
+    }
+
+    /// Register of the sequence numbers that the head of this channel has of its own.
+    pub(crate) fn own_sequence(&self) -> Option<u8> {
+        let own = usize::from(self.channel.kernel_number())
+            .checked_sub(1)
+            .and_then(|head| self.plan.registers.head_sequences.get(head));
+        own.copied().flatten()
+    }
+
+    /// What macros found out inside a place that could not leave the program.
+    pub(crate) fn pending_halt(&mut self) -> Acted {
+        self.macros.calls.pending().map_or(Ok(()), Err)
+    }
+
+    /// Codes that data fire: motion by added axis values, and what `$FCEDAC` has set up.
+    pub(crate) fn imply_by_data(&mut self) {
+        if self.adds_motion() && !self.group_queued(group::MOTION) && !self.channel.has_any(self.plan.registers.motion)
+        {
+            self.imply_motion();
+        }
+        let count = self.macros.modes.data_codes.len();
+        for at in 0..count {
+            let pair = self.macros.modes.data_codes.get(at).copied();
+            let Some((id, group)) = pair else { break };
+            if self.has_data(id) && !self.group_queued(group) {
+                self.queue_by_data(group);
+            }
+        }
+    }
+
+    /// A macro has put the position of an axis or the shape of an arc on the block.
+    pub(crate) fn adds_motion(&self) -> bool {
+        self.channel.block.added.iter().any(|(id, _)| {
+            let name = self.channel.env.machine.data_name(*id);
+            name.starts_with("REG_AXIS_") || name.starts_with("REG_ARC_")
+        })
+    }
+
+    /// Data by which `$FCEDAC` fires the code of a group are on the block.
+    pub(crate) fn has_firing_data(&self, group: u16) -> bool {
+        let pairs = self.macros.modes.data_codes.as_slice();
+        pairs.iter().any(|(id, of)| *of == group && self.has_data(*id))
+    }
+
+    /// The first code macro for a code that is on, not running, and whose condition holds.
+    pub(crate) fn matching_code_macro(&self, id: CodeId) -> Option<u16> {
+        let macros = self.channel.env.machine.macros.as_deref()?;
+        let list = macros.of_code(id);
+        let runtime = &*self.macros;
+        if list.is_empty() || !runtime.hooks.matching {
+            return None;
+        }
+        list.iter().find_map(|&at| {
+            let at = usize::from(at);
+            let named = macros.codes.get(at)?;
+            let may = runtime.hooks.has_code(at) && !runtime.calls.is_busy(named.code);
+            let holds = || named.condition.is_empty() || named.condition.holds(|item| self.is_present(item, Some(id)));
+            (may && holds()).then_some(named.code)
+        })
+    }
+
+    /// An identifier is on the block; the code that acts counts as present.
+    fn is_present(&self, item: Item, fired: Option<CodeId>) -> bool {
+        match item {
+            Item::Code(id) => Some(id) == fired || self.has_code(id),
+            Item::Data(id) => self.has_data(id),
+        }
+    }
+
+    /// A code that has been taken off the block: its macro, else its action.
+    #[inline(never)]
+    pub(crate) fn act_with_macros(&mut self, firing: PendingCode, id: CodeId) -> Acted {
+        let outer = self.set_code(Some(id));
+        let done = self.run_code(firing, id);
+        self.set_code(outer);
+        done
+    }
+
+    pub(crate) fn set_code(&mut self, id: Option<CodeId>) -> Option<CodeId> {
+        std::mem::replace(&mut self.macros.block.code, id)
+    }
+
+    fn run_code(&mut self, firing: PendingCode, id: CodeId) -> Acted {
+        let Some(code) = self.matching_code_macro(id) else {
+            let machine = self.channel.env.machine;
+            let row = machine.codes.get(usize::from(firing.row));
+            return row.map_or(Ok(()), |row| self.perform(row, firing));
+        };
+        let mut arguments = [code_value(Some(id)), self.value_of_code(firing)];
+        self.run_macro(code, Task::Code(firing, id), &mut arguments).map(|_| ())
+    }
+
+    /// `$P2` of a code macro.
+    fn value_of_code(&self, firing: PendingCode) -> Value {
+        match self.channel.env.machine.codes.get(usize::from(firing.row)).map(|row| &row.form) {
+            Some(CodeForm::Text(text)) => Value::text(text.as_str()),
+            _ => Value::Real(self.code_number(firing)),
+        }
+    }
+
+    /// OUTPUT of a code macro: the code that `$P1` holds now goes on to the next macro or to its action.
+    pub(crate) fn output_code(&mut self, firing: PendingCode, id: CodeId, wanted: Option<&Value>) -> Acted {
+        let target = match wanted {
+            None => id,
+            Some(value @ Value::Code(_)) => match code_id(value) {
+                Some(target) => target,
+                None => return Ok(()),
+            },
+            Some(other) => {
+                let text = format!("$P1 of a code macro is {}, not a code", other.kind_name());
+                self.diagnose(&diag::MACRO_RESULT, text);
+                return Ok(());
+            }
+        };
+        let row = if target == id { Some(firing.row) } else { self.row_of_code(target) };
+        let Some(row) = row else {
+            self.no_such_code(target);
+            return Ok(());
+        };
+        let machine = self.channel.env.machine;
+        let facts = |row: u16| machine.codes.get(usize::from(row));
+        let own = facts(firing.row).and_then(|row| Self::data_of_firing(row, firing));
+        let firing = PendingCode { row, ..firing };
+        self.channel.acting.as_data = own;
+        if target != id
+            && let Some(row) = facts(row)
+        {
+            self.set_firing(row, firing);
+            self.channel.acting.as_data = self.channel.acting.as_data.or(own);
+        }
+        let done = self.act_with_macros(firing, target);
+        self.channel.acting.as_data = None;
+        done
+    }
+
+    /// Takes the value of data off the block and lets every matching data macro have it.
+    #[inline(never)]
+    pub(crate) fn take_with_macros(&mut self, id: DataId) -> Option<Datum> {
+        let Some(mut taken) = self.taken(id) else {
+            return if self.refuse(id) { None } else { self.recall(id) };
+        };
+        let mut absolute = false;
+        let list = self.channel.env.machine.macros.as_deref().map_or(&[][..], |macros| macros.of_data(id));
+        if !list.is_empty() && self.macros.hooks.matching {
+            absolute = self.data_macros(id, list, &mut taken)?;
+        }
+        let value = taken.value * taken.factor;
+        if taken.modal && !taken.incremental {
+            self.channel.state.modal.remember(id, value);
+        }
+        self.trace_data(id, value);
+        Some(Datum { value, incremental: taken.incremental, absolute, raw: taken.raw })
+    }
+
+    fn taken(&mut self, id: DataId) -> Option<Taken> {
+        if let Some((data, value)) = self.channel.acting.as_data
+            && data == id
+        {
+            self.channel.acting.as_data = None;
+            return Some(Taken { value, factor: 1.0, incremental: false, raw: value, modal: false, register: None });
+        }
+        let plan = self.plan;
+        for source in plan.data.sources.get(usize::from(id.0))? {
+            let Some(word) = self.channel.block.take(source.register) else { continue };
+            let (raw, incremental) = (word.value, word.incremental);
+            if raw < source.min || raw > source.max {
+                self.out_of_range(source.row, raw);
+            }
+            let across = if source.diameter_x { self.channel.across_factor() } else { 1.0 };
+            let factor = self.channel.unit_factor(source.dimension) * across;
+            let value = raw * source.mul + source.add;
+            let register = Some(source.register);
+            return Some(Taken { value, factor, incremental, raw, modal: source.modal, register });
+        }
+        let at = self.channel.block.added.iter().position(|(other, _)| *other == id)?;
+        let (_, value) = self.channel.block.added.remove(at);
+        let rows = self.channel.env.machine.tables.data(id);
+        let row = rows.first().and_then(|&row| self.channel.env.machine.data.get(usize::from(row)));
+        let (dimension, modal) = row.map_or((Dimension::None, false), |row| (row.dimension.plain(), row.modal));
+        let across = if self.plan.data.diameter_x.contains(&id) { self.channel.across_factor() } else { 1.0 };
+        let factor = self.channel.unit_factor(dimension) * across;
+        Some(Taken { value, factor, incremental: false, raw: value, modal, register: None })
+    }
+
+    /// Runs the data macros of an identifier, in list order; none if one of them takes the value away. True if a macro
+    /// says that the value is absolute whatever the mode.
+    fn data_macros(&mut self, id: DataId, list: &[u16], taken: &mut Taken) -> Option<bool> {
+        let relative =
+            taken.incremental || self.channel.state.modal.code(group::POSITION) == Some(codes::POSITION_RELATIVE);
+        let mode = if relative { 2.0 } else { 1.0 };
+        let register = taken.register.and_then(|at| self.channel.env.machine.registers.get(usize::from(at)));
+        let register = Value::Real(register.map_or(0.0, |register| f64::from(register.index)));
+        let mut arguments = [Value::Real(1.0), Value::Real(taken.value), data_value(id), Value::Real(mode), register];
+        for &at in list {
+            let Some(code) = self.matching_data_macro(usize::from(at)) else { continue };
+            let before = arguments.clone();
+            if let Err(halt) = self.run_macro(code, Task::None, &mut arguments) {
+                self.keep_halt(halt);
+                break;
+            }
+            self.check_result(&before, &mut arguments);
+            if arguments.first().and_then(Value::as_real) == Some(0.0) {
+                return None;
+            }
+        }
+        let [_, value, _, wanted, _] = &arguments;
+        if let Some(value) = value.as_real() {
+            taken.value = value;
+        }
+        let wanted = wanted.as_real().unwrap_or(mode);
+        if wanted == mode {
+            return Some(false);
+        }
+        taken.incremental = wanted == 2.0;
+        Some(wanted == 1.0)
+    }
+
+    fn matching_data_macro(&self, at: usize) -> Option<u16> {
+        let named = self.channel.env.machine.macros.as_deref()?.data.get(at)?;
+        let runtime = &*self.macros;
+        let may = runtime.hooks.has_data(at) && !runtime.calls.is_busy(named.code);
+        // The data that are being taken count as present; they are off the block already.
+        let holds = || {
+            let present = |item| match (item, self.channel.env.machine.macros.as_deref()) {
+                (Item::Data(id), Some(macros)) if macros.of_data(id).contains(&(at as u16)) && !self.has_data(id) => {
+                    true
+                }
+                _ => self.is_present(item, None),
+            };
+            named.condition.is_empty() || named.condition.holds(present)
+        };
+        (may && holds()).then_some(named.code)
+    }
+
+    /// A data macro returns numbers; anything else is reported and replaced by the value before.
+    fn check_result(&mut self, before: &[Value; 5], after: &mut [Value; 5]) {
+        for (at, (old, new)) in before.iter().zip(after.iter_mut()).enumerate() {
+            if at == 2 || matches!(new, Value::Real(number) if number.is_finite()) {
+                continue;
+            }
+            let text = format!("$P{} of a data macro is {}, not a number; it is passed over", at + 1, new.kind_name());
+            *new = old.clone();
+            self.diagnose(&diag::MACRO_RESULT, text);
+        }
+    }
+
+    /// Added data that nothing has taken.
+    fn added_leftovers(&mut self) {
+        while let Some((id, value)) = self.channel.block.added.pop() {
+            if id == data::OPSKIP {
+                continue;
+            }
+            let rows = self
+                .channel
+                .env
+                .machine
+                .tables
+                .data(id)
+                .iter()
+                .filter_map(|&row| self.channel.env.machine.data.get(usize::from(row)));
+            let modal = rows.clone().any(|row| row.modal && row.process);
+            let name = self.channel.env.machine.data_name(id).to_owned();
+            if modal && !name.starts_with("REG_AXIS_") {
+                let factor = rows.map(|row| self.channel.unit_factor(row.dimension.plain())).next().unwrap_or(1.0);
+                self.channel.state.modal.remember(id, value * factor);
+                continue;
+            }
+            let value = counterpoint_lang::format::wildcard_text(value);
+            self.diagnose(&diag::DATA_NOT_USED, format!("{name} {value} is not used by anything and is dropped"));
+        }
+    }
+
+    /// Runs a macro of a hook without arguments.
+    ///
+    /// # Errors
+    /// It made the kernel leave its program.
+    pub fn plain_macro(&mut self, hook: counterpoint_machine::macros::model::Hook) -> Result<(), Halt> {
+        match self.hook(hook) {
+            Some(code) => self.run_macro(code, Task::None, &mut []).map(|_| ()),
+            None => Ok(()),
+        }
+    }
+}

@@ -1,0 +1,173 @@
+//! Macros of a kernel as they run: how one starts and ends, and how the kernel works while it runs.
+//!
+//! Invariant: the state of the machine of the language lies with the kernel while no macro runs, and goes to the one that
+//! does; macros nest as deep as the stack of their thread holds.
+
+use counterpoint_fault::Halt;
+use std::sync::Arc;
+
+use counterpoint_lang::compile::Program;
+use counterpoint_lang::fault::Fault;
+use counterpoint_lang::value::Value;
+use counterpoint_lang::vm::{self, End, State};
+
+use crate::channel::Kernel;
+use crate::macros::calls::{Task, unwinding};
+use crate::macros::runtime::Runtime;
+use crate::macros::store::names;
+use counterpoint_event::info::Info;
+use counterpoint_machine::macros::model::{Hook, Macros};
+
+/// Programs and parameters of a job as a command line names them.
+fn command_line(info: &Info) -> String {
+    let programs = info.channels.iter().filter(|channel| !channel.program.is_empty());
+    let mut line = programs.map(|channel| channel.program.as_str()).collect::<Vec<_>>().join(";");
+    if !info.parameters.is_empty() {
+        line.push_str(" /u ");
+        line.push_str(&info.parameters);
+    }
+    line
+}
+
+impl Kernel<'_> {
+    /// Sets up the macros of the kernel's machine.
+    pub fn with_macros(mut self, program: Option<&Arc<Program>>) -> Self {
+        let none = Macros::default();
+        // A machine without macros has a program all the same if its programs have embedded code.
+        let macros = self.channel.env.machine.macros.as_deref().unwrap_or(&none);
+        let memory = self.channel.shares().macros;
+        let Some(program) = program else { return self };
+        let kernels = self.channel.env.machine.channels.len();
+        let mut runtime = Runtime::new(macros, program, self.channel.kernel_number(), (kernels, memory));
+        runtime.arguments.slots = self.six_axes();
+        runtime.books.columns = self.travel_columns();
+        let (extension, store) =
+            (self.channel.env.machine.subprograms.extension.as_str(), &mut runtime.variables.store);
+        store.set(names().extension, Value::text(extension));
+        store.set(names().parameters, Value::text(self.channel.env.info.parameters.as_str()));
+        store.set(names().command_line, Value::text(command_line(self.channel.env.info)));
+        self.macros = Box::new(runtime);
+        self
+    }
+
+    /// The macro of a hook that may run now.
+    #[inline]
+    pub(crate) fn hook(&self, hook: Hook) -> Option<u16> {
+        self.macros.ready(hook)
+    }
+
+    /// Runs a macro; `arguments` hold its `$P` before and after.
+    ///
+    /// # Errors
+    /// Something inside made the kernel leave its program at once.
+    pub(crate) fn run_macro(&mut self, code: u16, task: Task, arguments: &mut [Value]) -> Result<u32, Halt> {
+        let Some(mut state) = self.macros.calls.take_state() else { return Ok(0) };
+        let program = Arc::clone(&self.macros.program);
+        let selects = task.selects();
+        if self.channel.env.trace.is_some() {
+            self.trace_entering(code, selects);
+        }
+        let matching = self.begin_macro(code, task);
+        let limit = self.macros.calls.limit_nesting(&mut state);
+        let (end, _) = vm::run(&program, &mut state, self, code, arguments);
+        state.limits.depth = limit;
+        let outputs = self.macro_ended(state, code, matching, end);
+        if self.channel.env.trace.is_some() {
+            self.trace_leaving(code, selects);
+        }
+        outputs
+    }
+
+    /// Runs embedded code for its value.
+    ///
+    /// # Errors
+    /// As [`run_macro`](Self::run_macro).
+    pub(crate) fn run_embedded(&mut self, code: u16) -> Result<Value, Halt> {
+        let Some(mut state) = self.macros.calls.take_state() else { return Ok(Value::Null) };
+        let program = Arc::clone(&self.macros.program);
+        let matching = self.begin_macro(code, Task::None);
+        let limit = self.macros.calls.limit_nesting(&mut state);
+        let (end, value) = vm::run(&program, &mut state, self, code, &mut []);
+        state.limits.depth = limit;
+        self.macro_ended(state, code, matching, end)?;
+        Ok(value)
+    }
+
+    /// Notes that a macro starts; returns whether macros matched before.
+    fn begin_macro(&mut self, code: u16, task: Task) -> bool {
+        self.macros.calls.begin(code, task);
+        std::mem::replace(&mut self.macros.hooks.matching, true)
+    }
+
+    fn macro_ended(&mut self, mut state: Box<State>, code: u16, matching: bool, end: End) -> Result<u32, Halt> {
+        if state.depth == 0 {
+            self.channel.burden.steps += state.limits.ticks - state.ticks;
+        }
+        let over = state.over_memory();
+        let runtime = &mut *self.macros;
+        runtime.calls.put_state(state);
+        runtime.hooks.matching = matching;
+        let outputs = runtime.calls.end(code);
+        let inside = !runtime.calls.running.is_empty();
+        if runtime.calls.ending {
+            let halt = runtime.calls.halt.unwrap_or(Halt::Stopped);
+            if !inside {
+                runtime.calls.resume();
+            }
+            return Err(halt);
+        }
+        if end == End::Budget {
+            // Reported with its place; a control whose macros run indefinitely is stopped.
+            let halt = match over {
+                Some(largest) => self.macros_out_of_memory(&largest),
+                None if self.ports.control.cancelled() => Halt::Stopped,
+                None => Halt::Alarm,
+            };
+            self.macros.calls.ending = inside;
+            if inside {
+                self.macros.calls.halt = Some(halt);
+            }
+            return Err(halt);
+        }
+        let halt = if inside { None } else { runtime.calls.halt.take() };
+        if runtime.tools.changed && !inside {
+            runtime.tools.changed = false;
+            self.report_tools();
+        }
+        halt.map_or(Ok(outputs), Err)
+    }
+
+    /// Ends the job: the macros of this kernel keep more than their share of its memory.
+    fn macros_out_of_memory(&mut self, largest: &str) -> Halt {
+        let share = self.channel.shares().macros;
+        self.out_of_memory(&format!("macros of this kernel keep more than {share} bytes, most of them in {largest}"))
+    }
+
+    /// Keeps a reason to leave the program until whoever runs the block can act on it.
+    pub(crate) fn keep_halt(&mut self, halt: Halt) {
+        self.macros.calls.stop(halt);
+    }
+
+    /// Lets the kernel work while a macro is running: its state lies here meanwhile.
+    ///
+    /// # Errors
+    /// The work made the kernel leave its program: all running macros end.
+    pub(crate) fn meanwhile(
+        &mut self,
+        state: &mut State,
+        work: impl FnOnce(&mut Self) -> counterpoint_fault::Acted,
+    ) -> Result<(), Fault> {
+        let runtime = &mut *self.macros;
+        runtime.calls.lend_state(state);
+        let inner = runtime.calls.innermost().is_none_or(|call| call.matching);
+        let outer = std::mem::replace(&mut runtime.hooks.matching, inner);
+        let done = work(self);
+        let runtime = &mut *self.macros;
+        runtime.hooks.matching = outer;
+        runtime.calls.return_state(state);
+        done.map_err(|halt| {
+            (runtime.calls.halt, runtime.calls.ending) = (Some(halt), true);
+            unwinding(state)
+        })
+    }
+}

@@ -1,0 +1,145 @@
+//! Files of macros: those of the job and of the machine are read, what is written becomes a result of the job.
+//!
+//! Invariant: what a kernel finds in a file depends on simulated time only, never on who was faster.
+
+use counterpoint_fault::Halt;
+use counterpoint_lang::fault::Outcome;
+use counterpoint_lang::host::{FAILED, FORBIDDEN, Facts, Files, Folder, HostFn, NOT_FOUND, Shelf, stored};
+use counterpoint_lang::value::Value;
+use counterpoint_lang::vm::{self, State};
+
+use crate::channel::Kernel;
+use counterpoint_fault as diag;
+use counterpoint_machine::model::StoredFile;
+use counterpoint_ports::files::Bytes;
+use counterpoint_sync::files::Written;
+
+impl Kernel<'_> {
+    /// Does something with the folder of the run and its files.
+    fn with_files<R>(&mut self, work: impl FnOnce(&mut Folder, &mut dyn Shelf) -> R) -> R {
+        let mut folder = std::mem::take(&mut self.macros.outside.folder);
+        let result = work(&mut folder, self);
+        self.macros.outside.folder = folder;
+        result
+    }
+
+    /// A function of files.
+    pub(crate) fn file_function(&mut self, state: &mut State, function: HostFn, arguments: &[Value]) -> Outcome<Value> {
+        let program =
+            self.flow.frames.first().map_or("", |frame| self.channel.env.info.file_name(frame.file)).to_owned();
+        let answer = self.with_files(|folder, shelf| folder.function(shelf, state, (function, arguments), &program));
+        answer.unwrap_or(Ok(Value::Null))
+    }
+
+    /// Closes the units that are open when the kernel comes to its end, and removes its temporary files. What a kernel
+    /// that was stopped had open is lost: how far it got is chance.
+    pub fn close_files(&mut self, halt: Halt) {
+        let runtime = &mut *self.macros;
+        let Some(mut state) = runtime.calls.take_state() else { return };
+        runtime.outside.leaving = true;
+        if halt != Halt::Stopped {
+            vm::close_all(&mut state, self);
+        }
+        self.with_files(Folder::clean);
+        self.macros.outside.leaving = false;
+        self.macros.calls.put_state(state);
+    }
+
+    /// A file stored with the machine.
+    fn stored_file(&self, path: &str) -> Option<&Bytes> {
+        StoredFile::find(&self.channel.env.machine.storage, &path.replace('\\', "/"))
+    }
+
+    /// Works on the files that macros have written, in its turn.
+    pub(crate) fn job_files<R>(&mut self, work: impl FnOnce(&mut Written) -> R) -> Result<R, i32> {
+        self.shared(|order| work(&mut order.shared.files)).map_err(|halt| {
+            self.keep_halt(halt);
+            FAILED
+        })
+    }
+}
+
+impl Files for Kernel<'_> {
+    fn may_open(&mut self, state: &mut State, path: &str) -> i32 {
+        self.with_files(|folder, shelf| folder.openable(shelf, state, path))
+    }
+
+    fn may_write(&mut self, path: &str) -> i32 {
+        self.with_files(|folder, shelf| folder.writable(shelf, path))
+    }
+
+    fn read_file(&mut self, path: &str) -> Option<String> {
+        self.with_files(|folder, shelf| folder.load(shelf, path)).ok()
+    }
+
+    fn write_file(&mut self, path: &str, text: &str) -> bool {
+        self.with_files(|folder, shelf| folder.save(shelf, path, text)).is_ok()
+    }
+}
+
+impl Shelf for Kernel<'_> {
+    fn read(&mut self, path: &str) -> Result<String, i32> {
+        if stored(path) {
+            return self.stored_file(path).map(|text| String::from_utf8_lossy(text).into_owned()).ok_or(NOT_FOUND);
+        }
+        match self.job_files(|written| written.get(path))? {
+            Some(text) => text.map(|text| (*text).to_owned()).ok_or(NOT_FOUND),
+            None => match self.channel.env.files.read(path) {
+                Ok(text) => Ok(String::from_utf8_lossy(&text).into_owned()),
+                Err(counterpoint_ports::files::Error::Missing(_)) => Err(NOT_FOUND),
+                Err(counterpoint_ports::files::Error::Unreadable { .. }) => Err(FAILED),
+            },
+        }
+    }
+
+    fn write(&mut self, path: &str, text: &str) -> Result<(), i32> {
+        if stored(path) {
+            return Err(FORBIDDEN);
+        }
+        if self.macros.outside.leaving {
+            let tag = self.tag();
+            self.ports.coordinator.unordered(|order| order.shared.files.leave(tag, path, Some(text)));
+            return Ok(());
+        }
+        let limit = self.channel.shares().common;
+        let (done, over) = self.job_files(|written| {
+            let done = written.put(path, text);
+            (done, written.bytes() as u64 > limit)
+        })?;
+        if over {
+            let halt = self.out_of_memory("files that macros have written take most of it");
+            self.keep_halt(halt);
+            return Err(FAILED);
+        }
+        done.map_err(|text| {
+            self.diagnose(&diag::MACRO_FILES, text);
+            FAILED
+        })
+    }
+
+    fn facts(&mut self, path: &str) -> Result<Facts, i32> {
+        if stored(path) {
+            return self.stored_file(path).map(|text| Facts::file(text.len(), true)).ok_or(NOT_FOUND);
+        }
+        let (text, folder) = self.job_files(|written| (written.get(path), written.has_folder(path)))?;
+        let size = match text {
+            Some(text) => text.map(|text| text.len()),
+            None => self.channel.env.files.read(path).ok().map(|text| text.len()),
+        };
+        let folder = || {
+            let inside = |name: &String| name.strip_prefix(path).is_some_and(|rest| rest.starts_with('/'));
+            path == "." || folder || self.channel.env.files.list().iter().any(inside)
+        };
+        match size {
+            Some(size) => Ok(Facts::file(size, false)),
+            None if folder() => Ok(Facts::folder()),
+            None => Err(NOT_FOUND),
+        }
+    }
+
+    fn remove(&mut self, path: &str) {
+        // Only temporary files are removed, and they are there until all kernels have ended.
+        let tag = self.tag();
+        self.ports.coordinator.unordered(|order| order.shared.files.leave(tag, path, None));
+    }
+}

@@ -1,0 +1,221 @@
+//! Running macros: the state of the machine that runs them, which ones run, and what they do at OUTPUT.
+//!
+//! *Invariant:* a macro that runs is no candidate again until it has ended. While a macro runs, its state lies with the
+//! machine that runs it, and whoever calls back into the kernel puts it here first. Facts: reference
+//! control-emulator.md 4, macro-language.md 7.
+
+use std::sync::Arc;
+
+use counterpoint_fault::Halt;
+use counterpoint_lang::compile::Program;
+use counterpoint_lang::fault::Fault;
+use counterpoint_lang::value::Value;
+use counterpoint_lang::vm::{Limits, State};
+
+use crate::state::cycle::Hole;
+use counterpoint_event::event::{Motion, ToolAction};
+use counterpoint_machine::ident::CodeId;
+use counterpoint_program::block::PendingCode;
+
+/// Steps that one call of a macro may take, with everything it calls.
+pub(crate) const TICKS: u64 = 5_000_000;
+
+/// Macros active at once; functions nest without a stack of this program.
+const DEPTH: u32 = 100_000;
+
+/// Macros that EXEC, OUTPUT and embedded code may nest: a thread with [`STACK`] holds that many.
+const MOST_NESTED: usize = 1000;
+
+/// Stack of a thread that runs macros, in bytes.
+pub const STACK: usize = 256 << 20;
+
+/// What OUTPUT does in a running macro.
+#[derive(Debug, Clone)]
+pub(crate) enum Task {
+    /// Nothing: startup, shutdown, data and identification macros.
+    None,
+    /// The action of a code.
+    Code(PendingCode, CodeId),
+    /// A comment or a message to the operator.
+    Remark(CodeId, Arc<String>),
+    /// A motion, with its duration in seconds.
+    Motion(f64, Box<Motion>),
+    /// A tool is selected or loaded: action, tool, offset, ns.
+    Tool(ToolAction, u32, u32, i64),
+    /// A head is selected (1) or loaded (2).
+    Head(f64, u32),
+    /// A hole of a canned cycle is made.
+    Cycle(Box<Hole>),
+    /// A diagnostic is issued: number, severity and text as they came, for what the macro does not look at.
+    Diagnostic(Arc<[Value; 3]>),
+}
+
+impl Task {
+    /// A tool or a head is only selected.
+    pub(crate) fn selects(&self) -> bool {
+        match self {
+            Self::Tool(action, ..) => *action == ToolAction::Select,
+            Self::Head(kind, _) => *kind == 1.0,
+            _ => false,
+        }
+    }
+}
+
+/// A running macro.
+#[derive(Debug)]
+pub(crate) struct Call {
+    /// Its index in the program.
+    pub(crate) code: u16,
+    /// What OUTPUT does.
+    pub(crate) task: Task,
+    /// MATCH is on.
+    pub(crate) matching: bool,
+    /// OUTPUT commands so far.
+    pub(crate) outputs: u32,
+    /// User functions that run in it, as the trace names them, innermost last.
+    pub(crate) functions: Vec<String>,
+}
+
+/// Running macros of a kernel.
+#[derive(Debug, Default)]
+pub(crate) struct Calls {
+    state: Option<Box<State>>,
+    #[allow(clippy::vec_box, reason = "boxes change places with the state of a running macro")]
+    spares: Vec<Box<State>>,
+    /// Running macros, innermost last.
+    pub(crate) running: Vec<Call>,
+    /// Running macros by index.
+    busy: Vec<bool>,
+    /// Arguments that each macro uses, bit by number.
+    arguments: Vec<u128>,
+    /// Why the kernel leaves its program, found while a macro was running.
+    pub(crate) halt: Option<Halt>,
+    /// Running macros are being ended because of that.
+    pub(crate) ending: bool,
+}
+
+fn limits(memory: u64) -> Limits {
+    let memory = usize::try_from(memory).unwrap_or(usize::MAX);
+    Limits { ticks: TICKS, depth: DEPTH, memory, ..Limits::default() }
+}
+
+impl Calls {
+    /// Nothing runs yet; `kernels` > 1 means that there is a master.
+    pub(crate) fn new(kernel: u16, kernels: usize, memory: u64) -> Self {
+        let mut state = State::new(limits(memory));
+        state.channel = u32::from(kernel).max(1);
+        state.channels = u32::try_from(kernels).unwrap_or(1).max(1);
+        Self { state: Some(Box::new(state)), ..Self::default() }
+    }
+
+    /// Follows a program after it has grown.
+    pub(crate) fn measure(&mut self, program: &Program) {
+        self.busy.resize(program.macros.len(), false);
+        for code in program.macros.iter().skip(self.arguments.len()) {
+            let bits = code.signature.arguments.iter().filter(|(number, _)| *number < 128);
+            self.arguments.push(bits.fold(0, |bits, (number, _)| bits | 1 << number));
+        }
+    }
+
+    /// A macro uses an argument.
+    pub(crate) fn uses(&self, code: u16, argument: u8) -> bool {
+        self.arguments.get(usize::from(code)).is_some_and(|bits| bits & 1 << argument != 0)
+    }
+
+    /// A macro is running.
+    pub(crate) fn is_busy(&self, code: u16) -> bool {
+        self.busy.get(usize::from(code)).copied().unwrap_or(true)
+    }
+
+    fn set_busy(&mut self, code: u16, busy: bool) {
+        if let Some(slot) = self.busy.get_mut(usize::from(code)) {
+            *slot = busy;
+        }
+    }
+
+    /// The innermost running macro.
+    pub(crate) fn innermost(&mut self) -> Option<&mut Call> {
+        self.running.last_mut()
+    }
+
+    /// Notes that a macro starts.
+    pub(crate) fn begin(&mut self, code: u16, task: Task) {
+        self.running.push(Call { code, task, matching: true, outputs: 0, functions: Vec::new() });
+        self.set_busy(code, true);
+    }
+
+    /// Notes that a macro has ended; returns how often it executed OUTPUT.
+    pub(crate) fn end(&mut self, code: u16) -> u32 {
+        self.set_busy(code, false);
+        self.running.pop().map_or(0, |call| call.outputs)
+    }
+
+    /// Lets no further macro begin where the stack of the thread would not hold it; returns the limit before.
+    pub(crate) fn limit_nesting(&self, state: &mut State) -> u32 {
+        let limit = state.limits.depth;
+        if self.running.len() > MOST_NESTED {
+            state.limits.depth = state.depth;
+        }
+        limit
+    }
+
+    /// Takes the state of the language's machine (open units, variables); none while it lies with a running macro. It is to
+    /// be [put back](Self::put_state).
+    pub(crate) fn take_state(&mut self) -> Option<Box<State>> {
+        self.state.take()
+    }
+
+    /// Puts the state back.
+    pub(crate) fn put_state(&mut self, state: Box<State>) {
+        self.state = Some(state);
+    }
+
+    /// Takes over the state of a running macro while the kernel works.
+    pub(crate) fn lend_state(&mut self, state: &mut State) {
+        let mut spare = self.spares.pop().unwrap_or_else(|| Box::new(State::new(limits(0))));
+        std::mem::swap(&mut *spare, state);
+        self.state = Some(spare);
+    }
+
+    /// Returns the state to the running macro.
+    pub(crate) fn return_state(&mut self, state: &mut State) {
+        if let Some(mut spare) = self.state.take() {
+            std::mem::swap(&mut *spare, state);
+            self.spares.push(spare);
+        }
+    }
+
+    /// Steps that the running macros have left, before they are set.
+    pub(crate) fn ticks(&mut self, left: Option<u64>) -> Option<u64> {
+        let state = self.state.as_deref_mut()?;
+        let before = state.ticks;
+        state.ticks = left.unwrap_or(before);
+        Some(before)
+    }
+
+    /// Keeps a reason to leave the program; running macros end.
+    pub(crate) fn stop(&mut self, halt: Halt) {
+        self.halt = Some(halt);
+        self.ending = !self.running.is_empty();
+    }
+
+    /// Forgets the reason to leave the program.
+    pub(crate) fn resume(&mut self) {
+        (self.halt, self.ending) = (None, false);
+    }
+
+    /// The reason to leave the program, if it can be acted on here: all running macros end, or none runs.
+    pub(crate) fn pending(&mut self) -> Option<Halt> {
+        let halt = self.halt.filter(|_| self.ending || self.running.is_empty())?;
+        if self.running.is_empty() {
+            self.resume();
+        }
+        Some(halt)
+    }
+}
+
+/// The fault that unwinds all running macros.
+pub(crate) fn unwinding(state: &mut State) -> Fault {
+    state.ticks = 0;
+    Fault::new(counterpoint_lang::diag::Number::TICKS, "the run ends")
+}

@@ -1,0 +1,113 @@
+//! Smaller parts of what the macros of a kernel remember.
+
+use std::sync::Arc;
+
+use counterpoint_lang::host::Folder;
+use counterpoint_lang::value::{Elements, Value};
+use rustc_hash::FxHashMap;
+
+use super::asked::Asked;
+use super::reused::Reused;
+use super::store::Store;
+use counterpoint_event::event::{FileId, Origin, Position};
+use counterpoint_machine::ident::{CodeId, DataId};
+use counterpoint_program::scan::Scanner;
+
+/// Modal codes that macros have saved or bound to data.
+#[derive(Debug, Default)]
+pub(crate) struct Modes {
+    /// Pushed modal states.
+    pub(crate) saved: Vec<Vec<(u16, CodeId, u16)>>,
+    /// Data that fire a modal group.
+    pub(crate) data_codes: Vec<(DataId, u16)>,
+}
+
+/// The tool tables.
+#[derive(Debug, Default)]
+pub(crate) struct Tools {
+    /// Tools loaded so far; the first row of the tool table is the dummy tool.
+    pub(crate) loaded: Vec<u32>,
+    /// The rows of the tool tables as macros see them, by place in `loaded`; empty while that is their order.
+    pub(crate) order: Vec<u16>,
+    /// Macros have written facts of a tool that are not reported yet.
+    pub(crate) changed: bool,
+}
+
+/// Global and system variables.
+#[derive(Debug, Default)]
+pub struct Variables {
+    /// System variables that are kept here.
+    pub store: Store,
+    /// Global variables that this kernel has for itself.
+    pub(crate) globals: Vec<Value>,
+    /// From this index on, global variables belong to all kernels; none if there is no master.
+    pub(crate) first_shared: Option<u32>,
+}
+
+/// What macros have changed of diagnostics.
+#[derive(Debug, Default)]
+pub(crate) struct DiagnosticChanges {
+    /// Changed severities and switches by number.
+    pub(crate) severities: FxHashMap<u32, (u8, bool)>,
+    /// How often each diagnostic was raised.
+    pub(crate) counts: FxHashMap<u32, u32>,
+    /// The statement that raised the diagnostic which the diagnostic macro sees.
+    pub(crate) origin: Option<Box<Origin>>,
+}
+
+/// How texts are read.
+#[derive(Debug, Default)]
+pub(crate) struct Reading {
+    /// The scanner with levels of optional skip that a macro has switched.
+    pub(crate) switched: Option<Arc<Scanner>>,
+    /// The scanner without marks of optional skip, once EXEC has issued a text.
+    pub(crate) unmarked: Option<Arc<Scanner>>,
+    /// Compiled embedded code by text; none where it has errors.
+    pub(crate) embedded: FxHashMap<String, Option<(u16, bool)>>,
+}
+
+/// Values handed to macros.
+#[derive(Debug, Default)]
+pub(crate) struct Arguments {
+    /// Texts of block macros.
+    pub(crate) texts: Reused<Arc<String>>,
+    /// Positions of event macros.
+    pub(crate) positions: Reused<Elements>,
+    /// Flags of event macros.
+    pub(crate) flags: Reused<Elements>,
+    /// Channel axis of each of the six elements of `$AXES`.
+    pub(crate) slots: [Option<usize>; 6],
+    /// Start of the last motion.
+    pub(crate) before: Position,
+}
+
+/// What macros have of the world outside.
+#[derive(Debug, Default)]
+pub(crate) struct Outside {
+    /// What macros have asked for.
+    pub(crate) asked: Asked,
+    /// Current folder, temporary files and open stores of values.
+    pub(crate) folder: Folder,
+    /// The kernel comes to its end: what it writes is what it had open.
+    pub(crate) leaving: bool,
+}
+
+/// Where the run continues after the shutdown macro.
+#[derive(Debug, Clone, Copy)]
+pub struct Restart {
+    /// File of the job.
+    pub file: FileId,
+    /// First line.
+    pub line: u32,
+    /// As if it were the first file; else counters, tool and modal codes carry on.
+    pub reset: bool,
+}
+
+/// The course of the program.
+#[derive(Debug, Default)]
+pub struct Course {
+    /// Another file that the shutdown macro continues with.
+    pub restart: Option<Restart>,
+    /// The kernel's program macros are over: NEXT is ignored.
+    pub closing: bool,
+}

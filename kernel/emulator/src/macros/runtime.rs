@@ -1,0 +1,69 @@
+//! What the macros of one running kernel remember.
+//!
+//! *Invariant:* plain data with methods of its own; a kernel without macros has it empty, with no macro on.
+
+use std::sync::Arc;
+
+use counterpoint_lang::compile::Program;
+
+use super::books::Books;
+use super::calls::Calls;
+use super::context::BlockContext;
+use super::hooks::Hooks;
+use super::issued::Issued;
+use super::parts::{Arguments, Course, DiagnosticChanges, Modes, Outside, Reading, Tools, Variables};
+use super::store::Store;
+use counterpoint_machine::macros::model::{Hook, Macros};
+
+/// Macros of one kernel.
+#[derive(Debug, Default)]
+pub struct Runtime {
+    /// The machine's program, or a longer copy with the embedded code compiled so far.
+    pub(crate) program: Arc<Program>,
+    pub(crate) hooks: Hooks,
+    pub(crate) calls: Calls,
+    pub(crate) block: BlockContext,
+    /// Blocks that macros left for later.
+    pub issued: Issued,
+    pub(crate) modes: Modes,
+    pub(crate) books: Books,
+    pub(crate) tools: Tools,
+    /// System variables and globals of the kernel.
+    pub variables: Variables,
+    pub(crate) diagnostics: DiagnosticChanges,
+    pub(crate) reading: Reading,
+    pub(crate) arguments: Arguments,
+    pub(crate) outside: Outside,
+    /// How far the program has come, as macros see it.
+    pub course: Course,
+}
+
+impl Runtime {
+    /// The start of a run; `kernels` > 1 means that there is a master.
+    pub(crate) fn new(macros: &Macros, program: &Arc<Program>, kernel: u16, (kernels, memory): (usize, u64)) -> Self {
+        let mut runtime = Self {
+            program: Arc::clone(program),
+            hooks: Hooks::new(macros),
+            calls: Calls::new(kernel, kernels, memory),
+            variables: Variables {
+                store: Store::new(),
+                first_shared: (kernels > 1).then_some(100),
+                ..Variables::default()
+            },
+            ..Self::default()
+        };
+        runtime.measure();
+        runtime
+    }
+
+    /// Follows the program after it has grown.
+    pub(crate) fn measure(&mut self) {
+        self.calls.measure(&self.program);
+    }
+
+    /// The macro of a hook, if it may run now.
+    #[inline]
+    pub(crate) fn ready(&self, hook: Hook) -> Option<u16> {
+        self.hooks.of(hook).filter(|&code| !self.calls.is_busy(code))
+    }
+}

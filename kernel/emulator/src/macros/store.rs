@@ -1,0 +1,176 @@
+//! System variables that live nowhere else in a kernel, and the indices of those that the kernel itself sets.
+
+use std::sync::OnceLock;
+
+use counterpoint_lang::diag::Number;
+use counterpoint_lang::fault::{Fault, Outcome};
+use counterpoint_lang::value::Value;
+use rustc_hash::FxHashMap;
+
+use counterpoint_machine::macros::model::HOOKS;
+use counterpoint_machine::macros::system;
+
+/// Elements of indexed variables that a kernel keeps.
+const MOST_ELEMENTS: usize = 200_000;
+
+/// Columns of the tool table that the control knows.
+pub(crate) mod column {
+    pub(crate) const NUMBER: i64 = 1;
+    pub(crate) const OFFSET: i64 = 5;
+    pub(crate) const LENGTH: i64 = 6;
+    pub(crate) const ID: i64 = 9;
+    pub(crate) const DIAMETER: i64 = 11;
+    pub(crate) const NAME: i64 = 20;
+}
+
+/// Indices of variables that the kernel itself sets.
+pub struct Names {
+    pub(crate) mcdrd: u32,
+    pub(crate) display: u32,
+    pub(crate) comment: u32,
+    pub(crate) tool_name: u32,
+    pub(crate) last_tool: u32,
+    pub(crate) first_tool: u32,
+    pub(crate) tool_table: u32,
+    pub(crate) tool_row: u32,
+    pub(crate) tool_rows: u32,
+    pub(crate) tool_sort: u32,
+    pub(crate) tool_length: u32,
+    /// `$MCEINP`
+    pub kernel_program: u32,
+    /// `$MCENAM`
+    pub kernel_name: u32,
+    /// `$MCECHN`
+    pub kernel_channel: u32,
+    /// Starting lines.
+    pub kernel_line: u32,
+    pub(crate) model_channel: u32,
+    pub(crate) operation_table: u32,
+    pub(crate) operation_merge: u32,
+    pub(crate) operation_name: u32,
+    pub(crate) extension: u32,
+    pub(crate) parameters: u32,
+    pub(crate) command_line: u32,
+}
+
+/// Those indices, found once.
+pub fn names() -> &'static Names {
+    static NAMES: OnceLock<Names> = OnceLock::new();
+    NAMES.get_or_init(|| {
+        let index = |name: &str| {
+            let at = system::table().iter().position(|variable| variable.name == name);
+            at.and_then(|at| u32::try_from(at).ok()).unwrap_or(u32::MAX)
+        };
+        Names {
+            mcdrd: index("$MCDRD"),
+            display: index("$DISPLY"),
+            comment: index("$TPRINT"),
+            tool_name: index("$TLNAME"),
+            last_tool: index("$LT"),
+            first_tool: index("$FT"),
+            tool_table: index("$TLTAB"),
+            tool_row: index("$TI"),
+            tool_rows: index("$TLSIZ"),
+            tool_sort: index("$TLSORT"),
+            tool_length: index("$TOZ"),
+            kernel_program: index("$MCEMCD"),
+            kernel_name: index("$MCENAM"),
+            kernel_channel: index("$MCECHN"),
+            kernel_line: index("$MCESTA"),
+            model_channel: index("$VMCHN"),
+            operation_table: index("$OPTAB"),
+            operation_merge: index("$OPMERGE"),
+            operation_name: index("$OPNAME"),
+            extension: index("$SUBEXT"),
+            parameters: index("$UPARAM"),
+            command_line: index("$PARAM"),
+        }
+    })
+}
+
+/// Variables that live nowhere else in the kernel.
+#[derive(Debug, Default)]
+pub struct Store {
+    values: Vec<Value>,
+    pub(crate) elements: FxHashMap<(u32, i64, i64), Value>,
+    /// Switches of the hooks.
+    pub(crate) switches: [bool; HOOKS],
+    /// `$ERRMSG`
+    pub(crate) messages: bool,
+    /// `$MSG00`, `$WRN04`, `$ERR08`, `$FTL16`
+    pub(crate) counts: [f64; 4],
+    /// `$DIAGLIST`
+    pub(crate) listed: Vec<u32>,
+    /// `$EMBMAC`: before the pre-processor, after it, end.
+    pub(crate) embedding: [String; 3],
+    /// `$MCDNO` after TAPERD, 0 for the block in process.
+    pub(crate) number: u32,
+    /// `$FEDTIM`, `$RAPTIM` in seconds.
+    pub(crate) times: [f64; 2],
+    /// What macros have added to `$MISTIM`, `$IDLTIM`, in seconds.
+    pub(crate) added_times: [f64; 2],
+    /// Time of all motions and of all waiting, in nanoseconds.
+    pub(crate) moving: i64,
+    pub(crate) idle: i64,
+    /// What `$FCEPP` has set.
+    pub(crate) preprocessor: super::settings::Settings,
+    /// What may be set before Machine Startup ends is still open.
+    pub starting: bool,
+}
+
+impl Store {
+    pub(crate) fn new() -> Self {
+        Self {
+            values: system::table().iter().map(|variable| variable.first.clone()).collect(),
+            elements: FxHashMap::default(),
+            switches: [true; HOOKS],
+            messages: true,
+            counts: [0.0; 4],
+            listed: Vec::new(),
+            embedding: ["#{".to_owned(), "!{".to_owned(), "}".to_owned()],
+            number: 0,
+            times: [0.0; 2],
+            added_times: [0.0; 2],
+            moving: 0,
+            idle: 0,
+            preprocessor: super::settings::Settings::default(),
+            starting: false,
+        }
+    }
+
+    /// Sets a single variable.
+    pub(crate) fn set(&mut self, index: u32, value: Value) {
+        if let Some(place) = self.values.get_mut(index as usize) {
+            *place = value;
+        }
+    }
+
+    /// A single variable.
+    pub(crate) fn get(&self, index: u32) -> &Value {
+        self.values.get(index as usize).unwrap_or(&Value::Null)
+    }
+
+    /// All values.
+    pub(crate) fn all(&self) -> impl Iterator<Item = &Value> {
+        self.values.iter().chain(self.elements.values())
+    }
+
+    /// Sets an element.
+    pub fn set_element(&mut self, index: u32, (first, second): (i64, i64), value: Value) {
+        self.elements.insert((index, first, second), value);
+    }
+
+    /// Sets an element for a macro, unless there are too many.
+    pub(crate) fn keep_element(&mut self, index: u32, (first, second): (i64, i64), value: Value) -> Outcome<()> {
+        if self.elements.len() >= MOST_ELEMENTS {
+            return Err(Fault::new(Number::SIZE, "there are too many elements of system variables"));
+        }
+        self.elements.insert((index, first, second), value);
+        Ok(())
+    }
+
+    /// An element that was set.
+    pub fn element(&self, index: u32, (first, second): (i64, i64)) -> Option<&Value> {
+        self.elements.get(&(index, first, second))
+    }
+}

@@ -1,0 +1,198 @@
+//! Stage *read*: the block loop takes the next block, from a file or from what EXEC/NEXT left.
+//!
+//! Facts: reference control-emulator.md 2.2 and 5.1.
+
+use counterpoint_fault::{Acted, Halt};
+use std::sync::Arc;
+
+use crate::channel::Kernel;
+use counterpoint_event::event::{Block, FileId, Kind};
+use counterpoint_fault as diag;
+use counterpoint_machine::model::RewindStop;
+use counterpoint_program::program::Shape;
+use counterpoint_program::source::Source;
+
+impl Kernel<'_> {
+    /// Runs blocks until something ends the program.
+    pub(crate) fn program(&mut self) -> Halt {
+        loop {
+            if let Err(halt) = self.next_block() {
+                return self.end_compensation(halt);
+            }
+        }
+    }
+
+    /// One block, within another one.
+    #[inline(never)]
+    pub(crate) fn step(&mut self) -> Acted {
+        self.next_block()
+    }
+
+    /// One block.
+    #[inline(always)]
+    fn next_block(&mut self) -> Acted {
+        let done = self.one_block();
+        self.went_on(done)
+    }
+
+    #[inline(always)]
+    fn one_block(&mut self) -> Acted {
+        let hooks = self.plan.hooks;
+        if let Some(done) = hooks.and_then(|hooks| (hooks.block.next)(self)) {
+            return done;
+        }
+        let sources = self.channel.env.sources;
+        let Some((file, range, line)) = self.frame().map(|f| (f.file, f.range, f.next)) else {
+            return Err(Halt::End(None));
+        };
+        if line > range.last {
+            return self.text_ends();
+        }
+        if let Some(frame) = self.frame() {
+            frame.next = line + 1;
+        }
+        let Some(source) = sources.get(file) else { return Err(Halt::End(None)) };
+        let text = source.line(line);
+        if text.iter().all(|b| matches!(b, b' ' | b'\t')) {
+            return Ok(());
+        }
+        (self.channel.at.file, self.channel.at.line) = (file, line);
+        self.begin_block()?;
+        if text.len() > self.channel.env.options.limits.block_length {
+            return Err(self.too_long(text.len()));
+        }
+        let held;
+        let text = if self.plan.edits.reshapes && self.is_reshaped(source) {
+            held = self.reshape(text, line)?;
+            let text = held.text();
+            if text.trim_ascii().is_empty() {
+                return Ok(());
+            }
+            text
+        } else {
+            text
+        };
+        if self.is_rewind_stop(text) {
+            return self.rewind_stop(source, line);
+        }
+        if !self.flow.opened {
+            self.flow.opened = true;
+            if self.channel.env.machine.format.rws_at == RewindStop::Start {
+                self.diagnose(
+                    &diag::NO_REWIND_STOP,
+                    "there is no rewind-stop before the program, it starts with its first block",
+                );
+            }
+        }
+        if let Some(hooks) = hooks {
+            (hooks.block.begin)(self);
+        }
+        self.block(text)?;
+        self.follow()
+    }
+
+    /// Counts the block, publishes how far this kernel is, and checks the limits.
+    #[inline(always)]
+    pub(crate) fn begin_block(&mut self) -> Acted {
+        use std::sync::atomic::Ordering::Relaxed;
+        self.channel.at.blocks += 1;
+        self.channel.at.idle_blocks += 1;
+        self.ports.progress.blocks.store(self.channel.at.blocks, Relaxed);
+        self.ports.progress.line.store(self.channel.at.line, Relaxed);
+        self.ports.progress.file.store(u32::from(self.channel.at.file), Relaxed);
+        self.ports.progress.t_ns.store(self.channel.at.clock, Relaxed);
+        if !self.ports.coordinator.publish(self.channel.at.channel, self.channel.at.clock)
+            || self.ports.control.cancelled()
+        {
+            return Err(Halt::Stopped);
+        }
+        if self.channel.at.blocks.is_multiple_of(256) && self.ports.coordinator.should_yield() {
+            self.ports.emitter.flush(self.tag());
+            self.ports.coordinator.yield_permit(self.channel.at.channel);
+        }
+        if self.channel.at.blocks.is_multiple_of(256) && self.channel.state.place.frames.is_some() {
+            self.flush_old()?;
+        }
+        let number = self.channel.at.blocks;
+        self.emit_as(0, |kind| match kind {
+            // Written over what is there, a kind of another shape is dropped first.
+            Kind::Block(Block { number: place }) => *place = number,
+            other => *other = Kind::Block(Block { number }),
+        });
+        self.check_limits()
+    }
+
+    #[inline(always)]
+    fn is_rewind_stop(&self, text: &[u8]) -> bool {
+        let rws = self.channel.env.machine.format.rws.as_bytes();
+        text.first() == rws.first() && is_alone(text, rws)
+    }
+
+    /// A rewind-stop: opens the text, closes it, or is ignored with a warning.
+    fn rewind_stop(&mut self, source: &Source, line: u32) -> Acted {
+        if !self.flow.opened {
+            self.flow.opened = true;
+            return Ok(());
+        }
+        let rest = source.walk(line + 1, source.lines()).all(|n| source.line(n).iter().all(u8::is_ascii_whitespace));
+        if rest {
+            return self.text_ends();
+        }
+        let text = format!("the rewind-stop in line {line} inside the program is skipped");
+        self.diagnose(&diag::REWIND_STOP_INSIDE, text);
+        Ok(())
+    }
+
+    /// The text of a program ends without an end or return code.
+    fn text_ends(&mut self) -> Acted {
+        if self.flow.frames.last().is_some_and(|frame| frame.closes) {
+            return self.return_from(None);
+        }
+        if self.runs_into_definition() {
+            return Ok(());
+        }
+        let name = self.flow.frames.last().map_or_else(String::new, |f| f.name.to_string());
+        self.diagnose(&diag::NO_PROGRAM_END, format!("the text of {name} ends without an end code"));
+        if self.flow.frames.len() > 1 { self.return_from(None) } else { Err(Halt::End(None)) }
+    }
+
+    fn too_long(&mut self, length: usize) -> Halt {
+        let limit = self.channel.env.options.limits.block_length;
+        let text = format!("line {} has {length} bytes, a block may have {limit}", self.channel.at.line);
+        self.alarm(&diag::BLOCK_TOO_LONG, text)
+    }
+
+    /// Makes a file's text available.
+    pub fn load(&mut self, file: FileId) -> Acted {
+        let info = self.channel.env.info;
+        let Some(entry) = info.files.get(usize::from(file)) else { return Ok(()) };
+        if self.channel.env.sources.is_known(file) {
+            return Ok(());
+        }
+        let (name, shape, stop) = (
+            entry.name.clone(),
+            Arc::new(Shape::of(self.channel.env.machine, self.plan.scanner.syntax())),
+            self.ports.control.stop().clone(),
+        );
+        let (source, failure) = match self.channel.env.files.read(&name) {
+            Ok(bytes) => (Some(Arc::new(Source::shaped(name, bytes, shape, stop))), None),
+            Err(error) => (None, Some(error)),
+        };
+        if self.ports.control.cancelled() {
+            // The lines of the text may not all be known.
+            return Err(Halt::Stopped);
+        }
+        // Another kernel may have been faster.
+        self.channel.env.sources.put(file, source, &entry.text);
+        match failure {
+            None => Ok(()),
+            Some(error) => Err(self.fatal(&diag::FILE_UNREADABLE, error.to_string())),
+        }
+    }
+}
+
+/// The rewind-stop is all that a line has.
+#[inline(never)]
+fn is_alone(text: &[u8], rws: &[u8]) -> bool {
+    !rws.is_empty() && text.trim_ascii() == rws
+}

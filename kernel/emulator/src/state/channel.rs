@@ -1,0 +1,153 @@
+//! One channel of the control: what it is given, where it is, what it remembers.
+//!
+//! Invariant: a part is plain data with methods of its own; none of them knows the kernel.
+
+use std::sync::Arc;
+
+use rustc_hash::FxHashMap;
+
+use super::State;
+use super::alarms::Alarms;
+use counterpoint_ports::Shares;
+use counterpoint_program::block::Block;
+
+use super::burden::Burden;
+use super::waits::KnownWaits;
+use counterpoint_event::Letters;
+use counterpoint_event::event::FileId;
+use counterpoint_event::info::Info;
+use counterpoint_machine::Machine;
+use counterpoint_machine::ident::DataId;
+use counterpoint_ports::files::Files;
+use counterpoint_ports::options::Options;
+use counterpoint_program::sources::Sources;
+use counterpoint_program::tape;
+use counterpoint_sync::tag::Tag;
+
+/// One channel of the control: what it is given, where it is, what it remembers.
+pub struct Channel<'a> {
+    /// What the run is about.
+    pub env: Environment<'a>,
+    /// Channel, time and block.
+    pub at: At,
+    /// The block being processed.
+    pub(crate) block: Block,
+    pub(crate) text: BlockText,
+    pub(crate) acting: Acting,
+    pub(crate) state: State,
+    pub(crate) reports: Reports,
+    /// Memory and work used up.
+    pub(crate) burden: Burden,
+}
+
+/// What a run is about; it does not change while the kernel runs.
+#[derive(Clone, Copy)]
+pub struct Environment<'a> {
+    /// The checked machine.
+    pub machine: &'a Machine,
+    /// The description of the job.
+    pub info: &'a Info,
+    /// The program files.
+    pub sources: &'a Sources,
+    /// What the job has chosen.
+    pub options: &'a Options,
+    /// The files of the job.
+    pub files: &'a dyn Files,
+    /// Letters of the trace, `None` when there is no trace.
+    pub trace: Option<Letters>,
+}
+
+/// Where a kernel is: channel, time, and the block in process.
+#[derive(Debug, Default)]
+pub struct At {
+    /// Number of the channel.
+    pub channel: u16,
+    /// Simulated time, ns.
+    pub clock: i64,
+    /// Order of shared operations at the same time.
+    pub micro: u32,
+    /// File of the block being processed.
+    pub(crate) file: FileId,
+    /// Line of the block being processed.
+    pub(crate) line: u32,
+    /// Blocks read.
+    pub(crate) blocks: u64,
+    /// Consecutive blocks without time.
+    pub(crate) idle_blocks: u64,
+}
+
+impl At {
+    /// The tag of what the kernel does now.
+    pub(crate) fn tag(&self) -> Tag {
+        Tag { t: self.clock, micro: self.micro, rank: self.channel }
+    }
+
+    /// Moves the clock on.
+    pub(crate) fn advance(&mut self, ns: i64) {
+        if ns > 0 {
+            self.clock = self.clock.saturating_add(ns);
+            self.micro = 0;
+            self.idle_blocks = 0;
+        }
+    }
+}
+
+/// Text of the block in process.
+#[derive(Debug, Default)]
+pub(crate) struct BlockText {
+    /// The text, when it is not the line as it stands in the file.
+    pub(crate) edited: Option<Arc<[u8]>>,
+    /// Rules of the tape editor that are on, and the memory of their searches.
+    pub(crate) tape: (tape::Rules, counterpoint_lang::pattern::Memory),
+}
+
+/// The code that is acting.
+#[derive(Debug, Default)]
+pub(crate) struct Acting {
+    /// Value that the code hands over as data.
+    pub(crate) as_data: Option<(DataId, f64)>,
+    /// The code was not the active one of its group before.
+    pub(crate) mode_changed: bool,
+}
+
+/// Diagnostics and waits of a channel so far.
+#[derive(Debug, Default)]
+pub(crate) struct Reports {
+    /// Diagnostics logged.
+    pub(crate) diagnostics: u32,
+    /// Alarms of the control so far.
+    pub(crate) alarms: Alarms,
+    /// How often numbers with a repeat count were raised.
+    pub(crate) raised: FxHashMap<u32, u32>,
+    /// Waits met so far.
+    pub(crate) waits: KnownWaits,
+}
+
+impl Channel<'_> {
+    /// Moves the clock on.
+    pub(crate) fn advance(&mut self, ns: i64) {
+        self.at.advance(ns);
+    }
+
+    /// Which of the machine's channels this is, counted from 1 in ascending order of their numbers; 0 is the master.
+    pub(crate) fn kernel_number(&self) -> u16 {
+        let channels = self.env.machine.channels.iter().zip(1_u16..);
+        channels.into_iter().find(|(channel, _)| channel.number == self.at.channel).map_or(0, |(_, at)| at)
+    }
+
+    /// The shares of the memory of the job.
+    pub(crate) fn shares(&self) -> Shares {
+        Shares::of_channels(&self.env.options.limits, self.env.machine.channels.len())
+    }
+
+    /// A free data word of one of these registers is on the block.
+    pub(crate) fn has_any(&self, registers: u128) -> bool {
+        self.block.present & registers != 0
+    }
+}
+
+/// Nanoseconds of a duration in seconds, rounded once; never negative, never beyond what a job can hold.
+pub(crate) fn nanoseconds(seconds: f64) -> i64 {
+    const MOST: f64 = 1e18;
+    if seconds.is_nan() || seconds <= 0.0 { 0 } else { ((seconds * 1e9).min(MOST) + 0.5) as i64 }
+}

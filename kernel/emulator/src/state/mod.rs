@@ -1,0 +1,105 @@
+//! What a channel remembers from block to block: plain structs with methods of their own.
+//!
+//! Invariant: nothing here knows the kernel, its plan or its actions; one box holds what few machines use, and the block
+//! loop never looks into it for what a machine does not use.
+
+pub(crate) mod alarms;
+pub(crate) mod arc;
+pub(crate) mod burden;
+pub mod channel;
+pub(crate) mod clamps;
+pub(crate) mod compensation;
+pub(crate) mod coolant;
+pub(crate) mod cutter;
+pub(crate) mod cycle;
+pub(crate) mod frames;
+pub(crate) mod modal;
+pub(crate) mod position;
+pub(crate) mod probing;
+pub(crate) mod spindle;
+pub(crate) mod thread;
+pub(crate) mod units;
+pub(crate) mod waits;
+
+use rustc_hash::FxHashMap;
+
+use counterpoint_event::event::{Position, ToolData};
+use counterpoint_machine::Machine;
+use counterpoint_machine::model::{Channel, MachineKind};
+use modal::Modal;
+use position::Place;
+use spindle::SpindleState;
+
+/// What a channel remembers from block to block.
+#[derive(Debug)]
+pub(crate) struct State {
+    /// Modal codes and data.
+    pub(crate) modal: Modal,
+    /// Axes, positions and offsets.
+    pub(crate) place: Place,
+    /// Spindle of the channel.
+    pub(crate) spindle: SpindleState,
+    /// Secondary units are active.
+    pub(crate) secondary: bool,
+    /// Canned cycle.
+    pub(crate) cycle: cycle::Cycle,
+    /// What is known about circles to come.
+    pub(crate) arcs: arc::Arcs,
+    /// What is known about threads to come.
+    pub(crate) threads: Box<thread::Threads>,
+    /// What is known about probing moves.
+    pub(crate) skip: Box<probing::Probing>,
+    /// What other actions remember.
+    pub(crate) others: Box<Others>,
+}
+
+impl State {
+    /// The state of a channel at the start of its program.
+    pub(crate) fn new(machine: &Machine, channel: &Channel) -> Self {
+        let index = channel.spindle.and_then(|number| machine.spindles.iter().position(|s| s.number == number));
+        let shared = index.is_some_and(|index| spindle::is_shared(machine, index));
+        Self {
+            modal: Modal::new(machine),
+            place: Place::new(machine, channel),
+            spindle: SpindleState { index, shared, ..SpindleState::default() },
+            secondary: false,
+            cycle: cycle::Cycle::new(machine),
+            arcs: arc::Arcs::default(),
+            threads: Box::new(thread::Threads::new(machine)),
+            skip: Box::default(),
+            others: Box::new(Others::new(machine, channel)),
+        }
+    }
+}
+
+/// What few channels use.
+#[derive(Debug)]
+pub(crate) struct Others {
+    /// Coolant.
+    pub(crate) coolant: coolant::CoolantState,
+    /// Spindles.
+    pub(crate) spindles: spindle::Spindles,
+    /// Tool tip control.
+    pub(crate) tip: frames::tip::Settings,
+    /// Number of the head in work.
+    pub(crate) head: u32,
+    /// Where the axes stood before they went to the change position.
+    pub(crate) before_change: Option<Position>,
+    /// What was reported last about each tool.
+    pub(crate) tools: FxHashMap<u32, ToolData>,
+}
+
+impl Others {
+    /// At the start of the program.
+    pub(crate) fn new(machine: &Machine, channel: &Channel) -> Self {
+        let side = machine.kind == MachineKind::MergingLathe && channel.number == 2;
+        Self {
+            coolant: coolant::CoolantState::default(),
+            spindles: spindle::Spindles::new(machine, channel),
+            tip: frames::tip::Settings::default(),
+            head: if side { 2 } else { 1 },
+            before_change: None,
+            tools: FxHashMap::default(),
+        }
+    }
+}

@@ -1,0 +1,155 @@
+//! The trace: what a kernel shows of its work, line by line, in the documented layout.
+//!
+//! Facts: reference listing-and-trace.md 3, 4, 6. Trace lines are events like all others, so they stand in the log in
+//! their place and a trace is as reproducible as the log. Invariant: a kernel without trace letters asks one `Option`
+//! per hook and makes no text.
+//!
+//! Macros have their hooks here too: [`entering`], [`statement`], [`leaving`] for the letters M and H, [`exec`] for X,
+//! [`edited`] for the stages of a block's text.
+
+mod lines;
+
+pub(crate) use lines::{
+    Stage, action, code, data, edited, entering, exec, ignored, leaving, sequence, statement, word,
+};
+
+use crate::channel::Kernel;
+use crate::state::burden::shortened;
+use counterpoint_event::event::{Kind, Trace};
+use counterpoint_machine::ident::{self, CodeId, DataId};
+use counterpoint_machine::model::CodeForm;
+use counterpoint_machine::number::written;
+
+/// Letter of actions. Most are read off the events; what no event tells is a line of its own.
+pub(crate) const ACTION: char = 'A';
+
+impl Kernel<'_> {
+    /// Lines of a letter are wanted for the current block. Blocks of stored files are shown only with the letter Z, their
+    /// actions in any case.
+    pub(crate) fn traces(&self, letter: char) -> bool {
+        let Some(letters) = self.channel.env.trace else { return false };
+        letters.has(letter)
+            && (letter == ACTION || letters.has('Z') || !self.channel.env.info.is_stored(self.channel.at.file))
+    }
+
+    /// Adds a line of a letter, if it is wanted.
+    #[inline(always)]
+    pub(crate) fn trace(&mut self, letter: char, line: impl FnOnce(&Self) -> String) {
+        if self.channel.env.trace.is_some() {
+            self.trace_wanted(letter, line);
+        }
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn trace_wanted(&mut self, letter: char, line: impl FnOnce(&Self) -> String) {
+        if self.traces(letter) {
+            let text = shortened(&line(self)).to_owned();
+            self.emit(0, Kind::trace(letter, text));
+        }
+    }
+
+    /// Adds an action that takes the place of that of the next event, if actions are wanted.
+    pub(crate) fn trace_instead(&mut self, text: &str) {
+        if self.traces(ACTION) {
+            let text = shortened(&action(text)).into();
+            self.emit(0, Kind::Trace(Trace { letter: ACTION, text, listing: None, instead: true }));
+        }
+    }
+
+    /// The words of the block as they were recognised, and its sequence number.
+    #[cold]
+    pub(crate) fn trace_words(&mut self) {
+        if self.traces('W') {
+            if let Some(number) = self.channel.block.sequence {
+                self.trace('W', |_| word("N", &number.to_string()));
+            }
+            for index in 0..self.channel.block.words.len() {
+                self.trace('W', |kernel| kernel.word_line(index));
+            }
+        }
+        if let Some(number) = self.channel.block.sequence {
+            self.trace('C', |_| sequence(number));
+        }
+        self.trace_head_sequence();
+    }
+
+    /// The sequence number that the head of this channel has of its own.
+    fn trace_head_sequence(&mut self) {
+        let Some(register) = self.own_sequence() else { return };
+        let word = self.channel.block.words.iter().find(|word| word.register == register).map(|word| word.value);
+        let id = if self.channel.kernel_number() <= 1 { ident::data::SEQNO_MAIN } else { ident::data::SEQNO_SIDE };
+        if let Some(value) = word {
+            self.trace('C', |kernel| data(kernel.channel.env.machine.data_name(id), value));
+        }
+    }
+
+    fn word_line(&self, index: usize) -> String {
+        let Some((register, value)) = self.written_word(index) else { return String::new() };
+        word(register, &value)
+    }
+
+    /// The literal text of a row of the code table.
+    pub(crate) fn literal_of(&self, row: u16) -> Option<&str> {
+        match &self.channel.env.machine.codes.get(usize::from(row))?.form {
+            CodeForm::Text(text) => Some(text),
+            _ => None,
+        }
+    }
+
+    /// A word as its register writes it.
+    fn text_of_word(&self, index: usize) -> Option<String> {
+        let (name, value) = self.written_word(index)?;
+        let word = self.channel.block.words.get(index)?;
+        let register = self.channel.env.machine.registers.get(usize::from(word.register))?;
+        let before = if word.incremental && register.second.is_some() { name } else { register.before.as_str() };
+        Some(format!("{before}{value}{}", register.after))
+    }
+
+    /// Name and number of a word as its register writes them.
+    fn written_word(&self, index: usize) -> Option<(&str, String)> {
+        let word = self.channel.block.words.get(index)?;
+        let register = self.channel.env.machine.registers.get(usize::from(word.register))?;
+        let name = match &register.second {
+            Some(second) if word.incremental => second.as_str(),
+            _ => register.name.as_str(),
+        };
+        let format = if self.channel.state.secondary { &register.secondary } else { &register.format };
+        Some((name, written(word.value, format)))
+    }
+
+    /// The text that the pre-processor left.
+    #[cold]
+    pub(crate) fn trace_preprocessed(&mut self) {
+        self.trace('E', |kernel| {
+            let sequence = kernel.channel.block.sequence.map(|number| format!("N{number}"));
+            let words = (0..kernel.channel.block.words.len()).filter_map(|index| kernel.text_of_word(index));
+            let texts = kernel.channel.block.texts.iter().filter_map(|&row| kernel.literal_of(row)).map(str::to_owned);
+            edited(Stage::PreProcessor, &sequence.into_iter().chain(words).chain(texts).collect::<Vec<_>>().join(" "))
+        });
+    }
+
+    /// The text that the pre-processor of another control left.
+    #[cold]
+    pub(crate) fn trace_left(&mut self, text: &str) {
+        self.trace('E', |_| edited(Stage::PreProcessor, text.trim()));
+    }
+
+    /// A code begins to act.
+    #[inline(always)]
+    pub(crate) fn trace_code(&mut self, id: CodeId) {
+        self.trace('C', |kernel| code(kernel.channel.env.machine.code_name(id)));
+    }
+
+    /// A code is swallowed.
+    #[inline(always)]
+    pub(crate) fn trace_ignored(&mut self, id: CodeId) {
+        self.trace('C', |kernel| ignored(kernel.channel.env.machine.code_name(id)));
+    }
+
+    /// An action took a value.
+    #[inline(always)]
+    pub(crate) fn trace_data(&mut self, id: DataId, value: f64) {
+        self.trace('C', |kernel| data(kernel.channel.env.machine.data_name(id), value));
+    }
+}

@@ -1,0 +1,31 @@
+//! The one public entry: prepare a job, run it, receive ordered events.
+
+pub use counterpoint_event::Outcome;
+use counterpoint_ports::control::Control;
+use counterpoint_ports::files::Files;
+pub use counterpoint_program::spec::{Program, Spec};
+pub use counterpoint_sync::sink::{Sink, WrittenFiles};
+
+pub use crate::prepared::{Job, PrepareError};
+
+impl Job {
+    /// Runs the job to its end on its own threads; returns when all kernels have stopped and the sink has seen
+    /// the whole log.
+    pub fn run(&self, files: &dyn Files, control: &Control, sink: &mut dyn Sink) -> Outcome {
+        if self.macros().is_none() {
+            return crate::multi::run(self, files, control, sink);
+        }
+        // Macros nest deeper than the stack of any thread that asks for a job.
+        let (shown, thread) = (&mut *sink, std::thread::Builder::new().name("job".to_owned()));
+        let ended = std::thread::scope(|scope| {
+            let work = move || crate::multi::run(self, files, control, shown);
+            let handle = thread.stack_size(counterpoint_emulator::macros::STACK).spawn_scoped(scope, work).ok()?;
+            Some(handle.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)))
+        });
+        // Without a thread from the operating system the job cannot be run and counts as cancelled.
+        ended.unwrap_or_else(|| {
+            control.cancel();
+            crate::multi::run(self, files, control, sink)
+        })
+    }
+}

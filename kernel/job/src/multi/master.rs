@@ -1,0 +1,181 @@
+//! The master kernel's macros: Declaration and Machine Startup before the channels, Machine Shutdown after them.
+//!
+//! Facts: reference control-emulator.md 2.1, 2.4, 8.1, 8.2. Invariant: the master works only while no channel does, so
+//! what it does to shared variables needs no order. A machine with one channel has no master.
+
+use counterpoint_fault::Halt;
+use counterpoint_lang::value::Value;
+
+use super::Shop;
+use super::coordinator::switch::Switch;
+use super::rounds::Again;
+use counterpoint_emulator::channel::emit::Target;
+use counterpoint_emulator::macros::runtime::Runtime;
+use counterpoint_emulator::macros::store::names;
+use counterpoint_event::event::{Event, FileId};
+use counterpoint_fault as diag;
+use counterpoint_machine::macros::model::Hook;
+use counterpoint_machine::model::Channel;
+use counterpoint_program::layout::first_main;
+use counterpoint_program::program::Range;
+
+/// Where a kernel starts.
+pub(crate) type At = (FileId, Range, Box<str>);
+
+/// Program and name of a kernel, and its first channel of the model, as Machine Startup left them.
+pub(super) type Given = (String, String, f64);
+
+/// What the master has left for later.
+pub(super) struct Master {
+    channel: Channel,
+    runtime: Option<Box<Runtime>>,
+    /// Programs that Machine Startup gave to kernels instead of their own; none to start none.
+    pub(super) programs: Vec<(u16, Option<At>)>,
+    /// The channels may start.
+    pub(super) good: bool,
+}
+
+impl<'a> Shop<'a> {
+    /// Runs Declaration and Machine Startup; none if the machine has no master's macros.
+    pub(super) fn master_startup(self, log: &mut dyn FnMut(&Event) -> bool) -> Option<Master> {
+        let machine = &self.job.spec().machine;
+        if machine.macros.is_none() || machine.channels.len() < 2 {
+            return None;
+        }
+        let (name, axes) = ("MASTER".to_owned(), Vec::new());
+        let channel =
+            Channel { number: 0, name, axes, spindle: None, rear: None, milling: None, polar: None, lower: false };
+        let mut kept = Vec::new();
+        let mut kernel = self.kernel(&channel, self.control.spare(), Target::Kept(&mut kept), Switch::Thread);
+        for (number, at) in machine.channels.iter().zip(1_i64..) {
+            let program = self.job.info().channel(number.number).filter(|info| !info.program.is_empty());
+            let file = program.map_or("", |info| self.job.info().file_name(info.file)).to_owned();
+            let (names, store) = (names(), &mut kernel.macros.variables.store);
+            store.starting = true;
+            store.set_element(names.kernel_program, (at, 0), Value::text(file));
+            store.set_element(names.kernel_name, (at, 0), Value::text(number.name.as_str()));
+            store.set_element(names.kernel_channel, (at, 0), Value::Real(f64::from(number.number)));
+        }
+        let done = kernel.plain_macro(Hook::Declaration).and_then(|()| kernel.plain_macro(Hook::MachineStartup));
+        if let Err(halt) = done {
+            kernel.report_softened(halt);
+        }
+        let good = !matches!(done, Err(Halt::Alarm | Halt::Stopped | Halt::Blocked));
+        let mut programs = Vec::new();
+        for (number, at) in machine.channels.iter().zip(1_i64..) {
+            let wanted = {
+                kernel
+                    .macros
+                    .variables
+                    .store
+                    .element(names().kernel_program, (at, 0))
+                    .and_then(Value::as_text)
+                    .map(str::to_owned)
+            };
+            let wanted = wanted.unwrap_or_default();
+            let program = self.job.info().channel(number.number).filter(|info| !info.program.is_empty());
+            if program.map_or("", |info| self.job.info().file_name(info.file)) == wanted.trim() {
+                continue;
+            }
+            if wanted.trim().is_empty() {
+                programs.push((number.number, None));
+                continue;
+            }
+            let file = self.job.info().files.iter().position(|file| file.name == wanted.trim());
+            let start = file.and_then(|file| {
+                let file = file as FileId;
+                kernel.load(file).ok()?;
+                let source = self.job.sources().get(file)?;
+                let whole = Range { number: None, first: 1, last: source.lines() };
+                Some((file, first_main(source, machine).unwrap_or(whole), wanted.trim().into()))
+            });
+            if start.is_none() {
+                let text = format!("kernel {at} gets the program '{}', which is not in the job", wanted.trim());
+                kernel.diagnose(&diag::FILE_UNREADABLE, text);
+            }
+            programs.push((number.number, start));
+        }
+        for (number, at) in machine.channels.iter().zip(1_i64..) {
+            let line = kernel.macros.variables.store.element(names().kernel_line, (at, 0));
+            let Some(line) = line.and_then(Value::as_real).filter(|line| *line != 1.0) else { continue };
+            let place = programs.iter().position(|(given, _)| *given == number.number);
+            let own = || self.job.info().channel(number.number).filter(|c| !c.program.is_empty());
+            let start = match place.and_then(|place| programs.get(place)) {
+                Some((_, at)) => at.clone(),
+                None => own().map(|c| {
+                    let range = Range { number: None, first: c.lines.0, last: c.lines.1 };
+                    (c.file, range, c.program.clone().into())
+                }),
+            };
+            let Some((file, range, name)) = start else { continue };
+            if !(f64::from(range.first)..=f64::from(range.last)).contains(&line) {
+                let (first, last) = (range.first, range.last);
+                let text = format!("kernel {at} cannot start at line {line} of {name}, which has {first} to {last}");
+                kernel.diagnose(&diag::MACRO_RESULT, text);
+                continue;
+            }
+            let start = (number.number, Some((file, Range { first: line as u32, ..range }, name)));
+            match place.and_then(|place| programs.get_mut(place)) {
+                Some(slot) => *slot = start,
+                None => programs.push(start),
+            }
+        }
+        kernel.macros.variables.store.starting = false;
+        let program = |at| {
+            let set = kernel.macros.variables.store.element(names().kernel_program, (at, 0));
+            set.and_then(Value::as_text).unwrap_or("").trim().to_owned()
+        };
+        let name = |at| {
+            let set = kernel.macros.variables.store.element(names().kernel_name, (at, 0));
+            set.and_then(Value::as_text).unwrap_or("").to_owned()
+        };
+        let given = (1..).take(machine.channels.len()).map(|at| (program(at), name(at), kernel.model_channel(at)));
+        // The master starts once, so nothing is there yet.
+        let _ = self.given.set(given.collect());
+        let tag = kernel.tag();
+        kernel.ports.emitter.flush(tag);
+        let runtime = Some(std::mem::take(&mut kernel.macros));
+        drop(kernel);
+        kept.iter().for_each(|event| {
+            log(event);
+        });
+        Some(Master { channel, runtime, programs, good })
+    }
+
+    /// Runs Machine Shutdown at the end of the log; how the machine goes on, if it does. `wrong` tells why it cannot.
+    pub(super) fn master_shutdown(
+        self,
+        master: &mut Option<Master>,
+        wrong: Option<&str>,
+        (t, micro): (i64, u32),
+        log: &mut dyn FnMut(&Event) -> bool,
+    ) -> Option<Again> {
+        let Master { channel, runtime: kept_runtime, .. } = master.as_mut()?;
+        let mut runtime = kept_runtime.take()?;
+        runtime.course.closing = true;
+        runtime.issued.later.clear();
+        let mut kept = Vec::new();
+        let mut kernel = self.kernel(channel, self.control.spare(), Target::Kept(&mut kept), Switch::Thread);
+        (kernel.channel.at.clock, kernel.channel.at.micro) = (t, micro);
+        kernel.macros = runtime;
+        let done = kernel.plain_macro(Hook::MachineShutdown);
+        if let Err(halt) = done {
+            kernel.report_softened(halt);
+        }
+        kernel.close_files(Halt::End(None));
+        let restart = kernel.macros.course.restart.take();
+        let restart = restart.filter(|_| !matches!(done, Err(Halt::Alarm | Halt::Stopped | Halt::Blocked)));
+        let again = restart.and_then(|restart| super::rounds::restarted(&mut kernel, restart, wrong));
+        let tag = kernel.tag();
+        kernel.ports.emitter.flush(tag);
+        *kept_runtime = Some(std::mem::take(&mut kernel.macros));
+        drop(kernel);
+        // What the macro may have let pass does not take the log beyond its end.
+        kept.iter_mut().for_each(|event| {
+            event.dur_ns = 0;
+            (event.t_ns, event.micro) = (t, micro);
+            log(event);
+        });
+        again
+    }
+}

@@ -1,0 +1,125 @@
+//! All kernels of a job on the thread of its master, in turns.
+//!
+//! A kernel runs until it has to wait for another one; then the one that is furthest behind in simulated time goes on. So a
+//! wait costs a change of stacks, whatever else the processors do, and a job never needs more than one of them.
+//! Invariant: one kernel runs at a time, and one that waits for a signal does not run before it has it.
+
+use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
+
+use corosensei::stack::DefaultStack;
+use corosensei::{CoroutineResult, ScopedCoroutine, ScopedCoroutineRef, Yielder};
+
+use super::coordinator::Coordinator;
+use super::coordinator::switch::{Pause, Switch};
+use super::{Shop, Start, Way};
+use counterpoint_emulator::channel::carried::Lived;
+
+/// Bytes of the stack of a kernel without macros, those of a thread of its own.
+const STACK: usize = 2 << 20;
+
+/// What a kernel leaves when it has come to its end.
+type End = std::thread::Result<Lived>;
+
+/// A kernel in turns.
+struct Turn<'s> {
+    rank: u16,
+    coroutine: ScopedCoroutineRef<'s, (), Pause, End, DefaultStack>,
+    /// Why it does not run; nothing before its first turn.
+    pause: Option<Pause>,
+}
+
+/// Starts all kernels, each within the scope of those before it, and runs them to their end.
+fn scoped<'k>(
+    coordinator: &Coordinator,
+    mut rest: impl Iterator<Item = (u16, ScopedCoroutine<'k, (), Pause, End, DefaultStack>)>,
+    turns: Vec<Turn<'_>>,
+    between: &mut dyn FnMut(),
+) -> Vec<End> {
+    match rest.next() {
+        Some((rank, coroutine)) => coroutine.scope(|coroutine| {
+            // The earlier kernels live longer than this one.
+            let mut turns = turns;
+            turns.push(Turn { rank, coroutine, pause: None });
+            scoped(coordinator, rest, turns, between)
+        }),
+        None => take_turns(coordinator, turns, between),
+    }
+}
+
+/// Runs the kernels until all have come to their end.
+fn take_turns(coordinator: &Coordinator, mut turns: Vec<Turn<'_>>, between: &mut dyn FnMut()) -> Vec<End> {
+    let mut ends = Vec::new();
+    while let Some(next) = next_turn(coordinator, &turns) {
+        let Some(turn) = turns.get_mut(next) else { break };
+        match turn.coroutine.resume(()) {
+            CoroutineResult::Yield(pause) => turn.pause = Some(pause),
+            CoroutineResult::Return(end) => {
+                ends.push(end);
+                turns.swap_remove(next);
+            }
+        }
+        between();
+    }
+    ends
+}
+
+/// The kernel that goes on: of those with something to do the one that is furthest behind. One that needs an empty chunk
+/// comes last: the others bring the merger on. `None`: all have come to their end.
+fn next_turn(coordinator: &Coordinator, turns: &[Turn<'_>]) -> Option<usize> {
+    let ready = |turn: &Turn<'_>| turn.pause != Some(Pause::Sleep) || !coordinator.sleeps(turn.rank);
+    let order = |turn: &Turn<'_>| (turn.pause == Some(Pause::Chunk), coordinator.bound(turn.rank), turn.rank);
+    let next = |turns: &[Turn<'_>]| {
+        turns.iter().enumerate().filter(|(_, turn)| ready(turn)).min_by_key(|(_, turn)| order(turn)).map(|(at, _)| at)
+    };
+    next(turns).or_else(|| {
+        // All remaining kernels sleep, which must not happen: stop the job instead of hanging.
+        (!turns.is_empty()).then(|| coordinator.abort());
+        next(turns)
+    })
+}
+
+impl<'a> Shop<'a> {
+    /// Runs the kernels in turns; `between` is called whenever none of them runs.
+    pub(super) fn in_turns(self, work: Vec<(Start<'_>, Way<'_>)>, mut between: impl FnMut()) -> Vec<Lived> {
+        let mut coroutines = Vec::new();
+        for (start, way) in work {
+            let number = start.channel.number;
+            let stack = if self.job.macros().is_some() { counterpoint_emulator::macros::STACK } else { STACK };
+            let Ok(stack) = DefaultStack::new(stack) else {
+                // The operating system refuses the memory: the job cannot be run and counts as cancelled.
+                self.control.cancel();
+                self.coordinator.done(number, |_| ());
+                continue;
+            };
+            // What a coroutine begins with must be small.
+            let begin = Box::new((start, way));
+            let body = move |yielder: &Yielder<(), Pause>, ()| {
+                let life = catch_unwind(AssertUnwindSafe(|| {
+                    let (start, way) = *begin;
+                    let (kernel, at, reset) = self.started(start, way.into(), Switch::Coroutine(yielder));
+                    kernel.live(at, reset)
+                }));
+                if life.is_err() {
+                    self.coordinator.abort();
+                    self.coordinator.done(number, |_| ());
+                }
+                life
+            };
+            coroutines.push((number, ScopedCoroutine::with_stack(stack, body)));
+        }
+        let mut lived = Vec::new();
+        let mut panic = None;
+        for end in scoped(self.coordinator, coroutines.into_iter(), Vec::new(), &mut between) {
+            match end {
+                Ok(one) => lived.push(one),
+                Err(payload) => panic = Some(payload),
+            }
+        }
+        // A mistake of this program: the job's owner gets it, after all kernels have come to their end.
+        if let Some(payload) = panic {
+            resume_unwind(payload);
+        }
+        lived.sort_by_key(|one| one.rank);
+        lived
+    }
+}

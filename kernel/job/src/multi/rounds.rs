@@ -1,0 +1,173 @@
+//! One run of all kernels after the other: Machine Shutdown may start the machine again with another file.
+//!
+//! Facts: reference control-emulator.md 5.8. Invariant: between two rounds no kernel runs; the next one begins at the
+//! time at which the log of the one before has ended, one microstep later, so the log stays in order.
+
+use super::coordinator::Coordinator;
+use super::master::{At, Master};
+use super::ranks::Ranks;
+use super::shared::{Shared, Spindle};
+use super::{Shop, Start};
+use crate::prepared::Job;
+use counterpoint_emulator::channel::Kernel;
+use counterpoint_emulator::channel::carried::{Carried, Lived};
+use counterpoint_emulator::macros::parts::Restart;
+use counterpoint_event::event::{Event, Kind, Phase};
+use counterpoint_fault as diag;
+use counterpoint_fault::Halt;
+use counterpoint_program::layout;
+use counterpoint_program::spec::Spec;
+use counterpoint_sync::merge::Message;
+use counterpoint_sync::tag::Tag;
+use counterpoint_sync::waits::Waits;
+
+/// How often Machine Shutdown may start the machine again.
+const MOST: u32 = 1000;
+
+/// A run of all kernels, and what it begins with.
+#[derive(Default)]
+pub(super) struct Round {
+    /// How often the machine has been started again.
+    number: u32,
+    /// Time and microstep at which it begins.
+    pub(super) at: (i64, u32),
+    master: Option<Master>,
+    again: Option<Again>,
+    carried: Vec<Carried>,
+    shared: Option<Shared>,
+    /// Meetings so far.
+    meetings: u64,
+}
+
+/// What Machine Shutdown wants next.
+pub(super) struct Again {
+    /// Kernels with a program.
+    pub(super) programs: Vec<(u16, At)>,
+    /// As if the file were the first one.
+    pub(super) reset: bool,
+}
+
+impl Round {
+    /// The meeting place of its kernels.
+    pub(super) fn coordinator(
+        &mut self,
+        job: &Job,
+        messages: Option<crossbeam_channel::Sender<Message>>,
+    ) -> Coordinator {
+        let Spec { machine, options, .. } = job.spec();
+        let fresh = || Shared { spindles: vec![Spindle::default(); machine.spindles.len()], ..Shared::default() };
+        let shared = self.shared.take().unwrap_or_else(fresh);
+        let ranks = Ranks::new(machine.channels.iter().map(|channel| channel.number));
+        let waits = Waits::new(ranks.clone(), machine.sync.release_ns);
+        let coordinator = Coordinator::new(ranks, usize::from(options.threads), shared, waits, messages);
+        coordinator.unordered(|order| order.meetings = self.meetings);
+        coordinator
+    }
+}
+
+impl<'a> Shop<'a> {
+    /// Starts the machine, or starts it again: the kernels that have something to do.
+    pub(super) fn begin(self, round: &mut Round, log: &mut dyn FnMut(&Event) -> bool) -> Vec<Start<'a>> {
+        let Some(again) = round.again.take() else {
+            round.master = self.master_startup(log);
+            log(&super::master(0, Kind::Lifecycle(Phase::MachineStart)));
+            return self.starting(round.master.as_ref(), log);
+        };
+        let mut starting = Vec::new();
+        for (index, channel) in self.job.spec().machine.channels.iter().enumerate() {
+            let progress = self.control.progress().get(index).unwrap_or(self.control.spare());
+            let carried = round.carried.iter().position(|carried| carried.channel == channel.number);
+            let carried = carried.map(|at| round.carried.swap_remove(at));
+            match again.programs.iter().find(|(number, _)| *number == channel.number) {
+                Some((_, at)) => {
+                    let reset = carried.is_some().then_some(again.reset);
+                    let before = Some((round.at, carried));
+                    starting.push(Start { channel, progress, at: at.clone(), before, reset });
+                }
+                None => {
+                    // It may get a program the next time.
+                    round.carried.extend(carried);
+                    self.coordinator.never_started(channel.number);
+                }
+            }
+        }
+        starting
+    }
+
+    /// Ends the round: logs how channels without an end in the log came to a stand, and runs Machine Shutdown. How far
+    /// a thread got beyond a cut of the log is chance; only what is in the log counts. The next round, if there is one.
+    pub(super) fn close(
+        self,
+        mut round: Round,
+        lived: Vec<Lived>,
+        ended: &[u16],
+        (t_ns, micro): (i64, u32),
+        log: &mut dyn FnMut(&Event) -> bool,
+    ) -> Option<Round> {
+        let stop = self.coordinator.stop_tag();
+        self.coordinator.unordered(|order| order.shared.files.close(stop));
+        let all = lived.iter().all(|one| matches!(one.halt, Halt::End(_)) && ended.contains(&one.rank));
+        for Lived { rank, halt, .. } in lived.iter().filter(|one| !ended.contains(&one.rank)) {
+            let phase = if *halt == Halt::Blocked { Phase::Blocked } else { Phase::Stopped };
+            log(&Event { micro, channel: *rank, ..super::master(t_ns, Kind::Lifecycle(phase)) });
+        }
+        let wrong = match () {
+            () if !all || self.control.cancelled() => Some("not every channel has come to the end of its program"),
+            () if round.number >= MOST => Some("it has been started again 1000 times"),
+            () => None,
+        };
+        let again = self.master_shutdown(&mut round.master, wrong, (t_ns, micro), log);
+        self.coordinator.unordered(|order| order.shared.files.close(Tag::END));
+        let Some(again) = again.filter(|_| !self.control.cancelled()) else {
+            log(&Event { micro, ..super::master(t_ns, Kind::Lifecycle(Phase::MachineEnd)) });
+            return None;
+        };
+        let mut carried = round.carried;
+        carried.extend(lived.into_iter().filter_map(|one| one.left).map(|left| *left));
+        let (shared, meetings) =
+            self.coordinator.unordered(|order| (std::mem::take(&mut order.shared), order.meetings));
+        Some(Round {
+            number: round.number + 1,
+            at: (t_ns, micro.saturating_add(1)),
+            master: round.master,
+            again: Some(again),
+            carried,
+            shared: Some(shared),
+            meetings,
+        })
+    }
+}
+
+/// Where the kernels continue with the file that Machine Shutdown named: its main programs from left to right, as for
+/// a job of this file alone. `wrong` says why the machine cannot be started again.
+pub(super) fn restarted(kernel: &mut Kernel<'_>, restart: Restart, wrong: Option<&str>) -> Option<Again> {
+    let Restart { file, line, reset } = restart;
+    let (info, machine) = (kernel.channel.env.info, kernel.channel.env.machine);
+    let name = info.file_name(file).to_owned();
+    let refused = |kernel: &mut Kernel<'_>, reason: &str| {
+        let text = format!("the machine is not started again with line {line} of {name}: {reason}");
+        kernel.diagnose(&diag::NO_RESTART, text);
+        None
+    };
+    if let Some(reason) = wrong {
+        return refused(kernel, reason);
+    }
+    kernel.load(file).ok()?;
+    let ranges = kernel.channel.env.sources.get(file).map(|source| layout::from_line(source, line, machine));
+    let channels = machine.channels.iter().map(|channel| channel.number);
+    let programs: Vec<(u16, At)> = channels
+        .zip(ranges.unwrap_or_default())
+        .filter_map(|(number, range)| {
+            let range = range?;
+            let name = match range.number {
+                Some(program) => format!("{name}#{program}"),
+                None => name.clone(),
+            };
+            Some((number, (file, range, name.into())))
+        })
+        .collect();
+    if programs.is_empty() {
+        return refused(kernel, "no main program of the file has that line or later ones");
+    }
+    Some(Again { programs, reset })
+}
