@@ -9,10 +9,10 @@ mod real {
 
 #[cfg(all(test, feature = "shuttle"))]
 mod real {
-    pub use shuttle::hint::spin_loop;
-    pub use shuttle::sync::{Condvar, Mutex, MutexGuard, atomic};
-    pub use shuttle::thread::yield_now;
-    pub use std::sync::{PoisonError, TryLockError};
+    pub(crate) use shuttle::hint::spin_loop;
+    pub(crate) use shuttle::sync::{Condvar, Mutex, MutexGuard, atomic};
+    pub(crate) use shuttle::thread::yield_now;
+    pub(crate) use std::sync::{PoisonError, TryLockError};
 }
 
 pub(crate) use real::*;
