@@ -85,7 +85,11 @@ fn what_is_not_written_by_the_rules_is_found() {
     };
     some(found(|file| file.message_type[0].field[0].name = Some("aField".to_owned())), "lower_snake_case");
     some(found(|file| file.message_type[0].name = Some("event_batch".to_owned())), "PascalCase");
-    some(found(|file| file.enum_type[0].value[1].name = Some("RUNNING".to_owned())), "PHASE_");
+    let phase: fn(&mut prost_types::FileDescriptorProto) = |file| {
+        let phase = file.enum_type.iter_mut().find(|one| one.name() == "Phase").unwrap();
+        phase.value[1].name = Some("RUNNING".to_owned());
+    };
+    some(found(phase), "PHASE_");
     some(found(|file| file.enum_type[0].value[0].name = Some("PHASE_NONE".to_owned())), "_UNSPECIFIED");
     some(found(|file| file.package = Some("counterpoint".to_owned())), "version");
     some(found(|file| file.source_code_info = None), "comment");
