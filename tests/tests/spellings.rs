@@ -230,9 +230,7 @@ fn okuma(moves: &[Move]) -> String {
 
 /// The machine of the page of path blocks.
 fn heidenhain_machine() -> Arc<Machine> {
-    let page = include_str!("../spec/emulator/heidenhain.md");
-    let (_, behind) = page.split_once("```toml\n").expect("a machine");
-    machine(behind.split_once("```").expect("its end").0)
+    machine(include_str!("../spec/machines/mill-tnc.toml"))
 }
 
 fn heidenhain_plain(moves: &[Move]) -> String {
