@@ -9,7 +9,8 @@ use super::hook_points::HookPoints;
 use super::refusals::Refusals;
 use counterpoint_machine::Machine;
 use counterpoint_machine::ident::{DataId, codes, data};
-use counterpoint_machine::model::{AxisRole, CodeForm, CodeRow, Dimension, Register};
+use counterpoint_machine::model::AxisRole;
+use counterpoint_machine::rows::{CodeForm, CodeRow, Dimension, Register};
 use counterpoint_program::scan::Scanner;
 use counterpoint_program::tape::Tape;
 

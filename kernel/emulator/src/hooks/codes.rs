@@ -14,7 +14,7 @@ use counterpoint_fault as diag;
 use counterpoint_fault::{Acted, Halt};
 use counterpoint_machine::ident::{CodeId, DataId, codes, data};
 use counterpoint_machine::macros::condition::Item;
-use counterpoint_machine::model::{CodeForm, Dimension};
+use counterpoint_machine::rows::{CodeForm, Dimension};
 use counterpoint_program::block::Datum;
 use counterpoint_program::block::PendingCode;
 

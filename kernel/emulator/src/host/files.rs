@@ -10,7 +10,7 @@ use counterpoint_lang::vm::{self, State};
 
 use crate::channel::Kernel;
 use counterpoint_fault as diag;
-use counterpoint_machine::model::StoredFile;
+use counterpoint_machine::stored::StoredFile;
 use counterpoint_ports::files::Bytes;
 use counterpoint_sync::files::Written;
 

@@ -19,7 +19,7 @@ use crate::state::frames::offsets::{Radii, Table};
 use counterpoint_event::event::FileId;
 use counterpoint_machine::macros::model::{FIRST_HOOK_ID, Hook, SELECT_TOOL};
 use counterpoint_machine::macros::without;
-use counterpoint_machine::model::{NumberFormat, Point, Register as MachineRegister, Zeros};
+use counterpoint_machine::rows::{NumberFormat, Point, Register as MachineRegister, Zeros};
 
 fn text(arguments: &[Value], at: usize) -> &str {
     arguments.get(at).and_then(Value::as_text).unwrap_or("")

@@ -5,7 +5,8 @@
 use super::defaults;
 use super::names::Names;
 use crate::ident::{self, DataId};
-use crate::model::{Axis, AxisRole, DataRow, Turn};
+use crate::model::{Axis, AxisRole, Turn};
+use crate::rows::DataRow;
 use crate::toml::section::Section;
 
 /// Most axes of a machine.

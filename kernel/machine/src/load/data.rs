@@ -5,7 +5,7 @@
 use super::defaults;
 use super::digits;
 use super::names::Names;
-use crate::model::{DataRow, Dimension};
+use crate::rows::{DataRow, Dimension};
 use crate::toml::section::Section;
 use counterpoint_event::Unit;
 

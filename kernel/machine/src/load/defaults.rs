@@ -3,7 +3,8 @@
 //! Invariant: every identifier has an answer. Facts: reference control-emulator.md 1.3, 6.2.
 
 use crate::ident::{self, CodeId, DataId, codes};
-use crate::model::{AxisRole, Dimension, Modality};
+use crate::model::AxisRole;
+use crate::rows::{Dimension, Modality};
 
 /// Modality of a code in a group.
 pub(super) fn modality(id: CodeId, group: u16) -> Modality {

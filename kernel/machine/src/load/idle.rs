@@ -6,8 +6,8 @@
 use crate::ident::kind::CodeKind;
 use crate::ident::{code_facts, codes};
 use crate::macros::model::Hook;
-use crate::model::CodeRow;
 use crate::preprocessor::Preprocessor;
+use crate::rows::CodeRow;
 use crate::toml::check::Check;
 use crate::toml::section::Section;
 

@@ -3,7 +3,8 @@
 //! Invariant: a direction is not zero. Facts: reference control-emulator.md 6.8.
 
 use crate::ident::{DataId, code_facts, data_facts};
-use crate::model::{Axis, AxisRole, Channel, CodeRow};
+use crate::model::{Axis, AxisRole, Channel};
+use crate::rows::CodeRow;
 use crate::toml::check::Check;
 use crate::toml::section::Section;
 use counterpoint_motion::frame::kinematics::unit;

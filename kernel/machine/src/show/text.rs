@@ -3,8 +3,9 @@
 //! Invariant: columns are separated by two blanks and lines have none at their end.
 
 use super::{axis, register, word, written};
-use crate::model::{CallHow, CodeForm, Cycles, Machine, NumberFormat, WordCall};
-use crate::paths::Threads;
+use crate::model::paths::Threads;
+use crate::model::{CallHow, Cycles, Machine, WordCall};
+use crate::rows::{CodeForm, NumberFormat};
 
 /// Rows of cells with a heading, aligned to the left.
 pub(super) struct Grid(Vec<Vec<String>>);

@@ -2,7 +2,8 @@
 
 use super::*;
 use crate::ident::codes;
-use crate::model::{CodeForm, CodeRow, Dimension, Machine, Modality};
+use crate::model::Machine;
+use crate::rows::{CodeForm, CodeRow, Dimension, Modality};
 
 fn load_over_base(child: &str) -> Loaded {
     let mut files = Memory::default();
