@@ -319,7 +319,8 @@ fn numbered<T>(rows: &[T]) -> impl Iterator<Item = (u16, &T)> {
 #[cfg(test)]
 mod tests {
     use super::super::ident::codes;
-    use super::super::rows::{Dimension, Modality, NumberFormat, Point, Zeros};
+    use super::super::ident::dimension::Dimension;
+    use super::super::rows::{Modality, NumberFormat, Point, Zeros};
     use super::*;
 
     fn register(name: &str, second: Option<&str>) -> Register {
