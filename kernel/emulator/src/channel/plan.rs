@@ -105,7 +105,7 @@ impl DataPlan {
         Self {
             registers_of: machine.tables.rows_of_data.iter().enumerate().map(registers_of).collect(),
             sources: sources(machine, &diameter_x),
-            ignore: machine.data.iter().map(|r| !r.process || machine.data_name(r.id) == "REG_IGNORE").collect(),
+            ignore: machine.data.iter().map(|r| !r.process).collect(),
             diameter_x,
             recall,
             refused,
