@@ -2,9 +2,10 @@
 
 use super::*;
 use crate::ident::{codes, data};
-use crate::model::{AlarmScope, CallForm, CodeForm, Machine, MachineKind, MainReturn, PathsForm};
+use crate::model::{AlarmScope, CallForm, Machine, MachineKind, MainReturn, PathsForm};
 use crate::model::{RewindStop, SyncDialect};
 use crate::package;
+use crate::rows::CodeForm;
 use crate::show::{Show, show};
 use counterpoint_event::Unit;
 
