@@ -1,6 +1,6 @@
-//! A connection to a server, elsewhere or in this process.
+//! A connection to a remote server, or to one embedded in this process.
 //!
-//! Invariant: an embedded server leaves nothing behind: its data folder is temporary and removed with the client.
+//! *Invariant:* an embedded server leaves nothing behind: its data folder is temporary and removed with the client.
 
 use std::time::Duration;
 
@@ -29,7 +29,7 @@ const CERTIFICATE: &str = "COUNTERPOINT_CLIENT_CERT";
 const KEY: &str = "COUNTERPOINT_CLIENT_KEY";
 /// Bytes of an upload chunk.
 const CHUNK: usize = 64 * 1024;
-/// Digests in one question, so that the message stays small.
+/// Digests in one request, so that the message stays small.
 const ASK: usize = 10_000;
 
 /// A connection that adds the token of the caller to each call.
@@ -40,7 +40,7 @@ type Through = InterceptedService<Channel, Bearer>;
 pub(crate) struct Bearer(Option<MetadataValue<Ascii>>);
 
 impl Bearer {
-    /// From the environment: on a command line everybody on the machine could read it.
+    /// Reads the token from the environment, because every user of the computer can read command lines.
     fn from_environment() -> Result<Self, Error> {
         let Ok(token) = std::env::var(TOKEN) else { return Ok(Self(None)) };
         let value = format!("Bearer {}", token.trim()).parse::<MetadataValue<Ascii>>();
@@ -172,7 +172,7 @@ impl Client {
         BlobsClient::new(self.channel.clone())
     }
 
-    /// Uploads what the server does not have.
+    /// Uploads the blobs that the server does not have.
     pub(crate) async fn upload(&self, blobs: &[&Blob]) -> Result<(), Error> {
         let mut missing: Vec<&&Blob> = Vec::new();
         for part in blobs.chunks(ASK) {
@@ -193,7 +193,7 @@ impl Client {
     }
 }
 
-/// The first chunk carries the digest; an empty content is one chunk.
+/// Splits a blob into chunks. The first chunk carries the digest; empty content is one chunk.
 fn chunks(blob: &Blob) -> impl Iterator<Item = v1::UploadRequest> + Send + use<> {
     let mut rest = blob.content.clone();
     let mut digest = Some(blob.digest.clone());

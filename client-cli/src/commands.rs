@@ -16,10 +16,10 @@ use crate::progress::Progress;
 use crate::text::{table, time};
 use crate::{completions, machines, macros, results, run, say};
 
-/// How often a broken watch is resumed.
+/// How often a broken watch is resumed before the command fails.
 const RETRIES: u32 = 8;
 
-/// Carries out a command; gives the exit code.
+/// Executes a command and returns the exit code.
 pub(crate) async fn dispatch(command: Command) -> Result<u8, Error> {
     match command {
         Command::Run(arguments) => run::run(arguments).await,
@@ -41,11 +41,11 @@ pub(crate) async fn dispatch(command: Command) -> Result<u8, Error> {
     }
 }
 
-/// Follows a job, over broken connections too: diagnostics and waits on standard output.
+/// Follows a job, reconnecting if necessary; prints diagnostics and waits to standard output.
 async fn watch(Follow { of: arguments, strict }: Follow) -> Result<u8, Error> {
     let mut progress = Progress::new(arguments.quiet);
     let (mut cursor, mut failures) = (0, 0);
-    // A connection that breaks is resumed; a server that never answered is a mistake of the command line.
+    // A broken connection is resumed, but a server that never answered is an error.
     drop(Client::connect(&arguments.remote.server).await?);
     loop {
         match watch_once(&arguments, &mut cursor, &mut progress, &mut failures).await {
@@ -93,7 +93,7 @@ async fn watch_once(
     Err(Error::Connection("the server ended the stream".to_owned()))
 }
 
-/// An event as a line, when it is for people.
+/// An event as a line; `None` for events that are not printed.
 fn line(event: &v1::Event) -> Option<String> {
     let text = match event.kind.as_ref()? {
         Kind::Diagnostic(d) => {

@@ -1,4 +1,4 @@
-//! Reads results: streams of chunks put together, to memory, a file or standard output.
+//! Reads results, which arrive as streams of chunks, into memory, a file or standard output.
 
 use std::fmt::Write as _;
 use std::io::Write as _;
@@ -52,7 +52,7 @@ chunks!(
     GetFileResponse
 );
 
-/// Hands every chunk of a result to `put`.
+/// Passes every chunk of a result to `put`.
 pub(crate) async fn each(
     client: &Client,
     job: &str,
@@ -108,7 +108,9 @@ pub(crate) async fn files(client: &Client, job: &str, folder: &Path) -> Result<(
     for v1::WrittenFile { path, .. } in written(client, job).await? {
         let inside = Path::new(&path).components().all(|part| matches!(part, Component::Normal(_)));
         if !inside || path.contains([':', '\\']) {
-            return Err(Error::Connection(format!("the server names a file '{path}', which leads out of its folder")));
+            return Err(Error::Connection(format!(
+                "the server sent the file name '{path}', which is outside the output folder"
+            )));
         }
         let place = folder.join(&path);
         if let Some(parent) = place.parent() {
