@@ -37,7 +37,7 @@ pub(super) fn arguments(
     let mut read = Arguments::default();
     let mut levels = [0_u8; 3];
     let calls = |word: &TemplateWord| {
-        let value = word.value.as_constant().filter(|_| word.name == Name::Letter(b'G'));
+        let value = word.value.as_constant().copied().filter(|_| word.name == Name::Letter(b'G'));
         value.is_some_and(|value| with_arguments(value).is_some())
     };
     let strict = host.is_call_strict() && own.is_none() && words.iter().any(calls);

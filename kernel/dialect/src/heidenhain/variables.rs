@@ -18,6 +18,12 @@ pub(super) enum Value {
     Text(Arc<str>),
 }
 
+impl Default for Value {
+    fn default() -> Self {
+        Self::Number(0.0)
+    }
+}
+
 /// What the control tells by Q parameters of its own.
 #[derive(Debug, Clone, Default)]
 pub(super) struct ControlState {

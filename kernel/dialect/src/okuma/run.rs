@@ -5,6 +5,7 @@
 //! then, and ends with that program. Invariant: words keep their order; a block that leaves none leaves no text.
 
 use counterpoint_fault::{Acted, Halt};
+use std::borrow::Cow;
 use std::sync::Arc;
 
 use counterpoint_lang::value::Value;
@@ -20,6 +21,9 @@ use counterpoint_fault as diag;
 
 /// Modal calls at the same time.
 const MODAL: usize = 8;
+
+/// Names of which is kept whether they are words.
+const WORDS: usize = 1000;
 
 /// Output that sets an alarm of the user.
 const USER_ALARM: f64 = 992.0;
@@ -107,8 +111,8 @@ impl Okuma {
             return Ok(());
         }
         let name = match target {
-            Target::Named(name) => name.clone(),
-            Target::Computed(number) => normal(&self.value(host, number)?.to_string()),
+            Target::Named(name) => Cow::Borrowed(name),
+            Target::Computed(number) => Cow::Owned(normal(&self.value(host, number)?.to_string())),
         };
         let place = host.place();
         let index = self.index(host, place.file);
@@ -210,10 +214,11 @@ impl Okuma {
         {
             return self.user_alarm(host, value, raw, left);
         }
+        let is_word = self.is_word(host, name);
         let mut eval = Eval::new(&mut self.store, host);
         let done = eval.assigned(value).and_then(|assigned| {
             let number = assigned.unwrap_or(0.0);
-            let word = eval.host.word(name, number, spelled.as_deref());
+            let word = if is_word { eval.host.word(name, number, spelled.as_deref()) } else { None };
             match (word, variable) {
                 (Some(word), _) => {
                     if assigned.is_none() {
@@ -239,6 +244,19 @@ impl Okuma {
 }
 
 impl Okuma {
+    /// A register of the machine has this name.
+    fn is_word(&mut self, host: &dyn Host, name: &str) -> bool {
+        if let Some(known) = self.words.get(name) {
+            return *known;
+        }
+        let is = host.word(name, 0.0, None).is_some();
+        if self.words.len() >= WORDS {
+            self.words.clear();
+        }
+        self.words.insert(name.into(), is);
+        is
+    }
+
     /// A text for a variable: that of an alarm, or what the machine knows.
     fn text(
         &mut self,

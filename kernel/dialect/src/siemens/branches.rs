@@ -74,19 +74,16 @@ impl Siemens {
             Structure::EndFor => {
                 let file = host.place().file;
                 let line = self.line_of(host, file, partners.first);
-                let head = line
-                    .as_ref()
-                    .as_ref()
-                    .ok()
-                    .and_then(|line| line.items.iter().find(|item| matches!(item, Item::For(..))).cloned());
-                let Some(Item::For(variable, ..)) = &head else { return syntax("ENDFOR has no FOR") };
+                let items = line.as_ref().as_ref().map_or(&[][..], |line| &line.items);
+                let head = items.iter().find(|item| matches!(item, Item::For(..)));
+                let Some(Item::For(variable, ..)) = head else { return syntax("ENDFOR has no FOR") };
                 let Some(target) = self.locate(host, variable)? else {
                     return syntax(format!("{} of FOR is no variable", variable.name));
                 };
                 let value = super::evaluate::number(&self.value_of(host, &target)?)?;
                 self.store(host, &target, Data::Real(value + 1.0))?;
                 match head {
-                    Some(head) if self.loop_goes_on(host, &head)? => self.go(host, partners.first.saturating_add(1)),
+                    Some(head) if self.loop_goes_on(host, head)? => self.go(host, partners.first.saturating_add(1)),
                     _ => Ok(()),
                 }
             }
@@ -96,7 +93,7 @@ impl Siemens {
     /// The variable of FOR is not beyond its last value.
     fn loop_goes_on(&mut self, host: &mut dyn Host, head: &Item) -> Outcome<bool> {
         let Item::For(variable, _, last) = head else { return Ok(false) };
-        let value = self.evaluate(host, &Expression::Name(variable.clone()))?;
+        let value = self.read(host, variable)?;
         let last = self.evaluate(host, last)?;
         Ok(super::evaluate::number(&value)? <= super::evaluate::number(&last)?)
     }

@@ -5,7 +5,7 @@
 //! begins has a level of its own, which goes when it returns.
 
 use super::define::{Header, Parameter};
-use super::expression::{Argument, Expression};
+use super::expression::{Argument, as_name};
 use super::jumps::bare;
 use super::line::{Item, read};
 use super::value::Data;
@@ -102,7 +102,7 @@ impl Siemens {
             Ok(Some(expression)) => expression,
             Err(text) => return syntax(text.clone()),
         };
-        if let Expression::Name(name) = expression
+        if let Some(name) = as_name(expression)
             && (name.name == "R" || self.variables.knows(&name.name))
             && let Some(target) = self.locate(host, name)?
         {

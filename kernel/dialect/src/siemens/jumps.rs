@@ -223,7 +223,7 @@ impl Siemens {
         let value = match label {
             Label::Name(name) if self.variables.knows(name) => {
                 let name = super::expression::Name { name: name.clone(), index: Vec::new() };
-                self.evaluate(host, &super::expression::Expression::Name(name))?
+                self.read(host, &name)?
             }
             Label::Value(expression) => self.evaluate(host, expression)?,
             known => return Ok(known.clone()),

@@ -8,6 +8,7 @@ use super::cursor::{Cursor, begins_name, in_name};
 use super::define::{self, Declaration, Header};
 use super::expression::{Argument, Expression, Name, arguments, expression, indexed, unexpected};
 use super::statement::{JUMPS, call, case, direction, jump, repeat};
+use super::value::Data;
 
 /// A block.
 #[derive(Debug, Default, PartialEq)]
@@ -273,7 +274,7 @@ fn address(cursor: &mut Cursor<'_>, letter: u8) -> Result<Item, String> {
     Ok(match letter {
         b'L' if !extension.is_empty() && text.len() == name.len() => Item::Program(name),
         b'P' => match extension.parse() {
-            Ok(passes) => Item::Passes(Expression::Int(passes), text.to_owned()),
+            Ok(passes) => Item::Passes(Expression::constant(Data::Int(passes)), text.to_owned()),
             Err(_) => Item::Text(text.to_owned()),
         },
         b'M' if extension.parse() == Ok(17) && text.len() == name.len() => Item::Return(name, false),

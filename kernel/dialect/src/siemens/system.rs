@@ -5,7 +5,7 @@
 //! is the simulated time of the channel. Invariant: what is not known here is none, so that it is reported.
 
 use super::evaluate::number;
-use super::expression::{Expression, Name};
+use super::expression::{Name, as_name};
 use super::value::Data;
 use super::{Outcome, Siemens, syntax};
 use crate::host::Host;
@@ -89,8 +89,8 @@ impl Siemens {
     /// Position of the axis in the index.
     fn position(&mut self, host: &mut dyn Host, name: &Name, machine: bool) -> Outcome<f64> {
         let [index] = name.index.as_slice() else { return syntax(format!("{} needs an axis", name.name)) };
-        let wanted = match index {
-            Expression::Name(axis) if axis.index.is_empty() && !self.variables.knows(&axis.name) => axis.name.clone(),
+        let wanted = match as_name(index) {
+            Some(axis) if axis.index.is_empty() && !self.variables.knows(&axis.name) => axis.name.clone(),
             _ => match self.evaluate(host, index)? {
                 Data::Axis(axis) | Data::Text(axis) => axis,
                 other => return super::wrong_type(format!("{} is no axis", other.described())),

@@ -19,6 +19,12 @@ pub(super) enum Data {
     Frame(Box<Frame>),
 }
 
+impl Default for Data {
+    fn default() -> Self {
+        Self::Int(0)
+    }
+}
+
 /// A type.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Type {

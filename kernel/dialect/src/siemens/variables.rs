@@ -7,7 +7,7 @@
 use counterpoint_lang::value::Value;
 use rustc_hash::FxHashMap;
 
-use super::expression::{Argument, Expression, Name};
+use super::expression::{Argument, Expression, Name, as_name};
 use super::frame::{Frame, Part};
 use super::line::Assigned;
 use super::value::{Data, Type};
@@ -130,6 +130,20 @@ impl Variables {
         self.find(name).is_some() || self.shared.contains_key(name)
     }
 
+    /// Value of a variable of one value, without index.
+    pub(super) fn scalar(&self, name: &Name) -> Option<&Data> {
+        if !name.index.is_empty() {
+            return None;
+        }
+        let (_, variable) = self.find(&name.name)?;
+        variable.values.first().filter(|_| variable.sizes.is_empty())
+    }
+
+    /// Value of an R parameter.
+    pub(super) fn parameter(&self, number: u32) -> f64 {
+        self.parameters.get(&number).copied().unwrap_or(0.0)
+    }
+
     fn held(&mut self, holder: Holder, name: &str) -> Option<&mut Variable> {
         match holder {
             Holder::Level(at) => self.levels.get_mut(at)?.variables.get_mut(name),
@@ -246,25 +260,23 @@ fn missing<T>(text: String) -> Outcome<T> {
 }
 
 impl Siemens {
+    /// Number of an R parameter; none if it is another name.
+    pub(super) fn r_parameter(&mut self, host: &mut dyn Host, name: &Name) -> Outcome<Option<u32>> {
+        let ("R", [index]) = (name.name.as_str(), name.index.as_slice()) else { return Ok(None) };
+        let number = self.whole_number(host, index)?;
+        match u32::try_from(number) {
+            Ok(found) if number <= MOST_PARAMETERS => Ok(Some(found)),
+            _ => missing(format!("there is no parameter R{number}")),
+        }
+    }
+
     /// Where a variable is; none if there is none of this name.
     pub(super) fn locate(&mut self, host: &mut dyn Host, name: &Name) -> Outcome<Option<Target>> {
         if name.name == "R" {
-            let [index] = name.index.as_slice() else { return Ok(None) };
-            let number = self.whole_number(host, index)?;
-            if !(0..=MOST_PARAMETERS).contains(&number) {
-                return missing(format!("there is no parameter R{number}"));
-            }
-            let (kind, at) = (Type::Real, number as usize);
-            let holder = Holder::Parameter;
-            return Ok(Some(Target {
-                holder,
-                name: "R".to_owned(),
-                kind,
-                at,
-                count: at + 1,
-                whole: false,
-                part: None,
-            }));
+            let Some(number) = self.r_parameter(host, name)? else { return Ok(None) };
+            let (holder, kind, at) = (Holder::Parameter, Type::Real, number as usize);
+            let name = name.name.clone();
+            return Ok(Some(Target { holder, name, kind, at, count: at + 1, whole: false, part: None }));
         }
         let (holder, kind, sizes) = match self.variables.find(&name.name) {
             Some((holder, variable)) => (holder, variable.kind, variable.sizes.clone()),
@@ -314,10 +326,7 @@ impl Siemens {
             return missing(format!("{} is an array, it needs its indices", target.name));
         }
         let value = match target.holder {
-            Holder::Parameter => {
-                let number = target.at as u32;
-                Data::Real(self.variables.parameters.get(&number).copied().unwrap_or(0.0))
-            }
+            Holder::Parameter => Data::Real(self.variables.parameter(target.at as u32)),
             Holder::Shared => {
                 let found = host.shared(&element_key(&target.name, target.at, target.count))?;
                 found.and_then(|value| target.kind.taken_from(&value)).unwrap_or_else(|| target.kind.initial())
@@ -421,8 +430,8 @@ impl Siemens {
     /// Axis and part of a frame in an index.
     pub(super) fn frame_part(&mut self, host: &mut dyn Host, index: &[Expression]) -> Outcome<(usize, Part)> {
         let [axis, part] = index else { return super::syntax("a frame has an axis and a part in its index") };
-        let part = match part {
-            Expression::Name(name) if name.index.is_empty() => Part::named(&name.name),
+        let part = match as_name(part) {
+            Some(name) if name.index.is_empty() => Part::named(&name.name),
             _ => None,
         };
         let Some(part) = part else { return super::syntax("a part of a frame is TR, FI, RT, SC or MI") };
