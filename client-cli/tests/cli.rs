@@ -211,8 +211,8 @@ fn a_machine_is_guessed_with_a_reason_or_asked_for() {
     );
     for (name, text, reason) in [
         ("bare.nc", "O1\nG0 X1.\nM30\n", "shows which machine it is for"),
-        ("part.h", "0 BEGIN PGM PART MM\n1 L X+10 R0 FMAX\n2 END PGM PART MM\n", "a Heidenhain control"),
-        ("part.mpf", "G54 G0 X10 Y20\nM30\n", "a Siemens control"),
+        ("part.i", "%PART G71 *\nN10 G00 X+10*\nN99999 %PART G71 *\n", "a Heidenhain control"),
+        ("part.mpf", "G54 G0 X10\nM30\n", "a Siemens control"),
     ] {
         let path = program(folder.path(), name, text);
         let output = counterpoint(&["run", &path]);

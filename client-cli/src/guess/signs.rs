@@ -178,6 +178,11 @@ impl Signs {
                 ("CALL OO", Kind::Okuma),
                 ("NLAP", Kind::Okuma),
             ];
+            const TURNING: [&str; 7] = ["DIAMON", "DIAMOF", "DIAM90", "CYCLE93", "CYCLE95", "CYCLE97", "CYCLE99"];
+            if let Some(name) = TURNING.iter().find(|name| bare.contains(**name)) {
+                self.add(Kind::Siemens, *name, 3);
+                self.add(Kind::Lathe, *name, 3);
+            }
             for (name, kind) in NAMES {
                 let starts = bare.starts_with(name) || unnumbered.starts_with(name);
                 let cycle = name != "CYCLE" || bare.as_bytes().get(name.len()).is_some_and(u8::is_ascii_digit);

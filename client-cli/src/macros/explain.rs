@@ -7,6 +7,7 @@ use counterpoint_kernel::machine::ident::{self as control, takes};
 use counterpoint_kernel::machine::macros::{identifiers, system, without};
 use counterpoint_lang::explain::{self, Entry};
 use counterpoint_lang::func::{self, Way};
+use counterpoint_lang::host::HostFn;
 use counterpoint_lang::{format, ident};
 use include_dir::{Dir, include_dir};
 
@@ -134,7 +135,8 @@ fn function(name: &str) -> Option<String> {
     }
     let text = explain::functions().iter().find(|entry| entry.name == name).map(entry)?;
     Some(match way {
-        Some(Way::Host(function)) if let Some(why) = without::why(function) => {
+        Some(Way::Host(HostFn::Absent(function))) => {
+            let why = without::why(function);
             format!(
                 "{text}\nThe function {why}: it reports this once in a run (2910070) and returns the result of a failed call.\n"
             )
