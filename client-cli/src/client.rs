@@ -1,6 +1,6 @@
 //! A server to talk to, elsewhere or in this process.
 //!
-//! Invariant: an embedded server leaves nothing behind: its data folder is temporary and removed with the client.
+//! *Invariant:* an embedded server leaves nothing behind: its data folder is temporary and removed with the client.
 
 use counterpoint_client::{Blob, Chunks, Document, Settings, Through, Watch};
 use counterpoint_proto::v1;

@@ -13,7 +13,7 @@ use crate::progress::Progress;
 use crate::text::{table, time};
 use crate::{completions, load, machines, macros, results, run, say};
 
-/// Carries out a command; gives the exit code.
+/// Executes a command and returns the exit code.
 pub(crate) async fn dispatch(command: Command) -> Result<u8, Error> {
     match command {
         Command::Run(arguments) => run::run(arguments).await,
@@ -36,7 +36,7 @@ pub(crate) async fn dispatch(command: Command) -> Result<u8, Error> {
     }
 }
 
-/// Follows a job, over broken connections too: diagnostics and waits on standard output.
+/// Follows a job, reconnecting if necessary; prints diagnostics and waits to standard output.
 async fn watch(Follow { of: arguments, strict }: Follow) -> Result<u8, Error> {
     let client = Client::connect(&arguments.remote.server).await?;
     let mut progress = Progress::new(arguments.quiet);
@@ -58,7 +58,7 @@ async fn watch(Follow { of: arguments, strict }: Follow) -> Result<u8, Error> {
     }
 }
 
-/// An event as a line, when it is for people.
+/// An event as a line; `None` for events that are not printed.
 fn line(event: &v1::Event) -> Option<String> {
     let text = match event.kind.as_ref()? {
         Kind::Diagnostic(d) => {

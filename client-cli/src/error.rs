@@ -14,7 +14,7 @@ pub(crate) enum Error {
     /// The server refused.
     #[error("{}", refusal(.0))]
     Refused(Box<Status>),
-    /// No server, or it went away.
+    /// The server cannot be reached, or the connection was lost.
     #[error("{0}")]
     Connection(String),
     /// A file cannot be read or written.
@@ -22,10 +22,10 @@ pub(crate) enum Error {
     File {
         /// The file.
         path: String,
-        /// What the system said.
+        /// Error of the operating system.
         error: std::io::Error,
     },
-    /// The reader of standard output has gone: not an error.
+    /// Standard output was closed by its reader: not an error.
     #[error("closed")]
     Closed,
 }

@@ -84,7 +84,9 @@ pub(crate) async fn files(client: &Client, job: &str, folder: &Path) -> Result<(
     for v1::WrittenFile { path, .. } in client.files(job).await? {
         let inside = Path::new(&path).components().all(|part| matches!(part, Component::Normal(_)));
         if !inside || path.contains([':', '\\']) {
-            return Err(Error::Connection(format!("the server names a file '{path}', which leads out of its folder")));
+            return Err(Error::Connection(format!(
+                "the server sent the file name '{path}', which is outside the output folder"
+            )));
         }
         let place = folder.join(&path);
         if let Some(parent) = place.parent() {

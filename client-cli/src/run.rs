@@ -36,7 +36,7 @@ pub(crate) async fn run(arguments: Run) -> Result<u8, Error> {
     }
 }
 
-/// The whole run: how the job ended, and the plain exit code of one that was not run.
+/// Runs the job; returns how it ended, and the plain exit code if it could not be run.
 async fn carry_out(arguments: Run) -> Result<(v1::JobStatus, Option<u8>), (Stage, Error)> {
     let at = |stage: Stage| move |error: Error| (stage, error);
     let pack = pack::job(&arguments.inputs).map_err(at(Stage::Programs))?;
@@ -58,17 +58,17 @@ async fn carry_out(arguments: Run) -> Result<(v1::JobStatus, Option<u8>), (Stage
     Ok((status, None))
 }
 
-/// Results of a job that has ended: into the folder, and the report.
+/// Writes the results of an ended job into the folder and prints the report.
 async fn show(arguments: &Run, client: &Client, job: &str, (first, draws): (&str, bool)) -> Result<(), Error> {
     let text = results::whole(client, job, ResultKind::Summary, 0, Format::Json.into()).await?;
     let summary: Summary = serde_json::from_slice(&text)
-        .map_err(|error| Error::Connection(format!("the summary cannot be read: {error}")))?;
+        .map_err(|error| Error::Connection(format!("cannot read the summary: {error}")))?;
     if let Some(folder) = &arguments.out {
         let mut steps = Steps::new(arguments.quiet);
         Target { folder, program: first, arguments }.write(client, job, (&summary, &text), &mut steps).await?;
         steps.clear();
         if !arguments.quiet {
-            say::status_line(styled(DIM, format!("results are in {}", folder.display())));
+            say::status_line(styled(DIM, format!("results written to {}", folder.display())));
         }
     }
     if arguments.json {
@@ -86,19 +86,19 @@ async fn show(arguments: &Run, client: &Client, job: &str, (first, draws): (&str
     Ok(())
 }
 
-/// Lists what macros have written.
+/// Lists the files that macros have written.
 fn files_report(out: &mut String, files: &[v1::WrittenFile], kept: bool) {
     if files.is_empty() {
         return;
     }
-    let hint = if kept { "" } else { " (--out DIR keeps them)" };
+    let hint = if kept { "" } else { " (use --out DIR to keep them)" };
     let _ = writeln!(out, "\nfiles written{hint}");
     for v1::WrittenFile { path, size } in files {
         let _ = writeln!(out, "  {path}, {size} bytes");
     }
 }
 
-/// Hands programs to a server.
+/// Submits programs to a server.
 pub(crate) async fn submit(arguments: Submit) -> Result<u8, Error> {
     let pack = pack::job(&arguments.inputs)?;
     let client = Client::connect(&arguments.remote.server).await?;
@@ -109,12 +109,13 @@ pub(crate) async fn submit(arguments: Submit) -> Result<u8, Error> {
     Ok(0)
 }
 
-/// The machine to run on; a folder is put on the server first.
+/// The machine to run on; a machine folder is uploaded first.
 async fn machine(client: &Client, inputs: &Inputs, quiet: bool) -> Result<String, Error> {
     let Some(machine) = &inputs.machine else {
         let guess = guess::machine(&inputs.programs)?;
         if !quiet {
-            let text = format!("machine {}, guessed from {}; --machine chooses another", guess.machine, guess.why);
+            let text =
+                format!("machine {}, guessed from {}; use --machine to choose another", guess.machine, guess.why);
             say::status_line(styled(DIM, text));
         }
         return Ok(guess.machine.to_owned());
@@ -156,7 +157,7 @@ async fn submit_pack(
     Ok(client.submit(request).await?.job_id)
 }
 
-/// Follows a job to its end; the first interrupt cancels it, the second leaves.
+/// Follows a job to its end; the first interrupt cancels the job, the second ends the command.
 async fn follow(client: &Client, job: &str, (quiet, attended): (bool, bool)) -> Result<v1::JobStatus, Error> {
     let mut watch = client.watch(job, v1::WatchLevel::Progress);
     let progress = RefCell::new(Progress::new(quiet));
@@ -188,7 +189,7 @@ async fn follow(client: &Client, job: &str, (quiet, attended): (bool, bool)) -> 
     }
 }
 
-/// Has all questions answered, with no bars on the terminal meanwhile.
+/// Answers all questions; hides the progress bars while a question is open.
 async fn attend(
     attendant: Option<Attendant>,
     progress: &RefCell<Progress>,
@@ -211,7 +212,7 @@ fn width() -> usize {
     columns.unwrap_or(usize::from(terminal))
 }
 
-/// Limits of the command line, the rest as the server has them.
+/// Limits given on the command line; zero leaves a limit to the server.
 fn limits(inputs: &Inputs) -> Option<v1::JobLimits> {
     let limits = v1::JobLimits {
         simulated_ns: inputs.max_time.map_or(0, |seconds| (seconds * 1e9) as i64),
@@ -222,7 +223,7 @@ fn limits(inputs: &Inputs) -> Option<v1::JobLimits> {
     (limits != v1::JobLimits::default()).then_some(limits)
 }
 
-/// Where results of `run` go, and which.
+/// Where `run` writes results, and which ones.
 struct Target<'a> {
     folder: &'a Path,
     /// First program: names the listings.

@@ -1,6 +1,6 @@
 //! Submits jobs and follows them.
 //!
-//! Invariant: every job that was due is measured, counted as an error, or both.
+//! *Invariant:* every job that was due is measured, counted as an error, or both.
 
 use std::sync::{Arc, Mutex};
 use std::time::Duration;

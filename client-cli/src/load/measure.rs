@@ -1,6 +1,6 @@
 //! What is measured of a load.
 //!
-//! Invariants: times are kept in microseconds with three digits; figures of a second and of the whole come from the same
+//! *Invariants:* times are kept in microseconds with three digits; figures of a second and of the whole come from the same
 //! calls.
 
 use std::collections::BTreeMap;

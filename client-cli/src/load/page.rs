@@ -1,6 +1,6 @@
 //! The report of a load as one HTML file.
 //!
-//! Invariant: nothing is loaded from elsewhere and nothing is executed: plots are drawings inside the file.
+//! *Invariant:* nothing is loaded from elsewhere and nothing is executed: plots are drawings inside the file.
 
 use std::fmt::Write as _;
 
