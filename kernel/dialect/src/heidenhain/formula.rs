@@ -8,7 +8,7 @@ use std::sync::Arc;
 
 use super::lex::Cursor;
 use super::variables::Value;
-use crate::expression::{self, Code, Grammar, Levels, Part, Sign, read, signed};
+use crate::expression::{self, Code, Grammar, Operators, Part, Sign, read, signed};
 use crate::numeric::{Function, Operator};
 
 /// Kind of a parameter.
@@ -180,7 +180,7 @@ impl Grammar for Parser<'_, '_> {
     type Own = Own;
     type Mistake = Wrong;
 
-    const OPERATORS: Levels = &[
+    const OPERATORS: Operators = &[
         &[("||", Operator::Join)],
         &[("+", Operator::Add), ("-", Operator::Sub)],
         &[("*", Operator::Mul), ("/", Operator::Div), ("%", Operator::RemByQuotient), ("DIV", Operator::Div)],

@@ -106,10 +106,10 @@ impl Siemens {
         let place = host.place();
         let variable = Variable { kind, sizes, values: vec![kind.initial(); count], born: (place.file, place.line) };
         let variables = &mut self.variables;
-        let running = variables.running();
+        let running = variables.calls.program_depth();
         let old = match scope {
             Scope::Channel => variables.channel.get(name),
-            _ => variables.levels.get(running).and_then(|level| level.variables.get(name)),
+            _ => variables.calls.at(running).and_then(|level| level.variables.get(name)),
         };
         if let Some(old) = old.filter(|_| !again) {
             if scope == Scope::Channel && (old.kind, &old.sizes) == (kind, &variable.sizes) {

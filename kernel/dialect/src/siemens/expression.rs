@@ -7,7 +7,7 @@
 use super::cursor::{Cursor, split_list};
 use super::functions;
 use super::value::Data;
-use crate::expression::{self, Code, Grammar, Levels, Part, Sign, read};
+use crate::expression::{self, Code, Grammar, Operators, Part, Sign, read};
 use crate::numeric::Operator;
 
 /// Deepest nesting of parentheses, brackets and arguments.
@@ -95,7 +95,7 @@ impl Grammar for Reader<'_, '_> {
     type Own = Own;
     type Mistake = String;
 
-    const OPERATORS: Levels = &[
+    const OPERATORS: Operators = &[
         &[
             ("==", Operator::Eq),
             ("<>", Operator::Ne),

@@ -163,7 +163,7 @@ impl Siemens {
                     left.add(text);
                     return Ok(Then::GoOn);
                 }
-                if self.variables.in_part() {
+                if self.variables.calls.in_part() {
                     let text = format!("'{}' ends a pass of the part that is repeated", host.block_text());
                     host.diagnose(&diag::SIEMENS_IGNORED, text);
                 }

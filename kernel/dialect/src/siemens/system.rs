@@ -37,8 +37,8 @@ impl Siemens {
             }
             "$P_SUBPAR" => {
                 let number = self.only_index(host, name)?;
-                let level = self.variables.level();
-                let given = usize::try_from(number - 1).ok().and_then(|at| level.and_then(|l| l.given.get(at)));
+                let given = &self.variables.calls.program().given;
+                let given = usize::try_from(number - 1).ok().and_then(|at| given.get(at));
                 Data::Bool(given.is_some_and(|given| given.is_there()))
             }
             "$AC_TIME" => Data::Real(0.0),

@@ -12,6 +12,7 @@ use super::frame::{Frame, Part};
 use super::line::Assigned;
 use super::value::{Data, Type};
 use super::{Fault, Outcome, Siemens, wrong_type};
+use crate::call_stack::CallStack;
 use crate::host::Host;
 use counterpoint_event::FileId;
 use counterpoint_fault as diag;
@@ -35,8 +36,6 @@ pub(super) struct Variable {
 #[derive(Debug, Default)]
 pub(super) struct Level {
     pub(super) variables: FxHashMap<String, Variable>,
-    /// A part of the program that runs: it has no variables of its own.
-    pub(super) part: bool,
     /// What the call has given, until PROC takes it.
     pub(super) given: Vec<super::calls::Given>,
     /// PROC has taken it.
@@ -48,9 +47,9 @@ pub(super) struct Level {
 }
 
 /// All variables of a kernel.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(super) struct Variables {
-    pub(super) levels: Vec<Level>,
+    pub(super) calls: CallStack<Level>,
     pub(super) channel: FxHashMap<String, Variable>,
     /// Types and sizes of variables that all channels share.
     pub(super) shared: FxHashMap<String, (Type, Vec<usize>)>,
@@ -58,19 +57,6 @@ pub(super) struct Variables {
     pub(super) elements: usize,
     /// Bytes of their names, texts and frames.
     texts: usize,
-}
-
-impl Default for Variables {
-    fn default() -> Self {
-        Self {
-            levels: vec![Level::default()],
-            channel: FxHashMap::default(),
-            shared: FxHashMap::default(),
-            parameters: FxHashMap::default(),
-            elements: 0,
-            texts: 0,
-        }
-    }
 }
 
 /// Where a variable is kept.
@@ -98,30 +84,14 @@ pub(super) struct Target {
 }
 
 impl Variables {
-    /// The program that runs, without the parts of it that are repeated.
-    pub(super) fn running(&self) -> usize {
-        self.levels.iter().rposition(|level| !level.part).unwrap_or(0)
-    }
-
-    /// A part of it is being repeated.
-    pub(super) fn in_part(&self) -> bool {
-        self.levels.last().is_some_and(|level| level.part)
-    }
-
-    /// Its variables.
-    pub(super) fn level(&mut self) -> Option<&mut Level> {
-        let running = self.running();
-        self.levels.get_mut(running)
-    }
-
     /// Bytes that they take, about.
     pub(super) fn bytes(&self) -> usize {
         (self.elements + self.parameters.len()) * 48 + self.texts + self.shared.len() * 100
     }
 
     fn find(&self, name: &str) -> Option<(Holder, &Variable)> {
-        let running = self.running();
-        let of = |at: usize| self.levels.get(at)?.variables.get(name).map(|found| (Holder::Level(at), found));
+        let running = self.calls.program_depth();
+        let of = |at: usize| self.calls.at(at)?.variables.get(name).map(|found| (Holder::Level(at), found));
         of(running).or_else(|| of(0)).or_else(|| self.channel.get(name).map(|found| (Holder::Channel, found)))
     }
 
@@ -146,7 +116,7 @@ impl Variables {
 
     fn held(&mut self, holder: Holder, name: &str) -> Option<&mut Variable> {
         match holder {
-            Holder::Level(at) => self.levels.get_mut(at)?.variables.get_mut(name),
+            Holder::Level(at) => self.calls.at_mut(at)?.variables.get_mut(name),
             Holder::Channel => self.channel.get_mut(name),
             Holder::Shared | Holder::Parameter => None,
         }
@@ -164,8 +134,7 @@ impl Variables {
         }
         self.elements += variable.values.len();
         self.texts += variable.bytes();
-        let Some(level) = self.level() else { return false };
-        if let Some(old) = level.variables.insert(name.to_owned(), variable) {
+        if let Some(old) = self.calls.program_mut().variables.insert(name.to_owned(), variable) {
             self.elements = self.elements.saturating_sub(old.values.len());
             self.texts = self.texts.saturating_sub(old.bytes());
         }
@@ -182,14 +151,9 @@ impl Variables {
         }
     }
 
-    /// A subprogram begins.
-    pub(super) fn enter(&mut self, level: Level) {
-        self.levels.push(level);
-    }
-
     /// A subprogram has returned; the main program stays.
     pub(super) fn leave(&mut self) -> Option<Level> {
-        let level = if self.levels.len() > 1 { self.levels.pop() } else { None }?;
+        let level = self.calls.leave()?;
         let count: usize = level.variables.values().map(|variable| variable.values.len()).sum();
         self.elements = self.elements.saturating_sub(count);
         self.texts = self.texts.saturating_sub(level.variables.values().map(Variable::bytes).sum());
@@ -198,7 +162,10 @@ impl Variables {
 
     /// The next pass of a subprogram begins: its variables are new, what goes back goes in again.
     pub(super) fn again(&mut self) {
-        let Some(level) = self.levels.last_mut().filter(|level| !level.part) else { return };
+        if self.calls.in_part() {
+            return;
+        }
+        let level = self.calls.here_mut();
         for (name, given) in std::mem::take(&mut level.back) {
             if let (Some(variable), Some(given)) = (level.variables.remove(&name), level.given.get_mut(given)) {
                 given.take_from(&variable);
@@ -216,7 +183,7 @@ impl Variables {
     pub(super) fn for_next_program(self) -> Self {
         let elements = self.channel.values().map(|variable| variable.values.len()).sum();
         let texts = self.channel.values().map(Variable::bytes).sum();
-        Self { levels: vec![Level::default()], elements, texts, ..self }
+        Self { calls: CallStack::default(), elements, texts, ..self }
     }
 }
 
