@@ -65,7 +65,7 @@ impl Heidenhain {
                 Ok(Label::Number(number as u32))
             }
             Value::Number(number) => {
-                let text = format!("there is no label {number} in '{}'", host.block_text());
+                let text = format!("label {number} not found in '{}'", host.block_text());
                 Err(host.alarm(&diag::JUMP_TARGET, text))
             }
         }
@@ -76,7 +76,7 @@ impl Heidenhain {
         match self.find_label(host, &label) {
             Some(line) => Ok((label, line)),
             None => {
-                let text = format!("there is no {label} in the program to go to from '{}'", host.block_text());
+                let text = format!("{label} not found in the program for '{}'", host.block_text());
                 Err(host.alarm(&diag::JUMP_TARGET, text))
             }
         }

@@ -108,7 +108,7 @@ pub(super) struct Wrong {
 
 impl std::fmt::Display for Wrong {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "{} is expected at column {}", self.expected, self.column)
+        write!(f, "expected {} at column {}", self.expected, self.column)
     }
 }
 

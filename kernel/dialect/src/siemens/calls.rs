@@ -185,7 +185,9 @@ impl Siemens {
             Some(Passed::One(_)) if parameter.array => return mismatch(format!("the parameter {name} is an array")),
             Some(Passed::One(value)) => value.clone(),
             Some(Passed::Missing) | None if parameter.by_reference => {
-                return mismatch(format!("the parameter {name} is a variable of the caller, and was not given"));
+                return mismatch(format!(
+                    "the parameter {name} needs a variable of the caller, but the argument is missing"
+                ));
             }
             Some(Passed::Missing) | None => match &parameter.default {
                 Some(default) => self.evaluate(host, default)?,
@@ -254,7 +256,7 @@ impl Siemens {
         let first = self.label_line(host, &label(&labels.0), &at)?;
         let last = self.label_line(host, &label(&labels.1), &at)?;
         if last < first {
-            return syntax(format!("label {} stands before {}", labels.1, labels.0));
+            return syntax(format!("label {} comes before label {}", labels.1, labels.0));
         }
         Ok((file, Range { number: None, first, last }))
     }

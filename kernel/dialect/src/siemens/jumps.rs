@@ -186,7 +186,7 @@ impl Siemens {
         let found = self.places(host, place.file).partners.get(&place.line).copied();
         match found.filter(|partners| partners.last >= place.range.first) {
             Some(partners) => Ok(partners),
-            None => Err(Fault::Alarm(&diag::MACRO_LOOP, "the loop or branch has no partner".to_owned())),
+            None => Err(Fault::Alarm(&diag::MACRO_LOOP, "the loop or branch has no matching statement".to_owned())),
         }
     }
 
@@ -194,7 +194,7 @@ impl Siemens {
     pub(super) fn go(&mut self, host: &mut dyn Host, line: u32) -> Outcome<()> {
         let range = host.place().range;
         if line < range.first || line > range.last.saturating_add(1) {
-            return Err(Fault::Alarm(&diag::JUMP_TARGET, "the jump leads out of the part that is repeated".to_owned()));
+            return Err(Fault::Alarm(&diag::JUMP_TARGET, "the jump leaves the part that is repeated".to_owned()));
         }
         Ok(host.go_to(line)?)
     }
@@ -223,11 +223,11 @@ impl Siemens {
             None if jump.direction == Direction::Silent => Ok(false),
             None => {
                 let way = match jump.direction {
-                    Direction::Forward => " further on",
-                    Direction::Back => " before this",
+                    Direction::Forward => " after this block",
+                    Direction::Back => " before this block",
                     _ => "",
                 };
-                let text = format!("there is no {} in the program{way}", shown(&label));
+                let text = format!("{} not found in the program{way}", shown(&label));
                 Err(Fault::Alarm(&diag::JUMP_TARGET, text))
             }
         }
@@ -261,7 +261,7 @@ impl Siemens {
         let around = places.program(place.range, place.line.clamp(place.range.first, place.range.last));
         match places.find(&label, Search::BackThenForward, place.line, around) {
             Some(line) => Ok(line),
-            None => Err(Fault::Alarm(&diag::JUMP_TARGET, format!("there is no {} in the program", shown(&label)))),
+            None => Err(Fault::Alarm(&diag::JUMP_TARGET, format!("{} not found in the program", shown(&label)))),
         }
     }
 

@@ -233,7 +233,7 @@ impl Siemens {
         let number = self.whole_number(host, index)?;
         match u32::try_from(number) {
             Ok(found) if number <= MOST_PARAMETERS => Ok(Some(found)),
-            _ => missing(format!("there is no parameter R{number}")),
+            _ => missing(format!("parameter R{number} does not exist")),
         }
     }
 
@@ -290,7 +290,7 @@ impl Siemens {
     /// Value of an element.
     pub(super) fn value_of(&mut self, host: &mut dyn Host, target: &Target) -> Outcome<Data> {
         if target.whole {
-            return missing(format!("{} is an array, it needs its indices", target.name));
+            return missing(format!("{} is an array; program its indices", target.name));
         }
         let value = match target.holder {
             Holder::Parameter => Data::Real(self.variables.parameter(target.at as u32)),
@@ -300,7 +300,7 @@ impl Siemens {
             }
             holder => match self.variables.held(holder, &target.name).and_then(|held| held.values.get(target.at)) {
                 Some(value) => value.clone(),
-                None => return missing(format!("there is no variable {}", target.name)),
+                None => return missing(format!("variable {} does not exist", target.name)),
             },
         };
         match (target.part, &value) {
@@ -315,7 +315,9 @@ impl Siemens {
             None => value,
             Some((axis, part)) => {
                 let whole = Target { part: None, ..target.clone() };
-                let Data::Frame(frame) = self.value_of(host, &whole)? else { return wrong_type("no frame") };
+                let Data::Frame(frame) = self.value_of(host, &whole)? else {
+                    return wrong_type("the variable is not a frame");
+                };
                 Data::Frame(Box::new(super::frames::with_part(&frame, axis, part, &value)?))
             }
         };
@@ -346,14 +348,16 @@ impl Siemens {
     /// Sets what stands after `=`.
     pub(super) fn assign(&mut self, host: &mut dyn Host, target: &Target, value: &Assigned) -> Outcome<()> {
         match value {
-            Assigned::One(..) if target.whole => missing(format!("{} is an array, it needs its indices", target.name)),
+            Assigned::One(..) if target.whole => missing(format!("{} is an array; program its indices", target.name)),
             Assigned::One(value, _) => {
                 let value = self.evaluate(host, value)?;
                 self.store(host, target, value)
             }
             Assigned::List(values) => self.store_list(host, target, values),
             Assigned::Fill(values) => self.store_fill(host, target, values),
-            Assigned::Way(_, _, way) => wrong_type(format!("{way} is for words, {} is a variable", target.name)),
+            Assigned::Way(_, _, way) => {
+                wrong_type(format!("{way} is for addresses only; {} is a variable", target.name))
+            }
         }
     }
 
@@ -381,7 +385,7 @@ impl Siemens {
         let count = match values.next() {
             Some(argument) => match self.argument(host, argument)?.and_then(|count| count.number()) {
                 Some(count) if count >= 0.0 => (count as usize).min(rest),
-                _ => return wrong_type("the number of REP is not possible"),
+                _ => return wrong_type("the number of values of REP is not valid"),
             },
             None => rest,
         };
@@ -442,6 +446,6 @@ impl Target {
 pub(super) fn as_frame(value: Data) -> Outcome<Frame> {
     match value {
         Data::Frame(frame) => Ok(*frame),
-        other => wrong_type(format!("{} is no frame", other.described())),
+        other => wrong_type(format!("{} is not a frame", other.described())),
     }
 }

@@ -257,7 +257,7 @@ impl Kernel<'_> {
             dialect::Search::Around.find(blocks, next, (Spot::line(range.first), last))
         });
         found.ok_or_else(|| {
-            let text = format!("there is no block N{number} in the program to go to from '{}'", self.block_text());
+            let text = format!("block N{number} not found in the program for '{}'", self.block_text());
             self.alarm(&diag::JUMP_TARGET, text)
         })
     }
