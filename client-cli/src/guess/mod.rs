@@ -1,8 +1,8 @@
-//! Which shipped machine a job without `--machine` is meant for, by what its programs show.
+//! Guesses the shipped machine of a job without `--machine` from the text of its programs.
 //!
-//! Every sign has a weight and a place, and the answer names them: a guess is only as good as its reason. Invariant:
-//! no machine is taken by default. Programs that show nothing, both kinds of machine alike, or a control that no
-//! shipped machine has are refused.
+//! Every sign has a weight and a place, and the answer names the signs, so that the user can judge the guess.
+//! *Invariant:* no machine is chosen by default. Programs without signs, with as many signs of milling as of turning, or
+//! for a control that no shipped machine has are refused.
 
 mod signs;
 
@@ -118,7 +118,7 @@ impl Evidence {
                 Ok(Guess { machine, why: format!("{}{also}", self.named(kind)) })
             }
             Err(why) => Err(Error::Usage(format!(
-                "no machine was given, and this is a program for {}, by {}: {why}; {ASK}",
+                "no machine given, and the program is for {}, judging by {}: {why}; {ASK}",
                 kind.control().unwrap_or_default(),
                 self.named(kind)
             ))),
@@ -133,7 +133,7 @@ impl Evidence {
             return self.other_control(kind, channels);
         }
         let (mill, lathe) = (self.weight(Kind::Mill), self.weight(Kind::Lathe));
-        // On a milling machine M198 and the like are no waiting codes, and the O-programs of a file its subprograms.
+        // On a milling machine M198 and the like are not waiting codes, and further O programs of a file are subprograms.
         let channels = if !self.several && mill > lathe { 1 } else { channels };
         let waits = if self.several {
             format!("{channels} programs")
@@ -142,11 +142,11 @@ impl Evidence {
         };
         match channels {
             1 if mill.max(lathe) < ENOUGH => Err(Error::Usage(format!(
-                "no machine was given, and nothing in {} shows which one it is for; {ASK}",
+                "no machine given, and nothing in {} shows which machine it is for: {ASK}",
                 programs.join(" ")
             ))),
             1 if mill == lathe => Err(Error::Usage(format!(
-                "no machine was given, and the program shows milling ({}) as well as turning ({}); {ASK}",
+                "no machine given, and the program shows milling ({}) as well as turning ({}): {ASK}",
                 self.named(Kind::Mill),
                 self.named(Kind::Lathe)
             ))),
@@ -160,8 +160,8 @@ impl Evidence {
                 Ok(Guess { machine: "fanuc-2path-lathe", why })
             }
             2 | 3 if mill > lathe => Err(Error::Usage(format!(
-                "no machine was given, and {waits} show milling ({}): no milling machine with {channels} channels is \
-                 shipped; run the programs one by one, or give a machine of your own with --machine DIR",
+                "no machine given, and {waits} show milling ({}): no milling machine with {channels} channels is \
+                 shipped; run the programs one by one, or name your own machine with --machine DIR",
                 self.named(Kind::Mill)
             ))),
             2 | 3 => {
@@ -171,14 +171,14 @@ impl Evidence {
                 Ok(Guess { machine, why })
             }
             n => Err(Error::Usage(format!(
-                "no machine was given, and no shipped machine has {n} channels: give one of your own with --machine DIR"
+                "no machine given, and no shipped machine has {n} channels: name your own machine with --machine DIR"
             ))),
         }
     }
 }
 
 /// What to do when nothing can be guessed.
-const ASK: &str = "give --machine NAME (`counterpoint machine list` shows the names) or --machine DIR";
+const ASK: &str = "use --machine NAME (`counterpoint machine list` shows the names) or --machine DIR";
 
 #[cfg(test)]
 mod tests {
@@ -229,7 +229,7 @@ mod tests {
         };
         refused(&[("p.nc", "O1\nG0 X1.\nM30\n")], "nothing in ");
         refused(&[("p.nc", "T1 M6\nG43 H1\nG50 S1000\nG96 S100\n")], "as well as turning (G50 S1000 (line 3)");
-        refused(&[("p.nc", "%_N_PART_MPF\nG0 X1\n")], "a program for a Siemens control, by %_N_ (line 1)");
+        refused(&[("p.nc", "%_N_PART_MPF\nG0 X1\n")], "the program is for a Siemens control, judging by %_N_ (line 1)");
         refused(&[("p.nc", "%PART G71 *\nN10 G00 X1*\n")], "has no ISO words");
         refused(&[("a.mpf", "WAITM(1,1,2)\nG96 S200\n"), ("b.mpf", "M30\n")], "several channels");
         refused(&[("p.MIN", "G50 S2500\n")], "Okuma");
