@@ -7,7 +7,7 @@ use super::code::Op;
 use crate::numeric::{Function, Operator};
 
 /// Operators by level, loosest first: their words and what they do.
-pub(crate) type Levels = &'static [&'static [(&'static str, Operator)]];
+pub(crate) type Operators = &'static [&'static [(&'static str, Operator)]];
 
 /// What stands before an operand.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -39,7 +39,7 @@ pub(crate) trait Grammar {
     /// Why a text is not an expression.
     type Mistake;
 
-    const OPERATORS: Levels;
+    const OPERATORS: Operators;
     const SIGNS: &'static [(&'static str, Sign)];
 
     /// What was read so far.
@@ -179,7 +179,7 @@ mod tests {
         type Own = ();
         type Mistake = &'static str;
 
-        const OPERATORS: Levels = &[
+        const OPERATORS: Operators = &[
             &[("<", Operator::Lt)],
             &[("+", Operator::Add), ("-", Operator::Sub), ("&", Operator::BitAnd)],
             &[("*", Operator::Mul), ("/", Operator::Div)],

@@ -99,11 +99,11 @@ fn check_place(host: &mut dyn Host, letter: u8, after: bool) -> Acted {
     }
     let letter = char::from(letter);
     if !after {
-        let text = format!("{letter} stands before the macro call in '{}'", host.block_text());
+        let text = format!("{letter} comes before the macro call in '{}'", host.block_text());
         return Err(host.alarm(&diag::CALL_NOT_FIRST, text));
     }
     if letter == 'G' {
-        let text = format!("G is no argument of the macro call in '{}'", host.block_text());
+        let text = format!("G cannot be an argument of the macro call in '{}'", host.block_text());
         return Err(host.alarm(&diag::CALL_G_WORD, text));
     }
     Ok(())

@@ -18,21 +18,21 @@ pub(super) fn number(value: f64) -> f64 {
 pub(super) enum Fault {
     #[error("division by zero")]
     Division,
-    #[error("the value is beyond the range of numbers")]
+    #[error("the value is out of range")]
     Overflow,
     #[error("{0} of {1} is not defined")]
     Domain(&'static str, f64),
-    #[error("there is no variable #{0}")]
+    #[error("variable #{0} does not exist")]
     NoVariable(f64),
     #[error("variable #{0} cannot be written")]
     ReadOnly(u32),
     /// The identification macro wants the text to stay on the block.
-    #[error("there is no variable #{0}")]
+    #[error("variable #{0} does not exist")]
     Kept(u32),
     /// The same for the text of a function.
-    #[error("there is no function {0}")]
+    #[error("function {0} does not exist")]
     KeptFunction(String),
-    #[error("there is no function {0}")]
+    #[error("function {0} does not exist")]
     NoFunction(String),
     /// The kernel leaves its program.
     #[error("the program ends")]

@@ -5,7 +5,7 @@
 
 use super::cursor::{Error, Parser};
 use super::expr::{Expr, Op, Own, STACK};
-use crate::expression::{Code, Grammar, Levels, Part, Sign, read};
+use crate::expression::{Code, Grammar, Operators, Part, Sign, read};
 use crate::numeric::{Function, Operator};
 
 /// Functions of one argument in brackets.
@@ -46,7 +46,7 @@ impl Grammar for Reader<'_, '_> {
     type Own = Own;
     type Mistake = Error;
 
-    const OPERATORS: Levels = &[
+    const OPERATORS: Operators = &[
         &[("||", Operator::Or)],
         &[("&&", Operator::And)],
         &[

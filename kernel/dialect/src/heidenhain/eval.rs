@@ -71,14 +71,14 @@ impl<'a> Evaluator<'a> {
     fn as_number(&mut self, value: Value) -> Result<f64, Halt> {
         match value {
             Value::Number(value) => Ok(value),
-            Value::Text(text) => self.fail(&diag::MACRO_DOMAIN, &format!("the text \"{text}\" is no number")),
+            Value::Text(text) => self.fail(&diag::MACRO_DOMAIN, &format!("the text \"{text}\" is not a valid number")),
         }
     }
 
     fn as_text(&mut self, value: Value) -> Result<Arc<str>, Halt> {
         match value {
             Value::Text(text) => Ok(text),
-            Value::Number(value) => self.fail(&diag::MACRO_DOMAIN, &format!("the number {value} is no text")),
+            Value::Number(value) => self.fail(&diag::MACRO_DOMAIN, &format!("the number {value} is not a text")),
         }
     }
 
@@ -97,13 +97,13 @@ impl<'a> Evaluator<'a> {
             Asked::Nothing => Ok(Some(blank(name))),
             Asked::Kept => Ok(None),
             Asked::Unknown if !Variables::exists(name) => {
-                self.fail(&diag::MACRO_VARIABLE, &format!("there is no parameter {name}"))
+                self.fail(&diag::MACRO_VARIABLE, &format!("parameter {name} does not exist"))
             }
             Asked::Unknown => match self.variables.of_control(name) {
                 Some(value) => Ok(Some(value)),
                 None => {
                     let what = if name.kind == Kind::Text { "an empty text" } else { "0" };
-                    let text = format!("{name} has no value in '{}', it counts as {what}", self.host.block_text());
+                    let text = format!("{name} has no value in '{}'; {what} is used", self.host.block_text());
                     self.host.diagnose(&diag::PARAMETER_UNSET, text);
                     Ok(Some(blank(name)))
                 }
@@ -116,7 +116,7 @@ impl<'a> Evaluator<'a> {
         match self.ask(text)? {
             Asked::Value(value) => Ok(value),
             Asked::Nothing | Asked::Kept => Ok(Value::Number(0.0)),
-            Asked::Unknown => self.fail(&diag::MACRO_SYNTAX, &format!("nobody knows '{text}'")),
+            Asked::Unknown => self.fail(&diag::MACRO_SYNTAX, &format!("'{text}' is not a known function")),
         }
     }
 
@@ -129,14 +129,20 @@ impl<'a> Evaluator<'a> {
             Answer::Instead(instead) => instead,
         };
         if self.depth >= ANSWERS {
-            return self.fail(&diag::MACRO_SYNTAX, &format!("the machine answers '{text}' by ever further names"));
+            return self.fail(
+                &diag::MACRO_SYNTAX,
+                &format!("the answers of the machine for '{text}' lead to further names without end"),
+            );
         }
         let instead = capitals(instead.trim());
         let mut cursor = Cursor::new(&instead);
         let formula = match formula(&mut cursor) {
             Ok(formula) if cursor.is_over() => formula,
             _ => {
-                return self.fail(&diag::MACRO_SYNTAX, &format!("'{instead}', which stands for '{text}', is no value"));
+                return self.fail(
+                    &diag::MACRO_SYNTAX,
+                    &format!("'{instead}', the answer of the machine for '{text}', is not a valid value"),
+                );
             }
         };
         self.depth += 1;
@@ -161,10 +167,13 @@ impl<'a> Evaluator<'a> {
                 let instead = capitals(instead.trim());
                 match super::formula::parameter(&mut Cursor::new(&instead)) {
                     Some(other) if self.variables.set(other, value) => Ok(()),
-                    _ => self.fail(&diag::MACRO_VARIABLE, &format!("'{instead}', given for {name}, is no parameter")),
+                    _ => self.fail(
+                        &diag::MACRO_VARIABLE,
+                        &format!("'{instead}', the answer of the machine for {name}, is not a valid parameter"),
+                    ),
                 }
             }
-            Answer::Unknown => self.fail(&diag::MACRO_VARIABLE, &format!("there is no parameter {name}")),
+            Answer::Unknown => self.fail(&diag::MACRO_VARIABLE, &format!("parameter {name} does not exist")),
         }
     }
 }
@@ -199,7 +208,9 @@ impl Evaluate<Value, Own> for Evaluator<'_> {
                 let text = self.as_text(stack.pop())?;
                 match text.trim().parse::<f64>().ok().filter(|value| value.is_finite()) {
                     Some(value) => Value::Number(value),
-                    None => return self.fail(&diag::MACRO_DOMAIN, &format!("the text \"{text}\" is no number")),
+                    None => {
+                        return self.fail(&diag::MACRO_DOMAIN, &format!("the text \"{text}\" is not a valid number"));
+                    }
                 }
             }
             Own::Find => {
@@ -238,7 +249,7 @@ impl Evaluate<Value, Own> for Evaluator<'_> {
         let (right, left) = (self.as_number(right)?, self.as_number(left)?);
         match operator.value(left, right) {
             Some(value) if value.is_finite() => Ok(Value::Number(value)),
-            Some(_) => self.fail(&diag::MACRO_DOMAIN, "the result has no number"),
+            Some(_) => self.fail(&diag::MACRO_DOMAIN, "the result is out of range"),
             None => self.fail(&diag::MACRO_DIVISION, "division by zero"),
         }
     }

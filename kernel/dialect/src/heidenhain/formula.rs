@@ -8,7 +8,7 @@ use std::sync::Arc;
 
 use super::lex::Cursor;
 use super::variables::Value;
-use crate::expression::{self, Code, Grammar, Levels, Part, Sign, read, signed};
+use crate::expression::{self, Code, Grammar, Operators, Part, Sign, read, signed};
 use crate::numeric::{Function, Operator};
 
 /// Kind of a parameter.
@@ -108,7 +108,7 @@ pub(super) struct Wrong {
 
 impl std::fmt::Display for Wrong {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "{} is expected at column {}", self.expected, self.column)
+        write!(f, "expected {} at column {}", self.expected, self.column)
     }
 }
 
@@ -180,7 +180,7 @@ impl Grammar for Parser<'_, '_> {
     type Own = Own;
     type Mistake = Wrong;
 
-    const OPERATORS: Levels = &[
+    const OPERATORS: Operators = &[
         &[("||", Operator::Join)],
         &[("+", Operator::Add), ("-", Operator::Sub)],
         &[("*", Operator::Mul), ("/", Operator::Div), ("%", Operator::RemByQuotient), ("DIV", Operator::Div)],

@@ -52,7 +52,7 @@ impl Heidenhain {
         let (mask, _) = text.split_once(" /").or_else(|| text.rsplit_once('/')).unwrap_or((text, ""));
         let mask = mask.trim().trim_matches('"');
         let Some((file, _)) = self.find_program(host, mask)? else {
-            let text = format!("there is no mask {mask} for '{}', nothing is printed", host.block_text());
+            let text = format!("mask {mask} not found for '{}'; nothing is printed", host.block_text());
             host.diagnose(&diag::PRINT_MASK, text);
             return Ok(());
         };

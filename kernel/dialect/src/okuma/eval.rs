@@ -130,7 +130,7 @@ impl<'e> Eval<'e> {
             Answer::Unknown => match system(self.host, text) {
                 Some(value) => Ok(value),
                 None => {
-                    let text = format!("there is no {kind} {text}, it counts as 0 in '{}'", self.host.block_text());
+                    let text = format!("{kind} {text} does not exist in '{}'; 0 is used", self.host.block_text());
                     self.host.diagnose(&diag::OKUMA_UNKNOWN, text);
                     Ok(0.0)
                 }
@@ -206,7 +206,7 @@ impl<'e> Eval<'e> {
             }
             Answer::Unknown => {}
         }
-        let text = format!("{text} cannot be set in '{}', nothing is", self.host.block_text());
+        let text = format!("{text} cannot be set in '{}'; ignored", self.host.block_text());
         self.host.diagnose(&diag::OKUMA_UNKNOWN, text);
         Ok(())
     }

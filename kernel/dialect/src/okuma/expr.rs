@@ -7,7 +7,7 @@
 use super::cursor::{Cursor, Mistake};
 use super::math::{self, Known, Steps};
 use super::names::{self, Family, Local};
-use crate::expression::{self, Code, Grammar, Levels, Part, Sign, read};
+use crate::expression::{self, Code, Grammar, Operators, Part, Sign, read};
 use crate::numeric::Operator;
 
 /// Parts of an expression.
@@ -60,7 +60,7 @@ impl Grammar for Reader<'_, '_> {
     type Own = Own;
     type Mistake = Mistake;
 
-    const OPERATORS: Levels = &[
+    const OPERATORS: Operators = &[
         &[("OR", Operator::BitOr), ("EOR", Operator::BitXor)],
         &[("AND", Operator::BitAnd)],
         &[

@@ -13,7 +13,7 @@ pub(super) enum Fault {
     Division,
     #[error("{0} of {1} is not defined")]
     Domain(&'static str, f64),
-    #[error("the value is too large")]
+    #[error("the value is out of range")]
     Overflow,
 }
 

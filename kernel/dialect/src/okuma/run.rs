@@ -43,7 +43,7 @@ pub(super) struct Modal {
 impl Okuma {
     pub(super) fn run(&mut self, host: &mut dyn Host, line: &Line, text: &[u8]) -> Result<Option<String>, Halt> {
         if line.open {
-            let text = format!("a comment or message has no end in '{}'", host.block_text());
+            let text = format!("a comment or message is not closed in '{}'", host.block_text());
             host.diagnose(&diag::COMMENT_OPEN, text);
         }
         let mut left = String::new();
@@ -56,7 +56,7 @@ impl Okuma {
         match &line.statement {
             Statement::Nothing => {}
             Statement::Continued => {
-                let text = format!("'{}' goes on with a block that is not above it, it is dropped", host.block_text());
+                let text = format!("'{}' continues a block, but there is none above it; ignored", host.block_text());
                 host.diagnose(&diag::OKUMA_CONTINUED, text);
                 return Ok(None);
             }
@@ -122,7 +122,7 @@ impl Okuma {
                 host.go_to(line)
             }
             None => {
-                let text = format!("there is no block N{name} in the program to go to from '{}'", host.block_text());
+                let text = format!("block N{name} not found in the program for '{}'", host.block_text());
                 Err(host.alarm(&diag::JUMP_TARGET, text))
             }
         }
@@ -177,7 +177,7 @@ impl Okuma {
 
     fn mod_out(&mut self, host: &mut dyn Host) {
         if self.modal.pop().is_none() {
-            let text = format!("there is no modal call to end in '{}'", host.block_text());
+            let text = format!("no modal call is active in '{}'; ignored", host.block_text());
             host.diagnose(&diag::OKUMA_NO_MODAL, text);
         }
         host.effect();
@@ -222,7 +222,7 @@ impl Okuma {
             match (word, variable) {
                 (Some(word), _) => {
                     if assigned.is_none() {
-                        let text = format!("EMPTY is no value for {name}, it counts as 0 in '{raw}'");
+                        let text = format!("EMPTY is not a valid value for {name} in '{raw}'; 0 is used");
                         eval.host.diagnose(&diag::OKUMA_UNKNOWN, text);
                     }
                     push(left, &word);
@@ -283,7 +283,7 @@ impl Okuma {
                 self.alarm_texts.insert(number, text.to_owned());
             }
             _ => {
-                let text = format!("{asked} takes no text in '{}', nothing is set", host.block_text());
+                let text = format!("{asked} cannot be set to a text in '{}'; ignored", host.block_text());
                 host.diagnose(&diag::OKUMA_UNKNOWN, text);
             }
         }

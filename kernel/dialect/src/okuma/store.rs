@@ -9,8 +9,8 @@ use counterpoint_lang::value::Value;
 use rustc_hash::FxHashMap;
 
 use super::names::{Common, Local};
+use crate::call_stack::CallStack;
 use crate::host::Host;
-use crate::levels::Levels;
 
 /// Local variables that a call sets.
 pub(super) type Arguments = Box<[(Local, f64)]>;
@@ -27,7 +27,7 @@ struct Locals {
 #[derive(Debug, Default)]
 pub(super) struct Store {
     /// Of the main program and the subprograms that run.
-    locals: Levels<Locals>,
+    locals: CallStack<Locals>,
     /// Common variables of this channel alone.
     own: FxHashMap<Common, f64>,
 }
@@ -35,7 +35,7 @@ pub(super) struct Store {
 impl Store {
     /// The program begins; `reset` as if it were the first one.
     pub(super) fn begin(&mut self, reset: bool) {
-        self.locals = Levels::default();
+        self.locals = CallStack::default();
         if reset {
             self.own.clear();
         }

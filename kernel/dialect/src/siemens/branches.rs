@@ -54,7 +54,7 @@ impl Siemens {
                     None => 1,
                 };
                 if passes > MOST_PASSES {
-                    return syntax(format!("{passes} passes are too many, {MOST_PASSES} are possible"));
+                    return syntax(format!("{passes} passes are too many (maximum {MOST_PASSES})"));
                 }
                 left.call =
                     self.repeated(host, first, last.as_ref(), *one_block, u32::try_from(passes).unwrap_or(0))?;
@@ -78,7 +78,7 @@ impl Siemens {
                 let head = items.iter().find(|item| matches!(item, Item::For(..)));
                 let Some(Item::For(variable, ..)) = head else { return syntax("ENDFOR has no FOR") };
                 let Some(target) = self.locate(host, variable)? else {
-                    return syntax(format!("{} of FOR is no variable", variable.name));
+                    return syntax(format!("{} of FOR is not a variable", variable.name));
                 };
                 let value = super::evaluate::number(&self.value_of(host, &target)?)?;
                 self.store(host, &target, Data::Real(value + 1.0))?;
@@ -143,7 +143,7 @@ impl Siemens {
             },
         };
         if to < from {
-            return syntax("the part to be repeated ends before it begins");
+            return syntax("the part to be repeated ends before it starts");
         }
         if passes == 0 {
             return Ok(None);

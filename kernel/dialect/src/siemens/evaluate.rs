@@ -21,7 +21,7 @@ pub(super) fn real(value: f64) -> Outcome<Data> {
     if value.is_finite() {
         Ok(Data::Real(value))
     } else {
-        Err(Fault::Alarm(&diag::MACRO_DOMAIN, "a calculation has no result".to_owned()))
+        Err(Fault::Alarm(&diag::MACRO_DOMAIN, "the result is out of range".to_owned()))
     }
 }
 
@@ -29,7 +29,7 @@ pub(super) fn real(value: f64) -> Outcome<Data> {
 pub(super) fn number(value: &Data) -> Outcome<f64> {
     match value.number() {
         Some(number) => Ok(number),
-        None => wrong_type(format!("{} is no number", value.described())),
+        None => wrong_type(format!("{} is not a valid number", value.described())),
     }
 }
 
@@ -72,7 +72,7 @@ impl Siemens {
     /// A whole number, rounded.
     pub(super) fn whole_number(&mut self, host: &mut dyn Host, expression: &Expression) -> Outcome<i64> {
         let value = number(&self.evaluate(host, expression)?)?.round();
-        if value.abs() > 1e15 { wrong_type(format!("{value:e} is no number for this")) } else { Ok(value as i64) }
+        if value.abs() > 1e15 { wrong_type(format!("{value:e} is out of range")) } else { Ok(value as i64) }
     }
 
     /// Value of an argument; none if it was left out.
@@ -128,7 +128,7 @@ impl Siemens {
         let Some(index) = name.index.first() else { return syntax("AX needs an axis") };
         match self.evaluate(host, index)? {
             Data::Axis(axis) => Ok(Data::Axis(axis)),
-            other => wrong_type(format!("{} is no axis", other.described())),
+            other => wrong_type(format!("{} is not an axis", other.described())),
         }
     }
 
@@ -182,7 +182,7 @@ impl Siemens {
                 Answer::Instead(text) => self.instead(host, &text),
                 Answer::Drop => Ok(Data::Int(0)),
                 Answer::Keep => Ok(Data::Axis(asked)),
-                Answer::Unknown => Err(Fault::Alarm(&diag::MACRO_VARIABLE, format!("there is no function {name}"))),
+                Answer::Unknown => Err(Fault::Alarm(&diag::MACRO_VARIABLE, format!("function {name} does not exist"))),
             };
         }
         let mut values = Vec::new();
@@ -211,7 +211,7 @@ pub(super) fn words_name(host: &dyn Host, name: &str) -> bool {
 }
 
 fn unknown(name: &str) -> Fault {
-    Fault::Alarm(&diag::MACRO_VARIABLE, format!("there is no variable {name}"))
+    Fault::Alarm(&diag::MACRO_VARIABLE, format!("variable {name} does not exist"))
 }
 
 pub(super) fn bits(value: &Data) -> Outcome<i32> {
@@ -237,7 +237,7 @@ fn binary(operator: Operator, left: Data, right: Data) -> Outcome<Data> {
             let (outer, inner) = (super::variables::as_frame(left)?, super::variables::as_frame(right)?);
             match outer.chain(&inner) {
                 Some(frame) => Ok(Data::Frame(Box::new(frame))),
-                None => wrong_type("the frame is out of all bounds"),
+                None => wrong_type("the frame is out of range"),
             }
         }
         operator if operator.compares() => compare(operator, left, right),

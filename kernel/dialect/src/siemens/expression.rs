@@ -7,7 +7,7 @@
 use super::cursor::{Cursor, split_list};
 use super::functions;
 use super::value::Data;
-use crate::expression::{self, Code, Grammar, Levels, Part, Sign, read};
+use crate::expression::{self, Code, Grammar, Operators, Part, Sign, read};
 use crate::numeric::Operator;
 
 /// Deepest nesting of parentheses, brackets and arguments.
@@ -87,7 +87,7 @@ pub(super) fn whole(text: &str) -> Result<Expression, String> {
 /// What is wrong where the cursor stands.
 pub(super) fn unexpected(cursor: &Cursor<'_>) -> String {
     let rest: String = cursor.rest().trim_start().chars().take(20).collect();
-    if rest.is_empty() { "the block ends too early".to_owned() } else { format!("'{rest}' is not expected") }
+    if rest.is_empty() { "the block ends too early".to_owned() } else { format!("unexpected '{rest}'") }
 }
 
 impl Grammar for Reader<'_, '_> {
@@ -95,7 +95,7 @@ impl Grammar for Reader<'_, '_> {
     type Own = Own;
     type Mistake = String;
 
-    const OPERATORS: Levels = &[
+    const OPERATORS: Operators = &[
         &[
             ("==", Operator::Eq),
             ("<>", Operator::Ne),
@@ -169,7 +169,7 @@ impl Grammar for Reader<'_, '_> {
 
     fn check(&mut self, level: usize, chained: bool) -> Result<(), String> {
         if level == COMPARISONS && chained {
-            return Err("a comparison binds weaker than AND and OR, each one needs parentheses".to_owned());
+            return Err("comparisons bind weaker than AND and OR; put each one in parentheses".to_owned());
         }
         self.cursor.operators += 1;
         if self.cursor.operators > MOST_OPERATORS {
@@ -200,7 +200,7 @@ impl Reader<'_, '_> {
             }
             b'"' => match cursor.quoted() {
                 Some(text) => Data::Text(text.into()),
-                None => return Err("a text has no end".to_owned()),
+                None => return Err("a text is not closed".to_owned()),
             },
             b'\'' => constant(cursor)?,
             b'0'..=b'9' | b'.' => number(cursor)?,
@@ -244,7 +244,7 @@ fn too_deep() -> String {
 /// `'HFF'`, `'B0101'`, `'D12'`, or a character.
 fn constant(cursor: &mut Cursor<'_>) -> Result<Data, String> {
     let inner = cursor.rest().get(1..).and_then(|rest| rest.split_once('\'')).map(|(inner, _)| inner);
-    let Some(inner) = inner else { return Err("a constant in ' ' has no end".to_owned()) };
+    let Some(inner) = inner else { return Err("a constant in ' ' is not closed".to_owned()) };
     for _ in 0..inner.chars().count() + 2 {
         cursor.step();
     }
@@ -260,7 +260,7 @@ fn constant(cursor: &mut Cursor<'_>) -> Result<Data, String> {
     }
     match inner.as_bytes() {
         [one] => Ok(Data::Char(*one)),
-        _ => Err(format!("'{inner}' is no constant")),
+        _ => Err(format!("'{inner}' is not a valid constant")),
     }
 }
 
@@ -290,7 +290,7 @@ fn number(cursor: &mut Cursor<'_>) -> Result<Data, String> {
 fn real(text: &str) -> Result<Data, String> {
     match text.parse::<f64>() {
         Ok(value) if value.is_finite() => Ok(Data::Real(value)),
-        _ => Err(format!("{text} is no number of the control")),
+        _ => Err(format!("{text} is not a number that this control accepts")),
     }
 }
 
@@ -327,7 +327,7 @@ pub(super) fn indexed(cursor: &mut Cursor<'_>, name: &str) -> Result<Name, Strin
             }
         }
         if index.len() > 8 {
-            return Err("there are too many indices".to_owned());
+            return Err("too many indices".to_owned());
         }
     }
     Ok(Name { name: name.to_owned(), index })

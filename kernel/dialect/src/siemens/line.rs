@@ -208,7 +208,7 @@ fn alone(line: Line) -> Result<Line, String> {
         matches!(item, Item::Structure(_) | Item::For(..) | Item::While(_) | Item::Until(_) | Item::RepeatPart { .. })
     };
     match line.items.iter().find(is_structure) {
-        Some(_) => Err("a loop, a branch or a repetition stands beside other words".to_owned()),
+        Some(_) => Err("a loop, branch or repetition must be alone in its block".to_owned()),
         None => Ok(line),
     }
 }

@@ -144,7 +144,7 @@ impl Siemens {
             Item::Passes(passes, word) => {
                 let passes = self.whole_number(host, passes)?;
                 if passes > MOST_PASSES {
-                    return syntax(format!("{passes} passes are too many, {MOST_PASSES} are possible"));
+                    return syntax(format!("{passes} passes are too many (maximum {MOST_PASSES})"));
                 }
                 left.passes = Some(u32::try_from(passes).unwrap_or(0));
                 left.passes_word = Some(word.clone());
@@ -163,12 +163,12 @@ impl Siemens {
                     left.add(text);
                     return Ok(Then::GoOn);
                 }
-                if self.variables.in_part() {
+                if self.variables.calls.in_part() {
                     let text = format!("'{}' ends a pass of the part that is repeated", host.block_text());
                     host.diagnose(&diag::SIEMENS_IGNORED, text);
                 }
                 if *elsewhere {
-                    let text = format!("the target of RET is not looked for in '{}'", host.block_text());
+                    let text = format!("the target of RET is ignored in '{}'", host.block_text());
                     host.diagnose(&diag::SIEMENS_IGNORED, text);
                 }
                 host.return_from();
@@ -316,7 +316,7 @@ impl Siemens {
     ) -> Outcome<Then> {
         let name = match self.evaluate(host, name)? {
             Data::Text(text) => text.trim().to_owned(),
-            other => return super::wrong_type(format!("{} is no name of a subprogram", other.described())),
+            other => return super::wrong_type(format!("{} is not a valid name of a subprogram", other.described())),
         };
         if !self.settings.subprograms {
             left.add(&format!("CALL \"{name}\""));

@@ -34,7 +34,7 @@ fn label(cursor: &mut Cursor<'_>) -> Result<Label, String> {
     }
     let digits = cursor.digits();
     if !digits.is_empty() && !in_name(cursor.byte(0)) && !joined(cursor) {
-        return digits.parse().map(Label::Number).map_err(|_| format!("there is no block number {digits}"));
+        return digits.parse().map(Label::Number).map_err(|_| format!("{digits} is not a valid block number"));
     }
     *cursor = before.clone();
     if let Some(name) = cursor.name()
@@ -88,7 +88,7 @@ pub(super) fn case(cursor: &mut Cursor<'_>) -> Result<Item, String> {
         let default = cursor.word("DEFAULT");
         let constant = if default { Expression::constant(Data::Bool(true)) } else { expression(cursor)? };
         let Some(direction) = cursor.name().and_then(direction) else {
-            return Err(format!("a jump is missing behind CASE, {}", unexpected(cursor)));
+            return Err(format!("a jump is missing after CASE, {}", unexpected(cursor)));
         };
         let jump = jump(cursor, direction)?;
         if default {

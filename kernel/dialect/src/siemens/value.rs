@@ -104,7 +104,7 @@ impl Type {
             _ => None,
         };
         match made {
-            Some(Data::Int(number)) if number.abs() > MOST_INT => Err(format!("{number} is beyond the numbers of INT")),
+            Some(Data::Int(number)) if number.abs() > MOST_INT => Err(format!("{number} is out of range for INT")),
             Some(made) => Ok(made),
             None => Err(format!("{} cannot be a value of {}", value.described(), self.name())),
         }

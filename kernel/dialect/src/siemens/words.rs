@@ -45,7 +45,7 @@ impl Siemens {
                 let value = if value.abs() <= BOUND {
                     value
                 } else {
-                    return super::wrong_type("the position is beyond the numbers of words");
+                    return super::wrong_type("the position is out of range");
                 };
                 let relative = left.relative.unwrap_or_else(|| host.relative());
                 match placed(&axes, axis, &address, *way, value, relative) {
