@@ -74,3 +74,14 @@ impl From<Status> for Error {
         Self::Refused(Box::new(status))
     }
 }
+
+impl From<counterpoint_client::Error> for Error {
+    fn from(error: counterpoint_client::Error) -> Self {
+        use counterpoint_client::Error as Client;
+        match error {
+            Client::Settings(text) => Self::Usage(text),
+            Client::Refused(status) => Self::Refused(status),
+            Client::Unreachable { .. } | Client::Contract(_) => Self::Connection(error.to_string()),
+        }
+    }
+}

@@ -125,5 +125,5 @@ pub(crate) async fn put_machine(client: &Client, folder: &Path) -> Result<String
 
 /// Files of a machine in wire form.
 fn machine_files(files: pack::Files) -> Vec<v1::MachineFile> {
-    files.0.into_iter().map(|(path, blob)| v1::MachineFile { path, digest: blob.digest }).collect()
+    files.0.into_iter().map(|(path, blob)| v1::MachineFile { path, digest: blob.digest().to_owned() }).collect()
 }

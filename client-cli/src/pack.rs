@@ -8,9 +8,8 @@ use std::collections::btree_map::Entry;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use bytes::Bytes;
+use counterpoint_client::Blob;
 use counterpoint_proto::v1;
-use sha2::{Digest as _, Sha256};
 
 use crate::arguments::Inputs;
 use crate::error::Error;
@@ -18,19 +17,8 @@ use crate::error::Error;
 /// Larger files beside a program are not taken as subprograms.
 const NEIGHBOUR_MAX: u64 = 64 << 20;
 
-/// A file's content and its digest.
-#[derive(Debug, Clone)]
-pub(crate) struct Blob {
-    pub(crate) digest: String,
-    pub(crate) content: Bytes,
-}
-
-impl Blob {
-    fn read(path: &Path) -> Result<Self, Error> {
-        let content = Bytes::from(fs::read(path).map_err(Error::file(path))?);
-        let digest = Sha256::digest(&content).iter().map(|byte| format!("{byte:02x}")).collect();
-        Ok(Self { digest, content })
-    }
+fn read(path: &Path) -> Result<Blob, Error> {
+    Ok(Blob::new(fs::read(path).map_err(Error::file(path))?))
 }
 
 /// Files by path inside the job or the machines folder.
@@ -40,13 +28,13 @@ pub(crate) struct Files(pub(crate) BTreeMap<String, Blob>);
 impl Files {
     fn add(&mut self, name: String, path: &Path) -> Result<(), Error> {
         if let Entry::Vacant(place) = self.0.entry(name) {
-            place.insert(Blob::read(path)?);
+            place.insert(read(path)?);
         }
         Ok(())
     }
 
-    pub(crate) fn blobs(&self) -> Vec<&Blob> {
-        self.0.values().collect()
+    pub(crate) fn blobs(&self) -> Vec<Blob> {
+        self.0.values().cloned().collect()
     }
 }
 
@@ -74,7 +62,7 @@ pub(crate) fn job(inputs: &Inputs) -> Result<Pack, Error> {
         };
         pack.files.add(name.clone(), &path)?;
         if let Some(blob) = pack.files.0.get(&name) {
-            is_program(&path, &blob.content)?;
+            is_program(&path, blob.content())?;
         }
         used.insert(path.clone(), name.clone());
         pack.programs.push(v1::Program { path: name, number, channel: None });
@@ -324,7 +312,7 @@ mod tests {
                 "own/storage/resident/deep/park.nc",
             ]
         );
-        assert_eq!(&*files.0["own/storage/resident/deep/park.nc"].content, b"G0 Z0\nM99\n");
+        assert_eq!(&files.0["own/storage/resident/deep/park.nc"].content()[..], b"G0 Z0\nM99\n");
     }
 
     #[test]

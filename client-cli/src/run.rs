@@ -5,8 +5,8 @@ use std::fmt::Write as _;
 use std::io::IsTerminal as _;
 use std::path::Path;
 
+use counterpoint_client::{Blob, Update};
 use counterpoint_proto::v1;
-use counterpoint_proto::v1::watch_job_response::Content;
 
 use crate::arguments::{ExitCodes, Format, Inputs, ResultKind, Run, Submit};
 use crate::attend::{Attendant, Next};
@@ -45,7 +45,7 @@ async fn carry_out(arguments: Run) -> Result<(v1::JobStatus, Option<u8>), (Stage
     let client = embedded.map_err(at(Stage::Submission))?;
     let name = machine(&client, &arguments.inputs, arguments.quiet).await.map_err(at(Stage::Machine))?;
     let first = pack.programs.first().map(|p| p.path.clone()).unwrap_or_default();
-    let id = uuid::Uuid::now_v7().to_string();
+    let id = counterpoint_client::request_id();
     let person = std::io::stdin().is_terminal() && std::io::stderr().is_terminal();
     let attended = arguments.inputs.attend || person && !arguments.quiet && !arguments.json;
     let job = submit_pack(&client, &arguments.inputs, pack, name, (id, attended)).await;
@@ -75,7 +75,7 @@ async fn show(arguments: &Run, client: &Client, job: &str, (first, draws): (&str
         say::data(&text)?;
     } else if !arguments.quiet {
         let mut out = report(&summary, arguments.verbose);
-        files_report(&mut out, &results::written(client, job).await?, arguments.out.is_some());
+        files_report(&mut out, &client.files(job).await?, arguments.out.is_some());
         if draws {
             let json = results::whole(client, job, ResultKind::Timeline, 0, Format::Json.into()).await?;
             let timeline: Timeline = serde_json::from_slice(&json).unwrap_or_default();
@@ -103,7 +103,7 @@ pub(crate) async fn submit(arguments: Submit) -> Result<u8, Error> {
     let pack = pack::job(&arguments.inputs)?;
     let client = Client::connect(&arguments.remote.server).await?;
     let name = machine(&client, &arguments.inputs, false).await?;
-    let id = arguments.request_id.unwrap_or_else(|| uuid::Uuid::now_v7().to_string());
+    let id = arguments.request_id.unwrap_or_else(counterpoint_client::request_id);
     let job = submit_pack(&client, &arguments.inputs, pack, name, (id, arguments.inputs.attend)).await?;
     say::data(format!("{job}\n").as_bytes())?;
     Ok(0)
@@ -136,7 +136,7 @@ async fn submit_pack(
 ) -> Result<String, Error> {
     let answers = inputs.answers.as_deref().map(crate::answers::read).transpose()?.unwrap_or_default();
     client.upload(&pack.files.blobs()).await?;
-    let file = |(path, blob): (String, pack::Blob)| v1::FileRef { path, digest: blob.digest };
+    let file = |(path, blob): (String, Blob)| v1::FileRef { path, digest: blob.digest().to_owned() };
     let request = v1::SubmitJobRequest {
         request_id,
         machine,
@@ -154,15 +154,12 @@ async fn submit_pack(
             limits: limits(inputs),
         }),
     };
-    let status = client.jobs().submit_job(request).await?.into_inner().status;
-    Ok(status.unwrap_or_default().job_id)
+    Ok(client.submit(request).await?.job_id)
 }
 
 /// Follows a job to its end; the first interrupt cancels the job, the second ends the command.
 async fn follow(client: &Client, job: &str, (quiet, attended): (bool, bool)) -> Result<v1::JobStatus, Error> {
-    let level = v1::WatchLevel::Progress.into();
-    let request = v1::WatchJobRequest { job_id: job.to_owned(), after_seq: 0, level, heartbeat_ms: 0 };
-    let mut stream = client.jobs().watch_job(request).await?.into_inner();
+    let mut watch = client.watch(job, v1::WatchLevel::Progress);
     let progress = RefCell::new(Progress::new(quiet));
     let asking = Cell::new(false);
     let attendant = if attended { Some(Attendant::start(client, job).await?) } else { None };
@@ -172,15 +169,14 @@ async fn follow(client: &Client, job: &str, (quiet, attended): (bool, bool)) -> 
         tokio::select! {
             // Ends with an error only: the watch reports the end of the job.
             Err(error) = &mut attending => return Err(error),
-            message = stream.message() => match message?.and_then(|m| m.content) {
-                Some(Content::Progress(_)) if asking.get() => {}
-                Some(Content::Progress(now)) => progress.borrow_mut().show(&now),
-                Some(Content::Ended(status)) => {
+            update = watch.next() => match update? {
+                Update::Progress(_) if asking.get() => {}
+                Update::Progress(now) => progress.borrow_mut().show(&now),
+                Update::Ended(status) => {
                     progress.borrow_mut().clear();
                     return Ok(status);
                 }
-                Some(_) => {}
-                None => return Err(Error::Connection("the server ended the stream".to_owned())),
+                Update::Description(_) | Update::Events(_) => {}
             },
             signal = tokio::signal::ctrl_c(), if interrupts < 2 => {
                 interrupts += 1;
