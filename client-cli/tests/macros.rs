@@ -46,7 +46,7 @@ fn check_finds_everything_in_every_file() {
     let folder = folder(&files);
     let (code, out, status) = counterpoint(folder.path(), &["check", "a.mac", "b.mac", "good.mac", "twice.mac"]);
     assert_eq!((code, out.as_str()), (1, "files: 4, errors: 3, warnings: 1\n"));
-    let expected = "Error 02910032: there is no identifier CODE_RAPDI\n  --> a.mac:1:3\n    1 | A=CODE_RAPDI\n      \
+    let expected = "Error 02910032: unknown identifier CODE_RAPDI\n  --> a.mac:1:3\n    1 | A=CODE_RAPDI\n      \
                     |   ^^^^^^^^^^\n      = did you mean CODE_RAPID?\n";
     assert!(status.starts_with(expected), "{status}");
     for part in ["Error 02910024", "Warning 02910027", "  --> b.mac:1:12\n"] {
@@ -68,7 +68,7 @@ fn check_prints_json() {
     let expected = serde_json::json!({
         "file": "a.mac", "line": 1, "column": 3, "width": 10, "number": "02910032", "severity": 8, "type": "error",
         "name": "unknown-identifier",
-        "text": "there is no identifier CODE_RAPDI", "help": "did you mean CODE_RAPID?", "source": "A=CODE_RAPDI",
+        "text": "unknown identifier CODE_RAPDI", "help": "did you mean CODE_RAPID?", "source": "A=CODE_RAPDI",
     });
     assert_eq!(finding, &expected);
     assert_eq!(document["files"][1]["findings"], serde_json::json!([]));
@@ -228,8 +228,8 @@ fn explain_knows_numbers_and_names() {
         "$OPSKIPL(1..9)\nLOGICAL, can be assigned (program)\n\nTells whether an optional-skip level is on.\n";
     assert_eq!(explained("$opskipl").1, expected);
     assert!(explained("CODE_RAPID").1.contains("modal group 1"));
-    assert!(explained("CODE_DELAY").1.ends_with("It takes REG_DELAY.\n"));
-    assert!(explained("data_tool").1.contains("It is taken by CODE_TOOL_LOAD, CODE_TOOL_SELECT.\n"));
+    assert!(explained("CODE_DELAY").1.ends_with("Uses REG_DELAY.\n"));
+    assert!(explained("data_tool").1.contains("Used by CODE_TOOL_LOAD, CODE_TOOL_SELECT.\n"));
     assert!(explained("PS0160").1.starts_with("# 02900050 `wait-mismatch`: "));
     assert!(explained("ps0161").1.starts_with("# 02900051 `wait-illegal-channels`: "));
     assert!(explained("//").1.starts_with("//\nOperator"));
@@ -256,15 +256,12 @@ fn explain_knows_numbers_and_names() {
     assert!(explained("$FMSGPOS").1.contains("needs a machine model, and there is none here"));
     assert!(explained("$FPAUSE").1.contains("runs in the background"));
     assert!(!explained("$FMSGLCV").1.contains("2910070"));
-    assert!(explained("$VMXFER").1.ends_with("There is no machine model here: only macros change it.\n"));
+    assert!(explained("$VMXFER").1.ends_with("There is no machine model here: only macros change this variable.\n"));
     assert!(explained("#{").1.contains("before the pre-processor"));
     assert!(explained("and").1.contains("`condition`"));
     assert!(explained("DATA_AXIS_X").1.starts_with("REG_AXIS_X\n"));
     assert!(explained("CODE_LINEAR").1.starts_with("CODE_INTERP_LINEAR\n"));
-    assert_eq!(
-        explained("$FSQTR"),
-        (2, String::new(), "error: nothing is called $FSQTR; did you mean $FSQRT?\n".into())
-    );
-    assert_eq!(explained("DECLARE").2, "error: nothing is called DECLARE; did you mean DECLAR?\n");
+    assert_eq!(explained("$FSQTR"), (2, String::new(), "error: '$FSQTR' not found; did you mean $FSQRT?\n".into()));
+    assert_eq!(explained("DECLARE").2, "error: 'DECLARE' not found; did you mean DECLAR?\n");
     assert_eq!(explained("99").0, 2);
 }
