@@ -39,7 +39,7 @@ impl Kernel<'_> {
             self.unknown_text()?;
         }
         if self.channel.block.flags.irregular & irregular::OPEN_COMMENT != 0 {
-            let text = format!("a comment or message has no end in '{}'", self.block_text());
+            let text = format!("a comment or message is not closed in '{}'", self.block_text());
             self.diagnose(&diag::COMMENT_OPEN, text);
         }
         if self.channel.block.flags.irregular & irregular::DIGITS != 0 {
