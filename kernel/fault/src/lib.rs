@@ -147,6 +147,8 @@ diagnostics! {
     MINUS_SIGN 2900381 "negative-value" 8 false "negative value at an address that takes none";
     DECIMAL_POINT 2900382 "illegal-decimal-point" 8 false "decimal point at an address that takes none";
     NO_LEAD 2900383 "no-thread-lead" 8 false "thread without a lead";
+    WAIT_IMPOSSIBLE 2900385 "wait-impossible" 12 true "wait, signal or release that is not possible";
+    WAIT_LISTS 2900386 "wait-lists" 4 false "channels at one mark that name different partners (16949)";
     ARC_INCOMPLETE 2900384 "arc-incomplete" 8 false "circle without a centre and without a radius";
     OKUMA_NO_MODAL 2900182 "no-modal-call" 4 false "end of a modal call that was not begun (Okuma)";
     GROUP_TWICE 2900350 "group-twice" 4 false "G code overridden by a later one of its group";

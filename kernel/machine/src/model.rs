@@ -2,9 +2,11 @@
 
 mod behaviour;
 mod rows;
+mod waits;
 
 pub use behaviour::*;
 pub use rows::*;
+pub use waits::*;
 
 use super::ident::{CodeId, DataId};
 use super::preprocessor::Preprocessor;

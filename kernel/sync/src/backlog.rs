@@ -19,7 +19,7 @@ const PUT_OFF: usize = 16;
 /// Chunks that wait, and the results that they will be taken into.
 pub struct Backlog {
     /// Number of the channel.
-    pub rank: u16,
+    pub channel: u16,
     results: ChannelResults,
     /// Chunks, each with its bytes.
     waiting: VecDeque<(Vec<Event>, u64)>,
@@ -38,9 +38,9 @@ pub struct Backlog {
 
 impl Backlog {
     /// `room`: bytes that may wait for other kernels.
-    pub fn new(rank: u16, results: ChannelResults, room: u64) -> Self {
+    pub fn new(channel: u16, results: ChannelResults, room: u64) -> Self {
         let (waiting, spare) = (VecDeque::new(), Vec::new());
-        Self { rank, results, waiting, room, bytes: 0, spare, floor: 0, events: 0, last: (0, 0) }
+        Self { channel, results, waiting, room, bytes: 0, spare, floor: 0, events: 0, last: (0, 0) }
     }
 
     /// Takes events in at once if nobody else runs, nor ever will; `false` otherwise: [`put`](Self::put) them.
@@ -103,7 +103,7 @@ impl Backlog {
     /// The job has ended: takes the rest, up to its stop. Gives the results back.
     pub fn close(mut self, stop: Tag) -> (ChannelResults, u64, (i64, u32)) {
         while let Some((events, _)) = self.waiting.pop_front() {
-            let after = |e: &Event| Tag { t: e.t_ns, micro: e.micro, rank: self.rank } > stop;
+            let after = |e: &Event| Tag { t: e.t_ns, micro: e.micro, channel: self.channel } > stop;
             let end = events.iter().position(after).unwrap_or(events.len());
             self.keep(events.get(..end).unwrap_or_default());
         }

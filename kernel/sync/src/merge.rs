@@ -26,7 +26,7 @@ pub enum Message {
     /// Events of a stream, and the promise that later ones are not before `upto`.
     Chunk {
         /// Stream.
-        rank: u16,
+        channel: u16,
         /// Events in order.
         events: Vec<Event>,
         /// Promise.
@@ -45,7 +45,7 @@ pub enum Message {
 /// A kernel's end of the merger.
 pub struct Feeder {
     /// Number of the channel.
-    pub rank: u16,
+    pub channel: u16,
     /// Where the chunks go.
     pub messages: Sender<Message>,
     empties: Receiver<Vec<Event>>,
@@ -80,7 +80,7 @@ enum State {
 }
 
 struct Stream {
-    rank: u16,
+    channel: u16,
     chunks: VecDeque<(Vec<Event>, usize)>,
     state: State,
     /// The end of the channel is in the log.
@@ -91,7 +91,7 @@ struct Stream {
 impl Stream {
     fn head(&self) -> Option<Tag> {
         let (events, at) = self.chunks.front()?;
-        events.get(*at).map(|e| Tag { t: e.t_ns, micro: e.micro, rank: self.rank })
+        events.get(*at).map(|e| Tag { t: e.t_ns, micro: e.micro, channel: self.channel })
     }
 
     /// No event of this stream that is not yet out is before this tag.
@@ -127,37 +127,37 @@ pub enum End {
 }
 
 impl Merger {
-    /// A merger for the given ranks, each of which may have so many bytes on the way, a feeder for each, and a sender for messages about streams.
-    pub fn new(ranks: impl Iterator<Item = u16>, room: u64) -> (Self, Vec<Feeder>, Sender<Message>) {
+    /// A merger for the given channels, each of which may have so many bytes on the way, a feeder for each, and a sender for messages about streams.
+    pub fn new(channels: impl Iterator<Item = u16>, room: u64) -> (Self, Vec<Feeder>, Sender<Message>) {
         let chunk = (CHUNK * size_of::<Event>() + TEXTS) as u64;
         let credit = usize::try_from(room / chunk).unwrap_or(CREDIT).clamp(2, CREDIT);
         let (sender, messages) = unbounded();
         let mut streams = Vec::new();
         let mut feeders = Vec::new();
-        for rank in ranks {
+        for channel in channels {
             let (back, empties) = bounded(CREDIT);
-            let floor = Tag { t: 0, micro: 0, rank };
+            let floor = Tag { t: 0, micro: 0, channel };
             streams.push(Stream {
-                rank,
+                channel,
                 chunks: VecDeque::with_capacity(CREDIT),
                 state: State::Active(floor),
                 ended: false,
                 empties: back,
             });
-            feeders.push(Feeder { rank, messages: sender.clone(), empties, made: 0, credit });
+            feeders.push(Feeder { channel, messages: sender.clone(), empties, made: 0, credit });
         }
         (Self { streams, messages, stop: Tag::END, next_seq: 1, last: (0, 0), end: End::Complete }, feeders, sender)
     }
 
     /// Channels whose end is in the log.
     pub fn ended(&self) -> Vec<u16> {
-        self.streams.iter().filter(|s| s.ended).map(|s| s.rank).collect()
+        self.streams.iter().filter(|s| s.ended).map(|s| s.channel).collect()
     }
 
     /// Passes a chunk of the only stream on. Returns `false` when the log takes nothing more.
-    pub fn pass(&mut self, rank: u16, events: &[Event], sink: &mut dyn Sink) -> bool {
+    pub fn pass(&mut self, channel: u16, events: &[Event], sink: &mut dyn Sink) -> bool {
         if self.end == End::Complete {
-            self.end = self.send(rank, events, sink);
+            self.end = self.send(channel, events, sink);
         }
         self.end == End::Complete
     }
@@ -168,9 +168,9 @@ impl Merger {
     }
 
     /// Hands events that are next in the log to the sink.
-    fn send(&mut self, rank: u16, batch: &[Event], sink: &mut dyn Sink) -> End {
+    fn send(&mut self, channel: u16, batch: &[Event], sink: &mut dyn Sink) -> End {
         if batch.iter().any(|e| matches!(e.kind, Kind::Lifecycle(Phase::ProgramEnd | Phase::Alarmed)))
-            && let Some(stream) = self.stream(rank)
+            && let Some(stream) = self.stream(channel)
         {
             stream.ended = true;
         }
@@ -224,14 +224,14 @@ impl Merger {
         }
     }
 
-    fn stream(&mut self, rank: u16) -> Option<&mut Stream> {
-        self.streams.iter_mut().find(|s| s.rank == rank)
+    fn stream(&mut self, channel: u16) -> Option<&mut Stream> {
+        self.streams.iter_mut().find(|s| s.channel == channel)
     }
 
     fn take(&mut self, message: Message) {
         match message {
-            Message::Chunk { rank, events, upto } => {
-                if let Some(stream) = self.stream(rank) {
+            Message::Chunk { channel, events, upto } => {
+                if let Some(stream) = self.stream(channel) {
                     stream.state = State::Active(upto);
                     if events.is_empty() {
                         let _ = stream.empties.try_send(events);
@@ -240,15 +240,15 @@ impl Merger {
                     }
                 }
             }
-            Message::Blocked(rank) => self.set(rank, State::Blocked),
-            Message::Resumed(rank, tag) => self.set(rank, State::Active(tag)),
-            Message::Done(rank) => self.set(rank, State::Done),
+            Message::Blocked(channel) => self.set(channel, State::Blocked),
+            Message::Resumed(channel, tag) => self.set(channel, State::Active(tag)),
+            Message::Done(channel) => self.set(channel, State::Done),
             Message::StopAt(tag) => self.stop = self.stop.min(tag),
         }
     }
 
-    fn set(&mut self, rank: u16, state: State) {
-        if let Some(stream) = self.stream(rank) {
+    fn set(&mut self, channel: u16, state: State) {
+        if let Some(stream) = self.stream(channel) {
             stream.state = state;
         }
     }
@@ -288,17 +288,17 @@ impl Merger {
                 }
                 return End::Complete;
             }
-            let (rank, stop) = (stream.rank, self.stop);
+            let (channel, stop) = (stream.channel, self.stop);
             let Some((events, at)) = stream.chunks.pop_front() else { return End::Complete };
             let rest = events.get(at..).unwrap_or_default();
             let run = rest
                 .iter()
                 .position(|e| {
-                    let tag = Tag { t: e.t_ns, micro: e.micro, rank };
+                    let tag = Tag { t: e.t_ns, micro: e.micro, channel };
                     tag > bound || tag > stop
                 })
                 .unwrap_or(rest.len());
-            let end = self.send(rank, rest.get(..run).unwrap_or_default(), sink);
+            let end = self.send(channel, rest.get(..run).unwrap_or_default(), sink);
             let Some(stream) = self.streams.get_mut(index) else { return End::Complete };
             if at + run >= events.len() {
                 recycle(stream, events);

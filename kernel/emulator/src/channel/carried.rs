@@ -23,7 +23,7 @@ use counterpoint_program::tape;
 /// How the life of a kernel ended.
 pub struct Lived {
     /// Number of the channel.
-    pub rank: u16,
+    pub channel: u16,
     /// Why it ended.
     pub halt: Halt,
     /// What it carries on, if it may be started again.
@@ -93,9 +93,9 @@ impl Kernel<'_> {
     /// The end of its life.
     pub(crate) fn lived(self, halt: Halt) -> Lived {
         let hook = self.channel.env.machine.macros.as_deref().and_then(|macros| macros.hook(Hook::MachineShutdown));
-        let rank = self.channel.at.channel;
+        let channel = self.channel.at.channel;
         let left = (hook.is_some() && matches!(halt, Halt::End(_))).then(|| Box::new(self.into_carried()));
-        Lived { rank, halt, left }
+        Lived { channel, halt, left }
     }
 
     /// Takes over what it was before; from its end to now it stood idle.

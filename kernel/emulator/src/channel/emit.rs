@@ -48,7 +48,7 @@ pub struct Held<'a> {
 
 /// Collects events into chunks and hands them on.
 pub struct Emitter<'a> {
-    rank: u16,
+    channel: u16,
     coordinator: Port<'a>,
     target: Target<'a>,
     /// Always [`size`](Self::size) events long; those from `count` on are left over from before.
@@ -68,14 +68,14 @@ fn blank() -> Event {
 
 impl<'a> Emitter<'a> {
     /// A stream of a channel that begins.
-    pub fn new(rank: u16, coordinator: Port<'a>, mut target: Target<'a>) -> Self {
+    pub fn new(channel: u16, coordinator: Port<'a>, mut target: Target<'a>) -> Self {
         let (size, mut chunk) = match &mut target {
             Target::Queue(feeder) => (CHUNK, feeder.try_empty().unwrap_or_default()),
             Target::Results(_) if !coordinator.is_single() => (SHORT_CHUNK, Vec::new()),
             Target::Direct { .. } | Target::Results(_) | Target::Kept(_) | Target::Held(_) => (NEAR_CHUNK, Vec::new()),
         };
         chunk.resize_with(size, blank);
-        Self { rank, coordinator, target, chunk, size, count: 0, texts: 0, gone: 0 }
+        Self { channel, coordinator, target, chunk, size, count: 0, texts: 0, gone: 0 }
     }
 
     /// Events so far.
@@ -99,7 +99,7 @@ impl<'a> Emitter<'a> {
     #[inline(always)]
     pub(crate) fn slot(&mut self, t: i64, micro: u32) -> Option<&mut Event> {
         if self.count >= self.size {
-            self.flush(Tag { t, micro, rank: self.rank });
+            self.flush(Tag { t, micro, channel: self.channel });
         }
         let slot = self.chunk.get_mut(self.count)?;
         self.count += 1;
@@ -117,8 +117,8 @@ impl<'a> Emitter<'a> {
         let target = Target::Held(Box::new(Held { events: Vec::new(), real: None, since }));
         let mut chunk = Vec::new();
         chunk.resize_with(HELD_CHUNK, blank);
-        let (rank, coordinator, gone) = (self.rank, self.coordinator, self.count());
-        let held = Self { rank, coordinator, target, chunk, size: HELD_CHUNK, count: 0, texts: 0, gone };
+        let (channel, coordinator, gone) = (self.channel, self.coordinator, self.count());
+        let held = Self { channel, coordinator, target, chunk, size: HELD_CHUNK, count: 0, texts: 0, gone };
         let real = std::mem::replace(self, held);
         if let Target::Held(held) = &mut self.target {
             held.real = Some(real);
@@ -155,7 +155,7 @@ impl<'a> Emitter<'a> {
         match &mut self.target {
             Target::Results(backlog) => {
                 if look {
-                    backlog.look(self.coordinator.floor(self.rank));
+                    backlog.look(self.coordinator.floor(self.channel));
                 }
                 backlog.work()
             }
@@ -179,7 +179,7 @@ impl<'a> Emitter<'a> {
         let events = self.chunk.get(..count).unwrap_or_default();
         match &mut self.target {
             Target::Direct { merger, sink } => {
-                if !merger.pass(self.rank, events, *sink) {
+                if !merger.pass(self.channel, events, *sink) {
                     self.coordinator.abort();
                 }
             }
@@ -197,7 +197,7 @@ impl<'a> Emitter<'a> {
                 }
             }
             Target::Results(backlog) => {
-                let floor = || self.coordinator.floor(upto.rank);
+                let floor = || self.coordinator.floor(upto.channel);
                 if !backlog.pass(events, floor) {
                     self.chunk.truncate(count);
                     let full = backlog.put(&mut self.chunk, texts, floor);
@@ -212,7 +212,7 @@ impl<'a> Emitter<'a> {
                 let next = feeder.try_empty();
                 let empty = next.is_none();
                 let events = std::mem::replace(&mut self.chunk, next.unwrap_or_default());
-                let _ = feeder.messages.send(Message::Chunk { rank: self.rank, events, upto });
+                let _ = feeder.messages.send(Message::Chunk { channel: self.channel, events, upto });
                 if empty {
                     self.chunk = self.coordinator.wait_chunk(upto, feeder, Feeder::try_empty, Feeder::wait_empty);
                 }

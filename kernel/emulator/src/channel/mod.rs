@@ -45,6 +45,7 @@ use crate::macros::runtime::Runtime;
 use crate::state::State;
 use crate::state::burden::Burden;
 use crate::state::channel::{Acting, At, BlockText, Channel, Reports};
+use crate::waits::rules;
 use counterpoint_event::event::Kind;
 use counterpoint_machine::model::Channel as MachineChannel;
 use counterpoint_program::block::Block;
@@ -78,7 +79,7 @@ impl<'a> Kernel<'a> {
                 text: BlockText { tape, ..BlockText::default() },
                 acting: Acting::default(),
                 state: State::new(machine, channel),
-                reports: Reports::default(),
+                reports: Reports::new(rules(machine)),
                 burden: Burden::default(),
             },
             ports,

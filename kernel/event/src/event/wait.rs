@@ -19,6 +19,8 @@ words! {
         Signal = 5 "SIGNAL",
         /// Waits for the end of others.
         Join = 6 "JOIN",
+        /// Owns an axis or a spindle, one channel at a time.
+        Lease = 7 "LEASE",
     }
 }
 
@@ -51,6 +53,8 @@ record! {
         pub since_ns: i64 = 3,
         /// Ordinal of the sync point in the job, from 1, the same in all channels that met there.
         pub meeting: u64 = 4,
+        /// Channel whose operation ended the wait: the last to come, who set the flag or sent the signal.
+        pub by: u16 = 5 [wire],
     }
 
     fn action(&self, _: fn(f64) -> String) -> Option<String> {

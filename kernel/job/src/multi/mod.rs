@@ -7,7 +7,7 @@ mod master;
 mod one_thread;
 mod rounds;
 
-use counterpoint_sync::{backlog, coordinator, merge, ranks, shared};
+use counterpoint_sync::{backlog, channels, coordinator, merge, shared};
 use std::sync::OnceLock;
 
 use backlog::Backlog;
@@ -205,7 +205,7 @@ impl<'a> Shop<'a> {
         let mut free: Vec<Option<&mut Backlog>> = backlogs.iter_mut().map(Some).collect();
         let mut work = Vec::new();
         for start in starting {
-            let backlog = free.iter_mut().find(|b| b.as_ref().is_some_and(|b| b.rank == start.channel.number));
+            let backlog = free.iter_mut().find(|b| b.as_ref().is_some_and(|b| b.channel == start.channel.number));
             if let Some(backlog) = backlog.and_then(Option::take) {
                 work.push((start, Way::Results(backlog)));
             }
@@ -233,7 +233,7 @@ impl<'a> Shop<'a> {
             return vec![self.alone(start, Target::Direct { merger, sink })];
         }
         let feeders = feeders.into_iter().filter_map(|feeder| {
-            let at = starting.iter().position(|start| start.channel.number == feeder.rank)?;
+            let at = starting.iter().position(|start| start.channel.number == feeder.channel)?;
             Some((starting.swap_remove(at), Way::Queue(feeder)))
         });
         let work: Vec<_> = feeders.collect();
@@ -306,10 +306,10 @@ impl<'a> Shop<'a> {
 
 /// Runs a kernel; if it panics, all others are stopped and the panic goes on to whoever joins.
 fn guarded(kernel: Kernel<'_>, at: At, reset: Option<bool>, coordinator: &Coordinator) -> Lived {
-    let rank = kernel.channel.at.channel;
+    let channel = kernel.channel.at.channel;
     std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| kernel.live(at, reset))).unwrap_or_else(|panic| {
         coordinator.abort();
-        coordinator.done(rank, |_| ());
+        coordinator.done(channel, |_| ());
         std::panic::resume_unwind(panic)
     })
 }
