@@ -8,7 +8,8 @@ mod fanuc;
 mod siemens;
 
 use counterpoint_event::event::Primitive;
-use counterpoint_machine::model::{self, CodeForm, CodeRow, Machine, WaitAct, WaitRow};
+use counterpoint_machine::model::{self, Machine, WaitAct, WaitRow};
+use counterpoint_machine::rows::{CodeForm, CodeRow};
 use counterpoint_sync::wait::{Absent, Act, Key, Rule, Rules, Set, Wait};
 
 /// The rule of the start by a head; the marks of both heads follow.

@@ -15,6 +15,7 @@ pub mod order;
 mod primitives;
 pub mod shared;
 pub mod sink;
+pub mod stream;
 pub mod tag;
 #[cfg(test)]
 mod testing;

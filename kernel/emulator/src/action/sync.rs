@@ -11,7 +11,8 @@ use counterpoint_fault::Acted;
 use counterpoint_machine::ident::DataId;
 use counterpoint_machine::ident::codes;
 use counterpoint_machine::ident::data;
-use counterpoint_machine::model::{CodeRow, SyncDialect};
+use counterpoint_machine::model::SyncDialect;
+use counterpoint_machine::rows::CodeRow;
 
 /// Codes and what they do.
 pub(crate) const ENTRIES: &[Entry] = &[

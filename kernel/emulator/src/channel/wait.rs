@@ -14,7 +14,6 @@ use counterpoint_ports::control::State;
 use counterpoint_sync::coordinator::turn::Met;
 use counterpoint_sync::order::Wake;
 use counterpoint_sync::order::arrive::After;
-use counterpoint_sync::tag::Tag;
 use counterpoint_sync::wait::{self, Finish, Terminal, Waiting};
 
 impl Kernel<'_> {
@@ -78,13 +77,13 @@ fn arrival(kernel: &Kernel<'_>, wait: wait::Wait) -> (Waiting, Finish) {
 fn arrive(kernel: &mut Kernel<'_>, wait: wait::Wait) -> Acted {
     let logged = Logged::new(kernel, &wait, kernel.channel.at.clock);
     let (waiting, own) = arrival(kernel, wait);
-    let (tag, info) = (waiting.tag, kernel.channel.env.info);
+    let info = kernel.channel.env.info;
     kernel.ports.control.disturb(kernel.channel.at.channel);
     let met = kernel.ports.coordinator.meet(
         waiting,
         kernel,
         |kernel| {
-            kernel.ports.emitter.flush(tag);
+            kernel.flush();
             kernel.ports.progress.stand(logged.wait.clone());
         },
         |kernel, look| kernel.ports.emitter.work(look),
@@ -98,7 +97,7 @@ fn arrive(kernel: &mut Kernel<'_>, wait: wait::Wait) -> Acted {
         kernel.diagnose(&diag::WAIT_LISTS, text);
     }
     match after {
-        After::Stand(verdict) => stand(kernel, (tag, verdict), &logged),
+        After::Stand(verdict) => stand(kernel, verdict, &logged),
         after => follow(kernel, after, &logged),
     }
 }
@@ -118,7 +117,7 @@ fn wait_unless_over(kernel: &mut Kernel<'_>, wait: wait::Wait) -> Acted {
         Some(after) => {
             let logged = Logged::new(kernel, &wait, since_ns);
             match after {
-                After::Stand(verdict) => stand(kernel, (waiting.tag, verdict), &logged),
+                After::Stand(verdict) => stand(kernel, verdict, &logged),
                 after => follow(kernel, after, &logged),
             }
         }
@@ -168,13 +167,13 @@ fn woken(kernel: &mut Kernel<'_>, wake: Wake, logged: &Logged) -> Acted {
 }
 
 /// Waits until another channel ends the wait that this one is blocked at.
-fn stand(kernel: &mut Kernel<'_>, (tag, verdict): (Tag, Option<Verdict>), logged: &Logged) -> Acted {
+fn stand(kernel: &mut Kernel<'_>, verdict: Option<Verdict>, logged: &Logged) -> Acted {
     if let Some(verdict) = verdict {
         kernel.emit_verdict(verdict);
     }
     let (coordinator, channel) = (kernel.ports.coordinator, kernel.channel.at.channel);
     let wake = coordinator.wait(channel, kernel, |kernel| {
-        kernel.ports.emitter.flush(tag);
+        kernel.flush();
         kernel.ports.progress.stand(logged.wait.clone());
     });
     kernel.ports.control.disturb(channel);

@@ -101,14 +101,14 @@ impl<'a> Shop<'a> {
         self,
         mut round: Round,
         lived: Vec<Lived>,
-        ended: &[u16],
         (t_ns, micro): (i64, u32),
         log: &mut dyn FnMut(&Event) -> bool,
     ) -> Option<Round> {
         let stop = self.coordinator.stop_tag();
         self.coordinator.unordered(|order| order.shared.files.close(stop));
-        let all = lived.iter().all(|one| matches!(one.halt, Halt::End(_)) && ended.contains(&one.channel));
-        for Lived { channel, halt, .. } in lived.iter().filter(|one| !ended.contains(&one.channel)) {
+        let ended = |one: &Lived| one.ended.is_some_and(|tag| tag <= stop);
+        let all = lived.iter().all(|one| matches!(one.halt, Halt::End(_)) && ended(one));
+        for Lived { channel, halt, .. } in lived.iter().filter(|one| !ended(one)) {
             let phase = if *halt == Halt::Blocked { Phase::Blocked } else { Phase::Stopped };
             log(&Event { micro, channel: *channel, ..super::master(t_ns, Kind::Lifecycle(phase)) });
         }

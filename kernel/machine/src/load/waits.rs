@@ -6,7 +6,8 @@
 use counterpoint_event::event::Primitive;
 
 use crate::ident::codes;
-use crate::model::{CodeForm, CodeRow, Mismatch, Register, WaitAct, WaitRow};
+use crate::model::{Mismatch, WaitAct, WaitRow};
+use crate::rows::{CodeForm, CodeRow, Register};
 use crate::toml::check::Check;
 use crate::toml::node::{Entry, Node, Place, Table, Value};
 use crate::toml::section::Section;

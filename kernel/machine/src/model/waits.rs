@@ -4,7 +4,7 @@
 
 use counterpoint_event::event::Primitive;
 
-use super::CodeForm;
+use crate::rows::CodeForm;
 
 /// A word or text at which a channel waits for others, or lets them continue.
 #[derive(Debug, Clone, PartialEq)]
