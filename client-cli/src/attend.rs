@@ -4,7 +4,7 @@
 //! is shown in brackets; the end of the input declines what is asked. A question that somebody else has answered is
 //! given up at once.
 
-use std::collections::{HashMap, VecDeque};
+use std::collections::{BTreeMap, VecDeque};
 use std::io::{BufRead as _, Write as _};
 
 use counterpoint_proto::v1;
@@ -206,7 +206,7 @@ fn lines() -> mpsc::UnboundedReceiver<String> {
 }
 
 /// Values by variable.
-type Values = HashMap<String, v1::DialogValue>;
+type Values = BTreeMap<String, v1::DialogValue>;
 
 /// A field takes a value, by what has been entered above it and by what the question begins with.
 fn is_enabled(field: &v1::DialogField, entered: &Values, start: &Values) -> bool {
