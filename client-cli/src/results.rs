@@ -99,7 +99,7 @@ pub(crate) async fn each(
 
 /// The files that macros have written.
 pub(crate) async fn written(client: &Client, job: &str) -> Result<Vec<v1::WrittenFile>, Error> {
-    let request = v1::ListFilesRequest { job_id: job.to_owned() };
+    let request = v1::ListFilesRequest { job_id: job.to_owned(), ..Default::default() };
     Ok(client.results().list_files(request).await?.into_inner().files)
 }
 
