@@ -1,13 +1,12 @@
 //! Many jobs: listed, followed, run again.
 
-use std::time::{Duration, SystemTime, UNIX_EPOCH};
+use std::time::{SystemTime, UNIX_EPOCH};
 
+use counterpoint_client::JobUpdate;
 use counterpoint_proto::v1;
-use tonic::Code;
 
 use crate::arguments::{JobFilter, Jobs, Priority, RequestArgs, Rerun, State, Watch, When};
 use crate::client::Client;
-use crate::commands::RETRIES;
 use crate::error::Error;
 use crate::say;
 use crate::text::{table, time};
@@ -49,7 +48,7 @@ fn filter(arguments: &JobFilter) -> v1::JobFilter {
 /// What a submit says besides programs and options.
 pub(crate) fn request(arguments: &RequestArgs) -> v1::SubmitJobRequest {
     v1::SubmitJobRequest {
-        request_id: arguments.request_id.clone().unwrap_or_else(|| uuid::Uuid::now_v7().to_string()),
+        request_id: arguments.request_id.clone().unwrap_or_else(|| counterpoint_client::request_id()),
         labels: arguments.labels.iter().cloned().collect(),
         priority: match arguments.priority {
             None => v1::JobPriority::Unspecified,
@@ -109,68 +108,29 @@ pub(crate) async fn list(arguments: Jobs) -> Result<u8, Error> {
     Ok(0)
 }
 
-/// Follows the states of jobs, over broken connections too, until it is interrupted.
+/// Follows the states of jobs, reconnecting if necessary, until it is interrupted.
 pub(crate) async fn watch(arguments: Watch) -> Result<u8, Error> {
-    let (mut cursor, mut failures) = (0, 0);
-    // A connection that breaks is resumed; a server that never answered is a mistake of the command line.
-    drop(Client::connect(&arguments.remote.server).await?);
-    let filter = filter(&arguments.filter);
+    let client = Client::connect(&arguments.remote.server).await?;
+    let mut watch = client.watch_jobs(filter(&arguments.filter));
     loop {
-        let followed = tokio::select! {
-            followed = watch_once(&arguments, &filter, &mut cursor, &mut failures) => followed,
+        let update = tokio::select! {
+            update = watch.next() => update?,
             _ = tokio::signal::ctrl_c() => return Ok(0),
         };
-        match followed {
-            Ok(()) => {}
-            // The server has been started again: what has not ended comes first.
-            Err(Error::Refused(status)) if status.code() == Code::OutOfRange && cursor > 0 => {
-                say::status_line(
-                    "the server does not know all changes any more; it begins with the jobs that have not ended",
-                );
-                cursor = 0;
+        let line = match update {
+            JobUpdate::Job(job) if arguments.json => as_json(&job).to_string(),
+            JobUpdate::Job(job) => {
+                format!("{}  {:<9}  {}  {}", job.job_id, state_name(&job), job.machine, programs(&job))
+            }
+            JobUpdate::Removed(job) if arguments.json => serde_json::json!({ "job": job, "removed": true }).to_string(),
+            JobUpdate::Removed(job) => format!("{job}  REMOVED"),
+            JobUpdate::Anew => {
+                say::status_line("the server no longer knows all changes; the jobs that have not ended follow");
                 continue;
             }
-            Err(Error::Refused(status)) if status.code() != Code::Unavailable && status.code() != Code::Unknown => {
-                return Err(Error::Refused(status));
-            }
-            Err(Error::Closed) => return Err(Error::Closed),
-            Err(error) if failures >= RETRIES => return Err(error),
-            Err(_) => {}
-        }
-        failures += 1;
-        tokio::time::sleep(Duration::from_millis(100 << failures.min(6))).await;
+        };
+        say::data(format!("{line}\n").as_bytes())?;
     }
-}
-
-async fn watch_once(
-    arguments: &Watch,
-    filter: &v1::JobFilter,
-    cursor: &mut u64,
-    failures: &mut u32,
-) -> Result<(), Error> {
-    let client = Client::connect(&arguments.remote.server).await?;
-    let request = v1::WatchJobsRequest { filter: Some(filter.clone()), after: *cursor, heartbeat_ms: 0 };
-    let mut stream = client.jobs().watch_jobs(request).await?.into_inner();
-    while let Some(message) = stream.message().await? {
-        *failures = 0;
-        for change in message.changes {
-            let job = change.status.unwrap_or_default();
-            let line = match (arguments.json, change.removed) {
-                (true, true) => serde_json::json!({ "job": job.job_id, "removed": true }).to_string(),
-                (true, false) => as_json(&job).to_string(),
-                (false, true) => format!("{}  REMOVED", job.job_id),
-                (false, false) => {
-                    format!("{}  {:<9}  {}  {}", job.job_id, state_name(&job), job.machine, programs(&job))
-                }
-            };
-            say::data(format!("{line}\n").as_bytes())?;
-        }
-        // Without one the jobs that have not ended are not complete yet.
-        if message.cursor > 0 {
-            *cursor = message.cursor;
-        }
-    }
-    Err(Error::Connection("the server ended the stream".to_owned()))
 }
 
 fn state_name(job: &v1::JobStatus) -> String {

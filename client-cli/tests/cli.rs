@@ -114,7 +114,7 @@ fn what_macros_write_is_reported_and_kept() {
     let machine = machine.display().to_string();
     let output = counterpoint(&["run", "--machine", &machine, &path]);
     let text = String::from_utf8_lossy(&output.stdout);
-    assert!(text.contains("files written (--out DIR keeps them)\n  lists/tools.txt, 3 bytes"), "{text}");
+    assert!(text.contains("files written (use --out DIR to keep them)\n  lists/tools.txt, 3 bytes"), "{text}");
     let out = folder.path().join("out").display().to_string();
     let output = counterpoint(&["run", "-q", "--machine", &machine, &path, "--out", &out, "--write", "files"]);
     assert_eq!(code(&output), 0, "{}", String::from_utf8_lossy(&output.stderr));
@@ -152,7 +152,7 @@ fn what_programs_print_is_reported_and_kept() {
     let output = counterpoint(&["run", "--machine", &name, &path]);
     let report = String::from_utf8_lossy(&output.stdout).into_owned();
     assert!(
-        report.contains("2900358") && report.contains("files written (--out DIR keeps them)\n  probe.log"),
+        report.contains("2900358") && report.contains("files written (use --out DIR to keep them)\n  probe.log"),
         "{report}"
     );
 }
@@ -210,15 +210,15 @@ fn a_machine_is_guessed_with_a_reason_or_asked_for() {
         "{status}"
     );
     for (name, text, reason) in [
-        ("bare.nc", "O1\nG0 X1.\nM30\n", "shows which one it is for"),
-        ("part.h", "0 BEGIN PGM PART MM\n1 L X+10 R0 FMAX\n2 END PGM PART MM\n", "a Heidenhain control"),
-        ("part.mpf", "G54 G0 X10 Y20\nM30\n", "a Siemens control"),
+        ("bare.nc", "O1\nG0 X1.\nM30\n", "shows which machine it is for"),
+        ("part.i", "%PART G71 *\nN10 G00 X+10*\nN99999 %PART G71 *\n", "a Heidenhain control"),
+        ("part.mpf", "G54 G0 X10\nM30\n", "a Siemens control"),
     ] {
         let path = program(folder.path(), name, text);
         let output = counterpoint(&["run", &path]);
         let status = String::from_utf8_lossy(&output.stderr);
         assert_eq!(code(&output), 2, "{status}");
-        assert!(status.contains("no machine was given") && status.contains(reason), "{status}");
+        assert!(status.contains("no machine given") && status.contains(reason), "{status}");
         assert!(output.stdout.is_empty(), "nothing was run");
         assert_eq!(code(&counterpoint(&["run", "--exit-code", "severity", &path])), 201);
     }
@@ -235,9 +235,9 @@ fn warnings_are_counted_and_strict_makes_them_an_error() {
         (code(&output), first)
     };
     let (status, first) = run(&warns, &[]);
-    assert!(status == 0 && first.starts_with("SUCCEEDED, 2 warnings  "), "{first}");
+    assert!(status == 0 && first.starts_with("SUCCEEDED, 2 warnings  cycle time "), "{first}");
     assert_eq!(run(&warns, &["--strict"]).0, 1);
-    assert_eq!(run(&clean, &["--strict"]), (0, "SUCCEEDED  00:00.002".to_owned()));
+    assert_eq!(run(&clean, &["--strict"]), (0, "SUCCEEDED  cycle time 00:00.002".to_owned()));
 }
 
 #[test]
@@ -281,6 +281,78 @@ fn the_token_and_the_authorities_come_from_the_environment() {
     assert!(status == 3 && talk.contains("token is not known"), "{status} {talk}");
     let (status, talk) = list("https://127.0.0.1:1", "COUNTERPOINT_CA", "no-such.pem");
     assert!(status != 0 && talk.contains("'no-such.pem' does not exist"), "{talk}");
+}
+
+#[test]
+fn jobs_on_a_server_are_labelled_found_followed_and_run_again() {
+    let folder = tempfile::tempdir().unwrap();
+    let runtime = tokio::runtime::Builder::new_multi_thread().enable_all().build().unwrap();
+    let options =
+        Options { listen: "127.0.0.1:0".parse().unwrap(), data: folder.path().join("data"), ..Options::default() };
+    let service = runtime.block_on(service::build(options)).unwrap();
+    let url = service.handle().url();
+    runtime.spawn(service.run(std::future::pending()));
+    let call = |arguments: &[&str]| {
+        let output = counterpoint(&[arguments, &["--server", &url]].concat());
+        let text = String::from_utf8_lossy(&output.stdout).trim_end().to_owned();
+        (code(&output), text, String::from_utf8_lossy(&output.stderr).into_owned())
+    };
+    let done = |arguments: &[&str]| {
+        let (status, out, talk) = call(arguments);
+        assert_eq!(status, 0, "{arguments:?}: {out} {talk}");
+        out
+    };
+    let part = program(folder.path(), "part.nc", "O1\nG0 X1.\nM30\n");
+    let with = ["--machine", "fanuc-mill", "--label", "part=17", "--label", "shift=early", "--priority", "high"];
+    let first = done(&[&["submit", &part, "--deadline", "1h"][..], &with].concat());
+    done(&["wait", &first]);
+    let second = done(&["submit", &part, "--machine", "fanuc-mill"]);
+    done(&["wait", &second]);
+    let again = done(&["rerun", &first, "--request-id", "again", "--label", "part=18"]);
+    assert_eq!(done(&["rerun", &first, "--request-id", "again", "--label", "part=18"]), again);
+    done(&["wait", &again]);
+    let listed = |arguments: &[&str]| {
+        let lines = done(&[&["jobs", "--json"][..], arguments].concat());
+        let jobs = lines.lines().map(|line| serde_json::from_str::<serde_json::Value>(line).unwrap());
+        jobs.collect::<Vec<_>>()
+    };
+    let names =
+        |jobs: &[serde_json::Value]| jobs.iter().map(|job| job["job"].as_str().unwrap().to_owned()).collect::<Vec<_>>();
+    let labelled = listed(&["--label", "part=17", "--state", "succeeded", "--since", "1h"]);
+    assert_eq!(names(&labelled), [first.clone()]);
+    assert_eq!(labelled[0]["labels"]["shift"], "early");
+    assert_eq!((&labelled[0]["priority"], labelled[0]["deadline_ms"].is_i64()), (&"HIGH".into(), true));
+    assert_eq!(names(&listed(&["--newest", "--limit", "2", "--machine", "fanuc-mill"])), [again.clone(), second]);
+    assert_eq!(listed(&["--label", "part=18"])[0]["rerun_of"], first.as_str());
+    let (status, _, talk) = call(&["jobs", "--label", "part"]);
+    assert!(status == 2 && talk.contains("expected KEY=VALUE"), "{talk}");
+
+    let machine = folder.path().join("mine");
+    std::fs::create_dir(&machine).unwrap();
+    program(&machine, "machine.toml", "extends = \"fanuc-mill\"\n[ce]\nname = \"mine\"\n");
+    done(&["machine", "show", &machine.display().to_string(), "axes"]);
+    done(&["machine", "delete", "mine"]);
+    let (status, _, talk) = call(&["machine", "delete", "mine"]);
+    assert!(status == 2 && talk.contains("UNKNOWN_MACHINE"), "{talk}");
+
+    let mut watch = Command::new(env!("CARGO_BIN_EXE_counterpoint"))
+        .args(["watch", "--all", "--label", "watched=yes", "--state", "succeeded", "--json", "--server", &url])
+        .stdin(Stdio::null())
+        .stdout(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let output = std::io::BufReader::new(watch.stdout.take().unwrap());
+    let first_line = std::thread::spawn(move || std::io::BufRead::lines(output).next().unwrap().unwrap());
+    // Jobs that end before the watch has begun are not reported.
+    let mut watched = Vec::new();
+    while !first_line.is_finished() {
+        done(&["submit", &part, "--machine", "fanuc-mill"]);
+        watched.push(done(&["submit", &part, "--machine", "fanuc-mill", "--label", "watched=yes"]));
+    }
+    let line = first_line.join().unwrap();
+    assert!(watched.iter().any(|job| line.contains(job)) && line.contains("SUCCEEDED"), "{line}");
+    watch.kill().unwrap();
+    watch.wait().unwrap();
 }
 
 #[test]
@@ -431,7 +503,7 @@ fields = [
     let output = answering(&attended, "much\n99\nyes\n\n12\nyes\nok\n");
     let status = String::from_utf8_lossy(&output.stderr).into_owned();
     assert!(texts(&output).contains("OK 12"), "{} {status}", texts(&output));
-    assert!(status.contains("'much' is no number") && status.contains("must be 1 to 40, not 99"), "{status}");
+    assert!(status.contains("'much' is not a valid number") && status.contains("must be 1 to 40, not 99"), "{status}");
     assert!(status.contains("Force, kN, 1 to 40, whole [20]:"), "{status}");
     let output = answering(&attended, "12\n");
     assert!(texts(&output).contains("no answer for the dialog 'Clamp'"), "the end of the input declines");

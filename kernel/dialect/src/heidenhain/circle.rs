@@ -55,13 +55,13 @@ impl Walk<'_> {
         let base = self.path.base.take();
         let mut lines = Vec::new();
         let Some(clockwise) = self.path.clockwise else {
-            self.complain("a circle has no direction");
+            self.complain("the circle has no direction of rotation");
             return vec![self.verbatim(&[])];
         };
         let mut centre = Vec::new();
         if shape == Shape::Arc {
             let Some(pole) = self.path.pole else {
-                self.complain("a circle has no centre");
+                self.complain("the circle has no centre (CC)");
                 return vec![self.verbatim(&[])];
             };
             centre = self.center_words(pole);
@@ -151,7 +151,7 @@ impl Walk<'_> {
         self.path.base = None;
         let others = self.others(self.polar_words());
         let Some(heading) = self.path.heading else {
-            self.complain("a tangential circle has nothing before it, its end is reached straight");
+            self.complain("a tangential circle needs a path block before it; a straight move is made instead");
             return vec![self.straight(&end, &others)];
         };
         let chord = minus(to, start);
@@ -159,7 +159,7 @@ impl Walk<'_> {
             (chord[1] * heading[0] - chord[0] * heading[1], chord[0] * chord[0] + chord[1] * chord[1]);
         if across.abs() <= 1e-9 * length.max(1e-9) {
             if chord[0] * heading[0] + chord[1] * heading[1] < 0.0 {
-                self.complain("a tangential circle cannot lead straight back, its end is reached straight");
+                self.complain("a tangential circle cannot lead straight back; a straight move is made instead");
             }
             self.head_for(chord);
             return vec![self.straight(&end, &others)];

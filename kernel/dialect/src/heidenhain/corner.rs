@@ -34,7 +34,7 @@ impl Walk<'_> {
             straight.then(|| self.end_of(&step.seen, end, step.shape == Shape::PolarLine)).flatten()
         });
         let Some(after) = after else {
-            self.complain("a corner is only made between straight lines, that behind this block is left sharp");
+            self.complain("corners are made between straight lines only; the corner after this block is left sharp");
             return None;
         };
         let (before, corner) = (self.flat(&self.actual), self.flat(end));
@@ -45,7 +45,7 @@ impl Walk<'_> {
                 Some(from)
             }
             Err(why) => {
-                self.complain(&format!("{why}; the corner behind this block is left sharp"));
+                self.complain(&format!("{why}; the corner after this block is left sharp"));
                 None
             }
         }
@@ -126,9 +126,7 @@ impl Walk<'_> {
         let next = self.ahead.first().cloned();
         let heading = next.as_ref().and_then(|step| self.heading_of(step, &end, to));
         let Some(heading) = heading else {
-            self.complain(
-                "an approach needs a path block behind it that tells its direction, the point is reached straight",
-            );
+            self.complain("an approach needs a path block after it for its direction; a straight move is made instead");
             let others = self.others(&USED);
             return vec![self.straight(&end, &others)];
         };
@@ -136,7 +134,7 @@ impl Walk<'_> {
         let made = contour::approach(way, from, (to, heading), side);
         let others = self.others(&USED);
         let Some(Approach { begin, radius, heading }) = made else {
-            self.complain("an approach has no length or radius that fits, the point is reached straight");
+            self.complain("an approach has no length or radius that fits; a straight move is made instead");
             return vec![self.straight(&end, &others)];
         };
         let mut first = self.actual;

@@ -14,7 +14,7 @@ impl Walk<'_> {
     /// End of a block in polar coordinates, and the angle that the tool goes round the pole if that is said.
     pub(super) fn polar_end(&mut self) -> Option<(Position, Option<f64>)> {
         let Some(pole) = self.path.pole else {
-            self.complain("polar coordinates have no pole");
+            self.complain("polar coordinates have no pole (CC)");
             return None;
         };
         let from = minus(self.flat(&self.start), pole);
@@ -70,12 +70,12 @@ impl Walk<'_> {
             (None, Some(sweep)) => sweep < 0.0,
             (Some(clockwise), _) => clockwise,
             (None, None) => {
-                self.complain("a circle has no direction");
+                self.complain("the circle has no direction of rotation");
                 return Vec::new();
             }
         };
         if sweep.is_some_and(|sweep| sweep != 0.0 && (sweep < 0.0) != clockwise) {
-            self.complain("the angle about the pole and the direction do not agree, the direction counts");
+            self.complain("the angle about the pole and the direction do not agree; the direction is used");
         }
         let angle = |point: Point| libm::atan2(point[1] - pole[1], point[0] - pole[0]).to_degrees();
         let (from, radius) = (angle(start), libm::hypot(start[0] - pole[0], start[1] - pole[1]));

@@ -6,7 +6,7 @@
 //! start of the circle. Invariant: a number is written without an exponent.
 
 use super::evaluate::{number, words_name};
-use super::expression::{Argument, Expression, Name};
+use super::expression::{Argument, Name, as_name};
 use super::line::{Assigned, Way};
 use super::run::Left;
 use super::value::{Data, shown};
@@ -45,7 +45,7 @@ impl Siemens {
                 let value = if value.abs() <= BOUND {
                     value
                 } else {
-                    return super::wrong_type("the position is beyond the numbers of words");
+                    return super::wrong_type("the position is out of range");
                 };
                 let relative = left.relative.unwrap_or_else(|| host.relative());
                 match placed(&axes, axis, &address, *way, value, relative) {
@@ -90,8 +90,9 @@ impl Siemens {
         let mut texts = Vec::new();
         for argument in arguments {
             let value = match &argument.value {
-                Ok(Some(Expression::Text(_))) | Ok(None) | Err(_) => None,
-                Ok(Some(Expression::Name(name))) if !self.has_value(host, name) => None,
+                Ok(None) | Err(_) => None,
+                Ok(Some(value)) if matches!(value.as_constant(), Some(Data::Text(_))) => None,
+                Ok(Some(value)) if as_name(value).is_some_and(|name| !self.has_value(host, name)) => None,
                 Ok(Some(_)) if is_number(&argument.text) => None,
                 Ok(Some(expression)) => self.quietly(|this| this.evaluate(host, expression))?,
             };

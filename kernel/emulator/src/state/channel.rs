@@ -12,6 +12,7 @@ use counterpoint_ports::Shares;
 use counterpoint_program::block::Block;
 
 use super::burden::Burden;
+use super::cutter::Held;
 use super::waits::KnownWaits;
 use counterpoint_event::Letters;
 use counterpoint_event::event::FileId;
@@ -38,6 +39,15 @@ pub struct Channel<'a> {
     pub(crate) reports: Reports,
     /// Memory and work used up.
     pub(crate) burden: Burden,
+    /// What compensation holds back.
+    pub(crate) held: Option<Held>,
+}
+
+impl Channel<'_> {
+    /// No event that is sent later is before this tag.
+    pub(crate) fn promise(&self) -> Tag {
+        self.held.as_ref().map_or_else(|| self.at.tag(), |held| held.since)
+    }
 }
 
 /// What a run is about; it does not change while the kernel runs.
