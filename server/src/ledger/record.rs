@@ -137,25 +137,16 @@ pub struct Record {
     pub log_digest: String,
 }
 
-/// Milliseconds since 1970.
-pub(crate) fn now_ms() -> i64 {
-    let since = std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH);
-    since.map_or(0, |d| i64::try_from(d.as_millis()).unwrap_or(i64::MAX))
-}
-
-#[cfg(test)]
-pub(crate) mod tests {
-    use super::*;
-
-    /// A queued job.
-    pub(crate) fn record(id: &str) -> Record {
-        Record {
-            id: id.to_owned(),
+impl Record {
+    /// A job of this machine that has not run, without a name or programs.
+    pub(crate) fn queued(machine: Definition) -> Self {
+        Self {
+            id: String::new(),
             tenant: tenant::default(),
-            request_id: id.to_owned(),
+            request_id: String::new(),
             content: String::new(),
             machine_name: String::new(),
-            machine: Definition::shipped("fanuc-mill"),
+            machine,
             programs: Vec::new(),
             files: Vec::new(),
             options: Options::default(),
@@ -173,5 +164,21 @@ pub(crate) mod tests {
             findings: Vec::new(),
             log_digest: String::new(),
         }
+    }
+}
+
+/// Milliseconds since 1970.
+pub(crate) fn now_ms() -> i64 {
+    let since = std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH);
+    since.map_or(0, |d| i64::try_from(d.as_millis()).unwrap_or(i64::MAX))
+}
+
+#[cfg(test)]
+pub(crate) mod tests {
+    use super::*;
+
+    /// A queued job.
+    pub(crate) fn record(id: &str) -> Record {
+        Record { id: id.to_owned(), request_id: id.to_owned(), ..Record::queued(Definition::shipped("fanuc-mill")) }
     }
 }

@@ -12,7 +12,7 @@ use serde::Serialize;
 
 use crate::blobs::{digest, is_digest};
 use crate::jobs::Core;
-use crate::ledger::record::{Record, Runs, State, now_ms};
+use crate::ledger::record::{Record, Runs, now_ms};
 use crate::machines::{Definition, is_shipped};
 use crate::reason::Refusal;
 
@@ -30,30 +30,18 @@ pub(super) fn record(core: &Core, tenant: &str, request: v1::SubmitJobRequest) -
     options.limits = core.options.maxima.capped(&options.limits);
     let machine = machine(core, tenant, &request.machine)?;
     core.blobs.of(tenant).require(&mut files.iter().map(|(_, digest)| digest))?;
+    // The ledger gives the job its name when it accepts it.
     Ok(Record {
-        // The ledger gives it when it accepts the job.
-        id: String::new(),
         content,
         tenant: tenant.to_owned(),
         request_id: request.request_id,
         machine_name: request.machine,
-        machine,
         programs,
         files,
         options,
-        answers: Vec::new(),
-        state: State::Queued,
         runs: Runs { wall_ms, max_job_bytes, ..Runs::default() },
-        cancel: false,
         submitted_ms: now_ms(),
-        ended_ms: 0,
-        events: 0,
-        makespan_ns: 0,
-        highest_severity: 0,
-        verdict: String::new(),
-        error: String::new(),
-        findings: Vec::new(),
-        log_digest: String::new(),
+        ..Record::queued(machine)
     })
 }
 
