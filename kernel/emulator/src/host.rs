@@ -80,7 +80,7 @@ impl Variables for Kernel<'_> {
             match done {
                 Ok(false) => {}
                 Ok(true) => {
-                    let halt = self.out_of_memory("GLOBAL variables and files of macros take most of it");
+                    let halt = self.out_of_memory("GLOBAL variables and files of macros use most of it");
                     self.keep_halt(halt);
                 }
                 Err(halt) => self.keep_halt(halt),

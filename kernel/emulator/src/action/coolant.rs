@@ -69,7 +69,7 @@ fn set_pressure(act: &mut Act<'_, '_>, wanted: f64) {
     let pressure = wanted.max(0.0).min(most);
     if pressure != wanted {
         let text = format!(
-            "a coolant pressure of {} is not possible in '{}', it becomes {}",
+            "coolant pressure {} is out of range in '{}'; {} is used",
             wildcard_text(wanted),
             act.block_text(),
             wildcard_text(pressure)

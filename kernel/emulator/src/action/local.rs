@@ -55,7 +55,10 @@ pub(super) fn change(act: &mut Act<'_, '_>, part: Part, change: Change) -> Acted
                 // An additive code alone changes nothing.
                 None if change == Change::Add => Ok(()),
                 None => {
-                    let text = format!("the frame needs its data in '{}', it stays as it is", act.block_text());
+                    let text = format!(
+                        "the local coordinate system needs its data in '{}'; it is unchanged",
+                        act.block_text()
+                    );
                     act.diagnose(&diag::DATA_MISSING, text);
                     return Ok(());
                 }
@@ -77,11 +80,11 @@ pub(super) fn change(act: &mut Act<'_, '_>, part: Part, change: Change) -> Acted
 pub(crate) fn refuse(act: &mut Act<'_, '_>, refused: Refused) {
     let block = act.block_text();
     let (facts, why) = match refused {
-        Refused::NoWayBack => (&diag::FRAME_REFUSED, "would leave no way back to the program"),
+        Refused::NoWayBack => (&diag::FRAME_REFUSED, "would have no inverse"),
         Refused::TooMany => (&diag::FRAME_REFUSED, "has too many additive parts"),
         Refused::MissingAxis => (&diag::FRAME_AXIS, "would move an axis that the channel does not have"),
     };
-    act.diagnose(facts, format!("the local frame {why} in '{block}', it stays as it is"));
+    act.diagnose(facts, format!("the local coordinate system {why} in '{block}'; it is unchanged"));
 }
 
 /// Takes three values, lengths as geometry.

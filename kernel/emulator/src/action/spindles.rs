@@ -81,7 +81,7 @@ pub(super) fn driver_by_id(act: &mut Act<'_, '_>) -> Acted {
 /// There is no such head to drive constant surface speed.
 pub(super) fn no_head(act: &mut Act<'_, '_>, id: f64) -> Acted {
     let id = counterpoint_lang::format::wildcard_text(id);
-    let text = format!("there is no head {id} to drive constant surface speed in '{}'", act.block_text());
+    let text = format!("head {id} for constant surface speed not found in '{}'", act.block_text());
     act.diagnose(&diag::NO_HEAD, text);
     Ok(())
 }

@@ -104,7 +104,7 @@ impl Kernel<'_> {
         let Some(word) = words.next() else { return Ok(()) };
         let word = self.span_text((word.start, word.end));
         let text = format!(
-            "channel {} has no axis for {word} in '{}'; nothing of the block is done",
+            "channel {} has no axis for {word} in '{}'; no part of the block acts",
             self.channel.at.channel,
             self.block_text()
         );
@@ -119,7 +119,7 @@ impl Kernel<'_> {
         else {
             return Ok(());
         };
-        let text = format!("{} {} in '{}'; nothing of the block is done", rule.alarm, rule.text, self.block_text());
+        let text = format!("{} {} in '{}'; no part of the block acts", rule.alarm, rule.text, self.block_text());
         Err(self.alarm(&diag::REFUSED, text))
     }
 

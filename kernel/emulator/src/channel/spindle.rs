@@ -51,7 +51,7 @@ impl Kernel<'_> {
         }
         if conflict != 0 {
             let text = format!(
-                "channels {conflict} and {rank} both command the spindle without a meeting between them, here in '{}': the later one in time holds",
+                "channels {conflict} and {rank} both command the spindle without a sync point between them, here in '{}': the later command takes effect",
                 self.block_text()
             );
             self.diagnose(&diag::SPINDLE_CONFLICT, text);
@@ -87,7 +87,7 @@ impl Kernel<'_> {
         let speed = if now.css { now.surface } else { now.rpm };
         if !now.css && now.rpm > max {
             let text = format!(
-                "{} rev/min is above the largest speed {max} of spindle {number} in '{}'",
+                "{} rev/min is above the maximum speed {max} of spindle {number} in '{}'",
                 now.rpm,
                 self.block_text()
             );

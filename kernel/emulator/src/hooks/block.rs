@@ -214,8 +214,7 @@ impl Kernel<'_> {
             }
             (Some(_), Value::Text(_)) | (None, _) => Verdict::Go,
             (Some(_), other) => {
-                let text =
-                    format!("$P2 of the {} is {}, not a text; it is passed over", hook.title(), other.kind_name());
+                let text = format!("$P2 of the {} is {}, not a text; it is ignored", hook.title(), other.kind_name());
                 self.diagnose(&diag::MACRO_RESULT, text);
                 Verdict::Go
             }

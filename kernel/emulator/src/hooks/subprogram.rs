@@ -85,7 +85,7 @@ impl Kernel<'_> {
                 Ok(())
             }
             Some(None) => {
-                let text = format!("{} is missing, as the startup macro says", called.what);
+                let text = format!("{} not found, as the startup macro reports", called.what);
                 Err(self.alarm(&diag::SUBPROGRAM_MISSING, text))
             }
             // Passed over, and the passes after it with it: a macro asked billions of times would never end.

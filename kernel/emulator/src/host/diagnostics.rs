@@ -152,9 +152,9 @@ impl Kernel<'_> {
     /// Issues what `$P2`, `$P3` and `$P5` of the diagnostic macro say.
     pub(crate) fn output_diagnostic(&mut self, [index, severity, text]: &[Value; 3]) -> Outcome<()> {
         let wrong = |what: &str| Fault::new(Number(diag::MACRO_RESULT.number), format!("{what} of a diagnostic"));
-        let index = number(Some(index)).ok_or_else(|| wrong("this is no number"))?;
-        let severity = number(Some(severity)).filter(|s| *s < 100).ok_or_else(|| wrong("this is no severity"))?;
-        let text = text.as_text().ok_or_else(|| wrong("this is no text"))?;
+        let index = number(Some(index)).ok_or_else(|| wrong("not a valid number"))?;
+        let severity = number(Some(severity)).filter(|s| *s < 100).ok_or_else(|| wrong("not a valid severity"))?;
+        let text = text.as_text().ok_or_else(|| wrong("not a valid text"))?;
         let origin = self.macros.diagnostics.origin.clone();
         self.put_diagnostic((index, severity as u8), text, origin);
         Ok(())

@@ -106,7 +106,7 @@ impl Shelf for Kernel<'_> {
             (done, written.bytes() as u64 > limit)
         })?;
         if over {
-            let halt = self.out_of_memory("files that macros have written take most of it");
+            let halt = self.out_of_memory("files that macros have written use most of it");
             self.keep_halt(halt);
             return Err(FAILED);
         }

@@ -378,7 +378,7 @@ impl Kernel<'_> {
         if documented_without {
             self.diagnose(
                 &diag::CODE_WITHOUT_PROCESSING,
-                format!("{} has no built-in processing and is passed over in '{text}'", name.to_lowercase()),
+                format!("{} has no built-in processing and is ignored in '{text}'", name.to_lowercase()),
             );
         } else {
             self.diagnose(&diag::NO_ACTION, format!("{} has no action in '{text}'", name.to_lowercase()));

@@ -38,7 +38,7 @@ impl Kernel<'_> {
         }
         if self.first_time(file, next.first) {
             let text =
-                format!("the text of {name} has no end code and goes on with the definition in line {}", next.first);
+                format!("the text of {name} has no end code and continues with the definition in line {}", next.first);
             self.diagnose(&diag::RUNS_INTO_DEFINITION, text);
         }
         true
@@ -82,9 +82,9 @@ impl Kernel<'_> {
         let to = lines.next_back().unwrap_or(from);
         let name = self.channel.env.info.file_name(file);
         let text = if from == to {
-            format!("line {from} of {name} stands before the program and belongs to none")
+            format!("line {from} of {name} is before the program and belongs to no program")
         } else {
-            format!("lines {from} to {to} of {name} stand before the program and belong to none")
+            format!("lines {from} to {to} of {name} are before the program and belong to no program")
         };
         let place = (self.channel.at.file, self.channel.at.line);
         (self.channel.at.file, self.channel.at.line) = (file, from);

@@ -60,7 +60,7 @@ impl Kernel<'_> {
             }
             if let Some(rule) = edited.stuck {
                 let text = format!(
-                    "rule {} of the tape editor needs too many steps on '{}' and is left out there",
+                    "rule {} of the tape editor needs too many steps on '{}' and is skipped for this block",
                     rule + 1,
                     self.block_text()
                 );

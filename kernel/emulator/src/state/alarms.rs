@@ -19,10 +19,10 @@ pub(crate) struct Alarms {
 pub(crate) const ERROR: u8 = 8;
 
 /// What an alarm makes of its block.
-pub(crate) const NOT_DONE: &str = "nothing of the block is done";
+pub(crate) const NOT_DONE: &str = "no part of the block acts";
 
 /// What a circle becomes that cannot be made.
-pub(crate) const STRAIGHT: &str = "the end is reached straight";
+pub(crate) const STRAIGHT: &str = "a straight move is made instead";
 
 impl Channel<'_> {
     /// Whether the channel stops at a diagnostic.

@@ -271,7 +271,7 @@ fn check_machine(act: &mut Act<'_, '_>, form: Form, made: &geometry::Arc, rises:
 fn check_radius(act: &mut Act<'_, '_>, radius: f64) {
     let most = act.env.machine.arcs.max_radius;
     if radius > most {
-        let text = format!("the radius {radius:.3} is above {most}, the largest, in '{}'", act.block_text());
+        let text = format!("the radius {radius:.3} is above the maximum {most} in '{}'", act.block_text());
         act.diagnose(&diag::ARC_RADIUS, text);
     }
 }

@@ -89,9 +89,9 @@ pub(super) fn switched(act: &mut Act<'_, '_>, code: CodeId) -> Acted {
 fn no_radius(act: &mut Act<'_, '_>, number: u32) {
     let block = act.block_text();
     let text = if number == 0 {
-        format!("no offset number is in force for the compensation of '{block}', the tool goes on the contour")
+        format!("no offset number is active for the compensation of '{block}', the tool moves on the contour")
     } else {
-        format!("offset {number} has no radius for the compensation of '{block}', the tool goes on the contour")
+        format!("offset {number} has no radius for the compensation of '{block}', the tool moves on the contour")
     };
     act.diagnose(&diag::NO_RADIUS, text);
 }
@@ -118,7 +118,7 @@ pub(super) fn plane_changed(act: &mut Act<'_, '_>) {
     let text = match made {
         Some((axes, tip)) => {
             (cutter.axes, cutter.tip) = (axes, tip.map(|part| part * cutter.radius));
-            format!("compensation is active where '{}' changes the plane, it begins anew", act.block_text())
+            format!("'{}' changes the plane while compensation is active; compensation starts again", act.block_text())
         }
         None => {
             act.forget_cutter();

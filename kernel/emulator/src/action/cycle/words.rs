@@ -208,7 +208,7 @@ fn tap_type(act: &mut Act<'_, '_>, kind: HoleCycle) -> HoleCycle {
     if let Some(datum) = act.take(data::CYCLE_TAP_TYPE) {
         if kind.tap(datum.value).is_none() {
             let text = format!(
-                "{} is no type of a tap in '{}': 0 floating, 1 rigid, 2 deep, 3 breaking chips",
+                "{} is not a valid tap type in '{}': 0 floating, 1 rigid, 2 peck, 3 chip breaking",
                 datum.value,
                 act.block_text()
             );

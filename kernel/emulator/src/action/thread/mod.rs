@@ -187,7 +187,7 @@ impl Act<'_, '_> {
         }
         let Some(turning) = self.spindle_speed()? else {
             let text =
-                format!("thread while the spindle stands in '{}', the move is timed as rapid", self.block_text());
+                format!("thread while the spindle is stopped in '{}', the move is timed as rapid", self.block_text());
             self.diagnose(&diag::SPINDLE_STANDS, text);
             return Ok(self.rapid_seconds(&from, target));
         };
@@ -203,7 +203,7 @@ impl Act<'_, '_> {
         }
         let steady = minutes(Lead { change: 0.0, ..lead }).unwrap_or(0.0) * 60.0;
         let text = format!(
-            "the lead falls to nothing before the end of the thread in '{}', the move is timed with its first lead",
+            "the lead reaches zero before the end of the thread in '{}', the move is timed with its initial lead",
             self.block_text()
         );
         self.diagnose(&diag::THREAD_LEAD, text);

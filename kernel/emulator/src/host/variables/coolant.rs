@@ -65,7 +65,7 @@ fn set_name(kernel: &mut Kernel<'_>, _: &[i64], value: &Value) -> Outcome<()> {
     let given = value.as_real().filter(|number| (5.0..=9.0).contains(number) && number.fract() == 0.0);
     match named.map(|(number, _)| number).or(given.map(|number| number as u8)) {
         Some(fluid) => set_fluid(kernel, fluid),
-        None => Err(Fault::new(Number::BAD_VALUE, "there is no coolant of this name")),
+        None => Err(Fault::new(Number::BAD_VALUE, "unknown coolant")),
     }
 }
 

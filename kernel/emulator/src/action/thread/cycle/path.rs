@@ -40,7 +40,8 @@ impl Act<'_, '_> {
         let (passes, cut_short) = plan.passes();
         self.state.threads.cycle.made = (passes.len() as u32).saturating_sub(plan.finish_cuts);
         if cut_short {
-            let text = format!("the thread of '{}' has too many passes, the rest is cut in one", self.block_text());
+            let text =
+                format!("the thread of '{}' has too many passes, the rest is cut in one pass", self.block_text());
             self.diagnose(&diag::THREAD_PASSES, text);
         }
         let level = self.programmed().get(thread.axes[1]).copied().unwrap_or(0.0) * thread.scales[1];
