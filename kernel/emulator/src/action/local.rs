@@ -1,6 +1,6 @@
 //! Codes of the local frame: translation, rotation, scale and mirror of the program.
 //!
-//! Facts: reference control-emulator.md 6.7. Invariant: the machine stands still; the programmed point is what changes.
+//! Facts: reference control-emulator.md 6.7. *Invariant:* the machine stands still; the programmed point is what changes.
 //! Decisions: docs/emulation.md, "Local frame".
 
 use counterpoint_lang::format::wildcard_text;
@@ -31,7 +31,7 @@ const SCALE_CENTER: [DataId; 3] = [data::LCS_SCALE_CENTER_X, data::LCS_SCALE_CEN
 /// Directions of X, Y and Z.
 const UNITS: [Point; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 
-/// Carries out a code of the local frame.
+/// Executes a code of the local frame.
 pub(super) fn change(act: &mut Act<'_, '_>, part: Part, change: Change) -> Acted {
     let has = act.state.place.has_axes();
     let levels = act.cycle_levels();

@@ -1,6 +1,6 @@
 //! Polar interpolation: its codes, its words, and circles on the part.
 //!
-//! Facts: reference control-emulator.md 6.8. Decisions: docs/emulation.md, "Polar interpolation". Invariant: events name
+//! Facts: reference control-emulator.md 6.8. Decisions: docs/emulation.md, "Polar interpolation". *Invariant:* events name
 //! the real axes; length and time are those on the part.
 
 use std::f64::consts::TAU;

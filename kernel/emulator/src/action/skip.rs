@@ -1,6 +1,6 @@
 //! Probing moves: straight feed that a touch would end.
 //!
-//! Facts: reference control-emulator.md 6.1, system-variables.md 12. Invariant: there is no model here, so nothing is ever
+//! Facts: reference control-emulator.md 6.1, system-variables.md 12. *Invariant:* there is no model here, so nothing is ever
 //! touched: every probing move ends at its end point and counts as missed; the alarm mode decides whether that is told.
 
 use crate::act::Act;

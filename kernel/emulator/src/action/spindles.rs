@@ -1,6 +1,6 @@
 //! Which spindle of a channel is in work: the front or the rear one when it turns the part, the milling one when it mills.
 //!
-//! Facts: reference control-emulator.md 3.2, 6.3, system-variables.md 9. Invariant: the spindle in work is that of
+//! Facts: reference control-emulator.md 3.2, 6.3, system-variables.md 9. *Invariant:* the spindle in work is that of
 //! `Kernel::spindle`; what the channel has commanded of its other spindles is kept here, unless another channel can
 //! command them too.
 

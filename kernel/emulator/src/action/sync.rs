@@ -132,7 +132,7 @@ fn participants(paths: Option<f64>, form: PathsForm, all: Set) -> Result<Option<
     }
 }
 
-/// Carries out the start by a head.
+/// Executes the start by a head.
 fn start(act: &mut Act<'_, '_>, by: u16) -> Acted {
     let heads = heads(act);
     // The code names a head by its place: the first or the second channel.

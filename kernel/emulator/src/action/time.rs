@@ -140,7 +140,7 @@ impl Act<'_, '_> {
         stop_to_stop(path.length, speed, acceleration.is_finite().then_some(acceleration))
     }
 
-    /// Minutes at a feed per revolution, `None` (with a diagnostic) while the spindle stands.
+    /// Minutes at a feed per revolution, `None` (with a diagnostic) while the spindle is stopped.
     fn revolution_minutes(&mut self, path: &Path<'_>, feed: f64) -> Result<Option<f64>, counterpoint_fault::Halt> {
         let Some(speed) = self.spindle_speed()? else {
             let text = format!(

@@ -1,7 +1,7 @@
 //! Blocks that the control refuses by rules of the machine, looked at before anything of them acts.
 //!
 //! Facts: reference fanuc-variables-and-alarms.md 3; the rules are rows of the machine definition (`[[refusals]]`).
-//! Invariant: a block without a code or register that a rule looks for costs one look at each of its codes.
+//! *Invariant:* a block without a code or register that a rule looks for costs one look at each of its codes.
 
 use super::Kernel;
 use counterpoint_fault as diag;

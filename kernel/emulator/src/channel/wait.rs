@@ -1,6 +1,6 @@
 //! Waits of a channel for others: arrivals, the start by one head, and what follows.
 //!
-//! Facts: reference channel-synchronisation.md 1.0, 1.3. Invariant: a kernel waits only here and in shared operations; codes
+//! Facts: reference channel-synchronisation.md 1.0, 1.3. *Invariant:* a kernel waits only here and in shared operations; codes
 //! that do not match alarm when two waits meet.
 
 use std::sync::Arc;
@@ -120,7 +120,7 @@ fn stand(kernel: &mut Kernel<'_>, wait: &Arc<Wait>) -> Wake {
     wake
 }
 
-/// Continues after a meeting.
+/// Continues after a sync point.
 fn go_on(kernel: &mut Kernel<'_>, (t, micro): (i64, u32), release: Release) {
     if t > kernel.channel.at.clock {
         kernel.channel.at.idle_blocks = 0;
@@ -130,7 +130,7 @@ fn go_on(kernel: &mut Kernel<'_>, (t, micro): (i64, u32), release: Release) {
     kernel.emit(0, Kind::Release(release));
 }
 
-/// Lets the other head go on, now or when it comes.
+/// Lets the other head continue, now or when it comes.
 fn give(kernel: &mut Kernel<'_>, heads: Set) -> Acted {
     tell(kernel, &Spec::start(kernel.channel.at.channel, heads), "set");
     let tag = kernel.tag();

@@ -160,7 +160,7 @@ impl Kernel<'_> {
         }
     }
 
-    /// OUTPUT of a code macro: the code that `$P1` holds now goes on to the next macro or to its action.
+    /// OUTPUT of a code macro: the code that `$P1` holds now continues to the next macro or to its action.
     pub(crate) fn output_code(&mut self, firing: PendingCode, id: CodeId, wanted: Option<&Value>) -> Acted {
         let target = match wanted {
             None => id,

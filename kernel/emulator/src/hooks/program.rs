@@ -116,7 +116,7 @@ impl Kernel<'_> {
         self.went_on(done)
     }
 
-    /// Runs the identification macro on a text that nobody knows, with the value that is being assigned to it.
+    /// Runs the identification macro on a text that is unknown, with the value that is being assigned to it.
     ///
     /// # Errors
     /// The macro stopped the channel.

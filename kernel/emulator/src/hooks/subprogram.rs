@@ -142,7 +142,7 @@ impl Kernel<'_> {
         Ok(Some((file, Range { number: around.and_then(|range| range.number), first: line, last })))
     }
 
-    /// Carries out the call or return that a block inside another one asks for, before the macro continues: the whole
+    /// Executes the call or return that a block inside another one asks for, before the macro continues: the whole
     /// subprogram, or the way back to the caller.
     pub(crate) fn call_at_once(&mut self) -> Acted {
         use Pending::{Call, CallRange, CallText, Return};

@@ -1,6 +1,6 @@
 //! Diagnostics on a kernel with macros: severities, switches, counters, and the diagnostic event macro.
 //!
-//! Facts: reference control-emulator.md 4.3, 7.5, functions.md 7. Invariant: what the diagnostic macro itself raises goes
+//! Facts: reference control-emulator.md 4.3, 7.5, functions.md 7. *Invariant:* what the diagnostic macro itself raises goes
 //! straight to the log.
 
 use std::sync::Arc;

@@ -1,6 +1,6 @@
 //! Files of macros: those of the job and of the machine are read, what is written becomes a result of the job.
 //!
-//! Invariant: what a kernel finds in a file depends on simulated time only, never on who was faster.
+//! *Invariant:* what a kernel finds in a file depends on simulated time only, never on who was faster.
 
 use counterpoint_fault::Halt;
 use counterpoint_lang::fault::Outcome;

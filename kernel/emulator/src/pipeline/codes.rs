@@ -175,7 +175,7 @@ impl Kernel<'_> {
         }
     }
 
-    /// A word that is no code: data if a row knows its register, else unknown text.
+    /// A word that is not a code: data if a row knows its register, else unknown text.
     fn data_word(&mut self, position: usize) {
         let Some(word) = self.channel.block.words.get(position).copied() else { return };
         let known = self
@@ -232,7 +232,7 @@ impl Kernel<'_> {
         }
     }
 
-    /// Words of axes that swallowed codes of the block ignore move nothing.
+    /// Words of axes that ignored codes of the block ignore move nothing.
     #[cold]
     fn drop_ignored(&mut self) {
         for at in 0..self.channel.block.pending.len() {

@@ -2,7 +2,7 @@
 //!
 //! Facts: reference control-emulator.md 5.7 (a definition met in normal flow cannot be skipped). Decisions: that holds
 //! where subprograms stand at the end of the main file or where defined (`same-file`), and not for a program that
-//! another channel runs, where the text ends as at the end of the file. Invariant: text that no program owns is reported once
+//! another channel runs, where the text ends as at the end of the file. *Invariant:* text that no program owns is reported once
 //! for each file and channel.
 
 use crate::channel::Kernel;

@@ -35,7 +35,7 @@ impl Channel<'_> {
         self.env.machine.is_alarm(facts)
     }
 
-    /// The machine goes on from this alarm.
+    /// The machine continues from this alarm.
     pub(crate) fn goes_on_at(&self, facts: &Facts) -> bool {
         !self.stops_at(facts)
     }

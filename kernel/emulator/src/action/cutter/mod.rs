@@ -85,7 +85,7 @@ pub(super) fn switched(act: &mut Act<'_, '_>, code: CodeId) -> Acted {
     Ok(())
 }
 
-/// Says that compensation changes nothing: the control would go on the contour as well, the part would be wrong.
+/// Says that compensation changes nothing: the control would continue the contour as well, the part would be wrong.
 fn no_radius(act: &mut Act<'_, '_>, number: u32) {
     let block = act.block_text();
     let text = if number == 0 {
@@ -107,7 +107,7 @@ fn compensated_plane(act: &Act<'_, '_>) -> Option<(CodeId, [usize; 2])> {
     Some((code, [axis(plane.first)?, axis(plane.second)?]))
 }
 
-/// Polar interpolation has been switched: another plane, in which compensation begins anew.
+/// Polar interpolation has been switched: another plane, in which compensation begins again.
 pub(super) fn plane_changed(act: &mut Act<'_, '_>) {
     let number = act.diameter_in_force().unwrap_or(0);
     let made = compensated_plane(act).map(|(code, axes)| (axes, act.nose_tip(number, code)));
@@ -306,7 +306,7 @@ impl Act<'_, '_> {
             return halt;
         }
         if matches!(halt, Halt::End(_) | Halt::Alarm) {
-            // What was programmed before the alarm is carried out.
+            // What was programmed before the alarm is executed.
             self.clear_stop();
             let settled = self.flush_lookahead();
             self.forget_cutter();

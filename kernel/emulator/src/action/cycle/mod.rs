@@ -62,7 +62,7 @@ pub(super) fn cycle(act: &mut Act<'_, '_>, kind: HoleCycle, row: &CodeRow, code:
     holes(act, kind, &words)
 }
 
-/// The code that carries out the cycle that was defined before.
+/// The code that executes the cycle that was defined before.
 pub(super) fn on(act: &mut Act<'_, '_>, row: &CodeRow, code: &PendingCode) -> Acted {
     if code.modal && !has_position(act) {
         return Ok(());

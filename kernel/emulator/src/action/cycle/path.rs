@@ -1,6 +1,6 @@
 //! The moves of one hole.
 //!
-//! Invariant: every move goes through the motion actions, so events, limits, times and macros are theirs. Steps are
+//! *Invariant:* every move goes through the motion actions, so events, limits, times and macros are theirs. Steps are
 //! counted from the clearance height. Facts: reference control-emulator.md 6.4.
 
 use crate::act::Act;

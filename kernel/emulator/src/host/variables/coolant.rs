@@ -1,6 +1,6 @@
 //! Variables of coolant: what flows, auxiliary devices, the pump.
 //!
-//! Invariant: what a macro sets makes no event. Facts: reference system-variables.md 6.
+//! *Invariant:* what a macro sets makes no event. Facts: reference system-variables.md 6.
 
 use counterpoint_lang::diag::Number;
 use counterpoint_lang::fault::{Fault, Outcome};

@@ -76,7 +76,7 @@ fn changed(kernel: &mut Kernel<'_>, made: Result<(), Refused>) -> Outcome<()> {
 }
 
 impl Kernel<'_> {
-    /// `$FMSLCS`: a frame of twelve numbers outside of the programmed one, none without them.
+    /// `$FMSLCS`: a frame of twelve numbers outside the programmed one, none without them.
     pub(in crate::host) fn give_frame(&mut self, arguments: &[Value]) -> Outcome<Value> {
         let given = match arguments.first() {
             None => None,

@@ -1,7 +1,7 @@
 //! The moves of threading cycles.
 //!
 //! Facts: reference control-emulator.md 6.5: rapid to the depth, thread, chamfer (a thread between 30 and 60 degrees,
-//! straight feed otherwise), clear, rapid back. Invariant: every pass begins and ends where the cycle was called.
+//! straight feed otherwise), clear, rapid back. *Invariant:* every pass begins and ends where the cycle was called.
 
 use counterpoint_fault::Acted;
 use counterpoint_motion::thread::Lead;
