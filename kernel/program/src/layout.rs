@@ -100,7 +100,7 @@ fn check_options(spec: &Spec, findings: &mut Vec<Finding>) {
         wrong(format!("the parameters must be one line of at most {MOST_PARAMETERS} characters"));
     }
     if let Err(letter) = Letters::parse(&spec.options.trace) {
-        wrong(format!("'{}' is no letter of a trace, they are {}", letter.escape_debug(), letters::ALL));
+        wrong(format!("'{}' is not a letter of a trace; use {}", letter.escape_debug(), letters::ALL));
     }
     counterpoint_ports::dialog::answers::check(&spec.machine.dialogs, &spec.options.answers)
         .into_iter()
@@ -232,7 +232,7 @@ fn by_head(
         Some(Ok(found)) if found.len() > 1 => found.into_iter().map(|(head, range)| (range, Some(head))).collect(),
         Some(Err((head, line))) => {
             let text =
-                format!("the program of head {head} goes on after that of another head; it must be in one piece");
+                format!("the program of head {head} continues after that of another head; put its blocks together");
             findings.push(Finding::error(source.name.clone(), line, 0, text));
             Vec::new()
         }
@@ -271,7 +271,7 @@ fn place(spec: &Spec, candidates: Vec<Candidate<'_>>, channels: &mut [Channel], 
             None if spec.programs.len() == 1 => {}
             None => {
                 let plural = if count == 1 { "" } else { "s" };
-                let text = format!("machine {machine} has {count} channel{plural}, there are more programs");
+                let text = format!("machine {machine} has {count} channel{plural}; the job has more programs");
                 findings.push(candidate.error(text));
             }
         }
@@ -287,7 +287,7 @@ fn named(number: u32, source: &Source, callers: &Callers) -> Option<Range> {
 fn missing_number(wish: &Program, number: u32, source: &Source) -> Finding {
     let known: Vec<String> = source.programs().iter().filter_map(|r| r.number).map(|n| format!("O{n:04}")).collect();
     let known = if known.is_empty() { "none".to_owned() } else { known.join(", ") };
-    Finding::error(wish.file.clone(), 0, 0, format!("there is no program O{number:04} in the file, it has {known}"))
+    Finding::error(wish.file.clone(), 0, 0, format!("the file has no program O{number:04}; its programs: {known}"))
 }
 
 /// Main programs of a file: those that no other program of the file calls; the first one if all are called. Text before
