@@ -168,7 +168,7 @@ impl Kernel<'_> {
             let remedy = remedy(facts, &text);
             return Err(self.alarm(facts, format!("{why} in '{block}'{hint}{remedy}")));
         }
-        self.diagnose(&diag::NOT_RECOGNISED, format!("{text} not recognised in '{block}'{hint}"));
+        self.report_unrecognised(&text, format!("'{block}'{hint}"));
         Ok(())
     }
 }
