@@ -176,7 +176,7 @@ fn recall(machine: &Machine) -> Option<Table<DataId, bool>> {
         rows.any(|row| row.modal && row.process && !own(row.id.kind()))
     };
     let recall = machine.tables.rows_of_data.map(of);
-    recall.contains(&true).then_some(recall)
+    recall.iter().any(|recalled| *recalled).then_some(recall)
 }
 
 /// Data that whoever asks for them needs; others have a second form or a value of their own without the word.

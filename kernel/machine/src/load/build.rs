@@ -23,7 +23,10 @@ pub(super) fn machine(merged: &Merged, files: &dyn Files, check: &Check) -> Mach
     top.text("extends");
     if top.flag("abstract") == Some(true) {
         let name = &merged.folder;
-        top.error("abstract", format!("{name} is a family (abstract = true): extend it, it is no machine by itself"));
+        top.error(
+            "abstract",
+            format!("{name} is a family (abstract = true), not a machine; name a machine that extends it"),
+        );
         check.set_incomplete();
     }
     let head = head::read(&mut top);
