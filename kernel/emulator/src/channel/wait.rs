@@ -40,7 +40,7 @@ fn arrive(kernel: &mut Kernel<'_>, spec: Spec) -> Acted {
     let tag = kernel.tag();
     let (file, line, info) = (kernel.channel.at.file, kernel.channel.at.line, kernel.channel.env.info);
     let waiting = Waiting { spec, tag, file, line };
-    let release = |meeting| Release { key: wait.key.clone(), primitive: wait.primitive, since_ns, meeting };
+    let release = |meeting| released(&wait, since_ns, meeting);
     kernel.ports.control.disturb(kernel.channel.at.channel);
     let met = kernel.ports.coordinator.meet(
         waiting.clone(),
@@ -80,6 +80,12 @@ fn arrive(kernel: &mut Kernel<'_>, spec: Spec) -> Acted {
             woken(kernel, wake, release)
         }
     }
+}
+
+/// The event of a channel that continues after a wait.
+fn released(wait: &Wait, since_ns: i64, meeting: u64) -> Release {
+    let Wait { key, primitive, mark, .. } = wait;
+    Release { key: key.clone(), primitive: *primitive, since_ns, meeting, mark: mark.clone() }
 }
 
 /// Continues after a wait.
@@ -162,7 +168,7 @@ fn wait(kernel: &mut Kernel<'_>, by: u16, heads: Set) -> Acted {
         kernel.emit_verdict(verdict);
     }
     let wake = stand(kernel, &wait);
-    let release = |meeting| Release { key: wait.key.clone(), primitive: wait.primitive, since_ns, meeting };
+    let release = |meeting| released(&wait, since_ns, meeting);
     woken(kernel, wake, release)
 }
 
