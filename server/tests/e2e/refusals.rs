@@ -20,6 +20,24 @@ async fn every_status_says_its_reason_also_those_of_the_transport() {
     let refused = server.blobs().upload(tokio_stream::iter([chunk])).await.unwrap_err();
     assert_eq!((refused.code(), reason(&refused).as_str()), (Code::ResourceExhausted, "MESSAGE_TOO_LARGE"));
 
+    let attended = v1::SubmitJobRequest {
+        options: Some(v1::JobOptions { attended: true, ..Default::default() }),
+        ..server.request("attended", "HANG").await
+    };
+    let job = server.jobs().submit_job(attended).await.unwrap().into_inner().status.unwrap().job_id;
+    let said = |content| v1::AttendRequest { content: Some(content) };
+    let large = v1::DialogAnswer { dialog: "x".repeat(5 << 20), ..Default::default() };
+    let large = v1::QuestionAnswer { question_id: 1, answer: Some(large) };
+    let messages = [said(v1::attend_request::Content::JobId(job)), said(v1::attend_request::Content::Answer(large))];
+    let mut stream = server.operator().attend(tokio_stream::iter(messages)).await.unwrap().into_inner();
+    let refused = loop {
+        match stream.message().await {
+            Ok(message) => assert!(message.is_some(), "the stream must not end as if all were well"),
+            Err(status) => break status,
+        }
+    };
+    assert_eq!((refused.code(), reason(&refused).as_str()), (Code::ResourceExhausted, "MESSAGE_TOO_LARGE"));
+
     let mut raw = tonic::client::Grpc::new(server.connection.clone());
     let mut call = async |path: &'static str| {
         raw.ready().await.unwrap();
