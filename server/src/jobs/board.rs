@@ -11,6 +11,7 @@ use tokio::sync::watch;
 
 use super::live::{Live, lock};
 use super::recent::Recent;
+use super::tally::Tally;
 use super::{Core, worker};
 use crate::ledger::record::State;
 use crate::queue::{Entry, Queue};
@@ -36,6 +37,16 @@ pub(super) struct Board {
     recent: Mutex<Recent>,
     /// Jobs on worker threads.
     running: watch::Sender<usize>,
+    pub(super) tally: Tally,
+    /// When the jobs were last looked after.
+    ticked: Mutex<Instant>,
+}
+
+/// What the workers do.
+pub(crate) struct Busy {
+    pub(crate) running: Vec<Arc<Live>>,
+    pub(crate) storing: usize,
+    pub(crate) queued: usize,
 }
 
 impl Board {
@@ -45,7 +56,15 @@ impl Board {
             queue: Mutex::new(Waiting { jobs: queue, reserved: 0 }),
             recent: Mutex::default(),
             running: watch::Sender::new(0),
+            tally: Tally::default(),
+            ticked: Mutex::new(Instant::now()),
         }
+    }
+
+    /// Notes that the jobs have been looked after, and reports what has happened.
+    pub(super) fn ticked(&self) {
+        *lock(&self.ticked) = Instant::now();
+        self.tally.report();
     }
 }
 
@@ -136,6 +155,21 @@ impl Core {
         let now = Instant::now();
         let running = lock(&self.board.queue).jobs.running().to_vec();
         running.iter().filter_map(|id| self.live(id)).for_each(|live| live.check_clock(now));
+    }
+
+    /// Whether the jobs were looked after within this time.
+    pub(crate) fn ticks_within(&self, time: Duration) -> bool {
+        lock(&self.board.ticked).elapsed() <= time
+    }
+
+    /// What the workers do now.
+    pub(crate) fn busy(&self) -> Busy {
+        let (ids, busy, queued) = {
+            let queue = lock(&self.board.queue);
+            (queue.jobs.running().to_vec(), queue.jobs.busy(), queue.jobs.len())
+        };
+        let storing = busy.saturating_sub(ids.len());
+        Busy { running: ids.iter().filter_map(|id| self.live(id)).collect(), storing, queued }
     }
 
     /// Number of running jobs, to be followed.

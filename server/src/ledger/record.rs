@@ -83,6 +83,9 @@ pub struct Runs {
     pub has_files: bool,
     /// Bytes of its log, files and results.
     pub stored_bytes: u64,
+    /// The W3C `traceparent` that its submit came with; empty = none.
+    #[serde(skip_serializing_if = "String::is_empty")]
+    pub traceparent: String,
 }
 
 /// A job.

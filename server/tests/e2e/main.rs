@@ -9,6 +9,7 @@
     clippy::indexing_slicing
 )]
 
+mod admin;
 mod backup;
 mod collect;
 mod connections;
@@ -30,6 +31,8 @@ mod submit;
 mod support;
 mod tenants;
 mod tls;
+mod traces;
 mod trouble;
 mod upgrade;
 mod watch;
+mod web;
