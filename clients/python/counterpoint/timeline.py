@@ -56,7 +56,7 @@ def draw(timeline: Timeline, width: int = 960) -> str:
     """The timeline as SVG: a row for each channel, a colour for each kind of work."""
     left, row, top = 90, 34, 34
     height = top + row * len(timeline.channels) + 34
-    scale = (width - left - 12) / max(timeline.makespan_s, 1e-9)
+    scale = (width - left - 34) / max(timeline.makespan_s, 1e-9)
     out = [
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width} {height}" font-family="sans-serif" font-size="12">',
         f'<rect width="{width}" height="{height}" fill="#fff"/>',
@@ -76,6 +76,6 @@ def draw(timeline: Timeline, width: int = 960) -> str:
                 f'fill="{COLOURS.get(bar.kind, "#999")}"><title>{title}</title></rect>'
             )
     for n in range(5):
-        at = left + n * (width - left - 12) / 4
+        at = left + n * (width - left - 34) / 4
         out.append(f'<text x="{at:.0f}" y="{height - 10}" text-anchor="middle">{timeline.makespan_s * n / 4:.1f} s</text>')
     return "\n".join(out) + "\n</svg>\n"
