@@ -1,4 +1,4 @@
-//! A server to talk to, elsewhere or in this process.
+//! A connection to a remote server, or to one embedded in this process.
 //!
 //! *Invariant:* an embedded server leaves nothing behind: its data folder is temporary and removed with the client.
 
