@@ -2,13 +2,14 @@
 
 use prost::Message as _;
 
-const FILES: [&str; 6] = [
+const FILES: [&str; 7] = [
     "counterpoint/v1/event.proto",
     "counterpoint/v1/jobs.proto",
     "counterpoint/v1/blobs.proto",
     "counterpoint/v1/machines.proto",
     "counterpoint/v1/results.proto",
     "counterpoint/v1/operator.proto",
+    "counterpoint/v1/admin.proto",
 ];
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {

@@ -77,6 +77,9 @@ pub(crate) enum Command {
     Delete(JobArgs),
     /// Read a result of an ended job
     Result(ResultArgs),
+    /// Look after a server (role admin)
+    #[command(subcommand)]
+    Admin(Admin),
     /// Put load on a server and report how it copes
     #[command(after_help = LOAD_EXAMPLES)]
     Load(crate::load::arguments::Load),
@@ -487,6 +490,27 @@ pub(crate) enum Machine {
         #[command(flatten)]
         at: At,
     },
+}
+
+/// What an administrator asks for.
+#[derive(Debug, Subcommand)]
+pub(crate) enum Admin {
+    /// List the connections of the server
+    Connections(AdminArgs),
+    /// List the watches and how far they are behind
+    Streams(AdminArgs),
+    /// List the jobs that run
+    Workers(AdminArgs),
+    /// Ask the server to shut down: running jobs end or are queued again
+    Drain(AdminArgs),
+    /// Ask the server to remove expired jobs and unneeded blobs now
+    Collect(AdminArgs),
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct AdminArgs {
+    #[command(flatten)]
+    pub(crate) remote: Remote,
 }
 
 /// A server, or this program itself.

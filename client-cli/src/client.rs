@@ -4,6 +4,7 @@
 
 use counterpoint_client::{Blob, Chunks, Document, Settings, Through, Watch, WatchJobs};
 use counterpoint_proto::v1;
+use counterpoint_proto::v1::admin_client::AdminClient;
 use counterpoint_proto::v1::jobs_client::JobsClient;
 use counterpoint_proto::v1::machines_client::MachinesClient;
 use counterpoint_proto::v1::operator_client::OperatorClient;
@@ -67,6 +68,10 @@ impl Client {
 
     pub(crate) fn machines(&self) -> MachinesClient<Through> {
         self.server.machines()
+    }
+
+    pub(crate) fn admin(&self) -> AdminClient<Through> {
+        self.server.admin()
     }
 
     pub(crate) fn operator(&self) -> OperatorClient<Through> {

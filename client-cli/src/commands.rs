@@ -11,7 +11,7 @@ use crate::error::Error;
 use crate::outcome::ended;
 use crate::progress::Progress;
 use crate::text::time;
-use crate::{completions, jobs, load, machines, macros, results, run, say};
+use crate::{admin, completions, jobs, load, machines, macros, results, run, say};
 
 /// Executes a command and returns the exit code.
 pub(crate) async fn dispatch(command: Command) -> Result<u8, Error> {
@@ -29,6 +29,7 @@ pub(crate) async fn dispatch(command: Command) -> Result<u8, Error> {
         Command::Cancel(arguments) => cancel(arguments).await,
         Command::Delete(arguments) => delete(arguments).await,
         Command::Result(arguments) => result(arguments).await,
+        Command::Admin(command) => admin::dispatch(command).await,
         Command::Load(arguments) => load::load(arguments).await,
         Command::Machine(arguments) => machines::dispatch(arguments).await,
         Command::Macro(command) => macros::dispatch(&command),

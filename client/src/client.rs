@@ -9,6 +9,7 @@ use crate::document::{self, Chunks, Document};
 use crate::error::Error;
 use crate::settings::Settings;
 use crate::v1;
+use crate::v1::admin_client::AdminClient;
 use crate::v1::blobs_client::BlobsClient;
 use crate::v1::jobs_client::JobsClient;
 use crate::v1::machines_client::MachinesClient;
@@ -51,6 +52,12 @@ impl Client {
     #[must_use]
     pub fn jobs(&self) -> JobsClient<Through> {
         self.0.jobs()
+    }
+
+    /// All calls of administrators; none is repeated.
+    #[must_use]
+    pub fn admin(&self) -> AdminClient<Through> {
+        self.0.admin()
     }
 
     /// All calls about machines; none is repeated.

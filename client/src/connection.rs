@@ -6,6 +6,7 @@ use tonic::transport::Channel;
 use crate::MAX_MESSAGE;
 use crate::error::Error;
 use crate::settings::{Call, Settings, cause};
+use crate::v1::admin_client::AdminClient;
 use crate::v1::blobs_client::BlobsClient;
 use crate::v1::jobs_client::JobsClient;
 use crate::v1::machines_client::MachinesClient;
@@ -36,6 +37,10 @@ impl Connection {
 
     pub(crate) fn jobs(&self) -> JobsClient<Through> {
         JobsClient::new(self.channel.clone()).max_decoding_message_size(MAX_MESSAGE)
+    }
+
+    pub(crate) fn admin(&self) -> AdminClient<Through> {
+        AdminClient::new(self.channel.clone()).max_decoding_message_size(MAX_MESSAGE)
     }
 
     pub(crate) fn machines(&self) -> MachinesClient<Through> {

@@ -8,6 +8,7 @@
 pub mod access;
 pub mod backup;
 mod blobs;
+mod connections;
 pub mod doctor;
 mod drain;
 mod host;
@@ -18,6 +19,7 @@ pub mod log;
 mod machines;
 mod metrics;
 mod net;
+pub mod notify;
 pub mod options;
 mod pace;
 mod places;
@@ -28,5 +30,6 @@ mod rpc;
 pub mod runner;
 pub mod service;
 mod tenant;
+mod trace;
 
 pub use ledger::record::Record;

@@ -10,6 +10,7 @@ use clap::{Parser, Subcommand};
 use counterpoint_server::access::{Role, token};
 use counterpoint_server::backup::{self, Contents};
 use counterpoint_server::doctor;
+use counterpoint_server::notify::Manager;
 use counterpoint_server::options::{Flags, Options};
 use counterpoint_server::service;
 
@@ -190,10 +191,26 @@ async fn serve(options: Options) -> Result<(), service::Error> {
     let service = service::build(options).await?;
     let handle = service.handle();
     println!("listening on {}", handle.url());
+    let manager = Manager::from_environment();
+    if let Some(manager) = &manager {
+        manager.ready(&handle.url());
+    }
     tokio::select! {
         result = service.run(std::future::pending()) => result,
-        () = signals(handle) => Ok(()),
+        () = signals(handle.clone()) => Ok(()),
+        () = tell(manager.as_ref(), &handle) => Ok(()),
     }
+}
+
+/// Tells the service manager that the server is alive, and when it stops. Never returns.
+async fn tell(manager: Option<&Manager>, handle: &service::Handle) {
+    let Some(manager) = manager else { return std::future::pending().await };
+    let stopping = async {
+        handle.stopping().await;
+        manager.stopping();
+        std::future::pending::<()>().await;
+    };
+    tokio::join!(manager.watch(|| handle.alive()), stopping);
 }
 
 /// Passes signals on to the server. If signal handlers cannot be installed, waits forever.

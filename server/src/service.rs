@@ -9,6 +9,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use counterpoint_proto::DESCRIPTORS;
+use counterpoint_proto::v1::admin_server::AdminServer;
 use counterpoint_proto::v1::blobs_server::BlobsServer;
 use counterpoint_proto::v1::jobs_server::JobsServer;
 use counterpoint_proto::v1::machines_server::MachinesServer;
@@ -30,6 +31,8 @@ use crate::runner::{Kernel, Runner};
 
 /// Largest message in either direction, bytes.
 pub const MAX_MESSAGE: usize = 4 << 20;
+/// Time without a look at the jobs after which the server counts as stuck.
+const ALIVE: Duration = Duration::from_secs(30);
 /// Time that streams and connections get to end after the jobs have.
 const CLOSING: Duration = Duration::from_secs(2);
 
@@ -76,7 +79,7 @@ pub struct Service {
 }
 
 /// What a server was asked to do.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum Stop {
     No,
     Drain,
@@ -89,6 +92,7 @@ pub struct Handle {
     address: SocketAddr,
     metrics: Option<SocketAddr>,
     gate: Arc<Gate>,
+    core: std::sync::Weak<Core>,
     stop: tokio::sync::watch::Sender<Stop>,
 }
 
@@ -114,6 +118,17 @@ impl Handle {
     /// Reads identities and certificates again, and opens the audit log again. What cannot be read stays as it is.
     pub fn reload(&self) {
         self.gate.reload();
+    }
+
+    /// Whether the server still looks after its jobs; for a watchdog.
+    #[must_use]
+    pub fn alive(&self) -> bool {
+        self.core.upgrade().is_none_or(|core| core.ticks_within(ALIVE))
+    }
+
+    /// Resolves when the server was asked to stop, by whoever.
+    pub async fn stopping(&self) {
+        reaches(&self.stop, Stop::Drain).await;
     }
 
     /// Asks the server to drain; a second call asks it to stop at once.
@@ -174,7 +189,13 @@ impl Service {
     #[must_use]
     pub fn handle(&self) -> Handle {
         let metrics = self.monitor.as_ref().and_then(|listener| listener.local_addr().ok());
-        Handle { address: self.address, metrics, gate: self.gate.clone(), stop: self.stop.clone() }
+        Handle {
+            address: self.address,
+            metrics,
+            gate: self.gate.clone(),
+            core: Arc::downgrade(&self.core),
+            stop: self.stop.clone(),
+        }
     }
 
     /// Serves until `shutdown` resolves or [`Handle::stop`] is called, then drains: health NOT_SERVING, no new jobs,
@@ -192,13 +213,16 @@ impl Service {
             monitoring.spawn(net::monitor(listener, core.clone()));
         }
         let mut routes = Routes::builder();
+        let asked = stop.clone();
+        let admin = rpc::Admin { core: core.clone(), stop: Box::new(move || begin(&asked)) };
         routes
             .add_service(health_service)
             .add_service(JobsServer::new(rpc::Jobs(core.clone())).max_decoding_message_size(MAX_MESSAGE))
             .add_service(BlobsServer::new(rpc::Blobs(core.clone())).max_decoding_message_size(MAX_MESSAGE))
             .add_service(MachinesServer::new(rpc::Machines(core.clone())).max_decoding_message_size(MAX_MESSAGE))
             .add_service(ResultsServer::new(rpc::Results(core.clone())).max_decoding_message_size(MAX_MESSAGE))
-            .add_service(OperatorServer::new(rpc::Operator(core.clone())).max_decoding_message_size(MAX_MESSAGE));
+            .add_service(OperatorServer::new(rpc::Operator(core.clone())).max_decoding_message_size(MAX_MESSAGE))
+            .add_service(AdminServer::new(admin).max_decoding_message_size(MAX_MESSAGE));
         if core.options.guard.reflection {
             let builder = || {
                 tonic_reflection::server::Builder::configure()
@@ -209,12 +233,12 @@ impl Service {
         }
         let close = tokio::sync::watch::Sender::new(false);
         let closed = core.clone();
-        let server = net::serve(listener, routes.routes().prepare(), &core.options, gate, close.subscribe());
+        let server = net::serve(listener, routes.routes().prepare(), &core, gate, close.subscribe());
         let mut server = std::pin::pin!(server);
         let asked = stop.clone();
         tokio::select! {
             () = &mut server => return Ok(()),
-            () = shutdown => asked.send_modify(|s| *s = Stop::Drain),
+            () = shutdown => begin(&asked),
             () = reaches(&stop, Stop::Drain) => {}
         }
         tracing::info!("draining");
@@ -243,6 +267,11 @@ impl Service {
         tracing::info!("stopped");
         Ok(())
     }
+}
+
+/// Asks for the drain, unless more was asked for.
+fn begin(stop: &tokio::sync::watch::Sender<Stop>) {
+    stop.send_modify(|stop| *stop = (*stop).max(Stop::Drain));
 }
 
 async fn reaches(stop: &tokio::sync::watch::Sender<Stop>, level: Stop) {
@@ -285,6 +314,7 @@ async fn serving(health: &HealthReporter) {
     health.set_serving::<MachinesServer<rpc::Machines>>().await;
     health.set_serving::<ResultsServer<rpc::Results>>().await;
     health.set_serving::<OperatorServer<rpc::Operator>>().await;
+    health.set_serving::<AdminServer<rpc::Admin>>().await;
 }
 
 async fn not_serving(health: &HealthReporter) {
@@ -294,4 +324,5 @@ async fn not_serving(health: &HealthReporter) {
     health.set_not_serving::<MachinesServer<rpc::Machines>>().await;
     health.set_not_serving::<ResultsServer<rpc::Results>>().await;
     health.set_not_serving::<OperatorServer<rpc::Operator>>().await;
+    health.set_not_serving::<AdminServer<rpc::Admin>>().await;
 }

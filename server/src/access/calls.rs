@@ -43,6 +43,11 @@ pub(crate) const CALLS: &[(&str, &str, Role)] = &[
     ("counterpoint.v1.Results", "ListFiles", Role::Read),
     ("counterpoint.v1.Results", "GetFile", Role::Read),
     ("counterpoint.v1.Operator", "Attend", Role::Operate),
+    ("counterpoint.v1.Admin", "ListConnections", Role::Admin),
+    ("counterpoint.v1.Admin", "ListStreams", Role::Admin),
+    ("counterpoint.v1.Admin", "ListWorkers", Role::Admin),
+    ("counterpoint.v1.Admin", "Drain", Role::Admin),
+    ("counterpoint.v1.Admin", "Collect", Role::Admin),
 ];
 
 /// Name of the call of a path for metrics: one of few.

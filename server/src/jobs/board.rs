@@ -13,6 +13,7 @@ use tokio::sync::watch;
 use super::feed::Feed;
 use super::live::{Live, lock};
 use super::recent::Recent;
+use super::tally::Tally;
 use super::{Core, worker};
 use crate::ledger::record::{Cause, Record, State, now_ms};
 use crate::queue::{Entry, Queue, Ticket};
@@ -41,6 +42,16 @@ pub(super) struct Board {
     pub(super) feed: Feed,
     /// Jobs on worker threads.
     running: watch::Sender<usize>,
+    pub(super) tally: Tally,
+    /// When the jobs were last looked after.
+    ticked: Mutex<Instant>,
+}
+
+/// What the workers do.
+pub(crate) struct Busy {
+    pub(crate) running: Vec<Arc<Live>>,
+    pub(crate) storing: usize,
+    pub(crate) queued: usize,
 }
 
 impl Board {
@@ -52,7 +63,15 @@ impl Board {
             deadlines: Mutex::default(),
             feed: Feed::new(epoch),
             running: watch::Sender::new(0),
+            tally: Tally::default(),
+            ticked: Mutex::new(Instant::now()),
         }
+    }
+
+    /// Notes that the jobs have been looked after, and reports what has happened.
+    pub(super) fn ticked(&self) {
+        *lock(&self.ticked) = Instant::now();
+        self.tally.report();
     }
 }
 
@@ -225,6 +244,21 @@ impl Core {
         self.metrics.limit("deadline");
         self.changed(live);
         self.board.live.remove(&live.id);
+    }
+
+    /// Whether the jobs were looked after within this time.
+    pub(crate) fn ticks_within(&self, time: Duration) -> bool {
+        lock(&self.board.ticked).elapsed() <= time
+    }
+
+    /// What the workers do now.
+    pub(crate) fn workers(&self) -> Busy {
+        let (ids, busy, queued) = {
+            let queue = lock(&self.board.queue);
+            (queue.jobs.running().to_vec(), queue.jobs.busy(), queue.jobs.len())
+        };
+        let storing = busy.len().saturating_sub(ids.len());
+        Busy { running: ids.iter().filter_map(|id| self.live(id)).collect(), storing, queued }
     }
 
     /// Number of running jobs, to be followed.

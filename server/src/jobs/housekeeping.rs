@@ -45,9 +45,9 @@ pub(super) fn start(core: &Arc<Core>) -> Result<(), Refusal> {
         let mut next = Instant::now();
         while let Some(core) = core.upgrade() {
             core.ledger.serve_backups();
-            remove_expired(&core, &keep);
+            note("ended jobs beyond what is to be kept", remove_expired(&core, &keep));
             if next <= Instant::now() {
-                collect_blobs(&core, grace);
+                note("blobs that nothing needs", collect_blobs(&core, grace));
                 next = Instant::now() + (grace / 10).clamp(TICK, LONGEST);
             }
             drop(core);
@@ -64,12 +64,22 @@ fn keep(options: &Retention) -> Keep {
     Keep { age_ms, jobs: limit(options.keep_jobs), bytes: limit(options.keep_bytes) }
 }
 
-/// Removes ended jobs beyond what is to be kept.
-fn remove_expired(core: &Core, keep: &Keep) {
-    if keep.age_ms.is_none() && keep.jobs.is_none() && keep.bytes.is_none() {
-        return;
+impl Core {
+    /// Clears away now; gives how many jobs and blobs were removed.
+    pub(crate) fn collect(&self) -> Result<(u64, u64), Refusal> {
+        let jobs = remove_expired(self, &keep(&self.options.retention))?;
+        let blobs = collect_blobs(self, Duration::from_secs(self.options.retention.blob_grace_s))?;
+        Ok((jobs, blobs))
     }
-    let step = || {
+}
+
+/// Removes ended jobs beyond what is to be kept; gives how many.
+fn remove_expired(core: &Core, keep: &Keep) -> Result<u64, Refusal> {
+    let mut removed = 0;
+    if keep.age_ms.is_none() && keep.jobs.is_none() && keep.bytes.is_none() {
+        return Ok(removed);
+    }
+    loop {
         let mut jobs = core.ledger.expired(keep, now_ms(), GROUP)?;
         let all = jobs.len();
         // A job that somebody watches goes the next time.
@@ -79,40 +89,32 @@ fn remove_expired(core: &Core, keep: &Keep) {
         for (job, record) in jobs.iter().zip(&records) {
             core.forget(&job.id, record.as_ref())?;
         }
-        Ok::<_, Refusal>((jobs.len(), all))
-    };
-    loop {
-        match step() {
-            Ok((removed, all)) => {
-                if removed > 0 {
-                    tracing::info!(removed, "ended jobs beyond what is to be kept have been removed");
-                }
-                if removed < GROUP || all < GROUP {
-                    return;
-                }
-            }
-            Err(error) => return tracing::debug!(%error, "the removal of ended jobs is tried again later"),
+        removed += jobs.len() as u64;
+        if jobs.len() < GROUP || all < GROUP {
+            return Ok(removed);
         }
     }
 }
 
-/// Removes blobs that no row needs and nobody has asked for during the grace time.
-fn collect_blobs(core: &Core, grace: Duration) {
-    let collect = || {
-        let mut removed = 0;
-        for tenant in core.blobs.tenants()? {
-            let own = core.blobs.of(&tenant);
-            for group in own.older_than(grace) {
-                let blobs = own.clone();
-                let remove = Box::new(move |digest: &str| blobs.remove_older(digest, grace));
-                removed += core.ledger.collect_blocking(&tenant, group, remove)?;
-            }
+/// Removes blobs that no row needs and nobody has asked for during the grace time; gives how many.
+fn collect_blobs(core: &Core, grace: Duration) -> Result<u64, Refusal> {
+    let mut removed = 0;
+    for tenant in core.blobs.tenants()? {
+        let own = core.blobs.of(&tenant);
+        for group in own.older_than(grace) {
+            let blobs = own.clone();
+            let remove = Box::new(move |digest: &str| blobs.remove_older(digest, grace));
+            removed += core.ledger.collect_blocking(&tenant, group, remove)? as u64;
         }
-        Ok::<_, Refusal>(removed)
-    };
-    match collect() {
+    }
+    Ok(removed)
+}
+
+/// Says what was removed, or that it is tried again.
+fn note(what: &str, removed: Result<u64, Refusal>) {
+    match removed {
         Ok(0) => {}
-        Ok(removed) => tracing::info!(removed, "blobs that nothing needs have been removed"),
-        Err(error) => tracing::debug!(%error, "the collection of blobs is tried again later"),
+        Ok(removed) => tracing::info!(removed, "{what} have been removed"),
+        Err(error) => tracing::debug!(%error, "the removal of {what} is tried again later"),
     }
 }

@@ -19,6 +19,7 @@ use crate::ledger::record::{Record, State, now_ms};
 use crate::log::tail::Tail;
 use crate::log::writer::Writer;
 use crate::results::Finished;
+use crate::trace::Context;
 
 /// What exists once a worker has prepared the job.
 #[derive(Debug)]
@@ -83,6 +84,14 @@ impl Live {
 
     pub(crate) fn record(&self) -> Record {
         lock(&self.record).clone()
+    }
+
+    /// The span of the job, which continues the trace of its client.
+    pub(super) fn span(&self) -> tracing::Span {
+        let record = lock(&self.record);
+        let Context { trace, span, parent } = Context::of(&record.id, &record.runs.traceparent);
+        let attempt = record.runs.attempt + 1;
+        tracing::info_span!("job", id = record.id, tenant = record.tenant, attempt, trace, span, parent)
     }
 
     pub(crate) fn state(&self) -> State {

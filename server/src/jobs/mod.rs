@@ -19,6 +19,7 @@ mod recent;
 mod sink;
 pub(crate) mod streams;
 mod system;
+mod tally;
 pub(crate) mod worker;
 
 use std::collections::HashMap;
@@ -27,6 +28,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use crate::blobs::Blobs;
+use crate::connections::Connections;
 use crate::drain::Drain;
 use crate::host::Host;
 use crate::ledger::record::{Record, State, now_ms};
@@ -36,7 +38,6 @@ use crate::log::kept::Kept;
 use crate::machines::{Machines, is_shipped};
 use crate::metrics::Metrics;
 use crate::options::Options;
-use crate::pace::Pace;
 use crate::places::Places;
 use crate::queue::Queue;
 use crate::reason::Refusal;
@@ -50,8 +51,6 @@ use streams::Streams;
 
 /// Between two looks at jobs that wait for the disk, the ledger or their time.
 const TICK: Duration = Duration::from_millis(50);
-/// Lines about jobs that are accepted.
-static ACCEPTED: Pace = Pace::new();
 
 /// What a server keeps its jobs in.
 #[derive(Debug)]
@@ -75,6 +74,7 @@ pub(crate) struct Core {
     pub(crate) drain: Drain,
     pub(crate) metrics: Arc<Metrics>,
     pub(crate) streams: Arc<Streams>,
+    pub(crate) connections: Arc<Connections>,
     flusher: Flusher,
     board: Board,
     pub(crate) uploads: Uploads,
@@ -135,6 +135,7 @@ impl Core {
             drain: Drain::new(),
             metrics,
             streams: Arc::default(),
+            connections: Arc::default(),
             uploads,
             options,
         }))
@@ -172,6 +173,7 @@ impl Core {
             while let Some(core) = core.upgrade() {
                 core.stop_late_jobs();
                 core.pump();
+                core.board.ticked();
                 drop(core);
                 std::thread::sleep(TICK);
             }
@@ -223,9 +225,7 @@ impl Core {
             Submitted::Known(known) => Ok((self.current(*known), true)),
             Submitted::New(record) => {
                 self.metrics.jobs.accepted.inc();
-                if let Some(left_out) = ACCEPTED.pass() {
-                    tracing::info!(job = record.id, machine = record.machine_name, left_out, "accepted");
-                }
+                self.board.tally.accepted(&record);
                 self.pump();
                 Ok((*record, false))
             }

@@ -30,6 +30,16 @@ pub(crate) struct Streams {
     open: DashMap<u64, Arc<Stream>>,
 }
 
+/// What is known about a watch.
+#[derive(Debug)]
+pub(crate) struct Seen {
+    pub(crate) number: u64,
+    pub(crate) job: String,
+    pub(crate) tenant: String,
+    pub(crate) cursor: u64,
+    pub(crate) behind: u64,
+}
+
 /// A place in the list, left when it is dropped.
 #[derive(Debug)]
 pub(crate) struct Listed {
@@ -40,10 +50,23 @@ pub(crate) struct Listed {
 
 impl Streams {
     pub(crate) fn list(self: &Arc<Self>, live: Arc<Live>) -> Listed {
-        let number = self.next.fetch_add(1, Ordering::Relaxed);
+        let number = self.next.fetch_add(1, Ordering::Relaxed) + 1;
         let stream = Arc::new(Stream { live, cursor: AtomicU64::new(0) });
         self.open.insert(number, stream.clone());
         Listed { streams: self.clone(), number, stream }
+    }
+
+    /// All of them, oldest first.
+    pub(crate) fn seen(&self) -> Vec<Seen> {
+        let seen = |number: u64, stream: &Stream| {
+            let mut tenant = String::new();
+            stream.live.peek(|record| tenant.clone_from(&record.tenant));
+            let cursor = stream.cursor.load(Ordering::Relaxed);
+            Seen { number, job: stream.live.id.clone(), tenant, cursor, behind: stream.lag() }
+        };
+        let mut all: Vec<Seen> = self.open.iter().map(|stream| seen(*stream.key(), stream.value())).collect();
+        all.sort_by_key(|seen| seen.number);
+        all
     }
 
     /// How many there are, and how many events the slowest is behind.

@@ -34,8 +34,7 @@ use crate::reason::Refusal;
 use crate::results::{Document, Finished};
 use crate::runner::{Prepared, Task};
 
-/// Lines about runs and jobs that end.
-static ENDED: Pace = Pace::new();
+/// Lines about runs that the host has failed.
 static FAILED_BY_HOST: Pace = Pace::new();
 
 /// Starts the worker thread of a job.
@@ -50,7 +49,7 @@ pub(super) fn start(core: Arc<Core>, live: Arc<Live>) {
 }
 
 fn work(core: &Arc<Core>, live: &Arc<Live>) {
-    let span = tracing::info_span!("job", id = live.id);
+    let span = live.span();
     let _inside = span.enter();
     let work = || match run(core, live)? {
         Ran::Over(change) => Ok((change, None)),
@@ -156,9 +155,7 @@ fn end(core: &Arc<Core>, live: &Live, change: Change, log: Option<Small>) {
         }
         std::thread::sleep(LOOK);
     }
-    if let Some(left_out) = ENDED.pass() {
-        tracing::info!(state = ?record.state, events = record.events, error = record.error, left_out, "ended");
-    }
+    core.board.tally.ended(&record);
     count(core, &record);
     core.host.unmark(&live.id);
     if let Some(log) = log.filter(|_| record.state.ended()) {

@@ -117,6 +117,9 @@ pub struct Runs {
     /// What made the job fail.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub cause: Option<Cause>,
+    /// The W3C `traceparent` that its submit came with; empty = none.
+    #[serde(skip_serializing_if = "String::is_empty")]
+    pub traceparent: String,
 }
 
 /// What a client asked for beside programs and options.

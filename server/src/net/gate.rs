@@ -12,6 +12,7 @@ use tonic::body::Body;
 use tonic::{Code, Status};
 
 use super::tls::Tls;
+use super::web::Web;
 use crate::access::audit::Audit;
 use crate::access::{Access, Caller, CertificateNames, calls};
 use crate::metrics::Metrics;
@@ -24,6 +25,7 @@ pub(crate) struct Gate {
     audit: Option<Audit>,
     metrics: Arc<Metrics>,
     pub(super) tls: Option<Tls>,
+    pub(super) web: Option<Web>,
 }
 
 impl Gate {
@@ -43,7 +45,7 @@ impl Gate {
             true => None,
             false => Some(Audit::open(&guard.audit).map_err(|error| format!("'{}': {error}", guard.audit.display()))?),
         };
-        Ok(Self { access: Access::open(guard)?, audit, metrics, tls })
+        Ok(Self { access: Access::open(guard)?, audit, metrics, tls, web: Web::open(guard) })
     }
 
     /// Reads files of identities and certificates again, and opens the audit log again. What cannot be read stays as it

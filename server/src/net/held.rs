@@ -8,7 +8,7 @@ use http_body::{Frame, SizeHint};
 use tonic::Status;
 use tonic::body::Body;
 
-use super::Call;
+use crate::connections::Call;
 
 /// A body and its call.
 pub(super) struct Held {

@@ -7,18 +7,18 @@ mod gate;
 mod held;
 mod status;
 mod tls;
+mod web;
 
 use std::convert::Infallible;
 use std::future::Future;
 use std::net::SocketAddr;
-use std::pin::pin;
+use std::pin::{Pin, pin};
 use std::sync::Arc;
-use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Duration;
 
 use http::{HeaderMap, Request, Response};
 use hyper::body::Incoming;
-use hyper::server::conn::http2;
+use hyper::server::conn::{http1, http2};
 use hyper::service::service_fn;
 use hyper_util::rt::{TokioExecutor, TokioIo, TokioTimer};
 use tokio::io::{AsyncRead, AsyncWrite};
@@ -29,10 +29,13 @@ use tonic::Status;
 use tonic::body::Body;
 use tonic::service::Routes;
 use tonic::transport::server::TcpConnectInfo;
+use tonic_web::GrpcWebLayer;
+use tower_layer::Layer as _;
 use tower_service::Service as _;
 
 use crate::access::CertificateNames;
-use crate::options::Options;
+use crate::connections::{Call, Connection};
+use crate::jobs::Core;
 use crate::places::Places;
 use crate::reason::Refusal;
 pub(crate) use gate::Gate;
@@ -43,7 +46,8 @@ pub(crate) use status::serve as monitor;
 const FRAME: u32 = 128 * 1024;
 /// Bytes that a stream may hold for a client that does not read.
 const SEND_BUFFER: usize = 32 * 1024;
-/// First bytes of every HTTP/2 connection.
+/// First bytes of every HTTP/2 connection, and how many there are; a request in HTTP/1.1 has more.
+const PREFACE_OF_HTTP2: &[u8; PREFACE] = b"PRI * HTTP/2.0\r\n\r\nSM\r\n\r\n";
 const PREFACE: usize = 24;
 /// Between two looks at a preface that has come in part.
 const LOOK: Duration = Duration::from_millis(20);
@@ -63,10 +67,11 @@ struct Patience {
 pub(crate) async fn serve(
     listener: TcpListener,
     routes: Routes,
-    options: &Options,
+    core: &Core,
     gate: Arc<Gate>,
     mut closing: watch::Receiver<bool>,
 ) {
+    let (options, listed) = (&core.options, core.connections.clone());
     let most = options.connections.max_connections.min(descriptors().saturating_sub(RESERVE).max(16) as usize);
     let places = Arc::new(Places::new(most, options.connections.max_connections_per_address));
     let patience = Patience {
@@ -100,11 +105,11 @@ pub(crate) async fn serve(
         match places.take(peer.ip()) {
             None => tracing::debug!(%peer, "refused: too many connections"),
             Some(place) => {
-                let (routes, gate) = (routes.clone(), gate.clone());
+                let (routes, gate, listed) = (routes.clone(), gate.clone(), listed.list(peer));
                 let (closing, open) = (closing.clone(), connections.subscribe());
                 // Ends with the connection.
                 tokio::spawn(async move {
-                    connection(stream, peer, routes, gate, patience, closing).await;
+                    connection(stream, (peer, listed), routes, gate, patience, closing).await;
                     drop((place, open));
                 });
             }
@@ -123,7 +128,7 @@ fn left(error: &std::io::Error) -> bool {
 /// Serves one connection to its end.
 async fn connection(
     stream: TcpStream,
-    peer: SocketAddr,
+    (peer, listed): (SocketAddr, Connection),
     routes: Routes,
     gate: Arc<Gate>,
     patience: Patience,
@@ -134,13 +139,14 @@ async fn connection(
     let plain = Peer { address: peer, info, names: CertificateNames::default(), gate: gate.clone() };
     let Some(tls) = &gate.tls else {
         let speaks = begins(speaks(&stream), patience, &mut closing).await;
-        if speaks == Some(true) {
-            calls(stream, plain, routes, patience, closing).await;
+        if let Some(Some(first)) = speaks {
+            calls(stream, &first, (plain, listed), routes, patience, closing).await;
         }
         return;
     };
     if let Some(Ok((stream, names))) = begins(tls.accept(stream), patience, &mut closing).await {
-        calls(stream, Peer { names, ..plain }, routes, patience, closing).await;
+        let first = *stream.first();
+        calls(stream, &first, (Peer { names, ..plain }, listed), routes, patience, closing).await;
     }
 }
 
@@ -165,21 +171,41 @@ struct Peer {
     gate: Arc<Gate>,
 }
 
-/// Serves the calls of a connection that has begun to speak HTTP/2.
+/// Serves the calls of a connection that has begun to speak: HTTP/2, or HTTP/1.1 where gRPC-Web is allowed.
 async fn calls<S: AsyncRead + AsyncWrite + Unpin + Send + 'static>(
     stream: S,
-    caller: Peer,
+    first: &[u8; PREFACE],
+    (caller, listed): (Peer, Connection),
     routes: Routes,
     patience: Patience,
-    mut closing: watch::Receiver<bool>,
+    closing: watch::Receiver<bool>,
 ) {
-    let calls = Arc::new(Calls::default());
-    let counted = calls.clone();
+    let listed = Arc::new(listed);
+    let (counted, gate) = (listed.clone(), caller.gate.clone());
     let service = service_fn(move |mut request: Request<Incoming>| {
         request.extensions_mut().insert(caller.info.clone());
         answer(routes.clone(), request, caller.clone(), counted.begin())
     });
-    let mut server = pin!(builder().serve_connection(TokioIo::new(stream), service));
+    let stream = TokioIo::new(stream);
+    if gate.web.is_some() && !PREFACE_OF_HTTP2.starts_with(first) {
+        let mut builder = http1::Builder::new();
+        builder.timer(TokioTimer::new()).header_read_timeout(patience.preface).max_buf_size(64 * 1024);
+        let server = pin!(builder.serve_connection(stream, service));
+        attend(server, |server| server.graceful_shutdown(), &listed, patience, closing).await;
+    } else {
+        let server = pin!(builder().serve_connection(stream, service));
+        attend(server, |server| server.graceful_shutdown(), &listed, patience, closing).await;
+    }
+}
+
+/// Drives a connection until it ends, has been idle for too long, or the server goes down.
+async fn attend<F: Future>(
+    mut server: Pin<&mut F>,
+    leave: impl Fn(Pin<&mut F>),
+    calls: &Connection,
+    patience: Patience,
+    mut closing: watch::Receiver<bool>,
+) {
     let mut quiet_since = Instant::now();
     let mut leaving = false;
     loop {
@@ -187,13 +213,13 @@ async fn calls<S: AsyncRead + AsyncWrite + Unpin + Send + 'static>(
             _ = server.as_mut() => return,
             _ = closing.wait_for(|closing| *closing), if !leaving => {
                 leaving = true;
-                server.as_mut().graceful_shutdown();
+                leave(server.as_mut());
             }
             () = tokio::time::sleep_until(quiet_since + patience.idle) => {
-                if calls.none() && !leaving && calls.take_served() == 0 {
+                if calls.is_idle() && !leaving && calls.take_served() == 0 {
                     leaving = true;
-                    server.as_mut().graceful_shutdown();
-                } else if leaving && calls.none() {
+                    leave(server.as_mut());
+                } else if leaving && calls.is_idle() {
                     return;
                 }
                 quiet_since = Instant::now();
@@ -202,13 +228,13 @@ async fn calls<S: AsyncRead + AsyncWrite + Unpin + Send + 'static>(
     }
 }
 
-/// Waits for the first bytes of HTTP/2; `false` if the peer leaves before.
-async fn speaks(stream: &TcpStream) -> bool {
+/// Waits for the first bytes of a connection; `None` if the peer leaves before.
+async fn speaks(stream: &TcpStream) -> Option<[u8; PREFACE]> {
     let mut first = [0; PREFACE];
     loop {
         match stream.peek(&mut first).await {
-            Ok(PREFACE) => return true,
-            Ok(0) | Err(_) => return false,
+            Ok(PREFACE) => return Some(first),
+            Ok(0) | Err(_) => return None,
             Ok(_) => sleep(LOOK).await,
         }
     }
@@ -232,18 +258,33 @@ fn builder() -> http2::Builder<TokioExecutor> {
 
 /// Answers one call of somebody who may make it, within its deadline if it has one.
 async fn answer(
-    mut routes: Routes,
+    routes: Routes,
     mut request: Request<Incoming>,
     peer: Peer,
     call: Call,
 ) -> Result<Response<Held>, Infallible> {
     let begin = Instant::now();
+    let readable = match &peer.gate.web {
+        None => None,
+        Some(web) => match web.preflight(&request) {
+            Some(answer) => return Ok(answer.map(|body| Held::new(body, call))),
+            None => web.readable(request.headers()),
+        },
+    };
     let caller = match peer.gate.admit(&mut request, peer.address, &peer.names) {
         Ok(caller) => caller,
-        Err(refused) => return Ok(refused.map(|body| Held::new(body, call))),
+        Err(mut refused) => {
+            if let Some(origin) = readable {
+                web::allow(refused.headers_mut(), origin);
+            }
+            return Ok(refused.map(|body| Held::new(body, call)));
+        }
     };
+    if let Some(caller) = &caller {
+        call.by(&caller.identity);
+    }
     let (path, deadline) = (request.uri().path().to_owned(), deadline(request.headers()));
-    let answered = routes.call(request.map(Body::new));
+    let answered = ask(routes, request.map(Body::new), peer.gate.web.is_some());
     let response = match deadline {
         None => answered.await?,
         Some(deadline) => match timeout(deadline, answered).await {
@@ -251,8 +292,11 @@ async fn answer(
             Err(_) => Status::from(Refusal::CallDeadline).into_http(),
         },
     };
-    let response = detailed(response);
+    let mut response = detailed(response);
     peer.gate.answered(peer.address, caller.as_ref(), &path, &response, begin.elapsed());
+    if let Some(origin) = readable {
+        web::allow(response.headers_mut(), origin);
+    }
     Ok(response.map(|body| Held::new(body, call)))
 }
 
@@ -266,6 +310,14 @@ fn detailed(response: Response<Body>) -> Response<Body> {
     match Status::from_header_map(headers) {
         Some(status) => Status::from(Refusal::of_transport(&status)).into_http(),
         None => response,
+    }
+}
+
+/// Hands a call to its service, translated from gRPC-Web where that is allowed.
+async fn ask(mut routes: Routes, request: Request<Body>, web: bool) -> Result<Response<Body>, Infallible> {
+    match web {
+        true => GrpcWebLayer::new().layer(routes).call(request).await,
+        false => routes.call(request).await,
     }
 }
 
@@ -286,40 +338,6 @@ fn deadline(headers: &HeaderMap) -> Option<Duration> {
         "n" => Duration::from_nanos(count),
         _ => return None,
     })
-}
-
-/// Calls of one connection.
-#[derive(Debug, Default)]
-struct Calls {
-    open: AtomicUsize,
-    served: AtomicUsize,
-}
-
-impl Calls {
-    fn begin(self: &Arc<Self>) -> Call {
-        self.open.fetch_add(1, Ordering::Relaxed);
-        self.served.fetch_add(1, Ordering::Relaxed);
-        Call(self.clone())
-    }
-
-    fn none(&self) -> bool {
-        self.open.load(Ordering::Relaxed) == 0
-    }
-
-    /// Calls begun since the last time this was asked.
-    fn take_served(&self) -> usize {
-        self.served.swap(0, Ordering::Relaxed)
-    }
-}
-
-/// A call under way, until its answer has been sent or dropped.
-#[derive(Debug)]
-pub(super) struct Call(Arc<Calls>);
-
-impl Drop for Call {
-    fn drop(&mut self) {
-        self.0.open.fetch_sub(1, Ordering::Relaxed);
-    }
 }
 
 /// Descriptors that the process may have, after asking for all that it can get.

@@ -80,6 +80,9 @@ fn config(options: &Guard) -> Result<ServerConfig, String> {
     let chain = certificates(&options.tls_cert)?;
     let mut config = builder.with_single_cert(chain, key).map_err(|error| wrong(&options.tls_cert, error))?;
     config.alpn_protocols = vec![b"h2".to_vec()];
+    if options.grpc_web {
+        config.alpn_protocols.push(b"http/1.1".to_vec());
+    }
     Ok(config)
 }
 
@@ -104,6 +107,13 @@ pub(super) struct Begun<S> {
     first: [u8; PREFACE],
     taken: usize,
     stream: S,
+}
+
+impl<S> Begun<S> {
+    /// Its first bytes.
+    pub(super) fn first(&self) -> &[u8; PREFACE] {
+        &self.first
+    }
 }
 
 impl<S: AsyncRead + Unpin> AsyncRead for Begun<S> {

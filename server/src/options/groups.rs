@@ -142,6 +142,10 @@ group! {
         insecure: bool = false, "COUNTERPOINT_INSECURE", "BOOL" [num_args = 0..=1, default_missing_value = "true"];
         /// Tell clients the contract (server reflection)
         reflection: bool = true, "COUNTERPOINT_REFLECTION", "BOOL" [num_args = 0..=1, default_missing_value = "true"];
+        /// Speak gRPC-Web too, over HTTP/1.1 and HTTP/2
+        grpc_web: bool = false, "COUNTERPOINT_GRPC_WEB", "BOOL" [num_args = 0..=1, default_missing_value = "true"];
+        /// Origins whose pages may call with gRPC-Web, with commas between; * = all; empty = pages of this server only
+        grpc_web_origins: String = String::new(), "COUNTERPOINT_GRPC_WEB_ORIGINS", "ORIGINS";
         /// Most calls of one identity in a second; 0 = without limit
         max_calls_per_s: u32 = 0, "COUNTERPOINT_MAX_CALLS_PER_S", "N";
         /// File for the audit log; empty = none

@@ -16,6 +16,7 @@ use crate::jobs::filter::{self, Filter};
 use crate::ledger::Query;
 use crate::log::reader::Reader;
 use crate::reason::Refusal;
+use crate::trace;
 
 #[tonic::async_trait]
 impl Service for Jobs {
@@ -26,9 +27,12 @@ impl Service for Jobs {
         if self.0.drain.begun() {
             return Err(Refusal::Draining { cursor: 0 }.into());
         }
+        let parent = request.metadata().get("traceparent").and_then(|value| value.to_str().ok()).unwrap_or_default();
+        let traceparent = trace::parse(parent).map_or_else(String::new, |_| parent.trim().to_owned());
         let (core, caller, request) = (self.0.clone(), Caller::of(&request)?, request.into_inner());
         let tenant = caller.tenant().to_owned();
-        let record = blocking(move || submit::record(&core, &tenant, request)).await?;
+        let mut record = blocking(move || submit::record(&core, &tenant, request)).await?;
+        record.runs.traceparent = traceparent;
         let (record, duplicate) = self.0.submit(record).await?;
         caller.about(&record.id);
         Ok(Response::new(v1::SubmitJobResponse { status: Some(status(record)), duplicate }))

@@ -2,6 +2,7 @@
 //!
 //! Invariant: nothing here blocks the async threads on files or renderers; whatever may, runs on blocking threads.
 
+mod admin;
 mod blobs;
 mod jobs;
 mod machines;
@@ -39,6 +40,13 @@ pub(crate) struct Operator(pub(crate) Arc<Core>);
 /// Service `Results`.
 #[derive(Debug)]
 pub(crate) struct Results(pub(crate) Arc<Core>);
+
+/// Service `Admin`.
+pub(crate) struct Admin {
+    pub(crate) core: Arc<Core>,
+    /// Asks the server to drain.
+    pub(crate) stop: Box<dyn Fn() + Send + Sync>,
+}
 
 /// Bytes of a chunk in streams of the server.
 const CHUNK: usize = 64 * 1024;

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use counterpoint_proto::v1;
+use counterpoint_proto::v1::admin_client::AdminClient;
 use counterpoint_proto::v1::blobs_client::BlobsClient;
 use counterpoint_proto::v1::jobs_client::JobsClient;
 use counterpoint_proto::v1::machines_client::MachinesClient;
@@ -65,6 +66,10 @@ impl As {
 
     pub fn operator(&self) -> OperatorClient<Through> {
         OperatorClient::with_interceptor(self.connection.clone(), self.bearer.clone())
+    }
+
+    pub fn admin(&self) -> AdminClient<Through> {
+        AdminClient::with_interceptor(self.connection.clone(), self.bearer.clone())
     }
 
     pub async fn upload(&self, content: &[u8]) -> Result<String, Status> {

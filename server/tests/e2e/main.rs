@@ -9,6 +9,7 @@
     clippy::indexing_slicing
 )]
 
+mod admin;
 mod backup;
 mod collect;
 mod connections;
@@ -34,7 +35,9 @@ mod submit;
 mod support;
 mod tenants;
 mod tls;
+mod traces;
 mod trouble;
 mod upgrade;
 mod watch;
 mod watch_jobs;
+mod web;

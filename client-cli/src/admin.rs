@@ -1,0 +1,65 @@
+//! `admin`: what a server is busy with, and what it is asked to do about itself.
+
+use counterpoint_proto::v1;
+
+use crate::arguments::Admin;
+use crate::client::Client;
+use crate::error::Error;
+use crate::say;
+use crate::text::table;
+
+/// Carries out a command; gives the exit code.
+pub(crate) async fn dispatch(command: Admin) -> Result<u8, Error> {
+    let (Admin::Connections(at) | Admin::Streams(at) | Admin::Workers(at) | Admin::Drain(at) | Admin::Collect(at)) =
+        &command;
+    let client = Client::connect(&at.remote.server).await?;
+    let text = match command {
+        Admin::Connections(_) => connections(&client).await?,
+        Admin::Streams(_) => streams(&client).await?,
+        Admin::Workers(_) => workers(&client).await?,
+        Admin::Drain(_) => {
+            let answer = client.admin().drain(v1::DrainRequest {}).await?.into_inner();
+            format!("the server shuts down: {} jobs run and have {} s to end\n", answer.running, answer.grace_s)
+        }
+        Admin::Collect(_) => {
+            let answer = client.admin().collect(v1::CollectRequest {}).await?.into_inner();
+            format!("removed {} jobs, {} blobs\n", answer.jobs, answer.blobs)
+        }
+    };
+    say::data(text.as_bytes())?;
+    Ok(0)
+}
+
+/// A table with a head.
+fn rows(head: &[&str], rows: impl Iterator<Item = Vec<String>>, left: usize) -> String {
+    let head = head.iter().map(|text| (*text).to_owned()).collect();
+    table(&std::iter::once(head).chain(rows).collect::<Vec<_>>(), left)
+}
+
+async fn connections(client: &Client) -> Result<String, Error> {
+    let answer = client.admin().list_connections(v1::ListConnectionsRequest {}).await?.into_inner();
+    let row = |c: v1::ConnectionInfo| {
+        vec![c.peer, c.tenant, c.identity, c.number.to_string(), c.open_calls.to_string(), c.calls.to_string()]
+    };
+    let head = ["peer", "tenant", "identity", "number", "open calls", "calls"];
+    Ok(rows(&head, answer.connections.into_iter().map(row), 3))
+}
+
+async fn streams(client: &Client) -> Result<String, Error> {
+    let answer = client.admin().list_streams(v1::ListStreamsRequest {}).await?.into_inner();
+    let row = |s: v1::StreamInfo| {
+        vec![s.job_id, s.tenant, s.number.to_string(), s.position.to_string(), s.behind.to_string()]
+    };
+    Ok(rows(&["job", "tenant", "number", "position", "behind"], answer.streams.into_iter().map(row), 2))
+}
+
+async fn workers(client: &Client) -> Result<String, Error> {
+    let answer = client.admin().list_workers(v1::ListWorkersRequest {}).await?.into_inner();
+    let running = answer.workers.len();
+    let row = |w: v1::WorkerInfo| {
+        vec![w.job_id, w.tenant, w.machine, w.attempt.to_string(), w.blocks.to_string(), w.events.to_string()]
+    };
+    let list = rows(&["job", "tenant", "machine", "run", "blocks", "events"], answer.workers.into_iter().map(row), 3);
+    let v1::ListWorkersResponse { slots, storing, queued, .. } = answer;
+    Ok(format!("{list}{running} of {slots} workers run jobs, {storing} jobs are being stored, {queued} wait\n"))
+}

@@ -1,0 +1,129 @@
+//! Connections under way: who is connected since when, with how many calls.
+//!
+//! *Invariant:* a connection is listed exactly as long as its [`Connection`] lives, a call counts until its [`Call`] is dropped.
+
+use std::net::SocketAddr;
+use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
+
+use dashmap::DashMap;
+
+use crate::access::Identity;
+use crate::ledger::record::now_ms;
+
+/// Counts of a connection.
+#[derive(Debug)]
+struct Counts {
+    number: u64,
+    peer: SocketAddr,
+    since_ms: i64,
+    identity: Mutex<Option<Arc<Identity>>>,
+    open: AtomicUsize,
+    all: AtomicU64,
+    /// Calls begun since the last time somebody asked.
+    served: AtomicUsize,
+}
+
+/// What is known about a connection.
+#[derive(Debug)]
+pub(crate) struct Seen {
+    pub(crate) number: u64,
+    pub(crate) peer: SocketAddr,
+    pub(crate) since_ms: i64,
+    pub(crate) identity: Option<Arc<Identity>>,
+    pub(crate) open: usize,
+    pub(crate) all: u64,
+}
+
+/// All connections.
+#[derive(Debug, Default)]
+pub(crate) struct Connections {
+    last: AtomicU64,
+    open: DashMap<u64, Arc<Counts>>,
+}
+
+impl Connections {
+    /// Lists a connection.
+    pub(crate) fn list(self: &Arc<Self>, peer: SocketAddr) -> Connection {
+        let number = self.last.fetch_add(1, Ordering::Relaxed) + 1;
+        let counts = Arc::new(Counts {
+            number,
+            peer,
+            since_ms: now_ms(),
+            identity: Mutex::default(),
+            open: AtomicUsize::new(0),
+            all: AtomicU64::new(0),
+            served: AtomicUsize::new(0),
+        });
+        self.open.insert(number, counts.clone());
+        Connection { all: self.clone(), counts }
+    }
+
+    /// All of them, oldest first.
+    pub(crate) fn seen(&self) -> Vec<Seen> {
+        let seen = |counts: &Counts| Seen {
+            number: counts.number,
+            peer: counts.peer,
+            since_ms: counts.since_ms,
+            identity: counts.identity.lock().unwrap_or_else(PoisonError::into_inner).clone(),
+            open: counts.open.load(Ordering::Relaxed),
+            all: counts.all.load(Ordering::Relaxed),
+        };
+        let mut all: Vec<Seen> = self.open.iter().map(|counts| seen(&counts)).collect();
+        all.sort_by_key(|connection| connection.number);
+        all
+    }
+}
+
+/// A connection that is listed.
+#[derive(Debug)]
+pub(crate) struct Connection {
+    all: Arc<Connections>,
+    counts: Arc<Counts>,
+}
+
+impl Connection {
+    /// Counts a call.
+    pub(crate) fn begin(&self) -> Call {
+        self.counts.open.fetch_add(1, Ordering::Relaxed);
+        self.counts.all.fetch_add(1, Ordering::Relaxed);
+        self.counts.served.fetch_add(1, Ordering::Relaxed);
+        Call(self.counts.clone())
+    }
+
+    /// Whether no call is under way.
+    pub(crate) fn is_idle(&self) -> bool {
+        self.counts.open.load(Ordering::Relaxed) == 0
+    }
+
+    /// Calls begun since the last time this was asked.
+    pub(crate) fn take_served(&self) -> usize {
+        self.counts.served.swap(0, Ordering::Relaxed)
+    }
+}
+
+impl Drop for Connection {
+    fn drop(&mut self) {
+        self.all.open.remove(&self.counts.number);
+    }
+}
+
+/// A call under way, until its answer has been sent or dropped.
+#[derive(Debug)]
+pub(crate) struct Call(Arc<Counts>);
+
+impl Call {
+    /// Notes who calls.
+    pub(crate) fn by(&self, identity: &Arc<Identity>) {
+        let mut last = self.0.identity.lock().unwrap_or_else(PoisonError::into_inner);
+        if !last.as_ref().is_some_and(|last| Arc::ptr_eq(last, identity)) {
+            *last = Some(identity.clone());
+        }
+    }
+}
+
+impl Drop for Call {
+    fn drop(&mut self) {
+        self.0.open.fetch_sub(1, Ordering::Relaxed);
+    }
+}

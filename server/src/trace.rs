@@ -1,0 +1,80 @@
+//! The W3C trace context of a job: the trace of its client, continued.
+//!
+//! *Invariant:* a job has one trace and one span, whatever run it is in and whatever server runs it: both come from what the
+//! client sent and from the id of the job.
+
+use sha2::{Digest as _, Sha256};
+
+/// Where a job belongs in a trace.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct Context {
+    /// The trace, 32 lower-case hexadecimal digits.
+    pub(crate) trace: String,
+    /// The span of the job, 16 lower-case hexadecimal digits.
+    pub(crate) span: String,
+    /// The span of the client, likewise; empty = there is none.
+    pub(crate) parent: String,
+}
+
+impl Context {
+    /// The context of a job whose client sent this `traceparent`. One that is absent or cannot be one begins a trace.
+    pub(crate) fn of(job: &str, traceparent: &str) -> Self {
+        let own: String = Sha256::digest(job).iter().map(|byte| format!("{byte:02x}")).collect();
+        let (first, second) = own.split_at_checked(32).unwrap_or_default();
+        let span = second.get(..16).unwrap_or_default().to_owned();
+        match parse(traceparent) {
+            Some((trace, parent)) => Self { trace: trace.to_owned(), span, parent: parent.to_owned() },
+            None => Self { trace: first.to_owned(), span, parent: String::new() },
+        }
+    }
+}
+
+/// Trace and parent of a `traceparent`: version, trace, span and flags, as W3C Trace Context 3.2 has it.
+pub(crate) fn parse(traceparent: &str) -> Option<(&str, &str)> {
+    let mut fields = traceparent.trim().split('-');
+    let (version, trace, span, flags) = (fields.next()?, fields.next()?, fields.next()?, fields.next()?);
+    let is_hex = |text: &str, digits: usize| {
+        text.len() == digits && text.bytes().all(|b| b.is_ascii_digit() || (b'a'..=b'f').contains(&b))
+    };
+    let is_set = |text: &str| text.bytes().any(|b| b != b'0');
+    let known = is_hex(version, 2) && version != "ff" && (version != "00" || fields.next().is_none());
+    let valid = is_hex(trace, 32) && is_set(trace) && is_hex(span, 16) && is_set(span) && is_hex(flags, 2);
+    (known && valid).then_some((trace, span))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const TRACE: &str = "4bf92f3577b34da6a3ce929d0e0e4736";
+    const SPAN: &str = "00f067aa0ba902b7";
+
+    #[test]
+    fn the_trace_of_the_client_is_continued() {
+        let sent = format!("00-{TRACE}-{SPAN}-01");
+        let context = Context::of("job", &sent);
+        assert_eq!((context.trace.as_str(), context.parent.as_str()), (TRACE, SPAN));
+        assert_eq!(context, Context::of("job", &sent), "every run has the same span");
+        assert_ne!(context.span, Context::of("other", &sent).span);
+        let own = Context::of("job", "");
+        assert_eq!((own.trace.len(), own.span.len(), own.parent.as_str()), (32, 16, ""));
+        assert_eq!(own.span, context.span);
+    }
+
+    #[test]
+    fn what_is_not_a_traceparent_is_ignored() {
+        for wrong in [
+            String::new(),
+            format!("00-{TRACE}-{SPAN}"),
+            format!("ff-{TRACE}-{SPAN}-01"),
+            format!("00-{TRACE}-{SPAN}-01-more"),
+            format!("00-{}-{SPAN}-01", TRACE.to_uppercase()),
+            format!("00-{}-{SPAN}-01", "0".repeat(32)),
+            format!("00-{TRACE}-{}-01", "0".repeat(16)),
+            format!("00-{TRACE}-{SPAN}-x1"),
+        ] {
+            assert_eq!(parse(&wrong), None, "{wrong}");
+        }
+        assert!(parse(&format!("01-{TRACE}-{SPAN}-01-more")).is_some(), "later versions may add fields");
+    }
+}

@@ -1,0 +1,60 @@
+//! gRPC-Web over HTTP/1.1.
+
+use counterpoint_server::access::Role;
+use tokio::io::{AsyncReadExt as _, AsyncWriteExt as _};
+use tokio::net::TcpStream;
+
+use crate::guarded::*;
+use crate::support::*;
+
+const LIST: &str = "/counterpoint.v1.Jobs/ListJobs";
+
+/// Sends a request and gives all that comes back until the server closes the connection.
+async fn ask(server: &Server, method: &str, headers: &str, body: &[u8]) -> Vec<u8> {
+    let mut stream = TcpStream::connect(server.handle.address()).await.unwrap();
+    let length = body.len();
+    let head = format!(
+        "{method} {LIST} HTTP/1.1\r\nhost: x\r\nconnection: close\r\ncontent-length: {length}\r\n{headers}\r\n"
+    );
+    stream.write_all(head.as_bytes()).await.unwrap();
+    stream.write_all(body).await.unwrap();
+    let mut answer = Vec::new();
+    let _ = stream.read_to_end(&mut answer).await;
+    answer
+}
+
+#[tokio::test]
+async fn grpc_web_is_spoken_only_where_it_was_switched_on() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut options = guarded(folder.path());
+    let token = grant(&options, "page", "t", Role::Read);
+    let call = format!(
+        "content-type: application/grpc-web+proto\r\norigin: https://cam.example\r\nauthorization: Bearer {token}\r\n"
+    );
+    let server = Server::start(options.clone()).await;
+    let answer = ask(&server, "POST", &call, &[0; 5]).await;
+    assert!(!String::from_utf8_lossy(&answer).contains("200 OK"), "it is off");
+    server.stop().await;
+
+    (options.guard.grpc_web, options.guard.grpc_web_origins) = (true, "https://cam.example".into());
+    let server = Server::start(options).await;
+    let text = |answer: Vec<u8>| String::from_utf8_lossy(&answer).into_owned();
+    let answer = text(ask(&server, "POST", &call, &[0; 5]).await);
+    assert!(answer.starts_with("HTTP/1.1 200 OK") && answer.contains("grpc-status:0"), "{answer}");
+    assert!(answer.contains("access-control-allow-origin: https://cam.example"), "{answer}");
+    let foreign = call.replace("cam.example", "evil.example");
+    let answer = text(ask(&server, "POST", &foreign, &[0; 5]).await);
+    assert!(!answer.contains("access-control-allow-origin"), "{answer}");
+    let nobody = "content-type: application/grpc-web+proto\r\norigin: https://cam.example\r\n";
+    let answer = text(ask(&server, "POST", nobody, &[0; 5]).await);
+    assert!(answer.contains("grpc-status: 16"), "an identity is needed as ever: {answer}");
+    let question = "origin: https://cam.example\r\naccess-control-request-method: POST\r\n";
+    let answer = text(ask(&server, "OPTIONS", question, b"").await);
+    assert!(answer.starts_with("HTTP/1.1 204") && answer.contains("access-control-allow-methods: POST"), "{answer}");
+    let plain = "content-type: application/grpc\r\n".to_owned() + &format!("authorization: Bearer {token}\r\n");
+    let answer = text(ask(&server, "POST", &plain, &[0; 5]).await);
+    assert!(!answer.contains("grpc-status: 0") && !answer.contains("grpc-status:0"), "{answer}");
+    // HTTP/2 on the same port is served as before.
+    As::new(&server, &token).list().await;
+    server.stop().await;
+}
