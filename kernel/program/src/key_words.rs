@@ -4,7 +4,7 @@
 //! Facts: reference control-emulator.md 5.4 (key words may be cut to two letters). *Invariant:* scanner and compiler ask
 //! the same question, so a line that one of them takes for words is never a statement for the other.
 
-use super::special::{Special, stands};
+use super::prefix_registers::{PrefixRegister, stands};
 
 /// Key words of the statements of a control.
 #[derive(Debug, Clone, Copy, Default)]
@@ -21,7 +21,7 @@ pub struct Names<'a> {
     /// Literal texts that look like words, with their rows, longest first.
     pub like_words: &'a [(Vec<u8>, u16)],
     /// Special registers, longest first.
-    pub registers: &'a [Special],
+    pub registers: &'a [PrefixRegister],
     /// All literal texts with their rows, longest first.
     pub texts: &'a [(Vec<u8>, u16)],
     /// Most levels of brackets in an expression.

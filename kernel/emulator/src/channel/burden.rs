@@ -34,7 +34,7 @@ impl Kernel<'_> {
         let compiled = self.dialect.interpreter.as_deref().map_or(0, |interpreter| interpreter.tables());
         let tables = self.flow.tables as u64 + compiled;
         let parts = [
-            (self.channel.burden.results, "diagnostics and meetings"),
+            (self.channel.burden.results, "diagnostics and waits"),
             (interpreter, "variables of the program"),
             (tables, "tables of the program's labels and lines"),
             (room.path.min(events.saturating_mul(PATH)), "the toolpath"),

@@ -1,7 +1,7 @@
 //! The spindle of a channel: what it is commanded to do, how it turns, what other channels see of it.
 //!
 //! Facts: reference channel-synchronisation.md 1.9 (a spindle that several channels command: the last writer in tag order
-//! wins, with a warning when no meeting lies between). Invariant: a shared spindle is reached only through shared
+//! wins, with a warning when no sync point lies between). Invariant: a shared spindle is reached only through shared
 //! operations; an own one is plain state of the channel.
 
 use counterpoint_fault::{Acted, Halt};
@@ -51,7 +51,7 @@ impl Kernel<'_> {
         }
         if conflict != 0 {
             let text = format!(
-                "channels {conflict} and {channel} both command the spindle without a meeting between them, here in '{}': the later one in time holds",
+                "channels {conflict} and {channel} both command the spindle without a sync point between them, here in '{}': the later one in time holds",
                 self.block_text()
             );
             self.diagnose(&diag::SPINDLE_CONFLICT, text);

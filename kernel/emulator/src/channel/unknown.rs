@@ -85,7 +85,7 @@ impl Kernel<'_> {
             .block
             .pending
             .iter()
-            .filter_map(|firing| self.channel.env.machine.codes.get(usize::from(firing.row)));
+            .filter_map(|pending| self.channel.env.machine.codes.get(usize::from(pending.row)));
         rows.any(|row| row.id == codes::CALSUB_ID)
     }
 

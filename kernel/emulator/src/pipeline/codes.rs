@@ -32,9 +32,9 @@ impl Kernel<'_> {
         }
         self.check_refused()?;
         self.sort();
-        while let Some(&firing) = self.channel.block.pending.get(self.channel.block.next) {
+        while let Some(&pending) = self.channel.block.pending.get(self.channel.block.next) {
             self.channel.block.next += 1;
-            self.fire(firing)?;
+            self.fire(pending)?;
             if let Some(hooks) = hooks {
                 (hooks.codes.acted)(self)?;
             }
@@ -125,14 +125,14 @@ impl Kernel<'_> {
             .copied()
             .filter(|word| Some(word.register) == self.plan.registers.g)?;
         let rows = self.channel.env.machine.tables.code(word.register, word.value);
-        let fired = |firing: &PendingCode| firing.value == word.value && rows.contains(&firing.row);
+        let fired = |pending: &PendingCode| pending.value == word.value && rows.contains(&pending.row);
         let at = self.channel.block.pending.iter().position(fired)?;
         let group = self
             .channel
             .block
             .pending
             .get(at)
-            .and_then(|firing| self.plan.rules.exclusive.get(usize::from(firing.row)))?;
+            .and_then(|pending| self.plan.rules.exclusive.get(usize::from(pending.row)))?;
         (*group != 0).then_some((word, at, *group))
     }
 
@@ -242,7 +242,7 @@ impl Kernel<'_> {
                 .block
                 .pending
                 .get(at)
-                .and_then(|firing| self.channel.env.machine.codes.get(usize::from(firing.row)));
+                .and_then(|pending| self.channel.env.machine.codes.get(usize::from(pending.row)));
             let row = row.filter(|row| !row.process);
             for &register in row.map_or(&[][..], |row| row.ignores.as_slice()) {
                 self.channel.block.take(register);
@@ -268,9 +268,9 @@ impl Kernel<'_> {
         self.queue_modal(group);
         // Alone on its block it finds what fires it.
         if (before > 0 || !self.channel.state.modal.refires.is_empty() || self.plan.hooks.is_some())
-            && let Some(firing) = self.channel.block.pending.get_mut(before)
+            && let Some(pending) = self.channel.block.pending.get_mut(before)
         {
-            firing.only_if_data_left = true;
+            pending.only_if_data_left = true;
         }
     }
 
@@ -292,32 +292,32 @@ impl Kernel<'_> {
     /// By order, left to right among equals (insertion sort: a block has few codes).
     #[inline(always)]
     pub(crate) fn sort(&mut self) {
-        let firings = &mut self.channel.block.pending;
-        for end in 1..firings.len() {
+        let pending = &mut self.channel.block.pending;
+        for end in 1..pending.len() {
             let mut at = end;
-            while at > 0 && firings.get(at - 1).map(|f| f.order) > firings.get(at).map(|f| f.order) {
-                firings.swap(at - 1, at);
+            while at > 0 && pending.get(at - 1).map(|f| f.order) > pending.get(at).map(|f| f.order) {
+                pending.swap(at - 1, at);
                 at -= 1;
             }
         }
     }
 
     /// Lets one code act.
-    pub(crate) fn fire(&mut self, firing: PendingCode) -> Acted {
+    pub(crate) fn fire(&mut self, pending: PendingCode) -> Acted {
         self.channel.check_stop()?;
         let machine = self.channel.env.machine;
-        let Some(row) = machine.codes.get(usize::from(firing.row)) else { return Ok(()) };
-        if firing.only_if_data_left && !self.is_left(row.group) {
+        let Some(row) = machine.codes.get(usize::from(pending.row)) else { return Ok(()) };
+        if pending.only_if_data_left && !self.is_left(row.group) {
             return Ok(());
         }
         if !row.process {
             self.trace_ignored(row.id);
             return Ok(());
         }
-        self.set_firing(row, firing);
+        self.set_firing(row, pending);
         let result = match self.plan.hooks {
-            Some(hooks) => (hooks.codes.act)(self, firing, row.id),
-            None => self.perform(row, firing),
+            Some(hooks) => (hooks.codes.act)(self, pending, row.id),
+            None => self.perform(row, pending),
         };
         self.channel.acting.as_data = None;
         result
@@ -325,35 +325,35 @@ impl Kernel<'_> {
 
     /// Value that a code hands over as data.
     #[inline]
-    pub(crate) fn data_of_firing(row: &CodeRow, firing: PendingCode) -> Option<(DataId, f64)> {
+    pub(crate) fn data_of_firing(row: &CodeRow, pending: PendingCode) -> Option<(DataId, f64)> {
         match row.form {
-            CodeForm::RegisterAsData { data, .. } => Some((data, firing.value * row.mul + row.add)),
+            CodeForm::RegisterAsData { data, .. } => Some((data, pending.value * row.mul + row.add)),
             _ => None,
         }
     }
 
     /// What firing a code means before it acts: its data, its modal group.
     #[inline(always)]
-    pub(crate) fn set_firing(&mut self, row: &CodeRow, firing: PendingCode) {
-        self.channel.acting.as_data = Self::data_of_firing(row, firing);
+    pub(crate) fn set_firing(&mut self, row: &CodeRow, pending: PendingCode) {
+        self.channel.acting.as_data = Self::data_of_firing(row, pending);
         self.channel.acting.mode_changed = self.channel.state.modal.code(row.group) != Some(row.id);
         match row.modality {
-            Modality::NonModal if row.group != 0 && !firing.modal => self.channel.state.modal.refire_once(row.group),
+            Modality::NonModal if row.group != 0 && !pending.modal => self.channel.state.modal.refire_once(row.group),
             Modality::NonModal => {}
-            Modality::Modal => self.channel.state.modal.activate(row.group, row.id, firing.row),
-            Modality::Persistent => self.channel.state.modal.activate_persistent(row.group, row.id, firing.row),
+            Modality::Modal => self.channel.state.modal.activate(row.group, row.id, pending.row),
+            Modality::Persistent => self.channel.state.modal.activate_persistent(row.group, row.id, pending.row),
         }
     }
 
     /// The built-in action of a code.
     #[inline(always)]
-    pub(crate) fn perform(&mut self, row: &CodeRow, firing: PendingCode) -> Acted {
-        let result = match self.plan.action_of_row.get(usize::from(firing.row)).copied().flatten() {
+    pub(crate) fn perform(&mut self, row: &CodeRow, pending: PendingCode) -> Acted {
+        let result = match self.plan.action_of_row.get(usize::from(pending.row)).copied().flatten() {
             Some(action) => {
                 if self.channel.env.trace.is_some() {
                     self.trace_code(row.id);
                 }
-                action.run(self, row, &firing)
+                action.run(self, row, &pending)
             }
             None => {
                 self.trace_ignored(row.id);
@@ -362,7 +362,7 @@ impl Kernel<'_> {
             }
         };
         if row.seconds > 0.0 && result.is_ok() {
-            self.take_time(row, firing);
+            self.take_time(row, pending);
         }
         result
     }

@@ -56,7 +56,7 @@ impl Kernel<'_> {
     fn leftover_word(&mut self, register: u8, value: f64, span: (u32, u32)) {
         let machine = self.channel.env.machine;
         let mut rows =
-            self.channel.block.pending.iter().filter_map(|firing| machine.codes.get(usize::from(firing.row)));
+            self.channel.block.pending.iter().filter_map(|pending| machine.codes.get(usize::from(pending.row)));
         if rows.any(|row| row.ignores.contains(&register)) {
             return;
         }
