@@ -132,6 +132,19 @@ impl Rules {
         self.of(wait).is_some_and(|rule| rule.absent == Absent::Counts)
     }
 
+    /// The mark as the listing names it: `101` of `M101`, else the word with its number.
+    pub fn mark(&self, wait: &Wait) -> String {
+        let number = wait.key.number;
+        match self.of(wait) {
+            None => number.to_string(),
+            Some(rule) if rule.numbered && rule.word.len() == 1 && wait.primitive != Primitive::Signal => {
+                number.to_string()
+            }
+            Some(rule) if rule.numbered => format!("{}{number}", rule.word),
+            Some(rule) => rule.word.to_string(),
+        }
+    }
+
     /// The wait as people write it: `M101`, `M101 P12`, `START1`.
     pub fn text(&self, wait: &Wait) -> String {
         let Some(rule) = self.of(wait) else { return wait.key.number.to_string() };

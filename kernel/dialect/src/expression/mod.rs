@@ -9,4 +9,4 @@ mod read;
 
 pub(super) use code::{Code, Op};
 pub(super) use evaluate::{Evaluate, Stack};
-pub(super) use read::{Grammar, Operators, Part, Sign, read, signed};
+pub(super) use read::{COMPARISONS, Grammar, Operators, Part, Sign, read, signed};

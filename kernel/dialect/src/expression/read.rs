@@ -9,6 +9,16 @@ use crate::numeric::{Function, Operator};
 /// Operators by level, loosest first: their words and what they do.
 pub(crate) type Operators = &'static [&'static [(&'static str, Operator)]];
 
+/// Comparisons of the controls that write them as words.
+pub(crate) const COMPARISONS: &[(&str, Operator)] = &[
+    ("EQ", Operator::Eq),
+    ("NE", Operator::Ne),
+    ("GT", Operator::Gt),
+    ("GE", Operator::Ge),
+    ("LT", Operator::Lt),
+    ("LE", Operator::Le),
+];
+
 /// What stands before an operand.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Sign {

@@ -5,31 +5,22 @@
 
 use super::cursor::{Error, Parser};
 use super::expr::{Expr, Op, Own, STACK};
-use crate::expression::{Code, Grammar, Operators, Part, Sign, read};
-use crate::numeric::{Function, Operator};
+use crate::expression::{COMPARISONS, Code, Grammar, Operators, Part, Sign, read};
+use crate::numeric::{Function, NAMED, Operator};
 
-/// Functions of one argument in brackets.
+/// Functions of one argument in brackets besides those of all controls.
 const FUNCTIONS: &[(&str, Op)] = &[
-    ("SIN", Op::Apply(Function::Sin)),
-    ("COS", Op::Apply(Function::Cos)),
-    ("TAN", Op::Apply(Function::Tan)),
-    ("ASIN", Op::Apply(Function::Asin)),
-    ("ACOS", Op::Apply(Function::Acos)),
     ("ATAN", Op::Apply(Function::Atan)),
-    ("SQRT", Op::Apply(Function::Sqrt)),
     ("SQR", Op::Apply(Function::Sqrt)),
-    ("ABS", Op::Apply(Function::Abs)),
     ("ROUND", Op::Own(Own::Round)),
     ("FIX", Op::Apply(Function::Fix)),
     ("FUP", Op::Apply(Function::Fup)),
-    ("LN", Op::Apply(Function::Ln)),
-    ("EXP", Op::Apply(Function::Exp)),
     ("BIN", Op::Apply(Function::Bin)),
     ("BCD", Op::Apply(Function::Bcd)),
 ];
 
 /// Level of comparisons, which are understood inside brackets only.
-const COMPARISONS: usize = 2;
+const COMPARING: usize = 2;
 /// Level of sums.
 const SUMS: usize = 3;
 
@@ -49,14 +40,7 @@ impl Grammar for Reader<'_, '_> {
     const OPERATORS: Operators = &[
         &[("||", Operator::Or)],
         &[("&&", Operator::And)],
-        &[
-            ("EQ", Operator::Eq),
-            ("NE", Operator::Ne),
-            ("GT", Operator::Gt),
-            ("GE", Operator::Ge),
-            ("LT", Operator::Lt),
-            ("LE", Operator::Le),
-        ],
+        COMPARISONS,
         &[
             ("+", Operator::Add),
             ("-", Operator::Sub),
@@ -93,7 +77,7 @@ impl Grammar for Reader<'_, '_> {
     }
 
     fn allows(&self, level: usize) -> bool {
-        level != COMPARISONS || self.compares
+        level != COMPARING || self.compares
     }
 
     fn sign(&mut self, sign: Sign, part: Part) -> Part {
@@ -229,7 +213,8 @@ impl Parser<'_> {
         let letters = self.letters();
         // The longest name wins; two letters of a name are enough.
         let mut best: Option<(Op, usize)> = None;
-        for &(name, op) in FUNCTIONS {
+        let common = NAMED.iter().map(|(name, function)| (*name, Op::Apply(*function)));
+        for (name, op) in common.chain(FUNCTIONS.iter().copied()) {
             let common = name.bytes().zip(letters.bytes()).take_while(|(a, b)| a == b).count();
             if common >= 2 && common == letters.len() && best.is_none_or(|(_, n)| n < common) {
                 best = Some((op, common));
@@ -253,7 +238,8 @@ impl Parser<'_> {
     /// A function begins here that the control has.
     pub(super) fn stands_function(&mut self) -> bool {
         let letters = self.letters();
-        letters.len() >= 2 && FUNCTIONS.iter().any(|(name, _)| name.starts_with(&letters))
+        let mut names = NAMED.iter().map(|(name, _)| name).chain(FUNCTIONS.iter().map(|(name, _)| name));
+        letters.len() >= 2 && names.any(|name| name.starts_with(&letters))
     }
 
     /// `NAME[…]` that the control does not have: the machine may know its value.

@@ -1,6 +1,8 @@
 //! A compiled program line, and what its words may be called.
 
 use super::expr::Expr;
+use crate::statement::Shared;
+use counterpoint_machine::index::CodeRowId;
 use counterpoint_program::key_words::Number;
 
 /// A line after compiling.
@@ -43,8 +45,8 @@ pub(super) enum Statement {
     End(u8),
     /// `GOTO n`.
     Goto(Expr),
-    /// `POPEN` and `PCLOS`: output begins, output ends.
-    Output(bool),
+    /// A statement that other controls have too, with its operands.
+    Shared(&'static Shared, Box<[Expr]>),
     /// `DPRNT[…]`: a line of text and numbers.
     Print(Vec<Item>),
     /// `BPRNT[…]`: a line of text and binary numbers.
@@ -82,5 +84,5 @@ pub(super) enum Name {
     /// A special register of the machine, and whether it is the incremental form.
     Register(u8, bool),
     /// A literal text: row of the code table. It has no value.
-    Text(u16),
+    Text(CodeRowId),
 }

@@ -52,23 +52,14 @@ impl std::fmt::Display for Name {
     }
 }
 
-/// Names of the functions.
-const FUNCTIONS: [(&str, Function); 17] = [
-    ("SIN", Function::Sin),
-    ("COS", Function::Cos),
-    ("TAN", Function::Tan),
-    ("ASIN", Function::Asin),
-    ("ACOS", Function::Acos),
+/// Names of the functions besides those of all controls.
+const FUNCTIONS: [(&str, Function); 8] = [
     ("ATAN", Function::Atan),
     ("ARCSIN", Function::Asin),
     ("SQ", Function::Square),
-    ("SQRT", Function::Sqrt),
-    ("LN", Function::Ln),
     ("LOG", Function::Log),
-    ("EXP", Function::Exp),
     ("NEG", Function::Neg),
     ("INT", Function::Fix),
-    ("ABS", Function::Abs),
     ("FRAC", Function::Frac),
     ("SGN", Function::Sign),
 ];
@@ -262,9 +253,10 @@ impl Parser<'_, '_> {
             self.ops.push(Op::Value(Value::Number(std::f64::consts::PI)));
             return Ok(());
         }
-        if let Some((_, function)) = FUNCTIONS.iter().find(|(known, _)| *known == name) {
+        let own = FUNCTIONS.iter().find(|(known, _)| *known == name).map(|(_, function)| *function);
+        if let Some(function) = Function::named(name).or(own) {
             signed(self)?;
-            self.ops.push(Op::Apply(*function));
+            self.ops.push(Op::Apply(function));
             return Ok(());
         }
         if matches!(name, "TOCHAR" | "SUBSTR" | "TONUMB" | "INSTR" | "STRLEN" | "STRCOMP") {

@@ -87,7 +87,25 @@ pub(crate) enum Function {
     Not,
 }
 
+/// Functions that every control has, under the name that every control gives them.
+pub(crate) const NAMED: [(&str, Function); 9] = [
+    ("SIN", Function::Sin),
+    ("COS", Function::Cos),
+    ("TAN", Function::Tan),
+    ("ASIN", Function::Asin),
+    ("ACOS", Function::Acos),
+    ("SQRT", Function::Sqrt),
+    ("ABS", Function::Abs),
+    ("LN", Function::Ln),
+    ("EXP", Function::Exp),
+];
+
 impl Function {
+    /// One that every control has.
+    pub(crate) fn named(name: &str) -> Option<Self> {
+        NAMED.iter().find(|(known, _)| *known == name).map(|(_, function)| *function)
+    }
+
     /// Name in messages.
     pub(crate) fn name(self) -> &'static str {
         match self {

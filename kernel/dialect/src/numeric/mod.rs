@@ -5,7 +5,7 @@
 mod function;
 mod operator;
 
-pub(super) use function::{Function, cosine, sine};
+pub(super) use function::{Function, NAMED, cosine, sine};
 pub(super) use operator::Operator;
 
 /// The value of a numbered variable that has none: one special NaN, which counts as zero in arithmetic and equals only

@@ -7,7 +7,7 @@
 use super::cursor::{Cursor, Mistake};
 use super::math::{self, Known, Steps};
 use super::names::{self, Family, Local};
-use crate::expression::{self, Code, Grammar, Operators, Part, Sign, read};
+use crate::expression::{self, COMPARISONS, Code, Grammar, Operators, Part, Sign, read};
 use crate::numeric::Operator;
 
 /// Parts of an expression.
@@ -63,14 +63,7 @@ impl Grammar for Reader<'_, '_> {
     const OPERATORS: Operators = &[
         &[("OR", Operator::BitOr), ("EOR", Operator::BitXor)],
         &[("AND", Operator::BitAnd)],
-        &[
-            ("EQ", Operator::Eq),
-            ("NE", Operator::Ne),
-            ("GT", Operator::Gt),
-            ("GE", Operator::Ge),
-            ("LT", Operator::Lt),
-            ("LE", Operator::Le),
-        ],
+        COMPARISONS,
         &[("+", Operator::Add), ("-", Operator::Sub)],
         &[("*", Operator::Mul), ("/", Operator::Div), ("MOD", Operator::Rem)],
     ];
@@ -242,7 +235,7 @@ impl<'c, 'a> Reader<'c, 'a> {
     }
 
     /// Values in brackets.
-    fn list(&mut self) -> Result<Box<[Expr]>, Mistake> {
+    pub(super) fn list(&mut self) -> Result<Box<[Expr]>, Mistake> {
         self.cursor.expect(b'[', "'['")?;
         let mut values = vec![self.expression()?];
         while self.cursor.take(b',') {

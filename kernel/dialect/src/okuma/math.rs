@@ -4,7 +4,7 @@
 //! the bits of whole numbers, NOT turns a truth round and the bits of any other number; ATAN2 has the height first. The
 //! functions come from `libm`, so that every machine gives the same bits.
 
-use crate::numeric::{Function, Operator};
+use crate::numeric::{Function, NAMED, Operator};
 
 /// Why an expression has no value.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -36,16 +36,10 @@ impl Steps {
     }
 }
 
+/// Functions besides those of all controls.
 const FUNCTIONS: &[(&str, Known)] = &[
-    ("SIN", Known::One(Function::Sin)),
-    ("COS", Known::One(Function::Cos)),
-    ("TAN", Known::One(Function::Tan)),
-    ("ASIN", Known::One(Function::Asin)),
-    ("ACOS", Known::One(Function::Acos)),
     ("ATAN", Known::One(Function::Atan)),
     ("ATAN2", Known::Two(Operator::Atan2)),
-    ("SQRT", Known::One(Function::Sqrt)),
-    ("ABS", Known::One(Function::Abs)),
     ("BIN", Known::One(Function::Bin)),
     ("BCD", Known::One(Function::Bcd)),
     ("ROUND", Known::One(Function::Round)),
@@ -54,14 +48,13 @@ const FUNCTIONS: &[(&str, Known)] = &[
     ("DROUND", Known::Steps(Steps(Function::Round))),
     ("DFIX", Known::Steps(Steps(Function::Fix))),
     ("DFUP", Known::Steps(Steps(Function::Fup))),
-    ("EXP", Known::One(Function::Exp)),
-    ("LN", Known::One(Function::Ln)),
     ("MOD", Known::Two(Operator::Rem)),
 ];
 
-/// The function of a name, as the control writes it.
+/// The function of a name, as the control writes it, and that name.
 pub(super) fn named(name: &str) -> Option<(&'static str, Known)> {
-    FUNCTIONS.iter().find(|(known, _)| *known == name).copied()
+    let common = NAMED.iter().map(|(name, function)| (*name, Known::One(*function)));
+    common.chain(FUNCTIONS.iter().copied()).find(|(known, _)| *known == name)
 }
 
 #[cfg(test)]

@@ -11,22 +11,13 @@ use super::{Fault, Outcome, syntax};
 use crate::numeric::{Function, Operator};
 use counterpoint_fault as diag;
 
-/// Functions, with the smallest and the largest number of arguments.
-const FUNCTIONS: [(&str, usize, usize); 37] = [
-    ("SIN", 1, 1),
-    ("COS", 1, 1),
-    ("TAN", 1, 1),
-    ("ASIN", 1, 1),
-    ("ACOS", 1, 1),
+/// Functions besides those of all controls, with the smallest and the largest number of arguments.
+const FUNCTIONS: [(&str, usize, usize); 28] = [
     ("ATAN2", 2, 2),
-    ("SQRT", 1, 1),
-    ("ABS", 1, 1),
     ("POT", 1, 1),
     ("TRUNC", 1, 1),
     ("ROUND", 1, 1),
     ("ROUNDUP", 1, 1),
-    ("LN", 1, 1),
-    ("EXP", 1, 1),
     ("MINVAL", 2, 2),
     ("MAXVAL", 2, 2),
     ("BOUND", 3, 3),
@@ -54,7 +45,7 @@ const FUNCTIONS: [(&str, usize, usize); 37] = [
 
 /// The control has a function of this name.
 pub(super) fn is_function(name: &str) -> bool {
-    FUNCTIONS.iter().any(|(function, ..)| *function == name)
+    Function::named(name).is_some() || FUNCTIONS.iter().any(|(function, ..)| *function == name)
 }
 
 fn domain<T>(text: String) -> Outcome<T> {
@@ -63,8 +54,9 @@ fn domain<T>(text: String) -> Outcome<T> {
 
 /// Whether a function takes so many arguments.
 pub(super) fn check(name: &str, count: usize) -> Outcome<()> {
-    match FUNCTIONS.iter().find(|(function, ..)| *function == name) {
-        Some((_, least, most)) if !(*least..=*most).contains(&count) => {
+    let known = FUNCTIONS.iter().find(|(function, ..)| *function == name);
+    match known.copied().or(Function::named(name).map(|_| ("", 1, 1))) {
+        Some((_, least, most)) if !(least..=most).contains(&count) => {
             let wanted = if least == most { least.to_string() } else { format!("{least} to {most}") };
             syntax(format!("{name} takes {wanted} arguments, not {count}"))
         }
@@ -75,20 +67,11 @@ pub(super) fn check(name: &str, count: usize) -> Outcome<()> {
 /// The function of one number that a name means.
 pub(super) fn of_one(name: &str) -> Option<Function> {
     Some(match name {
-        "SIN" => Function::Sin,
-        "COS" => Function::Cos,
-        "TAN" => Function::Tan,
-        "ASIN" => Function::Asin,
-        "ACOS" => Function::Acos,
-        "SQRT" => Function::Sqrt,
-        "ABS" => Function::Abs,
         "POT" => Function::Square,
         "TRUNC" => Function::Fix,
         "ROUND" => Function::Round,
         "ROUNDUP" => Function::Ceil,
-        "LN" => Function::Ln,
-        "EXP" => Function::Exp,
-        _ => return None,
+        name => return Function::named(name),
     })
 }
 

@@ -12,7 +12,6 @@ use super::run::Left;
 use super::value::{Data, shown};
 use super::{Outcome, Siemens};
 use crate::host::{AxisPlace, Host};
-use counterpoint_fault as diag;
 
 /// Largest value of a word.
 const BOUND: f64 = 1e12;
@@ -67,8 +66,7 @@ impl Siemens {
         let word = format!("{address}{}{text}", self.sign(host, &address));
         if address.len() > 1 && splits(&address) && !has_word && !host.is_code_text(&word) {
             // The scanner would read a word of the letter and its extension.
-            let text = format!("{word} not recognised in '{}'", host.block_text());
-            host.diagnose(&diag::NOT_RECOGNISED, text);
+            host.report_unrecognised(&word);
             return Ok(());
         }
         left.add(&word);

@@ -63,7 +63,7 @@ impl Logged {
 
     fn release(&self, meeting: u64, by: u16) -> Release {
         let (key, primitive) = (self.wait.key.clone(), self.wait.primitive);
-        Release { key, primitive, since_ns: self.since_ns, meeting, by }
+        Release { key, primitive, since_ns: self.since_ns, meeting, mark: self.wait.mark.clone(), by }
     }
 }
 

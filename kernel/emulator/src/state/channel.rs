@@ -15,8 +15,9 @@ use super::burden::Burden;
 use super::cutter::Held;
 use super::waits::KnownWaits;
 use counterpoint_event::Letters;
-use counterpoint_event::event::FileId;
+use counterpoint_event::event::{FileId, Unrecognised};
 use counterpoint_event::info::Info;
+use counterpoint_fault as diag;
 use counterpoint_machine::Machine;
 use counterpoint_machine::ident::DataId;
 use counterpoint_ports::files::Files;
@@ -132,13 +133,22 @@ pub(crate) struct Reports {
     pub(crate) raised: FxHashMap<u32, u32>,
     /// Waits met so far.
     pub(crate) waits: KnownWaits,
+    /// What the diagnostic that is about to be logged does not recognise.
+    pub(crate) unrecognised: Option<Box<Unrecognised>>,
+}
+
+impl Reports {
+    /// What a diagnostic does not recognise, unless the machine has given it another text.
+    pub(crate) fn take_unrecognised(&mut self, number: u32, text: &str) -> Option<Box<Unrecognised>> {
+        self.unrecognised.take_if(|about| number == diag::NOT_RECOGNISED.number && about.to_string() == text)
+    }
 }
 
 impl Reports {
     /// None so far, on a machine with these rules of waits.
     pub(crate) fn new(rules: Rules) -> Self {
         let (diagnostics, alarms, raised) = (0, Alarms::default(), FxHashMap::default());
-        Self { diagnostics, alarms, raised, waits: KnownWaits::new(rules) }
+        Self { diagnostics, alarms, raised, waits: KnownWaits::new(rules), unrecognised: Default::default() }
     }
 }
 

@@ -33,7 +33,8 @@ impl KnownWaits {
             self.known.clear();
         }
         let (key, participants) = (self.rules.text(wait).into(), wait.parts.iter().collect());
-        let logged = Arc::new(Wait { key, primitive: wait.primitive, participants });
+        let mark = self.rules.mark(wait).into();
+        let logged = Arc::new(Wait { key, primitive: wait.primitive, participants, mark });
         self.known.insert(*wait, logged.clone());
         logged
     }
