@@ -97,7 +97,7 @@ impl Act<'_, '_> {
 
     /// Reports which of the data that an action could have used have rows that are all switched off.
     pub(crate) fn report_switched_off(&mut self, ids: &[DataId]) {
-        self.kernel.tell_off(ids);
+        self.kernel.report_switched_off(ids);
     }
 
     /// Letter and value of a code as written.

@@ -20,7 +20,7 @@ pub enum Stop {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Halt {
     /// An end code or the end of the text.
-    End(Option<Stop>),
+    ProgramEnd(Option<Stop>),
     /// An alarm of the control.
     Alarm,
     /// An alarm after which the machine continues: the rest of the block is dropped. It never leaves the block loop.

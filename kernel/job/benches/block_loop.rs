@@ -1,4 +1,4 @@
-//! The block loop: blocks a second of one channel, two channels with meetings, statements.
+//! The block loop: blocks a second of one channel, two channels with waits, statements.
 //!
 //! The programs are made here, so the bench needs nothing else. Figures and their meaning: docs/performance.md.
 
@@ -90,7 +90,7 @@ fn block_loop(c: &mut Criterion) {
 }
 
 /// One channel of 100,000 blocks; two jobs of that kind at once, which is what two threads can do on this machine when
-/// they have nothing to do with each other; and two channels with 5,000 meetings, whose waiting codes are 5,000 blocks
+/// they have nothing to do with each other; and two channels with 5,000 waits, whose waiting codes are 5,000 blocks
 /// more. The rate is that of one channel.
 fn channels(c: &mut Criterion) {
     let mut group = c.benchmark_group("channels");

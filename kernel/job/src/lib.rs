@@ -1,4 +1,4 @@
-//! Counterpoint's control emulator: runs NC programs block by block, one kernel per channel, kernels meeting at
+//! Counterpoint's control emulator: runs NC programs block by block, one kernel per channel; kernels wait for each other at
 //! the sync codes of the programs.
 //!
 //! Knows no gRPC, no wall clock, no environment and no real file system (see [`files::Files`]). Public entry:

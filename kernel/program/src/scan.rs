@@ -9,8 +9,8 @@ mod passed;
 
 use crate::block::{Block, Word, irregular};
 use crate::key_words::{Names, Number, key_word};
+use crate::prefix_registers::{self, LiteralFirst};
 use crate::shape::program_name;
-use crate::special::{self, Early};
 use crate::syntax::Syntax;
 use counterpoint_fault as diag;
 use counterpoint_machine::Machine;
@@ -49,7 +49,7 @@ pub struct Scanner {
     brackets: Option<u8>,
     letters: [(u8, bool); 128],
     /// Special registers, and texts that would be read as words; `None` on most machines.
-    early: Option<Box<Early>>,
+    literal_first: Option<Box<LiteralFirst>>,
 }
 
 /// No register.
@@ -101,7 +101,7 @@ impl Scanner {
             definition,
             brackets: machine.habits.brackets,
             letters,
-            early: Early::new(machine),
+            literal_first: LiteralFirst::new(machine),
         }
     }
 
@@ -143,10 +143,10 @@ impl Scanner {
 
     /// What words of lines with expressions may be called besides letters.
     pub fn names(&self) -> Names<'_> {
-        let early = self.early.as_deref();
+        let literal_first = self.literal_first.as_deref();
         Names {
-            like_words: early.map_or(&[], |early| &early.texts),
-            registers: early.map_or(&[], |early| &early.registers),
+            like_words: literal_first.map_or(&[], |literal_first| &literal_first.texts),
+            registers: literal_first.map_or(&[], |literal_first| &literal_first.registers),
             texts: &self.texts,
             brackets: self.brackets,
             key_words: self.syntax.key_words.unwrap_or_default(),
@@ -185,11 +185,11 @@ impl Scanner {
                 at += 1;
                 continue;
             }
-            if let Some(early) = &self.early {
-                if statements && early.opens_statement(line, at) {
+            if let Some(literal_first) = &self.literal_first {
+                if statements && literal_first.opens_statement(line, at) {
                     return Kind::Statement;
                 }
-                if let Some(next) = self.early(early, line, at, secondary, block) {
+                if let Some(next) = self.literal_first(literal_first, line, at, secondary, block) {
                     at = next;
                     continue;
                 }
@@ -217,7 +217,7 @@ impl Scanner {
             return next;
         }
         for (text, row) in &self.texts {
-            if special::stands(text, line, at) {
+            if prefix_registers::stands(text, line, at) {
                 let end = at + text.len().max(1);
                 block.push_text(*row, (at as u32, end as u32));
                 return end;
@@ -255,36 +255,43 @@ impl Scanner {
     }
 
     /// A special register or an early text at `at`: where to go on.
-    fn early(&self, early: &Early, line: &[u8], at: usize, secondary: bool, block: &mut Block) -> Option<usize> {
-        if !early.may_start(*line.get(at)?) {
+    fn literal_first(
+        &self,
+        literal_first: &LiteralFirst,
+        line: &[u8],
+        at: usize,
+        secondary: bool,
+        block: &mut Block,
+    ) -> Option<usize> {
+        if !literal_first.may_start(*line.get(at)?) {
             return None;
         }
-        for (text, row) in &early.texts {
-            if special::stands(text, line, at) {
+        for (text, row) in &literal_first.texts {
+            if prefix_registers::stands(text, line, at) {
                 let end = at + text.len();
                 block.push_text(*row, (at as u32, end as u32));
                 return Some(end);
             }
         }
-        for special in &early.registers {
-            if !line.get(at..)?.starts_with(&special.before) {
+        for prefix in &literal_first.registers {
+            if !line.get(at..)?.starts_with(&prefix.before) {
                 continue;
             }
             let (words, sequence) = (block.words.len(), block.sequence);
-            let from = at + special.before.len();
-            if special.names
-                && let Some((tool, end)) = early.tool(special, line, from)
+            let from = at + prefix.before.len();
+            if prefix.names
+                && let Some((tool, end)) = literal_first.tool(prefix, line, from)
             {
-                let (register, incremental, value) = (special.register, special.incremental, f64::from(tool));
+                let (register, incremental, value) = (prefix.register, prefix.incremental, f64::from(tool));
                 let (start, end) = (at as u32, end as u32);
                 block.push(Word { register, incremental, used: false, value, start, end });
                 return Some(end as usize);
             }
-            let Some(end) = self.word(line, from, (at, special.register, special.incremental), secondary, block) else {
+            let Some(end) = self.word(line, from, (at, prefix.register, prefix.incremental), secondary, block) else {
                 continue;
             };
-            if line.get(end..).is_some_and(|rest| rest.starts_with(&special.after)) {
-                return Some(end + special.after.len());
+            if line.get(end..).is_some_and(|rest| rest.starts_with(&prefix.after)) {
+                return Some(end + prefix.after.len());
             }
             block.words.truncate(words);
             block.sequence = sequence;
@@ -294,7 +301,7 @@ impl Scanner {
 
     /// A letter, `#` or `[` where a number was expected, or key words: text for the pre-processor.
     fn opens_statement(&self, line: &[u8], at: usize) -> bool {
-        special::starts_expression(line, at + 1) || key_word(self.names(), line, at)
+        prefix_registers::starts_expression(line, at + 1) || key_word(self.names(), line, at)
     }
 
     /// Value of a number as a register reads it, and what is odd about it ([`irregular`]).

@@ -66,7 +66,7 @@ struct Inner {
     messages: Option<Sender<Message>>,
 }
 
-/// The meeting place of the kernels of one job.
+/// The coordinator of the kernels of one job: the order of what they share.
 pub struct Coordinator {
     channels: Channels,
     slots: Box<[Slot]>,

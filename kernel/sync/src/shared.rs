@@ -75,7 +75,7 @@ pub struct Spindle {
 }
 
 impl Shared {
-    /// A meeting orders all earlier commands of the participants before all later ones.
+    /// A sync point orders all earlier commands of its participants before all later ones.
     pub fn met(&mut self, channels: Set) {
         for spindle in &mut self.spindles {
             if channels.has(spindle.writer) {

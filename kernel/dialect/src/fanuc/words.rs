@@ -8,14 +8,14 @@ use super::expr::{Expr, Op};
 use super::statement::{Name, Statement, TemplateWord};
 use crate::numeric::Function;
 use counterpoint_program::key_words::Number;
+use counterpoint_program::prefix_registers::{stands, starts_value};
 use counterpoint_program::shape::program_name;
-use counterpoint_program::special::{stands, starts_value};
 
 impl Parser<'_> {
     /// A special register with a value, or a text that looks like a word, begins here.
     pub(super) fn stands_long_name(&self) -> bool {
         self.names.like_words.iter().any(|(text, _)| stands(text, self.text, self.at))
-            || self.names.registers.iter().any(|special| special.has_value(self.text, self.at))
+            || self.names.registers.iter().any(|prefix| prefix.has_value(self.text, self.at))
     }
 
     pub(super) fn words(&mut self) -> Result<Statement, Error> {
@@ -49,15 +49,15 @@ impl Parser<'_> {
             self.at += like_word.len();
             return Some((Name::Text(*row), Expr::constant(0.0)));
         }
-        for special in names.registers.iter().filter(|special| special.has_value(text, start)) {
-            self.at = start + special.before.len();
+        for prefix in names.registers.iter().filter(|prefix| prefix.has_value(text, start)) {
+            self.at = start + prefix.before.len();
             // Text after the number encloses an expression like brackets.
-            let value = if special.after.is_empty() { self.word_value() } else { self.enclosed() };
+            let value = if prefix.after.is_empty() { self.word_value() } else { self.enclosed() };
             if let Ok(value) = value
-                && text.get(self.at..).is_some_and(|rest| rest.starts_with(&special.after))
+                && text.get(self.at..).is_some_and(|rest| rest.starts_with(&prefix.after))
             {
-                self.at += special.after.len();
-                return Some((Name::Register(special.register, special.incremental), value));
+                self.at += prefix.after.len();
+                return Some((Name::Register(prefix.register, prefix.incremental), value));
             }
             self.at = start;
         }

@@ -145,7 +145,7 @@ impl Heidenhain {
         if host.is_code_text("END PGM") {
             return Ok(Some("END PGM".to_owned()));
         }
-        Err(Halt::End(None))
+        Err(Halt::ProgramEnd(None))
     }
 
     /// A program called by name.

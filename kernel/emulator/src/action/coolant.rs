@@ -24,7 +24,7 @@ pub(crate) const ENTRIES: &[Entry] =
 pub(super) fn switch(act: &mut Act<'_, '_>, switch: Switch) -> Acted {
     match switch {
         Switch::Fluid(flow, outlet) => flows(act, flow, outlet),
-        Switch::Device(number, on) => tell(act, Coolant { on, fluid: 0, outlet: Outlet::Device(number) }),
+        Switch::Device(number, on) => report(act, Coolant { on, fluid: 0, outlet: Outlet::Device(number) }),
         Switch::Level(level) => {
             let pressure = act.env.machine.pump.pressures.get(usize::from(level)).copied();
             set_pressure(act, pressure.unwrap_or(f64::from(level)));
@@ -56,10 +56,10 @@ fn flows(act: &mut Act<'_, '_>, flow: Flow, outlet: Outlet) {
             fluid
         }
     };
-    tell(act, Coolant { on: flow != Flow::Off, fluid, outlet });
+    report(act, Coolant { on: flow != Flow::Off, fluid, outlet });
 }
 
-fn tell(act: &mut Act<'_, '_>, coolant: Coolant) {
+fn report(act: &mut Act<'_, '_>, coolant: Coolant) {
     act.emit(0, Kind::Coolant(coolant));
 }
 

@@ -97,7 +97,7 @@ impl Kernel<'_> {
     pub(crate) fn lived(self, halt: Halt, ended: Option<Tag>) -> Lived {
         let hook = self.channel.env.machine.macros.as_deref().and_then(|macros| macros.hook(Hook::MachineShutdown));
         let channel = self.channel.at.channel;
-        let left = (hook.is_some() && matches!(halt, Halt::End(_))).then(|| Box::new(self.into_carried()));
+        let left = (hook.is_some() && matches!(halt, Halt::ProgramEnd(_))).then(|| Box::new(self.into_carried()));
         Lived { channel, halt, ended, left }
     }
 

@@ -7,15 +7,15 @@ use counterpoint_program::block::PendingCode;
 
 impl Kernel<'_> {
     /// Time of a code from the machine's table.
-    pub(crate) fn take_time(&mut self, row: &CodeRow, firing: PendingCode) {
+    pub(crate) fn take_time(&mut self, row: &CodeRow, pending: PendingCode) {
         let ns = crate::state::channel::nanoseconds(row.seconds);
-        let (letter, value) = self.written(row, firing);
+        let (letter, value) = self.written(row, pending);
         self.emit(ns, Kind::Function(Function { letter, value }));
         self.channel.advance(ns);
     }
 
     /// Letter and value of a code as written.
-    pub(crate) fn written(&self, row: &CodeRow, firing: PendingCode) -> (char, f64) {
+    pub(crate) fn written(&self, row: &CodeRow, pending: PendingCode) -> (char, f64) {
         let register = match row.form {
             CodeForm::Register { register, .. } | CodeForm::RegisterAsData { register, .. } => Some(register),
             CodeForm::Text(_) | CodeForm::NotApplicable => None,
@@ -24,6 +24,6 @@ impl Kernel<'_> {
             .and_then(|r| self.channel.env.machine.registers.get(usize::from(r)))
             .and_then(|r| r.name.chars().next())
             .unwrap_or('?');
-        (letter, firing.value)
+        (letter, pending.value)
     }
 }

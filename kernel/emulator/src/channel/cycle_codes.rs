@@ -17,8 +17,8 @@ impl Kernel<'_> {
         let machine = self.channel.env.machine;
         let code = |row: CodeRowId| (machine.codes[row].id, machine.codes[row].id.kind());
         let mut in_machine = false;
-        for firing in &self.channel.block.pending {
-            match code(firing.row) {
+        for pending in &self.channel.block.pending {
+            match code(pending.row) {
                 (codes::CYCLE_ON, _) | (_, CodeKind::Cycle(_) | CodeKind::ThreadCycle(_)) => return,
                 (codes::CYCLE_OFF, _) => return self.queue_by_data(group::MOTION),
                 (codes::POSITION_MACHINE, _) => in_machine = true,
@@ -29,8 +29,8 @@ impl Kernel<'_> {
             return self.queue_by_data(group::MOTION);
         }
         self.queue_by_data(group::CYCLE);
-        if let Some(firing) = self.channel.block.pending.last_mut() {
-            firing.order = firing.order.max(IMPLIED_ORDER);
+        if let Some(pending) = self.channel.block.pending.last_mut() {
+            pending.order = pending.order.max(IMPLIED_ORDER);
         }
     }
 

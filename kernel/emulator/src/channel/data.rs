@@ -86,7 +86,7 @@ impl Kernel<'_> {
 
     /// Says which of the data that an action could have done with have rows that are all switched off.
     #[cold]
-    pub(crate) fn tell_off(&mut self, ids: &[DataId]) {
+    pub(crate) fn report_switched_off(&mut self, ids: &[DataId]) {
         for &id in ids {
             let rows = || self.channel.env.machine.data.iter().filter(|row| row.id == id);
             if rows().next().is_some() && rows().all(|row| !row.enable) {

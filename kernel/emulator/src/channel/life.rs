@@ -54,20 +54,20 @@ impl Kernel<'_> {
     /// Logs the end state and publishes it to the other channels. The tag of the end in the log, if the program has ended.
     fn finish(&mut self, halt: Halt) -> Option<Tag> {
         let (how, phase, state) = match halt {
-            Halt::End(_) => (Terminal::Ended, Phase::ProgramEnd, State::Ended),
+            Halt::ProgramEnd(_) => (Terminal::Ended, Phase::ProgramEnd, State::Ended),
             Halt::Alarm | Halt::Dropped => (Terminal::Alarmed, Phase::Alarmed, State::Alarmed),
             Halt::Stopped => (Terminal::Stopped, Phase::Stopped, State::Stopped),
             Halt::Blocked => (Terminal::Stopped, Phase::Blocked, State::Blocked),
         };
-        if matches!(halt, Halt::End(_) | Halt::Alarm) {
+        if matches!(halt, Halt::ProgramEnd(_) | Halt::Alarm) {
             self.report_order();
         }
         self.report_softened(halt);
-        if let Halt::End(Some(stop)) = halt {
+        if let Halt::ProgramEnd(Some(stop)) = halt {
             self.emit(0, Kind::Stop(stop));
         }
         let mut ended = None;
-        if matches!(halt, Halt::End(_) | Halt::Alarm) {
+        if matches!(halt, Halt::ProgramEnd(_) | Halt::Alarm) {
             self.emit(0, Kind::Lifecycle(phase));
             ended = Some(self.tag());
             let finish = Finish { how, file: self.channel.at.file, line: self.channel.at.line };

@@ -115,7 +115,7 @@ impl Kernel<'_> {
         let At { channel, clock, micro, file, line, .. } = self.channel.at;
         let slot = match self.ports.emitter.slot() {
             Some(event) => Some(event),
-            None => self.other_slot(Tag { t: clock, micro, channel: channel }),
+            None => self.other_slot(Tag { t: clock, micro, channel }),
         };
         if let Some(event) = slot {
             (event.t_ns, event.micro, event.dur_ns) = (clock, micro, dur_ns);

@@ -84,8 +84,8 @@ impl Kernel<'_> {
             self.foreign_axis()?;
         }
         let Some(refusals) = self.plan.rules.refusals.as_deref() else { return Ok(()) };
-        let looked = |firing: &PendingCode| refusals.rows[firing.row];
-        let rules = self.channel.block.pending.iter().fold(0, |bits, firing| bits | looked(firing));
+        let looked = |pending: &PendingCode| refusals.rows[pending.row];
+        let rules = self.channel.block.pending.iter().fold(0, |bits, pending| bits | looked(pending));
         if rules != 0 || self.channel.block.present & refusals.registers != 0 {
             return self.refused(rules | refusals.free);
         }
@@ -96,7 +96,7 @@ impl Kernel<'_> {
     #[cold]
     fn foreign_axis(&mut self) -> Acted {
         let machine = self.channel.env.machine;
-        let rows = || self.channel.block.pending.iter().map(|firing| &machine.codes[firing.row]);
+        let rows = || self.channel.block.pending.iter().map(|pending| &machine.codes[pending.row]);
         let wrong = |register: u8| {
             self.channel.state.place.layout.bounds.foreign & 1 << register != 0 && self.channel.block.has(register)
         };
@@ -131,13 +131,13 @@ impl Kernel<'_> {
         if rule.word.is_some_and(|word| words & 1 << word.register == 0 || !self.is_wrong(&word)) {
             return false;
         }
-        let mut firings = self
+        let mut pending = self
             .channel
             .block
             .pending
             .iter()
-            .filter(|firing| rule.implied && !firing.only_if_data_left || !firing.modal);
-        let trigger = firings.find(|firing| rule.codes.iter().any(|code| self.is_written(code, firing)));
+            .filter(|pending| rule.implied && !pending.only_if_data_left || !pending.modal);
+        let trigger = pending.find(|pending| rule.codes.iter().any(|code| self.is_written(code, pending)));
         if trigger.is_none() && !rule.codes.is_empty() {
             return false;
         }
@@ -157,22 +157,24 @@ impl Kernel<'_> {
         wrong || rule.most.is_some_and(|most| count > usize::from(most))
     }
 
-    fn is_written(&self, code: &Written, firing: &PendingCode) -> bool {
-        let row = &self.channel.env.machine.codes[firing.row];
+    fn is_written(&self, code: &Written, pending: &PendingCode) -> bool {
+        let row = &self.channel.env.machine.codes[pending.row];
         match *code {
             Written::Id(id) => row.id == id,
             Written::Word { register, min, max } => {
                 let own = form_range(&row.form).filter(|(own, ..)| *own == register);
                 // What is not written has the value of its row.
-                own.is_some_and(|(_, first, _)| (min..=max).contains(if firing.modal { &first } else { &firing.value }))
+                own.is_some_and(|(_, first, _)| {
+                    (min..=max).contains(if pending.modal { &first } else { &pending.value })
+                })
             }
         }
     }
 
     /// A code is active before the block, and no other one of its group on the block ends it.
     fn is_on(&self, state: &Active, trigger: Option<&PendingCode>) -> bool {
-        let others = self.channel.block.pending.iter().filter(|firing| !firing.modal && Some(*firing) != trigger);
-        let mut rows = others.map(|firing| &self.channel.env.machine.codes[firing.row]);
+        let others = self.channel.block.pending.iter().filter(|pending| !pending.modal && Some(*pending) != trigger);
+        let mut rows = others.map(|pending| &self.channel.env.machine.codes[pending.row]);
         let ended = rows.any(|row| row.group == state.group && row.id != state.id);
         !ended && self.channel.state.modal.code(state.group) == Some(state.id)
     }

@@ -26,7 +26,7 @@ impl Kernel<'_> {
         let tables = &self.channel.env.machine.tool;
         let nothing = tables.data.is_empty() && tables.offsets.is_empty() && self.channel.state.place.offsets.is_none();
         if self.channel.state.place.tools.current != 0 && !(nothing && self.plan.hooks.is_none()) {
-            self.tell(self.tool_data(self.channel.state.place.tools.current));
+            self.report_tool_data(self.tool_data(self.channel.state.place.tools.current));
         }
     }
 
@@ -35,7 +35,7 @@ impl Kernel<'_> {
     pub(crate) fn report_tools(&mut self) {
         for at in 0.. {
             let Some(tool) = self.macros.tools.loaded.get(at).copied() else { break };
-            self.tell(self.tool_data(tool));
+            self.report_tool_data(self.tool_data(tool));
         }
     }
 
@@ -51,12 +51,12 @@ impl Kernel<'_> {
         for (place, at) in (1..).zip(self.sorted_tools(column)) {
             let tool = self.macros.tools.loaded.get(usize::from(at)).copied();
             if let Some(tool) = tool {
-                self.tell(ToolData { place, ..self.tool_data(tool) });
+                self.report_tool_data(ToolData { place, ..self.tool_data(tool) });
             }
         }
     }
 
-    fn tell(&mut self, data: ToolData) {
+    fn report_tool_data(&mut self, data: ToolData) {
         let told = &mut self.channel.state.others.tools;
         let known = match told.get(&data.tool) {
             Some(before) => *before == data,

@@ -80,7 +80,7 @@ impl Kernel<'_> {
 
     /// A code of the block takes a program name.
     fn calls_by_name(&self) -> bool {
-        let mut rows = self.channel.block.pending.iter().map(|firing| &self.channel.env.machine.codes[firing.row]);
+        let mut rows = self.channel.block.pending.iter().map(|pending| &self.channel.env.machine.codes[pending.row]);
         rows.any(|row| row.id == codes::CALSUB_ID)
     }
 

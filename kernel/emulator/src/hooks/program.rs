@@ -30,7 +30,7 @@ impl Kernel<'_> {
 
     /// Program Shutdown, when the program has ended or an alarm has stopped it.
     pub(crate) fn end_macros(&mut self, halt: Halt) -> Halt {
-        if self.plan.hooks.is_none() || !matches!(halt, Halt::End(_) | Halt::Alarm) {
+        if self.plan.hooks.is_none() || !matches!(halt, Halt::ProgramEnd(_) | Halt::Alarm) {
             return halt;
         }
         let runtime = &mut *self.macros;
@@ -49,9 +49,10 @@ impl Kernel<'_> {
     /// named. A restart counts as a block, so that a macro that restarts indefinitely reaches a limit.
     pub(crate) fn restarted(&mut self, halt: Halt) -> Option<Halt> {
         let runtime = &mut *self.macros;
-        let Restart { file, line, reset } = runtime.course.restart.take().filter(|_| matches!(halt, Halt::End(_)))?;
+        let Restart { file, line, reset } =
+            runtime.course.restart.take().filter(|_| matches!(halt, Halt::ProgramEnd(_)))?;
         runtime.course.closing = false;
-        if let Halt::End(Some(stop)) = halt {
+        if let Halt::ProgramEnd(Some(stop)) = halt {
             self.emit(0, Kind::Stop(stop));
         }
         self.channel.at.blocks += 1;

@@ -67,18 +67,18 @@ impl Kernel<'_> {
         let facts = &self.channel.env.machine.codes[row];
         // The value is what the row's factor makes of it.
         let value = if facts.mul == 0.0 { value } else { (value - facts.add) / facts.mul };
-        let firing = PendingCode { order: facts.order, row, value, modal: false, only_if_data_left: false };
+        let pending = PendingCode { order: facts.order, row, value, modal: false, only_if_data_left: false };
         let next = self.channel.block.next.min(self.channel.block.pending.len());
         let rest = self.channel.block.pending.get(next..).unwrap_or(&[]);
-        let at = next + rest.iter().take_while(|other| other.order <= firing.order).count();
-        self.channel.block.pending.insert(at, firing);
+        let at = next + rest.iter().take_while(|other| other.order <= pending.order).count();
+        self.channel.block.pending.insert(at, pending);
         true
     }
 
     /// Position of a code that has not acted yet.
     fn waiting_code(&self, id: CodeId) -> Option<usize> {
-        let firings = self.channel.block.pending.iter().enumerate().skip(self.channel.block.next);
-        let mut found = firings.filter(|(_, firing)| self.id_of_row(firing.row) == id);
+        let pending = self.channel.block.pending.iter().enumerate().skip(self.channel.block.next);
+        let mut found = pending.filter(|(_, pending)| self.id_of_row(pending.row) == id);
         found.next().map(|(at, _)| at)
     }
 
@@ -87,11 +87,11 @@ impl Kernel<'_> {
     }
 
     /// Value of a code as macros see it: of its word with the factor of its row, 0 for a literal text.
-    pub(crate) fn code_number(&self, firing: PendingCode) -> f64 {
-        let row = &self.channel.env.machine.codes[firing.row];
+    pub(crate) fn code_number(&self, pending: PendingCode) -> f64 {
+        let row = &self.channel.env.machine.codes[pending.row];
         match row.form {
-            CodeForm::Register { .. } | CodeForm::RegisterAsData { .. } => firing.value * row.mul + row.add,
-            _ => firing.value,
+            CodeForm::Register { .. } | CodeForm::RegisterAsData { .. } => pending.value * row.mul + row.add,
+            _ => pending.value,
         }
     }
 
@@ -113,11 +113,11 @@ impl Kernel<'_> {
         let Some(item) = arguments.first() else { return Ok(Value::Null) };
         if let Value::Code(_) = item {
             let Some(at) = self.code_id(item).and_then(|id| self.waiting_code(id)) else { return Ok(Value::Null) };
-            let firing = self.channel.block.pending.get(at).copied();
+            let pending = self.channel.block.pending.get(at).copied();
             if take {
                 self.channel.block.pending.remove(at);
             }
-            return Ok(firing.map_or(Value::Null, |firing| Value::Real(self.code_number(firing))));
+            return Ok(pending.map_or(Value::Null, |pending| Value::Real(self.code_number(pending))));
         }
         let Value::Register(_) = item else { return Err(Fault::kind("a code or data identifier", item)) };
         let Some(id) = self.data_id(item) else { return Ok(Value::Null) };

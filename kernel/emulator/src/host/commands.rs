@@ -106,9 +106,9 @@ impl Kernel<'_> {
         let argument = |number: u8| arguments.iter().find(|(at, _)| *at == number).map(|(_, value)| value);
         match task {
             Task::None => Self::not_here("OUTPUT"),
-            Task::Code(firing, id) => {
+            Task::Code(pending, id) => {
                 let wanted = argument(1).cloned();
-                self.meanwhile(state, |kernel| kernel.output_code(firing, id, wanted.as_ref()))
+                self.meanwhile(state, |kernel| kernel.output_code(pending, id, wanted.as_ref()))
             }
             Task::Remark(id, text) => {
                 let wanted = argument(1).cloned();

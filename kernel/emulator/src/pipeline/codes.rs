@@ -33,9 +33,9 @@ impl Kernel<'_> {
         }
         self.check_refused()?;
         self.sort();
-        while let Some(&firing) = self.channel.block.pending.get(self.channel.block.next) {
+        while let Some(&pending) = self.channel.block.pending.get(self.channel.block.next) {
             self.channel.block.next += 1;
-            self.fire(firing)?;
+            self.fire(pending)?;
             if let Some(hooks) = hooks {
                 (hooks.codes.acted)(self)?;
             }
@@ -124,14 +124,14 @@ impl Kernel<'_> {
             .copied()
             .filter(|word| Some(word.register) == self.plan.registers.g)?;
         let rows = self.channel.env.machine.tables.code(word.register, word.value);
-        let fired = |firing: &PendingCode| firing.value == word.value && rows.contains(&firing.row);
+        let fired = |pending: &PendingCode| pending.value == word.value && rows.contains(&pending.row);
         let at = self.channel.block.pending.iter().position(fired)?;
         let group = self
             .channel
             .block
             .pending
             .get(at)
-            .and_then(|firing| Some(self.plan.rules.exclusive.as_ref()?[firing.row]))?;
+            .and_then(|pending| Some(self.plan.rules.exclusive.as_ref()?[pending.row]))?;
         (group != 0).then_some((word, at, group))
     }
 
@@ -236,7 +236,7 @@ impl Kernel<'_> {
     #[cold]
     fn drop_ignored(&mut self) {
         for at in 0..self.channel.block.pending.len() {
-            let row = self.channel.block.pending.get(at).map(|firing| &self.channel.env.machine.codes[firing.row]);
+            let row = self.channel.block.pending.get(at).map(|pending| &self.channel.env.machine.codes[pending.row]);
             let row = row.filter(|row| !row.process);
             for &register in row.map_or(&[][..], |row| row.ignores.as_slice()) {
                 self.channel.block.take(register);
@@ -261,9 +261,9 @@ impl Kernel<'_> {
         self.queue_modal(group);
         // Alone on its block it finds what fires it.
         if (before > 0 || !self.channel.state.modal.refires.is_empty() || self.plan.hooks.is_some())
-            && let Some(firing) = self.channel.block.pending.get_mut(before)
+            && let Some(pending) = self.channel.block.pending.get_mut(before)
         {
-            firing.only_if_data_left = true;
+            pending.only_if_data_left = true;
         }
     }
 
@@ -281,32 +281,32 @@ impl Kernel<'_> {
     /// By order, left to right among equals (insertion sort: a block has few codes).
     #[inline(always)]
     pub(crate) fn sort(&mut self) {
-        let firings = &mut self.channel.block.pending;
-        for end in 1..firings.len() {
+        let pending = &mut self.channel.block.pending;
+        for end in 1..pending.len() {
             let mut at = end;
-            while at > 0 && firings.get(at - 1).map(|f| f.order) > firings.get(at).map(|f| f.order) {
-                firings.swap(at - 1, at);
+            while at > 0 && pending.get(at - 1).map(|f| f.order) > pending.get(at).map(|f| f.order) {
+                pending.swap(at - 1, at);
                 at -= 1;
             }
         }
     }
 
     /// Lets one code act.
-    pub(crate) fn fire(&mut self, firing: PendingCode) -> Acted {
+    pub(crate) fn fire(&mut self, pending: PendingCode) -> Acted {
         self.channel.check_stop()?;
         let machine = self.channel.env.machine;
-        let row = &machine.codes[firing.row];
-        if firing.only_if_data_left && !self.is_left(row.group) {
+        let row = &machine.codes[pending.row];
+        if pending.only_if_data_left && !self.is_left(row.group) {
             return Ok(());
         }
         if !row.process {
             self.trace_ignored(row.id);
             return Ok(());
         }
-        self.set_firing(row, firing);
+        self.set_firing(row, pending);
         let result = match self.plan.hooks {
-            Some(hooks) => (hooks.codes.act)(self, firing, row.id),
-            None => self.perform(row, firing),
+            Some(hooks) => (hooks.codes.act)(self, pending, row.id),
+            None => self.perform(row, pending),
         };
         self.channel.acting.as_data = None;
         result
@@ -314,35 +314,35 @@ impl Kernel<'_> {
 
     /// Value that a code hands over as data.
     #[inline]
-    pub(crate) fn data_of_firing(row: &CodeRow, firing: PendingCode) -> Option<(DataId, f64)> {
+    pub(crate) fn data_of_firing(row: &CodeRow, pending: PendingCode) -> Option<(DataId, f64)> {
         match row.form {
-            CodeForm::RegisterAsData { data, .. } => Some((data, firing.value * row.mul + row.add)),
+            CodeForm::RegisterAsData { data, .. } => Some((data, pending.value * row.mul + row.add)),
             _ => None,
         }
     }
 
     /// What firing a code means before it acts: its data, its modal group.
     #[inline(always)]
-    pub(crate) fn set_firing(&mut self, row: &CodeRow, firing: PendingCode) {
-        self.channel.acting.as_data = Self::data_of_firing(row, firing);
+    pub(crate) fn set_firing(&mut self, row: &CodeRow, pending: PendingCode) {
+        self.channel.acting.as_data = Self::data_of_firing(row, pending);
         self.channel.acting.mode_changed = self.channel.state.modal.code(row.group) != Some(row.id);
         match row.modality {
-            Modality::NonModal if row.group != 0 && !firing.modal => self.channel.state.modal.refire_once(row.group),
+            Modality::NonModal if row.group != 0 && !pending.modal => self.channel.state.modal.refire_once(row.group),
             Modality::NonModal => {}
-            Modality::Modal => self.channel.state.modal.activate(row.group, row.id, Some(firing.row)),
-            Modality::Persistent => self.channel.state.modal.activate_persistent(row.group, row.id, Some(firing.row)),
+            Modality::Modal => self.channel.state.modal.activate(row.group, row.id, Some(pending.row)),
+            Modality::Persistent => self.channel.state.modal.activate_persistent(row.group, row.id, Some(pending.row)),
         }
     }
 
     /// The built-in action of a code.
     #[inline(always)]
-    pub(crate) fn perform(&mut self, row: &CodeRow, firing: PendingCode) -> Acted {
-        let result = match self.plan.action_of_row[firing.row] {
+    pub(crate) fn perform(&mut self, row: &CodeRow, pending: PendingCode) -> Acted {
+        let result = match self.plan.action_of_row[pending.row] {
             Some(action) => {
                 if self.channel.env.trace.is_some() {
                     self.trace_code(row.id);
                 }
-                action.run(self, row, &firing)
+                action.run(self, row, &pending)
             }
             None => {
                 self.trace_ignored(row.id);
@@ -351,7 +351,7 @@ impl Kernel<'_> {
             }
         };
         if row.seconds > 0.0 && result.is_ok() {
-            self.take_time(row, firing);
+            self.take_time(row, pending);
         }
         result
     }

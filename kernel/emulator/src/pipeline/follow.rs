@@ -40,11 +40,11 @@ impl Kernel<'_> {
             Some(Pending::CallRange { what, passes }) => self.call_range(what, passes),
             Some(Pending::CallText(call)) => self.call_text(*call),
             Some(Pending::Return(target)) => self.return_from(target),
-            Some(Pending::End(stop)) => Err(Halt::End(Some(stop))),
+            Some(Pending::End(stop)) => Err(Halt::ProgramEnd(Some(stop))),
         }?;
         match self.flow.pending {
             // Said by a macro around the call.
-            Some(Pending::End(stop)) => Err(Halt::End(Some(stop))),
+            Some(Pending::End(stop)) => Err(Halt::ProgramEnd(Some(stop))),
             _ => Ok(()),
         }
     }
@@ -232,7 +232,7 @@ impl Kernel<'_> {
                     &diag::MAIN_RETURN,
                     "return code in the main program: the control would start again, the run ends after this cycle",
                 );
-                Err(Halt::End(None))
+                Err(Halt::ProgramEnd(None))
             }
         }
     }

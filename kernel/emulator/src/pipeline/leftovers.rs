@@ -55,7 +55,7 @@ impl Kernel<'_> {
 
     fn leftover_word(&mut self, register: u8, value: f64, span: (u32, u32)) {
         let machine = self.channel.env.machine;
-        let mut rows = self.channel.block.pending.iter().map(|firing| &machine.codes[firing.row]);
+        let mut rows = self.channel.block.pending.iter().map(|pending| &machine.codes[pending.row]);
         if rows.any(|row| row.ignores.contains(&register)) {
             return;
         }

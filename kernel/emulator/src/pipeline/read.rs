@@ -43,7 +43,7 @@ impl Kernel<'_> {
         }
         let sources = self.channel.env.sources;
         let Some((file, range, line)) = self.frame().map(|f| (f.file, f.range, f.next)) else {
-            return Err(Halt::End(None));
+            return Err(Halt::ProgramEnd(None));
         };
         if line > range.last {
             return self.text_ends();
@@ -51,7 +51,7 @@ impl Kernel<'_> {
         if let Some(frame) = self.frame() {
             frame.next = line + 1;
         }
-        let Some(source) = sources.get(file) else { return Err(Halt::End(None)) };
+        let Some(source) = sources.get(file) else { return Err(Halt::ProgramEnd(None)) };
         let text = source.line(line);
         if text.iter().all(|b| matches!(b, b' ' | b'\t')) {
             return Ok(());
@@ -153,7 +153,7 @@ impl Kernel<'_> {
         }
         let name = self.flow.frames.last().map_or_else(String::new, |f| f.name.to_string());
         self.diagnose(&diag::NO_PROGRAM_END, format!("the text of {name} ends without an end code"));
-        if self.flow.frames.len() > 1 { self.return_from(None) } else { Err(Halt::End(None)) }
+        if self.flow.frames.len() > 1 { self.return_from(None) } else { Err(Halt::ProgramEnd(None)) }
     }
 
     fn too_long(&mut self, length: usize) -> Halt {

@@ -162,7 +162,7 @@ impl<'a> Shop<'a> {
         if let Err(halt) = done {
             kernel.report_softened(halt);
         }
-        kernel.close_files(Halt::End(None));
+        kernel.close_files(Halt::ProgramEnd(None));
         let restart = kernel.macros.course.restart.take();
         let restart = restart.filter(|_| !matches!(done, Err(Halt::Alarm | Halt::Stopped | Halt::Blocked)));
         let again = restart.and_then(|restart| super::rounds::restarted(&mut kernel, restart, wrong));

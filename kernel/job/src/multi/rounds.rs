@@ -49,7 +49,7 @@ pub(super) struct Again {
 }
 
 impl Round {
-    /// The meeting place of its kernels.
+    /// The coordinator of its kernels.
     pub(super) fn coordinator(
         &mut self,
         job: &Job,
@@ -107,7 +107,7 @@ impl<'a> Shop<'a> {
         let stop = self.coordinator.stop_tag();
         self.coordinator.unordered(|order| order.shared.files.close(stop));
         let ended = |one: &Lived| one.ended.is_some_and(|tag| tag <= stop);
-        let all = lived.iter().all(|one| matches!(one.halt, Halt::End(_)) && ended(one));
+        let all = lived.iter().all(|one| matches!(one.halt, Halt::ProgramEnd(_)) && ended(one));
         for Lived { channel, halt, .. } in lived.iter().filter(|one| !ended(one)) {
             let phase = if *halt == Halt::Blocked { Phase::Blocked } else { Phase::Stopped };
             log(&Event { micro, channel: *channel, ..super::master(t_ns, Kind::Lifecycle(phase)) });

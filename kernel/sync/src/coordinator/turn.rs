@@ -79,7 +79,7 @@ impl Coordinator {
         }
     }
 
-    /// Arrives at a wait, and waits until the meeting takes place or the kernel has to see to its arrival itself.
+    /// Arrives at a wait, and waits until the wait is over or the kernel has to carry out its arrival itself.
     pub(super) fn meet<S>(
         &self,
         waiting: Waiting,

@@ -213,11 +213,11 @@ impl Act<'_, '_> {
         let rules = self.env.machine.compensation;
         match stage {
             Stage::Ending => {
-                self.tell_switch(&step, "off", (rapid && !rules.rapid, round && !rules.arcs));
+                self.report_switch(&step, "off", (rapid && !rules.rapid, round && !rules.arcs));
                 self.forget_cutter();
                 return self.on_contour(&step);
             }
-            Stage::Start if first => self.tell_switch(&step, "on", (rapid && !rules.rapid, round && !rules.arcs)),
+            Stage::Start if first => self.report_switch(&step, "on", (rapid && !rules.rapid, round && !rules.arcs)),
             Stage::Start | Stage::On | Stage::Turned | Stage::Settled { .. } => {}
         }
         self.check_stop()?;
@@ -228,7 +228,7 @@ impl Act<'_, '_> {
     }
 
     /// Compensation is switched by a move that the machine does not take for it.
-    fn tell_switch(&mut self, step: &Step, what: &str, (rapid, round): (bool, bool)) {
+    fn report_switch(&mut self, step: &Step, what: &str, (rapid, round): (bool, bool)) {
         let on = what == "on";
         let (facts, kind) = match (rapid, round, step.shape) {
             (true, ..) if on => (&diag::COMP_ON_RAPID, "a rapid move"),
@@ -305,7 +305,7 @@ impl Act<'_, '_> {
         if !self.is_compensated() {
             return halt;
         }
-        if matches!(halt, Halt::End(_) | Halt::Alarm) {
+        if matches!(halt, Halt::ProgramEnd(_) | Halt::Alarm) {
             // What was programmed before the alarm is executed.
             self.clear_stop();
             let settled = self.flush_lookahead();

@@ -11,11 +11,11 @@ use counterpoint_machine::rows::CodeForm;
 
 /// Special registers and texts, prepared once.
 #[derive(Debug)]
-pub struct Early {
+pub struct LiteralFirst {
     /// Literal texts that a register would read as a word, with their rows.
     pub texts: Vec<(Vec<u8>, CodeRowId)>,
     /// Special registers.
-    pub registers: Vec<Special>,
+    pub registers: Vec<PrefixRegister>,
     /// Tools by name, in capital letters.
     tools: Vec<(Vec<u8>, u32)>,
     /// Bytes that any of them begins with.
@@ -24,7 +24,7 @@ pub struct Early {
 
 /// A register with text around its number.
 #[derive(Debug)]
-pub struct Special {
+pub struct PrefixRegister {
     /// Text before the number.
     pub before: Vec<u8>,
     /// Text after the number.
@@ -52,14 +52,14 @@ pub fn starts_expression(line: &[u8], at: usize) -> bool {
     matches!(first_of_value(line, at), Some(b'#' | b'['))
 }
 
-impl Special {
+impl PrefixRegister {
     /// The text before the number stands at a place, with something behind it that may have a value.
     pub fn has_value(&self, line: &[u8], at: usize) -> bool {
         line.get(at..).is_some_and(|rest| rest.starts_with(&self.before)) && starts_value(line, at + self.before.len())
     }
 }
 
-impl Early {
+impl LiteralFirst {
     /// What a machine has of them.
     pub fn new(machine: &Machine) -> Option<Box<Self>> {
         let mut registers = Vec::new();
@@ -73,10 +73,10 @@ impl Early {
             for (before, incremental) in [first, second].into_iter().flatten() {
                 let before = before.clone().into_bytes();
                 let names = definition.names;
-                registers.push(Special { before, after: after.clone(), register, incremental, names });
+                registers.push(PrefixRegister { before, after: after.clone(), register, incremental, names });
             }
         }
-        registers.sort_by_key(|special| usize::MAX - special.before.len());
+        registers.sort_by_key(|prefix| usize::MAX - prefix.before.len());
         let mut texts = Vec::new();
         for &row in &machine.tables.texts {
             if let CodeForm::Text(text) = &machine.codes[row].form
@@ -95,8 +95,8 @@ impl Early {
             }
         };
         texts.iter().filter_map(|(text, _)| text.first()).for_each(|&byte| mark(byte));
-        for special in &registers {
-            match special.before.first() {
+        for prefix in &registers {
+            match prefix.before.first() {
                 Some(&byte) => mark(byte),
                 None => b"0123456789.+-".iter().for_each(|&byte| mark(byte)),
             }
@@ -112,15 +112,15 @@ impl Early {
             && self
                 .registers
                 .iter()
-                .any(|special| starts_expression(line, at + special.before.len()) && special.has_value(line, at))
+                .any(|prefix| starts_expression(line, at + prefix.before.len()) && prefix.has_value(line, at))
     }
 
     /// The tool that a name between the texts of a register stands for, and where they end; letter case does not count.
-    pub fn tool(&self, special: &Special, line: &[u8], from: usize) -> Option<(u32, usize)> {
-        let length = memchr::memmem::find(line.get(from..)?, &special.after)?;
+    pub fn tool(&self, prefix: &PrefixRegister, line: &[u8], from: usize) -> Option<(u32, usize)> {
+        let length = memchr::memmem::find(line.get(from..)?, &prefix.after)?;
         let name = line.get(from..from + length)?.trim_ascii();
         let (_, number) = self.tools.iter().find(|(known, _)| known.eq_ignore_ascii_case(name))?;
-        Some((*number, from + length + special.after.len()))
+        Some((*number, from + length + prefix.after.len()))
     }
 
     /// One of them may begin with this byte.
