@@ -1,7 +1,7 @@
 //! What an action may touch: the channel, and a few services of the kernel that it belongs to.
 //!
-//! Invariant: an action cannot reach the flow of the program, the machine's macros, the plan or the coordinator; what it
-//! asks of them is carried out by the kernel, calls and ends at the end of the block.
+//! *Invariant:* an action cannot reach the flow of the program, the machine's macros, the plan or the coordinator; what it
+//! asks of them is executed by the kernel, calls and ends at the end of the block.
 
 use std::ops::{Deref, DerefMut};
 use std::sync::Arc;
@@ -175,13 +175,13 @@ impl Act<'_, '_> {
 
 /// The machine: motions, spindle, tools, heads, cycles. Its macros see them.
 impl Act<'_, '_> {
-    /// Carries out a motion.
+    /// Executes a motion.
     #[inline(always)]
     pub(crate) fn travel(&mut self, seconds: f64, motion: &Motion) -> Acted {
         self.kernel.travel(seconds, motion)
     }
 
-    /// Carries out a motion that its macro has seen.
+    /// Executes a motion that its macro has seen.
     pub(crate) fn move_to(&mut self, seconds: f64, motion: &Motion) -> Acted {
         self.kernel.move_to(seconds, motion)
     }

@@ -1,7 +1,7 @@
 //! When which tool of a channel was in work, and on what.
 //!
 //! The operation is the comment of the block that loads the tool, or of a line of comment next to it: that is where
-//! people and CAM systems write it; a tool with a name of its own goes by that. Invariant: spans of a channel ascend and
+//! people and CAM systems write it; a tool with a name of its own goes by that. *Invariant:* spans of a channel ascend and
 //! do not overlap; there are at most `MOST`.
 
 use std::sync::Arc;

@@ -1,6 +1,6 @@
 //! The summary of a job: how it ended, how long everything took, who waited for whom.
 //!
-//! Facts: reference control-emulator.md 6.9 (classes of time). Invariant: for every channel
+//! Facts: reference control-emulator.md 6.9 (classes of time). *Invariant:* for every channel
 //! `feed_ns + rapid_ns + misc_ns + wait_ns` is its `end_ns`; durations are cut where the log was cut, and a wait
 //! that was never satisfied counts up to where its channel ends.
 
@@ -67,7 +67,7 @@ pub struct Summary {
     pub channels: Vec<Channel>,
     /// Sync points in order of their number, then waits that were never satisfied.
     pub waits: Waits,
-    /// Why channels can never continue.
+    /// Why channels cannot continue.
     pub verdict: Option<Verdict>,
     /// Diagnostics in log order, [`MAX_DIAGNOSTICS`] at most.
     pub diagnostics: Vec<Diagnostic>,

@@ -1,8 +1,8 @@
 //! What a kernel carries on when the machine is started again with another file.
 //!
-//! Facts: reference control-emulator.md 5.8. Invariant: only a kernel whose program came to its end is carried on, and
+//! Facts: reference control-emulator.md 5.8. *Invariant:* only a kernel whose program came to its end is carried on, and
 //! only on a machine whose Machine Shutdown may start it again; everything that belongs to one run of all kernels
-//! (clock of the coordinator, waits, streams) begins anew.
+//! (clock of the coordinator, waits, streams) begins again.
 
 use counterpoint_lang::pattern::Memory;
 use rustc_hash::FxHashMap;
@@ -52,7 +52,7 @@ pub struct Carried {
 }
 
 impl Kernel<'_> {
-    /// Takes the kernel apart by name, so that a new part of it is either carried on or begins anew here.
+    /// Takes the kernel apart by name, so that a new part of it is either carried on or begins again here.
     fn into_carried(self) -> Carried {
         let events = self.ports.emitter.count();
         let Self { channel, ports: _, plan: _, flow, dialect, macros } = self;
@@ -111,7 +111,7 @@ impl Kernel<'_> {
         self.macros.variables.store.idle = self.macros.variables.store.idle.saturating_add(idle);
     }
 
-    /// Begins another program. It counts as a block, so that a macro that restarts for ever comes to a limit.
+    /// Begins another program. It counts as a block, so that a macro that restarts indefinitely comes to a limit.
     pub(crate) fn begin_again(&mut self, file: FileId, range: Range, name: Box<str>, reset: bool) -> Acted {
         self.macros.course.closing = false;
         self.channel.at.blocks += 1;

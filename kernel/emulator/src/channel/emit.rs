@@ -1,6 +1,6 @@
 //! The event stream of one kernel.
 //!
-//! Invariant: events leave in the order of the kernel's clock; every chunk promises a tag that no later event of
+//! *Invariant:* events leave in the order of the kernel's clock; every chunk promises a tag that no later event of
 //! this stream is before.
 
 use counterpoint_event::event::{Dwell, Event, Kind};

@@ -159,7 +159,7 @@ impl Kernel<'_> {
         } else if let Some(reason) =
             self.channel.at.blocks.is_multiple_of(WEIGHED_EVERY).then(|| self.overburdened()).flatten()
         {
-            format!("the memory of the job is used up: {reason}")
+            format!("the memory of the job is exhausted: {reason}")
         } else {
             return Ok(());
         };

@@ -22,7 +22,7 @@ pub struct Plan {
     /// Where the macros of the machine take part; none on a machine without macros.
     pub(crate) hooks: Option<&'static HookPoints>,
     pub(crate) scanner: Scanner,
-    /// For what the pre-processor of another control leaves: it has seen to the marks of optional skip.
+    /// For what the pre-processor of another control leaves: it has seen to the marks of block skip.
     pub(crate) unmarked: Option<Arc<Scanner>>,
     /// Action of each code row.
     pub(crate) action_of_row: Table<CodeRowId, Option<&'static dyn Action>>,
@@ -338,7 +338,7 @@ impl Plan {
         self.data.registers_of[id]
     }
 
-    /// The plan for a machine, with the optional skip levels that are on, its actions, and the hooks of its macros.
+    /// The plan for a machine, with the block skip levels that are on, its actions, and the hooks of its macros.
     pub fn new(
         machine: &Machine,
         opskip: &[u8],

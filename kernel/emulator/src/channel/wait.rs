@@ -1,6 +1,6 @@
 //! Waits of a channel for others, and what it does so that others continue.
 //!
-//! Facts: reference channel-synchronisation.md 1.0 to 1.9. Invariant: a kernel waits only here and in shared operations; what
+//! Facts: reference channel-synchronisation.md 1.0 to 1.9. *Invariant:* a kernel waits only here and in shared operations; what
 //! a wait means is the business of `sync`.
 
 use std::sync::Arc;

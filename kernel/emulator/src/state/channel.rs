@@ -1,6 +1,6 @@
 //! One channel of the control: what it is given, where it is, what it remembers.
 //!
-//! Invariant: a part is plain data with methods of its own; none of them knows the kernel.
+//! *Invariant:* a part is plain data with methods of its own; none of them knows the kernel.
 
 use std::sync::Arc;
 

@@ -113,8 +113,8 @@ impl<'a> Shop<'a> {
             log(&Event { micro, channel: *channel, ..super::master(t_ns, Kind::Lifecycle(phase)) });
         }
         let wrong = match () {
-            () if !all || self.control.cancelled() => Some("not every channel has come to the end of its program"),
-            () if round.number >= MOST => Some("it has been started again 1000 times"),
+            () if !all || self.control.cancelled() => Some("not every channel has reached the end of its program"),
+            () if round.number >= MOST => Some("it has already been restarted 1000 times"),
             () => None,
         };
         let again = self.master_shutdown(&mut round.master, wrong, (t_ns, micro), log);
@@ -146,7 +146,7 @@ pub(super) fn restarted(kernel: &mut Kernel<'_>, restart: Restart, wrong: Option
     let (info, machine) = (kernel.channel.env.info, kernel.channel.env.machine);
     let name = info.file_name(file).to_owned();
     let refused = |kernel: &mut Kernel<'_>, reason: &str| {
-        let text = format!("the machine is not started again with line {line} of {name}: {reason}");
+        let text = format!("the machine is not restarted with line {line} of {name}: {reason}");
         kernel.diagnose(&diag::NO_RESTART, text);
         None
     };

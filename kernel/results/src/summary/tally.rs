@@ -1,6 +1,6 @@
 //! The times of one channel.
 //!
-//! Invariant: what is counted adds up to where the channel ends; only its last event can be cut by a stop.
+//! *Invariant:* what is counted adds up to where the channel ends; only its last event can be cut by a stop.
 
 use super::ChannelState;
 use counterpoint_event::event::Work;

@@ -1,6 +1,6 @@
 //! The timeline as a picture: a row for each channel with its tools above, the time below, lines where channels met.
 //!
-//! Invariant: the size of the picture depends on its width in pixels, not on the length of the log.
+//! *Invariant:* the size of the picture depends on its width in pixels, not on the length of the log.
 
 mod rows;
 mod scale;
