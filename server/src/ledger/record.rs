@@ -213,6 +213,35 @@ pub struct Record {
 }
 
 impl Record {
+    /// A job of this machine that has not run, without a name or programs.
+    pub(crate) fn queued(machine: Definition) -> Self {
+        Self {
+            id: String::new(),
+            tenant: tenant::default(),
+            request_id: String::new(),
+            content: String::new(),
+            machine_name: String::new(),
+            machine,
+            programs: Vec::new(),
+            files: Vec::new(),
+            options: Options::default(),
+            asked: Asked::default(),
+            answers: Vec::new(),
+            state: State::Queued,
+            runs: Runs::default(),
+            cancel: false,
+            submitted_ms: 0,
+            ended_ms: 0,
+            events: 0,
+            makespan_ns: 0,
+            highest_severity: 0,
+            verdict: String::new(),
+            error: String::new(),
+            findings: Vec::new(),
+            log_digest: String::new(),
+        }
+    }
+
     /// Whether another record asks for the same.
     pub(crate) fn asks_the_same(&self, other: &Self) -> bool {
         if self.content.starts_with(CONTENT) {
@@ -240,30 +269,6 @@ pub(crate) mod tests {
 
     /// A queued job.
     pub(crate) fn record(id: &str) -> Record {
-        Record {
-            id: id.to_owned(),
-            tenant: tenant::default(),
-            request_id: id.to_owned(),
-            content: String::new(),
-            machine_name: String::new(),
-            machine: Definition::shipped("fanuc-mill"),
-            programs: Vec::new(),
-            files: Vec::new(),
-            options: Options::default(),
-            asked: Asked::default(),
-            answers: Vec::new(),
-            state: State::Queued,
-            runs: Runs::default(),
-            cancel: false,
-            submitted_ms: 0,
-            ended_ms: 0,
-            events: 0,
-            makespan_ns: 0,
-            highest_severity: 0,
-            verdict: String::new(),
-            error: String::new(),
-            findings: Vec::new(),
-            log_digest: String::new(),
-        }
+        Record { id: id.to_owned(), request_id: id.to_owned(), ..Record::queued(Definition::shipped("fanuc-mill")) }
     }
 }

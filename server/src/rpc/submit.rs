@@ -12,7 +12,7 @@ use prost::Message as _;
 
 use crate::blobs::{digest, is_digest};
 use crate::jobs::Core;
-use crate::ledger::record::{Asked, CONTENT, Priority, Record, Runs, State, now_ms};
+use crate::ledger::record::{Asked, CONTENT, Priority, Record, Runs, now_ms};
 use crate::machines::{Definition, is_shipped};
 use crate::reason::Refusal;
 
@@ -38,31 +38,19 @@ pub(super) fn record(core: &Core, tenant: &str, request: v1::SubmitJobRequest) -
     let options = options(sent)?;
     let machine = machine(core, tenant, &request.machine)?;
     core.blobs.of(tenant).require(&mut files.iter().map(|(_, digest)| digest))?;
+    // The ledger gives the job its name when it accepts it.
     let record = Record {
-        // The ledger gives it when it accepts the job.
-        id: String::new(),
         content,
         tenant: tenant.to_owned(),
         request_id: request.request_id,
         machine_name: request.machine,
-        machine,
         programs,
         files,
         options,
         asked,
-        answers: Vec::new(),
-        state: State::Queued,
         runs: Runs { wall_ms: own.wall_ms, max_job_bytes: own.max_job_bytes, ..Runs::default() },
-        cancel: false,
         submitted_ms: now_ms(),
-        ended_ms: 0,
-        events: 0,
-        makespan_ns: 0,
-        highest_severity: 0,
-        verdict: String::new(),
-        error: String::new(),
-        findings: Vec::new(),
-        log_digest: String::new(),
+        ..Record::queued(machine)
     };
     Ok(limited(core, record))
 }
@@ -83,29 +71,17 @@ pub(super) fn rerun(core: &Core, earlier: Record, mut request: v1::RerunJobReque
     };
     let runs = Runs { wall_ms: earlier.runs.wall_ms, max_job_bytes: earlier.runs.max_job_bytes, ..Runs::default() };
     let record = Record {
-        id: String::new(),
         content,
         tenant: earlier.tenant,
         request_id,
         machine_name: earlier.machine_name,
-        machine: earlier.machine,
         programs: earlier.programs,
         files: earlier.files,
         options: earlier.options,
         asked,
-        answers: Vec::new(),
-        state: State::Queued,
         runs,
-        cancel: false,
         submitted_ms: now_ms(),
-        ended_ms: 0,
-        events: 0,
-        makespan_ns: 0,
-        highest_severity: 0,
-        verdict: String::new(),
-        error: String::new(),
-        findings: Vec::new(),
-        log_digest: String::new(),
+        ..Record::queued(earlier.machine)
     };
     Ok(limited(core, record))
 }
