@@ -85,7 +85,7 @@ fn operation(info: &Info, file: FileId, line: u32) -> String {
     cut(&found.unwrap_or_default(), LONGEST)
 }
 
-/// What stands in brackets or after a semicolon.
+/// The text in brackets or after a semicolon.
 fn comment(text: &str) -> Option<String> {
     let bracket = text.split_once('(').map(|(_, rest)| rest.split_once(')').map_or(rest, |(inside, _)| inside));
     let found = bracket.or_else(|| text.split_once(';').map(|(_, rest)| rest))?;

@@ -35,7 +35,7 @@ const CHORD: f64 = std::f64::consts::TAU / 120.0;
 /// Chords of a circle with many turns that is seen from its side.
 const MOST_CHORDS: f64 = 4000.0;
 
-/// Tools that are told apart.
+/// Tools that get colours of their own.
 const MOST_TOOLS: usize = 500;
 
 /// How the path is seen.
@@ -202,7 +202,7 @@ impl Track {
 }
 
 impl Track {
-    /// The path continues where the motion begins.
+    /// The path continues where the motion starts.
     #[inline(always)]
     fn begin(&mut self, motion: &Motion, line: u32) {
         if self.end != Some(motion.from) {

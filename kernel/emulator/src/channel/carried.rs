@@ -24,7 +24,7 @@ use counterpoint_sync::tag::Tag;
 /// How the life of a kernel ended.
 pub struct Lived {
     /// Number of the channel.
-    pub rank: u16,
+    pub channel: u16,
     /// Why it ended.
     pub halt: Halt,
     /// Tag of the end of its program in the log, if the program has ended.
@@ -96,9 +96,9 @@ impl Kernel<'_> {
     /// The end of its life.
     pub(crate) fn lived(self, halt: Halt, ended: Option<Tag>) -> Lived {
         let hook = self.channel.env.machine.macros.as_deref().and_then(|macros| macros.hook(Hook::MachineShutdown));
-        let rank = self.channel.at.channel;
+        let channel = self.channel.at.channel;
         let left = (hook.is_some() && matches!(halt, Halt::End(_))).then(|| Box::new(self.into_carried()));
-        Lived { rank, halt, ended, left }
+        Lived { channel, halt, ended, left }
     }
 
     /// Takes over what it was before; from its end to now it stood idle.

@@ -63,7 +63,7 @@ impl Kernel<'_> {
                 self.channel.count_error(severity);
                 let text = shortened(&text);
                 self.channel.burden.result(text.len() + RESULT);
-                let unrecognised = self.channel.reports.take_unrecognised(facts.number, &text);
+                let unrecognised = self.channel.reports.take_unrecognised(facts.number, text);
                 let (number, text) = (facts.number, text.into());
                 let diagnostic = Diagnostic { number, severity, text, unrecognised, ..Diagnostic::default() };
                 self.emit(0, Kind::Diagnostic(Box::new(diagnostic)));

@@ -13,7 +13,7 @@ use counterpoint_event::event::{Direction, Kind, Spindle as SpindleEvent};
 use counterpoint_event::info::Unit;
 use counterpoint_fault as diag;
 use counterpoint_sync::shared::Command;
-use counterpoint_sync::waits::Set;
+use counterpoint_sync::wait::Set;
 
 impl Kernel<'_> {
     /// Changes the commanded state, logs it, and lets the spindle run up.
@@ -26,22 +26,22 @@ impl Kernel<'_> {
         self.flow.pass.effects = true;
         let before = self.turning_speed()?;
         let old = self.channel.state.spindle.command;
-        let rank = self.channel.at.channel;
+        let channel = self.channel.at.channel;
         let mut conflict = 0;
         if self.channel.state.spindle.shared {
             let (now, writer) = self.shared(|order| {
                 let Some(spindle) = order.shared.spindles.get_mut(index) else { return (Command::default(), 0) };
                 let old = spindle.command;
                 change(&mut spindle.command);
-                if old.driver == rank && spindle.command.driver != rank {
+                if old.driver == channel && spindle.command.driver != channel {
                     // Until its new driver moves the spindle continues as it turns.
                     spindle.now = before;
                 }
                 let changed = old != spindle.command;
-                let other = spindle.writer != 0 && spindle.writer != rank && !spindle.ordered.has(rank);
+                let other = spindle.writer != 0 && spindle.writer != channel && !spindle.ordered.has(channel);
                 let writer = if changed && other { spindle.writer } else { 0 };
-                spindle.writer = rank;
-                spindle.ordered = Set::default().with(rank);
+                spindle.writer = channel;
+                spindle.ordered = Set::default().with(channel);
                 (spindle.command, writer)
             })?;
             self.channel.state.spindle.command = now;
@@ -51,7 +51,7 @@ impl Kernel<'_> {
         }
         if conflict != 0 {
             let text = format!(
-                "channels {conflict} and {rank} both command the spindle without a sync point between them, here in '{}': the later command takes effect",
+                "channels {conflict} and {channel} both command the spindle without a sync point between them, here in '{}': the later command takes effect",
                 self.block_text()
             );
             self.diagnose(&diag::SPINDLE_CONFLICT, text);

@@ -56,7 +56,7 @@ impl Tooling {
         Self { tools: FxHashMap::default(), current: 0, spindle: None, end_ns }
     }
 
-    /// Any event of the channel that is no motion.
+    /// Takes any event of the channel except motions.
     pub(super) fn event(&mut self, event: &Event) {
         match &event.kind {
             Kind::Tool(ToolChange { action: ToolAction::Select, .. }) => {}

@@ -58,7 +58,7 @@ pub(super) fn draw(timeline: &Timeline) -> String {
         r##"<rect width="6" height="6" fill="#edf0f3"/><rect width="2" height="6" fill="#a9b4bf"/></pattern></defs>"##,
         "\n"
     ));
-    // Room for what has no end, and for the word behind a channel that did not end well.
+    // Room for bars without an end, and for the word after a channel that did not end well.
     let open_ended = timeline
         .channels
         .iter()
