@@ -67,7 +67,7 @@ pub struct Summary {
     pub channels: Vec<Channel>,
     /// Sync points in order of their number, then waits that were never satisfied.
     pub waits: Waits,
-    /// Why channels cannot continue.
+    /// Why channels can never continue.
     pub verdict: Option<Verdict>,
     /// Diagnostics in log order, [`MAX_DIAGNOSTICS`] at most.
     pub diagnostics: Vec<Diagnostic>,
