@@ -174,7 +174,7 @@ async fn follow(client: &Client, job: &str, (quiet, attended): (bool, bool)) -> 
                 Update::Progress(now) => progress.borrow_mut().show(&now),
                 Update::Ended(status) => {
                     progress.borrow_mut().clear();
-                    return Ok(status);
+                    return Ok(*status);
                 }
                 Update::Description(_) | Update::Events(_) => {}
             },

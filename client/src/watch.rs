@@ -29,7 +29,7 @@ pub enum Update {
     /// Where the job stands now.
     Progress(v1::Progress),
     /// The job has ended; nothing comes after it.
-    Ended(v1::JobStatus),
+    Ended(Box<v1::JobStatus>),
 }
 
 /// A watch of one job.
@@ -101,7 +101,7 @@ impl Watch {
     pub async fn next(&mut self) -> Result<Update, Error> {
         loop {
             if let Some(status) = &self.ended {
-                return Ok(Update::Ended(status.clone()));
+                return Ok(Update::Ended(Box::new(status.clone())));
             }
             if let Some(due) = self.due {
                 sleep_until(due).await;
@@ -160,7 +160,7 @@ impl Watch {
             Content::Ended(status) => {
                 self.ended = Some(status.clone());
                 self.stream = None;
-                Some(Update::Ended(status))
+                Some(Update::Ended(Box::new(status)))
             }
         })
     }

@@ -104,7 +104,7 @@ async fn follow(mut watch: counterpoint_client::Watch) -> (Vec<u64>, usize, v1::
                 assert_eq!(watch.cursor(), batch.last_seq);
             }
             Update::Progress(_) => {}
-            Update::Ended(status) => return (numbers, described, status, watch.reconnects()),
+            Update::Ended(status) => return (numbers, described, *status, watch.reconnects()),
         }
     }
 }

@@ -30,14 +30,12 @@ pub struct Options {
     pub attempts: u32,
     /// Seconds that running jobs get to end after a stop signal.
     pub grace_s: u64,
-    /// Seconds that a dialog of an attended job waits for the operator before it fails.
-    pub operator_wait_s: u64,
     /// Free bytes on the disk of the data folder below which no run starts and no job or upload is accepted.
     pub min_free_bytes: u64,
     /// Who may call.
     #[serde(flatten)]
     pub guard: Guard,
-    /// Commands of the operating system.
+    /// Commands of the operating system, and the operator.
     #[serde(flatten)]
     pub system: System,
     /// What nobody may ask for more of.
@@ -70,7 +68,6 @@ impl Default for Options {
             queue: 1000,
             attempts: 3,
             grace_s: 30,
-            operator_wait_s: 600,
             min_free_bytes: 256 << 20,
             guard: Guard::default(),
             system: System::default(),
@@ -178,9 +175,6 @@ pub struct Flags {
     /// Seconds that running jobs get to end after a stop signal
     #[arg(long, env = "COUNTERPOINT_GRACE_S", value_name = "SECONDS")]
     pub grace_s: Option<u64>,
-    /// Seconds that a dialog of an attended job waits for the operator before it fails
-    #[arg(long, env = "COUNTERPOINT_OPERATOR_WAIT_S", value_name = "SECONDS")]
-    pub operator_wait_s: Option<u64>,
     /// Free disk space below which no run starts and no job or upload is accepted, bytes
     #[arg(long, env = "COUNTERPOINT_MIN_FREE_BYTES", value_name = "BYTES")]
     pub min_free_bytes: Option<u64>,
@@ -219,7 +213,6 @@ impl Flags {
         set(&mut options.queue, self.queue);
         set(&mut options.attempts, self.attempts);
         set(&mut options.grace_s, self.grace_s);
-        set(&mut options.operator_wait_s, self.operator_wait_s);
         set(&mut options.min_free_bytes, self.min_free_bytes);
         self.guard.over(&mut options.guard);
         self.system.over(&mut options.system);

@@ -231,7 +231,7 @@ fn run(core: &Core, live: &Arc<Live>) -> Result<Ran, Refusal> {
     let info = prepared.info().clone();
     let mut control = Control::new(info.channels.len()).with_stop(stop);
     if record.options.attended {
-        live.desk.set_patience(Duration::from_secs(core.options.operator_wait_s));
+        live.desk.set_patience(Duration::from_secs(core.options.system.operator_wait_s));
         control = control.with_operator(live.desk.clone());
     }
     if core.options.system.allow_system && record.machine.trusted {
@@ -304,13 +304,16 @@ impl Through {
     }
 }
 
+/// What of a job cannot be used, and why.
+type Unusable = (Cause, Vec<Finding>);
+
 /// Loads the machine and the programs of a job, or says which of them cannot be used.
 pub(crate) fn prepare(
     core: &Core,
     record: &Record,
     files: &Sandbox,
     stop: &Stop,
-) -> Result<Result<Box<dyn Prepared>, (Cause, Vec<Finding>)>, Refusal> {
+) -> Result<Result<Box<dyn Prepared>, Unusable>, Refusal> {
     let checked = core.machines.load(&record.machine)?;
     let Some(machine) = checked.machine else { return Ok(Err((Cause::Machine, checked.findings))) };
     let task = Task { machine, programs: record.programs.clone(), options: record.options.clone() };

@@ -154,13 +154,15 @@ group! {
 }
 
 group! {
-    /// Commands of the operating system (`SYSTEM`) that macros start.
+    /// What macros wait for outside of the server: commands of the operating system (`SYSTEM`) and the operator.
     System, SystemFlags {
         /// Macros of machines that an administrator has put there, and of shipped ones, may start commands of the
         /// operating system, with the rights of the server
         allow_system: bool = false, "COUNTERPOINT_ALLOW_SYSTEM", "BOOL" [num_args = 0..=1, default_missing_value = "true"];
         /// Seconds after which such a command is ended
         system_wait_s: u64 = 60, "COUNTERPOINT_SYSTEM_WAIT_S", "SECONDS";
+        /// Seconds that a dialog of an attended job waits for the operator before it fails
+        operator_wait_s: u64 = 600, "COUNTERPOINT_OPERATOR_WAIT_S", "SECONDS";
     }
 }
 

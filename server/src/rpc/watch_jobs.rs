@@ -158,7 +158,7 @@ impl WatchJobs {
             for Change { id, removed, .. } in changes {
                 if let Some(removed) = removed {
                     let status = v1::JobStatus { job_id: id.to_string(), ..Default::default() };
-                    read.extend(filter.took(&removed).then(|| v1::JobChange { status: Some(status), removed: true }));
+                    read.extend(filter.took(&removed).then_some(v1::JobChange { status: Some(status), removed: true }));
                     continue;
                 }
                 match core.job(&id) {
