@@ -149,6 +149,10 @@ impl Core {
             let record = recovered(record, alone, self.options.attempts);
             tracing::info!(job = record.id, state = ?record.state, suspect = record.runs.suspect, "recovered");
             if record.state != before {
+                if record.state.ended() {
+                    // Of a run that did not come to its end.
+                    self.logs.remove_log(&record.id)?;
+                }
                 self.ledger.update_blocking(record.clone())?;
                 self.host.unmark(&record.id);
             }
@@ -160,8 +164,12 @@ impl Core {
         self.pump();
         housekeeping::start(self)?;
         let core = Arc::downgrade(self);
+        let mut writable = self.ledger.writable();
         std::thread::Builder::new().name("tick".to_owned()).spawn(move || {
             while let Some(core) = core.upgrade() {
+                if writable.has_changed().unwrap_or(false) && *writable.borrow_and_update() {
+                    core.find_unanswered();
+                }
                 core.stop_late_runs();
                 core.pump();
                 drop(core);
@@ -189,6 +197,7 @@ impl Core {
     pub(crate) async fn submit(self: &Arc<Self>, record: Record) -> Result<(Record, bool), Refusal> {
         if let Some(known) = self.ledger.by_request(&record.tenant, &record.request_id)? {
             return if known.content == record.content {
+                self.answered(&known)?;
                 Ok((self.current(known), true))
             } else {
                 Err(Refusal::RequestIdReused(record.request_id))
@@ -211,7 +220,10 @@ impl Core {
         let submitted = self.ledger.submit(record, Box::new(check), Box::new(accepted)).await?;
         drop(place);
         match submitted {
-            Submitted::Known(known) => Ok((self.current(*known), true)),
+            Submitted::Known(known) => {
+                self.answered(&known)?;
+                Ok((self.current(*known), true))
+            }
             Submitted::New(record) => {
                 self.metrics.jobs.accepted.inc();
                 if let Some(left_out) = ACCEPTED.pass() {
@@ -219,6 +231,37 @@ impl Core {
                 }
                 self.pump();
                 Ok((*record, false))
+            }
+        }
+    }
+
+    /// Whether a job that is in the ledger is durable there. One that is not in memory may be from a transaction whose
+    /// sync failed: a loss of power takes it back while the ledger cannot be written.
+    fn answered(&self, known: &Record) -> Result<(), Refusal> {
+        if known.state.ended() || self.live(&known.id).is_some() {
+            return Ok(());
+        }
+        if !*self.ledger.writable().borrow() {
+            return Err(Refusal::Storage("it is not known yet whether the job has been accepted".to_owned()));
+        }
+        self.find_unanswered();
+        Ok(())
+    }
+
+    /// Takes up jobs that the ledger holds although their submits were refused: the sync of their transaction failed,
+    /// and the ledger was found to hold it when it was opened again.
+    fn find_unanswered(&self) {
+        let missing =
+            self.ledger.jobs("", usize::MAX, &|record| !record.state.ended() && self.live(&record.id).is_none());
+        for record in missing.unwrap_or_default() {
+            let live = Arc::new(Live::new(record));
+            if !self.enter(&live) {
+                continue;
+            }
+            // It may have ended between the two looks.
+            match self.ledger.job(&live.id) {
+                Ok(Some(record)) if !record.state.ended() => self.wait_in_queue(&live),
+                _ => drop(self.live.remove(&live.id)),
             }
         }
     }
@@ -248,8 +291,24 @@ impl Core {
         Ok(Place(self.clone()))
     }
 
+    /// Takes up a job, once.
     fn admit(&self, live: Arc<Live>) {
-        self.live.insert(live.id.clone(), live.clone());
+        if self.enter(&live) {
+            self.wait_in_queue(&live);
+        }
+    }
+
+    /// Adds a job to those in memory; `false` if it is there.
+    fn enter(&self, live: &Arc<Live>) -> bool {
+        let mut new = false;
+        self.live.entry(live.id.clone()).or_insert_with(|| {
+            new = true;
+            live.clone()
+        });
+        new
+    }
+
+    fn wait_in_queue(&self, live: &Live) {
         let entry = if live.record().runs.suspect { Entry::Suspect } else { Entry::Accepted };
         lock(&self.queue).jobs.push(&live.id, entry);
     }

@@ -3,10 +3,11 @@
 //!
 //! Layout: `lock`, `ledger.redb`, `blobs/<2 digits>/<digest>`, `blobs/@<tenant>/<2 digits>/<digest>`, `jobs/<id>/{log, summary.json, …}`, `running/<id>`, `tmp/`.
 
+use std::collections::HashSet;
 use std::fs;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use super::disk::{Disk, Temporary};
 use super::folder_lock::FolderLock;
@@ -19,14 +20,19 @@ pub(crate) struct Store {
     durable: bool,
     disk: Disk,
     lock: Arc<FolderLock>,
+    /// Folders that a loss of power leaves, with the names that were in them when this server first saw them.
+    lasting: Arc<Mutex<HashSet<PathBuf>>>,
+    /// Files that have got their names, which may not be durable yet.
+    unsure: Arc<Mutex<HashSet<PathBuf>>>,
 }
 
 impl Store {
     /// Takes the folder for this server, creates what is missing and empties `tmp`.
     pub(crate) fn open(root: PathBuf, durable: bool, disk: Disk) -> io::Result<Self> {
+        let new = !root.is_dir();
         fs::create_dir_all(&root)?;
         let lock = Arc::new(FolderLock::take(&root)?);
-        let store = Self { root, durable, disk, lock };
+        let store = Self { root, durable, disk, lock, lasting: Arc::default(), unsure: Arc::default() };
         for folder in ["blobs", "jobs", "running"] {
             fs::create_dir_all(store.root.join(folder))?;
         }
@@ -34,6 +40,10 @@ impl Store {
             Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
             _ => fs::create_dir_all(store.tmp())?,
         }
+        if new {
+            store.sync_folder_of(&store.root)?;
+        }
+        store.sync_root()?;
         Ok(store)
     }
 
@@ -43,7 +53,7 @@ impl Store {
             return Err(io::Error::new(io::ErrorKind::NotFound, "there is no such folder"));
         }
         let lock = Arc::new(FolderLock::take(&root)?);
-        Ok(Self { root, durable: true, disk: Disk::default(), lock })
+        Ok(Self { root, durable: true, disk: Disk::default(), lock, lasting: Arc::default(), unsure: Arc::default() })
     }
 
     pub(crate) fn durable(&self) -> bool {
@@ -128,10 +138,53 @@ impl Store {
             file.sync()?;
         }
         if let Some(folder) = path.parent() {
-            self.disk.create_folder(folder)?;
+            self.create_lasting(folder)?;
         }
-        file.place(path)?;
-        self.sync_folder_of(path)
+        held(&self.unsure).insert(path.to_owned());
+        let kept = file.place(path).and_then(|()| self.sync_folder_of(path));
+        if kept.is_ok() || !path.exists() {
+            held(&self.unsure).remove(path);
+        }
+        kept
+    }
+
+    /// Whether a file is there and will be after a loss of power. One whose name could not be made durable is as if it
+    /// were not there.
+    pub(crate) fn has(&self, path: &Path) -> bool {
+        let Some(folder) = path.parent().filter(|_| path.is_file()) else { return false };
+        let lasting = self.create_lasting(folder).is_ok();
+        if !held(&self.unsure).contains(path) {
+            return lasting;
+        }
+        let sure = lasting && self.sync_folder_of(path).is_ok();
+        if sure {
+            held(&self.unsure).remove(path);
+        }
+        sure
+    }
+
+    /// Creates a folder inside the data folder and makes its name durable, with those of the folders that it is in.
+    fn create_lasting(&self, folder: &Path) -> io::Result<()> {
+        if !self.durable {
+            return self.disk.create_folder(folder);
+        }
+        if folder == self.root || held(&self.lasting).contains(folder) {
+            return Ok(());
+        }
+        if let Some(outer) = folder.parent() {
+            self.create_lasting(outer)?;
+        }
+        self.disk.create_folder(folder)?;
+        // Also one that is there, with what is in it: it may be from a server that came no further.
+        self.sync_folder_of(folder)?;
+        self.disk.sync_folder(folder)?;
+        held(&self.lasting).insert(folder.to_owned());
+        Ok(())
+    }
+
+    /// Makes the names in the data folder itself durable.
+    pub(crate) fn sync_root(&self) -> io::Result<()> {
+        if self.durable { self.disk.sync_folder(&self.root) } else { Ok(()) }
     }
 
     /// Makes names in the folder of `path` durable where the system has the notion.
@@ -218,6 +271,11 @@ impl Store {
             other => other,
         }
     }
+}
+
+/// A set whose holder panicked is used as it is.
+fn held(set: &Mutex<HashSet<PathBuf>>) -> MutexGuard<'_, HashSet<PathBuf>> {
+    set.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// Names in a folder; none if there is no such folder.

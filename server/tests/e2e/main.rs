@@ -10,15 +10,21 @@
 )]
 
 mod backup;
+#[cfg(target_os = "linux")]
+mod bad_disk;
 mod collect;
 mod connections;
 mod damage;
 #[cfg(target_os = "linux")]
 mod descriptors;
 mod doctor;
+#[cfg(target_os = "linux")]
+mod faults;
 mod folder;
 mod guard;
 mod guarded;
+#[cfg(target_os = "linux")]
+mod killed;
 mod life;
 mod limits;
 mod metrics;

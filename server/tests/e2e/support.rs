@@ -83,7 +83,7 @@ impl Runner for Script {
             axes: vec![axis("X"), axis("Z")],
         };
         let file = File { name: program.file.clone(), stored: false, text: Default::default() };
-        let text = Text::new(files.read(&program.file).unwrap(), || false);
+        let text = Text::new(bytes, || false);
         file.text.set(Some(Arc::new(text))).unwrap();
         let info = Arc::new(Info {
             machine: task.machine.name.clone(),

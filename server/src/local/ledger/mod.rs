@@ -107,6 +107,7 @@ impl LocalLedger {
         let place = if store.durable() { Place::File(store.ledger(), store.disk().clone()) } else { Place::Memory };
         not_lost(store)?;
         let database = place.open().map_err(|error| lost(store, &format!("cannot be opened ({error})")))?;
+        store.sync_root()?;
         let txn = database.begin_write().map_err(storage)?;
         let before = schema::migrate(&txn, store).map_err(|refusal| match refusal {
             Refusal::DataLoss(text) => Refusal::DataLoss(format!("{} {text}", store.ledger().display())),
