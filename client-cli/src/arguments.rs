@@ -17,8 +17,8 @@ Examples:
   counterpoint run --machine ./my-lathe twin.nc#2101 twin.nc#2102 --json
   counterpoint run part.nc --out out --write summary,toolpath --strict
 
-Limits without other flags: 86400 s (24 h) of simulated time, 10000000 blocks of a channel, 1000000 blocks of a
-channel in a row that take no time, 40000000 events of a channel, 1000 diagnostics kept of a channel.";
+Default limits: 86400 s (24 h) of simulated time; per channel 10000000 blocks, 1000000 blocks in a row without
+time, 40000000 events, and 1000 diagnostics kept.";
 
 const SUBMIT_EXAMPLES: &str = "\
 Examples:
@@ -35,15 +35,15 @@ pub(crate) struct Arguments {
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
-    /// Run programs here and now
+    /// Run programs in this process and print a report
     #[command(after_help = RUN_EXAMPLES)]
     Run(Run),
-    /// Hand programs to a server; print the job's id
+    /// Submit programs to a server and print the id of the job
     #[command(after_help = SUBMIT_EXAMPLES)]
     Submit(Submit),
     /// Follow a job to its end
     Watch(Follow),
-    /// Answer a running job's dialogs interactively (submitted with --attend)
+    /// Answer the dialogs of a job that was submitted with --attend
     Attend(Follow),
     /// Wait for the end of a job
     Wait(Follow),
@@ -61,15 +61,15 @@ pub(crate) enum Command {
     /// Check, rewrite, run and explain macros
     #[command(subcommand)]
     Macro(crate::macros::arguments::Macro),
-    /// Explain a diagnostic by its name or number, an alarm, or a word of the macro language
+    /// Explain a diagnostic by its word or number, an alarm, or a word of the macro language
     Explain {
-        /// no-feed, 2019001, PS0160, $FSIN, DECLAR, $TLTAB, CODE_RAPID
-        #[arg(value_name = "NAME|NUMBER")]
+        /// Explain this word or number, such as no-feed, 2019001, PS0160, $FSIN, DECLAR, $TLTAB or CODE_RAPID
+        #[arg(value_name = "WORD|NUMBER")]
         what: String,
     },
     /// Print a completion script for a shell
     Completions {
-        /// The shell
+        /// Print the script for this shell
         shell: clap_complete::Shell,
     },
 }
@@ -77,17 +77,17 @@ pub(crate) enum Command {
 /// What a job is made of.
 #[derive(Debug, Args)]
 pub(crate) struct Inputs {
-    /// Run these programs, one per channel from left to right; FILE#2102 means program O2102 of FILE
+    /// Run these programs, one per channel from left to right; FILE#2102 is program O2102 of FILE
     #[arg(required = true, value_name = "PROGRAM")]
     pub(crate) programs: Vec<String>,
-    /// Run on this machine, a name or a folder with machine.toml [default: guessed from what the programs show; if they
-    /// show nothing, the run is refused]
+    /// Run on this machine: a name, or a folder with machine.toml [default: guessed from the programs, or refused if they
+    /// do not show it]
     #[arg(long, value_name = "NAME|DIR")]
     pub(crate) machine: Option<String>,
     /// Add files that the programs may call (a folder adds all its files)
     #[arg(long = "with", value_name = "FILE|DIR")]
     pub(crate) with: Vec<PathBuf>,
-    /// Set the active levels of optional block skip: off, on (marks without a digit), or a list such as 1,3
+    /// Switch optional block skip: off, on (for marks without a digit), or a list of levels such as 1,3
     #[arg(long, default_value = "off", value_name = "off|on|LEVELS", value_parser = levels)]
     pub(crate) opskip: Levels,
     /// Stop at optional stops (M1)
@@ -99,8 +99,8 @@ pub(crate) struct Inputs {
     /// Run at most this many channels in parallel (0 = all); results are identical for any value
     #[arg(long, default_value_t = 0, value_name = "N")]
     pub(crate) threads: u32,
-    /// Trace these letters, any of IEWCAMHSXZ, or all: input, edited blocks, words, codes and data, actions, code
-    /// macros, other macros, messages, MDI and EXEC, files stored with the machine [default without letters: all]
+    /// Trace the steps of these letters: I input blocks, E edited blocks, W words, C codes and data, A actions, M code and
+    /// data macros, H other macros, S messages, X MDI and EXEC, Z files stored with the machine [without letters: all]
     #[arg(
         long,
         value_name = "LETTERS",
@@ -110,23 +110,23 @@ pub(crate) struct Inputs {
         hide_default_value = true
     )]
     pub(crate) trace: String,
-    /// Pass this line of parameters to the macros of the machine ($UPARAM)
+    /// Pass this line of parameters to the macros of the machine, which read it in $UPARAM
     #[arg(long, value_name = "TEXT", default_value = "", hide_default_value = true, allow_hyphen_values = true)]
     pub(crate) param: String,
     /// Answer the dialogs of the machine from this TOML file: `[[answers]]` with dialog, button, values
     #[arg(long, value_name = "FILE")]
     pub(crate) answers: Option<PathBuf>,
-    /// Ask the operator when a dialog has no prepared answer: here with `run` (the default on a terminal), by
-    /// `counterpoint attend` after `submit`. Otherwise such a dialog fails
+    /// Ask the operator when a dialog has no prepared answer: `run` asks on this terminal (the default there), `submit`
+    /// leaves the question to `counterpoint attend`. Without this flag such a dialog fails
     #[arg(long)]
     pub(crate) attend: bool,
     /// Stop the run at this simulated time, in seconds [default: 86400]
     #[arg(long, value_name = "SECONDS", value_parser = positive)]
     pub(crate) max_time: Option<f64>,
-    /// Stop the run after this many blocks of a channel [default: 10000000]
+    /// Stop the run when a channel has executed this many blocks [default: 10000000]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
     pub(crate) max_blocks: Option<u64>,
-    /// Stop the run when variables, texts, files and results of the job take more memory, in MiB
+    /// Stop the run when the variables, texts, files and results of the job need more than this memory, in MiB
     #[arg(long, value_name = "MIB", value_parser = clap::value_parser!(u64).range(1..))]
     pub(crate) max_memory: Option<u64>,
 }
@@ -156,14 +156,14 @@ pub(crate) struct Run {
     /// Print only errors: no progress, no report
     #[arg(long, short)]
     pub(crate) quiet: bool,
-    /// Show all sync points and diagnostics in the report, not only the first ones
+    /// Show all sync points and diagnostics in the report, not only the first 20
     #[arg(long, short, conflicts_with = "quiet")]
     pub(crate) verbose: bool,
     /// Exit with code 1 after warnings, too
     #[arg(long)]
     pub(crate) strict: bool,
-    /// Choose the meaning of the exit code: plain (0 to 3), or severity (the highest severity; 100 and up if the run could
-    /// not start)
+    /// Choose the exit codes: plain (0 to 3), or severity (the highest severity of the run; 100 and above if the run
+    /// could not start)
     #[arg(long, value_enum, default_value = "plain", value_name = "FORM")]
     pub(crate) exit_code: ExitCodes,
     /// Allow macros to run operating system commands (SYSTEM) with your rights; use only with machines that you trust
@@ -178,7 +178,7 @@ pub(crate) struct Run {
 }
 
 impl Run {
-    /// A result is to be written.
+    /// Whether a result is to be written.
     pub(crate) fn wants(&self, what: ResultKind) -> bool {
         match what {
             ResultKind::Listing if self.nolist => false,
@@ -188,7 +188,7 @@ impl Run {
         }
     }
 
-    /// Something is asked for that is read off the event log after the run.
+    /// Whether a result is wanted that is made from the event log after the run.
     pub(crate) fn needs_log(&self) -> bool {
         let trace = self.wants(ResultKind::Trace) && !self.inputs.trace.is_empty();
         let read = [ResultKind::Listing, ResultKind::Events, ResultKind::Log, ResultKind::Console]
@@ -198,7 +198,7 @@ impl Run {
     }
 }
 
-/// Optional-skip levels of the command line, 0 = that of marks without a digit.
+/// Levels of optional block skip, 0 for marks without a digit.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Levels(pub(crate) Vec<u32>);
 
@@ -210,7 +210,7 @@ fn levels(text: &str) -> Result<Levels, String> {
     }
     let level = |part: &str| part.trim().parse().ok().filter(|level| (1..=9).contains(level));
     let all: Option<Vec<u32>> = text.split(',').map(level).collect();
-    all.map(Levels).ok_or_else(|| "expected off, on, or levels from 1 to 9 with commas between".to_owned())
+    all.map(Levels).ok_or_else(|| "expected off, on, or a list of levels from 1 to 9 such as 1,3".to_owned())
 }
 
 /// Meaning of the exit code of a run.
@@ -223,7 +223,7 @@ pub(crate) enum ExitCodes {
 /// Where the server is.
 #[derive(Debug, Args, Clone)]
 pub(crate) struct Remote {
-    /// Talk to the server at this address; the token comes from COUNTERPOINT_TOKEN
+    /// Connect to the server at this address; COUNTERPOINT_TOKEN holds the token
     #[arg(long, env = "COUNTERPOINT_SERVER", default_value = "http://127.0.0.1:7878", value_name = "URL")]
     pub(crate) server: String,
 }
@@ -234,14 +234,14 @@ pub(crate) struct Submit {
     pub(crate) inputs: Inputs,
     #[command(flatten)]
     pub(crate) remote: Remote,
-    /// Identify the request: a repeated id returns the same job instead of a new one
+    /// Identify the request: a repeated id returns the same job instead of creating a new one
     #[arg(long, value_name = "ID")]
     pub(crate) request_id: Option<String>,
 }
 
 #[derive(Debug, Args)]
 pub(crate) struct JobArgs {
-    /// The job
+    /// Id of the job
     pub(crate) job: String,
     #[command(flatten)]
     pub(crate) remote: Remote,
@@ -284,21 +284,21 @@ pub(crate) enum State {
 
 #[derive(Debug, Args)]
 pub(crate) struct ResultArgs {
-    /// The job
+    /// Id of the job
     pub(crate) job: String,
-    /// Which result
+    /// Read this result
     #[arg(value_enum)]
     pub(crate) what: ResultKind,
-    /// Choose the channel of the listing (0 = the merged listing and console of all channels)
+    /// Choose the channel of a listing, log, console or trace (0 = the merged listing or the console of all channels)
     #[arg(long, default_value_t = 1, value_name = "N")]
     pub(crate) channel: u32,
     /// End the lines of a listing, log or console with CR and LF
     #[arg(long)]
     pub(crate) crlf: bool,
-    /// Choose the form of timeline and toolpath
+    /// Choose the format of timeline and toolpath
     #[arg(long, value_enum, default_value = "svg")]
     pub(crate) format: Format,
-    /// Write to this file instead of standard output; a folder for files
+    /// Write to this file instead of standard output; for `files`, to this folder
     #[arg(long, short, value_name = "FILE")]
     pub(crate) output: Option<PathBuf>,
     #[command(flatten)]
@@ -312,12 +312,12 @@ pub(crate) enum ResultKind {
     Listing,
     Trace,
     Log,
-    /// Messages and diagnostics, a line each
+    /// Messages and diagnostics, one per line
     Console,
     Timeline,
     Toolpath,
     Events,
-    /// Files that the macros of the machine have written: with an output folder themselves, else their sizes and paths
+    /// The files that macros have written; without --output only their sizes and paths
     Files,
 }
 
@@ -330,9 +330,9 @@ pub(crate) enum Format {
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum Machine {
-    /// Check a machine; findings with file, line and column
+    /// Check a machine and print findings with file, line and column
     Check {
-        /// A name or a folder with machine.toml
+        /// Name of a machine, or a folder with machine.toml
         machine: String,
         #[command(flatten)]
         at: At,
@@ -342,11 +342,11 @@ pub(crate) enum Machine {
         #[command(flatten)]
         at: At,
     },
-    /// Show a machine, or a part of it
+    /// Show a machine or a part of it
     Show {
-        /// A name or a folder with machine.toml
+        /// Name of a machine, or a folder with machine.toml
         machine: String,
-        /// Which part
+        /// Show only this part
         #[arg(value_enum, default_value = "all")]
         part: Part,
         /// Print JSON
@@ -360,7 +360,7 @@ pub(crate) enum Machine {
 /// A server, or this program itself.
 #[derive(Debug, Args)]
 pub(crate) struct At {
-    /// Ask this server instead of the machines built in
+    /// Ask this server instead of using the shipped machines
     #[arg(long, env = "COUNTERPOINT_SERVER", value_name = "URL")]
     pub(crate) server: Option<String>,
 }

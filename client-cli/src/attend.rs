@@ -1,8 +1,8 @@
-//! A person at the terminal answers the dialogs of a running job.
+//! Asks the operator at the terminal to answer the dialogs of a running job.
 //!
-//! Invariants: questions go to standard error, answers come line by line from standard input; an empty line takes what
-//! is shown in brackets; the end of the input declines what is asked. A question that somebody else has answered is
-//! given up at once.
+//! *Invariant:* questions go to standard error and answers are read line by line from standard input; an empty line
+//! accepts the value in brackets; the end of the input declines the dialog. A prompt ends at once when another client
+//! has answered its question.
 
 use std::collections::{HashMap, VecDeque};
 use std::io::{BufRead as _, Write as _};
@@ -19,13 +19,13 @@ use crate::client::Client;
 use crate::error::Error;
 use crate::say::{self, BAD, DIM, WARN, styled};
 
-/// Somebody attends a job.
+/// A connection that answers the dialogs of a job.
 pub(crate) struct Attendant {
     say: mpsc::Sender<v1::AttendRequest>,
     heard: tonic::Streaming<v1::AttendResponse>,
     waiting: VecDeque<v1::Question>,
     ended: Option<v1::JobStatus>,
-    /// Lines of standard input; read once somebody is asked.
+    /// Lines of standard input; reading starts with the first question.
     lines: Option<mpsc::UnboundedReceiver<String>>,
 }
 
@@ -37,17 +37,17 @@ pub(crate) enum Next {
     Ended(v1::JobStatus),
 }
 
-/// What came of a prompt.
+/// Result of a prompt.
 enum Entry {
     Line(String),
     /// The input has ended.
     End,
-    /// Somebody else has answered.
+    /// Another client has answered.
     Closed,
 }
 
 impl Attendant {
-    /// Begins to attend.
+    /// Connects to the dialogs of a job.
     pub(crate) async fn start(client: &Client, job: &str) -> Result<Self, Error> {
         let (say, requests) = mpsc::channel(4);
         let first = v1::AttendRequest { content: Some(Say::JobId(job.to_owned())) };
@@ -69,7 +69,7 @@ impl Attendant {
         }
     }
 
-    /// Takes one message in; gives the question that it closes.
+    /// Receives one message; returns the id of the question that it closes.
     async fn listen(&mut self) -> Result<Option<u64>, Error> {
         match self.heard.message().await?.and_then(|message| message.content) {
             Some(Content::Question(question)) => self.waiting.push_back(question),
@@ -84,7 +84,7 @@ impl Attendant {
         Ok(None)
     }
 
-    /// Puts a question to the person and sends the answer.
+    /// Asks a question and sends the answer.
     pub(crate) async fn answer(&mut self, question: v1::Question) -> Result<(), Error> {
         let id = question.id;
         let dialog = question.dialog.unwrap_or_default();
@@ -133,7 +133,7 @@ impl Attendant {
         self.send(Say::Answer(v1::QuestionAnswer { question_id: id, answer: Some(answer) })).await
     }
 
-    /// The button to press; no question where there is only one.
+    /// Asks for the button to press, unless there is only one.
     async fn button(&mut self, dialog: &v1::Dialog, id: u64) -> Result<Entry, Error> {
         let labels: Vec<&str> = dialog.buttons.iter().map(|button| button.label.as_str()).collect();
         let first = dialog.buttons.iter().find(|button| button.kind() == v1::ButtonKind::Ok);
@@ -149,14 +149,14 @@ impl Attendant {
                 }
                 Entry::Line(line) => {
                     let one_of = labels.join(", ");
-                    say::status_line(styled(BAD, format!("there is no button '{line}', it must be one of {one_of}")));
+                    say::status_line(styled(BAD, format!("button '{line}' not found: expected one of {one_of}")));
                 }
                 other => return Ok(other),
             }
         }
     }
 
-    /// A line of the person.
+    /// Prompts for a line.
     async fn entry(&mut self, prompt: &str, id: u64) -> Result<Entry, Error> {
         let mut out = anstream::stderr();
         let _ = out.write_all(prompt.as_bytes()).and_then(|()| out.flush());
@@ -173,8 +173,8 @@ impl Attendant {
         };
         self.lines = Some(lines);
         match entry {
-            Entry::Closed => say::status_line(styled(DIM, "\n  is answered")),
-            Entry::End => say::status_line(styled(DIM, "\n  declined: the input has ended")),
+            Entry::Closed => say::status_line(styled(DIM, "\n  already answered by another client")),
+            Entry::End => say::status_line(styled(DIM, "\n  declined: end of input")),
             Entry::Line(_) => {}
         }
         Ok(entry)
@@ -189,7 +189,7 @@ fn gone() -> Error {
     Error::Connection("the server ended the stream".to_owned())
 }
 
-/// Reads standard input on a thread of its own: nothing waits for it at the end.
+/// Reads standard input on a separate thread, so that the command can end without waiting for input.
 fn lines() -> mpsc::UnboundedReceiver<String> {
     let (send, receive) = mpsc::unbounded_channel();
     let read = move || {
@@ -200,7 +200,7 @@ fn lines() -> mpsc::UnboundedReceiver<String> {
             }
         }
     };
-    // Without the thread the input has ended.
+    // If the thread cannot be started, the input counts as ended.
     let _ = std::thread::Builder::new().name("input".to_owned()).spawn(read);
     receive
 }
@@ -208,7 +208,7 @@ fn lines() -> mpsc::UnboundedReceiver<String> {
 /// Values by variable.
 type Values = HashMap<String, v1::DialogValue>;
 
-/// A field takes a value, by what has been entered above it and by what the question begins with.
+/// Whether a field is enabled, by the values entered so far and the initial values of the question.
 fn is_enabled(field: &v1::DialogField, entered: &Values, start: &Values) -> bool {
     if field.enabled_by.is_empty() {
         return true;
@@ -226,7 +226,7 @@ fn is_enabled(field: &v1::DialogField, entered: &Values, start: &Values) -> bool
     is_set != field.enabled_unless
 }
 
-/// What a field takes, behind its label.
+/// What a field accepts, shown after its label.
 fn hint(kind: &Kind) -> String {
     match kind {
         Kind::LongestText(longest) => format!(", up to {longest} characters"),
@@ -266,18 +266,18 @@ fn shown(kind: &Kind, value: &Value) -> String {
 fn read(kind: &Kind, line: &str) -> Result<Value, String> {
     match kind {
         Kind::LongestText(_) => Ok(Value::Text(line.to_owned())),
-        Kind::Number(_) => line.parse().map(Value::Number).map_err(|_| format!("'{line}' is no number")),
+        Kind::Number(_) => line.parse().map(Value::Number).map_err(|_| format!("'{line}' is not a valid number")),
         Kind::Check(_) => match line.to_lowercase().as_str() {
             "y" | "yes" | "true" | "on" | "1" => Ok(Value::Flag(true)),
             "n" | "no" | "false" | "off" | "0" => Ok(Value::Flag(false)),
-            _ => Err(format!("'{line}' is neither yes nor no")),
+            _ => Err(format!("'{line}' is not yes or no")),
         },
         Kind::Choice(choice) => {
             let by_label = choice.choices.iter().find(|choice| choice.label.eq_ignore_ascii_case(line));
             let by_number = || choice.choices.get(line.parse::<usize>().ok()?.checked_sub(1)?);
             let chosen = by_label.or_else(by_number);
             let value = chosen.and_then(|choice| choice.value.clone()).and_then(|value| value.value);
-            value.ok_or_else(|| format!("'{line}' is none of them"))
+            value.ok_or_else(|| format!("'{line}' is not one of the choices"))
         }
     }
 }

@@ -1,25 +1,25 @@
 //! Exit codes of `run --exit-code severity`: those of the emulated system.
 //!
 //! Facts: reference listing-and-trace.md 10. Decisions: a verdict or a cancelled job counts as fatal (16); a job that the
-//! kernel refuses to start is 200 where its programs are at fault, else 100; a file of answers counts as a job file
-//! (105); what is no fault of the job is an unexpected failure, 255 in place of -1.
+//! kernel refuses to start is 200 if its programs are the cause, otherwise 100; a file of answers counts as a job file
+//! (105); a failure that the job did not cause is unexpected: 255 instead of -1.
 
 use counterpoint_proto::v1;
 use tonic::Code;
 
 use crate::error::Error;
 
-/// Severity that an end without a diagnostic of its own counts as.
+/// Severity of an end that has no diagnostic.
 const FATAL: u32 = 16;
 
-/// How far a run had come when it failed.
+/// The stage at which a run failed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Stage {
     /// Reading the programs.
     Programs,
     /// Looking for the machine.
     Machine,
-    /// Handing the job over, and running it.
+    /// Submitting and running the job.
     Submission,
     /// Writing results.
     Results,
@@ -43,7 +43,7 @@ pub(crate) fn of_error(stage: Stage, error: &Error) -> u8 {
     }
 }
 
-/// Exit code of a command line that cannot be understood, if it asks for these codes.
+/// Exit code of an invalid command line, if it asks for severity codes.
 pub(crate) fn of_command_line() -> Option<u8> {
     let words: Vec<String> = std::env::args().collect();
     let asked =

@@ -1,11 +1,8 @@
 //! All commands but `run` and `submit`.
 
-use std::time::Duration;
-
+use counterpoint_client::Update;
 use counterpoint_proto::v1;
 use counterpoint_proto::v1::event::Kind;
-use counterpoint_proto::v1::watch_job_response::Content;
-use tonic::Code;
 
 use crate::arguments::{Command, Follow, JobArgs, Jobs, ResultArgs, State};
 use crate::attend::{Attendant, Next};
@@ -16,10 +13,7 @@ use crate::progress::Progress;
 use crate::text::{table, time};
 use crate::{completions, machines, macros, results, run, say};
 
-/// How often a broken watch is resumed.
-const RETRIES: u32 = 8;
-
-/// Carries out a command; gives the exit code.
+/// Executes a command and returns the exit code.
 pub(crate) async fn dispatch(command: Command) -> Result<u8, Error> {
     match command {
         Command::Run(arguments) => run::run(arguments).await,
@@ -41,59 +35,29 @@ pub(crate) async fn dispatch(command: Command) -> Result<u8, Error> {
     }
 }
 
-/// Follows a job, over broken connections too: diagnostics and waits on standard output.
+/// Follows a job, reconnecting if necessary; prints diagnostics and waits to standard output.
 async fn watch(Follow { of: arguments, strict }: Follow) -> Result<u8, Error> {
-    let mut progress = Progress::new(arguments.quiet);
-    let (mut cursor, mut failures) = (0, 0);
-    // A connection that breaks is resumed; a server that never answered is a mistake of the command line.
-    drop(Client::connect(&arguments.remote.server).await?);
-    loop {
-        match watch_once(&arguments, &mut cursor, &mut progress, &mut failures).await {
-            Ok(status) => {
-                progress.clear();
-                return Ok(ended(&status, strict));
-            }
-            Err(Error::Refused(status)) if status.code() != Code::Unavailable && status.code() != Code::Unknown => {
-                return Err(Error::Refused(status));
-            }
-            Err(Error::Closed) => return Err(Error::Closed),
-            Err(error) if failures >= RETRIES => return Err(error),
-            Err(_) => {
-                failures += 1;
-                tokio::time::sleep(Duration::from_millis(100 << failures.min(6))).await;
-            }
-        }
-    }
-}
-
-async fn watch_once(
-    arguments: &JobArgs,
-    cursor: &mut u64,
-    progress: &mut Progress,
-    failures: &mut u32,
-) -> Result<v1::JobStatus, Error> {
     let client = Client::connect(&arguments.remote.server).await?;
-    let level = v1::WatchLevel::Diagnostics.into();
-    let request = v1::WatchJobRequest { job_id: arguments.job.clone(), after_seq: *cursor, level, heartbeat_ms: 0 };
-    let mut stream = client.jobs().watch_job(request).await?.into_inner();
-    while let Some(message) = stream.message().await? {
-        *failures = 0;
-        match message.content {
-            Some(Content::Batch(batch)) => {
+    let mut progress = Progress::new(arguments.quiet);
+    let mut watch = client.watch(&arguments.job, v1::WatchLevel::Diagnostics);
+    loop {
+        match watch.next().await? {
+            Update::Events(batch) => {
                 for line in batch.events.iter().filter_map(line) {
                     say::data(line.as_bytes())?;
                 }
-                *cursor = batch.last_seq;
             }
-            Some(Content::Progress(now)) => progress.show(&now),
-            Some(Content::Ended(status)) => return Ok(status),
-            Some(Content::Description(_)) | None => {}
+            Update::Progress(now) => progress.show(&now),
+            Update::Ended(status) => {
+                progress.clear();
+                return Ok(ended(&status, strict));
+            }
+            Update::Description(_) => {}
         }
     }
-    Err(Error::Connection("the server ended the stream".to_owned()))
 }
 
-/// An event as a line, when it is for people.
+/// An event as a line; `None` for events that are not printed.
 fn line(event: &v1::Event) -> Option<String> {
     let text = match event.kind.as_ref()? {
         Kind::Diagnostic(d) => {
@@ -126,13 +90,7 @@ async fn attend(Follow { of: arguments, strict }: Follow) -> Result<u8, Error> {
 
 async fn wait(Follow { of: arguments, strict }: Follow) -> Result<u8, Error> {
     let client = Client::connect(&arguments.remote.server).await?;
-    loop {
-        let request = v1::WaitJobRequest { job_id: arguments.job.clone(), timeout_ms: 60_000 };
-        let status = client.jobs().wait_job(request).await?.into_inner().status.unwrap_or_default();
-        if status.ended_ms != 0 {
-            return Ok(ended(&status, strict));
-        }
-    }
+    Ok(ended(&client.wait(&arguments.job).await?, strict))
 }
 
 async fn jobs(arguments: Jobs) -> Result<u8, Error> {

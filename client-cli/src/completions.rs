@@ -1,6 +1,6 @@
 //! Completion scripts for shells, with the names of the shipped machines.
 //!
-//! Invariant: wherever a machine is asked for, its folder can be completed, too.
+//! *Invariant:* wherever a machine is expected, a folder can be completed, too.
 
 use clap::builder::PossibleValuesParser;
 use clap::{Command, CommandFactory as _};

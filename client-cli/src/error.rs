@@ -14,7 +14,7 @@ pub(crate) enum Error {
     /// The server refused.
     #[error("{}", refusal(.0))]
     Refused(Box<Status>),
-    /// No server, or it went away.
+    /// The server cannot be reached, or the connection was lost.
     #[error("{0}")]
     Connection(String),
     /// A file cannot be read or written.
@@ -22,10 +22,10 @@ pub(crate) enum Error {
     File {
         /// The file.
         path: String,
-        /// What the system said.
+        /// Error of the operating system.
         error: std::io::Error,
     },
-    /// The reader of standard output has gone: not an error.
+    /// Standard output was closed by its reader: not an error.
     #[error("closed")]
     Closed,
 }
@@ -72,5 +72,16 @@ impl Error {
 impl From<Status> for Error {
     fn from(status: Status) -> Self {
         Self::Refused(Box::new(status))
+    }
+}
+
+impl From<counterpoint_client::Error> for Error {
+    fn from(error: counterpoint_client::Error) -> Self {
+        use counterpoint_client::Error as Client;
+        match error {
+            Client::Settings(text) => Self::Usage(text),
+            Client::Refused(status) => Self::Refused(status),
+            Client::Unreachable { .. } | Client::Contract(_) => Self::Connection(error.to_string()),
+        }
     }
 }

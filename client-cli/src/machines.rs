@@ -1,4 +1,4 @@
-//! Machines of a server: refused, sent, checked, listed and shown.
+//! The commands for machines: check, list, show, and upload for a job.
 
 use std::path::Path;
 
@@ -75,7 +75,8 @@ async fn show(machine: &str, part: Part, json: bool, server: Option<&str>) -> Re
     Ok(0)
 }
 
-/// Refuses what is neither a folder with a definition nor the name of a machine, as far as that is known here.
+/// Refuses a machine that is neither a folder with a definition nor a known name. The names on a remote server are not
+/// known here.
 pub(crate) fn known(client: &Client, machine: &str) -> Result<(), Error> {
     let names = package::shipped_names();
     if names.iter().any(|name| name == machine) {
@@ -83,21 +84,22 @@ pub(crate) fn known(client: &Client, machine: &str) -> Result<(), Error> {
     }
     if Path::new(machine).is_dir() || machine.contains(['/', '\\']) {
         return Err(Error::Usage(format!(
-            "'{machine}' has no file machine.toml: a machine is a name or a folder with one"
+            "'{machine}' has no machine.toml: give the name of a machine, or a folder with machine.toml"
         )));
     }
     if client.is_embedded() {
         let near = ident::nearest(machine, names.iter().map(String::as_str));
         let near = near.map(|near| format!("did you mean {near}? ")).unwrap_or_default();
         return Err(Error::Usage(format!(
-            "there is no machine '{machine}': {near}Shipped are {}; one of your own is a folder with machine.toml",
+            "machine '{machine}' not found: {near}shipped machines are {}; for your own machine give a folder with \
+             machine.toml",
             names.join(", ")
         )));
     }
     Ok(())
 }
 
-/// Puts a machine folder on the server; gives `name@revision`.
+/// Uploads a machine folder to the server; returns `name@revision`.
 pub(crate) async fn put_machine(client: &Client, folder: &Path) -> Result<String, Error> {
     let (name, files) = pack::machine(folder)?;
     client.upload(&files.blobs()).await?;
@@ -123,5 +125,5 @@ pub(crate) async fn put_machine(client: &Client, folder: &Path) -> Result<String
 
 /// Files of a machine in wire form.
 fn machine_files(files: pack::Files) -> Vec<v1::MachineFile> {
-    files.0.into_iter().map(|(path, blob)| v1::MachineFile { path, digest: blob.digest }).collect()
+    files.0.into_iter().map(|(path, blob)| v1::MachineFile { path, digest: blob.digest().to_owned() }).collect()
 }

@@ -10,7 +10,7 @@ use crate::text::time;
 /// Lowest severity of a warning.
 const WARNING: u32 = 4;
 
-/// Prints how a job ended; gives the exit code.
+/// Prints how a job ended and returns the exit code.
 pub(crate) fn ended(status: &v1::JobStatus, strict: bool) -> u8 {
     if let Some(code) = not_run(status) {
         return code;
@@ -18,12 +18,12 @@ pub(crate) fn ended(status: &v1::JobStatus, strict: bool) -> u8 {
     let state = status.state().as_str_name().trim_start_matches("JOB_STATE_");
     let succeeded = status.state() == v1::JobState::Succeeded;
     let warnings = if succeeded && status.highest_severity >= WARNING { ", with warnings" } else { "" };
-    let text = format!("{state}{warnings}  {}  {}", time(status.makespan_ns), status.verdict);
+    let text = format!("{state}{warnings}  cycle time {}  {}", time(status.makespan_ns), status.verdict);
     say::status_line(text.trim_end());
     exit_code(status, strict)
 }
 
-/// Prints why a job was not run at all; gives the exit code then.
+/// Prints why a job could not be run and returns the exit code; `None` if it was run.
 pub(crate) fn not_run(status: &v1::JobStatus) -> Option<u8> {
     if !status.findings.is_empty() {
         findings::print(&status.findings);

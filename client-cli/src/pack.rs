@@ -1,36 +1,24 @@
-//! Gathers what a job needs from the file system: programs, their neighbours, machine folders.
+//! Collects the files of a job: programs, the subprograms beside them, and machine folders.
 //!
-//! Each file is read and hashed once. Paths inside the job are relative to the folder of the first program; files
-//! from elsewhere come by their name. Invariant: what is packed is exactly what the job may read.
+//! Each file is read and hashed once. Files keep their name inside the job. *Invariant:* the job can read exactly the
+//! packed files.
 
 use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use bytes::Bytes;
+use counterpoint_client::Blob;
 use counterpoint_proto::v1;
-use sha2::{Digest as _, Sha256};
 
 use crate::arguments::Inputs;
 use crate::error::Error;
 
-/// Neighbours above this size are no subprograms.
+/// Larger files beside a program are not taken as subprograms.
 const NEIGHBOUR_MAX: u64 = 64 << 20;
 
-/// A file's content and its digest.
-#[derive(Debug, Clone)]
-pub(crate) struct Blob {
-    pub(crate) digest: String,
-    pub(crate) content: Bytes,
-}
-
-impl Blob {
-    fn read(path: &Path) -> Result<Self, Error> {
-        let content = Bytes::from(fs::read(path).map_err(Error::file(path))?);
-        let digest = Sha256::digest(&content).iter().map(|byte| format!("{byte:02x}")).collect();
-        Ok(Self { digest, content })
-    }
+fn read(path: &Path) -> Result<Blob, Error> {
+    Ok(Blob::new(fs::read(path).map_err(Error::file(path))?))
 }
 
 /// Files by path inside the job or the machines folder.
@@ -40,13 +28,13 @@ pub(crate) struct Files(pub(crate) BTreeMap<String, Blob>);
 impl Files {
     fn add(&mut self, name: String, path: &Path) -> Result<(), Error> {
         if let Entry::Vacant(place) = self.0.entry(name) {
-            place.insert(Blob::read(path)?);
+            place.insert(read(path)?);
         }
         Ok(())
     }
 
-    pub(crate) fn blobs(&self) -> Vec<&Blob> {
-        self.0.values().collect()
+    pub(crate) fn blobs(&self) -> Vec<Blob> {
+        self.0.values().cloned().collect()
     }
 }
 
@@ -65,11 +53,8 @@ pub(crate) fn job(inputs: &Inputs) -> Result<Pack, Error> {
     for text in &inputs.programs {
         let (path, number) = program(text)?;
         if path.is_dir() {
-            let hint = if path.join(DEFINITION).is_file() { " (a machine is given with --machine)" } else { "" };
-            return Err(Error::Usage(format!(
-                "'{}' is a folder: give the files of the programs{hint}",
-                path.display()
-            )));
+            let hint = if path.join(DEFINITION).is_file() { " (use --machine for a machine)" } else { "" };
+            return Err(Error::Usage(format!("'{}' is a folder: give program files{hint}", path.display())));
         }
         let name = match used.get(&path) {
             Some(name) => name.clone(),
@@ -77,7 +62,7 @@ pub(crate) fn job(inputs: &Inputs) -> Result<Pack, Error> {
         };
         pack.files.add(name.clone(), &path)?;
         if let Some(blob) = pack.files.0.get(&name) {
-            is_program(&path, &blob.content)?;
+            is_program(&path, blob.content())?;
         }
         used.insert(path.clone(), name.clone());
         pack.programs.push(v1::Program { path: name, number, channel: None });
@@ -104,7 +89,7 @@ fn is_program(path: &Path, content: &[u8]) -> Result<(), Error> {
     const LOOKED_AT: usize = 64 << 10;
     let path = path.display();
     if content.iter().all(u8::is_ascii_whitespace) {
-        return Err(Error::Usage(format!("'{path}' is empty: a program has at least one block")));
+        return Err(Error::Usage(format!("'{path}' is empty: a program needs at least one block")));
     }
     // Tapes begin and end with zeros, and files in UTF-16 have many.
     let strange = |byte: &u8| matches!(byte, 1..=8 | 11 | 12 | 14..=31 | 127);
@@ -133,10 +118,10 @@ pub(crate) fn program(text: &str) -> Result<(PathBuf, Option<u32>), Error> {
 
 fn file_name(path: &Path) -> Result<String, Error> {
     let name = path.file_name().map(|name| name.to_string_lossy().into_owned());
-    name.ok_or_else(|| Error::Usage(format!("'{}' is no file", path.display())))
+    name.ok_or_else(|| Error::Usage(format!("'{}' is not a file", path.display())))
 }
 
-/// The file's name; a second file of that name from another folder gets its folder in front.
+/// The file's name; if another file has the same name, the name is preceded by its folder.
 fn free_name(files: &Files, path: &Path) -> Result<String, Error> {
     let name = file_name(path)?;
     if !files.0.contains_key(&name) {
@@ -184,7 +169,7 @@ pub(crate) fn is_folder(machine: &str) -> bool {
     Path::new(machine).join(DEFINITION).is_file()
 }
 
-/// Packs a machine folder and the sibling folders it extends; gives its name too.
+/// Packs a machine folder and the sibling folders that it extends; returns the name of the machine, too.
 pub(crate) fn machine(folder: &Path) -> Result<(String, Files), Error> {
     let folder = fs::canonicalize(folder).map_err(Error::file(folder))?;
     let name = file_name(&folder)?;
@@ -209,7 +194,7 @@ pub(crate) fn machine(folder: &Path) -> Result<(String, Files), Error> {
     Ok((name, files))
 }
 
-/// A name of a folder that lies beside another one.
+/// Whether a name is a plain folder name, without a path.
 fn is_plain(name: &str) -> bool {
     let mut parts = Path::new(name).components();
     matches!((parts.next(), parts.next()), (Some(std::path::Component::Normal(_)), None))
@@ -220,8 +205,7 @@ fn stays_in(root: &Path, path: &Path) -> bool {
     fs::canonicalize(path).is_ok_and(|path| path.starts_with(root))
 }
 
-/// Adds a folder with the folders in it; hidden ones, links to folders and links to files outside of `root` are left
-/// out.
+/// Adds a folder and its subfolders. Hidden entries, links to folders and links to files outside `root` are skipped.
 fn whole_folder(files: &mut Files, root: &Path, folder: &Path, name: &str, depth: usize) -> Result<(), Error> {
     const DEEPEST: usize = 8;
     for path in files_of(folder)? {
@@ -243,7 +227,8 @@ fn whole_folder(files: &mut Files, root: &Path, folder: &Path, name: &str, depth
     Ok(())
 }
 
-/// Channels that the programs are written for: one each, but a single file with waiting codes has one per program.
+/// Number of channels that the programs are written for: one per program file, but a single file with waiting codes has
+/// one per program in it.
 pub(crate) fn channels(programs: &[String]) -> usize {
     let [program] = programs else { return programs.len() };
     if program.contains('#') {
@@ -327,7 +312,7 @@ mod tests {
                 "own/storage/resident/deep/park.nc",
             ]
         );
-        assert_eq!(&*files.0["own/storage/resident/deep/park.nc"].content, b"G0 Z0\nM99\n");
+        assert_eq!(&files.0["own/storage/resident/deep/park.nc"].content()[..], b"G0 Z0\nM99\n");
     }
 
     #[test]

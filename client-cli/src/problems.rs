@@ -1,8 +1,8 @@
 //! What went wrong, for the report: causes before consequences, each once, with place, block and remedy.
 //!
-//! Diagnostics of severity 8 and more stand in the order in which they came up, so that what followed from another one
-//! comes after it; the verdict is the last of them. Warnings and notes follow. Invariant: a diagnostic that says what
-//! the verdict says is shown as the verdict alone.
+//! Errors are listed in the order in which they occurred, so a cause comes before its consequences; the verdict is the
+//! last error. Warnings and notes follow. *Invariant:* a diagnostic that repeats the verdict is shown only as the
+//! verdict.
 
 use std::fmt::Write as _;
 
@@ -35,12 +35,12 @@ fn own(summary: &Summary) -> impl Iterator<Item = &Diagnostic> {
     summary.diagnostics.iter().filter(|d| summary.verdict.as_ref().is_none_or(|verdict| !says(d, verdict)))
 }
 
-/// A diagnostic says what the verdict says.
+/// Whether a diagnostic repeats the verdict.
 fn says(diagnostic: &Diagnostic, verdict: &Verdict) -> bool {
     diagnostic.severity >= ERROR && !diagnostic.text.is_empty() && verdict.text.contains(&diagnostic.text)
 }
 
-/// All of them as text, `most` kinds at most.
+/// The problems as text, at most `most` kinds of diagnostics.
 pub(crate) fn problems(summary: &Summary, most: usize) -> String {
     let mut groups: Vec<(&Diagnostic, usize)> = Vec::new();
     for diagnostic in own(summary) {
@@ -72,7 +72,7 @@ pub(crate) fn problems(summary: &Summary, most: usize) -> String {
     if out.is_empty() {
         return out;
     }
-    let hint = "`counterpoint macro explain NUMBER` says more about a diagnostic";
+    let hint = "`counterpoint explain NUMBER` explains a diagnostic";
     format!("{out}\n  {}\n\n", styled(DIM, hint))
 }
 
@@ -115,7 +115,7 @@ fn advise(out: &mut String, number: u32) {
     }
 }
 
-/// The verdict with the blocks where its channels stand.
+/// The verdict with the blocks at which its channels stopped.
 fn judged(summary: &Summary, verdict: &Verdict, several: bool) -> String {
     let number = summary.diagnostics.iter().find(|d| says(d, verdict)).map(|d| d.number);
     let head = match number {
@@ -173,7 +173,7 @@ mod tests {
                 "  warning 2001005 channel 1 a:2: Q not recognised",
                 "      X5 Q",
                 "",
-                "  `counterpoint macro explain NUMBER` says more about a diagnostic",
+                "  `counterpoint explain NUMBER` explains a diagnostic",
                 "",
             ],
             "{text}"

@@ -10,7 +10,7 @@ use indicatif::{MultiProgress, ProgressBar, ProgressStyle};
 use crate::say;
 use crate::text::time;
 
-/// Plain lines at most this often.
+/// Shortest interval between plain lines.
 const PLAIN_EVERY: Duration = Duration::from_secs(2);
 
 /// Shows progress.

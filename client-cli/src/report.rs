@@ -27,9 +27,9 @@ pub(crate) fn report(summary: &Summary, verbose: bool) -> String {
         "SUCCEEDED" => GOOD,
         _ => BAD,
     };
-    let mut out = format!("{}  {}\n", styled(style, head), time(summary.makespan_ns));
+    let mut out = format!("{}  cycle time {}\n", styled(style, head), time(summary.makespan_ns));
     if summary.cancelled() {
-        let _ = writeln!(out, "cancelled before the end: times and sync points are those of the part that was run");
+        let _ = writeln!(out, "cancelled before the end: times and sync points cover only the part that was run");
     }
     out.push('\n');
     out.push_str(&problems(summary, most(DIAGNOSTICS)));
@@ -51,7 +51,7 @@ fn channels(summary: &Summary) -> String {
     table(&rows, 3)
 }
 
-/// Tools of which more than the number is known.
+/// Tools with a known name, diameter or radius.
 fn tools(summary: &Summary) -> String {
     let all = || summary.channels.iter().flat_map(|c| c.tools.iter().map(move |tool| (c.channel, tool)));
     let known = |tool: &Tool| !tool.name.is_empty() || tool.diameter.is_some() || tool.radius.is_some();

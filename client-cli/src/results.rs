@@ -1,12 +1,11 @@
-//! Reads results: streams of chunks put together, to memory, a file or standard output.
+//! Reads results: to memory, a file or standard output.
 
 use std::fmt::Write as _;
 use std::io::Write as _;
 use std::path::{Component, Path};
 
-use bytes::Bytes;
+use counterpoint_client::{Document, Drawing};
 use counterpoint_proto::v1;
-use tonic::Streaming;
 
 use crate::arguments::{Format, ResultKind};
 use crate::client::Client;
@@ -27,30 +26,24 @@ impl From<Format> for Form {
     }
 }
 
-/// Something with a chunk in it.
-pub(crate) trait Chunk {
-    fn data(self) -> Bytes;
+/// Result of a kind; `None` for the files that macros have written, which are many.
+fn document(what: ResultKind, channel: u32, Form { format, crlf }: Form) -> Option<Document> {
+    let drawing = match format {
+        Format::Svg => Drawing::Svg,
+        Format::Json => Drawing::Json,
+    };
+    Some(match what {
+        ResultKind::Summary => Document::Summary,
+        ResultKind::Listing => Document::Listing { channel, crlf },
+        ResultKind::Log => Document::Log { channel, crlf },
+        ResultKind::Console => Document::Console { channel, crlf },
+        ResultKind::Trace => Document::Trace { channel },
+        ResultKind::Timeline => Document::Timeline(drawing),
+        ResultKind::Toolpath => Document::Toolpath(drawing),
+        ResultKind::Events => Document::Events,
+        ResultKind::Files => return None,
+    })
 }
-
-macro_rules! chunks {
-    ($($type:ident),*) => { $(
-        impl Chunk for v1::$type {
-            fn data(self) -> Bytes {
-                self.data
-            }
-        }
-    )* };
-}
-
-chunks!(
-    GetTraceResponse,
-    GetListingResponse,
-    GetTimelineResponse,
-    GetToolpathResponse,
-    GetSummaryResponse,
-    GetEventsResponse,
-    GetFileResponse
-);
 
 /// Hands every chunk of a result to `put`.
 pub(crate) async fn each(
@@ -61,35 +54,11 @@ pub(crate) async fn each(
     form: Form,
     put: &mut (dyn FnMut(&[u8]) -> Result<(), Error> + Send),
 ) -> Result<(), Error> {
-    let job_id = job.to_owned();
-    let format = match form.format {
-        Format::Svg => v1::DrawingFormat::Svg,
-        Format::Json => v1::DrawingFormat::Json,
-    };
-    let format = format.into();
-    let mut results = client.results();
-    match what {
-        ResultKind::Summary => {
-            drain(results.get_summary(v1::GetSummaryRequest { job_id }).await?.into_inner(), put).await
-        }
-        ResultKind::Listing | ResultKind::Log | ResultKind::Console => {
-            let (log, console) = (what == ResultKind::Log, what == ResultKind::Console);
-            let request = v1::GetListingRequest { job_id, channel, log, console, crlf: form.crlf };
-            drain(results.get_listing(request).await?.into_inner(), put).await
-        }
-        ResultKind::Trace => {
-            drain(results.get_trace(v1::GetTraceRequest { job_id, channel }).await?.into_inner(), put).await
-        }
-        ResultKind::Timeline => {
-            drain(results.get_timeline(v1::GetTimelineRequest { job_id, format }).await?.into_inner(), put).await
-        }
-        ResultKind::Toolpath => {
-            drain(results.get_toolpath(v1::GetToolpathRequest { job_id, format }).await?.into_inner(), put).await
-        }
-        ResultKind::Events => drain(results.get_events(v1::GetEventsRequest { job_id }).await?.into_inner(), put).await,
-        ResultKind::Files => {
+    match document(what, channel, form) {
+        Some(document) => drain(client, job, &document, put).await,
+        None => {
             let mut out = String::new();
-            for v1::WrittenFile { path, size } in written(client, job).await? {
+            for v1::WrittenFile { path, size } in client.files(job).await? {
                 let _ = writeln!(out, "{size:>10} {path}");
             }
             put(out.as_bytes())
@@ -97,37 +66,35 @@ pub(crate) async fn each(
     }
 }
 
-/// The files that macros have written.
-pub(crate) async fn written(client: &Client, job: &str) -> Result<Vec<v1::WrittenFile>, Error> {
-    let request = v1::ListFilesRequest { job_id: job.to_owned() };
-    Ok(client.results().list_files(request).await?.into_inner().files)
+async fn drain(
+    client: &Client,
+    job: &str,
+    document: &Document,
+    put: &mut (dyn FnMut(&[u8]) -> Result<(), Error> + Send),
+) -> Result<(), Error> {
+    let mut chunks = client.document(job, document).await?;
+    while let Some(chunk) = chunks.next().await? {
+        put(&chunk)?;
+    }
+    Ok(())
 }
 
 /// Writes the files that macros have written below a folder.
 pub(crate) async fn files(client: &Client, job: &str, folder: &Path) -> Result<(), Error> {
-    for v1::WrittenFile { path, .. } in written(client, job).await? {
+    for v1::WrittenFile { path, .. } in client.files(job).await? {
         let inside = Path::new(&path).components().all(|part| matches!(part, Component::Normal(_)));
         if !inside || path.contains([':', '\\']) {
-            return Err(Error::Connection(format!("the server names a file '{path}', which leads out of its folder")));
+            return Err(Error::Connection(format!(
+                "the server sent the file name '{path}', which is outside the output folder"
+            )));
         }
         let place = folder.join(&path);
         if let Some(parent) = place.parent() {
             std::fs::create_dir_all(parent).map_err(Error::file(parent))?;
         }
         let mut file = std::fs::File::create(&place).map_err(Error::file(&place))?;
-        let request = v1::GetFileRequest { job_id: job.to_owned(), path };
         let mut put = |data: &[u8]| file.write_all(data).map_err(Error::file(&place));
-        drain(client.results().get_file(request).await?.into_inner(), &mut put).await?;
-    }
-    Ok(())
-}
-
-async fn drain<T: Chunk>(
-    mut stream: Streaming<T>,
-    put: &mut (dyn FnMut(&[u8]) -> Result<(), Error> + Send),
-) -> Result<(), Error> {
-    while let Some(chunk) = stream.message().await? {
-        put(&chunk.data())?;
+        drain(client, job, &Document::File(path), &mut put).await?;
     }
     Ok(())
 }

@@ -5,8 +5,8 @@ use std::fmt::Write as _;
 use std::io::IsTerminal as _;
 use std::path::Path;
 
+use counterpoint_client::{Blob, Update};
 use counterpoint_proto::v1;
-use counterpoint_proto::v1::watch_job_response::Content;
 
 use crate::arguments::{ExitCodes, Format, Inputs, ResultKind, Run, Submit};
 use crate::attend::{Attendant, Next};
@@ -36,7 +36,7 @@ pub(crate) async fn run(arguments: Run) -> Result<u8, Error> {
     }
 }
 
-/// The whole run: how the job ended, and the plain exit code of one that was not run.
+/// Runs the job; returns how it ended, and the plain exit code if it could not be run.
 async fn carry_out(arguments: Run) -> Result<(v1::JobStatus, Option<u8>), (Stage, Error)> {
     let at = |stage: Stage| move |error: Error| (stage, error);
     let pack = pack::job(&arguments.inputs).map_err(at(Stage::Programs))?;
@@ -45,7 +45,7 @@ async fn carry_out(arguments: Run) -> Result<(v1::JobStatus, Option<u8>), (Stage
     let client = embedded.map_err(at(Stage::Submission))?;
     let name = machine(&client, &arguments.inputs, arguments.quiet).await.map_err(at(Stage::Machine))?;
     let first = pack.programs.first().map(|p| p.path.clone()).unwrap_or_default();
-    let id = uuid::Uuid::now_v7().to_string();
+    let id = counterpoint_client::request_id();
     let person = std::io::stdin().is_terminal() && std::io::stderr().is_terminal();
     let attended = arguments.inputs.attend || person && !arguments.quiet && !arguments.json;
     let job = submit_pack(&client, &arguments.inputs, pack, name, (id, attended)).await;
@@ -58,24 +58,24 @@ async fn carry_out(arguments: Run) -> Result<(v1::JobStatus, Option<u8>), (Stage
     Ok((status, None))
 }
 
-/// Results of a job that has ended: into the folder, and the report.
+/// Writes the results of an ended job into the folder and prints the report.
 async fn show(arguments: &Run, client: &Client, job: &str, (first, draws): (&str, bool)) -> Result<(), Error> {
     let text = results::whole(client, job, ResultKind::Summary, 0, Format::Json.into()).await?;
     let summary: Summary = serde_json::from_slice(&text)
-        .map_err(|error| Error::Connection(format!("the summary cannot be read: {error}")))?;
+        .map_err(|error| Error::Connection(format!("cannot read the summary: {error}")))?;
     if let Some(folder) = &arguments.out {
         let mut steps = Steps::new(arguments.quiet);
         Target { folder, program: first, arguments }.write(client, job, (&summary, &text), &mut steps).await?;
         steps.clear();
         if !arguments.quiet {
-            say::status_line(styled(DIM, format!("results are in {}", folder.display())));
+            say::status_line(styled(DIM, format!("results written to {}", folder.display())));
         }
     }
     if arguments.json {
         say::data(&text)?;
     } else if !arguments.quiet {
         let mut out = report(&summary, arguments.verbose);
-        files_report(&mut out, &results::written(client, job).await?, arguments.out.is_some());
+        files_report(&mut out, &client.files(job).await?, arguments.out.is_some());
         if draws {
             let json = results::whole(client, job, ResultKind::Timeline, 0, Format::Json.into()).await?;
             let timeline: Timeline = serde_json::from_slice(&json).unwrap_or_default();
@@ -86,35 +86,36 @@ async fn show(arguments: &Run, client: &Client, job: &str, (first, draws): (&str
     Ok(())
 }
 
-/// Lists what macros have written.
+/// Lists the files that macros have written.
 fn files_report(out: &mut String, files: &[v1::WrittenFile], kept: bool) {
     if files.is_empty() {
         return;
     }
-    let hint = if kept { "" } else { " (--out DIR keeps them)" };
+    let hint = if kept { "" } else { " (use --out DIR to keep them)" };
     let _ = writeln!(out, "\nfiles written{hint}");
     for v1::WrittenFile { path, size } in files {
         let _ = writeln!(out, "  {path}, {size} bytes");
     }
 }
 
-/// Hands programs to a server.
+/// Submits programs to a server.
 pub(crate) async fn submit(arguments: Submit) -> Result<u8, Error> {
     let pack = pack::job(&arguments.inputs)?;
     let client = Client::connect(&arguments.remote.server).await?;
     let name = machine(&client, &arguments.inputs, false).await?;
-    let id = arguments.request_id.unwrap_or_else(|| uuid::Uuid::now_v7().to_string());
+    let id = arguments.request_id.unwrap_or_else(counterpoint_client::request_id);
     let job = submit_pack(&client, &arguments.inputs, pack, name, (id, arguments.inputs.attend)).await?;
     say::data(format!("{job}\n").as_bytes())?;
     Ok(0)
 }
 
-/// The machine to run on; a folder is put on the server first.
+/// The machine to run on; a machine folder is uploaded first.
 async fn machine(client: &Client, inputs: &Inputs, quiet: bool) -> Result<String, Error> {
     let Some(machine) = &inputs.machine else {
         let guess = guess::machine(&inputs.programs)?;
         if !quiet {
-            let text = format!("machine {}, guessed from {}; --machine chooses another", guess.machine, guess.why);
+            let text =
+                format!("machine {}, guessed from {}; use --machine to choose another", guess.machine, guess.why);
             say::status_line(styled(DIM, text));
         }
         return Ok(guess.machine.to_owned());
@@ -135,7 +136,7 @@ async fn submit_pack(
 ) -> Result<String, Error> {
     let answers = inputs.answers.as_deref().map(crate::answers::read).transpose()?.unwrap_or_default();
     client.upload(&pack.files.blobs()).await?;
-    let file = |(path, blob): (String, pack::Blob)| v1::FileRef { path, digest: blob.digest };
+    let file = |(path, blob): (String, Blob)| v1::FileRef { path, digest: blob.digest().to_owned() };
     let request = v1::SubmitJobRequest {
         request_id,
         machine,
@@ -153,15 +154,12 @@ async fn submit_pack(
             limits: limits(inputs),
         }),
     };
-    let status = client.jobs().submit_job(request).await?.into_inner().status;
-    Ok(status.unwrap_or_default().job_id)
+    Ok(client.submit(request).await?.job_id)
 }
 
-/// Follows a job to its end; the first interrupt cancels it, the second leaves.
+/// Follows a job to its end; the first interrupt cancels the job, the second ends the command.
 async fn follow(client: &Client, job: &str, (quiet, attended): (bool, bool)) -> Result<v1::JobStatus, Error> {
-    let level = v1::WatchLevel::Progress.into();
-    let request = v1::WatchJobRequest { job_id: job.to_owned(), after_seq: 0, level, heartbeat_ms: 0 };
-    let mut stream = client.jobs().watch_job(request).await?.into_inner();
+    let mut watch = client.watch(job, v1::WatchLevel::Progress);
     let progress = RefCell::new(Progress::new(quiet));
     let asking = Cell::new(false);
     let attendant = if attended { Some(Attendant::start(client, job).await?) } else { None };
@@ -171,15 +169,14 @@ async fn follow(client: &Client, job: &str, (quiet, attended): (bool, bool)) -> 
         tokio::select! {
             // Ends with an error only: the watch reports the end of the job.
             Err(error) = &mut attending => return Err(error),
-            message = stream.message() => match message?.and_then(|m| m.content) {
-                Some(Content::Progress(_)) if asking.get() => {}
-                Some(Content::Progress(now)) => progress.borrow_mut().show(&now),
-                Some(Content::Ended(status)) => {
+            update = watch.next() => match update? {
+                Update::Progress(_) if asking.get() => {}
+                Update::Progress(now) => progress.borrow_mut().show(&now),
+                Update::Ended(status) => {
                     progress.borrow_mut().clear();
                     return Ok(status);
                 }
-                Some(_) => {}
-                None => return Err(Error::Connection("the server ended the stream".to_owned())),
+                Update::Description(_) | Update::Events(_) => {}
             },
             signal = tokio::signal::ctrl_c(), if interrupts < 2 => {
                 interrupts += 1;
@@ -192,7 +189,7 @@ async fn follow(client: &Client, job: &str, (quiet, attended): (bool, bool)) -> 
     }
 }
 
-/// Has all questions answered, with no bars on the terminal meanwhile.
+/// Answers all questions; hides the progress bars while a question is open.
 async fn attend(
     attendant: Option<Attendant>,
     progress: &RefCell<Progress>,
@@ -215,7 +212,7 @@ fn width() -> usize {
     columns.unwrap_or(usize::from(terminal))
 }
 
-/// Limits of the command line, the rest as the server has them.
+/// Limits given on the command line; zero leaves a limit to the server.
 fn limits(inputs: &Inputs) -> Option<v1::JobLimits> {
     let limits = v1::JobLimits {
         simulated_ns: inputs.max_time.map_or(0, |seconds| (seconds * 1e9) as i64),
@@ -226,7 +223,7 @@ fn limits(inputs: &Inputs) -> Option<v1::JobLimits> {
     (limits != v1::JobLimits::default()).then_some(limits)
 }
 
-/// Where results of `run` go, and which.
+/// Where `run` writes results, and which ones.
 struct Target<'a> {
     folder: &'a Path,
     /// First program: names the listings.

@@ -114,7 +114,7 @@ fn what_macros_write_is_reported_and_kept() {
     let machine = machine.display().to_string();
     let output = counterpoint(&["run", "--machine", &machine, &path]);
     let text = String::from_utf8_lossy(&output.stdout);
-    assert!(text.contains("files written (--out DIR keeps them)\n  lists/tools.txt, 3 bytes"), "{text}");
+    assert!(text.contains("files written (use --out DIR to keep them)\n  lists/tools.txt, 3 bytes"), "{text}");
     let out = folder.path().join("out").display().to_string();
     let output = counterpoint(&["run", "-q", "--machine", &machine, &path, "--out", &out, "--write", "files"]);
     assert_eq!(code(&output), 0, "{}", String::from_utf8_lossy(&output.stderr));
@@ -152,7 +152,7 @@ fn what_programs_print_is_reported_and_kept() {
     let output = counterpoint(&["run", "--machine", &name, &path]);
     let report = String::from_utf8_lossy(&output.stdout).into_owned();
     assert!(
-        report.contains("2900358") && report.contains("files written (--out DIR keeps them)\n  probe.log"),
+        report.contains("2900358") && report.contains("files written (use --out DIR to keep them)\n  probe.log"),
         "{report}"
     );
 }
@@ -210,15 +210,15 @@ fn a_machine_is_guessed_with_a_reason_or_asked_for() {
         "{status}"
     );
     for (name, text, reason) in [
-        ("bare.nc", "O1\nG0 X1.\nM30\n", "shows which one it is for"),
-        ("part.h", "0 BEGIN PGM PART MM\n1 L X+10 R0 FMAX\n2 END PGM PART MM\n", "a Heidenhain control"),
-        ("part.mpf", "G54 G0 X10 Y20\nM30\n", "a Siemens control"),
+        ("bare.nc", "O1\nG0 X1.\nM30\n", "shows which machine it is for"),
+        ("part.i", "%PART G71 *\nN10 G00 X+10*\nN99999 %PART G71 *\n", "a Heidenhain control"),
+        ("part.mpf", "G54 G0 X10\nM30\n", "a Siemens control"),
     ] {
         let path = program(folder.path(), name, text);
         let output = counterpoint(&["run", &path]);
         let status = String::from_utf8_lossy(&output.stderr);
         assert_eq!(code(&output), 2, "{status}");
-        assert!(status.contains("no machine was given") && status.contains(reason), "{status}");
+        assert!(status.contains("no machine given") && status.contains(reason), "{status}");
         assert!(output.stdout.is_empty(), "nothing was run");
         assert_eq!(code(&counterpoint(&["run", "--exit-code", "severity", &path])), 201);
     }
@@ -235,9 +235,9 @@ fn warnings_are_counted_and_strict_makes_them_an_error() {
         (code(&output), first)
     };
     let (status, first) = run(&warns, &[]);
-    assert!(status == 0 && first.starts_with("SUCCEEDED, 2 warnings  "), "{first}");
+    assert!(status == 0 && first.starts_with("SUCCEEDED, 2 warnings  cycle time "), "{first}");
     assert_eq!(run(&warns, &["--strict"]).0, 1);
-    assert_eq!(run(&clean, &["--strict"]), (0, "SUCCEEDED  00:00.002".to_owned()));
+    assert_eq!(run(&clean, &["--strict"]), (0, "SUCCEEDED  cycle time 00:00.002".to_owned()));
 }
 
 #[test]
@@ -431,7 +431,7 @@ fields = [
     let output = answering(&attended, "much\n99\nyes\n\n12\nyes\nok\n");
     let status = String::from_utf8_lossy(&output.stderr).into_owned();
     assert!(texts(&output).contains("OK 12"), "{} {status}", texts(&output));
-    assert!(status.contains("'much' is no number") && status.contains("must be 1 to 40, not 99"), "{status}");
+    assert!(status.contains("'much' is not a valid number") && status.contains("must be 1 to 40, not 99"), "{status}");
     assert!(status.contains("Force, kN, 1 to 40, whole [20]:"), "{status}");
     let output = answering(&attended, "12\n");
     assert!(texts(&output).contains("no answer for the dialog 'Clamp'"), "the end of the input declines");

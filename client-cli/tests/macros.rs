@@ -228,8 +228,8 @@ fn explain_knows_numbers_and_names() {
         "$OPSKIPL(1..9)\nLOGICAL, can be assigned (program)\n\nTells whether an optional-skip level is on.\n";
     assert_eq!(explained("$opskipl").1, expected);
     assert!(explained("CODE_RAPID").1.contains("modal group 1"));
-    assert!(explained("CODE_DELAY").1.ends_with("It takes REG_DELAY.\n"));
-    assert!(explained("data_tool").1.contains("It is taken by CODE_TOOL_LOAD, CODE_TOOL_SELECT.\n"));
+    assert!(explained("CODE_DELAY").1.ends_with("Uses REG_DELAY.\n"));
+    assert!(explained("data_tool").1.contains("Used by CODE_TOOL_LOAD, CODE_TOOL_SELECT.\n"));
     assert!(explained("PS0160").1.starts_with("# 02900050 `wait-mismatch`: "));
     assert!(explained("ps0161").1.starts_with("# 02900051 `wait-illegal-channels`: "));
     assert!(explained("//").1.starts_with("//\nOperator"));
@@ -256,15 +256,12 @@ fn explain_knows_numbers_and_names() {
     assert!(explained("$FMSGPOS").1.contains("needs a machine model, and there is none here"));
     assert!(explained("$FPAUSE").1.contains("runs in the background"));
     assert!(!explained("$FMSGLCV").1.contains("2910070"));
-    assert!(explained("$VMXFER").1.ends_with("There is no machine model here: only macros change it.\n"));
+    assert!(explained("$VMXFER").1.ends_with("There is no machine model here: only macros change this variable.\n"));
     assert!(explained("#{").1.contains("before the pre-processor"));
     assert!(explained("and").1.contains("`condition`"));
     assert!(explained("DATA_AXIS_X").1.starts_with("REG_AXIS_X\n"));
     assert!(explained("CODE_LINEAR").1.starts_with("CODE_INTERP_LINEAR\n"));
-    assert_eq!(
-        explained("$FSQTR"),
-        (2, String::new(), "error: nothing is called $FSQTR; did you mean $FSQRT?\n".into())
-    );
-    assert_eq!(explained("DECLARE").2, "error: nothing is called DECLARE; did you mean DECLAR?\n");
+    assert_eq!(explained("$FSQTR"), (2, String::new(), "error: '$FSQTR' not found; did you mean $FSQRT?\n".into()));
+    assert_eq!(explained("DECLARE").2, "error: 'DECLARE' not found; did you mean DECLAR?\n");
     assert_eq!(explained("99").0, 2);
 }

@@ -20,6 +20,7 @@ mod metrics;
 mod net;
 pub mod options;
 mod pace;
+mod places;
 mod queue;
 pub mod reason;
 mod results;

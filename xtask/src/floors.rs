@@ -16,7 +16,7 @@ const FLOORS: &[&[&str]] = &[
     &["sync"],
     &["emulator"],
     &["kernel"],
-    &["server"],
+    &["server", "client"],
     &["cli"],
     &["tests"],
 ];

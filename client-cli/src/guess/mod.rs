@@ -1,8 +1,8 @@
-//! Which shipped machine a job without `--machine` is meant for, by what its programs show.
+//! Guesses the shipped machine of a job without `--machine` from the text of its programs.
 //!
-//! Every sign has a weight and a place, and the answer names them: a guess is only as good as its reason. Invariant:
-//! no machine is taken by default. Programs that show nothing, both kinds of machine alike, or a control that no
-//! shipped machine has are refused.
+//! Every sign has a weight and a place, and the answer names the signs, so that the user can judge the guess.
+//! *Invariant:* no machine is chosen by default. Programs without signs, with as many signs of milling as of turning, or
+//! for a control that no shipped machine has are refused.
 
 mod signs;
 
@@ -98,19 +98,42 @@ impl Evidence {
         signs.into_iter().take(NAMED).map(one).collect::<Vec<_>>().join(", ")
     }
 
-    fn judge(&self, channels: usize, programs: &[String]) -> Result<Guess, Error> {
-        let foreign = [Kind::Siemens, Kind::Heidenhain, Kind::Okuma, Kind::Sections];
-        if let Some((kind, control)) =
-            foreign.iter().find_map(|kind| Some((*kind, kind.control().filter(|_| self.weight(*kind) > 0)?)))
-        {
-            return Err(Error::Usage(format!(
-                "no machine was given, and this is a program for {control}, by {}: no machine of this kind is shipped; \
-                 describe yours (docs/tutorial-control.md) and give it with --machine DIR",
+    /// A program for a control other than Fanuc's.
+    fn other_control(&self, kind: Kind, channels: usize) -> Result<Guess, Error> {
+        let (mill, lathe) = (self.weight(Kind::Mill), self.weight(Kind::Lathe));
+        let iso = self.of(Kind::Heidenhain).any(|(_, sign)| sign.text.ends_with('*'));
+        let machine = match kind {
+            Kind::Siemens if lathe > mill => Ok(("siemens-lathe", Some(Kind::Lathe))),
+            Kind::Siemens if mill > lathe => Ok(("siemens-mill", Some(Kind::Mill))),
+            Kind::Siemens => Err("siemens-mill and siemens-lathe are shipped, and nothing shows which one it is for"),
+            Kind::Heidenhain if !iso => Ok(("heidenhain-mill", None)),
+            Kind::Heidenhain => Err("the shipped machine has no ISO words; describe yours (docs/tutorial-control.md)"),
+            _ => Err("no machine of this kind is shipped; describe yours (docs/tutorial-control.md)"),
+        };
+        let machine =
+            if channels > 1 { machine.and(Err("no such machine with several channels is shipped")) } else { machine };
+        match machine {
+            Ok((machine, shows)) => {
+                let also = shows.map(|shows| format!(", {}", self.named(shows))).unwrap_or_default();
+                Ok(Guess { machine, why: format!("{}{also}", self.named(kind)) })
+            }
+            Err(why) => Err(Error::Usage(format!(
+                "no machine given, and the program is for {}, judging by {}: {why}; {ASK}",
+                kind.control().unwrap_or_default(),
                 self.named(kind)
-            )));
+            ))),
+        }
+    }
+
+    fn judge(&self, channels: usize, programs: &[String]) -> Result<Guess, Error> {
+        let control = [Kind::Siemens, Kind::Heidenhain, Kind::Okuma, Kind::Sections]
+            .into_iter()
+            .find(|kind| self.weight(*kind) > 0);
+        if let Some(kind) = control {
+            return self.other_control(kind, channels);
         }
         let (mill, lathe) = (self.weight(Kind::Mill), self.weight(Kind::Lathe));
-        // On a milling machine M198 and the like are no waiting codes, and the O-programs of a file its subprograms.
+        // On a milling machine M198 and the like are not waiting codes, and further O programs of a file are subprograms.
         let channels = if !self.several && mill > lathe { 1 } else { channels };
         let waits = if self.several {
             format!("{channels} programs")
@@ -119,11 +142,11 @@ impl Evidence {
         };
         match channels {
             1 if mill.max(lathe) < ENOUGH => Err(Error::Usage(format!(
-                "no machine was given, and nothing in {} shows which one it is for; {ASK}",
+                "no machine given, and nothing in {} shows which machine it is for: {ASK}",
                 programs.join(" ")
             ))),
             1 if mill == lathe => Err(Error::Usage(format!(
-                "no machine was given, and the program shows milling ({}) as well as turning ({}); {ASK}",
+                "no machine given, and the program shows milling ({}) as well as turning ({}): {ASK}",
                 self.named(Kind::Mill),
                 self.named(Kind::Lathe)
             ))),
@@ -137,8 +160,8 @@ impl Evidence {
                 Ok(Guess { machine: "fanuc-2path-lathe", why })
             }
             2 | 3 if mill > lathe => Err(Error::Usage(format!(
-                "no machine was given, and {waits} show milling ({}): no milling machine with {channels} channels is \
-                 shipped; run the programs one by one, or give a machine of your own with --machine DIR",
+                "no machine given, and {waits} show milling ({}): no milling machine with {channels} channels is \
+                 shipped; run the programs one by one, or name your own machine with --machine DIR",
                 self.named(Kind::Mill)
             ))),
             2 | 3 => {
@@ -148,14 +171,14 @@ impl Evidence {
                 Ok(Guess { machine, why })
             }
             n => Err(Error::Usage(format!(
-                "no machine was given, and no shipped machine has {n} channels: give one of your own with --machine DIR"
+                "no machine given, and no shipped machine has {n} channels: name your own machine with --machine DIR"
             ))),
         }
     }
 }
 
 /// What to do when nothing can be guessed.
-const ASK: &str = "give --machine NAME (`counterpoint machine list` shows the names) or --machine DIR";
+const ASK: &str = "use --machine NAME (`counterpoint machine list` shows the names) or --machine DIR";
 
 #[cfg(test)]
 mod tests {
@@ -184,6 +207,9 @@ mod tests {
             ("O1\nG71 U2. R1.\nG71 P10 Q20 U0.5 W0.1 F0.2\nM30\n", "fanuc-2path-lathe"),
             ("G92 S2000\nG96 S180\n(T1 M6 G43 H1 Y5.)\nM30\n", "fanuc-2path-lathe"),
             ("T101;\nG97 S1000 M3;\nG0 X50. Y0;\nM155;\nM30;\n", "haas-mill-turn"),
+            ("%_N_PART_MPF\nG17 G90 T1 M6\nG0 X1 Y2\n", "siemens-mill"),
+            ("DIAMON\nG96 S200 LIMS=3000 M4\nG0 X40 Z2\n", "siemens-lathe"),
+            ("0 BEGIN PGM PART MM\n1 L X+10 R0 FMAX\n", "heidenhain-mill"),
             ("O1\nT0101\nM130\nM99\nO2\nT0202\nM130\nM99\n", "fanuc-2path-lathe"),
         ] {
             assert_eq!(of(text), Ok(machine), "{text}");
@@ -203,10 +229,9 @@ mod tests {
         };
         refused(&[("p.nc", "O1\nG0 X1.\nM30\n")], "nothing in ");
         refused(&[("p.nc", "T1 M6\nG43 H1\nG50 S1000\nG96 S100\n")], "as well as turning (G50 S1000 (line 3)");
-        refused(&[("p.nc", "%_N_PART_MPF\nG0 X1\n")], "a program for a Siemens control, by %_N_ (line 1)");
-        refused(&[("p.MPF", "G0 X1 Y2\nM30\n")], ".MPF (p.MPF)");
-        refused(&[("p.nc", "N1 WAITM(1,1,2)\nG96 S200\n")], "Siemens");
-        refused(&[("p.nc", "0 BEGIN PGM PART MM\n1 L X+10 R0 FMAX\n")], "BEGIN PGM (line 1)");
+        refused(&[("p.nc", "%_N_PART_MPF\nG0 X1\n")], "the program is for a Siemens control, judging by %_N_ (line 1)");
+        refused(&[("p.nc", "%PART G71 *\nN10 G00 X1*\n")], "has no ISO words");
+        refused(&[("a.mpf", "WAITM(1,1,2)\nG96 S200\n"), ("b.mpf", "M30\n")], "several channels");
         refused(&[("p.MIN", "G50 S2500\n")], "Okuma");
         refused(&[("p.nc", "$PART.MIN%\nG50 S2500\n")], "Okuma");
         refused(&[("p.nc", "$1\nG50 S2500\nM30\n$2\nM30\n")], "$1 (line 1)");

@@ -2,7 +2,7 @@
 //!
 //! Comments do not count. A sign is kept once, with the first line it is on.
 
-/// What a sign speaks for.
+/// The kind of machine or control that a sign indicates.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Kind {
     /// A milling machine.
@@ -39,11 +39,11 @@ pub(super) struct Sign {
     pub(super) text: String,
     /// Line, 0 for the name of the file.
     pub(super) line: usize,
-    /// 3: hardly anything else has it; 1: others have it, too.
+    /// 3: almost unique to this kind; 1: other kinds have it, too.
     pub(super) weight: u32,
 }
 
-/// Lines that end with a semicolon before this speaks for a Haas.
+/// Number of lines ending with a semicolon that indicates a Haas.
 const SEMICOLONS: usize = 3;
 
 /// Signs of a file's name and text; of the program with that number alone, if there is one.
@@ -132,7 +132,7 @@ impl Signs {
         }
     }
 
-    /// What the ending of a file says.
+    /// Adds the signs of a file name ending.
     fn file(&mut self, name: &str) {
         let Some((_, ending)) = name.rsplit_once('.') else { return };
         let kind = match ending.to_ascii_lowercase().as_str() {
@@ -144,7 +144,7 @@ impl Signs {
         self.add(kind, format!("the file ending .{ending}"), 3);
     }
 
-    /// What a line as a whole says, comments included.
+    /// Adds the signs of a whole line, comments included.
     fn statement(&mut self, line: &str) {
         let unnumbered = line.trim_start_matches(|c: char| c.is_ascii_digit()).trim_start();
         let bare = match line.strip_prefix('N') {
@@ -178,6 +178,11 @@ impl Signs {
                 ("CALL OO", Kind::Okuma),
                 ("NLAP", Kind::Okuma),
             ];
+            const TURNING: [&str; 7] = ["DIAMON", "DIAMOF", "DIAM90", "CYCLE93", "CYCLE95", "CYCLE97", "CYCLE99"];
+            if let Some(name) = TURNING.iter().find(|name| bare.contains(**name)) {
+                self.add(Kind::Siemens, *name, 3);
+                self.add(Kind::Lathe, *name, 3);
+            }
             for (name, kind) in NAMES {
                 let starts = bare.starts_with(name) || unnumbered.starts_with(name);
                 let cycle = name != "CYCLE" || bare.as_bytes().get(name.len()).is_some_and(u8::is_ascii_digit);
@@ -188,7 +193,7 @@ impl Signs {
         }
     }
 
-    /// What the words of a block say.
+    /// Adds the signs of the words of a block.
     fn block(&mut self, words: &[(String, String)]) {
         let value = |letter: &str| words.iter().find(|(l, _)| l == letter).map(|(_, value)| value.as_str());
         let has = |letter: &str| value(letter).is_some();

@@ -8,61 +8,61 @@ use counterpoint_lang::layout;
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum Macro {
-    /// Find every mistake in files of macros without running them
+    /// Check macro files without running them
     Check(Check),
-    /// Rewrite files of macros in one style
+    /// Reformat macro files
     Fmt(Fmt),
-    /// Run the last of several files of macros without a machine; the others define functions
+    /// Run the last of several macro files without a machine; the other files define functions
     Run(Run),
-    /// Explain a diagnostic by name or number, or a function, statement, variable or identifier by name
+    /// Explain a diagnostic by its word or number, an alarm, or a word of the macro language
     Explain {
-        /// no-feed, 02910011, $FSIN, DECLAR, $TLTAB, CODE_RAPID
-        #[arg(value_name = "NUMBER|NAME")]
+        /// Explain this word or number, such as no-feed, 02910011, $FSIN, DECLAR, $TLTAB or CODE_RAPID
+        #[arg(value_name = "WORD|NUMBER")]
         what: String,
     },
 }
 
 #[derive(Debug, Args)]
 pub(crate) struct Check {
-    /// Files that are used together; under strong declaration the last one is a macro, those before it declare
+    /// Check these files together; with --strong the last file is an ordinary macro and the files before it declare
     #[arg(required = true, value_name = "FILE")]
     pub(crate) files: Vec<PathBuf>,
     /// Print one JSON document
     #[arg(long)]
     pub(crate) json: bool,
-    /// What must be declared
+    /// Require declarations of these variables
     #[arg(long, value_enum, default_value = "off")]
     pub(crate) strong: Strong,
 }
 
 #[derive(Debug, Args)]
 pub(crate) struct Fmt {
-    /// Files to rewrite; - reads standard input and writes standard output
+    /// Reformat these files; - reads standard input and writes standard output
     #[arg(required = true, value_name = "FILE")]
     pub(crate) files: Vec<PathBuf>,
-    /// How to write
+    /// Write in this style
     #[arg(long, value_enum, default_value = "standard")]
     pub(crate) style: Style,
-    /// Change nothing; list the files that would change and exit with 1 if there are any
+    /// Only list the files that would change; exit with code 1 if there are any
     #[arg(long)]
     pub(crate) check: bool,
-    /// Change nothing; print what would be written
+    /// Print the result instead of writing files
     #[arg(long, conflicts_with = "check")]
     pub(crate) stdout: bool,
 }
 
 #[derive(Debug, Args)]
 pub(crate) struct Run {
-    /// Files of macros; the last one is run
+    /// Load these macro files and run the last one
     #[arg(required = true, value_name = "FILE")]
     pub(crate) files: Vec<PathBuf>,
     /// Print the macro trace, too
     #[arg(long)]
     pub(crate) trace: bool,
-    /// What must be declared
+    /// Require declarations of these variables
     #[arg(long, value_enum, default_value = "off")]
     pub(crate) strong: Strong,
-    /// Steps after which the run is ended
+    /// End the run after this many steps
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
     pub(crate) ticks: Option<u64>,
 }
@@ -70,7 +70,7 @@ pub(crate) struct Run {
 /// Strong declaration.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Strong {
-    /// Nothing
+    /// No declarations required
     Off,
     /// GLOBAL and OBJECT variables, in the declaration macro
     Partial,

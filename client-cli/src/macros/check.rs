@@ -1,4 +1,4 @@
-//! `macro check`: every mistake of every file.
+//! `macro check`: reports every mistake in every file.
 
 use counterpoint_lang::diag::Diagnostic;
 use counterpoint_lang_standalone::check_all;

@@ -1,12 +1,13 @@
 //! `explain` and `macro explain`: what a number or a name means.
 //!
-//! Invariant: everything said here comes from the pages of the diagnostics and the tables that the checker itself uses.
+//! *Invariant:* all answers come from the pages of the diagnostics and from the tables that the checker itself uses.
 
 use counterpoint_kernel::diag;
 use counterpoint_kernel::machine::ident::{self as control, takes};
 use counterpoint_kernel::machine::macros::{identifiers, system, without};
 use counterpoint_lang::explain::{self, Entry};
 use counterpoint_lang::func::{self, Way};
+use counterpoint_lang::host::HostFn;
 use counterpoint_lang::{format, ident};
 use include_dir::{Dir, include_dir};
 
@@ -17,7 +18,7 @@ use crate::say;
 
 static PAGES: Dir<'_> = include_dir!("$CARGO_MANIFEST_DIR/../docs/diagnostics");
 
-/// Prints what is known of a number or a name.
+/// Prints the explanation of a number or a name.
 pub(crate) fn explain(what: &str) -> Result<u8, Error> {
     // A word such as CYCLE may name a kind of macro, too.
     let names = || match (kind(what), named(what)) {
@@ -68,13 +69,13 @@ fn alarm(what: &str) -> Option<String> {
     if pages.is_empty() { None } else { Some(pages.join("\n")) }
 }
 
-/// What to do about a diagnostic, in one sentence: the first of that part of its page, links as their text.
+/// The first sentence of the remedy on a diagnostic's page, without links; `None` if no remedy is needed.
 pub(crate) fn remedy(number: u32) -> Option<String> {
     let page = PAGES.get_file(format!("{number:08}.md"))?.contents_utf8()?;
     let (_, text) = page.split_once("**Remedy.** ")?;
-    let line = text.lines().next()?;
-    let first = line.split_once(". ").map_or(line, |(first, _)| first).trim_end_matches('.');
-    (!first.starts_with("Nothing")).then(|| without_links(first))
+    let text = text.split("\n\n").next()?.trim_end().replace('\n', " ");
+    let first = text.split_once(". ").map_or(&*text, |(first, _)| first).trim_end_matches('.');
+    (!first.starts_with("None needed")).then(|| without_links(first))
 }
 
 /// Text of a page with `[text](address)` as `text`.
@@ -134,8 +135,11 @@ fn function(name: &str) -> Option<String> {
     }
     let text = explain::functions().iter().find(|entry| entry.name == name).map(entry)?;
     Some(match way {
-        Some(Way::Host(function)) if let Some(why) = without::why(function) => {
-            format!("{text}\nThe function {why}: it says so once in a run (2910070) and answers as if it failed.\n")
+        Some(Way::Host(HostFn::Absent(function))) => {
+            let why = without::why(function);
+            format!(
+                "{text}\nThe function {why}: it reports this once in a run (2910070) and returns the result of a failed call.\n"
+            )
         }
         _ => text,
     })
@@ -157,7 +161,8 @@ fn variable(name: &str) -> Option<String> {
         None => String::new(),
     };
     let category = variable.category;
-    let model = if category == "model" { "\nThere is no machine model here: only macros change it.\n" } else { "" };
+    let model =
+        if category == "model" { "\nThere is no machine model here: only macros change this variable.\n" } else { "" };
     Some(format!("{}\n{kind}{range}, {access} ({category})\n\n{}\n{model}", variable.form(), variable.about))
 }
 
@@ -165,7 +170,7 @@ fn identifier(name: &str) -> Option<String> {
     let built_in = |built_in: bool| if built_in { "a built-in action" } else { "no built-in action" };
     if let Some(facts) = control::code(name).and_then(control::code_facts) {
         let group = if facts.group == 0 { "no modal group".to_owned() } else { format!("modal group {}", facts.group) };
-        let data = list("It takes", &takes::data_of(facts.name));
+        let data = list("Uses", &takes::data_of(facts.name));
         return Some(format!(
             "{}\n\nCode with {group}, order {}, {}.\n{data}",
             facts.name,
@@ -174,7 +179,7 @@ fn identifier(name: &str) -> Option<String> {
         ));
     }
     let facts = control::data(name).and_then(control::data_facts)?;
-    let codes = list("It is taken by", &takes::codes_of(facts.name));
+    let codes = list("Used by", &takes::codes_of(facts.name));
     Some(format!("{}\n\nData with {}.\n{codes}", facts.name, built_in(facts.built_in)))
 }
 
@@ -197,14 +202,14 @@ fn word(name: &str) -> Option<String> {
     }
     let code = ident::major_code(name)?;
     let class = ident::MAJOR_CLASS;
-    Some(format!("{name}\n\nMajor word, a record of the post product; it can be written #{class}:{code}.\n"))
+    Some(format!("{name}\n\nMajor word, a record of the post-processor product; it can be written #{class}:{code}.\n"))
 }
 
-/// What to say of something that nothing is called.
+/// The message for an unknown name.
 fn unknown(what: &str) -> String {
     let name = what.trim().to_uppercase();
     if let Ok(number) = name.parse::<f64>() {
-        return format!("there is no diagnostic {}", format::wildcard_text(number));
+        return format!("diagnostic {} not found", format::wildcard_text(number));
     }
     let with_dollar = [name.clone(), format!("${name}")];
     let entries = explain::functions().iter().chain(explain::statements()).map(|entry| entry.name);
@@ -212,8 +217,8 @@ fn unknown(what: &str) -> String {
     let names: Vec<&str> = entries.chain(variables).chain(identifiers::names()).collect();
     let near = with_dollar.iter().find_map(|name| ident::nearest(name, names.iter().copied()));
     match near {
-        Some(near) => format!("nothing is called {what}; did you mean {near}?"),
-        None => format!("nothing is called {what}"),
+        Some(near) => format!("'{what}' not found; did you mean {near}?"),
+        None => format!("'{what}' not found"),
     }
 }
 
@@ -230,9 +235,9 @@ mod tests {
         for facts in diag::ALL {
             assert_eq!(page(&facts.number.to_string()), page(facts.name));
             assert!(page(&facts.number.to_string()).is_some(), "{}", facts.number);
-            let nothing = page(&facts.number.to_string()).is_some_and(|text| text.contains("**Remedy.** Nothing"));
+            let none = page(&facts.number.to_string()).is_some_and(|text| text.contains("**Remedy.** None needed"));
             let advice = remedy(facts.number);
-            assert!(advice.as_ref().map_or(nothing, |text| text.len() > 5), "{}", facts.number);
+            assert!(advice.as_ref().map_or(none, |text| text.len() > 5), "{}", facts.number);
             assert!(!advice.is_some_and(|text| text.contains("](")), "{}: a link in plain text", facts.number);
         }
         let functions = func::all().map(|function| function.name);

@@ -1,6 +1,6 @@
 //! `macro fmt`: files of macros in one style.
 //!
-//! Invariant: a file is replaced as a whole or not at all, and only if its text changes; its kind of line ends stays.
+//! *Invariant:* a file is replaced as a whole or not at all, and only if its text changes; it keeps its line endings.
 
 use std::io::{Read as _, Write as _};
 use std::path::Path;
@@ -21,7 +21,7 @@ pub(super) fn fmt(arguments: &Fmt) -> Result<u8, Error> {
     Ok(code)
 }
 
-/// Deals with one file; 1 if it has errors, or would change under `--check`.
+/// Formats one file; returns 1 if it has errors, or would change under `--check`.
 fn one(path: &Path, arguments: &Fmt) -> Result<u8, Error> {
     let piped = path == Path::new("-");
     let text = if piped { standard_input()? } else { text(path)? };
@@ -72,7 +72,7 @@ fn utf8(bytes: Vec<u8>, name: &str) -> Result<String, Error> {
     String::from_utf8(bytes).map_err(|_| Error::Usage(format!("{name}: the text is not UTF-8")))
 }
 
-/// Writes beside the file and puts the new one in its place, with its permissions.
+/// Writes a new file beside the old one and then replaces the old one, keeping its permissions.
 fn replace(path: &Path, text: &str) -> Result<(), Error> {
     let failed = || Error::file(path);
     let real = std::fs::canonicalize(path).map_err(failed())?;

@@ -1,6 +1,6 @@
 //! The kinds of macros by name: when each one runs, and its arguments.
 //!
-//! Invariant: every hook of the control has a row; a test compares.
+//! *Invariant:* every hook of the control has a row; a test compares them.
 
 use std::fmt::Write as _;
 
@@ -8,29 +8,37 @@ use counterpoint_kernel::machine::macros::model::Hook;
 
 use super::terms::arguments_of;
 
-/// Key of the machine file, the kind as the arguments are listed by, and when it runs.
+/// Key in machine.toml, the kind under which the arguments are listed, and when the macro runs.
 type Row = (&'static str, &'static str, &'static str);
 
 const HOOKS: &[Row] = &[
-    ("declaration", "", "Runs first of all, in the master and in every channel; it declares what all macros share."),
+    (
+        "declaration",
+        "",
+        "Runs before all other macros, in the master and in every channel; it declares what all macros share.",
+    ),
     ("machine_startup", "", "Runs in the master kernel of a machine with several channels, before the first of them."),
     ("machine_shutdown", "", "Runs in the master kernel of a machine with several channels, after the last of them."),
     ("program_startup", "", "Runs in every channel before its first block."),
     ("program_shutdown", "", "Runs in every channel after its last block."),
     ("subprogram_startup", "subprogram startup and shutdown", "Runs before each pass of a subprogram."),
     ("subprogram_shutdown", "subprogram startup and shutdown", "Runs after each pass of a subprogram."),
-    ("preprocessor_startup", "pre-processor startup and shutdown", "Runs before the pre-processor sees a block."),
-    ("preprocessor_shutdown", "pre-processor startup and shutdown", "Runs after the pre-processor has seen a block."),
+    ("preprocessor_startup", "pre-processor startup and shutdown", "Runs before the pre-processor processes a block."),
+    (
+        "preprocessor_shutdown",
+        "pre-processor startup and shutdown",
+        "Runs after the pre-processor has processed a block.",
+    ),
     ("block_startup", "block startup and shutdown", "Runs before a block is split into codes and data."),
     ("block_shutdown", "block startup and shutdown", "Runs after the codes of a block."),
-    ("motion", "motion event", "Runs when a motion is about to take place; OUTPUT makes it."),
-    ("cycle", "cycle event", "Runs before the moves of each hole of a canned cycle; OUTPUT makes the hole."),
-    ("tool", "tool event", "Runs when a tool or head is about to be selected or loaded; OUTPUT does it."),
-    ("diagnostic", "diagnostic event", "Runs when a diagnostic is about to be issued; OUTPUT issues it at once."),
+    ("motion", "motion event", "Runs before a motion; OUTPUT executes the motion."),
+    ("cycle", "cycle event", "Runs before the moves of each hole of a canned cycle; OUTPUT executes the moves."),
+    ("tool", "tool event", "Runs before a tool or head is selected or loaded; OUTPUT executes the change."),
+    ("diagnostic", "diagnostic event", "Runs before a diagnostic is issued; OUTPUT issues the diagnostic at once."),
     (
         "preprocessor_identification",
         "pre-processor identification",
-        "Runs when the pre-processor meets a variable or function that it does not know.",
+        "Runs when the pre-processor finds an unknown variable or function.",
     ),
 ];
 
@@ -38,13 +46,9 @@ const NAMED: &[Row] = &[
     (
         "code",
         "code macro",
-        "A row of [[macros.code]]: it runs in place of the codes that it matches; OUTPUT carries the code out.",
+        "A row of [[macros.code]]: runs in place of the codes that it matches; OUTPUT executes the code.",
     ),
-    (
-        "data",
-        "data macro",
-        "A row of [[macros.data]]: it sees the value of data that an action takes, and may change it.",
-    ),
+    ("data", "data macro", "A row of [[macros.data]]: runs when an action takes a value, and may change the value."),
 ];
 
 /// The name without what all such names have.

@@ -1,7 +1,6 @@
 //! `counterpoint macro`: checks, rewrites, runs and explains macros.
 //!
-//! Invariant: a macro that is run reaches only files below the current folder, and nothing else of the system but its
-//! clock and environment.
+//! *Invariant:* a running macro can access only files below the current folder, the clock and the environment.
 
 pub(crate) mod arguments;
 mod check;
@@ -23,7 +22,7 @@ use crate::say;
 use arguments::Macro;
 pub(crate) use explain::{explain, remedy};
 
-/// Does a command; gives the exit code.
+/// Executes a command and returns the exit code.
 pub(crate) fn dispatch(command: &Macro) -> Result<u8, Error> {
     match command {
         Macro::Check(arguments) => check::check(arguments),
@@ -33,7 +32,7 @@ pub(crate) fn dispatch(command: &Macro) -> Result<u8, Error> {
     }
 }
 
-/// Names and texts of files; what is not UTF-8 becomes a strange character.
+/// Names and texts of files; bytes that are not UTF-8 become replacement characters.
 fn read(paths: &[PathBuf]) -> Result<Vec<File>, Error> {
     paths.iter().map(|path| Ok((name(path), String::from_utf8_lossy(&bytes(path)?).into_owned()))).collect()
 }

@@ -1,7 +1,7 @@
-//! The outside of a macro that is run: standard output, the console, and files below the current folder.
+//! What a running macro can access: standard output, the console, and files below the current folder.
 //!
-//! Invariant: what PPRINT prints and the trace are the only things on standard output, and they are written line by line
-//! as they come. A path never leads out of the folder, not even by a link.
+//! *Invariant:* only PPRINT output and the trace go to standard output, line by line as they are produced. A path never
+//! leads outside the folder, not even through a link.
 
 use std::cell::RefCell;
 use std::io::{self, BufRead as _, Read as _};
@@ -34,12 +34,12 @@ impl Sandbox {
         Ok(Self { folder, broken: Rc::default() })
     }
 
-    /// Tells here why the run was ended.
+    /// Stores the reason here when standard output fails.
     pub(super) fn telling(self, broken: Rc<RefCell<Option<Error>>>) -> Self {
         Self { broken, ..self }
     }
 
-    /// Opens a regular file; pipes and devices could block for ever.
+    /// Opens a regular file; pipes and devices could block indefinitely.
     fn open(&self, path: &str, options: &OpenOptions) -> Result<cap_std::fs::File, i32> {
         if !self.folder.metadata(path).map_err(|error| status(&error))?.is_file() {
             return Err(FORBIDDEN);

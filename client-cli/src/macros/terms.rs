@@ -1,7 +1,7 @@
-//! What is no word of a table: operators, codes of formats, pieces of regular expressions, words inside of statements,
-//! arguments of macros, alarms of controls.
+//! Terms that are in no other table: operators, format codes, elements of regular expressions, words inside statements,
+//! arguments of macros.
 //!
-//! Invariant: an operator that the lexer reads and a code that the format parser takes have a row; tests compare.
+//! *Invariant:* every operator of the lexer and every code of the format parser has a row; tests compare them.
 
 use std::fmt::Write as _;
 
@@ -44,7 +44,7 @@ const OPERATORS: &[Row] = &[
         "At the end of a line: the statement continues in the next line. Before a name: a system variable or function.",
     ),
     ("$$", "The rest of the line is a comment."),
-    ("'", "Begins and ends a text; doubled it means itself: 'it''s'."),
+    ("'", "Starts and ends a text; written twice inside a text it stands for one quote: 'it''s'."),
     ("#", "A keyword or record by number: #71, #2000:1030, #28000:*."),
     (
         "%",
@@ -56,7 +56,7 @@ const OPERATORS: &[Row] = &[
     ("$PI", "The number pi."),
     (
         "#{ !{",
-        "In the text of a block: code of macros up to }, run when the block is read; what it gives takes its place. #{ comes before the pre-processor, !{ after it ($EMBMAC).",
+        "In the text of a block: code of macros up to }, run when the block is read; its result takes its place. #{ comes before the pre-processor, !{ after it ($EMBMAC).",
     ),
     (
         "AND OR",
@@ -89,7 +89,10 @@ const FORMATS: &[Row] = &[
 
 const PATTERNS: &[Row] = &[
     (".", "In a regular expression: any one character."),
-    ("[] [^]", "In a regular expression: one character of the set, or none of it after ^: [A-Z0-9], [^;]."),
+    (
+        "[] [^]",
+        "In a regular expression: one character of the set, or, after ^, one that is not in the set: [A-Z0-9], [^;].",
+    ),
     ("^", "At the beginning of a regular expression: the beginning of the text."),
     ("$", "At the end of a regular expression: the end of the text."),
     ("*", "In a regular expression: what comes before it, any number of times."),
@@ -121,10 +124,10 @@ const KEYWORDS: &[Row] = &[
     ("RECORD", "Type of a variable: a major word such as COOLNT. It begins with #0:0."),
     ("CODE", "Type of a variable: a code identifier. It begins with CODE_NONE."),
     ("REG", "Type of a variable: a data identifier. It begins with REG_NONE."),
-    ("EXTERN", "In DECLAR: a function outside of the macros; not supported here."),
+    ("EXTERN", "In DECLAR: a function outside the macros; not supported here."),
     ("FUNCTION", "In DECLAR/EXTERN; functions of macros are written with MACRO/."),
-    ("NOW", "EXEC/NOW: the block is carried out at once, before the macro continues."),
-    ("NEXT", "EXEC/NEXT, and without a word: the block is carried out after the current one."),
+    ("NOW", "EXEC/NOW: the block is executed at once, before the macro continues."),
+    ("NEXT", "EXEC/NEXT, and without a word: the block is executed after the current one."),
     ("FRONT", "OPEN/unit,FRONT and without a word: from the beginning of the file."),
     ("REAR", "OPEN/unit,REAR: at the end of the file."),
     ("INCR", "READ/unit,INCR and without a word: the next line. In $FSORT: smallest first."),
@@ -135,18 +138,26 @@ const KEYWORDS: &[Row] = &[
     ("REG_NONE", "No data."),
 ];
 
-/// Argument, kind of macro, and what it holds; an asterisk marks what the macro may set.
+/// Argument, kind of macro, and what the argument holds; an asterisk marks arguments that the macro may set.
 const ARGUMENTS: &[(u8, &str, &str)] = &[
-    (1, "subprogram startup and shutdown", "* 1 range of the program, 2 another file; 0 ignores the call, -1 missing"),
+    (
+        1,
+        "subprogram startup and shutdown",
+        "* 1 range of the program, 2 another file; 0 ignores the call, -1 reports the subprogram as missing",
+    ),
     (1, "pre-processor startup and shutdown", "* 1; 0 skips the block"),
     (1, "block startup and shutdown", "* 1; 0 skips the block"),
     (1, "motion event", "1 circle, 2 thread, 4 rapid, 5 linear"),
-    (1, "cycle event", "code of the cycle"),
+    (1, "cycle event", "cycle code"),
     (1, "tool event", "1 tool selected, 2 tool loaded"),
     (1, "diagnostic event", "* 1; 0 drops the diagnostic"),
-    (1, "pre-processor identification", "* 0; -1 ignores quietly, 0 diagnoses, 1 evaluates $P2 again, 2 accepts"),
+    (
+        1,
+        "pre-processor identification",
+        "* 0; -1 ignores the text silently, 0 reports it, 1 evaluates $P2 again, 2 keeps $P2 as text",
+    ),
     (1, "code macro", "* the code"),
-    (1, "data macro", "* 1; 0 takes the value away"),
+    (1, "data macro", "* 1; 0 removes the value"),
     (2, "subprogram startup and shutdown", "name or number of the subprogram"),
     (2, "pre-processor startup and shutdown", "* the block"),
     (2, "block startup and shutdown", "* the block"),
@@ -154,7 +165,7 @@ const ARGUMENTS: &[(u8, &str, &str)] = &[
     (2, "cycle event", "reference height"),
     (2, "tool event", "0 tool, 1 head"),
     (2, "diagnostic event", "* number"),
-    (2, "pre-processor identification", "* text that is not known"),
+    (2, "pre-processor identification", "* unknown text"),
     (2, "code macro", "value of the code, or its text"),
     (2, "data macro", "* the value"),
     (3, "subprogram startup and shutdown", "first sequence number"),
@@ -166,9 +177,9 @@ const ARGUMENTS: &[(u8, &str, &str)] = &[
     (3, "pre-processor identification", "value that is assigned, or $NULL"),
     (3, "data macro", "data identifier"),
     (4, "subprogram startup and shutdown", "last sequence number"),
-    (4, "motion event", "vector of the plane"),
+    (4, "motion event", "normal vector of the plane"),
     (4, "cycle event", "retract height"),
-    (4, "diagnostic event", "how often it has come"),
+    (4, "diagnostic event", "how often it has occurred"),
     (4, "data macro", "* 1 absolute, 2 incremental"),
     (5, "subprogram startup and shutdown", "number of repetitions"),
     (5, "motion event", "point in the middle of a circle in space"),
@@ -193,7 +204,7 @@ pub(super) fn arguments_of(kind: &str) -> impl Iterator<Item = (u8, &'static str
     ARGUMENTS.iter().filter(move |(_, of, _)| !kind.is_empty() && is(of)).map(|(number, _, about)| (*number, *about))
 }
 
-/// Everything that is known of a term, by what it is.
+/// The explanations of a term, one for each of its meanings.
 pub(super) fn terms(what: &str) -> Option<String> {
     let what = what.trim();
     let upper = what.to_uppercase();
@@ -225,9 +236,9 @@ fn variables(name: &str) -> Option<String> {
         let settable: Vec<&str> =
             rows.iter().filter(|(.., about)| about.starts_with('*')).map(|(_, kind, _)| *kind).collect();
         if rows.is_empty() {
-            out.push_str("No macro of the control emulator gets it; it is a local variable.\n");
+            out.push_str("No macro of the control emulator receives this argument; it is a local variable.\n");
         } else if !settable.is_empty() {
-            let _ = writeln!(out, "\nWhat is assigned to it counts in: {}.", settable.join(", "));
+            let _ = writeln!(out, "\nA value assigned to it takes effect in: {}.", settable.join(", "));
         }
         return Some(out);
     }
@@ -248,10 +259,10 @@ fn reserved(name: &str) -> Option<String> {
     let record = ident::record(name).filter(|record| record.class != ident::MAJOR_CLASS);
     let what = match (ident::reserved(name)?, record) {
         (_, Some(record)) => format!(
-            "Record word of the post product; it can be written #{}:{}, and as a statement it does nothing here.",
+            "Record word of the post-processor product; it can be written #{}:{}, and as a statement it does nothing here.",
             record.class, record.subclass
         ),
-        (Reserved::Post, None) => "Word of the post product; it does nothing here.".to_owned(),
+        (Reserved::Post, None) => "Word of the post-processor product; it does nothing here.".to_owned(),
         (Reserved::Control, None) => "Word of the language.".to_owned(),
     };
     Some(format!("{name}\nReserved word\n\n{what} A variable of this name is written %{name}.\n"))
@@ -281,9 +292,9 @@ fn code(code: &Code) -> String {
     let words = |what: &str, width: usize, lower: bool| {
         let case = if lower { " in lower case" } else { "" };
         let fit = if width == 0 {
-            ", as long as it is".to_owned()
+            " in full length".to_owned()
         } else {
-            format!(", cut or filled up to {width} characters")
+            format!(", shortened or padded to {width} characters")
         };
         format!("{what}{case}{fit}")
     };
@@ -293,8 +304,8 @@ fn code(code: &Code) -> String {
         Code::Minor { width, lower } => words("Name of a keyword", *width, *lower),
         Code::Record { width, lower } => words("Name of a record", *width, *lower),
         Code::Logical { width, lower } => words("TRUE or FALSE", *width, *lower),
-        Code::Column { column, back: true } => format!("Go on in column {column}, what is there is cut off"),
-        Code::Column { column, back: false } => format!("Go on in column {column}, never backwards"),
+        Code::Column { column, back: true } => format!("Continue in column {column}, cutting off the text from there on"),
+        Code::Column { column, back: false } => format!("Continue in column {column}, never backwards"),
         Code::Skip(count) => format!("Skip {count} characters (READ)"),
         Code::Any => "A value of any type by default rules: a number as !(s9f9s), texts and names as they are, $NULL, a sequence as <1,2>".to_owned(),
         Code::Register { register, word, argument } => {

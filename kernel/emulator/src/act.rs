@@ -18,7 +18,7 @@ use crate::state::frames::offsets::Table;
 use crate::state::spindle::Turning;
 use counterpoint_event::event::{Event, Kind, Motion, ToolAction};
 use counterpoint_machine::ident::{CodeId, DataId};
-use counterpoint_machine::model::CodeRow;
+use counterpoint_machine::rows::CodeRow;
 use counterpoint_program::block::{Datum, PendingCode};
 use counterpoint_sync::shared::Command;
 use counterpoint_sync::tag::Tag;

@@ -73,7 +73,11 @@ impl Job {
             Ok(assigned) => assigned,
             Err(findings) => return Err(PrepareError { findings, cancelled: false }),
         };
-        let macros = spec.machine.macros.as_deref().map(|macros| macros.program_for(&spec.machine, info.trace));
+        let macros = spec
+            .machine
+            .macros
+            .as_deref()
+            .map(|macros| macros.program_for(spec.machine.macro_environment(), info.trace));
         let macros = macros.or_else(|| has_embedded(&info, files, stop).then(|| Arc::new(compile::Program::new())));
         if stop.asked() {
             return Err(cancelled());

@@ -12,7 +12,7 @@ use std::collections::{BTreeMap, VecDeque};
 
 use counterpoint_lang::diag::{self, Number};
 use counterpoint_lang::fault::{Fault, Outcome};
-use counterpoint_lang::host::{Environment, Host, HostFn, SystemVariable};
+use counterpoint_lang::host::{AbsentFn, Environment, Host, HostFn, SystemVariable};
 use counterpoint_lang::source::Source;
 use counterpoint_lang::state::State;
 use counterpoint_lang::value::{Kind, Value};
@@ -204,16 +204,16 @@ impl Environment for Standalone {
 
 impl Host for Standalone {
     fn function(&mut self, state: &mut State, function: HostFn, arguments: &[Value]) -> Outcome<Value> {
-        let (call, program) = ((function, arguments), self.system.text("$TAPEN"));
-        if let Some(answer) = self.with_files(|folder, shelf| folder.function(shelf, state, call, &program)) {
-            return answer;
-        }
         Ok(match function {
             HostFn::EndOfProgram => Value::Logical(self.program.is_at_end()),
             HostFn::MachineFrame => Value::numbers(&[1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0]),
             HostFn::Dialog => self.dialog(arguments)?,
-            HostFn::Pause => Value::Logical(false),
-            HostFn::Document => model::out_of_scope(state, function),
+            HostFn::File(of) => {
+                let program = self.system.text("$TAPEN");
+                self.with_files(|folder, shelf| folder.function(shelf, state, (of, arguments), &program))?
+            }
+            HostFn::Absent(AbsentFn::Pause | AbsentFn::Apply) => Value::Logical(false),
+            HostFn::Absent(AbsentFn::Document) => model::out_of_scope(state, function),
             HostFn::DiagnosticSeverity => self.tables.severity(arguments)?,
             HostFn::DiagnosticState => self.tables.switched(arguments),
             HostFn::DiagnosticText => self.tables.text_of(arguments),
@@ -232,7 +232,6 @@ impl Host for Standalone {
             HostFn::PreProcessorSetting => program::setting(state, arguments),
             HostFn::SearchForward => self.program.search(&mut self.system, state, arguments, true)?,
             HostFn::SearchBackward => self.program.search(&mut self.system, state, arguments, false)?,
-            HostFn::Apply => Value::Logical(false),
             HostFn::ForwardKinematics => model::kinematics(&self.system, arguments, false)?,
             HostFn::InverseKinematics => model::kinematics(&self.system, arguments, true)?,
             HostFn::ConfigureKinematics | HostFn::SelectRotaryAxes | HostFn::Unwind => Value::Real(1.0),

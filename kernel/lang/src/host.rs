@@ -14,7 +14,7 @@ pub use blocks::{Blocks, Command};
 pub use dialog::{Dialog, Macro, Step};
 pub use files::Files;
 pub use folder::{FAILED, FORBIDDEN, Facts, Folder, INVALID, NOT_FOUND, Shelf, stored};
-pub use functions::HostFn;
+pub use functions::{AbsentFn, FileFn, HostFn, Need};
 pub use variables::Variables;
 
 pub(crate) use functions::ROWS;

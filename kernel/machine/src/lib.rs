@@ -13,10 +13,11 @@ pub mod macros;
 pub mod model;
 pub mod number;
 pub mod package;
-pub mod paths;
 pub mod preprocessor;
 pub mod refusals;
+pub mod rows;
 pub mod show;
+pub mod stored;
 pub mod tables;
 mod toml;
 

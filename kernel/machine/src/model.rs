@@ -1,13 +1,15 @@
 //! The checked machine definition as the kernel uses it.
 
 mod behaviour;
-mod rows;
+pub mod paths;
 
 pub use behaviour::*;
-pub use rows::*;
 
 use super::ident::{CodeId, DataId};
+use super::macros::environment::MachineEnvironment;
 use super::preprocessor::Preprocessor;
+use super::rows::{CodeRow, DataRow, Register};
+use super::stored::StoredFile;
 use super::tables::Tables;
 use counterpoint_event::Unit;
 use counterpoint_event::{MAX_AXES, Position};
@@ -64,9 +66,9 @@ pub struct Machine {
     /// Canned cycles.
     pub cycles: Cycles,
     /// Circles.
-    pub arcs: super::paths::Arcs,
+    pub arcs: paths::Arcs,
     /// Threading cycles.
-    pub threads: super::paths::Threads,
+    pub threads: paths::Threads,
     /// Direction of the tool, from its tip to the spindle, with all rotary axes at zero.
     pub tool_direction: [f64; 3],
     /// Pump of the coolant.
@@ -125,15 +127,6 @@ pub struct DiagnosticRule {
     pub stops: Option<bool>,
     /// It is an alarm of this control, also where it is none of the kernel.
     pub alarm: bool,
-}
-
-/// A file stored with the machine; it is never written.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct StoredFile {
-    /// Path below `//ICAMFS/`.
-    pub path: String,
-    /// Content.
-    pub content: counterpoint_ports::files::Bytes,
 }
 
 /// A rule of the tape editor.
@@ -304,6 +297,12 @@ impl Machine {
             *slot = self.axes.get(axis).map_or(0.0, |a| a.home);
         }
         position
+    }
+
+    /// What the compiler of macros knows of the machine while a program runs: nothing is included then.
+    #[must_use]
+    pub fn macro_environment(&self) -> MachineEnvironment<'_> {
+        MachineEnvironment { codes: &self.custom_codes, data: &self.custom_data, files: None, stored: &self.storage }
     }
 
     /// Full name of a code identifier, custom ones included.

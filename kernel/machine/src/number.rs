@@ -3,7 +3,7 @@
 //! Invariant: what is written here is read back by the scanner as the same value, to the digits of the format. Facts:
 //! reference control-emulator.md 1.4.
 
-use super::model::{NumberFormat, Point, Zeros};
+use super::rows::{NumberFormat, Point, Zeros};
 
 /// `value` as a register of this format writes it: `12.`, `.2`, `-4.`, `0125`.
 #[must_use]

@@ -63,8 +63,8 @@ pub fn show(machine: &Machine, what: Show) -> String {
 
 /// Code rows as the emulated control lists them: by register, then by value, texts after them, at last the rows
 /// without a written form.
-fn sorted_codes(machine: &Machine) -> Vec<&super::model::CodeRow> {
-    use super::model::CodeForm;
+fn sorted_codes(machine: &Machine) -> Vec<&super::rows::CodeRow> {
+    use super::rows::CodeForm;
     let place = |form: &CodeForm| match form {
         CodeForm::Register { register, min, max } | CodeForm::RegisterAsData { register, min, max, .. } => {
             (0, *register, *min, *max)
@@ -75,7 +75,7 @@ fn sorted_codes(machine: &Machine) -> Vec<&super::model::CodeRow> {
     let mut rows: Vec<_> = machine.codes.iter().collect();
     rows.sort_by(|a, b| {
         let (a_place, b_place) = (place(&a.form), place(&b.form));
-        let texts = |row: &super::model::CodeRow| match &row.form {
+        let texts = |row: &super::rows::CodeRow| match &row.form {
             CodeForm::Text(text) => text.clone(),
             _ => String::new(),
         };
@@ -89,7 +89,7 @@ fn sorted_codes(machine: &Machine) -> Vec<&super::model::CodeRow> {
 }
 
 /// A row is a second form of its identifier: an earlier row of the file has it too.
-fn is_alias(machine: &Machine, row: &super::model::CodeRow) -> bool {
+fn is_alias(machine: &Machine, row: &super::rows::CodeRow) -> bool {
     machine.codes.iter().take_while(|other| !std::ptr::eq(*other, row)).any(|other| other.id == row.id)
 }
 
@@ -104,8 +104,8 @@ fn axis(machine: &Machine, index: usize) -> &str {
 }
 
 /// How a code is written (`G1`, `G54-G59`, `"TEXT"`, `-`).
-fn written(machine: &Machine, form: &super::model::CodeForm) -> String {
-    use super::model::CodeForm;
+fn written(machine: &Machine, form: &super::rows::CodeForm) -> String {
+    use super::rows::CodeForm;
     match form {
         CodeForm::NotApplicable => "-".to_owned(),
         CodeForm::Text(text) => format!("\"{text}\""),

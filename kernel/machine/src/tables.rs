@@ -6,7 +6,7 @@
 use rustc_hash::FxHashMap;
 
 use super::ident::{self, DataId};
-use super::model::{CodeForm, CodeRow, DataRow, Register};
+use super::rows::{CodeForm, CodeRow, DataRow, Register};
 
 /// Register (index into `Machine::registers`) a letter belongs to, and whether it is the register's second,
 /// incremental name; `None` = no regular register.
@@ -319,7 +319,8 @@ fn numbered<T>(rows: &[T]) -> impl Iterator<Item = (u16, &T)> {
 #[cfg(test)]
 mod tests {
     use super::super::ident::codes;
-    use super::super::model::{Dimension, Modality, NumberFormat, Point, Zeros};
+    use super::super::ident::dimension::Dimension;
+    use super::super::rows::{Modality, NumberFormat, Point, Zeros};
     use super::*;
 
     fn register(name: &str, second: Option<&str>) -> Register {

@@ -6,7 +6,7 @@
 //! coming back to an earlier head is refused, since a channel runs one stretch of lines. Only the text up to the second
 //! definition word is divided, so subprograms may follow.
 
-use super::program::Range;
+use super::shape::Range;
 use super::source::Source;
 use crate::block::Block;
 use crate::scan::Scanner;

@@ -11,8 +11,9 @@ use counterpoint_event::{Letters, Text, letters};
 use counterpoint_ports::Shares;
 use rustc_hash::FxHashSet;
 
+use super::callers::{Called, Callers};
 use super::heads;
-use super::program::{Called, Callers, Range, Shape};
+use super::shape::{Range, Shape};
 use super::source::Source;
 use super::sources::Sources;
 use super::syntax::Syntax;
@@ -20,7 +21,8 @@ use crate::spec::{Program, Spec};
 use counterpoint_event::info::{Axis, Channel, File, Info};
 use counterpoint_machine::Machine;
 use counterpoint_machine::finding::Finding;
-use counterpoint_machine::model::{Format, RewindStop, StoredFile};
+use counterpoint_machine::model::{Format, RewindStop};
+use counterpoint_machine::stored::StoredFile;
 use counterpoint_ports::control::Stop;
 use counterpoint_ports::files::Files;
 

@@ -1,11 +1,12 @@
 //! NC program text (machine control data): sources, layouts, words, the reader.
 
 pub mod block;
+pub mod callers;
 pub mod heads;
 pub mod key_words;
 pub mod layout;
-pub mod program;
 pub mod scan;
+pub mod shape;
 pub mod source;
 pub mod sources;
 pub mod spec;

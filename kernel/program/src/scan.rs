@@ -9,12 +9,12 @@ mod passed;
 
 use crate::block::{Block, Word, irregular};
 use crate::key_words::{Names, Number, key_word};
-use crate::program::program_name;
+use crate::shape::program_name;
 use crate::special::{self, Early};
 use crate::syntax::Syntax;
 use counterpoint_fault as diag;
 use counterpoint_machine::Machine;
-use counterpoint_machine::model::Register;
+use counterpoint_machine::rows::Register;
 use numbers::{Read, parse_number};
 
 /// What a line turned out to be.
@@ -89,7 +89,7 @@ impl Scanner {
                 .texts
                 .iter()
                 .filter_map(|&row| match &machine.codes.get(usize::from(row))?.form {
-                    counterpoint_machine::model::CodeForm::Text(text) => Some((text.clone().into_bytes(), row)),
+                    counterpoint_machine::rows::CodeForm::Text(text) => Some((text.clone().into_bytes(), row)),
                     _ => None,
                 })
                 .collect(),

@@ -1,6 +1,7 @@
 //! A program file: its text, the programs in it and its sequence numbers.
 //!
-//! Invariant: programs and sequence numbers are looked for once, when they are first needed.
+//! Invariant: programs and sequence numbers are looked for once, when they are first needed; every line of text after the
+//! rewind-stop belongs to exactly one program.
 
 use std::ops::{Deref, RangeInclusive};
 use std::sync::{Arc, OnceLock};
@@ -9,7 +10,7 @@ use bytes::Bytes;
 use counterpoint_event::Text;
 use rustc_hash::FxHashMap;
 
-use super::program::{self, Range, Shape};
+use super::shape::{Range, Shape, leading_number};
 use super::spot::Spot;
 use super::syntax::Syntax;
 use counterpoint_ports::control::Stop;
@@ -84,7 +85,7 @@ impl Source {
     /// definitions.
     #[must_use]
     pub fn programs(&self) -> &[Range] {
-        self.programs.get_or_init(|| program::ranges(self, &self.shape))
+        self.programs.get_or_init(|| ranges(self, &self.shape))
     }
 
     /// The name that a line defines a program by.
@@ -125,7 +126,7 @@ impl Source {
                     let text = self.line(line);
                     for offset in self.shape.block_starts(text) {
                         let block = text.get(offset..).unwrap_or_default();
-                        if let Some(number) = program::leading_number(block, b'N') {
+                        if let Some(number) = leading_number(block, b'N') {
                             index.entry(number).or_default().push(Spot { line, offset: offset as u32 });
                         }
                     }
@@ -143,6 +144,34 @@ impl Deref for Source {
     fn deref(&self) -> &Text {
         &self.text
     }
+}
+
+/// Finds the programs of a file. The text before the first definition, after a rewind-stop if there is one, is a program
+/// of its own without a number; blank lines and comments are no text. Without any definition the file is one program.
+fn ranges(source: &Source, shape: &Shape) -> Vec<Range> {
+    let mut found: Vec<Range> = Vec::new();
+    let last = source.lines();
+    for line in source.walk(1, last) {
+        let text = source.line(line);
+        let number = leading_number(text, b'O')
+            .or_else(|| leading_number(text, b':'))
+            .filter(|_| shape.syntax().numbered_programs);
+        if number.is_some() || shape.name(text).is_some() {
+            if let Some(previous) = found.last_mut() {
+                previous.last = line - 1;
+            }
+            found.push(Range { number, first: line, last });
+        }
+    }
+    let Some(definition) = found.first().map(|range| range.first) else {
+        return if last > 0 { vec![Range { number: None, first: 1, last }] } else { found };
+    };
+    let stop = source.walk(1, definition - 1).find(|&line| shape.is_stop(source.line(line)));
+    let first = stop.map_or(1, |line| line + 1);
+    if source.walk(first, definition - 1).any(|line| shape.has_text(source.line(line))) {
+        found.insert(0, Range { number: None, first, last: definition - 1 });
+    }
+    found
 }
 
 /// Lines until somebody wants the job to end.

@@ -6,7 +6,7 @@
 //! first, so that `C1=` is not hidden by a register `C`; a machine with neither has nothing here.
 
 use counterpoint_machine::Machine;
-use counterpoint_machine::model::CodeForm;
+use counterpoint_machine::rows::CodeForm;
 
 /// Special registers and texts, prepared once.
 #[derive(Debug)]

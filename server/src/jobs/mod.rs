@@ -4,7 +4,9 @@
 //! `live`, and is either in the queue or on a worker thread, until the server drains. Trouble of the host never ends a
 //! job: its run is dropped and begun again later.
 
+mod board;
 pub(crate) mod describe;
+mod ends;
 mod files;
 mod flusher;
 mod housekeeping;
@@ -20,11 +22,8 @@ pub(crate) mod worker;
 
 use std::collections::HashMap;
 use std::net::SocketAddr;
-use std::sync::{Arc, Mutex};
-use std::time::{Duration, Instant};
-
-use dashmap::DashMap;
-use tokio::sync::watch;
+use std::sync::Arc;
+use std::time::Duration;
 
 use crate::blobs::Blobs;
 use crate::drain::Drain;
@@ -35,24 +34,21 @@ use crate::log::Logs;
 use crate::log::kept::Kept;
 use crate::machines::{Machines, is_shipped};
 use crate::metrics::Metrics;
-use crate::net::Places;
 use crate::options::Options;
 use crate::pace::Pace;
-use crate::queue::{Entry, Queue};
+use crate::places::Places;
+use crate::queue::Queue;
 use crate::reason::Refusal;
 use crate::runner::Runner;
+use board::Board;
+use ends::Ends;
 pub(crate) use files::Sandbox;
 use flusher::Flusher;
-use live::{Live, lock};
-use recent::Recent;
+use live::Live;
 use streams::Streams;
 
 /// Between two looks at jobs that wait for the disk, the ledger or their time.
 const TICK: Duration = Duration::from_millis(50);
-/// First and longest pause before a job is run again after the host has failed its run.
-const FIRST_PAUSE: Duration = Duration::from_millis(200);
-const LONGEST_PAUSE: Duration = Duration::from_secs(60);
-
 /// Lines about jobs that are accepted.
 static ACCEPTED: Pace = Pace::new();
 
@@ -64,14 +60,6 @@ pub(crate) struct Seams {
     pub(crate) logs: Arc<dyn Logs>,
     pub(crate) blobs: Arc<dyn Blobs>,
     pub(crate) host: Arc<dyn Host>,
-}
-
-/// The queue, and places in it.
-#[derive(Debug)]
-struct Waiting {
-    jobs: Box<dyn Queue>,
-    /// Places given to submits whose ledger entry is under way.
-    reserved: usize,
 }
 
 /// What all parts of the server share.
@@ -87,13 +75,10 @@ pub(crate) struct Core {
     pub(crate) metrics: Arc<Metrics>,
     pub(crate) streams: Arc<Streams>,
     flusher: Flusher,
-    live: DashMap<String, Arc<Live>>,
-    queue: Mutex<Waiting>,
-    recent: Mutex<Recent>,
+    ends: Ends,
+    board: Board,
     /// Places for uploads, by the address of the connection.
     pub(crate) uploads: Arc<Places<Option<SocketAddr>>>,
-    /// Jobs on worker threads.
-    running: watch::Sender<usize>,
 }
 
 impl std::fmt::Debug for Core {
@@ -114,6 +99,7 @@ impl Core {
         let uploads = Arc::new(Places::new(limits.max_uploads, limits.max_uploads_per_connection));
         Ok(Arc::new(Self {
             flusher: Flusher::start()?,
+            ends: Ends::start()?,
             ledger,
             machines: Machines::new(blobs.clone(), options.maxima.max_machine_bytes),
             host,
@@ -123,11 +109,8 @@ impl Core {
             drain: Drain::new(),
             metrics,
             streams: Arc::default(),
-            live: DashMap::new(),
-            queue: Mutex::new(Waiting { jobs: queue, reserved: 0 }),
-            recent: Mutex::default(),
+            board: Board::new(queue),
             uploads,
-            running: watch::Sender::new(0),
             options,
         }))
     }
@@ -244,7 +227,7 @@ impl Core {
         if !*self.ledger.writable().borrow() {
             return Err(Refusal::Storage("it is not known yet whether the job has been accepted".to_owned()));
         }
-        self.find_unanswered();
+        self.take_up(known.clone());
         Ok(())
     }
 
@@ -253,95 +236,24 @@ impl Core {
     fn find_unanswered(&self) {
         let missing =
             self.ledger.jobs("", usize::MAX, &|record| !record.state.ended() && self.live(&record.id).is_none());
-        for record in missing.unwrap_or_default() {
-            let live = Arc::new(Live::new(record));
-            if !self.enter(&live) {
-                continue;
-            }
-            // It may have ended between the two looks.
-            match self.ledger.job(&live.id) {
-                Ok(Some(record)) if !record.state.ended() => self.wait_in_queue(&live),
-                _ => drop(self.live.remove(&live.id)),
-            }
+        missing.unwrap_or_default().into_iter().for_each(|record| self.take_up(record));
+    }
+
+    fn take_up(&self, record: Record) {
+        let live = Arc::new(Live::new(record));
+        if !self.enter(&live) {
+            return;
+        }
+        // It may have ended since it was looked at.
+        match self.ledger.job(&live.id) {
+            Ok(Some(record)) if !record.state.ended() => self.wait_in_queue(&live),
+            _ => drop(self.board.live.remove(&live.id)),
         }
     }
 
     /// The newest state of a record.
     fn current(&self, record: Record) -> Record {
         self.live(&record.id).map_or(record, |live| live.record())
-    }
-
-    /// A place in the queue for a submit under way, given back when dropped.
-    fn reserve(self: &Arc<Self>) -> Result<impl Drop + Send + use<>, Refusal> {
-        struct Place(Arc<Core>);
-        impl Drop for Place {
-            fn drop(&mut self) {
-                lock(&self.0.queue).reserved -= 1;
-            }
-        }
-        if self.drain.begun() {
-            return Err(Refusal::Draining { cursor: 0 });
-        }
-        let mut queue = lock(&self.queue);
-        let free = self.options.slots().saturating_sub(queue.jobs.running().len());
-        if queue.jobs.len() + queue.reserved >= self.options.queue + free {
-            return Err(Refusal::QueueFull(self.options.queue));
-        }
-        queue.reserved += 1;
-        Ok(Place(self.clone()))
-    }
-
-    /// Takes up a job, once.
-    fn admit(&self, live: Arc<Live>) {
-        if self.enter(&live) {
-            self.wait_in_queue(&live);
-        }
-    }
-
-    /// Adds a job to those in memory; `false` if it is there.
-    fn enter(&self, live: &Arc<Live>) -> bool {
-        let mut new = false;
-        self.live.entry(live.id.clone()).or_insert_with(|| {
-            new = true;
-            live.clone()
-        });
-        new
-    }
-
-    fn wait_in_queue(&self, live: &Live) {
-        let entry = if live.record().runs.suspect { Entry::Suspect } else { Entry::Accepted };
-        lock(&self.queue).jobs.push(&live.id, entry);
-    }
-
-    /// Starts waiting jobs while there are free workers, disk space and a ledger.
-    fn pump(self: &Arc<Self>) {
-        if lock(&self.queue).jobs.len() == 0 || !*self.ledger.writable().borrow() || self.room().is_err() {
-            return;
-        }
-        while let Some(live) = self.next() {
-            worker::start(self.clone(), live);
-        }
-    }
-
-    fn next(&self) -> Option<Arc<Live>> {
-        let mut queue = lock(&self.queue);
-        if self.drain.begun() {
-            return None;
-        }
-        loop {
-            let id = queue.jobs.next(self.options.slots(), Instant::now())?;
-            if let Some(live) = self.live(&id) {
-                self.running.send_replace(queue.jobs.busy());
-                return Some(live);
-            }
-            queue.jobs.free(&id);
-        }
-    }
-
-    /// The run is over and only its storage is left, which needs no core: the next job may run meanwhile.
-    fn leave(self: &Arc<Self>, live: &Live) {
-        lock(&self.queue).jobs.store(&live.id);
-        self.pump();
     }
 
     /// The log of a job, wherever it is.
@@ -352,49 +264,8 @@ impl Core {
         }
     }
 
-    /// A worker is free again: the job has ended, or the drain has interrupted it.
-    fn free(self: &Arc<Self>, live: &Live) {
-        {
-            let mut queue = lock(&self.queue);
-            queue.jobs.free(&live.id);
-            self.running.send_replace(queue.jobs.busy());
-        }
-        let bytes = live.finished().map_or(0, |finished| finished.bytes);
-        let gone = lock(&self.recent).push(live.id.clone(), bytes, self.options.ephemeral);
-        for gone in gone {
-            self.live.remove_if(&gone, |_, live| live.state().ended());
-        }
-        self.pump();
-    }
-
-    /// A worker is free again: the host has failed the run for the `failures`th time, and the job waits for the next.
-    fn again(&self, live: &Live, failures: u32) {
-        let pause = FIRST_PAUSE.saturating_mul(1 << failures.saturating_sub(1).min(16)).min(LONGEST_PAUSE);
-        let mut queue = lock(&self.queue);
-        queue.jobs.free(&live.id);
-        queue.jobs.push(&live.id, Entry::Again(Instant::now() + pause));
-        self.running.send_replace(queue.jobs.busy());
-    }
-
-    /// Stops runs that have reached their limit by the clock.
-    fn stop_late_runs(&self) {
-        let now = Instant::now();
-        let running = lock(&self.queue).jobs.running().to_vec();
-        running.iter().filter_map(|id| self.live(id)).for_each(|live| live.check_clock(now));
-    }
-
-    /// Number of running jobs, to be followed.
-    pub(crate) fn running(&self) -> watch::Receiver<usize> {
-        self.running.subscribe()
-    }
-
-    /// Interrupts all running jobs; they are queued again in the ledger.
-    pub(crate) fn interrupt(&self) {
-        self.live.iter().filter(|live| live.state() == State::Running).for_each(|live| live.interrupt());
-    }
-
     pub(crate) fn live(&self, id: &str) -> Option<Arc<Live>> {
-        self.live.get(id).map(|live| live.clone())
+        self.board.live.get(id).map(|live| live.clone())
     }
 
     /// A job wherever it is.
@@ -411,15 +282,10 @@ impl Core {
         if record.tenant == tenant { Ok(record) } else { Err(Refusal::UnknownJob(id.to_owned())) }
     }
 
-    /// Jobs before this one in the queue.
-    pub(crate) fn queued_before(&self, id: &str) -> usize {
-        lock(&self.queue).jobs.before(id)
-    }
-
     /// Cancels a job: durable first, then in memory.
     pub(crate) async fn cancel(self: &Arc<Self>, id: &str) -> Result<Record, Refusal> {
         let Some(live) = self.live(id) else { return self.job(id) };
-        let waiting = lock(&self.queue).jobs.remove(id);
+        let waiting = self.withdraw(id);
         let record = live.change(|record| record.cancel |= !record.state.ended());
         if record.state.ended() {
             return Ok(record);
@@ -428,12 +294,12 @@ impl Core {
             let ended = Record { state: State::Cancelled, ended_ms: now_ms(), ..record };
             if let Err(refusal) = self.ledger.update(ended.clone()).await {
                 live.change(|record| record.cancel = false);
-                lock(&self.queue).jobs.push(id, Entry::Again(Instant::now()));
+                self.put_back(id);
                 return Err(refusal);
             }
             live.change(|record| record.clone_from(&ended));
             self.metrics.ended("CANCELLED");
-            self.live.remove(id);
+            self.board.live.remove(id);
             return Ok(ended);
         }
         self.ledger.flag_cancel(id.to_owned()).await?;
@@ -453,12 +319,12 @@ impl Core {
 
     /// Clears away what is left of a job that is no longer in the ledger.
     fn forget(&self, id: &str) -> Result<(), Refusal> {
-        self.live.remove(id);
+        self.board.live.remove(id);
         Ok(self.logs.remove(id)?)
     }
 
     /// Whether somebody beside the list of jobs has a job in hand.
     fn watched(&self, id: &str) -> bool {
-        self.live.get(id).is_some_and(|live| Arc::strong_count(&live) > 1)
+        self.board.live.get(id).is_some_and(|live| Arc::strong_count(&live) > 1)
     }
 }

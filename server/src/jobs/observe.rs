@@ -11,7 +11,7 @@ impl Core {
     /// Sets the gauges.
     pub(crate) fn observe(&self) {
         let mut waiting: BTreeMap<String, (i64, i64)> = BTreeMap::new();
-        for live in &self.live {
+        for live in &self.board.live {
             if live.state() == State::Queued {
                 live.peek(|record| {
                     let (jobs, oldest) = waiting.entry(record.tenant.clone()).or_insert((0, i64::MAX));
@@ -24,7 +24,7 @@ impl Core {
         let age = |oldest: i64| now.saturating_sub(oldest).max(0) / 1000;
         self.metrics.queue(waiting.into_iter().map(|(tenant, (jobs, oldest))| (tenant, jobs, age(oldest))));
         let count = |value: usize| i64::try_from(value).unwrap_or(i64::MAX);
-        self.metrics.jobs.running.set(count(*self.running.borrow()));
+        self.metrics.jobs.running.set(count(*self.running().borrow()));
         let (watchers, lag) = self.streams.count();
         self.metrics.watchers.set(count(watchers));
         self.metrics.lag.set(i64::try_from(lag).unwrap_or(i64::MAX));

@@ -5,7 +5,6 @@
 
 mod gate;
 mod held;
-mod places;
 mod status;
 mod tls;
 
@@ -34,9 +33,9 @@ use tower_service::Service as _;
 
 use crate::access::CertificateNames;
 use crate::options::Options;
+use crate::places::Places;
 pub(crate) use gate::Gate;
 use held::Held;
-pub(crate) use places::Places;
 pub(crate) use status::serve as monitor;
 
 /// Bytes of a frame that a client may send at once: an upload chunk with its head.

@@ -264,7 +264,8 @@ impl Watch {
 /// An ended job that is no longer in memory, as if it had just ended.
 fn from_ledger(core: &Core, id: &str) -> Result<Arc<Live>, Refusal> {
     let record = core.job(id)?;
-    let bytes = core.kept_log(id)?.map_or(0, |log| log.length());
+    // Of a log that cannot be read there is nothing, which its watch then tells.
+    let bytes = core.kept_log(id)?.map_or(0, |log| log.length().unwrap_or(0));
     let events = record.events;
     let live = Live::new(record);
     live.tail.set(bytes, events);

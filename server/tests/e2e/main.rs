@@ -35,6 +35,8 @@ mod storage;
 mod submit;
 mod support;
 mod tenants;
+#[cfg(target_os = "linux")]
+mod threads;
 mod tls;
 mod trouble;
 mod upgrade;

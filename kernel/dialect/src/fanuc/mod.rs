@@ -33,7 +33,7 @@ use super::numeric::is_vacant;
 use access::{Abandoned, Access};
 use compile::compile;
 use counterpoint_event::FileId;
-use counterpoint_program::program::Range;
+use counterpoint_program::shape::Range;
 use counterpoint_program::spot::Spot;
 use expr::Fault;
 use loops::Pairs;

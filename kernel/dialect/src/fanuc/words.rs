@@ -7,7 +7,7 @@ use super::cursor::{Error, Parser};
 use super::expr::{Expr, Op};
 use super::statement::{Name, Statement, TemplateWord};
 use counterpoint_program::key_words::Number;
-use counterpoint_program::program::program_name;
+use counterpoint_program::shape::program_name;
 use counterpoint_program::special::{stands, starts_value};
 
 impl Parser<'_> {

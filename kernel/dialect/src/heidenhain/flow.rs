@@ -19,8 +19,8 @@ use crate::host::{Call, Host};
 use crate::kept::Table;
 use counterpoint_event::FileId;
 use counterpoint_fault as diag;
-use counterpoint_machine::model::StoredFile;
-use counterpoint_program::program::Range;
+use counterpoint_machine::stored::StoredFile;
+use counterpoint_program::shape::Range;
 use counterpoint_program::source::Source;
 
 /// Lines of a file by label.

@@ -8,7 +8,7 @@
 use counterpoint_lang::value::Value;
 
 use crate::interpreter::Setting;
-use counterpoint_machine::model::StoredFile;
+use counterpoint_machine::stored::StoredFile;
 
 /// Settings of a kernel.
 #[derive(Debug)]

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use counterpoint_fault::{Acted, Halt};
 
 use counterpoint_event::FileId;
-use counterpoint_program::program::Range;
+use counterpoint_program::shape::Range;
 use counterpoint_program::spot::Spot;
 
 /// A subprogram that the interpreter calls.

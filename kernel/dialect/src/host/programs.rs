@@ -5,7 +5,7 @@ use std::sync::Arc;
 use counterpoint_event::FileId;
 use counterpoint_fault::Acted;
 use counterpoint_program::key_words::Names;
-use counterpoint_program::program::Range;
+use counterpoint_program::shape::Range;
 use counterpoint_program::source::Source;
 use counterpoint_program::spot::Spot;
 

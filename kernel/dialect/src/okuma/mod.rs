@@ -30,7 +30,7 @@ use super::interpreter::{Interpreter, Remaining, Setting};
 use crate::kept::{Kept, Tables};
 use counterpoint_event::FileId;
 use counterpoint_fault as diag;
-use counterpoint_program::program::Range;
+use counterpoint_program::shape::Range;
 use cursor::Cursor;
 use expr::{Expr, Reader, Variable};
 use programs::Index;

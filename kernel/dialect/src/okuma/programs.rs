@@ -10,14 +10,14 @@ use rustc_hash::FxHashMap;
 use super::line::{Head, Wanted, is_header, normal, read};
 use super::text::prepare;
 use crate::kept::{Table, next_or_first};
-use counterpoint_program::program::Range;
+use counterpoint_program::shape::Range;
 use counterpoint_program::source::Source;
 
 /// Ends of the names of files that hold subprograms.
 const LIBRARIES: &[&str] = &["ssb", "sub", "lib"];
 
 /// Where the files stored with the machine are.
-const STORED: &str = counterpoint_machine::model::StoredFile::ROOT;
+const STORED: &str = counterpoint_machine::stored::StoredFile::ROOT;
 
 /// A program of a file.
 #[derive(Debug, Clone, PartialEq, Eq)]

@@ -14,7 +14,7 @@ use super::{Fault, Outcome, Siemens, syntax};
 use crate::host::{Call, Host};
 use counterpoint_event::FileId;
 use counterpoint_fault as diag;
-use counterpoint_program::program::Range;
+use counterpoint_program::shape::Range;
 
 /// A call that is about to begin.
 #[derive(Debug)]

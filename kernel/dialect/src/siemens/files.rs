@@ -12,8 +12,8 @@ use super::{Fault, Outcome, Siemens};
 use crate::host::Host;
 use counterpoint_event::FileId;
 use counterpoint_fault as diag;
-use counterpoint_machine::model::StoredFile;
-use counterpoint_program::program::Range;
+use counterpoint_machine::stored::StoredFile;
+use counterpoint_program::shape::Range;
 
 /// Folders of the control that subprograms are looked for in, in this order.
 const FOLDERS: [&str; 5] = ["spf.dir", "cus.dir", "cma.dir", "cst.dir", "sub.dir"];

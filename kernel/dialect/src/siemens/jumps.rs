@@ -17,7 +17,7 @@ use crate::kept::{Table, next_or_first};
 use crate::text::without_comment;
 use counterpoint_event::FileId;
 use counterpoint_fault as diag;
-use counterpoint_program::program::Range;
+use counterpoint_program::shape::Range;
 use counterpoint_program::source::Source;
 
 /// What is to be found in a file.

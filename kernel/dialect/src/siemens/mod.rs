@@ -43,7 +43,7 @@ use crate::kept::{Kept, Tables};
 use counterpoint_event::FileId;
 use counterpoint_fault as diag;
 use counterpoint_fault::Facts;
-use counterpoint_program::program::Range;
+use counterpoint_program::shape::Range;
 
 pub(crate) use control::Control;
 

@@ -10,7 +10,7 @@ use crate::channel::Kernel;
 use crate::channel::actions::Action;
 use counterpoint_machine::ident::CodeId;
 use counterpoint_machine::ident::kind::CodeKind;
-use counterpoint_machine::model::CodeRow;
+use counterpoint_machine::rows::CodeRow;
 use counterpoint_program::block::PendingCode;
 
 /// What a code does, with its row and the way in which it was written.

@@ -11,7 +11,7 @@ use counterpoint_machine::ident::codes;
 use counterpoint_machine::ident::data;
 use counterpoint_machine::ident::kind::CodeKind;
 use counterpoint_machine::ident::kind::head::HeadEvent;
-use counterpoint_machine::model::CodeRow;
+use counterpoint_machine::rows::CodeRow;
 
 /// Codes and what they do.
 pub(crate) const ENTRIES: &[Entry] = &[

@@ -7,7 +7,7 @@ use counterpoint_fault::Acted;
 use counterpoint_machine::ident::codes;
 use counterpoint_machine::ident::kind::CodeKind;
 use counterpoint_machine::ident::{CodeId, data};
-use counterpoint_machine::model::CodeRow;
+use counterpoint_machine::rows::CodeRow;
 use counterpoint_program::block::PendingCode;
 
 /// Codes and what they do.

@@ -11,7 +11,8 @@ use counterpoint_fault::Acted;
 use counterpoint_machine::ident::DataId;
 use counterpoint_machine::ident::codes;
 use counterpoint_machine::ident::data;
-use counterpoint_machine::model::{CodeForm, CodeRow, PathsForm, SyncDialect};
+use counterpoint_machine::model::{PathsForm, SyncDialect};
+use counterpoint_machine::rows::{CodeForm, CodeRow};
 use counterpoint_sync::waits::{Set, Spec, Style};
 
 /// Codes and what they do.

@@ -10,7 +10,7 @@ use super::Kernel;
 use crate::state::cycle::Hole;
 use counterpoint_event::event::{Motion, Position};
 use counterpoint_machine::ident::CodeId;
-use counterpoint_machine::model::CodeRow;
+use counterpoint_machine::rows::CodeRow;
 use counterpoint_program::block::PendingCode;
 
 /// What a code does.

@@ -17,7 +17,7 @@ use crate::state::channel::{At, BlockText, Channel, Reports};
 use counterpoint_event::event::FileId;
 use counterpoint_fault::{Acted, Halt};
 use counterpoint_machine::macros::model::Hook;
-use counterpoint_program::program::Range;
+use counterpoint_program::shape::Range;
 use counterpoint_program::tape;
 
 /// How the life of a kernel ended.

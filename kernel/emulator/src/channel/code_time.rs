@@ -2,7 +2,7 @@
 
 use super::Kernel;
 use counterpoint_event::event::{Function, Kind};
-use counterpoint_machine::model::{CodeForm, CodeRow};
+use counterpoint_machine::rows::{CodeForm, CodeRow};
 use counterpoint_program::block::PendingCode;
 
 impl Kernel<'_> {

@@ -11,7 +11,7 @@ use super::passes::Passes;
 use super::search::Labels;
 use counterpoint_dialect as dialect;
 use counterpoint_event::event::{FileId, Stop};
-use counterpoint_program::program::Range;
+use counterpoint_program::shape::Range;
 use counterpoint_program::spot::Spot;
 
 /// One running program text.

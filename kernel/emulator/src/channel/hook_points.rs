@@ -11,7 +11,7 @@ use counterpoint_event::event::{FileId, Motion};
 use counterpoint_machine::ident::{CodeId, DataId};
 use counterpoint_program::block::Datum;
 use counterpoint_program::block::PendingCode;
-use counterpoint_program::program::Range;
+use counterpoint_program::shape::Range;
 
 /// Where the codes and data of a block come from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -7,7 +7,7 @@ use counterpoint_event::event::{Diagnostic, FileId, Kind, Member, Phase, Verdict
 use counterpoint_fault::{self as diag, Facts};
 use counterpoint_fault::{Acted, Halt};
 use counterpoint_ports::control::State;
-use counterpoint_program::program::Range;
+use counterpoint_program::shape::Range;
 use counterpoint_sync::verdict;
 use counterpoint_sync::waits::{Finish, Terminal};
 

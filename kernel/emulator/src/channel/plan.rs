@@ -8,8 +8,11 @@ use super::data::RECALLED;
 use super::hook_points::HookPoints;
 use super::refusals::Refusals;
 use counterpoint_machine::Machine;
+use counterpoint_machine::ident::dimension::Dimension;
+use counterpoint_machine::ident::kind::data::DataKind;
 use counterpoint_machine::ident::{DataId, codes, data};
-use counterpoint_machine::model::{AxisRole, CodeForm, CodeRow, Dimension, Register};
+use counterpoint_machine::model::AxisRole;
+use counterpoint_machine::rows::{CodeForm, CodeRow, Register};
 use counterpoint_program::scan::Scanner;
 use counterpoint_program::tape::Tape;
 
@@ -102,7 +105,7 @@ impl DataPlan {
         Self {
             registers_of: machine.tables.rows_of_data.iter().enumerate().map(registers_of).collect(),
             sources: sources(machine, &diameter_x),
-            ignore: machine.data.iter().map(|r| !r.process || machine.data_name(r.id) == "REG_IGNORE").collect(),
+            ignore: machine.data.iter().map(|r| !r.process).collect(),
             diameter_x,
             recall,
             refused,
@@ -116,8 +119,7 @@ impl Registers {
         let (mut motion, mut speed) = (0_u128, 0_u128);
         for row in machine.data.iter().filter(|r| r.enable) {
             let Some(register) = row.register.filter(|&r| r < 128) else { continue };
-            let name = machine.data_name(row.id);
-            if ["REG_AXIS_", "REG_ARC_", "REG_C2P_INTERP_", "REG_RTCP_"].iter().any(|start| name.starts_with(start)) {
+            if matches!(row.id.kind(), DataKind::Axis(_) | DataKind::Arc | DataKind::Polar | DataKind::Orientation) {
                 motion |= 1 << register;
             }
             if row.id == data::SPINDLE_RPM || row.id == data::SPINDLE_CSS {
@@ -168,10 +170,10 @@ impl Rules {
 
 /// Modal data that no action remembers by itself: those the machine made modal beyond axes, feeds, speeds and tools.
 fn recall(machine: &Machine) -> Option<Vec<bool>> {
-    let own = ["REG_AXIS_", "REG_SPINDLE_", "REG_FEED_", "REG_RAPID_FEED", "REG_TOOL", "REG_INTERP_THREAD_PITCH"];
+    let own = |kind: DataKind| kind.is_modal() || kind == DataKind::ThreadLead;
     let of = |rows: &Vec<u16>| {
         let mut rows = rows.iter().filter_map(|&row| machine.data.get(usize::from(row)));
-        rows.any(|row| row.modal && row.process && !own.iter().any(|p| machine.data_name(row.id).starts_with(p)))
+        rows.any(|row| row.modal && row.process && !own(row.id.kind()))
     };
     let recall: Vec<bool> = machine.tables.rows_of_data.iter().map(of).collect();
     recall.contains(&true).then_some(recall)

@@ -7,8 +7,8 @@ use super::Kernel;
 use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
 use counterpoint_machine::Machine;
-use counterpoint_machine::model::CodeRow;
 use counterpoint_machine::refusals::{Active, Refusal, WordRule, Written};
+use counterpoint_machine::rows::CodeRow;
 use counterpoint_machine::tables::form_range;
 use counterpoint_program::block::PendingCode;
 

@@ -14,12 +14,13 @@ use super::flow::Callee;
 use crate::macros::store;
 use counterpoint_event::event::FileId;
 use counterpoint_machine::ident::{codes, data};
-use counterpoint_machine::model::{Placement, StoredFile};
+use counterpoint_machine::model::Placement;
 use counterpoint_machine::number::written;
+use counterpoint_machine::stored::StoredFile;
 use counterpoint_program::block::Block;
 use counterpoint_program::layout::opening;
-use counterpoint_program::program::Range;
 use counterpoint_program::scan::Kind;
+use counterpoint_program::shape::Range;
 
 /// Lines of a file by label, ascending.
 pub(crate) type Labels = FxHashMap<u32, Vec<u32>>;

@@ -12,7 +12,7 @@ use counterpoint_fault::Acted;
 use counterpoint_fault::{self as diag, Facts};
 use counterpoint_machine::ident::codes;
 use counterpoint_machine::macros::model::Hook;
-use counterpoint_machine::model::CodeForm;
+use counterpoint_machine::rows::CodeForm;
 use counterpoint_program::block::irregular;
 
 /// Most characters of unknown text in a message.

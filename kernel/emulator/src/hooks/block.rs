@@ -15,7 +15,7 @@ use crate::trace::{self, Stage};
 use counterpoint_fault as diag;
 use counterpoint_machine::ident::data;
 use counterpoint_machine::macros::model::Hook;
-use counterpoint_machine::model::Point;
+use counterpoint_machine::rows::Point;
 use counterpoint_program::scan::Scanner;
 
 impl Kernel<'_> {

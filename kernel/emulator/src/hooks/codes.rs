@@ -4,6 +4,7 @@
 //! (and modal) before its macro runs; codes that macros add act on this block, by their order.
 
 use counterpoint_lang::value::Value;
+use counterpoint_machine::ident::kind::data::DataKind;
 
 use crate::channel::Kernel;
 use crate::channel::hook_points::Origin;
@@ -12,9 +13,10 @@ use crate::macros::values::{code_id, code_value, data_value};
 use crate::state::modal::group;
 use counterpoint_fault as diag;
 use counterpoint_fault::{Acted, Halt};
+use counterpoint_machine::ident::dimension::Dimension;
 use counterpoint_machine::ident::{CodeId, DataId, codes, data};
 use counterpoint_machine::macros::condition::Item;
-use counterpoint_machine::model::{CodeForm, Dimension};
+use counterpoint_machine::rows::CodeForm;
 use counterpoint_program::block::Datum;
 use counterpoint_program::block::PendingCode;
 
@@ -94,10 +96,7 @@ impl Kernel<'_> {
 
     /// A macro has put the position of an axis or the shape of an arc on the block.
     pub(crate) fn adds_motion(&self) -> bool {
-        self.channel.block.added.iter().any(|(id, _)| {
-            let name = self.channel.env.machine.data_name(*id);
-            name.starts_with("REG_AXIS_") || name.starts_with("REG_ARC_")
-        })
+        self.channel.block.added.iter().any(|(id, _)| matches!(id.kind(), DataKind::Axis(_) | DataKind::Arc))
     }
 
     /// Data by which `$FCEDAC` fires the code of a group are on the block.
@@ -323,12 +322,12 @@ impl Kernel<'_> {
                 .iter()
                 .filter_map(|&row| self.channel.env.machine.data.get(usize::from(row)));
             let modal = rows.clone().any(|row| row.modal && row.process);
-            let name = self.channel.env.machine.data_name(id).to_owned();
-            if modal && !name.starts_with("REG_AXIS_") {
+            if modal && !id.kind().is_axis() {
                 let factor = rows.map(|row| self.channel.unit_factor(row.dimension.plain())).next().unwrap_or(1.0);
                 self.channel.state.modal.remember(id, value * factor);
                 continue;
             }
+            let name = self.channel.env.machine.data_name(id);
             let value = counterpoint_lang::format::wildcard_text(value);
             self.diagnose(&diag::DATA_NOT_USED, format!("{name} {value} is not used by anything and is dropped"));
         }

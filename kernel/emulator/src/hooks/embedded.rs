@@ -10,7 +10,6 @@ use crate::channel::Kernel;
 use crate::trace::{self, Stage};
 use counterpoint_event::info::cut;
 use counterpoint_fault as diag;
-use counterpoint_machine::macros::environment::MachineEnvironment;
 
 use counterpoint_lang::value::Value;
 
@@ -128,17 +127,12 @@ impl Kernel<'_> {
             self.diagnose(&diag::EMBEDDED_CODE, text);
             return None;
         }
-        let mut surroundings = MachineEnvironment {
-            codes: &machine.custom_codes,
-            data: &machine.custom_data,
-            files: None,
-            stored: &machine.storage,
-        };
+        let mut environment = machine.macro_environment();
         let source = counterpoint_lang::source::Source::new("embedded code", statements(code));
         let expression = counterpoint_lang::parse::expression(&source).is_some();
         let program = Arc::make_mut(&mut runtime.program);
         let options = counterpoint_lang::compile::Options::default();
-        let added = counterpoint_lang::compile::embedded(program, &mut surroundings, source, options);
+        let added = counterpoint_lang::compile::embedded(program, &mut environment, source, options);
         let index = if added.has_errors() { None } else { added.macros.first().map(|&at| (at, expression)) };
         runtime.measure();
         runtime.reading.embedded.insert(code.to_owned(), index);

@@ -16,7 +16,7 @@ use counterpoint_event::event::{FileId, Kind};
 use counterpoint_fault as diag;
 use counterpoint_fault::{Acted, Halt};
 use counterpoint_machine::macros::model::Hook;
-use counterpoint_program::program::Range;
+use counterpoint_program::shape::Range;
 
 impl Kernel<'_> {
     /// Declaration and Program Startup.

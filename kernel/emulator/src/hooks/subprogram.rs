@@ -16,8 +16,9 @@ use counterpoint_event::event::FileId;
 use counterpoint_event::info::File;
 use counterpoint_fault as diag;
 use counterpoint_machine::macros::model::Hook;
-use counterpoint_machine::model::{MainReturn, StoredFile};
-use counterpoint_program::program::Range;
+use counterpoint_machine::model::MainReturn;
+use counterpoint_machine::stored::StoredFile;
+use counterpoint_program::shape::Range;
 
 /// Where a subprogram is, if anywhere.
 type Found = Option<(FileId, Range)>;

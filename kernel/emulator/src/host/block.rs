@@ -10,7 +10,7 @@ use counterpoint_lang::value::Value;
 use crate::channel::Kernel;
 use crate::macros::values::{code_id, code_value, data_id};
 use counterpoint_machine::ident::{CodeId, DataId};
-use counterpoint_machine::model::CodeForm;
+use counterpoint_machine::rows::CodeForm;
 use counterpoint_program::block::PendingCode;
 
 /// Codes and data that macros may add to one block.

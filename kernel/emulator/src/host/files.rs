@@ -4,13 +4,13 @@
 
 use counterpoint_fault::Halt;
 use counterpoint_lang::fault::Outcome;
-use counterpoint_lang::host::{FAILED, FORBIDDEN, Facts, Files, Folder, HostFn, NOT_FOUND, Shelf, stored};
+use counterpoint_lang::host::{FAILED, FORBIDDEN, Facts, FileFn, Files, Folder, NOT_FOUND, Shelf, stored};
 use counterpoint_lang::value::Value;
 use counterpoint_lang::vm::{self, State};
 
 use crate::channel::Kernel;
 use counterpoint_fault as diag;
-use counterpoint_machine::model::StoredFile;
+use counterpoint_machine::stored::StoredFile;
 use counterpoint_ports::files::Bytes;
 use counterpoint_sync::files::Written;
 
@@ -24,11 +24,10 @@ impl Kernel<'_> {
     }
 
     /// A function of files.
-    pub(crate) fn file_function(&mut self, state: &mut State, function: HostFn, arguments: &[Value]) -> Outcome<Value> {
+    pub(crate) fn file_function(&mut self, state: &mut State, function: FileFn, arguments: &[Value]) -> Outcome<Value> {
         let program =
             self.flow.frames.first().map_or("", |frame| self.channel.env.info.file_name(frame.file)).to_owned();
-        let answer = self.with_files(|folder, shelf| folder.function(shelf, state, (function, arguments), &program));
-        answer.unwrap_or(Ok(Value::Null))
+        self.with_files(|folder, shelf| folder.function(shelf, state, (function, arguments), &program))
     }
 
     /// Closes the units that are open when the kernel comes to its end, and removes its temporary files. What a kernel

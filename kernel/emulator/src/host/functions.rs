@@ -6,7 +6,7 @@
 use counterpoint_lang::diag::Number;
 use counterpoint_lang::fault::{Fault, Outcome};
 use counterpoint_lang::format::{Numeric, Point as Dot, Register, Style, Zeros as Fill, wildcard_text};
-use counterpoint_lang::host::{HostFn, macro_states};
+use counterpoint_lang::host::{AbsentFn, HostFn, macro_states};
 use counterpoint_lang::pattern::STEPS;
 use counterpoint_lang::value::{Kind, Value};
 use counterpoint_lang::vm::State;
@@ -19,15 +19,10 @@ use crate::state::frames::offsets::{Radii, Table};
 use counterpoint_event::event::FileId;
 use counterpoint_machine::macros::model::{FIRST_HOOK_ID, Hook, SELECT_TOOL};
 use counterpoint_machine::macros::without;
-use counterpoint_machine::model::{NumberFormat, Point, Register as MachineRegister, Zeros};
+use counterpoint_machine::rows::{NumberFormat, Point, Register as MachineRegister, Zeros};
 
 fn text(arguments: &[Value], at: usize) -> &str {
     arguments.get(at).and_then(Value::as_text).unwrap_or("")
-}
-
-/// What a function answers that has nothing to work on.
-fn nothing(function: HostFn) -> Value {
-    function.result().map_or(Value::Null, Kind::initial)
 }
 
 impl Kernel<'_> {
@@ -82,94 +77,20 @@ impl Kernel<'_> {
             HostFn::SetLengthOffset => self.write_offset(Table::Length, arguments)?,
             HostFn::SetWorkOffset => self.write_offset(Table::Work, arguments)?,
             HostFn::LocalFrame => self.give_frame(arguments)?,
-            HostFn::FileAccess
-            | HostFn::FileStatus
-            | HostFn::CurrentFolder
-            | HostFn::ChangeFolder
-            | HostFn::TemporaryFile
-            | HostFn::MruOpen
-            | HostFn::MruClose
-            | HostFn::MruKey
-            | HostFn::MruKeys
-            | HostFn::MruDeleteKey
-            | HostFn::MruDeleteKeys
-            | HostFn::MruParameter
-            | HostFn::MruParameters
-            | HostFn::MruSetParameter
-            | HostFn::MruDeleteParameter
-            | HostFn::MruDeleteParameters => self.file_function(state, function, arguments)?,
-            HostFn::Pause
-            | HostFn::Document
-            | HostFn::TimeSync
-            | HostFn::Apply
-            | HostFn::ModelNewChannel
-            | HostFn::ModelDeleteChannel
-            | HostFn::ModelActivateChannel
-            | HostFn::ModelBindAxis
-            | HostFn::ModelReleaseAxis
-            | HostFn::ModelControllingChannel
-            | HostFn::ModelMarks
-            | HostFn::ModelPosition
-            | HostFn::ModelJointPositions
-            | HostFn::ModelLocalPositions
-            | HostFn::ModelLimits
-            | HostFn::ModelMapAxes
-            | HostFn::ModelMove
-            | HostFn::ModelFollow
-            | HostFn::ModelUnwind
-            | HostFn::ModelUpdatePositions
-            | HostFn::ModelFrame
-            | HostFn::ModelSetFrame
-            | HostFn::ModelReference
-            | HostFn::ModelSetReference
-            | HostFn::ModelDelay
-            | HostFn::ModelMasterSpindle
-            | HostFn::ModelChuck
-            | HostFn::ModelAttach
-            | HostFn::ModelComponent
-            | HostFn::ModelComponentName
-            | HostFn::ModelComponentType
-            | HostFn::ModelTool
-            | HostFn::ModelHolder
-            | HostFn::ModelPart
-            | HostFn::ModelFixture
-            | HostFn::ModelChips
-            | HostFn::ModelToolPath
-            | HostFn::ModelCamera
-            | HostFn::ModelPicture
-            | HostFn::ModelComponents
-            | HostFn::ModelPocket
-            | HostFn::ModelAddTool
-            | HostFn::ModelBeginToolChange
-            | HostFn::ModelEndToolChange
-            | HostFn::ModelColour
-            | HostFn::ModelGouges
-            | HostFn::ModelExportSurface
-            | HostFn::ModelSetup
-            | HostFn::ModelTransfer
-            | HostFn::ModelProbe
-            | HostFn::ModelProbeComponent
-            | HostFn::ModelProbePosition
-            | HostFn::ModelProbeData
-            | HostFn::ModelClearanceZone
-            | HostFn::ModelLaser
-            | HostFn::ModelNearMisses
-            | HostFn::ModelCollisions
-            | HostFn::ModelAdaptiveFeed
-            | HostFn::ModelMaterialRemoval
-            | HostFn::ModelTolerance => self.without(state, function),
+            HostFn::File(function) => self.file_function(state, function, arguments)?,
+            HostFn::Absent(function) => self.absent(state, function),
         })
     }
 
     /// Answers for a function that has nothing to work on, and reports that once for each function.
-    fn without(&mut self, state: &mut State, function: HostFn) -> Value {
-        let Some(why) = without::why(function) else { return nothing(function) };
+    fn absent(&mut self, state: &mut State, function: AbsentFn) -> Value {
+        let of = HostFn::Absent(function);
         let asked = &mut self.macros.outside.asked;
-        if !asked.without.contains(&function) {
-            asked.without.push(function);
-            state.warn(Fault::new(Number::NO_MODEL, format!("{} {why}", function.name())));
+        if !asked.absent.contains(&function) {
+            asked.absent.push(function);
+            state.warn(Fault::new(Number::NO_MODEL, format!("{} {}", of.name(), without::why(function))));
         }
-        nothing(function)
+        of.result().map_or(Value::Null, Kind::initial)
     }
 
     /// `$FCERST`: continues with another file after the shutdown macro has ended.

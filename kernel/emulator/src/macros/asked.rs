@@ -1,6 +1,6 @@
 //! What the macros of a kernel have asked the outside for.
 
-use counterpoint_lang::host::HostFn;
+use counterpoint_lang::host::AbsentFn;
 use rustc_hash::FxHashMap;
 
 /// What the macros of a kernel have asked the outside for.
@@ -9,5 +9,5 @@ pub(crate) struct Asked {
     /// How often each dialog was shown, by name.
     pub(crate) dialogs: FxHashMap<String, usize>,
     /// Functions that have been reported as not available.
-    pub(crate) without: Vec<HostFn>,
+    pub(crate) absent: Vec<AbsentFn>,
 }

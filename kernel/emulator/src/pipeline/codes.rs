@@ -8,8 +8,8 @@ use counterpoint_dialect::MacroCall;
 use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
 use counterpoint_machine::ident::{self, CodeId, DataId};
-use counterpoint_machine::model::{CodeForm, CodeRow, Modality};
 use counterpoint_machine::number::written;
+use counterpoint_machine::rows::{CodeForm, CodeRow, Modality};
 use counterpoint_program::block::{PendingCode, Word};
 
 use crate::state::modal::group;

@@ -9,7 +9,8 @@ use crate::channel::Kernel;
 use counterpoint_event::event::FileId;
 use counterpoint_fault as diag;
 use counterpoint_machine::model::{Placement, RewindStop};
-use counterpoint_program::program::{Callers, Range};
+use counterpoint_program::callers::Callers;
+use counterpoint_program::shape::Range;
 use counterpoint_program::source::Source;
 
 impl Kernel<'_> {

@@ -73,7 +73,7 @@ impl Kernel<'_> {
                 known = true;
                 continue;
             }
-            let is_axis = machine.data_name(row.id).starts_with("REG_AXIS_");
+            let is_axis = row.id.kind().is_axis();
             axis |= is_axis;
             let other_feed = matches!(row.id, data::FEED_UPM | data::FEED_UPR | data::FEED_1T) && row.id != feed;
             if row.modal && !is_axis && !other_feed {

@@ -9,7 +9,7 @@ use crate::channel::Kernel;
 use counterpoint_event::event::{Block, FileId, Kind};
 use counterpoint_fault as diag;
 use counterpoint_machine::model::RewindStop;
-use counterpoint_program::program::Shape;
+use counterpoint_program::shape::Shape;
 use counterpoint_program::source::Source;
 
 impl Kernel<'_> {

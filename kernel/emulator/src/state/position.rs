@@ -3,6 +3,7 @@
 use counterpoint_event::event::{MAX_AXES, Position};
 use counterpoint_fault as diag;
 use counterpoint_machine::ident::DataId;
+use counterpoint_machine::ident::kind::data::DataKind;
 use counterpoint_machine::model::{AxisRole, Machine, Turn};
 
 /// An axis of the channel as the motion actions use it.
@@ -172,9 +173,9 @@ fn foreign(machine: &Machine, axes: &[Axis]) -> u128 {
     let registers = machine.tables.data_of_register.iter().enumerate().take(127);
     let foreign = registers.filter(|(_, rows)| {
         let mut ids = rows.iter().filter_map(|&row| machine.data.get(usize::from(row))).map(|row| row.id);
-        let names = ["REG_AXIS_", "REG_LCS_TRANS_", "REG_LCS_ROT_CENTER_", "REG_LCS_SCALE_CENTER_", "REG_C2P_INTERP_"];
-        let only = ids.clone().all(|id| names.iter().any(|name| machine.data_name(id).starts_with(name)));
-        let moves = ids.clone().any(|id| machine.data_name(id).starts_with("REG_AXIS_"));
+        let positions = |kind| matches!(kind, DataKind::Axis(_) | DataKind::FramePoint | DataKind::Polar);
+        let only = ids.clone().all(|id| positions(id.kind()));
+        let moves = ids.clone().any(|id| id.kind().is_axis());
         only && moves && !ids.any(|id| axes.iter().any(|axis| axis.data == id))
     });
     foreign.fold(0, |bits, (register, _)| bits | 1 << register)

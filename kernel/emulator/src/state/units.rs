@@ -4,7 +4,7 @@ use super::channel::Channel;
 use super::modal::group;
 use counterpoint_event::info::Unit;
 use counterpoint_machine::ident::codes;
-use counterpoint_machine::model::Dimension;
+use counterpoint_machine::ident::dimension::Dimension;
 
 impl Channel<'_> {
     /// Factor from program units to machine units.

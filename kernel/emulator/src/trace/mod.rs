@@ -17,8 +17,8 @@ use crate::channel::Kernel;
 use crate::state::burden::shortened;
 use counterpoint_event::event::{Kind, Trace};
 use counterpoint_machine::ident::{self, CodeId, DataId};
-use counterpoint_machine::model::CodeForm;
 use counterpoint_machine::number::written;
+use counterpoint_machine::rows::CodeForm;
 
 /// Letter of actions. Most are read off the events; what no event tells is a line of its own.
 pub(crate) const ACTION: char = 'A';

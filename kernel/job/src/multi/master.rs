@@ -17,7 +17,7 @@ use counterpoint_fault as diag;
 use counterpoint_machine::macros::model::Hook;
 use counterpoint_machine::model::Channel;
 use counterpoint_program::layout::first_main;
-use counterpoint_program::program::Range;
+use counterpoint_program::shape::Range;
 
 /// Where a kernel starts.
 pub(crate) type At = (FileId, Range, Box<str>);

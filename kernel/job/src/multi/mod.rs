@@ -29,7 +29,7 @@ use counterpoint_event::event::{Event, FileId, Kind, Phase};
 use counterpoint_machine::model::Channel;
 use counterpoint_ports::control::{Control, Progress, State};
 use counterpoint_ports::files::Files;
-use counterpoint_program::program::Range;
+use counterpoint_program::shape::Range;
 use counterpoint_results::builder::ResultsBuilder;
 use counterpoint_sync::sink::{Sink, WrittenFiles};
 

@@ -7,7 +7,7 @@ mod mru;
 
 use crate::diag::Number;
 use crate::fault::{Fault, Outcome};
-use crate::host::HostFn;
+use crate::host::FileFn;
 use crate::state::State;
 use crate::value::Value;
 
@@ -183,28 +183,23 @@ impl Folder {
     /// A function of files; `program` is the name of the NC program.
     ///
     /// # Errors
-    /// Arguments that make no sense, too many steps; none for a function that is not one of files.
+    /// Arguments that make no sense, too many steps.
     pub fn function(
         &mut self,
         shelf: &mut dyn Shelf,
         state: &mut State,
-        (function, arguments): (HostFn, &[Value]),
+        (function, arguments): (FileFn, &[Value]),
         program: &str,
-    ) -> Option<Outcome<Value>> {
-        if !works_on_files(function) {
-            return None;
-        }
-        if let Err(fault) = state.spend(FILE_TICKS) {
-            return Some(Err(fault));
-        }
-        Some(match function {
-            HostFn::FileAccess => Ok(self.access(shelf, state, arguments)),
-            HostFn::FileStatus => self.stat(shelf, state, arguments),
-            HostFn::CurrentFolder => Ok(self.current()),
-            HostFn::ChangeFolder => Ok(self.change(shelf, state, arguments)),
-            HostFn::TemporaryFile => Ok(self.temporary(shelf, state, arguments)),
+    ) -> Outcome<Value> {
+        state.spend(FILE_TICKS)?;
+        match function {
+            FileFn::FileAccess => Ok(self.access(shelf, state, arguments)),
+            FileFn::FileStatus => self.stat(shelf, state, arguments),
+            FileFn::CurrentFolder => Ok(self.current()),
+            FileFn::ChangeFolder => Ok(self.change(shelf, state, arguments)),
+            FileFn::TemporaryFile => Ok(self.temporary(shelf, state, arguments)),
             _ => self.most_recently_used(shelf, state, (function, arguments), program),
-        })
+        }
     }
 
     fn access(&self, shelf: &mut dyn Shelf, state: &mut State, arguments: &[Value]) -> Value {
@@ -290,28 +285,6 @@ impl Folder {
     pub fn clean(&mut self, shelf: &mut dyn Shelf) {
         std::mem::take(&mut self.temporaries).iter().for_each(|place| shelf.remove(place));
     }
-}
-
-fn works_on_files(function: HostFn) -> bool {
-    matches!(
-        function,
-        HostFn::FileAccess
-            | HostFn::FileStatus
-            | HostFn::CurrentFolder
-            | HostFn::ChangeFolder
-            | HostFn::TemporaryFile
-            | HostFn::MruOpen
-            | HostFn::MruClose
-            | HostFn::MruKey
-            | HostFn::MruKeys
-            | HostFn::MruDeleteKey
-            | HostFn::MruDeleteKeys
-            | HostFn::MruParameter
-            | HostFn::MruParameters
-            | HostFn::MruSetParameter
-            | HostFn::MruDeleteParameter
-            | HostFn::MruDeleteParameters
-    )
 }
 
 /// A file stored with the machine, by its name.

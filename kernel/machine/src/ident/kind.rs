@@ -3,6 +3,7 @@
 pub mod arc;
 pub mod coolant;
 pub mod cycle;
+pub mod data;
 pub mod head;
 pub mod local;
 pub mod thread;
@@ -38,6 +39,8 @@ pub enum CodeKind {
         /// Its type.
         set: u8,
     },
+    /// Tool tip control on or off.
+    TipControl,
     /// The form in which words orient the tool, as `$TCPFMT` counts them.
     TipFormat(u8),
     /// A spindle.
@@ -55,6 +58,8 @@ pub enum CodeKind {
     Clamp(DataId, bool),
     /// Takes whole turns off a rotary axis, or off all.
     Unwind(Option<DataId>),
+    /// A tool.
+    Tool,
     /// A head that only macros handle.
     Head(head::HeadEvent),
 }
@@ -93,8 +98,20 @@ mod tests {
                 }
                 CodeKind::Local(..) => assert!(starts("CODE_LCS_"), "{}", facts.name),
                 CodeKind::TipFormat(_) => assert!(starts("CODE_RTCP_ORIENT_"), "{}", facts.name),
+                CodeKind::TipControl => assert!(starts("CODE_RTCP"), "{}", facts.name),
                 CodeKind::Cycle(_) => assert!(starts("CODE_CYCLE_"), "{}", facts.name),
-                _ => assert!(!starts("CODE_CLAMP_") && !starts("CODE_SPINDLE0"), "{}", facts.name),
+                CodeKind::ThreadCycle(_) | CodeKind::ThreadSetting(_) => {
+                    assert!(starts("CODE_THREAD_"), "{}", facts.name);
+                }
+                CodeKind::Tool => assert!(starts("CODE_TOOL_"), "{}", facts.name),
+                CodeKind::Plain
+                | CodeKind::Mode(_)
+                | CodeKind::Arc(_)
+                | CodeKind::Thread(_)
+                | CodeKind::Length { .. } => {
+                    let families = ["CLAMP_", "UNCLAMP_", "COOLANT_", "SPINDLE0", "TOOL_", "RTCP"];
+                    assert!(!families.iter().any(|family| starts(&format!("CODE_{family}"))), "{}", facts.name);
+                }
             }
         }
     }

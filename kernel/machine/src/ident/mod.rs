@@ -5,6 +5,7 @@
 
 pub mod codes;
 pub mod data;
+pub mod dimension;
 pub mod kind;
 pub mod takes;
 
@@ -47,6 +48,20 @@ impl CodeId {
     }
 }
 
+impl DataId {
+    /// What the data are about; those of a machine's own are plain.
+    #[must_use]
+    pub fn kind(self) -> kind::data::DataKind {
+        data_facts(self).map_or(kind::data::DataKind::Plain, |facts| facts.kind)
+    }
+
+    /// Dimension of values where the machine does not say; those of a machine's own are numbers.
+    #[must_use]
+    pub fn dimension(self) -> dimension::Dimension {
+        data_facts(self).map_or(dimension::Dimension::None, |facts| facts.dimension)
+    }
+}
+
 /// Facts of a data identifier.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct DataFacts {
@@ -56,6 +71,10 @@ pub struct DataFacts {
     pub built_in: bool,
     /// Added by this project.
     pub own: bool,
+    /// What it is about.
+    pub kind: kind::data::DataKind,
+    /// Dimension of its values where the machine does not say.
+    pub dimension: dimension::Dimension,
 }
 
 /// Other spellings that the pages of the emulated system use for the same identifier (reference README, conflicts).

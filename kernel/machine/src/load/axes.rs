@@ -5,7 +5,8 @@
 use super::defaults;
 use super::names::Names;
 use crate::ident::{self, DataId};
-use crate::model::{Axis, AxisRole, DataRow, Turn};
+use crate::model::{Axis, AxisRole, Turn};
+use crate::rows::DataRow;
 use crate::toml::section::Section;
 
 /// Most axes of a machine.
@@ -81,7 +82,7 @@ fn axis_data(row: &mut Section<'_>, letter: Option<&str>, names: &Names<'_>) -> 
         return data;
     };
     let id = names.data(name, row.place_of("data"))?;
-    if !ident::data_facts(id).is_some_and(|facts| facts.name.starts_with("REG_AXIS_")) {
+    if !id.kind().is_axis() {
         row.error("data", format!("`data` must be an axis identifier (REG_AXIS_…), not {name}"));
         return None;
     }

@@ -7,8 +7,9 @@
 use super::digits;
 use super::word::{self, Word, Wrong};
 use crate::ident::codes;
-use crate::model::{CallHow, CodeRow, Register, Variables, WordCall};
+use crate::model::{CallHow, Variables, WordCall};
 use crate::preprocessor::Preprocessor;
+use crate::rows::{CodeRow, Register};
 use crate::tables::{form_range, overlap};
 use crate::toml::section::Section;
 

@@ -8,7 +8,7 @@ use super::digits;
 use super::names::Names;
 use super::word::{self, Wrong};
 use crate::ident;
-use crate::model::{CodeForm, CodeRow, Modality};
+use crate::rows::{CodeForm, CodeRow, Modality};
 use crate::toml::section::Section;
 
 /// Most rows of the code table.

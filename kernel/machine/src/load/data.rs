@@ -2,10 +2,10 @@
 //!
 //! Invariant: an identifier and a register meet in one row only. Facts: reference control-emulator.md 1.3.
 
-use super::defaults;
 use super::digits;
 use super::names::Names;
-use crate::model::{DataRow, Dimension};
+use crate::ident::dimension::Dimension;
+use crate::rows::DataRow;
 use crate::toml::section::Section;
 use counterpoint_event::Unit;
 
@@ -67,12 +67,12 @@ fn read_row(section: &mut Section<'_>, names: &mut Names<'_>, unit: Unit) -> Opt
         register,
         enable,
         process: process && !swallow,
-        modal: modal.unwrap_or_else(|| defaults::modal(id)),
+        modal: modal.unwrap_or_else(|| id.kind().is_modal()),
         min,
         max,
         mul,
         add,
-        dimension: dimension.unwrap_or_else(|| defaults::dimension(id)),
+        dimension: dimension.unwrap_or_else(|| id.dimension()),
         line: section.place().line,
         file: section.place().file.to_string(),
     })

@@ -2,7 +2,7 @@
 //!
 //! Invariant: only warnings, since a word with too many digits is still read. Facts: reference control-emulator.md 1.4.
 
-use crate::model::{NumberFormat, Register};
+use crate::rows::{NumberFormat, Register};
 
 /// Whether a number has more digits before the point than both formats of the register, or digits after a point that
 /// neither format has.

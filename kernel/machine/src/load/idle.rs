@@ -3,11 +3,11 @@
 //! Invariant: only a warning, and none for families, since what is missing may come with the machine. Facts: reference
 //! control-emulator.md 4.
 
+use crate::ident::codes;
 use crate::ident::kind::CodeKind;
-use crate::ident::{code_facts, codes};
 use crate::macros::model::Hook;
-use crate::model::CodeRow;
 use crate::preprocessor::Preprocessor;
+use crate::rows::CodeRow;
 use crate::toml::check::Check;
 use crate::toml::section::Section;
 
@@ -32,7 +32,7 @@ pub(super) fn check(
 
 fn why(hook: Hook, rows: &[CodeRow], preprocessor: Preprocessor, channels: usize) -> Option<&'static str> {
     let any = |wanted: &dyn Fn(&CodeRow) -> bool| rows.iter().any(|row| row.enable && row.process && wanted(row));
-    let named = |row: &CodeRow, start: &str| code_facts(row.id).is_some_and(|facts| facts.name.starts_with(start));
+    let heads = [codes::HEAD_ID, codes::HEAD_MAIN, codes::HEAD_SIDE];
     match hook {
         Hook::MachineStartup | Hook::MachineShutdown if channels < 2 => Some(
             "a machine with one channel has no master; `program_startup` and `program_shutdown` run in the channel",
@@ -51,7 +51,9 @@ fn why(hook: Hook, rows: &[CodeRow], preprocessor: Preprocessor, channels: usize
         Hook::Cycle if !any(&|row| matches!(row.id.kind(), CodeKind::Cycle(_)) || row.id == codes::CYCLE_ON) => {
             Some("no row of [[codes]] has a canned cycle (CODE_CYCLE_…)")
         }
-        Hook::Tool if !any(&|row| named(row, "CODE_TOOL_") || named(row, "CODE_HEAD_")) => {
+        Hook::Tool
+            if !any(&|row| matches!(row.id.kind(), CodeKind::Tool | CodeKind::Head(_)) || heads.contains(&row.id)) =>
+        {
             Some("no row of [[codes]] has a tool or a head (CODE_TOOL_…, CODE_HEAD_…)")
         }
         _ => None,

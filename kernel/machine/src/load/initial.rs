@@ -4,7 +4,7 @@
 
 use super::names::Names;
 use crate::ident::{self, CodeId};
-use crate::model::CodeRow;
+use crate::rows::CodeRow;
 use crate::toml::section::Section;
 
 /// Reads the list.

@@ -2,8 +2,11 @@
 //!
 //! Invariant: a direction is not zero. Facts: reference control-emulator.md 6.8.
 
-use crate::ident::{DataId, code_facts, data_facts};
-use crate::model::{Axis, AxisRole, Channel, CodeRow};
+use crate::ident::DataId;
+use crate::ident::kind::CodeKind;
+use crate::ident::kind::data::DataKind;
+use crate::model::{Axis, AxisRole, Channel};
+use crate::rows::CodeRow;
 use crate::toml::check::Check;
 use crate::toml::section::Section;
 use counterpoint_motion::frame::kinematics::unit;
@@ -14,10 +17,9 @@ const Z: [f64; 3] = [0.0, 0.0, 1.0];
 
 /// Direction of an axis by its data: A, B and C turn about X, Y and Z.
 fn usual(data: Option<DataId>) -> [f64; 3] {
-    let name = data.and_then(data_facts).map_or("", |facts| facts.name);
-    match name.strip_prefix("REG_AXIS_").and_then(|name| name.chars().next()) {
-        Some('A') => X,
-        Some('B') => Y,
+    match data.map(DataId::kind) {
+        Some(DataKind::Axis('A' | 'a')) => X,
+        Some(DataKind::Axis('B' | 'b')) => Y,
         _ => Z,
     }
 }
@@ -62,8 +64,9 @@ pub(super) fn read(
         asked = true;
         section.finish();
     }
-    let named = |row: &CodeRow| code_facts(row.id).is_some_and(|facts| facts.name.starts_with("CODE_RTCP"));
-    if !asked && !codes.iter().any(|row| row.enable && named(row)) {
+    let orients = |row: &CodeRow| row.enable && matches!(row.id.kind(), CodeKind::TipFormat(_));
+    let controls = |row: &CodeRow| row.enable && row.id.kind() == CodeKind::TipControl;
+    if !asked && !codes.iter().any(|row| controls(row) || orients(row)) {
         return tool;
     }
     // A machine that says nothing about its axes in space has no use for tool tip control.
@@ -83,9 +86,6 @@ pub(super) fn read(
             );
             check.warning(&place, text);
         }
-        let orients = |row: &CodeRow| {
-            code_facts(row.id).is_some_and(|facts| facts.name.starts_with("CODE_RTCP_ORIENT_") && row.enable)
-        };
         if let [only] = rotary.as_slice()
             && codes.iter().any(orients)
             && parallel(only.vector, tool)

@@ -14,7 +14,8 @@ use crate::ident;
 use crate::macros::condition::{self, Condition, Item, Step};
 use crate::macros::environment::{MachineEnvironment, beside};
 use crate::macros::model::{FIRST_HOOK_ID, Hook, Macros, Named};
-use crate::model::{CodeRow, DataRow, StoredFile};
+use crate::rows::{CodeRow, DataRow};
+use crate::stored::StoredFile;
 use crate::toml::node::Place;
 use crate::toml::section::Section;
 use counterpoint_ports::files::Files;
@@ -102,7 +103,7 @@ impl Compiler<'_, '_> {
                 return None;
             }
         };
-        let mut surroundings = MachineEnvironment {
+        let mut environment = MachineEnvironment {
             codes: &self.names.custom_codes,
             data: &self.names.custom_data,
             files: Some(self.files),
@@ -111,7 +112,7 @@ impl Compiler<'_, '_> {
         let options =
             Options { strong: self.strong, place: kind, uninitialised: self.uninitialised, ..Options::default() };
         let source = Source::from_bytes(path, &bytes);
-        let added = compile::add(self.program, &mut surroundings, source.clone(), options);
+        let added = compile::add(self.program, &mut environment, source.clone(), options);
         if !added.has_errors() {
             macro_uses::check(&source, given, check, self.shown);
         }

@@ -4,7 +4,7 @@
 //! mean "swallow"), so that a misspelt built-in name is always found. Facts: reference control-emulator.md 1.2, 1.3.
 
 use crate::ident::{self, CodeId, DataId};
-use crate::model::Register;
+use crate::rows::Register;
 use crate::toml::check::Check;
 use crate::toml::node::Place;
 use crate::toml::section::Section;

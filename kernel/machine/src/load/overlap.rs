@@ -6,7 +6,7 @@ use std::cmp::Ordering;
 
 use crate::ident::codes;
 use crate::macros::model::Macros;
-use crate::model::{CodeForm, CodeRow, Register};
+use crate::rows::{CodeForm, CodeRow, Register};
 use crate::tables::{form_range, overlap};
 use crate::toml::check::Check;
 use crate::toml::node::Place;

@@ -3,7 +3,7 @@
 //! Invariant: what the section does not say has a default that fits the unit. Facts: reference control-emulator.md 1.5.
 
 use crate::model::Heights;
-use crate::paths::{Arcs, Helix, Threads, Turns};
+use crate::model::paths::{Arcs, Helix, Threads, Turns};
 use crate::toml::section::Section;
 use counterpoint_event::Unit;
 

@@ -5,8 +5,8 @@
 use super::names::Names;
 use super::word::{self, Wrong};
 use crate::ident;
-use crate::model::CodeRow;
 use crate::refusals::{Active, Refusal, WordRule, Written};
+use crate::rows::CodeRow;
 use crate::toml::node::Place;
 use crate::toml::section::Section;
 

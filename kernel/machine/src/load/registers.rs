@@ -2,7 +2,7 @@
 //!
 //! Invariant: names, second names and indexes are unique. Facts: reference control-emulator.md 1.4.
 
-use crate::model::{NumberFormat, Point, Register, Zeros};
+use crate::rows::{NumberFormat, Point, Register, Zeros};
 use crate::toml::check::Check;
 use crate::toml::section::Section;
 

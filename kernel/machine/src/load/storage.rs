@@ -2,9 +2,9 @@
 //!
 //! Invariant: paths are unique whatever their letter case, sorted, and use `/`. Facts: reference control-emulator.md 7.1.
 
-use crate::model::StoredFile;
+use crate::stored::StoredFile;
 use crate::toml::section::Section;
-use counterpoint_ports::files::{Bytes, Files};
+use counterpoint_ports::files::Files;
 
 /// Most files.
 const MOST: usize = 1000;
@@ -49,17 +49,4 @@ pub(super) fn read(top: &mut Section<'_>, files: &dyn Files) -> Vec<StoredFile> 
     }
     stored.sort_by(|a, b| a.path.cmp(&b.path));
     stored
-}
-
-impl StoredFile {
-    /// Beginning of the paths of stored files.
-    pub const ROOT: &str = counterpoint_event::info::STORED;
-
-    /// The stored file of a path `//ICAMFS/…` or of a path inside; letter case does not matter.
-    #[must_use]
-    pub fn find<'f>(files: &'f [Self], path: &str) -> Option<&'f Bytes> {
-        let root = path.get(..Self::ROOT.len()).is_some_and(|start| start.eq_ignore_ascii_case(Self::ROOT));
-        let inside = if root { path.get(Self::ROOT.len()..)? } else { path };
-        files.iter().find(|file| file.path.eq_ignore_ascii_case(inside)).map(|file| &file.content)
-    }
 }

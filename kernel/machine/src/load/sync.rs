@@ -4,7 +4,8 @@
 //! channel-synchronisation.md 1.3.
 
 use crate::ident::codes;
-use crate::model::{AlarmScope, Channel, CodeRow, PathsForm, Sync, SyncDialect};
+use crate::model::{AlarmScope, Channel, PathsForm, Sync, SyncDialect};
+use crate::rows::CodeRow;
 use crate::toml::check::Check;
 use crate::toml::section::Section;
 

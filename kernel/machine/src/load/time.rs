@@ -5,7 +5,8 @@
 use super::digits;
 use super::names::Names;
 use crate::ident::{self, codes, data};
-use crate::model::{CodeForm, CodeRow, Modality, RapidPath, Time};
+use crate::model::{RapidPath, Time};
+use crate::rows::{CodeForm, CodeRow, Modality};
 use crate::tables::form_range;
 use crate::toml::node::Entry;
 use crate::toml::section::{Section, number};

@@ -3,7 +3,7 @@
 //! Invariant: a range runs upwards, has at most one decimal, and decimals only below 1000. Facts: reference
 //! control-emulator.md 1.2.
 
-use crate::model::Register;
+use crate::rows::Register;
 
 /// Largest code number.
 const LARGEST: f64 = 99_999_999.0;

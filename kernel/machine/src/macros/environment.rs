@@ -10,7 +10,7 @@ use counterpoint_lang::source::Source;
 
 use super::{identifiers, system};
 use crate::ident::{codes, data};
-use crate::model::StoredFile;
+use crate::stored::StoredFile;
 use counterpoint_ports::files::Files;
 
 /// What the compiler needs to know of one machine.

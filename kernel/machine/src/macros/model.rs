@@ -9,7 +9,6 @@ use counterpoint_lang::compile::{self, Program, Strong};
 
 use super::condition::{Condition, Item};
 use super::environment::MachineEnvironment;
-use crate::Machine;
 use crate::ident::{CodeId, DataId};
 use counterpoint_event::Letters;
 
@@ -183,17 +182,11 @@ impl Macros {
     }
 
     /// The program that kernels run: with trace instructions only if macros are to be traced.
-    pub fn program_for(&self, machine: &Machine, letters: Letters) -> Arc<Program> {
+    pub fn program_for(&self, mut environment: MachineEnvironment<'_>, letters: Letters) -> Arc<Program> {
         if !letters.has('M') && !letters.has('H') {
             return Arc::clone(&self.program);
         }
-        let mut surroundings = MachineEnvironment {
-            codes: &machine.custom_codes,
-            data: &machine.custom_data,
-            files: None,
-            stored: &machine.storage,
-        };
-        Arc::new(compile::traced(&self.program, &mut surroundings))
+        Arc::new(compile::traced(&self.program, &mut environment))
     }
 }
 

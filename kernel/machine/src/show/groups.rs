@@ -6,7 +6,8 @@ use serde_json::{Value, json};
 
 use super::text::Grid;
 use super::{is_alias, sorted_codes, word, written};
-use crate::model::{CodeRow, Machine};
+use crate::model::Machine;
+use crate::rows::CodeRow;
 
 /// Documented subjects of the main groups.
 fn subject(group: u16) -> &'static str {

@@ -5,7 +5,8 @@
 use serde_json::{Value, json};
 
 use super::{Show, axis, register, sorted_codes, word, written};
-use crate::model::{Axis, Channel, CodeForm, CodeRow, DataRow, Heights, Machine, NumberFormat, Register};
+use crate::model::{Axis, Channel, Heights, Machine};
+use crate::rows::{CodeForm, CodeRow, DataRow, NumberFormat, Register};
 
 /// The whole machine.
 #[must_use]

@@ -3,8 +3,11 @@
 //! Invariant: columns are separated by two blanks and lines have none at their end.
 
 use super::{axis, register, word, written};
-use crate::model::{CallHow, CodeForm, Cycles, Machine, NumberFormat, WordCall};
-use crate::paths::Threads;
+use crate::ident::codes;
+use crate::ident::kind::CodeKind;
+use crate::model::paths::Threads;
+use crate::model::{CallHow, Cycles, Machine, WordCall};
+use crate::rows::{CodeForm, NumberFormat};
 
 /// Rows of cells with a heading, aligned to the left.
 pub(super) struct Grid(Vec<Vec<String>>);
@@ -118,10 +121,18 @@ pub(super) fn summary(machine: &Machine) -> String {
     line("tool change", format!("{} s, {} s a step, {} stations", time.tool_change, time.tool_step, time.stations));
     line("rapid", word(time.rapid));
     line("spindle speed", format!("{} s", time.spindle_speed));
-    if machine.codes.iter().any(|row| row.enable && machine.code_name(row.id).starts_with("CODE_CYCLE_")) {
+    if machine
+        .codes
+        .iter()
+        .any(|row| row.enable && (matches!(row.id.kind(), CodeKind::Cycle(_)) || row.id == codes::CYCLE_ON))
+    {
         line("cycles", cycles(&machine.cycles));
     }
-    if machine.codes.iter().any(|row| row.enable && machine.code_name(row.id).starts_with("CODE_THREAD_")) {
+    if machine
+        .codes
+        .iter()
+        .any(|row| row.enable && matches!(row.id.kind(), CodeKind::ThreadCycle(_) | CodeKind::ThreadSetting(_)))
+    {
         line("threads", threads(&machine.threads));
     }
     line("shared", ranges(&machine.variables.shared));

@@ -4,7 +4,7 @@
 
 use crate::block::irregular;
 use crate::key_words::Number;
-use counterpoint_machine::model::{NumberFormat, Point, Zeros};
+use counterpoint_machine::rows::{NumberFormat, Point, Zeros};
 
 /// Powers of ten that are exact in `f64`.
 const POW10: [f64; 23] = [

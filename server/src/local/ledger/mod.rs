@@ -21,7 +21,7 @@ use uuid::Uuid;
 
 use super::store::Store;
 use crate::ledger::record::Record;
-use crate::ledger::{Accepted, Check, Ended, Keep, Ledger, Submitted};
+use crate::ledger::{Accepted, Check, Ended, Keep, Ledger, Submitted, Then};
 use crate::machines::Definition;
 use crate::metrics::Metrics;
 use crate::reason::Refusal;
@@ -99,6 +99,25 @@ fn get(txn: &WriteTransaction, id: &str) -> Result<Option<Record>, Refusal> {
     let table = txn.open_table(JOB).map_err(storage)?;
     let row = table.get(id).map_err(storage)?;
     row.map(|row| parse(id, row.value())).transpose()
+}
+
+/// An answer that is given in any case.
+struct Reply(Option<Then>);
+
+impl Reply {
+    fn give(mut self, result: Result<(), Refusal>) {
+        if let Some(then) = self.0.take() {
+            then(result);
+        }
+    }
+}
+
+impl Drop for Reply {
+    fn drop(&mut self) {
+        if let Some(then) = self.0.take() {
+            then(Err(closed()));
+        }
+    }
 }
 
 impl LocalLedger {
@@ -246,13 +265,22 @@ impl Ledger for LocalLedger {
         self.write_blocking(move |txn| put(txn, &record))
     }
 
-    fn end_blocking(&self, record: Record, log: Option<Bytes>) -> Result<(), Refusal> {
-        self.write_blocking(move |txn| {
-            if let Some(log) = log {
-                txn.open_table(LOG).map_err(storage)?.insert(record.id.as_str(), &*log).map_err(storage)?;
-            }
-            put(txn, &record)
-        })
+    fn end(&self, record: Record, log: Option<Bytes>, then: Then) {
+        let then = Reply(Some(then));
+        let operation: Operation = Box::new(move |txn| {
+            let keep = || {
+                if let Some(log) = log {
+                    txn.open_table(LOG).map_err(storage)?.insert(record.id.as_str(), &*log).map_err(storage)?;
+                }
+                put(txn, &record)
+            };
+            let kept = keep();
+            Box::new(move |committed| then.give(committed.and(kept)))
+        });
+        // An operation that is not done answers when it is dropped.
+        if let Ok(operations) = self.operations() {
+            let _ = operations.blocking_send(operation);
+        }
     }
 
     fn log(&self, id: &str) -> Result<Option<Bytes>, Refusal> {

@@ -26,7 +26,7 @@ use counterpoint_machine::ident::codes;
 use counterpoint_machine::ident::data;
 use counterpoint_machine::ident::kind::CodeKind;
 use counterpoint_machine::ident::kind::arc::{By, Form};
-use counterpoint_machine::paths::{Helix, Turns};
+use counterpoint_machine::model::paths::{Helix, Turns};
 use counterpoint_program::block::PendingCode;
 
 /// Codes and what they do.

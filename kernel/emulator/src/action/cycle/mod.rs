@@ -19,7 +19,8 @@ use counterpoint_fault::Acted;
 use counterpoint_machine::ident::codes;
 use counterpoint_machine::ident::kind::CodeKind;
 use counterpoint_machine::ident::kind::cycle::HoleCycle;
-use counterpoint_machine::model::{CodeRow, Heights, MachineKind};
+use counterpoint_machine::model::{Heights, MachineKind};
+use counterpoint_machine::rows::CodeRow;
 use counterpoint_program::block::PendingCode;
 
 /// Codes and what they do.

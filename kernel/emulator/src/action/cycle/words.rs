@@ -8,9 +8,10 @@ use crate::state::cycle::Height;
 use crate::state::modal::{feed_of, group};
 use counterpoint_event::event::{FeedUnit, Position};
 use counterpoint_fault as diag;
+use counterpoint_machine::ident::dimension::Dimension;
 use counterpoint_machine::ident::kind::cycle::HoleCycle;
 use counterpoint_machine::ident::{DataId, codes, data};
-use counterpoint_machine::model::{Dimension, Heights};
+use counterpoint_machine::model::Heights;
 use counterpoint_program::block::Datum;
 
 /// Most holes of one block.

@@ -7,7 +7,7 @@ use crate::state::frames::offsets::Table;
 use crate::state::modal::group;
 use counterpoint_dialect::{AxisPlace, Frames, Modes};
 use counterpoint_machine::ident::codes;
-use counterpoint_machine::model::Dimension;
+use counterpoint_machine::ident::dimension::Dimension;
 
 impl Kernel<'_> {
     /// Factor from positions as the program counts them to those of an axis.

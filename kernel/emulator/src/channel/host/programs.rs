@@ -9,8 +9,8 @@ use counterpoint_dialect::{Place, Programs};
 use counterpoint_event::event::FileId;
 use counterpoint_program::block::Block;
 use counterpoint_program::key_words::Names;
-use counterpoint_program::program::Range;
 use counterpoint_program::scan::Scanner;
+use counterpoint_program::shape::Range;
 use counterpoint_program::source::Source;
 use counterpoint_program::spot::Spot;
 

@@ -4,6 +4,7 @@
 //! on a rotary one. M = machine without length and work offsets, J = joint with both, W = programmed.
 
 use crate::channel::Kernel;
+use counterpoint_machine::ident::kind::data::DataKind;
 use counterpoint_machine::ident::{DataId, data};
 
 /// Which value of which axis.
@@ -104,11 +105,10 @@ impl Kernel<'_> {
     /// Letter of a channel axis in `$AXES`.
     pub(crate) fn axis_letter(&self, axis: Option<usize>) -> char {
         let axis = axis.and_then(|at| self.channel.state.place.layout.axes.get(at));
-        let name =
-            axis.map_or("", |axis| self.channel.env.machine.data_name(axis.data)).trim_start_matches("REG_AXIS_");
-        let letter = name.chars().next().unwrap_or('*');
-        // Small letters: tables, and the second attachable axis.
-        if matches!(name, "AT" | "BT" | "CT" | "CT2" | "N2") { letter.to_ascii_lowercase() } else { letter }
+        match axis.map(|axis| axis.data.kind()) {
+            Some(DataKind::Axis(letter)) => letter,
+            _ => '*',
+        }
     }
 
     /// `$AXES`

@@ -5,7 +5,7 @@
 
 use super::{FAILED, Folder, Shelf, text};
 use crate::fault::Outcome;
-use crate::host::HostFn;
+use crate::host::FileFn;
 use crate::state::State;
 use crate::value::Value;
 use std::fmt::Write as _;
@@ -144,16 +144,16 @@ impl Folder {
         &mut self,
         shelf: &mut dyn Shelf,
         state: &mut State,
-        (function, arguments): (HostFn, &[Value]),
+        (function, arguments): (FileFn, &[Value]),
         program: &str,
     ) -> Outcome<Value> {
-        if function == HostFn::MruOpen {
+        if function == FileFn::MruOpen {
             return Ok(self.open_store(shelf, state, text(arguments, 0)));
         }
         let handle = arguments.first().and_then(Value::as_real).unwrap_or(0.0);
         #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
         let at = (handle.max(0.0) as usize).wrapping_sub(1);
-        if function == HostFn::MruClose {
+        if function == FileFn::MruClose {
             let Some(store) = self.stores.get_mut(at).and_then(Option::take) else { return Ok(Value::Null) };
             let saved = self.save(shelf, &store.file, &store.write());
             state.status = saved.err().unwrap_or(0);
@@ -198,13 +198,13 @@ fn named(store: &Store, value: Option<&Value>) -> Option<String> {
     store.keys.iter().find(|key| f64::from(key.id) == id).map(|key| key.name.clone())
 }
 
-fn asked(store: &mut Store, function: HostFn, key: &str, arguments: &[Value]) -> Value {
+fn asked(store: &mut Store, function: FileFn, key: &str, arguments: &[Value]) -> Value {
     let parameter = text(arguments, 2).trim().to_owned();
     let position = |key: &Key| key.parameters.iter().position(|(name, _)| name.eq_ignore_ascii_case(&parameter));
     let list = |at: usize| arguments.get(at).and_then(Value::as_sequence);
     match function {
-        HostFn::MruKey => count(store.find(key).and_then(|at| store.keys.get(at)).map_or(0, |key| key.id as usize)),
-        HostFn::MruKeys => {
+        FileFn::MruKey => count(store.find(key).and_then(|at| store.keys.get(at)).map_or(0, |key| key.id as usize)),
+        FileFn::MruKeys => {
             let mut names: Vec<&str> = store.keys.iter().map(|key| key.name.as_str()).collect();
             let order = arguments.get(1).and_then(Value::as_real).unwrap_or(0.0);
             if order != 0.0 {
@@ -215,8 +215,8 @@ fn asked(store: &mut Store, function: HostFn, key: &str, arguments: &[Value]) ->
             }
             Value::sequence(names.into_iter().map(Value::text).collect())
         }
-        HostFn::MruDeleteKey => done(store.find(key).map(|at| store.keys.remove(at)).is_some()),
-        HostFn::MruDeleteKeys => {
+        FileFn::MruDeleteKey => done(store.find(key).map(|at| store.keys.remove(at)).is_some()),
+        FileFn::MruDeleteKeys => {
             let before = store.keys.len();
             match list(1) {
                 Some(names) => store.keys.retain(|key| !holds(names, &key.name)),
@@ -224,11 +224,11 @@ fn asked(store: &mut Store, function: HostFn, key: &str, arguments: &[Value]) ->
             }
             count(before - store.keys.len())
         }
-        HostFn::MruParameters => {
+        FileFn::MruParameters => {
             let found = store.touch(key, false).map(|key| &key.parameters);
             Value::sequence(found.into_iter().flatten().map(|(name, _)| Value::text(name.as_str())).collect())
         }
-        HostFn::MruDeleteParameters => {
+        FileFn::MruDeleteParameters => {
             let Some(found) = store.touch(key, false) else { return count(0) };
             let before = found.parameters.len();
             match list(2) {
@@ -238,12 +238,12 @@ fn asked(store: &mut Store, function: HostFn, key: &str, arguments: &[Value]) ->
             count(before - found.parameters.len())
         }
         _ if parameter.is_empty() => Value::Null,
-        HostFn::MruParameter => {
+        FileFn::MruParameter => {
             let found = store.touch(key, false);
             let found = found.and_then(|key| position(key).and_then(|at| key.parameters.get(at)));
             found.map(|(_, value)| value.clone()).or_else(|| arguments.get(3).cloned()).unwrap_or(Value::Null)
         }
-        HostFn::MruSetParameter => {
+        FileFn::MruSetParameter => {
             let value = arguments.get(3).cloned().unwrap_or(Value::Null);
             let Some(key) = store.touch(key, true) else { return Value::Null };
             match position(key).and_then(|at| key.parameters.get_mut(at)) {

@@ -2,7 +2,9 @@
 
 use super::*;
 use crate::ident::codes;
-use crate::model::{CodeForm, CodeRow, Dimension, Machine, Modality};
+use crate::ident::dimension::Dimension;
+use crate::model::Machine;
+use crate::rows::{CodeForm, CodeRow, Modality};
 
 fn load_over_base(child: &str) -> Loaded {
     let mut files = Memory::default();

@@ -3,7 +3,7 @@
 use super::*;
 use crate::ident;
 use crate::load::questions::{Kind, SUBJECTS};
-use crate::model::CodeForm;
+use crate::rows::CodeForm;
 
 #[test]
 fn answers_become_rows_with_their_own_lines() {

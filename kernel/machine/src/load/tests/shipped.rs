@@ -2,9 +2,10 @@
 
 use super::*;
 use crate::ident::{codes, data};
-use crate::model::{AlarmScope, CallForm, CodeForm, Machine, MachineKind, MainReturn, PathsForm};
+use crate::model::{AlarmScope, CallForm, Machine, MachineKind, MainReturn, PathsForm};
 use crate::model::{RewindStop, SyncDialect};
 use crate::package;
+use crate::rows::CodeForm;
 use crate::show::{Show, show};
 use counterpoint_event::Unit;
 
@@ -25,7 +26,16 @@ fn meaning(machine: &Machine, letter: char, value: f64) -> Vec<&str> {
 fn all_machines_load_without_a_finding() {
     assert_eq!(
         package::shipped_names(),
-        ["fanuc-2path-lathe", "fanuc-3path-lathe", "fanuc-mill", "haas-mill-turn", "tern-bar-lathe"]
+        [
+            "fanuc-2path-lathe",
+            "fanuc-3path-lathe",
+            "fanuc-mill",
+            "haas-mill-turn",
+            "heidenhain-mill",
+            "siemens-lathe",
+            "siemens-mill",
+            "tern-bar-lathe",
+        ]
     );
     for name in package::shipped_names() {
         assert_eq!(shipped(&name).name, name);
@@ -34,7 +44,16 @@ fn all_machines_load_without_a_finding() {
 
 #[test]
 fn families_say_that_they_are_families_and_nothing_else() {
-    for name in ["fanuc-common", "fanuc-turning", "fanuc-milling", "haas-turning"] {
+    for name in [
+        "fanuc-common",
+        "fanuc-turning",
+        "fanuc-milling",
+        "haas-turning",
+        "siemens-common",
+        "siemens-milling",
+        "siemens-turning",
+        "heidenhain-milling",
+    ] {
         let loaded = load(&package::shipped(), name);
         assert!(loaded.machine.is_none());
         assert_eq!(loaded.findings.len(), 1, "{:?}", loaded.findings);

@@ -2,6 +2,7 @@
 //!
 //! Facts: reference control-emulator.md 1.2 to 1.4.
 
+use crate::ident::dimension::Dimension;
 use crate::ident::{CodeId, DataId};
 
 /// A register: a letter (or text) with a number.
@@ -182,30 +183,4 @@ pub struct DataRow {
     pub line: u32,
     /// File where the row is defined.
     pub file: String,
-}
-
-/// Dimension of a value: decides what a switch between mm and inch scales.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Dimension {
-    /// A number.
-    None,
-    /// Length.
-    Length,
-    /// Length in least increments: 0.001 mm or 0.0001 inch, which the factor of the row brings in.
-    Increments,
-    /// Degrees.
-    Angle,
-    /// Length per minute or per revolution.
-    Feed,
-    /// m/min or ft/min.
-    SurfaceSpeed,
-    /// Seconds.
-    Time,
-}
-
-impl Dimension {
-    /// Dimension of a value that is given without the factor of its row.
-    pub fn plain(self) -> Self {
-        if self == Self::Increments { Self::Length } else { self }
-    }
 }

@@ -1,0 +1,174 @@
+//! What can be done with a server.
+
+use std::future::Future;
+
+use crate::backoff::Backoff;
+use crate::blob::Blob;
+use crate::connection::{Connection, Through};
+use crate::document::{self, Chunks, Document};
+use crate::error::Error;
+use crate::settings::Settings;
+use crate::v1;
+use crate::v1::blobs_client::BlobsClient;
+use crate::v1::jobs_client::JobsClient;
+use crate::v1::machines_client::MachinesClient;
+use crate::v1::operator_client::OperatorClient;
+use crate::v1::results_client::ResultsClient;
+use crate::watch::Watch;
+
+/// Digests in one question, so that the message stays small.
+const ASK: usize = 10_000;
+/// Longest wait of one call, ms.
+const WAIT_MS: u64 = 60_000;
+
+/// A connection to a server; cheap to clone. A lost one is made again with the next call.
+#[derive(Debug, Clone)]
+pub struct Client(Connection);
+
+/// A request id that no other request has; later ones come after earlier ones.
+#[must_use]
+pub fn request_id() -> String {
+    uuid::Uuid::now_v7().to_string()
+}
+
+impl Client {
+    /// Connects to a server.
+    ///
+    /// # Errors
+    /// [`Error::Settings`] if these cannot be used, [`Error::Unreachable`] if no server answers.
+    pub async fn connect(settings: &Settings) -> Result<Self, Error> {
+        Ok(Self(Connection::open(settings).await?))
+    }
+
+    /// Where it is connected to, and how.
+    #[must_use]
+    pub fn settings(&self) -> &Settings {
+        &self.0.settings
+    }
+
+    /// All calls about jobs; none is repeated.
+    #[must_use]
+    pub fn jobs(&self) -> JobsClient<Through> {
+        self.0.jobs()
+    }
+
+    /// All calls about machines; none is repeated.
+    #[must_use]
+    pub fn machines(&self) -> MachinesClient<Through> {
+        self.0.machines()
+    }
+
+    /// All calls of operators; none is repeated.
+    #[must_use]
+    pub fn operator(&self) -> OperatorClient<Through> {
+        self.0.operator()
+    }
+
+    /// All calls for results; none is repeated.
+    #[must_use]
+    pub fn results(&self) -> ResultsClient<Through> {
+        self.0.results()
+    }
+
+    /// All calls about contents of files; none is repeated.
+    #[must_use]
+    pub fn blobs(&self) -> BlobsClient<Through> {
+        self.0.blobs()
+    }
+
+    /// Accepted by the server and on its disk when this returns. A lost answer is asked for again, with the same
+    /// request id: the job is accepted once.
+    ///
+    /// # Errors
+    /// Every refusal but UNAVAILABLE at once, that and lost connections when patience is at its end.
+    pub async fn submit(&self, request: v1::SubmitJobRequest) -> Result<v1::JobStatus, Error> {
+        let submit = async || Ok(self.jobs().submit_job(request.clone()).await?.into_inner().status);
+        self.again(submit).await?.ok_or_else(|| Error::Contract("a submit was answered without a status".to_owned()))
+    }
+
+    /// Uploads what the server does not have.
+    ///
+    /// # Errors
+    /// As [`Client::submit`].
+    pub async fn upload(&self, blobs: &[Blob]) -> Result<(), Error> {
+        let mut missing: Vec<&Blob> = Vec::new();
+        for part in blobs.chunks(ASK) {
+            let digests: Vec<String> = part.iter().map(|blob| blob.digest().to_owned()).collect();
+            let ask = async || {
+                let request = v1::FindMissingRequest { digests: digests.clone() };
+                Ok(self.blobs().find_missing(request).await?.into_inner().digests)
+            };
+            let answer: std::collections::HashSet<String> = self.again(ask).await?.into_iter().collect();
+            missing.extend(part.iter().filter(|blob| answer.contains(blob.digest())));
+        }
+        self.upload_all(missing).await
+    }
+
+    /// Uploads contents without asking whether the server has them.
+    ///
+    /// # Errors
+    /// As [`Client::submit`].
+    pub async fn upload_all<'a>(&self, blobs: impl IntoIterator<Item = &'a Blob>) -> Result<(), Error> {
+        let mut blobs: Vec<&Blob> = blobs.into_iter().collect();
+        blobs.sort_by_key(|blob| blob.digest());
+        blobs.dedup_by_key(|blob| blob.digest());
+        for blob in blobs {
+            self.again(async || Ok(self.blobs().upload(tokio_stream::iter(blob.chunks())).await?)).await?;
+        }
+        Ok(())
+    }
+
+    /// Follows a job from its first event to its end.
+    #[must_use]
+    pub fn watch(&self, job: &str, level: v1::WatchLevel) -> Watch {
+        Watch::new(self.0.clone(), job, level)
+    }
+
+    /// Waits until a job has ended.
+    ///
+    /// # Errors
+    /// As [`Client::submit`].
+    pub async fn wait(&self, job: &str) -> Result<v1::JobStatus, Error> {
+        loop {
+            let request = v1::WaitJobRequest { job_id: job.to_owned(), timeout_ms: WAIT_MS };
+            let wait = async || Ok(self.jobs().wait_job(request.clone()).await?.into_inner().status);
+            match self.again(wait).await? {
+                Some(status) if status.ended_ms != 0 => return Ok(status),
+                Some(_) => {}
+                None => return Err(Error::Contract("a wait was answered without a status".to_owned())),
+            }
+        }
+    }
+
+    /// Reads a result of an ended job.
+    ///
+    /// # Errors
+    /// When the server refuses or the connection is lost.
+    pub async fn document(&self, job: &str, document: &Document) -> Result<Chunks, Error> {
+        document::read(&self.0, job, document).await
+    }
+
+    /// The files that macros of a machine have written.
+    ///
+    /// # Errors
+    /// As [`Client::submit`].
+    pub async fn files(&self, job: &str) -> Result<Vec<v1::WrittenFile>, Error> {
+        let request = v1::ListFilesRequest { job_id: job.to_owned() };
+        self.again(async || Ok(self.results().list_files(request.clone()).await?.into_inner().files)).await
+    }
+
+    /// Repeats a call that may be repeated until it succeeds or is refused.
+    async fn again<T, F: Future<Output = Result<T, Error>>>(&self, call: impl Fn() -> F) -> Result<T, Error> {
+        let mut backoff = Backoff::new(self.settings().patience());
+        loop {
+            let error = match call().await {
+                Err(error) if error.is_passing() => error,
+                other => return other,
+            };
+            match backoff.failed(error.pause()) {
+                Some(pause) => tokio::time::sleep(pause).await,
+                None => return Err(error),
+            }
+        }
+    }
+}

@@ -1,0 +1,56 @@
+//! The channel to a server, with the token of the caller.
+
+use tonic::service::interceptor::InterceptedService;
+use tonic::transport::Channel;
+
+use crate::MAX_MESSAGE;
+use crate::error::Error;
+use crate::settings::{Call, Settings, cause};
+use crate::v1::blobs_client::BlobsClient;
+use crate::v1::jobs_client::JobsClient;
+use crate::v1::machines_client::MachinesClient;
+use crate::v1::operator_client::OperatorClient;
+use crate::v1::results_client::ResultsClient;
+
+/// A connection that adds the token of the caller to each call.
+pub type Through = InterceptedService<Channel, Call>;
+
+/// A channel; a lost one is made again with the next call.
+#[derive(Debug, Clone)]
+pub(crate) struct Connection {
+    channel: Through,
+    pub(crate) settings: Settings,
+}
+
+impl Connection {
+    pub(crate) async fn open(settings: &Settings) -> Result<Self, Error> {
+        let unreachable = |error| Error::Unreachable { address: settings.address().to_owned(), cause: cause(&error) };
+        let channel = settings.endpoint()?.connect().await.map_err(unreachable)?;
+        Ok(Self::over(channel, settings))
+    }
+
+    /// Over a channel that exists.
+    pub(crate) fn over(channel: Channel, settings: &Settings) -> Self {
+        Self { channel: InterceptedService::new(channel, settings.call()), settings: settings.clone() }
+    }
+
+    pub(crate) fn jobs(&self) -> JobsClient<Through> {
+        JobsClient::new(self.channel.clone()).max_decoding_message_size(MAX_MESSAGE)
+    }
+
+    pub(crate) fn machines(&self) -> MachinesClient<Through> {
+        MachinesClient::new(self.channel.clone()).max_decoding_message_size(MAX_MESSAGE)
+    }
+
+    pub(crate) fn operator(&self) -> OperatorClient<Through> {
+        OperatorClient::new(self.channel.clone()).max_decoding_message_size(MAX_MESSAGE)
+    }
+
+    pub(crate) fn results(&self) -> ResultsClient<Through> {
+        ResultsClient::new(self.channel.clone()).max_decoding_message_size(MAX_MESSAGE)
+    }
+
+    pub(crate) fn blobs(&self) -> BlobsClient<Through> {
+        BlobsClient::new(self.channel.clone()).max_decoding_message_size(MAX_MESSAGE)
+    }
+}

@@ -1,0 +1,26 @@
+//! A client of a Counterpoint server: [`Client::connect`], [`Client::submit`], [`Client::watch`], [`Client::document`].
+//!
+//! Invariants: a call is repeated only if repeating it cannot change what it does; a watch delivers every event of its
+//! level exactly once and in order, whatever happens to connections.
+#![doc = include_str!("../README.md")]
+
+mod backoff;
+mod blob;
+mod client;
+mod connection;
+mod document;
+mod error;
+mod settings;
+mod watch;
+
+pub use blob::Blob;
+pub use client::{Client, request_id};
+pub use connection::Through;
+pub use counterpoint_proto::v1;
+pub use document::{Chunks, Document, Drawing};
+pub use error::Error;
+pub use settings::{Call, Settings};
+pub use watch::{Update, Watch};
+
+/// Largest message in either direction, bytes.
+pub const MAX_MESSAGE: usize = 4 << 20;

@@ -1,0 +1,215 @@
+//! Where the server is and who calls.
+//!
+//! Invariant: a token is never shown, not even for debugging.
+
+use std::io::ErrorKind;
+use std::time::Duration;
+
+use tonic::metadata::{Ascii, MetadataValue};
+use tonic::service::Interceptor;
+use tonic::transport::{Certificate, ClientTlsConfig, Endpoint, Identity};
+use tonic::{Request, Status};
+
+use crate::error::Error;
+
+/// Names in the environment: token, authorities, and certificate and key of the client, the last three PEM files; the
+/// span that calls belong to.
+const TOKEN: &str = "COUNTERPOINT_TOKEN";
+const CA: &str = "COUNTERPOINT_CA";
+const CERTIFICATE: &str = "COUNTERPOINT_CLIENT_CERT";
+const KEY: &str = "COUNTERPOINT_CLIENT_KEY";
+const TRACEPARENT: &str = "TRACEPARENT";
+
+/// Where the server is and who calls.
+#[derive(Clone)]
+pub struct Settings {
+    address: String,
+    call: Call,
+    authorities: Option<Vec<u8>>,
+    identity: Option<Identity>,
+    patience: Duration,
+}
+
+impl std::fmt::Debug for Settings {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Settings").field("address", &self.address).finish_non_exhaustive()
+    }
+}
+
+impl Settings {
+    /// A server at an address (`http://HOST:PORT` or `https://HOST:PORT`), without token and certificates.
+    #[must_use]
+    pub fn new(address: impl Into<String>) -> Self {
+        let patience = Duration::from_secs(60);
+        Self { address: address.into(), call: Call::default(), authorities: None, identity: None, patience }
+    }
+
+    /// A server at an address, the rest from the environment: `COUNTERPOINT_TOKEN`, and the PEM files named by
+    /// `COUNTERPOINT_CA`, `COUNTERPOINT_CLIENT_CERT` and `COUNTERPOINT_CLIENT_KEY`; `TRACEPARENT` is the W3C trace
+    /// context that calls belong to.
+    ///
+    /// # Errors
+    /// When a file cannot be read or the token cannot be one.
+    pub fn from_environment(address: impl Into<String>) -> Result<Self, Error> {
+        let file = |name: &str| {
+            let path = std::env::var_os(name).map(std::path::PathBuf::from);
+            let read = |path: std::path::PathBuf| {
+                std::fs::read(&path).map_err(|error| match error.kind() {
+                    ErrorKind::NotFound => Error::Settings(format!("{name}: '{}' does not exist", path.display())),
+                    _ => Error::Settings(format!("{name}: '{}': {error}", path.display())),
+                })
+            };
+            path.map(read).transpose()
+        };
+        let mut settings = Self::new(address);
+        if let Ok(token) = std::env::var(TOKEN) {
+            settings = settings.with_token(&token).map_err(|_| Error::Settings(format!("{TOKEN} is not a token")))?;
+        }
+        if let Ok(parent) = std::env::var(TRACEPARENT) {
+            settings = settings.with_traceparent(&parent)?;
+        }
+        settings.authorities = file(CA)?;
+        if let (Some(certificate), Some(key)) = (file(CERTIFICATE)?, file(KEY)?) {
+            settings = settings.with_certificate(&certificate, &key);
+        }
+        Ok(settings)
+    }
+
+    /// Sends a token with every call.
+    ///
+    /// # Errors
+    /// When the text has characters that no token has.
+    pub fn with_token(mut self, token: &str) -> Result<Self, Error> {
+        let value = format!("Bearer {}", token.trim()).parse::<MetadataValue<Ascii>>();
+        let mut value = value.map_err(|_| Error::Settings("the token is not one".to_owned()))?;
+        value.set_sensitive(true);
+        self.call.token = Some(value);
+        Ok(self)
+    }
+
+    /// Sends a W3C `traceparent` with every call: the server continues its trace.
+    ///
+    /// # Errors
+    /// When the text has characters that cannot be sent.
+    pub fn with_traceparent(mut self, parent: &str) -> Result<Self, Error> {
+        let value = parent.trim().parse().map_err(|_| Error::Settings("the traceparent is not one".to_owned()))?;
+        self.call.traceparent = Some(value);
+        Ok(self)
+    }
+
+    /// Checks the server's certificate with these authorities (PEM) instead of those of the system.
+    #[must_use]
+    pub fn with_authorities(mut self, pem: &[u8]) -> Self {
+        self.authorities = Some(pem.to_vec());
+        self
+    }
+
+    /// Shows the server a certificate (PEM) with its key.
+    #[must_use]
+    pub fn with_certificate(mut self, certificate: &[u8], key: &[u8]) -> Self {
+        self.identity = Some(Identity::from_pem(certificate, key));
+        self
+    }
+
+    /// How long to go on trying when nothing succeeds; 60 s otherwise.
+    #[must_use]
+    pub fn with_patience(mut self, patience: Duration) -> Self {
+        self.patience = patience;
+        self
+    }
+
+    /// The address.
+    #[must_use]
+    pub fn address(&self) -> &str {
+        &self.address
+    }
+
+    pub(crate) fn patience(&self) -> Duration {
+        self.patience
+    }
+
+    pub(crate) fn call(&self) -> Call {
+        self.call.clone()
+    }
+
+    pub(crate) fn endpoint(&self) -> Result<Endpoint, Error> {
+        let address = &self.address;
+        let scheme = address.split_once("://").map_or("", |(scheme, _)| scheme).to_ascii_lowercase();
+        if scheme != "http" && scheme != "https" {
+            return Err(Error::Settings(format!(
+                "server address '{address}' is not an http address: expected http://HOST:PORT or https://HOST:PORT"
+            )));
+        }
+        let endpoint = Endpoint::from_shared(address.clone())
+            .map_err(|error| Error::Settings(format!("server address '{address}': {error}")))?
+            .connect_timeout(Duration::from_secs(5))
+            .tcp_nodelay(true)
+            .http2_keep_alive_interval(Duration::from_secs(30))
+            .keep_alive_timeout(Duration::from_secs(10))
+            .initial_stream_window_size(1 << 20)
+            .initial_connection_window_size(4 << 20);
+        if scheme == "http" {
+            return Ok(endpoint);
+        }
+        let mut tls = match &self.authorities {
+            Some(authorities) => ClientTlsConfig::new().ca_certificate(Certificate::from_pem(authorities)),
+            None => ClientTlsConfig::new().with_native_roots(),
+        };
+        if let Some(identity) = &self.identity {
+            tls = tls.identity(identity.clone());
+        }
+        let unusable = |error| Error::Settings(format!("certificates for '{address}': {}", cause(&error)));
+        endpoint.tls_config(tls).map_err(unusable)
+    }
+}
+
+/// The first cause of an error.
+pub(crate) fn cause(error: &dyn std::error::Error) -> String {
+    let mut cause = error;
+    while let Some(source) = cause.source() {
+        cause = source;
+    }
+    cause.to_string()
+}
+
+/// What is added to each call.
+#[derive(Debug, Clone, Default)]
+pub struct Call {
+    token: Option<MetadataValue<Ascii>>,
+    traceparent: Option<MetadataValue<Ascii>>,
+}
+
+impl Interceptor for Call {
+    fn call(&mut self, mut request: Request<()>) -> Result<Request<()>, Status> {
+        if let Some(token) = &self.token {
+            request.metadata_mut().insert("authorization", token.clone());
+        }
+        if let Some(parent) = &self.traceparent {
+            request.metadata_mut().insert("traceparent", parent.clone());
+        }
+        Ok(request)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_token_is_sent_and_never_shown() {
+        let settings = Settings::new("http://127.0.0.1:1").with_token(" cpt_secret\n").unwrap();
+        let request = settings.call().call(Request::new(())).unwrap();
+        assert_eq!(request.metadata().get("authorization").unwrap(), "Bearer cpt_secret");
+        let shown = format!("{settings:?} {:?}", settings.call());
+        assert!(!shown.contains("cpt_secret"), "{shown}");
+        assert!(Settings::new("http://127.0.0.1:1").with_token("a\nb").is_err());
+    }
+
+    #[test]
+    fn only_http_addresses_are_taken() {
+        for wrong in ["", "localhost:7878", "ftp://localhost", "http://"] {
+            assert!(matches!(Settings::new(wrong).endpoint(), Err(Error::Settings(_))), "{wrong}");
+        }
+        assert!(Settings::new("HTTP://localhost:7878").endpoint().is_ok());
+    }
+}

@@ -1,0 +1,177 @@
+//! A watch over connections that break and servers that go away: every event once and in order.
+
+#![allow(missing_docs, clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::indexing_slicing)]
+
+use std::net::SocketAddr;
+use std::path::Path;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::Duration;
+
+use counterpoint_client::{Blob, Client, Document, Error, Settings, Update, request_id, v1};
+use counterpoint_server::options::Options;
+use counterpoint_server::service::{self, Handle};
+use tokio::io::{AsyncReadExt as _, AsyncWriteExt as _};
+use tokio::net::{TcpListener, TcpStream};
+use tokio::sync::watch;
+
+struct Server {
+    handle: Handle,
+    task: tokio::task::JoinHandle<()>,
+}
+
+impl Server {
+    async fn start(data: &Path) -> Self {
+        let listen = "127.0.0.1:0".parse().unwrap();
+        let options = Options { listen, data: data.to_owned(), grace_s: 0, workers: 1, ..Options::default() };
+        let service = service::build(options).await.unwrap();
+        let handle = service.handle();
+        let task = tokio::spawn(async { service.run(std::future::pending()).await.unwrap() });
+        Self { handle, task }
+    }
+
+    async fn stop(self) {
+        self.handle.stop();
+        self.task.await.unwrap();
+    }
+}
+
+/// Passes connections on to a server and breaks the first ones after these many bytes of answers.
+async fn proxy(to: watch::Receiver<SocketAddr>, cuts: &'static [usize]) -> (SocketAddr, Arc<AtomicUsize>) {
+    let listener = TcpListener::bind("127.0.0.1:0").await.unwrap();
+    let address = listener.local_addr().unwrap();
+    let connections = Arc::new(AtomicUsize::new(0));
+    let counted = connections.clone();
+    tokio::spawn(async move {
+        while let Ok((mut near, _)) = listener.accept().await {
+            let number = counted.fetch_add(1, Ordering::SeqCst);
+            let target = *to.borrow();
+            tokio::spawn(async move {
+                let mut far = TcpStream::connect(target).await?;
+                let mut left = cuts.get(number).copied().unwrap_or(usize::MAX);
+                let (mut up, mut down) = (vec![0; 16 << 10], vec![0; 16 << 10]);
+                loop {
+                    tokio::select! {
+                        n = near.read(&mut up) => match n? {
+                            0 => return Ok(()),
+                            n => far.write_all(&up[..n]).await?,
+                        },
+                        n = far.read(&mut down) => match n? {
+                            0 => return Ok(()),
+                            n if n > left => return Ok::<(), std::io::Error>(()),
+                            n => {
+                                left -= n;
+                                near.write_all(&down[..n]).await?;
+                            }
+                        },
+                    }
+                }
+            });
+        }
+    });
+    (address, connections)
+}
+
+fn program(blocks: usize) -> String {
+    let mut text = "%\nO1\nG90 G94 F500\n".to_owned();
+    for n in 0..blocks {
+        text += &format!("N{n} G1 X{}. Y{}.\n", n % 90, n % 70);
+    }
+    text + "M30\n%\n"
+}
+
+async fn submit(client: &Client, text: String) -> String {
+    let blob = Blob::new(text.into_bytes());
+    client.upload(std::slice::from_ref(&blob)).await.unwrap();
+    let request = v1::SubmitJobRequest {
+        request_id: request_id(),
+        machine: "fanuc-mill".into(),
+        programs: vec![v1::Program { path: "part.nc".into(), ..Default::default() }],
+        files: vec![v1::FileRef { path: "part.nc".into(), digest: blob.digest().into() }],
+        options: None,
+    };
+    client.submit(request).await.unwrap().job_id
+}
+
+/// Numbers of all events, how often the job was described, and how it ended.
+async fn follow(mut watch: counterpoint_client::Watch) -> (Vec<u64>, usize, v1::JobStatus, u64) {
+    let (mut numbers, mut described) = (Vec::new(), 0);
+    loop {
+        match watch.next().await.unwrap() {
+            Update::Description(_) => described += 1,
+            Update::Events(batch) => {
+                numbers.extend(batch.events.iter().map(|event| event.seq));
+                assert_eq!(watch.cursor(), batch.last_seq);
+            }
+            Update::Progress(_) => {}
+            Update::Ended(status) => return (numbers, described, status, watch.reconnects()),
+        }
+    }
+}
+
+#[tokio::test]
+async fn every_event_comes_once_over_connections_that_break() {
+    let folder = tempfile::tempdir().unwrap();
+    let server = Server::start(folder.path()).await;
+    let direct = Client::connect(&Settings::new(server.handle.url())).await.unwrap();
+    let job = submit(&direct, program(5000)).await;
+    direct.wait(&job).await.unwrap();
+    let (_to, target) = watch::channel(server.handle.address());
+    // The last two cuts are inside of large answers, the others before or after the first batches.
+    let (address, connections) = proxy(target, &[300, 2_000, 40_000, 60_000, 150_000]).await;
+    let settings = Settings::new(format!("http://{address}"));
+    let client = Client::connect(&settings).await.unwrap();
+    let (numbers, described, status, reconnects) = follow(client.watch(&job, v1::WatchLevel::Everything)).await;
+    let expected: Vec<u64> = (1..=status.events).collect();
+    assert!(numbers == expected, "{} of {} events", numbers.len(), expected.len());
+    assert_eq!((described, status.state()), (1, v1::JobState::Succeeded));
+    assert!(reconnects >= 3, "{reconnects}");
+    assert!(connections.load(Ordering::SeqCst) > 3);
+    // From a cursor on, at another level: what comes is after it.
+    let (numbers, ..) = follow(client.watch(&job, v1::WatchLevel::Blocks).after(400)).await;
+    assert!(numbers.first().is_some_and(|first| *first > 400) && numbers.is_sorted());
+    let whole = client.document(&job, &Document::Events).await.unwrap().whole().await.unwrap();
+    assert_eq!(whole.iter().filter(|byte| **byte == b'\n').count() as u64, status.events);
+    server.stop().await;
+}
+
+#[tokio::test]
+async fn a_watch_outlives_a_restart_of_the_server_and_a_submit_is_accepted_once() {
+    let folder = tempfile::tempdir().unwrap();
+    let first = Server::start(folder.path()).await;
+    let (to, target) = watch::channel(first.handle.address());
+    let (address, _) = proxy(target, &[]).await;
+    let client = Client::connect(&Settings::new(format!("http://{address}"))).await.unwrap();
+    let job = submit(&client, program(60_000)).await;
+    let mut watch = client.watch(&job, v1::WatchLevel::Everything).heartbeat(Duration::from_millis(100));
+    let mut seen = 0;
+    while seen == 0 {
+        if let Update::Events(batch) = watch.next().await.unwrap() {
+            seen = batch.last_seq;
+        }
+    }
+    first.stop().await;
+    let second = Server::start(folder.path()).await;
+    to.send_replace(second.handle.address());
+    let (numbers, described, status, reconnects) = follow(watch).await;
+    assert_eq!((numbers.first(), described), (Some(&(seen + 1)), 0));
+    assert!(numbers.len() as u64 == status.events - seen && numbers.is_sorted(), "{status:?}");
+    assert!(reconnects > 0);
+    let jobs = client.jobs().list_jobs(v1::ListJobsRequest::default()).await.unwrap().into_inner().jobs;
+    assert_eq!(jobs.len(), 1);
+    second.stop().await;
+}
+
+#[tokio::test]
+async fn patience_ends_and_refusals_are_not_repeated() {
+    let folder = tempfile::tempdir().unwrap();
+    let server = Server::start(folder.path()).await;
+    let settings = Settings::new(server.handle.url()).with_patience(Duration::from_millis(300));
+    let client = Client::connect(&settings).await.unwrap();
+    let unknown = client.watch("none", v1::WatchLevel::Progress).next().await.unwrap_err();
+    assert_eq!(unknown.reason().as_deref(), Some("UNKNOWN_JOB"));
+    server.stop().await;
+    let lost = client.wait("none").await.unwrap_err();
+    assert!(lost.is_passing() && matches!(lost, Error::Refused(_)), "{lost}");
+    assert!(matches!(Client::connect(&settings).await, Err(Error::Unreachable { .. })));
+}
