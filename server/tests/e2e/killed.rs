@@ -195,3 +195,54 @@ async fn kill_500() {
     kill(kills, 0).await;
     kill(kills, 15).await;
 }
+
+/// Bytes of memory that a process has in use.
+pub fn resident(process: u32) -> u64 {
+    let status = std::fs::read_to_string(format!("/proc/{process}/status")).unwrap();
+    let line = status.lines().find_map(|line| line.strip_prefix("VmRSS:")).unwrap();
+    line.trim().trim_end_matches(" kB").parse::<u64>().unwrap() * 1024
+}
+
+/// `JOBS=100000 cargo test --release -p counterpoint-server --test e2e -- --ignored long_queue --nocapture`
+#[tokio::test(flavor = "multi_thread")]
+#[ignore = "prints figures"]
+async fn long_queue() {
+    let jobs: u64 = std::env::var("JOBS").ok().and_then(|jobs| jobs.parse().ok()).unwrap_or(100_000);
+    let folder = tempfile::tempdir().unwrap();
+    let (mut process, address) = start(folder.path(), 0);
+    let channel = Endpoint::from_shared(address).unwrap().connect().await.unwrap();
+    println!("idle: {} MiB", resident(process.0.id()) >> 20);
+    let mut blobs = BlobsClient::new(channel.clone());
+    let upload = v1::UploadRequest { digest: digest(b"HANG"), data: "HANG".into(), size: None };
+    blobs.upload(tokio_stream::iter([upload])).await.unwrap();
+    let submit = |number: u64| {
+        let mut client = JobsClient::new(channel.clone());
+        let request = v1::SubmitJobRequest {
+            request_id: number.to_string(),
+            machine: "fanuc-2path-lathe".into(),
+            programs: vec![v1::Program { path: "main.nc".into(), ..Default::default() }],
+            files: vec![v1::FileRef { path: "main.nc".into(), digest: digest(b"HANG") }],
+            options: None,
+        };
+        async move { client.submit_job(request).await.unwrap() }
+    };
+    for number in 0..100 {
+        submit(number).await;
+    }
+    let (before, begin) = (resident(process.0.id()), Instant::now());
+    let mut callers = tokio::task::JoinSet::new();
+    for number in 100..jobs {
+        if callers.len() >= 64 {
+            callers.join_next().await;
+        }
+        callers.spawn(submit(number));
+    }
+    callers.join_all().await;
+    let each = (resident(process.0.id()) - before) / (jobs - 100).max(1);
+    println!("{jobs} jobs queued in {:?}, {each} bytes of memory each", begin.elapsed());
+    process.0.kill().unwrap();
+    drop(process);
+    let begin = Instant::now();
+    let (process, _) = start(folder.path(), 0);
+    println!("recovered in {:?}, {} bytes of memory each", begin.elapsed(), resident(process.0.id()) / jobs);
+}

@@ -31,6 +31,8 @@ mod metrics;
 mod operator;
 mod rate;
 mod signed;
+#[cfg(target_os = "linux")]
+mod stalled;
 mod storage;
 mod submit;
 mod support;
