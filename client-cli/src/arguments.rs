@@ -4,6 +4,8 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
+use crate::remote::Remote;
+
 const EXAMPLES: &str = "\
 Examples:
   counterpoint run part.nc                      run a program, guess the machine
@@ -24,6 +26,11 @@ const SUBMIT_EXAMPLES: &str = "\
 Examples:
   counterpoint submit --machine fanuc-2path-lathe upper.nc lower.nc
   counterpoint watch $(counterpoint submit --machine fanuc-mill part.nc)";
+
+const LOAD_EXAMPLES: &str = "\
+Examples:
+  counterpoint load --mix examples/load/standard.toml --callers 8 --for 60s --html load.html
+  counterpoint load --mix examples/load/standard.toml --rate 50 --max-p99-submit 30ms --max-errors 0";
 
 /// Runs NC programs as the control would, block by block, all channels in parallel
 #[derive(Debug, Parser)]
@@ -55,6 +62,9 @@ pub(crate) enum Command {
     Delete(JobArgs),
     /// Read a result of an ended job
     Result(ResultArgs),
+    /// Put load on a server and report how it copes
+    #[command(after_help = LOAD_EXAMPLES)]
+    Load(crate::load::arguments::Load),
     /// Check, list and show machines
     #[command(subcommand)]
     Machine(Machine),
@@ -218,14 +228,6 @@ fn levels(text: &str) -> Result<Levels, String> {
 pub(crate) enum ExitCodes {
     Plain,
     Severity,
-}
-
-/// Where the server is.
-#[derive(Debug, Args, Clone)]
-pub(crate) struct Remote {
-    /// Connect to the server at this address; COUNTERPOINT_TOKEN holds the token
-    #[arg(long, env = "COUNTERPOINT_SERVER", default_value = "http://127.0.0.1:7878", value_name = "URL")]
-    pub(crate) server: String,
 }
 
 #[derive(Debug, Args)]

@@ -11,7 +11,7 @@ use crate::error::Error;
 use crate::outcome::ended;
 use crate::progress::Progress;
 use crate::text::{table, time};
-use crate::{completions, machines, macros, results, run, say};
+use crate::{completions, load, machines, macros, results, run, say};
 
 /// Executes a command and returns the exit code.
 pub(crate) async fn dispatch(command: Command) -> Result<u8, Error> {
@@ -25,6 +25,7 @@ pub(crate) async fn dispatch(command: Command) -> Result<u8, Error> {
         Command::Cancel(arguments) => cancel(arguments).await,
         Command::Delete(arguments) => delete(arguments).await,
         Command::Result(arguments) => result(arguments).await,
+        Command::Load(arguments) => load::load(arguments).await,
         Command::Machine(arguments) => machines::dispatch(arguments).await,
         Command::Macro(command) => macros::dispatch(&command),
         Command::Explain { what } => macros::explain(&what),

@@ -46,7 +46,7 @@ fn check_finds_everything_in_every_file() {
     let folder = folder(&files);
     let (code, out, status) = counterpoint(folder.path(), &["check", "a.mac", "b.mac", "good.mac", "twice.mac"]);
     assert_eq!((code, out.as_str()), (1, "files: 4, errors: 3, warnings: 1\n"));
-    let expected = "Error 02910032: there is no identifier CODE_RAPDI\n  --> a.mac:1:3\n    1 | A=CODE_RAPDI\n      \
+    let expected = "Error 02910032: unknown identifier CODE_RAPDI\n  --> a.mac:1:3\n    1 | A=CODE_RAPDI\n      \
                     |   ^^^^^^^^^^\n      = did you mean CODE_RAPID?\n";
     assert!(status.starts_with(expected), "{status}");
     for part in ["Error 02910024", "Warning 02910027", "  --> b.mac:1:12\n"] {
@@ -68,7 +68,7 @@ fn check_prints_json() {
     let expected = serde_json::json!({
         "file": "a.mac", "line": 1, "column": 3, "width": 10, "number": "02910032", "severity": 8, "type": "error",
         "name": "unknown-identifier",
-        "text": "there is no identifier CODE_RAPDI", "help": "did you mean CODE_RAPID?", "source": "A=CODE_RAPDI",
+        "text": "unknown identifier CODE_RAPDI", "help": "did you mean CODE_RAPID?", "source": "A=CODE_RAPDI",
     });
     assert_eq!(finding, &expected);
     assert_eq!(document["files"][1]["findings"], serde_json::json!([]));

@@ -1,6 +1,6 @@
 //! Where the server is and who calls.
 //!
-//! Invariant: a token is never shown, not even for debugging.
+//! *Invariant:* a token is never shown, not even for debugging.
 
 use std::io::ErrorKind;
 use std::time::Duration;

@@ -1,6 +1,6 @@
 //! Follows a job to its end, over broken connections and restarts of the server.
 //!
-//! Invariants: every event of the level is delivered once and in order; a watch ends with [`Update::Ended`] or an error,
+//! *Invariants:* every event of the level is delivered once and in order; a watch ends with [`Update::Ended`] or an error,
 //! never quietly; `next` may be dropped and called again.
 
 use std::time::Duration;

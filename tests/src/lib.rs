@@ -91,7 +91,11 @@ impl Work {
         let outcome = watchdog::watched(&control, || job.run(&self.files, &control, &mut sink));
         let Collect { builder, events, files } = sink;
         let info = Arc::clone(job.info());
-        Ok(Done { info, summary: builder.finish(&outcome).summary, events, outcome, files })
+        let summary = builder.finish(&outcome).summary;
+        let mut again = ResultsBuilder::new(&info);
+        events.iter().for_each(|event| again.event(event));
+        assert_eq!(again.finish(&outcome).summary, summary, "what the kernels made, and what the log gives");
+        Ok(Done { info, summary, events, outcome, files })
     }
 
     /// The same without an ordered log: every kernel feeds its results. The files are those that macros have written.
@@ -134,12 +138,15 @@ struct Collect {
 }
 
 impl Sink for Collect {
+    fn results(&mut self) -> Option<&mut ResultsBuilder> {
+        Some(&mut self.builder)
+    }
+
     fn files(&mut self, files: WrittenFiles) {
         self.files = files;
     }
 
     fn events(&mut self, _first_seq: u64, batch: &[Event]) -> bool {
-        batch.iter().for_each(|event| self.builder.event(event));
         self.events.extend_from_slice(batch);
         true
     }
@@ -153,6 +160,10 @@ struct Fold {
 impl Sink for Fold {
     fn results(&mut self) -> Option<&mut ResultsBuilder> {
         Some(&mut self.builder)
+    }
+
+    fn is_logged(&self) -> bool {
+        false
     }
 
     fn files(&mut self, files: WrittenFiles) {

@@ -268,8 +268,11 @@ fn everywhere() {
 struct Cancels<'a>(&'a Control, ResultsBuilder);
 
 impl Sink for Cancels<'_> {
-    fn events(&mut self, _: u64, batch: &[Event]) -> bool {
-        batch.iter().for_each(|event| self.1.event(event));
+    fn results(&mut self) -> Option<&mut ResultsBuilder> {
+        Some(&mut self.1)
+    }
+
+    fn events(&mut self, _: u64, _: &[Event]) -> bool {
         self.0.cancel();
         true
     }
@@ -359,8 +362,11 @@ fn a_job_whose_files_become_unreadable_does_not_succeed() {
 struct Keeps(ResultsBuilder);
 
 impl Sink for Keeps {
-    fn events(&mut self, _: u64, batch: &[Event]) -> bool {
-        batch.iter().for_each(|event| self.0.event(event));
+    fn results(&mut self) -> Option<&mut ResultsBuilder> {
+        Some(&mut self.0)
+    }
+
+    fn events(&mut self, _: u64, _: &[Event]) -> bool {
         true
     }
 }

@@ -112,14 +112,6 @@ impl<K: Eq + Hash, T: Table> Tables<K, T> {
     }
 }
 
-/// The first of some blocks or lines from `from` on, else the first one from `first` on: how controls look for labels. None
-/// of them is after `last`; they are in ascending order.
-pub fn next_or_first<T: Ord + Copy>(found: &[T], from: T, first: T, last: T) -> Option<T> {
-    let first_from =
-        |from: T| found.get(found.partition_point(|place| *place < from)).copied().filter(|place| *place <= last);
-    first_from(from.max(first)).or_else(|| first_from(first))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -135,15 +127,6 @@ mod tests {
         assert_eq!(kept.get((0, 0)), None);
         kept.insert((0, 5), &Arc::new(5), MOST);
         assert_eq!(kept.get((0, 5)), None, "larger than all that is kept");
-    }
-
-    #[test]
-    fn labels_are_found_from_here_on_and_then_from_the_top() {
-        let labels = [2, 5, 9];
-        for (from, found) in [(1, Some(2)), (3, Some(5)), (6, Some(2)), (9, Some(2))] {
-            assert_eq!(next_or_first(&labels, from, 1, 8), found, "{from}");
-        }
-        assert_eq!((next_or_first(&labels, 1, 4, 9), next_or_first(&labels, 6, 6, 8)), (Some(5), None));
     }
 
     impl Table for usize {

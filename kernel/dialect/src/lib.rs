@@ -3,8 +3,9 @@
 //! Facts: reference control-emulator.md 5.4. `definition` says what a dialect is, `table` names all of them, `host` is what
 //! their interpreters see of the kernel. An [`Interpreter`] gets the text of a block that is more than plain words and
 //! leaves words or text. *Invariants:* an interpreter reaches its kernel only through `Host`; the folders of the controls
-//! use what they share (`kept`, `numeric`, `text`) and never each other.
+//! use what they share (`expression`, `search`, `call_stack`, `contour`, `kept`, `numeric`, `text`) and never each other.
 
+mod call_stack;
 mod contour;
 mod definition;
 mod expression;
@@ -13,20 +14,20 @@ mod heidenhain;
 mod host;
 mod interpreter;
 mod kept;
-mod levels;
 mod numeric;
 mod okuma;
 mod plain;
+mod search;
 mod siemens;
 mod table;
 mod text;
 
+pub use call_stack::CallStack;
 pub use definition::{Dialect, Unknown};
 pub use host::{
     Answer, AxisPlace, Call, Flow, Frames, Loops, MadeWord, Modes, NotThere, Place, Programs, Report, Values, Words,
 };
 pub use interpreter::{Interpreter, MacroCall, Remaining, Setting};
-pub use kept::next_or_first;
-pub use levels::Levels;
 pub use numeric::{VACANT, is_vacant};
+pub use search::Search;
 pub use table::{all, of};

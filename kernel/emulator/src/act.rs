@@ -21,7 +21,6 @@ use counterpoint_machine::ident::{CodeId, DataId};
 use counterpoint_machine::rows::CodeRow;
 use counterpoint_program::block::{Datum, PendingCode};
 use counterpoint_sync::shared::Command;
-use counterpoint_sync::tag::Tag;
 use counterpoint_sync::waits::{Set, Spec};
 
 /// The context of an action.
@@ -150,25 +149,14 @@ impl Act<'_, '_> {
         self.kernel.trace_instead(text);
     }
 
-    /// Keeps events back from here on: a move waits for the next one.
-    pub(crate) fn buffer_events(&mut self) {
-        let tag = self.tag();
-        self.kernel.ports.emitter.hold(tag);
+    /// Sends events as they come again, or holds them back: so many so far.
+    pub(crate) fn holds_back(&mut self, held: Option<usize>) {
+        self.kernel.ports.emitter.holds_back(held);
     }
 
-    /// Events kept back so far.
-    pub(crate) fn buffered_events(&self) -> usize {
-        self.kernel.ports.emitter.held()
-    }
-
-    /// Ends keeping events back; the caller puts them where they belong.
-    pub(crate) fn release_events(&mut self) -> Vec<Event> {
-        self.kernel.ports.emitter.release()
-    }
-
-    /// Adds an event that was kept back.
+    /// Adds a complete event.
     pub(crate) fn push_event(&mut self, event: Event) {
-        self.kernel.ports.emitter.push(event);
+        self.kernel.push_event(event);
     }
 
     /// The block has done something that a loop without an end could not hide.
@@ -319,12 +307,5 @@ impl Act<'_, '_> {
     /// A start by one of the heads: it lets the other one continue, which waits for it.
     pub(crate) fn start_by_head(&mut self, by: u16, heads: Set) -> Acted {
         self.kernel.start_by_head(by, heads)
-    }
-}
-
-impl Act<'_, '_> {
-    /// The tag of what the channel does now.
-    fn tag(&self) -> Tag {
-        self.at.tag()
     }
 }

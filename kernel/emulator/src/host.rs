@@ -31,26 +31,34 @@ use counterpoint_lang::vm::{Scale, State};
 use crate::channel::Kernel;
 use crate::macros::calls::unwinding;
 use crate::macros::issued::Later;
-use crate::macros::values::{code_id, data_id};
-use counterpoint_machine::ident::{codes, data};
+use crate::macros::values;
+use counterpoint_machine::ident::{CodeId, DataId};
 use counterpoint_machine::macros::model::Hook;
+
+impl Kernel<'_> {
+    /// Identifier of a code value, none for `CODE_NONE`.
+    pub(crate) fn code_id(&self, value: &Value) -> Option<CodeId> {
+        values::code_id(self.channel.env.machine, value)
+    }
+
+    /// Identifier of a data value, none for `REG_NONE`.
+    pub(crate) fn data_id(&self, value: &Value) -> Option<DataId> {
+        values::data_id(self.channel.env.machine, value)
+    }
+}
 
 impl Registers for Kernel<'_> {
     fn code_name(&self, code: u32) -> String {
-        match code_id(&Value::Code(code)) {
-            Some(id) if usize::from(id.0) < codes::TABLE.len() + self.channel.env.machine.custom_codes.len() => {
-                self.channel.env.machine.code_name(id).to_owned()
-            }
-            _ => "CODE_NONE".to_owned(),
+        match self.code_id(&Value::Code(code)) {
+            Some(id) => self.channel.env.machine.code_name(id).to_owned(),
+            None => "CODE_NONE".to_owned(),
         }
     }
 
     fn register_name(&self, register: u32) -> String {
-        match data_id(&Value::Register(register)) {
-            Some(id) if usize::from(id.0) < data::TABLE.len() + self.channel.env.machine.custom_data.len() => {
-                self.channel.env.machine.data_name(id).to_owned()
-            }
-            _ => "REG_NONE".to_owned(),
+        match self.data_id(&Value::Register(register)) {
+            Some(id) => self.channel.env.machine.data_name(id).to_owned(),
+            None => "REG_NONE".to_owned(),
         }
     }
 

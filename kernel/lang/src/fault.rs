@@ -24,7 +24,7 @@ impl Fault {
     /// A value of the wrong type.
     #[must_use]
     pub fn kind(wanted: &str, found: &crate::value::Value) -> Fault {
-        Fault::new(Number::TYPE_MISMATCH, format!("{wanted} is wanted, {} was given", found.kind_name()))
+        Fault::new(Number::TYPE_MISMATCH, format!("expected {wanted}, found {}", found.kind_name()))
     }
 }
 

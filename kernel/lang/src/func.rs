@@ -131,7 +131,7 @@ const fn missing(name: &'static str, why: &'static str) -> Function {
     Function { name, arguments: "A+", result: A, way: Way::Missing(why) }
 }
 
-const POST: &str = "it belongs to the post product";
+const POST: &str = "it belongs to the post-processor product";
 
 /// Functions that are computed here.
 static COMPUTED: &[Function] = &[

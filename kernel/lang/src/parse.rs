@@ -206,7 +206,7 @@ impl<'a> Parser<'a> {
         if self.at >= self.tokens.len() {
             return Ok(());
         }
-        self.fail(Number::SYNTAX, "the statement is complete before this")
+        self.fail(Number::SYNTAX, "unexpected text after a complete statement")
     }
 }
 

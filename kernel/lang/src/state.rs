@@ -184,7 +184,7 @@ impl State {
         let ticks = ticks as u64;
         if self.ticks < ticks {
             self.ticks = 0;
-            return Err(Fault::new(Number::TICKS, format!("the budget of {} steps is used up", self.limits.ticks)));
+            return Err(Fault::new(Number::TICKS, format!("the budget of {} steps is exhausted", self.limits.ticks)));
         }
         self.ticks -= ticks;
         Ok(())

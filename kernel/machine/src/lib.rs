@@ -8,6 +8,7 @@ mod diagnostics;
 pub mod finding;
 pub mod habits;
 pub mod ident;
+pub mod index;
 mod load;
 pub mod macros;
 pub mod model;

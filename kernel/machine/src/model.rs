@@ -5,7 +5,8 @@ pub mod paths;
 
 pub use behaviour::*;
 
-use super::ident::{CodeId, DataId};
+use super::ident::{CodeId, DataId, Name};
+use super::index::{CodeRowId, DataRowId, Table};
 use super::macros::environment::MachineEnvironment;
 use super::preprocessor::Preprocessor;
 use super::rows::{CodeRow, DataRow, Register};
@@ -42,13 +43,13 @@ pub struct Machine {
     /// Registers in list order; `Word::register` of the kernel is an index into this list.
     pub registers: Vec<Register>,
     /// Code rows in file order.
-    pub codes: Vec<CodeRow>,
+    pub codes: Table<CodeRowId, CodeRow>,
     /// Data rows in file order.
-    pub data: Vec<DataRow>,
-    /// Names of custom code identifiers; `CodeId(codes::TABLE.len() + i)` is the i-th.
-    pub custom_codes: Vec<String>,
-    /// Names of custom data identifiers, likewise.
-    pub custom_data: Vec<String>,
+    pub data: Table<DataRowId, DataRow>,
+    /// Names of all code identifiers, those of the machine's own after the built-in ones.
+    pub code_names: Table<CodeId, Name>,
+    /// Names of all data identifiers, likewise.
+    pub data_names: Table<DataId, Name>,
     /// All axes of the machine.
     pub axes: Vec<Axis>,
     /// Channels in ascending number.
@@ -302,30 +303,18 @@ impl Machine {
     /// What the compiler of macros knows of the machine while a program runs: nothing is included then.
     #[must_use]
     pub fn macro_environment(&self) -> MachineEnvironment<'_> {
-        MachineEnvironment { codes: &self.custom_codes, data: &self.custom_data, files: None, stored: &self.storage }
+        MachineEnvironment { codes: &self.code_names, data: &self.data_names, files: None, stored: &self.storage }
     }
 
-    /// Full name of a code identifier, custom ones included.
+    /// Full name of a code identifier.
     #[must_use]
     pub fn code_name(&self, id: CodeId) -> &str {
-        match super::ident::code_facts(id) {
-            Some(facts) => facts.name,
-            None => self
-                .custom_codes
-                .get(usize::from(id.0) - super::ident::codes::TABLE.len())
-                .map_or("CODE_?", String::as_str),
-        }
+        &self.code_names[id]
     }
 
-    /// Full name of a data identifier, custom ones included.
+    /// Full name of a data identifier.
     #[must_use]
     pub fn data_name(&self, id: DataId) -> &str {
-        match super::ident::data_facts(id) {
-            Some(facts) => facts.name,
-            None => self
-                .custom_data
-                .get(usize::from(id.0) - super::ident::data::TABLE.len())
-                .map_or("REG_?", String::as_str),
-        }
+        &self.data_names[id]
     }
 }

@@ -5,7 +5,8 @@
 
 use rustc_hash::FxHashMap;
 
-use super::ident::{self, DataId};
+use super::ident::{DataId, Name};
+use super::index::{CodeRowId, DataRowId, Table};
 use super::rows::{CodeForm, CodeRow, DataRow, Register};
 
 /// Register (index into `Machine::registers`) a letter belongs to, and whether it is the register's second,
@@ -24,11 +25,11 @@ pub struct Tables {
     /// Per ASCII byte: the regular register it names.
     pub letter: [LetterEntry; 128],
     /// Enabled data rows per register (index into `Machine::registers`), in file order.
-    pub data_of_register: Vec<Vec<u16>>,
-    /// Enabled data rows per data identifier (`DataId.0`, custom ones included), in file order.
-    pub rows_of_data: Vec<Vec<u16>>,
+    pub data_of_register: Vec<Vec<DataRowId>>,
+    /// Enabled data rows of each data identifier, in file order.
+    pub rows_of_data: Table<DataId, Vec<DataRowId>>,
     /// Enabled rows of literal text: longest text first, then in matching order.
-    pub texts: Vec<u16>,
+    pub texts: Vec<CodeRowId>,
     codes: Vec<Option<Codes>>,
 }
 
@@ -36,7 +37,7 @@ pub struct Tables {
 #[derive(Debug, Clone, PartialEq)]
 struct Codes {
     /// Row lists; the first is empty.
-    lists: Vec<Vec<u16>>,
+    lists: Vec<Vec<CodeRowId>>,
     /// List per value times ten, below [`DENSE`].
     dense: Vec<u16>,
     /// List from a whole value on, ascending; from [`DENSE`] on.
@@ -45,18 +46,23 @@ struct Codes {
 
 impl Default for Tables {
     fn default() -> Self {
-        Self::new(&[], &[], &[], 0)
+        Self::new(&[], &Table::default(), &Table::default(), &Table::default())
     }
 }
 
 impl Tables {
-    /// Compiles the rows; `custom_data` is the number of custom data identifiers.
+    /// Compiles the rows; `names` has all data identifiers.
     #[must_use]
-    pub fn new(registers: &[Register], codes: &[CodeRow], data: &[DataRow], custom_data: usize) -> Self {
+    pub fn new(
+        registers: &[Register],
+        codes: &Table<CodeRowId, CodeRow>,
+        data: &Table<DataRowId, DataRow>,
+        names: &Table<DataId, Name>,
+    ) -> Self {
         Self {
             letter: letters(registers),
             data_of_register: data_of_register(registers, data),
-            rows_of_data: rows_of_data(data, custom_data),
+            rows_of_data: rows_of_data(data, names),
             texts: texts(codes),
             codes: (0..registers.len()).map(|register| Codes::new(register, codes)).collect(),
         }
@@ -65,7 +71,7 @@ impl Tables {
     /// Code rows that a word of this register and value may mean, in matching order; empty when it is no code. The
     /// rows' conditions on other words (`with`, `without`) are the caller's to check.
     #[must_use]
-    pub fn code(&self, register: u8, value: f64) -> &[u16] {
+    pub fn code(&self, register: u8, value: f64) -> &[CodeRowId] {
         self.codes.get(usize::from(register)).and_then(Option::as_ref).map_or(&[], |codes| codes.at(value))
     }
 
@@ -77,19 +83,19 @@ impl Tables {
 
     /// Enabled rows of a data identifier.
     #[must_use]
-    pub fn data(&self, id: DataId) -> &[u16] {
-        self.rows_of_data.get(usize::from(id.0)).map_or(&[], Vec::as_slice)
+    pub fn data(&self, id: DataId) -> &[DataRowId] {
+        &self.rows_of_data[id]
     }
 
     /// Enabled data rows of a register.
     #[must_use]
-    pub fn data_of(&self, register: u8) -> &[u16] {
+    pub fn data_of(&self, register: u8) -> &[DataRowId] {
         self.data_of_register.get(usize::from(register)).map_or(&[], Vec::as_slice)
     }
 }
 
 impl Codes {
-    fn new(register: usize, codes: &[CodeRow]) -> Option<Self> {
+    fn new(register: usize, codes: &Table<CodeRowId, CodeRow>) -> Option<Self> {
         let rows = rows_of_register(register, codes);
         if rows.is_empty() {
             return None;
@@ -108,7 +114,7 @@ impl Codes {
     }
 
     #[inline(always)]
-    fn at(&self, value: f64) -> &[u16] {
+    fn at(&self, value: f64) -> &[CodeRowId] {
         // The usual code is a small whole number; `as` saturates.
         let whole = value as u32;
         let small = f64::from(whole) == value && whole < DENSE;
@@ -151,8 +157,8 @@ impl Codes {
 
 /// Each list of rows once.
 struct Lists {
-    lists: Vec<Vec<u16>>,
-    known: FxHashMap<Vec<u16>, u16>,
+    lists: Vec<Vec<CodeRowId>>,
+    known: FxHashMap<Vec<CodeRowId>, u16>,
 }
 
 impl Default for Lists {
@@ -164,7 +170,7 @@ impl Default for Lists {
 impl Lists {
     /// List of every tenth below [`DENSE`]: only tenths that a row covers are looked at.
     fn dense(&mut self, rows: &[Range]) -> Vec<u16> {
-        let mut covered: FxHashMap<usize, Vec<u16>> = FxHashMap::default();
+        let mut covered: FxHashMap<usize, Vec<CodeRowId>> = FxHashMap::default();
         for row in rows {
             let step = if row.decimals { 1 } else { 10 };
             let first = if row.decimals { row.min } else { row.min.div_ceil(10) * 10 };
@@ -185,7 +191,7 @@ impl Lists {
         self.list(rows.iter().filter(|row| matches(row)).map(|row| row.row).collect())
     }
 
-    fn list(&mut self, list: Vec<u16>) -> u16 {
+    fn list(&mut self, list: Vec<CodeRowId>) -> u16 {
         if let Some(known) = self.known.get(&list) {
             return *known;
         }
@@ -198,7 +204,7 @@ impl Lists {
 
 /// Values of a code row in tenths.
 struct Range {
-    row: u16,
+    row: CodeRowId,
     order: u16,
     min: u64,
     max: u64,
@@ -218,9 +224,9 @@ impl Range {
     }
 }
 
-fn rows_of_register(register: usize, codes: &[CodeRow]) -> Vec<Range> {
+fn rows_of_register(register: usize, codes: &Table<CodeRowId, CodeRow>) -> Vec<Range> {
     let mut rows: Vec<Range> = Vec::new();
-    for (row, code) in numbered(codes) {
+    for (row, code) in codes.entries() {
         if let Some((of, min, max)) = form_range(&code.form)
             && code.enable
             && usize::from(of) == register
@@ -277,9 +283,9 @@ fn single_capital(name: &str) -> Option<u8> {
     }
 }
 
-fn data_of_register(registers: &[Register], data: &[DataRow]) -> Vec<Vec<u16>> {
+fn data_of_register(registers: &[Register], data: &Table<DataRowId, DataRow>) -> Vec<Vec<DataRowId>> {
     let mut lists = vec![Vec::new(); registers.len()];
-    for (row, definition) in numbered(data) {
+    for (row, definition) in data.entries() {
         if let Some(list) = definition.register.and_then(|register| lists.get_mut(usize::from(register)))
             && definition.enable
         {
@@ -289,20 +295,17 @@ fn data_of_register(registers: &[Register], data: &[DataRow]) -> Vec<Vec<u16>> {
     lists
 }
 
-fn rows_of_data(data: &[DataRow], custom_data: usize) -> Vec<Vec<u16>> {
-    let mut lists = vec![Vec::new(); ident::data::TABLE.len() + custom_data];
-    for (row, definition) in numbered(data) {
-        if let Some(list) = lists.get_mut(usize::from(definition.id.0))
-            && definition.enable
-        {
-            list.push(row);
-        }
+fn rows_of_data(data: &Table<DataRowId, DataRow>, names: &Table<DataId, Name>) -> Table<DataId, Vec<DataRowId>> {
+    let mut lists = names.map(|_, _| Vec::new());
+    for (row, definition) in data.entries().filter(|(_, definition)| definition.enable) {
+        lists[definition.id].push(row);
     }
     lists
 }
 
-fn texts(codes: &[CodeRow]) -> Vec<u16> {
-    let mut rows: Vec<(usize, u16, u16)> = numbered(codes)
+fn texts(codes: &Table<CodeRowId, CodeRow>) -> Vec<CodeRowId> {
+    let mut rows: Vec<(usize, u16, CodeRowId)> = codes
+        .entries()
         .filter_map(|(row, code)| match &code.form {
             CodeForm::Text(text) if code.enable => Some((usize::MAX - text.len(), code.order, row)),
             _ => None,
@@ -312,14 +315,11 @@ fn texts(codes: &[CodeRow]) -> Vec<u16> {
     rows.into_iter().map(|(_, _, row)| row).collect()
 }
 
-fn numbered<T>(rows: &[T]) -> impl Iterator<Item = (u16, &T)> {
-    (0u16..=u16::MAX).zip(rows)
-}
-
 #[cfg(test)]
 mod tests {
-    use super::super::ident::codes;
     use super::super::ident::dimension::Dimension;
+    use super::super::ident::{codes, data_names};
+    use super::super::index::places;
     use super::super::rows::{Modality, NumberFormat, Point, Zeros};
     use super::*;
 
@@ -381,13 +381,22 @@ mod tests {
         }
     }
 
+    fn of_registers(registers: &[Register]) -> Tables {
+        Tables::new(registers, &Table::default(), &Table::default(), &data_names())
+    }
+
     fn of_codes(codes: &[CodeRow]) -> Tables {
-        Tables::new(&[register("G", None), register("M", None)], codes, &[], 0)
+        Tables::new(
+            &[register("G", None), register("M", None)],
+            &codes.iter().cloned().collect(),
+            &Table::default(),
+            &data_names(),
+        )
     }
 
     #[test]
     fn letters_name_registers_and_second_names_are_incremental() {
-        let tables = Tables::new(&[register("X", Some("U")), register("Z", Some("W"))], &[], &[], 0);
+        let tables = of_registers(&[register("X", Some("U")), register("Z", Some("W"))]);
         let letter = |c: char| tables.letter[c as usize];
         assert_eq!(letter('X'), Some((0, false)));
         assert_eq!(letter('U'), Some((0, true)));
@@ -398,7 +407,7 @@ mod tests {
 
     #[test]
     fn a_first_name_wins_over_a_second_name_and_special_names_are_no_letters() {
-        let tables = Tables::new(&[register("X", Some("U")), register("U", None), register("C1=", None)], &[], &[], 0);
+        let tables = of_registers(&[register("X", Some("U")), register("U", None), register("C1=", None)]);
         assert_eq!(tables.letter[usize::from(b'U')], Some((1, false)));
         assert_eq!(tables.letter[usize::from(b'C')], None);
     }
@@ -406,50 +415,50 @@ mod tests {
     #[test]
     fn the_lowest_order_comes_first_then_the_file() {
         let tables = of_codes(&[code(0, 50.0, 50.0, 450), code(0, 50.0, 50.0, 100), code(0, 1.0, 99.0, 450)]);
-        assert_eq!(tables.code(0, 50.0), [1, 0, 2]);
-        assert_eq!(tables.code(0, 51.0), [2]);
-        assert_eq!(tables.code(0, 100.0), [0u16; 0]);
-        assert_eq!(tables.code(1, 50.0), [0u16; 0]);
+        assert_eq!(places(tables.code(0, 50.0)), [1, 0, 2]);
+        assert_eq!(places(tables.code(0, 51.0)), [2]);
+        assert_eq!(places(tables.code(0, 100.0)), [0; 0]);
+        assert_eq!(places(tables.code(1, 50.0)), [0; 0]);
         assert!(tables.has_codes(0) && !tables.has_codes(1));
     }
 
     #[test]
     fn decimals_match_only_rows_with_decimals() {
         let tables = of_codes(&[code(0, 54.0, 59.0, 100), code(0, 54.1, 54.1, 100), code(0, 60.0, 60.5, 100)]);
-        assert_eq!(tables.code(0, 54.0), [0]);
-        assert_eq!(tables.code(0, 54.1), [1]);
-        assert_eq!(tables.code(0, 54.1 + 1e-12), [1]);
-        assert_eq!(tables.code(0, 54.100_001), [0u16; 0]);
-        assert_eq!(tables.code(0, 55.5), [0u16; 0]);
-        assert_eq!(tables.code(0, 60.0), [2]);
-        assert_eq!(tables.code(0, 60.3), [2]);
-        assert_eq!(tables.code(0, 60.6), [0u16; 0]);
+        assert_eq!(places(tables.code(0, 54.0)), [0]);
+        assert_eq!(places(tables.code(0, 54.1)), [1]);
+        assert_eq!(places(tables.code(0, 54.1 + 1e-12)), [1]);
+        assert_eq!(places(tables.code(0, 54.100_001)), [0; 0]);
+        assert_eq!(places(tables.code(0, 55.5)), [0; 0]);
+        assert_eq!(places(tables.code(0, 60.0)), [2]);
+        assert_eq!(places(tables.code(0, 60.3)), [2]);
+        assert_eq!(places(tables.code(0, 60.6)), [0; 0]);
     }
 
     #[test]
     fn large_numbers_match_whole_values_up_to_both_ends() {
         let tables =
             of_codes(&[code(1, 900.0, 1100.0, 100), code(1, 0.0, 99_999_999.0, 200), code(1, 2000.0, 2000.0, 100)]);
-        assert_eq!(tables.code(1, 899.0), [1]);
-        assert_eq!(tables.code(1, 999.0), [0, 1]);
-        assert_eq!(tables.code(1, 1000.0), [0, 1]);
-        assert_eq!(tables.code(1, 1000.0 - 1e-12), [0, 1]);
-        assert_eq!(tables.code(1, 1100.0), [0, 1]);
-        assert_eq!(tables.code(1, 1101.0), [1]);
-        assert_eq!(tables.code(1, 2000.0), [2, 1]);
-        assert_eq!(tables.code(1, 2000.5), [0u16; 0]);
-        assert_eq!(tables.code(1, 99_999_999.0), [1]);
-        assert_eq!(tables.code(1, 100_000_000.0), [0u16; 0]);
+        assert_eq!(places(tables.code(1, 899.0)), [1]);
+        assert_eq!(places(tables.code(1, 999.0)), [0, 1]);
+        assert_eq!(places(tables.code(1, 1000.0)), [0, 1]);
+        assert_eq!(places(tables.code(1, 1000.0 - 1e-12)), [0, 1]);
+        assert_eq!(places(tables.code(1, 1100.0)), [0, 1]);
+        assert_eq!(places(tables.code(1, 1101.0)), [1]);
+        assert_eq!(places(tables.code(1, 2000.0)), [2, 1]);
+        assert_eq!(places(tables.code(1, 2000.5)), [0; 0]);
+        assert_eq!(places(tables.code(1, 99_999_999.0)), [1]);
+        assert_eq!(places(tables.code(1, 100_000_000.0)), [0; 0]);
     }
 
     #[test]
     fn nonsense_is_no_code() {
         let tables = of_codes(&[code(0, 0.0, 99_999_999.0, 100)]);
         for value in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, -1.0, -0.04, 1e300, 0.05, 999.96] {
-            assert_eq!(tables.code(0, value), [0u16; 0], "{value}");
+            assert_eq!(places(tables.code(0, value)), [0; 0], "{value}");
         }
-        assert_eq!(tables.code(0, -0.0), [0]);
-        assert_eq!(tables.code(77, 0.0), [0u16; 0]);
+        assert_eq!(places(tables.code(0, -0.0)), [0]);
+        assert_eq!(places(tables.code(77, 0.0)), [0; 0]);
     }
 
     #[test]
@@ -462,16 +471,23 @@ mod tests {
         longer.form = CodeForm::Text("G710".into());
         let mut off_text = text.clone();
         off_text.enable = false;
-        let rows = [data(DataId(3), Some(1), true), data(DataId(3), None, true), data(DataId(4), Some(1), false)];
+        let rows = [
+            data(DataId::built_in(3), Some(1), true),
+            data(DataId::built_in(3), None, true),
+            data(DataId::built_in(4), Some(1), false),
+        ];
         let registers = [register("G", None), register("M", None)];
-        let tables = Tables::new(&registers, &[off, text, longer, off_text], &rows, 1);
-        assert_eq!(tables.code(0, 5.0), [0u16; 0]);
-        assert_eq!(tables.texts, [2, 1]);
-        assert_eq!(tables.data_of(1), [0]);
-        assert_eq!(tables.data_of(0), [0u16; 0]);
-        assert_eq!(tables.data(DataId(3)), [0, 1]);
-        assert_eq!(tables.data(DataId(4)), [0u16; 0]);
-        assert_eq!(tables.rows_of_data.len(), ident::data::TABLE.len() + 1);
+        let codes = [off, text, longer, off_text].into_iter().collect();
+        let mut names = data_names();
+        names.push("REG_OWN".into());
+        let tables = Tables::new(&registers, &codes, &rows.into_iter().collect(), &names);
+        assert_eq!(places(tables.code(0, 5.0)), [0; 0]);
+        assert_eq!(places(&tables.texts), [2, 1]);
+        assert_eq!(places(tables.data_of(1)), [0]);
+        assert_eq!(places(tables.data_of(0)), [0; 0]);
+        assert_eq!(places(tables.data(DataId::built_in(3))), [0, 1]);
+        assert_eq!(places(tables.data(DataId::built_in(4))), [0; 0]);
+        assert_eq!(tables.rows_of_data.len(), names.len());
     }
 
     #[test]

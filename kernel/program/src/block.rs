@@ -3,6 +3,7 @@
 //! Invariant: buffers are reused from block to block; filling a block allocates nothing once they have grown.
 
 use counterpoint_machine::ident::DataId;
+use counterpoint_machine::index::CodeRowId;
 
 /// A word: letter and number.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -27,7 +28,7 @@ pub struct PendingCode {
     /// Order of its row.
     pub order: u16,
     /// Row of the code table.
-    pub row: u16,
+    pub row: CodeRowId,
     /// Value of the word (before factor), 0 for literal texts.
     pub value: f64,
     /// The modal code of its group that words fire; it is not written on the block.
@@ -100,7 +101,7 @@ pub struct Block {
     /// Spans of operator messages.
     pub messages: Vec<(u32, u32)>,
     /// Literal text codes found: row.
-    pub texts: Vec<u16>,
+    pub texts: Vec<CodeRowId>,
     /// Position (plus one) of the last data word of each register.
     slots: [u8; REGISTERS],
     /// Registers of data words that nothing has taken yet, bit by register.
@@ -175,7 +176,7 @@ impl Block {
     }
 
     /// Adds a literal text code; a block takes as many as words.
-    pub fn push_text(&mut self, row: u16, (start, end): (u32, u32)) {
+    pub fn push_text(&mut self, row: CodeRowId, (start, end): (u32, u32)) {
         if self.texts.len() >= MOST_WORDS {
             self.push_unrecognised((start, end));
             return;

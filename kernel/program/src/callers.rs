@@ -54,7 +54,7 @@ impl Callers {
                 CodeForm::Register { register, min, .. } | CodeForm::RegisterAsData { register, min, .. } => {
                     // A row that comes before it takes the word away (M198 may be a waiting code).
                     let first = machine.tables.code(*register, *min).first();
-                    let acts = first.and_then(|&row| machine.codes.get(usize::from(row))).map(|row| row.id);
+                    let acts = first.map(|&row| machine.codes[row].id);
                     let letter = machine.registers.get(usize::from(*register)).filter(|_| acts == Some(row.id));
                     words.extend(letter.map(|letter| format!("{}{min}", letter.name)));
                 }

@@ -12,6 +12,7 @@ use crate::block::Block;
 use crate::scan::Scanner;
 use counterpoint_machine::Machine;
 use counterpoint_machine::ident::{CodeId, codes, data};
+use counterpoint_machine::index::CodeRowId;
 
 /// Stretches of a program by head, in order; none if no code of a head stands in it. A head that comes back is the
 /// error, with its line.
@@ -52,8 +53,9 @@ fn head_of(machine: &Machine, block: &Block) -> Option<u16> {
     })
 }
 
-fn code(machine: &Machine, row: u16) -> Option<CodeId> {
-    machine.codes.get(usize::from(row)).filter(|row| row.process).map(|row| row.id)
+fn code(machine: &Machine, row: CodeRowId) -> Option<CodeId> {
+    let row = &machine.codes[row];
+    row.process.then_some(row.id)
 }
 
 fn value(machine: &Machine, block: &Block) -> Option<u16> {

@@ -5,6 +5,7 @@
 //! the same question, so a line that one of them takes for words is never a statement for the other.
 
 use super::special::{Special, stands};
+use counterpoint_machine::index::CodeRowId;
 
 /// Key words of the statements of a control.
 #[derive(Debug, Clone, Copy, Default)]
@@ -19,11 +20,11 @@ pub struct KeyWords {
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Names<'a> {
     /// Literal texts that look like words, with their rows, longest first.
-    pub like_words: &'a [(Vec<u8>, u16)],
+    pub like_words: &'a [(Vec<u8>, CodeRowId)],
     /// Special registers, longest first.
     pub registers: &'a [Special],
     /// All literal texts with their rows, longest first.
-    pub texts: &'a [(Vec<u8>, u16)],
+    pub texts: &'a [(Vec<u8>, CodeRowId)],
     /// Most levels of brackets in an expression.
     pub brackets: Option<u8>,
     /// Key words of statements.

@@ -14,6 +14,7 @@ use crate::special::{self, Early};
 use crate::syntax::Syntax;
 use counterpoint_fault as diag;
 use counterpoint_machine::Machine;
+use counterpoint_machine::index::CodeRowId;
 use counterpoint_machine::rows::Register;
 use numbers::{Read, parse_number};
 
@@ -35,7 +36,7 @@ pub struct Scanner {
     opskip_default: u8,
     eob: Option<u8>,
     /// Literal text codes: text and row.
-    texts: Vec<(Vec<u8>, u16)>,
+    texts: Vec<(Vec<u8>, CodeRowId)>,
     /// How numbers of each register are read, in primary and in secondary units.
     reads: Vec<[Read; 2]>,
     syntax: &'static Syntax,
@@ -88,7 +89,7 @@ impl Scanner {
                 .tables
                 .texts
                 .iter()
-                .filter_map(|&row| match &machine.codes.get(usize::from(row))?.form {
+                .filter_map(|&row| match &machine.codes[row].form {
                     counterpoint_machine::rows::CodeForm::Text(text) => Some((text.clone().into_bytes(), row)),
                     _ => None,
                 })

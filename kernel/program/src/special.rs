@@ -6,13 +6,14 @@
 //! first, so that `C1=` is not hidden by a register `C`; a machine with neither has nothing here.
 
 use counterpoint_machine::Machine;
+use counterpoint_machine::index::CodeRowId;
 use counterpoint_machine::rows::CodeForm;
 
 /// Special registers and texts, prepared once.
 #[derive(Debug)]
 pub struct Early {
     /// Literal texts that a register would read as a word, with their rows.
-    pub texts: Vec<(Vec<u8>, u16)>,
+    pub texts: Vec<(Vec<u8>, CodeRowId)>,
     /// Special registers.
     pub registers: Vec<Special>,
     /// Tools by name, in capital letters.
@@ -78,7 +79,7 @@ impl Early {
         registers.sort_by_key(|special| usize::MAX - special.before.len());
         let mut texts = Vec::new();
         for &row in &machine.tables.texts {
-            if let Some(CodeForm::Text(text)) = machine.codes.get(usize::from(row)).map(|code| &code.form)
+            if let CodeForm::Text(text) = &machine.codes[row].form
                 && looks_like_word(text.as_bytes())
             {
                 texts.push((text.clone().into_bytes(), row));

@@ -104,7 +104,8 @@ impl Stay {
 
     /// Of a release whose wait is not in the log.
     pub(super) fn unseen(release: &Release, place: (FileId, u32)) -> Self {
-        let wait = Wait { key: release.key.clone(), primitive: release.primitive, participants: [].into() };
+        let (key, mark) = (release.key.clone(), release.mark.clone());
+        let wait = Wait { key, primitive: release.primitive, participants: [].into(), mark };
         Self::new(&Arc::new(wait), release.since_ns, place)
     }
 

@@ -73,13 +73,19 @@ pub(crate) fn motion(kind: MotionKind, from: &[f64], to: &[f64]) -> Motion {
     Motion { kind, moving: 1, from, to, center: [0.0; 2], plane_axes: [255; 2], turns: 0, feed, feed_unit, length }
 }
 
+/// Mark of a wait code with a letter.
+fn mark(key: &str) -> Arc<str> {
+    key.split(' ').next().unwrap_or(key).trim_start_matches('M').into()
+}
+
 pub(crate) fn wait(channel: u16, line: u32, t_ns: i64, key: &str, participants: &[u16]) -> Event {
-    let wait = Wait { key: key.into(), primitive: Primitive::Barrier, participants: participants.into() };
+    let wait =
+        Wait { key: key.into(), primitive: Primitive::Barrier, participants: participants.into(), mark: mark(key) };
     at(channel, line, t_ns, 0, Kind::Wait(Arc::new(wait)))
 }
 
 pub(crate) fn release(channel: u16, line: u32, since_ns: i64, t_ns: i64, key: &str, meeting: u64) -> Event {
-    let release = Release { key: key.into(), primitive: Primitive::Barrier, since_ns, meeting };
+    let release = Release { key: key.into(), primitive: Primitive::Barrier, since_ns, meeting, mark: mark(key) };
     at(channel, line, t_ns, 0, Kind::Release(release))
 }
 

@@ -4,47 +4,74 @@
 //! job is taken, however far the kernel ran ahead.
 
 use std::collections::VecDeque;
+use std::sync::Arc;
 
 use crate::tag::Tag;
 use counterpoint_event::event::Event;
 use counterpoint_results::channel_results::ChannelResults;
 
-/// Chunks that may wait for other kernels; beyond that the kernel lets them catch up.
-const MOST: usize = 1024;
-/// Chunks after which a kernel looks how far the others are: looking slows them down.
-const LOOK_EVERY: usize = 8;
-/// Chunks that wait for a moment when the kernel has nothing better to do.
-const PUT_OFF: usize = 16;
+/// Events in order. The log may read them while they wait here.
+pub type Chunk = Arc<Vec<Event>>;
 
-/// Chunks that wait, and the results that they will be taken into.
+/// Events that may wait for other kernels; beyond that the kernel lets them catch up.
+const MOST: usize = 16 << 10;
+/// Events after which a kernel looks how far the others are: looking slows them down.
+const LOOK_EVERY: usize = 128;
+/// Events that wait for a moment when the kernel has nothing better to do.
+const PUT_OFF: usize = 256;
+/// Events that are taken at once: little work for the short time while the kernel waits for another one.
+const SLICE: usize = 16;
+
+/// Events that wait, and the results that they will be taken into.
 pub struct Backlog {
     /// Number of the channel.
     pub rank: u16,
-    results: ChannelResults,
+    /// None: nobody wants results, the events are only counted.
+    results: Option<ChannelResults>,
     /// Chunks, each with its bytes.
-    waiting: VecDeque<(Vec<Event>, u64)>,
+    waiting: VecDeque<(Chunk, u64)>,
+    /// Events of the first chunk that have been taken.
+    taken: usize,
+    /// Events that wait.
+    count: usize,
     /// Bytes that may wait.
     room: u64,
     /// Bytes that wait.
     bytes: u64,
-    spare: Vec<Vec<Event>>,
+    /// Chunks that nobody reads any more.
+    spare: Vec<Chunk>,
+    /// Events that have come since the last look at the other kernels.
+    unlooked: usize,
     /// No other kernel stops the job before this time.
     floor: i64,
-    /// Events that went in.
+    /// Events taken.
     pub events: u64,
-    /// Time and microstep of the last one.
+    /// Time and microstep of the last event taken.
     pub last: (i64, u32),
 }
 
 impl Backlog {
-    /// `room`: bytes that may wait for other kernels.
-    pub fn new(rank: u16, results: ChannelResults, room: u64) -> Self {
+    /// Feeds the results of a channel, if somebody wants results. `room`: bytes that may wait for other kernels.
+    pub fn new(rank: u16, results: Option<ChannelResults>, room: u64) -> Self {
         let (waiting, spare) = (VecDeque::new(), Vec::new());
-        Self { rank, results, waiting, room, bytes: 0, spare, floor: 0, events: 0, last: (0, 0) }
+        Self {
+            rank,
+            results,
+            waiting,
+            taken: 0,
+            count: 0,
+            room,
+            bytes: 0,
+            spare,
+            unlooked: 0,
+            floor: 0,
+            events: 0,
+            last: (0, 0),
+        }
     }
 
-    /// Takes events in at once if nobody else runs, nor ever will; `false` otherwise: [`put`](Self::put) them.
-    /// `floor` tells the time before which no other kernel can stop the job.
+    /// Takes events at once if no other kernel runs, nor ever will; `false` otherwise: [`put`](Self::put) them.
+    /// `floor` gives the time before which no other kernel can stop the job.
     pub fn pass(&mut self, events: &[Event], floor: impl Fn() -> i64) -> bool {
         if self.floor == 0 {
             self.floor = floor();
@@ -57,21 +84,47 @@ impl Backlog {
         true
     }
 
-    /// Takes a chunk with so many bytes of texts to be worked on later, and gives another one for it, whatever is in it.
-    /// Returns `true` when too much is waiting for other kernels.
-    pub fn put(&mut self, chunk: &mut Vec<Event>, texts: usize, floor: impl Fn() -> i64) -> bool {
-        if chunk.is_empty() {
-            return false;
+    /// Makes a chunk of events that can be shared, and leaves the room of an old chunk with its events.
+    pub fn share(&mut self, events: &mut Vec<Event>) -> Chunk {
+        let mut chunk = self.spare.pop().unwrap_or_default();
+        if let Some(room) = Arc::get_mut(&mut chunk) {
+            std::mem::swap(room, events);
         }
-        let next = self.spare.pop().unwrap_or_default();
+        chunk
+    }
+
+    /// Takes a chunk back that the log has read. It is used again unless it waits here.
+    pub fn give_back(&mut self, chunk: Chunk) {
+        if Arc::strong_count(&chunk) == 1 {
+            self.spare.push(chunk);
+        }
+    }
+
+    /// Puts a chunk with so many bytes of texts off.
+    pub fn put(&mut self, chunk: Chunk, texts: usize) {
+        if chunk.is_empty() {
+            return self.give_back(chunk);
+        }
         let bytes = (chunk.len() * size_of::<Event>() + texts) as u64;
         self.bytes += bytes;
-        self.waiting.push_back((std::mem::replace(chunk, next), bytes));
-        while self.waiting.len() > PUT_OFF {
+        self.count += chunk.len();
+        self.unlooked += chunk.len();
+        self.waiting.push_back((chunk, bytes));
+    }
+
+    /// Takes all events that may be taken.
+    pub fn take_all(&mut self, floor: i64) {
+        self.look(floor);
+        while self.work() {}
+    }
+
+    /// Takes events while many wait. Returns `true` when too many of them wait for other kernels.
+    pub fn take_most(&mut self, floor: impl Fn() -> i64) -> bool {
+        while self.count > PUT_OFF {
             if self.work() {
                 continue;
             }
-            if !self.waiting.len().is_multiple_of(LOOK_EVERY) {
+            if self.unlooked < LOOK_EVERY {
                 break;
             }
             self.look(floor());
@@ -79,42 +132,106 @@ impl Backlog {
                 break;
             }
         }
-        self.waiting.len() >= MOST || self.bytes >= self.room
+        self.count >= MOST || self.bytes >= self.room
     }
 
     /// No other kernel can stop the job before this time.
     pub fn look(&mut self, floor: i64) {
+        self.unlooked = 0;
         self.floor = self.floor.max(floor);
     }
 
-    /// Takes one chunk in that waits, if it may; `false` if there is none.
+    /// Takes a few of the events that wait, if they may be taken; `false` if there are none.
     pub fn work(&mut self) -> bool {
-        let may = |(events, _): &(Vec<Event>, u64)| events.last().map_or(0, |event| event.t_ns) < self.floor;
+        let floor = self.floor;
+        let from = self.taken;
+        let few = |chunk: &Chunk| (from + SLICE).min(chunk.len());
+        let may = |(chunk, _): &(Chunk, u64)| {
+            few(chunk).checked_sub(1).and_then(|last| chunk.get(last)).is_none_or(|last| last.t_ns < floor)
+        };
         if !self.waiting.front().is_some_and(may) {
             return false;
         }
-        let Some((front, bytes)) = self.waiting.pop_front() else { return false };
-        self.bytes -= bytes;
-        self.keep(&front);
-        self.spare.push(front);
+        let Some((chunk, bytes)) = self.waiting.pop_front() else { return false };
+        let until = few(&chunk);
+        self.keep(chunk.get(from..until).unwrap_or_default());
+        self.count -= until - from;
+        if until < chunk.len() {
+            self.taken = until;
+            self.waiting.push_front((chunk, bytes));
+        } else {
+            self.taken = 0;
+            self.bytes -= bytes;
+            self.give_back(chunk);
+        }
         true
     }
 
     /// The job has ended: takes the rest, up to its stop. Gives the results back.
-    pub fn close(mut self, stop: Tag) -> (ChannelResults, u64, (i64, u32)) {
-        while let Some((events, _)) = self.waiting.pop_front() {
+    pub fn close(mut self, stop: Tag) -> Closed {
+        let mut from = self.taken;
+        for (chunk, _) in std::mem::take(&mut self.waiting) {
+            let rest = chunk.get(std::mem::take(&mut from)..).unwrap_or_default();
             let after = |e: &Event| Tag { t: e.t_ns, micro: e.micro, rank: self.rank } > stop;
-            let end = events.iter().position(after).unwrap_or(events.len());
-            self.keep(events.get(..end).unwrap_or_default());
+            let end = rest.iter().position(after).unwrap_or(rest.len());
+            self.keep(rest.get(..end).unwrap_or_default());
         }
-        (self.results, self.events, self.last)
+        Closed { results: self.results, events: self.events, last: self.last }
     }
 
     fn keep(&mut self, events: &[Event]) {
         if let Some(last) = events.last() {
             self.last = (last.t_ns, last.micro);
             self.events += events.len() as u64;
-            self.results.take(events);
+            if let Some(results) = &mut self.results {
+                results.take(events);
+            }
         }
+    }
+}
+
+/// What the events of a channel came to.
+pub struct Closed {
+    /// Its results, if somebody wants results.
+    pub results: Option<ChannelResults>,
+    /// Events up to the stop of the job.
+    pub events: u64,
+    /// Time and microstep of the last event.
+    pub last: (i64, u32),
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use counterpoint_event::event::{Dwell, Kind};
+
+    fn events(times: std::ops::Range<i64>) -> Vec<Event> {
+        let event = |t_ns| Event { t_ns, micro: 0, dur_ns: 0, channel: 1, file: 0, line: 0, kind: Kind::Dwell(Dwell) };
+        times.map(event).collect()
+    }
+
+    #[test]
+    fn nothing_is_taken_that_another_kernel_can_still_cut_off() {
+        let mut backlog = Backlog::new(1, None, u64::MAX);
+        let chunk = backlog.share(&mut events(1..101));
+        backlog.put(chunk, 0);
+        backlog.take_all(40);
+        // Whole slices before the floor.
+        assert_eq!((backlog.events, backlog.last), (32, (32, 0)));
+        assert!(!backlog.take_most(|| 60));
+        let closed = backlog.close(Tag { t: 70, micro: 0, rank: 1 });
+        assert_eq!((closed.events, closed.last), (70, (70, 0)));
+    }
+
+    #[test]
+    fn a_chunk_is_used_again_when_neither_the_log_nor_the_results_need_it() {
+        let mut backlog = Backlog::new(1, None, u64::MAX);
+        let chunk = backlog.share(&mut events(1..11));
+        let log = chunk.clone();
+        backlog.put(chunk, 0);
+        backlog.give_back(log);
+        assert!(backlog.spare.is_empty());
+        backlog.take_all(100);
+        assert_eq!(backlog.spare.len(), 1);
     }
 }

@@ -217,9 +217,9 @@ impl Coordinator {
         self.lock().order.shared.files.take()
     }
 
-    /// Nothing after this tag belongs to the log.
+    /// Nothing after this tag belongs to the log. The log of a job that is aborted ends where its kernels do.
     pub fn stop_tag(&self) -> Tag {
-        self.lock().order.stopped().unwrap_or(Tag::END)
+        self.lock().order.stopped().filter(|tag| *tag != ABORT).unwrap_or(Tag::END)
     }
 
     /// The order and what it keeps, while no kernel needs its turn for that: before the first and after the last of them has

@@ -13,6 +13,7 @@ mod primitives;
 pub mod ranks;
 pub mod shared;
 pub mod sink;
+pub mod stream;
 pub mod tag;
 pub mod verdict;
 pub mod waits;

@@ -4,15 +4,16 @@
 //! when no other stream can still produce an earlier one. Invariant: messages about a stream's state are sent under
 //! the coordinator's lock, so a release is in the queue before anything that the released partner's releaser does
 //! later. A kernel may have only `CREDIT` chunks on the way, each with `TEXTS`
-//! bytes of text; beyond that it waits for empty ones to come back.
+//! bytes of text; beyond that it waits for one to come back.
 
 use std::collections::VecDeque;
 
 use crossbeam_channel::{Receiver, Sender, bounded, unbounded};
 
+use crate::backlog::Chunk;
 use crate::sink::Sink;
 use crate::tag::Tag;
-use counterpoint_event::event::{Event, Kind, Phase};
+use counterpoint_event::event::Event;
 
 /// Events in a full chunk.
 pub const CHUNK: usize = 512;
@@ -21,20 +22,20 @@ const CREDIT: usize = 8;
 /// Bytes of texts after which a chunk goes out though it is not full.
 pub const TEXTS: usize = 32 << 10;
 
-/// What kernels tell the merger.
+/// Messages of the kernels to the merger.
 pub enum Message {
     /// Events of a stream, and the promise that later ones are not before `upto`.
     Chunk {
         /// Stream.
         rank: u16,
         /// Events in order.
-        events: Vec<Event>,
+        events: Chunk,
         /// Promise.
         upto: Tag,
     },
     /// The stream produces nothing until it is resumed.
     Blocked(u16),
-    /// The stream goes on, not before the tag.
+    /// The stream continues, not before the tag.
     Resumed(u16, Tag),
     /// The stream is complete.
     Done(u16),
@@ -46,30 +47,37 @@ pub enum Message {
 pub struct Feeder {
     /// Number of the channel.
     pub rank: u16,
-    /// Where the chunks go.
-    pub messages: Sender<Message>,
-    empties: Receiver<Vec<Event>>,
-    made: usize,
-    /// Chunks that it may have.
+    messages: Sender<Message>,
+    back: Receiver<Chunk>,
+    /// Chunks on the way.
+    sent: usize,
+    /// Chunks that may be on the way.
     credit: usize,
 }
 
 impl Feeder {
-    /// A chunk to be overwritten, or `None` when the kernel has to wait for one ([`Feeder::wait_empty`]).
-    pub fn try_empty(&mut self) -> Option<Vec<Event>> {
-        if let Ok(chunk) = self.empties.try_recv() {
-            return Some(chunk);
-        }
-        if self.made < self.credit {
-            self.made += 1;
-            return Some(Vec::new());
-        }
-        None
+    /// Sends events; no later event is before `upto`.
+    pub fn send(&mut self, events: Chunk, upto: Tag) {
+        self.sent += 1;
+        let _ = self.messages.send(Message::Chunk { rank: self.rank, events, upto });
+    }
+
+    /// As many chunks are on the way as may be: the kernel waits for one to come back.
+    pub fn is_full(&self) -> bool {
+        self.sent >= self.credit
+    }
+
+    /// A chunk that has come back.
+    pub fn try_back(&mut self) -> Option<Chunk> {
+        let chunk = self.back.try_recv().ok()?;
+        self.sent -= 1;
+        Some(chunk)
     }
 
     /// Waits for a chunk to come back.
-    pub fn wait_empty(&mut self) -> Vec<Event> {
-        self.empties.recv().unwrap_or_default()
+    pub fn wait_back(&mut self) -> Chunk {
+        self.sent -= 1;
+        self.back.recv().unwrap_or_default()
     }
 }
 
@@ -81,11 +89,10 @@ enum State {
 
 struct Stream {
     rank: u16,
-    chunks: VecDeque<(Vec<Event>, usize)>,
+    chunks: VecDeque<(Chunk, usize)>,
     state: State,
-    /// The end of the channel is in the log.
-    ended: bool,
-    empties: Sender<Vec<Event>>,
+    /// Where chunks go that are in the log.
+    back: Sender<Chunk>,
 }
 
 impl Stream {
@@ -111,8 +118,6 @@ pub struct Merger {
     stop: Tag,
     /// Number of the next event.
     pub next_seq: u64,
-    /// Time and micro of the last event out.
-    pub last: (i64, u32),
     /// How the log ended so far.
     end: End,
 }
@@ -127,7 +132,8 @@ pub enum End {
 }
 
 impl Merger {
-    /// A merger for the given ranks, each of which may have so many bytes on the way, a feeder for each, and a sender for messages about streams.
+    /// A merger for these channels, each with `room` bytes on the way at most, a feeder for each of them, and a sender for
+    /// messages about streams.
     pub fn new(ranks: impl Iterator<Item = u16>, room: u64) -> (Self, Vec<Feeder>, Sender<Message>) {
         let chunk = (CHUNK * size_of::<Event>() + TEXTS) as u64;
         let credit = usize::try_from(room / chunk).unwrap_or(CREDIT).clamp(2, CREDIT);
@@ -135,29 +141,18 @@ impl Merger {
         let mut streams = Vec::new();
         let mut feeders = Vec::new();
         for rank in ranks {
-            let (back, empties) = bounded(CREDIT);
+            let (back, returned) = bounded(CREDIT);
             let floor = Tag { t: 0, micro: 0, rank };
-            streams.push(Stream {
-                rank,
-                chunks: VecDeque::with_capacity(CREDIT),
-                state: State::Active(floor),
-                ended: false,
-                empties: back,
-            });
-            feeders.push(Feeder { rank, messages: sender.clone(), empties, made: 0, credit });
+            streams.push(Stream { rank, chunks: VecDeque::with_capacity(CREDIT), state: State::Active(floor), back });
+            feeders.push(Feeder { rank, messages: sender.clone(), back: returned, sent: 0, credit });
         }
-        (Self { streams, messages, stop: Tag::END, next_seq: 1, last: (0, 0), end: End::Complete }, feeders, sender)
+        (Self { streams, messages, stop: Tag::END, next_seq: 1, end: End::Complete }, feeders, sender)
     }
 
-    /// Channels whose end is in the log.
-    pub fn ended(&self) -> Vec<u16> {
-        self.streams.iter().filter(|s| s.ended).map(|s| s.rank).collect()
-    }
-
-    /// Passes a chunk of the only stream on. Returns `false` when the log takes nothing more.
-    pub fn pass(&mut self, rank: u16, events: &[Event], sink: &mut dyn Sink) -> bool {
+    /// Passes events of the only stream on. Returns `false` when the log takes nothing more.
+    pub fn pass(&mut self, events: &[Event], sink: &mut dyn Sink) -> bool {
         if self.end == End::Complete {
-            self.end = self.send(rank, events, sink);
+            self.end = self.send(events, sink);
         }
         self.end == End::Complete
     }
@@ -168,17 +163,9 @@ impl Merger {
     }
 
     /// Hands events that are next in the log to the sink.
-    fn send(&mut self, rank: u16, batch: &[Event], sink: &mut dyn Sink) -> End {
-        if batch.iter().any(|e| matches!(e.kind, Kind::Lifecycle(Phase::ProgramEnd | Phase::Alarmed)))
-            && let Some(stream) = self.stream(rank)
-        {
-            stream.ended = true;
-        }
-        if let Some(last) = batch.last() {
-            self.last = (last.t_ns, last.micro);
-            if !sink.events(self.next_seq, batch) {
-                return End::Refused;
-            }
+    fn send(&mut self, batch: &[Event], sink: &mut dyn Sink) -> End {
+        if !batch.is_empty() && !sink.events(self.next_seq, batch) {
+            return End::Refused;
         }
         self.next_seq += batch.len() as u64;
         End::Complete
@@ -234,7 +221,7 @@ impl Merger {
                 if let Some(stream) = self.stream(rank) {
                     stream.state = State::Active(upto);
                     if events.is_empty() {
-                        let _ = stream.empties.try_send(events);
+                        recycle(stream, events);
                     } else {
                         stream.chunks.push_back((events, 0));
                     }
@@ -261,7 +248,7 @@ impl Merger {
         }
     }
 
-    /// Sends out everything that can be ordered now.
+    /// Emits every event whose position in the log is final.
     fn emit(&mut self, sink: &mut dyn Sink) -> End {
         loop {
             let Some(index) = (0..self.streams.len())
@@ -298,7 +285,7 @@ impl Merger {
                     tag > bound || tag > stop
                 })
                 .unwrap_or(rest.len());
-            let end = self.send(rank, rest.get(..run).unwrap_or_default(), sink);
+            let end = self.send(rest.get(..run).unwrap_or_default(), sink);
             let Some(stream) = self.streams.get_mut(index) else { return End::Complete };
             if at + run >= events.len() {
                 recycle(stream, events);
@@ -312,6 +299,7 @@ impl Merger {
     }
 }
 
-fn recycle(stream: &Stream, events: Vec<Event>) {
-    let _ = stream.empties.try_send(events);
+/// Gives a chunk back to its kernel.
+fn recycle(stream: &Stream, events: Chunk) {
+    let _ = stream.back.try_send(events);
 }

@@ -10,10 +10,14 @@ pub type WrittenFiles = Vec<(String, Arc<str>)>;
 
 /// Receives what a job logs.
 pub trait Sink: Send {
-    /// Results to feed instead of an ordered log, when nobody needs the order between channels: every kernel then
-    /// makes those of its own channel on its own thread, nothing is merged, and [`events`](Self::events) is never called.
+    /// The results that the kernels make, each those of its own channel on its own thread; `None`: nobody wants results.
     fn results(&mut self) -> Option<&mut ResultsBuilder> {
         None
+    }
+
+    /// Somebody wants the ordered log. Without it nothing is merged, and [`events`](Self::events) is never called.
+    fn is_logged(&self) -> bool {
+        true
     }
 
     /// The files that macros have written; once, when all kernels have ended.

@@ -89,6 +89,15 @@ pub struct Spec {
 }
 
 impl Spec {
+    /// The mark as the listing names it: the number alone if a letter is before it.
+    pub fn mark(&self) -> String {
+        match self.primitive {
+            Primitive::Signal => self.text(),
+            _ if self.letter.is_ascii_alphabetic() => self.number.to_string(),
+            _ => format!("{}{}", self.letter, self.number),
+        }
+    }
+
     /// `M101` or `M101 P12`; `START1` for a start by one side.
     pub fn text(&self) -> String {
         if self.primitive == Primitive::Signal {
@@ -363,6 +372,14 @@ mod tests {
             if named.is_empty() { (Set::up_to(2), Style::NoList) } else { (named_set.with(rank), Style::Listed) };
         let spec = Spec { primitive: Primitive::Barrier, letter: 'M', number, named: named_set, parts, style };
         Waiting { spec, tag: Tag { t, micro: 0, rank }, file: 0, line: 1 }
+    }
+
+    #[test]
+    fn a_mark_is_the_number_after_a_letter() {
+        let spec = |primitive, letter, named: &[u16]| Spec { primitive, letter, ..waiting(1, 0, 205, named).spec };
+        assert_eq!(spec(Primitive::Barrier, 'M', &[1, 2]).mark(), "205");
+        assert_eq!(spec(Primitive::Barrier, '!', &[]).mark(), "!205");
+        assert_eq!(spec(Primitive::Signal, 'M', &[]).mark(), "START205");
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! Receives a job's events on the kernel's side: log and results.
 //!
-//! Invariant: nothing here waits for a watcher. A job that keeps no log gives its results to the kernels to feed.
+//! Invariant: nothing here waits for a watcher. The kernels make the results, with a log or without one.
 
 use std::io;
 use std::sync::Arc;
@@ -36,7 +36,11 @@ impl<'a> JobSink<'a> {
 
 impl Sink for JobSink<'_> {
     fn results(&mut self) -> Option<&mut ResultsBuilder> {
-        (!self.logged).then_some(&mut self.builder)
+        Some(&mut self.builder)
+    }
+
+    fn is_logged(&self) -> bool {
+        self.logged
     }
 
     fn files(&mut self, files: WrittenFiles) {
@@ -57,7 +61,6 @@ impl Sink for JobSink<'_> {
             }
         }
         self.events.inc_by(batch.len() as u64);
-        batch.iter().for_each(|event| self.builder.event(event));
         true
     }
 }

@@ -64,8 +64,15 @@ fn kinds() -> Vec<Kind> {
             key: "M101".into(),
             primitive: Primitive::Order,
             participants: [1, 2, 300].into(),
+            mark: "".into(),
         })),
-        Kind::Release(Release { key: "M101".into(), primitive: Primitive::Barrier, since_ns: 5, meeting: 3 }),
+        Kind::Release(Release {
+            key: "M101".into(),
+            primitive: Primitive::Barrier,
+            since_ns: 5,
+            meeting: 3,
+            mark: "".into(),
+        }),
         Kind::Diagnostic(Box::new(Diagnostic {
             number: 1201,
             severity: 9,
@@ -73,6 +80,7 @@ fn kinds() -> Vec<Kind> {
             operation: "ROUGH".into(),
             kernel: "TURRET".into(),
             origin: None,
+            unrecognised: None,
         })),
         Kind::Verdict(Box::new(Verdict {
             kind: VerdictKind::PartnerEnded,
@@ -127,11 +135,41 @@ fn kinds() -> Vec<Kind> {
         Kind::Motion(Motion { kind: MotionKind::ArcCw, feed_unit: FeedUnit::Rapid, ..plain }),
         Kind::Motion(Motion { kind: MotionKind::ArcCw, plane_axes: [0, 1], ..plain }),
         Kind::Motion(Motion { length: f64::NAN, feed: f64::INFINITY, ..motion }),
-        Kind::Release(Release { key: "".into(), primitive: Primitive::Flag, since_ns: -1, meeting: 1 << 40 }),
-        Kind::Release(Release { key: "".into(), primitive: Primitive::Order, since_ns: -1, meeting: 1 << 40 }),
-        Kind::Release(Release { key: "".into(), primitive: Primitive::Count, since_ns: -1, meeting: 1 << 40 }),
-        Kind::Release(Release { key: "".into(), primitive: Primitive::Signal, since_ns: -1, meeting: 1 << 40 }),
-        Kind::Release(Release { key: "".into(), primitive: Primitive::Join, since_ns: -1, meeting: 1 << 40 }),
+        Kind::Release(Release {
+            key: "".into(),
+            primitive: Primitive::Flag,
+            since_ns: -1,
+            meeting: 1 << 40,
+            mark: "".into(),
+        }),
+        Kind::Release(Release {
+            key: "".into(),
+            primitive: Primitive::Order,
+            since_ns: -1,
+            meeting: 1 << 40,
+            mark: "".into(),
+        }),
+        Kind::Release(Release {
+            key: "".into(),
+            primitive: Primitive::Count,
+            since_ns: -1,
+            meeting: 1 << 40,
+            mark: "".into(),
+        }),
+        Kind::Release(Release {
+            key: "".into(),
+            primitive: Primitive::Signal,
+            since_ns: -1,
+            meeting: 1 << 40,
+            mark: "".into(),
+        }),
+        Kind::Release(Release {
+            key: "".into(),
+            primitive: Primitive::Join,
+            since_ns: -1,
+            meeting: 1 << 40,
+            mark: "".into(),
+        }),
         verdict(VerdictKind::Cycle),
         verdict(VerdictKind::Mismatch),
         verdict(VerdictKind::PartnerAlarmed),
@@ -158,6 +196,23 @@ fn kinds() -> Vec<Kind> {
         Kind::Diagnostic(Box::new(Diagnostic { kernel: "TURRET".into(), ..Diagnostic::default() })),
         Kind::Diagnostic(Box::new(Diagnostic { operation: "BORE".into(), ..Diagnostic::default() })),
         Kind::Call(Call { program: "\u{1}".into(), level: u16::MAX }),
+        Kind::Wait(Arc::new(Wait {
+            key: "M101".into(),
+            primitive: Primitive::Barrier,
+            participants: [1, 2].into(),
+            mark: "101".into(),
+        })),
+        Kind::Release(Release {
+            key: "M101".into(),
+            primitive: Primitive::Barrier,
+            since_ns: 5,
+            meeting: 3,
+            mark: "101".into(),
+        }),
+        Kind::Diagnostic(Box::new(Diagnostic {
+            unrecognised: Some(Box::new(Unrecognised { text: "Q7".into(), place: "'G1 Q7'".into() })),
+            ..Diagnostic::default()
+        })),
     ]
 }
 

@@ -147,6 +147,14 @@ impl Ready {
     }
 }
 
+/// Gives events to the log and to the results.
+fn send(sink: &mut dyn Sink, seq: u64, batch: &[Event]) -> bool {
+    if let Some(builder) = sink.results() {
+        batch.iter().for_each(|event| builder.event(event));
+    }
+    sink.events(seq, batch)
+}
+
 impl Prepared for Ready {
     fn info(&self) -> &Arc<Info> {
         &self.info
@@ -162,7 +170,7 @@ impl Prepared for Ready {
                     let end = seq + count.parse::<u64>().unwrap();
                     while seq < end && !control.cancelled() {
                         let batch: Vec<_> = (seq..end.min(seq + 100)).map(event).collect();
-                        if !sink.events(seq, &batch) {
+                        if !send(sink, seq, &batch) {
                             return Outcome { events: seq - 1, cancelled: false, sink_failed: true };
                         }
                         seq += batch.len() as u64;
@@ -188,17 +196,17 @@ impl Prepared for Ready {
                         text: text.into(),
                         ..Diagnostic::default()
                     }));
-                    assert!(sink.events(seq, &[Event { kind, ..event(seq) }]));
+                    assert!(send(sink, seq, &[Event { kind, ..event(seq) }]));
                     seq += 1;
                 }
                 ("SYSTEM", _) => {
                     let text = if control.system().is_some() { "allowed" } else { "refused" };
                     let diagnostic = Diagnostic { number: 8, text: text.into(), ..Diagnostic::default() };
-                    assert!(sink.events(seq, &[Event { kind: Kind::Diagnostic(Box::new(diagnostic)), ..event(seq) }]));
+                    assert!(send(sink, seq, &[Event { kind: Kind::Diagnostic(Box::new(diagnostic)), ..event(seq) }]));
                     seq += 1;
                 }
                 ("ALARM", _) => {
-                    assert!(sink.events(seq, &[self.alarm(seq)]));
+                    assert!(send(sink, seq, &[self.alarm(seq)]));
                     seq += 1;
                 }
                 _ => {}

@@ -32,11 +32,14 @@ struct Quiet {
 
 impl Sink for Quiet {
     fn results(&mut self) -> Option<&mut ResultsBuilder> {
-        (!self.logged).then_some(&mut self.builder)
+        Some(&mut self.builder)
     }
 
-    fn events(&mut self, _: u64, batch: &[Event]) -> bool {
-        batch.iter().for_each(|event| self.builder.event(event));
+    fn is_logged(&self) -> bool {
+        self.logged
+    }
+
+    fn events(&mut self, _: u64, _: &[Event]) -> bool {
         true
     }
 }

@@ -27,14 +27,14 @@ pub(crate) fn corner(
     size: f64,
 ) -> Result<Corner, &'static str> {
     let (Some(in_), Some(out)) = (direction(minus(corner, before)), direction(minus(after, corner))) else {
-        return Err("a corner needs a line before and behind it");
+        return Err("a corner needs a line before it and a line after it");
     };
     if !(size > 0.0 && size.is_finite()) {
         return Err("a corner needs a length or radius above zero");
     }
     let side = turn(in_, out);
     if side.abs() < 1e-9 {
-        return Err("there is no corner between lines of one direction");
+        return Err("lines of one direction have no corner");
     }
     let need = match chamfer {
         true => size,
@@ -42,7 +42,7 @@ pub(crate) fn corner(
         false => size * side.abs() / (1.0 + dot(in_, out)),
     };
     if need > length(minus(corner, before)) + 1e-9 || need > length(minus(after, corner)) + 1e-9 {
-        return Err("a corner is larger than its lines");
+        return Err("the corner is larger than its lines");
     }
     Ok(Corner { from: along(corner, in_, -need), to: along(corner, out, need), clockwise: side < 0.0 })
 }

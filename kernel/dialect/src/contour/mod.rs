@@ -1,4 +1,5 @@
-//! Contours in the working plane: corners, circles by radius or about a pole, ways to and from a contour.
+//! Contours in the working plane: chamfers and roundings of corners, circles by radius, about a pole or in the direction of what
+//! is before them, points by polar coordinates, ways to and from a contour.
 //!
 //! Pure geometry for any dialect: what the words of a control mean is the dialect's. *Invariant:* what does not exist is
 //! none, never a number that is not finite.
@@ -6,9 +7,13 @@
 mod circle;
 mod corner;
 mod plane;
+mod polar;
+mod tangent;
 mod ways;
 
 pub(super) use circle::{angle_between, pieces};
 pub(super) use corner::{Corner, corner};
-pub(super) use plane::{Point, along, center_by_radius, direction, left, minus, times, turned};
+pub(super) use plane::{Point, center_by_radius, direction, minus};
+pub(super) use polar::Polar;
+pub(super) use tangent::{Tangent, heading_on, tangent};
 pub(super) use ways::{Approach, Departure, Side, Way, approach, depart};

@@ -8,7 +8,7 @@ use counterpoint_fault::Halt;
 use counterpoint_lang::value::Value;
 
 use super::compile::compile;
-use super::expr::{Expr, Fault, Variables, number};
+use super::expr::{self, Expr, Fault, Variables, number};
 use super::statement::Statement;
 use crate::host::{Answer, Host, NotThere};
 use counterpoint_program::key_words::Names;
@@ -69,7 +69,7 @@ impl<'h> Access<'h> {
         let Statement::Assign(list) = line.statement else { return Err(unknown) };
         let [(_, value)] = list.as_slice() else { return Err(unknown) };
         let outer = std::mem::replace(&mut self.answering, true);
-        let value = value.eval(self);
+        let value = expr::value(value, self);
         self.answering = outer;
         if let Err(Fault::NoFunction(_)) = value { Err(unknown) } else { value }
     }
@@ -154,9 +154,9 @@ pub(super) fn eval(host: &mut dyn Host, expr: &Expr) -> Result<f64, Abandoned> {
 /// Value of an expression at an address whose values have so many steps of one unit.
 pub(super) fn eval_at(host: &mut dyn Host, expr: &Expr, steps: f64) -> Result<f64, Abandoned> {
     if let Some(value) = expr.as_constant() {
-        return Ok(value);
+        return Ok(*value);
     }
-    match expr.eval(&mut Access::at_address(host, steps)) {
+    match expr::value(expr, &mut Access::at_address(host, steps)) {
         Ok(value) => Ok(value),
         // What has no value counts as 0 where the machine continues.
         Err(fault) => abandons(host, &fault).map(|()| 0.0),

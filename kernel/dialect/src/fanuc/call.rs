@@ -37,7 +37,7 @@ pub(super) fn arguments(
     let mut read = Arguments::default();
     let mut levels = [0_u8; 3];
     let calls = |word: &TemplateWord| {
-        let value = word.value.as_constant().filter(|_| word.name == Name::Letter(b'G'));
+        let value = word.value.as_constant().copied().filter(|_| word.name == Name::Letter(b'G'));
         value.is_some_and(|value| with_arguments(value).is_some())
     };
     let strict = host.is_call_strict() && own.is_none() && words.iter().any(calls);
@@ -99,11 +99,11 @@ fn check_place(host: &mut dyn Host, letter: u8, after: bool) -> Acted {
     }
     let letter = char::from(letter);
     if !after {
-        let text = format!("{letter} stands before the macro call in '{}'", host.block_text());
+        let text = format!("{letter} comes before the macro call in '{}'", host.block_text());
         return Err(host.alarm(&diag::CALL_NOT_FIRST, text));
     }
     if letter == 'G' {
-        let text = format!("G is no argument of the macro call in '{}'", host.block_text());
+        let text = format!("G cannot be an argument of the macro call in '{}'", host.block_text());
         return Err(host.alarm(&diag::CALL_G_WORD, text));
     }
     Ok(())

@@ -94,7 +94,7 @@ impl Parser<'_> {
             Some(b'[' | b'#') => {
                 let mut ops = Vec::new();
                 self.primary(&mut ops)?;
-                Ok(Expr { ops })
+                Ok(Expr::new(ops))
             }
             _ => Err(self.error("a sequence number")),
         }

@@ -77,7 +77,9 @@ impl Fanuc {
             return host.go_to_block(start);
         }
         let (block, line) = (host.block_text(), start.line);
-        let text = format!("'{block}' ends a loop that line {line} opens, but a jump has led into it");
+        let text = format!(
+            "'{block}' ends the loop of line {line}, but a jump has entered the loop without passing its start"
+        );
         Err(host.alarm(&diag::LOOP_ENTERED, text))
     }
 
@@ -120,7 +122,7 @@ impl Fanuc {
     fn goto(&mut self, host: &mut dyn Host, target: &Expr) -> Result<(), Abandoned> {
         let value = number(eval(host, target)?).round();
         if !(1.0..=f64::from(u32::MAX)).contains(&value) {
-            let text = format!("{value} is no sequence number to go to in '{}'", host.block_text());
+            let text = format!("{value} is not a valid sequence number to jump to in '{}'", host.block_text());
             return Err(host.alarm(&diag::JUMP_TARGET, text).into());
         }
         let block = host.sequence(value as u32)?;
@@ -130,7 +132,7 @@ impl Fanuc {
 }
 
 fn unpaired(host: &mut dyn Host) -> Halt {
-    let text = format!("'{}' has no partner in the program", host.block_text());
+    let text = format!("'{}' has no matching statement in the program", host.block_text());
     host.alarm(&diag::MACRO_LOOP, text)
 }
 

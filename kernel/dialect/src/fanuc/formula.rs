@@ -4,41 +4,23 @@
 //! with OR and XOR, products with AND and MOD, signs. Invariant: what is made fits the stack of the evaluation.
 
 use super::cursor::{Error, Parser};
-use super::expr::{Expr, Op, STACK};
-use crate::expression::{Grammar, read};
-use crate::numeric::Function;
+use super::expr::{Expr, Op, Own, STACK};
+use crate::expression::{COMPARISONS, Code, Grammar, Operators, Part, Sign, read};
+use crate::numeric::{Function, NAMED, Operator};
 
-/// Functions of one argument in brackets.
+/// Functions of one argument in brackets besides those of all controls.
 const FUNCTIONS: &[(&str, Op)] = &[
-    ("SIN", Op::Apply(Function::Sin)),
-    ("COS", Op::Apply(Function::Cos)),
-    ("TAN", Op::Apply(Function::Tan)),
-    ("ASIN", Op::Apply(Function::Asin)),
-    ("ACOS", Op::Apply(Function::Acos)),
     ("ATAN", Op::Apply(Function::Atan)),
-    ("SQRT", Op::Apply(Function::Sqrt)),
     ("SQR", Op::Apply(Function::Sqrt)),
-    ("ABS", Op::Apply(Function::Abs)),
-    ("ROUND", Op::Round),
+    ("ROUND", Op::Own(Own::Round)),
     ("FIX", Op::Apply(Function::Fix)),
     ("FUP", Op::Apply(Function::Fup)),
-    ("LN", Op::Apply(Function::Ln)),
-    ("EXP", Op::Apply(Function::Exp)),
     ("BIN", Op::Apply(Function::Bin)),
     ("BCD", Op::Apply(Function::Bcd)),
 ];
 
-/// Operators by level, loosest first: text, how many of its letters are enough, what it does.
-const OPERATORS: [&[(&str, usize, Op)]; 5] = [
-    &[("||", 2, Op::Either)],
-    &[("&&", 2, Op::Both)],
-    &[("EQ", 2, Op::Eq), ("NE", 2, Op::Ne), ("GT", 2, Op::Gt), ("GE", 2, Op::Ge), ("LT", 2, Op::Lt), ("LE", 2, Op::Le)],
-    &[("+", 1, Op::Add), ("-", 1, Op::Sub), ("|", 1, Op::Or), ("OR", 2, Op::Or), ("XOR", 2, Op::Xor)],
-    &[("*", 1, Op::Mul), ("/", 1, Op::Div), ("&", 1, Op::And), ("AND", 2, Op::And), ("MOD", 3, Op::Mod)],
-];
-
 /// Level of comparisons, which are understood inside brackets only.
-const COMPARISONS: usize = 2;
+const COMPARING: usize = 2;
 /// Level of sums.
 const SUMS: usize = 3;
 
@@ -51,32 +33,64 @@ struct Reader<'p, 't> {
 }
 
 impl Grammar for Reader<'_, '_> {
-    type Operator = Op;
-    type Part = ();
+    type Value = f64;
+    type Own = Own;
     type Mistake = Error;
 
-    fn operand(&mut self) -> Result<(), Error> {
-        self.parser.signed(self.ops)
+    const OPERATORS: Operators = &[
+        &[("||", Operator::Or)],
+        &[("&&", Operator::And)],
+        COMPARISONS,
+        &[
+            ("+", Operator::Add),
+            ("-", Operator::Sub),
+            ("|", Operator::BitOr),
+            ("OR", Operator::BitOr),
+            ("XOR", Operator::BitXor),
+        ],
+        &[
+            ("*", Operator::Mul),
+            ("/", Operator::Div),
+            ("&", Operator::BitAnd),
+            ("AND", Operator::BitAnd),
+            ("MOD", Operator::RemOfWhole),
+        ],
+    ];
+    const SIGNS: &'static [(&'static str, Sign)] = &[("-", Sign::Minus), ("+", Sign::Plus)];
+
+    fn ops(&mut self) -> &mut Vec<Op> {
+        self.ops
     }
 
-    fn operator(&mut self, loosest: usize) -> Option<(usize, Op)> {
-        self.parser.peek()?;
-        let letters = self.parser.letters();
-        for (level, operators) in OPERATORS.iter().enumerate().skip(loosest) {
-            if level == COMPARISONS && !self.compares {
-                continue;
+    fn takes(&mut self, word: &str) -> bool {
+        self.parser.takes(word)
+    }
+
+    fn operand(&mut self) -> Result<Part, Error> {
+        let start = self.ops.len();
+        self.parser.primary(self.ops)?;
+        Ok(Part { start, truth: false })
+    }
+
+    fn negated(value: &f64) -> Option<f64> {
+        Some(-value)
+    }
+
+    fn allows(&self, level: usize) -> bool {
+        level != COMPARING || self.compares
+    }
+
+    fn sign(&mut self, sign: Sign, part: Part) -> Part {
+        match (sign, self.ops.last_mut()) {
+            (Sign::Minus, Some(Op::Value(value))) => *value = -*value,
+            // Two signs leave a vacant value vacant.
+            (Sign::Minus, Some(Op::Apply(Function::Neg))) => {
+                self.ops.pop();
             }
-            if let Some((_, _, op)) =
-                operators.iter().find(|(text, least, _)| self.parser.takes(text, *least, &letters))
-            {
-                return Some((level, *op));
-            }
+            (Sign::Minus, _) => self.ops.push(Op::Apply(Function::Neg)),
+            _ => {}
         }
-        None
-    }
-
-    fn join(&mut self, op: Op, (): (), (): ()) {
-        self.ops.push(op);
+        part
     }
 }
 
@@ -86,76 +100,46 @@ impl Parser<'_> {
         let (mut depth, mut most) = (0_usize, 0_usize);
         for op in &ops {
             match op {
-                Op::Number(_) | Op::Variable(_) | Op::Unknown(..) => depth += 1,
-                Op::Add
-                | Op::Sub
-                | Op::Mul
-                | Op::Div
-                | Op::Mod
-                | Op::And
-                | Op::Or
-                | Op::Xor
-                | Op::Both
-                | Op::Either
-                | Op::Eq
-                | Op::Ne
-                | Op::Gt
-                | Op::Ge
-                | Op::Lt
-                | Op::Le
-                | Op::Atan2 => depth = depth.saturating_sub(1),
-                _ => {}
+                Op::Value(_) | Op::Own(Own::Variable(_) | Own::Unknown(..)) => depth += 1,
+                Op::Combine(_) => depth = depth.saturating_sub(1),
+                Op::Apply(_) | Op::Own(Own::Indirect | Own::Round) => {}
             }
             most = most.max(depth);
         }
-        if most > STACK { Err(self.error("a shorter expression")) } else { Ok(Expr { ops }) }
+        if most > STACK { Err(self.error("a shorter expression")) } else { Ok(Code::new(ops)) }
     }
 
     /// An expression outside brackets: without comparisons.
     pub(super) fn logical(&mut self, ops: &mut Vec<Op>) -> Result<(), Error> {
-        read(&mut Reader { parser: self, ops, compares: false }, 0)
+        read(&mut Reader { parser: self, ops, compares: false }, 0).map(|_| ())
     }
 
     /// An expression inside brackets.
     pub(super) fn relation(&mut self, ops: &mut Vec<Op>) -> Result<(), Error> {
-        read(&mut Reader { parser: self, ops, compares: true }, 0)
+        read(&mut Reader { parser: self, ops, compares: true }, 0).map(|_| ())
     }
 
     /// A sum.
     pub(super) fn expression(&mut self, ops: &mut Vec<Op>) -> Result<(), Error> {
-        read(&mut Reader { parser: self, ops, compares: false }, SUMS)
+        read(&mut Reader { parser: self, ops, compares: false }, SUMS).map(|_| ())
     }
 
-    /// Takes an operator that stands here; of one of letters so many are enough.
-    fn takes(&mut self, text: &str, least: usize, letters: &str) -> bool {
+    /// Takes an operator or sign that is next; two letters of a word are enough, but for MOD.
+    fn takes(&mut self, word: &str) -> bool {
+        self.blanks();
         let here = self.text.get(self.at..).unwrap_or_default();
-        let length = match text.as_bytes() {
+        let starts =
+            |begin: &str| here.get(..begin.len()).is_some_and(|text| text.eq_ignore_ascii_case(begin.as_bytes()));
+        let least = if word == "MOD" { word } else { word.get(..2).unwrap_or(word) };
+        let length = match word.as_bytes() {
             // A doubled one is another operator.
             [sign @ (b'|' | b'&')] if here.get(1) == Some(sign) => 0,
-            [b'A'..=b'Z', ..] if letters.starts_with(text) => text.len(),
-            [b'A'..=b'Z', ..] if text.get(..least).is_some_and(|begin| letters.starts_with(begin)) => least,
-            [b'A'..=b'Z', ..] => 0,
-            sign if here.starts_with(sign) => sign.len(),
+            _ if starts(word) => word.len(),
+            _ if starts(least) => least.len(),
             _ => 0,
         };
         self.at += length;
         length > 0
-    }
-
-    fn signed(&mut self, ops: &mut Vec<Op>) -> Result<(), Error> {
-        let mut negative = false;
-        loop {
-            if self.accept(b'-') {
-                negative = !negative;
-            } else if !self.accept(b'+') {
-                break;
-            }
-        }
-        self.primary(ops)?;
-        if negative {
-            ops.push(Op::Neg);
-        }
-        Ok(())
     }
 
     pub(super) fn primary(&mut self, ops: &mut Vec<Op>) -> Result<(), Error> {
@@ -165,19 +149,19 @@ impl Parser<'_> {
                 let mut number = Vec::new();
                 self.variable_number(&mut number)?;
                 match number.as_slice() {
-                    [Op::Number(n)] if *n >= 0.0 && n.fract() == 0.0 && *n <= f64::from(u32::MAX) => {
-                        ops.push(Op::Variable(*n as u32));
+                    [Op::Value(n)] if *n >= 0.0 && n.fract() == 0.0 && *n <= f64::from(u32::MAX) => {
+                        ops.push(Op::Own(Own::Variable(*n as u32)));
                     }
                     _ => {
                         ops.append(&mut number);
-                        ops.push(Op::Indirect);
+                        ops.push(Op::Own(Own::Indirect));
                     }
                 }
                 Ok(())
             }
             Some(b'[') => self.bracketed(ops),
             Some(b'0'..=b'9' | b'.') => {
-                ops.push(Op::Number(self.literal()?));
+                ops.push(Op::Value(self.literal()?));
                 Ok(())
             }
             Some(byte) if byte.is_ascii_uppercase() => self.function(ops),
@@ -189,7 +173,7 @@ impl Parser<'_> {
     pub(super) fn variable_number(&mut self, ops: &mut Vec<Op>) -> Result<(), Error> {
         match self.peek() {
             Some(b'0'..=b'9') => {
-                ops.push(Op::Number(f64::from(self.unsigned().unwrap_or(0))));
+                ops.push(Op::Value(f64::from(self.unsigned().unwrap_or(0))));
                 Ok(())
             }
             Some(b'[') => self.bracketed(ops),
@@ -229,7 +213,8 @@ impl Parser<'_> {
         let letters = self.letters();
         // The longest name wins; two letters of a name are enough.
         let mut best: Option<(Op, usize)> = None;
-        for &(name, op) in FUNCTIONS {
+        let common = NAMED.iter().map(|(name, function)| (*name, Op::Apply(*function)));
+        for (name, op) in common.chain(FUNCTIONS.iter().copied()) {
             let common = name.bytes().zip(letters.bytes()).take_while(|(a, b)| a == b).count();
             if common >= 2 && common == letters.len() && best.is_none_or(|(_, n)| n < common) {
                 best = Some((op, common));
@@ -253,7 +238,8 @@ impl Parser<'_> {
     /// A function begins here that the control has.
     pub(super) fn stands_function(&mut self) -> bool {
         let letters = self.letters();
-        letters.len() >= 2 && FUNCTIONS.iter().any(|(name, _)| name.starts_with(&letters))
+        let mut names = NAMED.iter().map(|(name, _)| name).chain(FUNCTIONS.iter().map(|(name, _)| name));
+        letters.len() >= 2 && names.any(|name| name.starts_with(&letters))
     }
 
     /// `NAME[…]` that the control does not have: the machine may know its value.
@@ -272,7 +258,7 @@ impl Parser<'_> {
             match byte {
                 b'[' => open += 1,
                 b']' if open == 1 => {
-                    ops.push(Op::Unknown(start as u32, self.at as u32));
+                    ops.push(Op::Own(Own::Unknown(start as u32, self.at as u32)));
                     return Ok(());
                 }
                 b']' => open -= 1,
@@ -298,11 +284,11 @@ impl Parser<'_> {
         let mark = self.at;
         if !two && self.accept(b'/') && self.peek() == Some(b'[') {
             self.bracketed(ops)?;
-            ops.push(Op::Atan2);
+            ops.push(Op::Combine(Operator::Atan2));
             return Ok(());
         }
         self.at = mark;
-        ops.push(if two { Op::Atan2 } else { Op::Apply(Function::Atan) });
+        ops.push(if two { Op::Combine(Operator::Atan2) } else { Op::Apply(Function::Atan) });
         Ok(())
     }
 }
@@ -310,7 +296,7 @@ impl Parser<'_> {
 #[cfg(test)]
 mod tests {
     use super::super::compile;
-    use super::super::expr::{Fault, Variables};
+    use super::super::expr::{self, Fault, Variables};
     use super::super::statement::Statement;
     use crate::numeric::VACANT;
     use counterpoint_program::key_words::Names;
@@ -329,7 +315,7 @@ mod tests {
     fn value(text: &str) -> Result<f64, Fault> {
         let line = compile(format!("#1={text}").as_bytes(), Names::default()).unwrap();
         let Statement::Assign(list) = line.statement else { panic!("no assignment") };
-        list[0].1.eval(&mut Fixed)
+        expr::value(&list[0].1, &mut Fixed)
     }
 
     #[test]
@@ -369,7 +355,7 @@ mod tests {
     }
 
     #[test]
-    fn faults_are_told() {
+    fn faults_are_reported() {
         assert_eq!(value("1/0"), Err(Fault::Division));
         assert!(matches!(value("SQRT[-1]"), Err(Fault::Domain("SQRT", _))));
         assert!(matches!(value("#[0-1.5]"), Err(Fault::NoVariable(_))));

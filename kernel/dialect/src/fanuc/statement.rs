@@ -1,6 +1,7 @@
 //! A compiled program line, and what its words may be called.
 
 use super::expr::Expr;
+use counterpoint_machine::index::CodeRowId;
 use counterpoint_program::key_words::Number;
 
 /// A line after compiling.
@@ -82,5 +83,5 @@ pub(super) enum Name {
     /// A special register of the machine, and whether it is the incremental form.
     Register(u8, bool),
     /// A literal text: row of the code table. It has no value.
-    Text(u16),
+    Text(CodeRowId),
 }

@@ -6,6 +6,7 @@
 use super::cursor::{Error, Parser};
 use super::expr::{Expr, Op};
 use super::statement::{Name, Statement, TemplateWord};
+use crate::numeric::Function;
 use counterpoint_program::key_words::Number;
 use counterpoint_program::shape::program_name;
 use counterpoint_program::special::{stands, starts_value};
@@ -85,8 +86,7 @@ impl Parser<'_> {
         let start = self.at + usize::from(sign.is_some());
         self.expression(&mut ops)?;
         self.written = match ops.as_slice() {
-            [Op::Number(value)] => self.as_written(start, *value),
-            [Op::Number(value), Op::Neg] => self.as_written(start, -*value),
+            [Op::Value(value)] => self.as_written(start, *value),
             _ => None,
         };
         self.checked(ops)
@@ -109,14 +109,14 @@ impl Parser<'_> {
         }
         self.primary(&mut ops)?;
         self.written = match ops.as_slice() {
-            [Op::Number(value)] => self.as_written(start, if negative { -*value } else { *value }),
+            [Op::Value(value)] => self.as_written(start, if negative { -*value } else { *value }),
             _ => None,
         };
         if negative {
-            ops.push(Op::Neg);
-            // A negated constant stays one.
-            if let [Op::Number(value), Op::Neg] = ops.as_slice() {
-                ops = vec![Op::Number(-*value)];
+            match ops.as_mut_slice() {
+                // A negated constant stays one.
+                [Op::Value(value)] => *value = -*value,
+                _ => ops.push(Op::Apply(Function::Neg)),
             }
         }
         self.checked(ops)

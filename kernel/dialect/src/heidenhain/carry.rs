@@ -59,7 +59,7 @@ impl Heidenhain {
             Statement::CallSelected => match self.selected.clone() {
                 Some(name) => self.call_program(host, &name).map(|()| None),
                 None => {
-                    let text = format!("no program is selected for '{}'", host.block_text());
+                    let text = format!("no program is selected for '{}'; program SEL PGM first", host.block_text());
                     Err(host.alarm(&diag::SUBPROGRAM_MISSING, text))
                 }
             },
@@ -93,7 +93,7 @@ impl Heidenhain {
 
     /// A statement that is not emulated: reported and dropped.
     pub(super) fn not_understood(&mut self, host: &mut dyn Host) -> Option<String> {
-        let text = format!("the pre-processor does not understand '{}', it is dropped", host.block_text());
+        let text = format!("statement '{}' is not supported; ignored", host.block_text());
         host.diagnose(&diag::STATEMENT_UNKNOWN, text);
         None
     }
@@ -173,7 +173,7 @@ impl Heidenhain {
         }
         if inch {
             let text =
-                format!("the machine has no code INCH for '{}', lengths are read in its own unit", host.block_text());
+                format!("the machine has no code INCH for '{}'; lengths are read in its own unit", host.block_text());
             host.diagnose(&diag::STATEMENT_UNKNOWN, text);
         }
         Ok(None)
@@ -193,7 +193,7 @@ impl Heidenhain {
             Asked::Kept => Some(quoted),
             Asked::Nothing => None,
             Asked::Unknown => {
-                let text = format!("nobody knows the number of the tool {quoted} in '{}'", host.block_text());
+                let text = format!("tool {quoted} not found in '{}'", host.block_text());
                 host.diagnose(&diag::TOOL_NAME, text);
                 None
             }

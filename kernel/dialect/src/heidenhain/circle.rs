@@ -5,7 +5,7 @@
 
 use super::path::{AXES, Position, Shape, Walk};
 use super::words::{Seen, joined};
-use crate::contour::{Point, along, center_by_radius, left, minus, times};
+use crate::contour::{self, Point, Tangent, center_by_radius, minus};
 
 impl Walk<'_> {
     /// Direction of a circle: before its words in ISO programs, after them in others.
@@ -29,8 +29,7 @@ impl Walk<'_> {
 
     /// Direction at the end of a circle.
     pub(super) fn leave_circle(&mut self, center: Point, end: Point, clockwise: bool) {
-        let tangent = left(minus(end, center));
-        self.head_for(if clockwise { times(tangent, -1.0) } else { tangent });
+        self.head_for(contour::heading_on(center, end, clockwise));
         self.path.clockwise = Some(clockwise);
     }
 
@@ -55,13 +54,13 @@ impl Walk<'_> {
         let base = self.path.base.take();
         let mut lines = Vec::new();
         let Some(clockwise) = self.path.clockwise else {
-            self.complain("a circle has no direction");
+            self.complain("the circle has no direction of rotation");
             return vec![self.verbatim(&[])];
         };
         let mut centre = Vec::new();
         if shape == Shape::Arc {
             let Some(pole) = self.path.pole else {
-                self.complain("a circle has no centre");
+                self.complain("the circle has no centre (CC)");
                 return vec![self.verbatim(&[])];
             };
             centre = self.center_words(pole);
@@ -151,25 +150,22 @@ impl Walk<'_> {
         self.path.base = None;
         let others = self.others(self.polar_words());
         let Some(heading) = self.path.heading else {
-            self.complain("a tangential circle has nothing before it, its end is reached straight");
+            self.complain("a tangential circle needs a path block before it; a straight move is made instead");
             return vec![self.straight(&end, &others)];
         };
-        let chord = minus(to, start);
-        let (across, length) =
-            (chord[1] * heading[0] - chord[0] * heading[1], chord[0] * chord[0] + chord[1] * chord[1]);
-        if across.abs() <= 1e-9 * length.max(1e-9) {
-            if chord[0] * heading[0] + chord[1] * heading[1] < 0.0 {
-                self.complain("a tangential circle cannot lead straight back, its end is reached straight");
+        match contour::tangent(start, heading, to) {
+            Tangent::Arc { center, radius, clockwise } => {
+                let line = self.by_radius(&end, radius, clockwise, &others);
+                self.leave_circle(center, to, clockwise);
+                vec![line]
             }
-            self.head_for(chord);
-            return vec![self.straight(&end, &others)];
+            straight => {
+                if straight == Tangent::Back {
+                    self.complain("a tangential circle cannot lead straight back; a straight move is made instead");
+                }
+                self.head_for(minus(to, start));
+                vec![self.straight(&end, &others)]
+            }
         }
-        let radius = length / (2.0 * across);
-        let clockwise = radius < 0.0;
-        let center = along(start, left(heading), radius);
-        let longer = chord[0] * heading[0] + chord[1] * heading[1] < 0.0;
-        let line = self.by_radius(&end, if longer { -radius.abs() } else { radius.abs() }, clockwise, &others);
-        self.leave_circle(center, to, clockwise);
-        vec![line]
     }
 }

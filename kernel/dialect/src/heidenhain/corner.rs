@@ -7,7 +7,7 @@
 
 use super::path::{Corner, Position, Shape, Walk, axis};
 use super::words::Seen;
-use crate::contour::{self, Approach, Departure, Point, Side, Way, along, direction, left, minus, times, turned};
+use crate::contour::{self, Approach, Departure, Point, Polar, Side, Way, direction, minus};
 
 impl Walk<'_> {
     /// Where a line has to end, if the next block makes a corner at its end.
@@ -34,7 +34,7 @@ impl Walk<'_> {
             straight.then(|| self.end_of(&step.seen, end, step.shape == Shape::PolarLine)).flatten()
         });
         let Some(after) = after else {
-            self.complain("a corner is only made between straight lines, that behind this block is left sharp");
+            self.complain("corners are made between straight lines only; the corner after this block is left sharp");
             return None;
         };
         let (before, corner) = (self.flat(&self.actual), self.flat(end));
@@ -45,7 +45,7 @@ impl Walk<'_> {
                 Some(from)
             }
             Err(why) => {
-                self.complain(&format!("{why}; the corner behind this block is left sharp"));
+                self.complain(&format!("{why}; the corner after this block is left sharp"));
                 None
             }
         }
@@ -63,8 +63,7 @@ impl Walk<'_> {
             return Some(self.flat(&self.target_of(seen, start)));
         }
         let pole = self.path.pole?;
-        let from = minus(self.flat(start), pole);
-        let (mut radius, mut angle) = (libm::hypot(from[0], from[1]), libm::atan2(from[1], from[0]).to_degrees());
+        let Polar { mut radius, mut angle } = Polar::of(pole, self.flat(start));
         for word in seen {
             match (&*word.name, word.value) {
                 ("PR", Some(value)) => radius = value,
@@ -74,7 +73,7 @@ impl Walk<'_> {
                 _ => {}
             }
         }
-        Some(along(pole, turned([1.0, 0.0], angle), radius))
+        Some(Polar { radius, angle }.point(pole))
     }
 
     /// A corner: what the line before has made room for.
@@ -126,9 +125,7 @@ impl Walk<'_> {
         let next = self.ahead.first().cloned();
         let heading = next.as_ref().and_then(|step| self.heading_of(step, &end, to));
         let Some(heading) = heading else {
-            self.complain(
-                "an approach needs a path block behind it that tells its direction, the point is reached straight",
-            );
+            self.complain("an approach needs a path block after it for its direction; a straight move is made instead");
             let others = self.others(&USED);
             return vec![self.straight(&end, &others)];
         };
@@ -136,7 +133,7 @@ impl Walk<'_> {
         let made = contour::approach(way, from, (to, heading), side);
         let others = self.others(&USED);
         let Some(Approach { begin, radius, heading }) = made else {
-            self.complain("an approach has no length or radius that fits, the point is reached straight");
+            self.complain("an approach has no length or radius that fits; a straight move is made instead");
             return vec![self.straight(&end, &others)];
         };
         let mut first = self.actual;
@@ -166,16 +163,14 @@ impl Walk<'_> {
             Shape::PolarLine => direction(minus(self.end_of(&step.seen, from, true)?, point)),
             Shape::Arc | Shape::PolarArc => {
                 let clockwise = step.seen.iter().any(|word| word.text == "DR-");
-                let tangent = left(direction(minus(point, self.path.pole?))?);
-                Some(if clockwise { times(tangent, -1.0) } else { tangent })
+                direction(contour::heading_on(self.path.pole?, point, clockwise))
             }
             Shape::Radius => {
                 let to = self.end_of(&step.seen, from, false)?;
                 let clockwise = step.seen.iter().any(|word| word.text == "DR-");
                 let radius = step.seen.iter().find(|word| word.is("R") && word.text != "R0")?.value?;
                 let center = contour::center_by_radius(point, to, radius, clockwise)?;
-                let tangent = left(direction(minus(point, center))?);
-                Some(if clockwise { times(tangent, -1.0) } else { tangent })
+                direction(contour::heading_on(center, point, clockwise))
             }
             _ => None,
         }
@@ -230,7 +225,7 @@ impl Walk<'_> {
                 vec![first, last]
             }
             None => {
-                self.complain("a departure ends inside its circle, the point is reached straight");
+                self.complain("a departure ends inside its circle; a straight move is made instead");
                 vec![self.straight(&end, &with_end)]
             }
         }

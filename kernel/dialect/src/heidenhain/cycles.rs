@@ -206,13 +206,13 @@ impl Heidenhain {
     /// call stays on the block, M89 as M99 on its own block and on all that follow.
     pub(super) fn cycle_calls(&mut self, host: &mut dyn Host, seen: &mut Vec<Seen>, moves: bool) -> Result<(), Halt> {
         let asked = asks(seen);
-        let modal = self.cycle.modal == Some(self.frames.depth()) && moves;
+        let modal = self.cycle.modal == Some(self.variables.calls.depth()) && moves;
         if asked == Asked::No && !modal {
             return Ok(());
         }
         match asked {
             Asked::Once => self.cycle.modal = None,
-            Asked::Modally => self.cycle.modal = Some(self.frames.depth()),
+            Asked::Modally => self.cycle.modal = Some(self.variables.calls.depth()),
             Asked::No => {}
         }
         let program = self.cycle.program.clone();

@@ -9,11 +9,12 @@ use std::sync::Arc;
 
 use counterpoint_lang::value::Value as Given;
 
-use super::formula::{Formula, Function, Kind, Name, Op};
+use super::formula::{Formula, Kind, Name, Own, formula};
 use super::lex::{Cursor, capitals};
 use super::variables::{Value, Variables};
+use crate::expression::{Evaluate, Stack};
 use crate::host::{Answer, Host};
-use crate::numeric::DEGREES;
+use crate::numeric::{Function, Operator};
 use counterpoint_fault as diag;
 use counterpoint_fault::Facts;
 
@@ -58,110 +59,27 @@ impl<'a> Evaluator<'a> {
 
     /// Value of a formula.
     pub(super) fn value(&mut self, formula: &Formula) -> Result<Value, Halt> {
-        match formula.0.as_slice() {
-            [Op::Number(value)] => return Ok(Value::Number(*value)),
-            [Op::Variable(name)] => return self.variable(*name),
-            _ => {}
-        }
-        let mut stack: Vec<Value> = Vec::with_capacity(formula.0.len().min(16));
-        for op in &formula.0 {
-            let value = self.operate(op, &mut stack)?;
-            stack.push(value);
-        }
-        Ok(stack.pop().unwrap_or(Value::Number(0.0)))
+        self.evaluate(formula)
     }
 
     /// Value of a formula that has to be a number.
     pub(super) fn number(&mut self, formula: &Formula) -> Result<f64, Halt> {
-        match self.value(formula)? {
+        let value = self.value(formula)?;
+        self.as_number(value)
+    }
+
+    fn as_number(&mut self, value: Value) -> Result<f64, Halt> {
+        match value {
             Value::Number(value) => Ok(value),
-            Value::Text(text) => self.fail(&diag::MACRO_DOMAIN, &format!("the text \"{text}\" is no number")),
+            Value::Text(text) => self.fail(&diag::MACRO_DOMAIN, &format!("the text \"{text}\" is not a valid number")),
         }
     }
 
-    fn pop_number(&mut self, stack: &mut Vec<Value>) -> Result<f64, Halt> {
-        match stack.pop() {
-            Some(Value::Number(value)) => Ok(value),
-            Some(Value::Text(text)) => self.fail(&diag::MACRO_DOMAIN, &format!("the text \"{text}\" is no number")),
-            None => Ok(0.0),
+    fn as_text(&mut self, value: Value) -> Result<Arc<str>, Halt> {
+        match value {
+            Value::Text(text) => Ok(text),
+            Value::Number(value) => self.fail(&diag::MACRO_DOMAIN, &format!("the number {value} is not a text")),
         }
-    }
-
-    fn pop_text(&mut self, stack: &mut Vec<Value>) -> Result<Arc<str>, Halt> {
-        match stack.pop() {
-            Some(Value::Text(text)) => Ok(text),
-            Some(Value::Number(value)) => self.fail(&diag::MACRO_DOMAIN, &format!("the number {value} is no text")),
-            None => Ok("".into()),
-        }
-    }
-
-    fn operate(&mut self, op: &Op, stack: &mut Vec<Value>) -> Result<Value, Halt> {
-        Ok(match op {
-            Op::Number(value) => Value::Number(*value),
-            Op::Text(text) => Value::Text(Arc::clone(text)),
-            Op::Variable(name) => self.variable(*name)?,
-            Op::Apply(function) => {
-                let value = self.pop_number(stack)?;
-                match apply(*function, value).filter(|value| value.is_finite()) {
-                    Some(value) => Value::Number(value),
-                    None => {
-                        let why = format!("{} of {value} is not defined", shown(*function));
-                        return self.fail(&diag::MACRO_DOMAIN, &why);
-                    }
-                }
-            }
-            Op::Unknown(text) => self.unknown(text)?,
-            Op::Join => {
-                let (right, left) = (self.pop_text(stack)?, self.pop_text(stack)?);
-                if left.len() + right.len() > LONGEST {
-                    return self.fail(&diag::MACRO_DOMAIN, "the text is too long");
-                }
-                Value::Text(format!("{left}{right}").into())
-            }
-            Op::ToChar => {
-                let (places, value) = (self.pop_number(stack)?, self.pop_number(stack)?);
-                let places = places.clamp(0.0, 16.0) as usize;
-                Value::Text(format!("{:.places$}", value + 0.0).into())
-            }
-            Op::Substring => {
-                let (length, begin) = (self.pop_number(stack)?, self.pop_number(stack)?);
-                let text = self.pop_text(stack)?;
-                let length = if length < 0.0 { usize::MAX } else { length as usize };
-                Value::Text(text.chars().skip(begin.max(0.0) as usize).take(length).collect::<String>().into())
-            }
-            Op::ToNumber => {
-                let text = self.pop_text(stack)?;
-                match text.trim().parse::<f64>().ok().filter(|value| value.is_finite()) {
-                    Some(value) => Value::Number(value),
-                    None => return self.fail(&diag::MACRO_DOMAIN, &format!("the text \"{text}\" is no number")),
-                }
-            }
-            Op::Find => {
-                let begin = self.pop_number(stack)?.max(0.0) as usize;
-                let (wanted, text) = (self.pop_text(stack)?, self.pop_text(stack)?);
-                let all = text.chars().count();
-                let skipped: usize = text.chars().take(begin).map(char::len_utf8).sum();
-                let found = text.get(skipped..).and_then(|rest| Some((rest, rest.find(&*wanted)?)));
-                let at = found.and_then(|(rest, at)| Some(begin + rest.get(..at)?.chars().count()));
-                Value::Number(at.unwrap_or(all) as f64)
-            }
-            Op::Length => Value::Number(self.pop_text(stack)?.chars().count() as f64),
-            Op::Compare => {
-                let (right, left) = (self.pop_text(stack)?, self.pop_text(stack)?);
-                Value::Number(f64::from(left.cmp(&right) as i8))
-            }
-            op => {
-                let (right, left) = (self.pop_number(stack)?, self.pop_number(stack)?);
-                let value = match combine(op, left, right) {
-                    Some(value) => value,
-                    None => return self.fail(&diag::MACRO_DIVISION, "division by zero"),
-                };
-                if !value.is_finite() {
-                    return self.fail(&diag::MACRO_DOMAIN, "the result has no number");
-                }
-                Value::Number(value)
-            }
-        })
     }
 
     /// Value of a parameter.
@@ -179,13 +97,13 @@ impl<'a> Evaluator<'a> {
             Asked::Nothing => Ok(Some(blank(name))),
             Asked::Kept => Ok(None),
             Asked::Unknown if !Variables::exists(name) => {
-                self.fail(&diag::MACRO_VARIABLE, &format!("there is no parameter {name}"))
+                self.fail(&diag::MACRO_VARIABLE, &format!("parameter {name} does not exist"))
             }
             Asked::Unknown => match self.variables.of_control(name) {
                 Some(value) => Ok(Some(value)),
                 None => {
                     let what = if name.kind == Kind::Text { "an empty text" } else { "0" };
-                    let text = format!("{name} has no value in '{}', it counts as {what}", self.host.block_text());
+                    let text = format!("{name} has no value in '{}'; {what} is used", self.host.block_text());
                     self.host.diagnose(&diag::PARAMETER_UNSET, text);
                     Ok(Some(blank(name)))
                 }
@@ -198,7 +116,7 @@ impl<'a> Evaluator<'a> {
         match self.ask(text)? {
             Asked::Value(value) => Ok(value),
             Asked::Nothing | Asked::Kept => Ok(Value::Number(0.0)),
-            Asked::Unknown => self.fail(&diag::MACRO_SYNTAX, &format!("nobody knows '{text}'")),
+            Asked::Unknown => self.fail(&diag::MACRO_SYNTAX, &format!("'{text}' is not a known function")),
         }
     }
 
@@ -211,14 +129,20 @@ impl<'a> Evaluator<'a> {
             Answer::Instead(instead) => instead,
         };
         if self.depth >= ANSWERS {
-            return self.fail(&diag::MACRO_SYNTAX, &format!("the machine answers '{text}' by ever further names"));
+            return self.fail(
+                &diag::MACRO_SYNTAX,
+                &format!("the answers of the machine for '{text}' lead to further names without end"),
+            );
         }
         let instead = capitals(instead.trim());
         let mut cursor = Cursor::new(&instead);
-        let formula = match Formula::parse(&mut cursor) {
+        let formula = match formula(&mut cursor) {
             Ok(formula) if cursor.is_over() => formula,
             _ => {
-                return self.fail(&diag::MACRO_SYNTAX, &format!("'{instead}', which stands for '{text}', is no value"));
+                return self.fail(
+                    &diag::MACRO_SYNTAX,
+                    &format!("'{instead}', the answer of the machine for '{text}', is not a valid value"),
+                );
             }
         };
         self.depth += 1;
@@ -243,10 +167,13 @@ impl<'a> Evaluator<'a> {
                 let instead = capitals(instead.trim());
                 match super::formula::parameter(&mut Cursor::new(&instead)) {
                     Some(other) if self.variables.set(other, value) => Ok(()),
-                    _ => self.fail(&diag::MACRO_VARIABLE, &format!("'{instead}', given for {name}, is no parameter")),
+                    _ => self.fail(
+                        &diag::MACRO_VARIABLE,
+                        &format!("'{instead}', the answer of the machine for {name}, is not a valid parameter"),
+                    ),
                 }
             }
-            Answer::Unknown => self.fail(&diag::MACRO_VARIABLE, &format!("there is no parameter {name}")),
+            Answer::Unknown => self.fail(&diag::MACRO_VARIABLE, &format!("parameter {name} does not exist")),
         }
     }
 }
@@ -259,44 +186,71 @@ pub(super) fn given(value: &Value) -> Given {
     }
 }
 
-fn shown(function: Function) -> &'static str {
-    match function {
-        Function::Common(function) => function.name(),
-        Function::Log => "LOG",
-        _ => "the function",
-    }
-}
+impl Evaluate<Value, Own> for Evaluator<'_> {
+    type Stop = Halt;
 
-fn apply(function: Function, value: f64) -> Option<f64> {
-    Some(match function {
-        Function::Common(function) => function.value(value)?,
-        Function::Minus => -value,
-        Function::Square => value * value,
-        Function::Log => libm::log10(value),
-        Function::Frac => value.fract(),
-        Function::Sign => {
-            if value < 0.0 {
-                -1.0
-            } else {
-                1.0
+    fn own(&mut self, own: &Own, stack: &mut Stack<Value>) -> Result<Value, Halt> {
+        Ok(match own {
+            Own::Variable(name) => return self.variable(*name),
+            Own::Unknown(text) => return self.unknown(text),
+            Own::ToChar => {
+                let (places, value) = (self.as_number(stack.pop())?, self.as_number(stack.pop())?);
+                let places = places.clamp(0.0, 16.0) as usize;
+                Value::Text(format!("{:.places$}", value + 0.0).into())
             }
-        }
-    })
-}
+            Own::Substring => {
+                let (length, begin) = (self.as_number(stack.pop())?, self.as_number(stack.pop())?);
+                let text = self.as_text(stack.pop())?;
+                let length = if length < 0.0 { usize::MAX } else { length as usize };
+                Value::Text(text.chars().skip(begin.max(0.0) as usize).take(length).collect::<String>().into())
+            }
+            Own::ToNumber => {
+                let text = self.as_text(stack.pop())?;
+                match text.trim().parse::<f64>().ok().filter(|value| value.is_finite()) {
+                    Some(value) => Value::Number(value),
+                    None => {
+                        return self.fail(&diag::MACRO_DOMAIN, &format!("the text \"{text}\" is not a valid number"));
+                    }
+                }
+            }
+            Own::Find => {
+                let begin = self.as_number(stack.pop())?.max(0.0) as usize;
+                let (wanted, text) = (self.as_text(stack.pop())?, self.as_text(stack.pop())?);
+                let all = text.chars().count();
+                let skipped: usize = text.chars().take(begin).map(char::len_utf8).sum();
+                let found = text.get(skipped..).and_then(|rest| Some((rest, rest.find(&*wanted)?)));
+                let at = found.and_then(|(rest, at)| Some(begin + rest.get(..at)?.chars().count()));
+                Value::Number(at.unwrap_or(all) as f64)
+            }
+            Own::Length => Value::Number(self.as_text(stack.pop())?.chars().count() as f64),
+            Own::Compare => {
+                let (right, left) = (self.as_text(stack.pop())?, self.as_text(stack.pop())?);
+                Value::Number(f64::from(left.cmp(&right) as i8))
+            }
+        })
+    }
 
-/// None for a division by zero.
-fn combine(op: &Op, left: f64, right: f64) -> Option<f64> {
-    Some(match op {
-        Op::Add => left + right,
-        Op::Subtract => left - right,
-        Op::Multiply => left * right,
-        Op::Divide | Op::Modulo if right == 0.0 => return None,
-        Op::Divide => left / right,
-        Op::Modulo => left - right * (left / right).trunc(),
-        Op::Power => libm::pow(left, right),
-        Op::Legs => libm::sqrt(left * left + right * right),
-        // The first leg lies opposite to the angle, 0 to 360 degrees.
-        Op::Angle => (libm::atan2(left, right) * DEGREES).rem_euclid(360.0),
-        _ => 0.0,
-    })
+    fn apply(&mut self, function: Function, value: Value) -> Result<Value, Halt> {
+        let value = self.as_number(value)?;
+        match function.value(value).filter(|value| value.is_finite()) {
+            Some(value) => Ok(Value::Number(value)),
+            None => self.fail(&diag::MACRO_DOMAIN, &format!("{} of {value} is not defined", function.name())),
+        }
+    }
+
+    fn combine(&mut self, operator: Operator, left: Value, right: Value) -> Result<Value, Halt> {
+        if operator == Operator::Join {
+            let (right, left) = (self.as_text(right)?, self.as_text(left)?);
+            if left.len() + right.len() > LONGEST {
+                return self.fail(&diag::MACRO_DOMAIN, "the text is too long");
+            }
+            return Ok(Value::Text(format!("{left}{right}").into()));
+        }
+        let (right, left) = (self.as_number(right)?, self.as_number(left)?);
+        match operator.value(left, right) {
+            Some(value) if value.is_finite() => Ok(Value::Number(value)),
+            Some(_) => self.fail(&diag::MACRO_DOMAIN, "the result is out of range"),
+            None => self.fail(&diag::MACRO_DIVISION, "division by zero"),
+        }
+    }
 }

@@ -7,8 +7,6 @@
 
 use counterpoint_fault::Halt;
 
-use rustc_hash::FxHashMap;
-
 use super::Heidenhain;
 use super::eval::Evaluator;
 use super::formula::Formula;
@@ -16,21 +14,12 @@ use super::lex;
 use super::statement::{self, Label, Statement};
 use super::variables::Value;
 use crate::host::{Call, Host};
-use crate::kept::Table;
+use crate::search::{Labels, Search};
 use counterpoint_event::FileId;
 use counterpoint_fault as diag;
 use counterpoint_machine::stored::StoredFile;
 use counterpoint_program::shape::Range;
 use counterpoint_program::source::Source;
-
-/// Lines of a file by label.
-pub(super) type Labels = FxHashMap<Label, u32>;
-
-impl Table for Labels {
-    fn bytes(&self) -> usize {
-        self.len() * 80
-    }
-}
 
 /// What a frame of the kernel runs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -40,16 +29,8 @@ pub(super) enum Kind {
     Label,
 }
 
-/// What is known of a frame.
-#[derive(Debug, Clone, Default)]
-pub(super) struct Frame {
-    pub(super) kind: Kind,
-    /// Passes to come of the repeats that run, by line of their call.
-    pub(super) repeats: Vec<(u32, u32)>,
-}
-
 /// Labels of a file; blocks that cannot be read have none.
-fn labels(source: &Source) -> Labels {
+fn labels(source: &Source) -> Labels<Label> {
     let mut labels = Labels::default();
     for line in source.walk(1, source.lines()) {
         let text = source.line(line);
@@ -59,7 +40,7 @@ fn labels(source: &Source) -> Labels {
         }
         let clean = lex::clean(text, &|_| false);
         if let Ok(Statement::Label(label)) = statement::read(&clean.text) {
-            labels.entry(label).or_insert(line);
+            labels.add(label, line);
         }
     }
     labels
@@ -69,15 +50,11 @@ fn labels(source: &Source) -> Labels {
 const MOST: f64 = 65_534.0;
 
 impl Heidenhain {
-    fn frame(&mut self) -> &mut Frame {
-        self.frames.here_mut()
-    }
-
     /// Line of a label in the file being processed.
     fn find_label(&mut self, host: &mut dyn Host, label: &Label) -> Option<u32> {
         let file = host.place().file;
         let known = self.labels.get(file, || host.source(file).map(|source| labels(&source)).unwrap_or_default());
-        known.get(label).copied()
+        known.find(label, Search::FromTop, 0, (1, u32::MAX))
     }
 
     fn label_of(&mut self, host: &mut dyn Host, formula: &Formula) -> Result<Label, Halt> {
@@ -88,7 +65,7 @@ impl Heidenhain {
                 Ok(Label::Number(number as u32))
             }
             Value::Number(number) => {
-                let text = format!("there is no label {number} in '{}'", host.block_text());
+                let text = format!("label {number} not found in '{}'", host.block_text());
                 Err(host.alarm(&diag::JUMP_TARGET, text))
             }
         }
@@ -99,7 +76,7 @@ impl Heidenhain {
         match self.find_label(host, &label) {
             Some(line) => Ok((label, line)),
             None => {
-                let text = format!("there is no {label} in the program to go to from '{}'", host.block_text());
+                let text = format!("{label} not found in the program for '{}'", host.block_text());
                 Err(host.alarm(&diag::JUMP_TARGET, text))
             }
         }
@@ -129,7 +106,7 @@ impl Heidenhain {
             }
         };
         if repeat.is_some() && line < here.line {
-            let frame = self.frame();
+            let frame = self.variables.calls.here_mut();
             let at = frame.repeats.iter().position(|(call, _)| *call == here.line);
             let left = at.and_then(|at| frame.repeats.get(at)).map_or(passes, |(_, left)| *left);
             if let Some(at) = at {
@@ -154,14 +131,14 @@ impl Heidenhain {
 
     /// LBL 0: the end of a subprogram, nothing where none was called.
     pub(super) fn end_label(&mut self, host: &mut dyn Host) {
-        if self.frames.here().kind == Kind::Label {
+        if self.variables.calls.in_part() {
             host.return_from();
         }
     }
 
     /// END PGM: a code of the machine if it has one, else the end of the program or the return of a called one.
     pub(super) fn end_program(&mut self, host: &mut dyn Host) -> Result<Option<String>, Halt> {
-        if self.frames.depth() > 0 {
+        if self.variables.calls.depth() > 0 {
             host.return_from();
             return Ok(None);
         }

@@ -2,13 +2,14 @@
 //!
 //! Facts: Heidenhain pre-processor pages (operators, functions, string functions), programming manuals: functions act
 //! on the operand that follows, before powers, then multiplication, then addition. Decisions: powers are taken from
-//! left to right; a sign belongs to its operand. Invariant: a compiled formula leaves one value on its stack.
+//! left to right; a sign belongs to its operand. Invariant: reading a formula recurses as deep as it is nested.
 
 use std::sync::Arc;
 
 use super::lex::Cursor;
-use crate::expression::{Grammar, read};
-use crate::numeric;
+use super::variables::Value;
+use crate::expression::{self, Code, Grammar, Operators, Part, Sign, read, signed};
+use crate::numeric::{Function, Operator};
 
 /// Kind of a parameter.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -51,54 +52,22 @@ impl std::fmt::Display for Name {
     }
 }
 
-/// Function of one number.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Function {
-    /// One that other controls have, too.
-    Common(numeric::Function),
-    Minus,
-    Square,
-    Log,
-    Frac,
-    Sign,
-}
-
-/// Names of the functions.
-const FUNCTIONS: [(&str, Function); 17] = [
-    ("SIN", Function::Common(numeric::Function::Sin)),
-    ("COS", Function::Common(numeric::Function::Cos)),
-    ("TAN", Function::Common(numeric::Function::Tan)),
-    ("ASIN", Function::Common(numeric::Function::Asin)),
-    ("ACOS", Function::Common(numeric::Function::Acos)),
-    ("ATAN", Function::Common(numeric::Function::Atan)),
-    ("ARCSIN", Function::Common(numeric::Function::Asin)),
+/// Names of the functions besides those of all controls.
+const FUNCTIONS: [(&str, Function); 8] = [
+    ("ATAN", Function::Atan),
+    ("ARCSIN", Function::Asin),
     ("SQ", Function::Square),
-    ("SQRT", Function::Common(numeric::Function::Sqrt)),
-    ("LN", Function::Common(numeric::Function::Ln)),
     ("LOG", Function::Log),
-    ("EXP", Function::Common(numeric::Function::Exp)),
-    ("NEG", Function::Minus),
-    ("INT", Function::Common(numeric::Function::Fix)),
-    ("ABS", Function::Common(numeric::Function::Abs)),
+    ("NEG", Function::Neg),
+    ("INT", Function::Fix),
     ("FRAC", Function::Frac),
     ("SGN", Function::Sign),
 ];
 
-/// Postfix operation.
+/// An operation that only this control has.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) enum Op {
-    Number(f64),
-    Text(Arc<str>),
+pub(super) enum Own {
     Variable(Name),
-    Apply(Function),
-    Add,
-    Subtract,
-    Multiply,
-    Divide,
-    Modulo,
-    Power,
-    /// Both texts.
-    Join,
     /// Number and places.
     ToChar,
     /// Text, begin, length (negative: up to the end).
@@ -109,16 +78,14 @@ pub(super) enum Op {
     Length,
     /// Two texts.
     Compare,
-    /// Distance and angle of two legs, for FN 8 and FN 13.
-    Legs,
-    Angle,
     /// A function that the control may not know.
     Unknown(Arc<str>),
 }
 
+pub(super) type Op = expression::Op<Value, Own>;
+
 /// A compiled formula.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub(super) struct Formula(pub(super) Vec<Op>);
+pub(super) type Formula = Code<Value, Own>;
 
 /// Deepest nesting of brackets and functions.
 const DEEPEST: usize = 100;
@@ -132,7 +99,7 @@ pub(super) struct Wrong {
 
 impl std::fmt::Display for Wrong {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "{} is expected at column {}", self.expected, self.column)
+        write!(f, "expected {} at column {}", self.expected, self.column)
     }
 }
 
@@ -164,32 +131,33 @@ pub(super) fn parameter(cursor: &mut Cursor<'_>) -> Option<Name> {
     Some(Name { kind, index })
 }
 
-impl Formula {
-    /// A number.
-    pub(super) fn number(value: f64) -> Self {
-        Self(vec![Op::Number(value)])
-    }
+/// A number.
+pub(super) fn number(value: f64) -> Formula {
+    Formula::constant(Value::Number(value))
+}
 
-    /// Reads a formula as far as it goes.
-    pub(super) fn parse(cursor: &mut Cursor<'_>) -> Result<Self, Wrong> {
-        let mut parser = Parser { cursor, ops: Vec::new(), depth: 0 };
-        parser.joined()?;
-        Ok(Self(parser.ops))
-    }
+/// A text.
+pub(super) fn text(text: &str) -> Formula {
+    Formula::constant(Value::Text(text.into()))
+}
 
-    /// Reads one operand: a number, a parameter, a text, with or without sign.
-    pub(super) fn operand(cursor: &mut Cursor<'_>) -> Result<Self, Wrong> {
-        let mut parser = Parser { cursor, ops: Vec::new(), depth: 0 };
-        parser.signed()?;
-        Ok(Self(parser.ops))
-    }
+/// Reads a formula as far as it goes.
+pub(super) fn formula(cursor: &mut Cursor<'_>) -> Result<Formula, Wrong> {
+    let mut parser = Parser { cursor, ops: Vec::new(), depth: 0 };
+    read(&mut parser, 0)?;
+    Ok(Formula::new(parser.ops))
+}
 
-    /// Two formulas and what is done with them.
-    pub(super) fn of_two(mut self, other: Self, op: Op) -> Self {
-        self.0.extend(other.0);
-        self.0.push(op);
-        self
-    }
+/// Reads one operand: a number, a parameter, a text, with or without sign.
+pub(super) fn operand(cursor: &mut Cursor<'_>) -> Result<Formula, Wrong> {
+    let mut parser = Parser { cursor, ops: Vec::new(), depth: 0 };
+    signed(&mut parser)?;
+    Ok(Formula::new(parser.ops))
+}
+
+/// Operands and what is done with them.
+pub(super) fn with(operands: impl IntoIterator<Item = Formula>, op: Op) -> Formula {
+    Formula::new(operands.into_iter().flat_map(Code::into_ops).chain([op]).collect())
 }
 
 struct Parser<'c, 't> {
@@ -198,40 +166,50 @@ struct Parser<'c, 't> {
     depth: usize,
 }
 
-/// Operators by level, loosest first.
-static OPERATORS: [&[(&str, Op)]; 4] = [
-    &[("||", Op::Join)],
-    &[("+", Op::Add), ("-", Op::Subtract)],
-    &[("*", Op::Multiply), ("/", Op::Divide), ("%", Op::Modulo), ("DIV", Op::Divide)],
-    &[("^", Op::Power)],
-];
-
 impl Grammar for Parser<'_, '_> {
-    type Operator = &'static Op;
-    type Part = ();
+    type Value = Value;
+    type Own = Own;
     type Mistake = Wrong;
 
-    fn operand(&mut self) -> Result<(), Wrong> {
-        self.signed()
+    const OPERATORS: Operators = &[
+        &[("||", Operator::Join)],
+        &[("+", Operator::Add), ("-", Operator::Sub)],
+        &[("*", Operator::Mul), ("/", Operator::Div), ("%", Operator::RemByQuotient), ("DIV", Operator::Div)],
+        &[("^", Operator::Power)],
+    ];
+    const SIGNS: &'static [(&'static str, Sign)] = &[("+", Sign::Plus), ("-", Sign::Minus)];
+
+    fn ops(&mut self) -> &mut Vec<Op> {
+        &mut self.ops
     }
 
-    fn operator(&mut self, loosest: usize) -> Option<(usize, &'static Op)> {
-        let cursor = &mut *self.cursor;
-        let mut take = |text: &str| match text.as_bytes() {
-            [sign] => cursor.take(*sign),
-            [b'A'..=b'Z', ..] => cursor.keyword(text),
-            _ => cursor.take_text(text),
-        };
-        for (level, operators) in OPERATORS.iter().enumerate().skip(loosest) {
-            if let Some((_, op)) = operators.iter().find(|(text, _)| take(text)) {
-                return Some((level, op));
-            }
+    fn takes(&mut self, word: &str) -> bool {
+        match word.as_bytes() {
+            [b'A'..=b'Z', ..] => self.cursor.keyword(word),
+            _ => self.cursor.take_text(word),
         }
-        None
     }
 
-    fn join(&mut self, op: &'static Op, (): (), (): ()) {
-        self.ops.push(op.clone());
+    fn operand(&mut self) -> Result<Part, Wrong> {
+        let start = self.ops.len();
+        self.primary()?;
+        Ok(Part { start, truth: false })
+    }
+
+    fn negated(value: &Value) -> Option<Value> {
+        match value {
+            Value::Number(value) => Some(Value::Number(-value)),
+            Value::Text(_) => None,
+        }
+    }
+
+    fn nest(&mut self, _: bool) -> Result<(), Wrong> {
+        self.depth += 1;
+        if self.depth > DEEPEST { self.wrong("a formula that is not nested so deeply") } else { Ok(()) }
+    }
+
+    fn unnest(&mut self, signs: usize) {
+        self.depth -= signs + 1;
     }
 }
 
@@ -240,49 +218,21 @@ impl Parser<'_, '_> {
         Err(expected(self.cursor, what))
     }
 
-    fn joined(&mut self) -> Result<(), Wrong> {
-        read(self, 0)
-    }
-
-    fn signed(&mut self) -> Result<(), Wrong> {
-        self.depth += 1;
-        if self.depth > DEEPEST {
-            return self.wrong("a formula that is not nested so deeply");
-        }
-        match self.cursor.peek() {
-            Some(b'+') => {
-                self.cursor.bump();
-                self.signed()?;
-            }
-            Some(b'-') => {
-                self.cursor.bump();
-                self.signed()?;
-                match self.ops.last_mut() {
-                    Some(Op::Number(value)) => *value = -*value,
-                    _ => self.ops.push(Op::Apply(Function::Minus)),
-                }
-            }
-            _ => self.primary()?,
-        }
-        self.depth -= 1;
-        Ok(())
-    }
-
     fn primary(&mut self) -> Result<(), Wrong> {
         if let Some((_, value)) = self.cursor.number() {
-            self.ops.push(Op::Number(value));
+            self.ops.push(Op::Value(Value::Number(value)));
             return Ok(());
         }
         if let Some(text) = self.cursor.quoted() {
-            self.ops.push(Op::Text(text.into()));
+            self.ops.push(Op::Value(Value::Text(text.into())));
             return Ok(());
         }
         if self.cursor.take(b'(') {
-            self.joined()?;
+            read(self, 0)?;
             return self.close();
         }
         if let Some(name) = parameter(self.cursor) {
-            self.ops.push(Op::Variable(name));
+            self.ops.push(Op::Own(Own::Variable(name)));
             return Ok(());
         }
         self.function()
@@ -300,12 +250,13 @@ impl Parser<'_, '_> {
             return self.wrong("a number, a parameter or a function");
         }
         if name == "PI" {
-            self.ops.push(Op::Number(std::f64::consts::PI));
+            self.ops.push(Op::Value(Value::Number(std::f64::consts::PI)));
             return Ok(());
         }
-        if let Some((_, function)) = FUNCTIONS.iter().find(|(known, _)| *known == name) {
-            self.signed()?;
-            self.ops.push(Op::Apply(*function));
+        let own = FUNCTIONS.iter().find(|(known, _)| *known == name).map(|(_, function)| *function);
+        if let Some(function) = Function::named(name).or(own) {
+            signed(self)?;
+            self.ops.push(Op::Apply(function));
             return Ok(());
         }
         if matches!(name, "TOCHAR" | "SUBSTR" | "TONUMB" | "INSTR" | "STRLEN" | "STRCOMP") {
@@ -327,7 +278,8 @@ impl Parser<'_, '_> {
             self.cursor.run(|byte| byte.is_ascii_digit() || byte == b'.');
         }
         let length = start.rest().len() - self.cursor.rest().len();
-        self.ops.push(Op::Unknown(start.rest().get(..length).unwrap_or_default().into()));
+        let text = start.rest().get(..length).unwrap_or_default().into();
+        self.ops.push(Op::Own(Own::Unknown(text)));
         Ok(())
     }
 
@@ -340,28 +292,28 @@ impl Parser<'_, '_> {
             "TOCHAR" => {
                 self.argument("DAT", None)?;
                 self.argument("DECIMALS", Some(0.0))?;
-                self.ops.push(Op::ToChar);
+                self.ops.push(Op::Own(Own::ToChar));
             }
             "SUBSTR" => {
                 self.argument("SRC_", None)?;
                 self.argument("BEG", Some(0.0))?;
                 self.argument("LEN", Some(-1.0))?;
-                self.ops.push(Op::Substring);
+                self.ops.push(Op::Own(Own::Substring));
             }
             "INSTR" => {
                 self.argument("SRC_", None)?;
                 self.argument("SEA_", None)?;
                 self.argument("BEG", Some(0.0))?;
-                self.ops.push(Op::Find);
+                self.ops.push(Op::Own(Own::Find));
             }
             "STRCOMP" => {
                 self.argument("SRC_", None)?;
                 self.argument("SEA_", None)?;
-                self.ops.push(Op::Compare);
+                self.ops.push(Op::Own(Own::Compare));
             }
             name => {
                 self.argument("SRC_", None)?;
-                self.ops.push(if name == "STRLEN" { Op::Length } else { Op::ToNumber });
+                self.ops.push(Op::Own(if name == "STRLEN" { Own::Length } else { Own::ToNumber }));
             }
         }
         self.close()
@@ -369,11 +321,11 @@ impl Parser<'_, '_> {
 
     fn argument(&mut self, key: &str, default: Option<f64>) -> Result<(), Wrong> {
         if self.cursor.take_text(key) {
-            return self.signed();
+            return signed(self).map(|_| ());
         }
         match default {
             Some(value) => {
-                self.ops.push(Op::Number(value));
+                self.ops.push(Op::Value(Value::Number(value)));
                 Ok(())
             }
             None => self.wrong("a source"),

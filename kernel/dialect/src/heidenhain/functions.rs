@@ -3,11 +3,11 @@
 //! Facts: Heidenhain pre-processor pages (FN 0 to FN 14 with their examples, D00 to D14), programming manuals (FN 16,
 //! FN 18, FN 20, FN 38). Invariant: a function that is not emulated is a statement of its own, never nothing.
 
-use super::formula::{Formula, Function, Name, Op, Wrong, expected, parameter};
+use super::formula::{self, Formula, Name, Op, Own, Wrong, expected, parameter, with};
 use super::lex::Cursor;
 use super::statement::{Condition, Statement, Test, target};
 use super::words::words;
-use crate::numeric;
+use crate::numeric::{Function, Operator};
 
 /// Behind `FN`: number, colon, function.
 pub(super) fn read(cursor: &mut Cursor<'_>) -> Result<Statement, Wrong> {
@@ -26,7 +26,7 @@ pub(super) fn read(cursor: &mut Cursor<'_>) -> Result<Statement, Wrong> {
             if !cursor.keyword("ERROR") || !cursor.take(b'=') {
                 return Err(expected(cursor, "ERROR ="));
             }
-            Statement::Error(Formula::operand(cursor)?)
+            Statement::Error(formula::operand(cursor)?)
         }
         15 => Statement::Send(text_of(cursor, &["PRINT"])),
         16 => Statement::Print(text_of(cursor, &["F-PRINT"])),
@@ -53,8 +53,8 @@ pub(super) fn read_iso(number: u32, cursor: &mut Cursor<'_>) -> Result<Statement
             let first = operand(1, cursor)?;
             let formula = match (number, with_one(number)) {
                 (0, _) => first,
-                (_, Some(function)) => applied(first, function),
-                _ => first.of_two(operand(2, cursor)?, of_two(number)),
+                (_, Some(function)) => with([first], Op::Apply(function)),
+                _ => with([first, operand(2, cursor)?], of_two(number)),
             };
             Statement::Assign(name, formula)
         }
@@ -109,48 +109,43 @@ fn place(number: u32, cursor: &mut Cursor<'_>) -> Result<(), Wrong> {
 
 fn operand(number: u32, cursor: &mut Cursor<'_>) -> Result<Formula, Wrong> {
     place(number, cursor)?;
-    Formula::operand(cursor)
+    formula::operand(cursor)
 }
 
 /// Functions of one operand.
 fn with_one(number: u32) -> Option<Function> {
     match number {
-        5 => Some(Function::Common(numeric::Function::Sqrt)),
-        6 => Some(Function::Common(numeric::Function::Sin)),
-        7 => Some(Function::Common(numeric::Function::Cos)),
+        5 => Some(Function::Sqrt),
+        6 => Some(Function::Sin),
+        7 => Some(Function::Cos),
         _ => None,
     }
 }
 
 fn of_two(number: u32) -> Op {
-    match number {
-        1 => Op::Add,
-        2 => Op::Subtract,
-        3 => Op::Multiply,
-        4 => Op::Divide,
-        8 => Op::Legs,
-        _ => Op::Angle,
-    }
-}
-
-fn applied(mut formula: Formula, function: Function) -> Formula {
-    formula.0.push(Op::Apply(function));
-    formula
+    Op::Combine(match number {
+        1 => Operator::Add,
+        2 => Operator::Sub,
+        3 => Operator::Mul,
+        4 => Operator::Div,
+        8 => Operator::Legs,
+        _ => Operator::Angle,
+    })
 }
 
 /// What stands after the equal sign of FN 0 to FN 8 and FN 13.
 fn calculated(number: u32, cursor: &mut Cursor<'_>) -> Result<Formula, Wrong> {
     if number == 0 {
-        return Formula::parse(cursor);
+        return formula::formula(cursor);
     }
     if let Some(function) = with_one(number) {
         let key = [(5, "SQRT"), (6, "SIN"), (7, "COS")].into_iter().find(|(n, _)| *n == number).map_or("", |(_, k)| k);
         if !cursor.keyword(key) {
             return Err(expected(cursor, "SQRT, SIN or COS"));
         }
-        return Ok(applied(Formula::operand(cursor)?, function));
+        return Ok(with([formula::operand(cursor)?], Op::Apply(function)));
     }
-    let first = Formula::operand(cursor)?;
+    let first = formula::operand(cursor)?;
     let key = match number {
         1 => "+",
         2 => "-",
@@ -163,7 +158,7 @@ fn calculated(number: u32, cursor: &mut Cursor<'_>) -> Result<Formula, Wrong> {
     if !(cursor.take_text(key) || number == 4 && cursor.take(b'/')) {
         return Err(expected(cursor, "the sign of the operation"));
     }
-    Ok(first.of_two(Formula::operand(cursor)?, of_two(number)))
+    Ok(with([first, formula::operand(cursor)?], of_two(number)))
 }
 
 fn test(number: u32) -> Test {
@@ -179,14 +174,14 @@ fn branch(number: u32, cursor: &mut Cursor<'_>) -> Result<Statement, Wrong> {
     if !cursor.keyword("IF") {
         return Err(expected(cursor, "IF"));
     }
-    let first = Formula::operand(cursor)?;
+    let first = formula::operand(cursor)?;
     let condition = if cursor.keyword("IS") {
         let defined = !cursor.keyword("UNDEFINED");
         if defined && !cursor.keyword("DEFINED") {
             return Err(expected(cursor, "DEFINED or UNDEFINED"));
         }
-        match first.0.as_slice() {
-            [Op::Variable(name)] => Condition::Defined(*name, defined),
+        match first.as_own() {
+            Some(Own::Variable(name)) => Condition::Defined(*name, defined),
             _ => return Err(expected(cursor, "a parameter before IS")),
         }
     } else {
@@ -199,7 +194,7 @@ fn branch(number: u32, cursor: &mut Cursor<'_>) -> Result<Statement, Wrong> {
         if !cursor.take_text(key) {
             return Err(expected(cursor, "EQU, NE, GT or LT, as the function has it"));
         }
-        Condition::Compare(first, test(number), Formula::operand(cursor)?)
+        Condition::Compare(first, test(number), formula::operand(cursor)?)
     };
     if !cursor.keyword("GOTO") {
         return Err(expected(cursor, "GOTO"));
@@ -212,11 +207,11 @@ fn system(to: Name, cursor: &mut Cursor<'_>) -> Result<Statement, Wrong> {
     if !cursor.take_text("ID") {
         return Err(expected(cursor, "ID"));
     }
-    let id = Formula::operand(cursor)?;
+    let id = formula::operand(cursor)?;
     if !cursor.take_text("NR") {
         return Err(expected(cursor, "NR"));
     }
-    let number = Formula::operand(cursor)?;
-    let index = if cursor.take_text("IDX") { Some(Formula::operand(cursor)?) } else { None };
+    let number = formula::operand(cursor)?;
+    let index = if cursor.take_text("IDX") { Some(formula::operand(cursor)?) } else { None };
     Ok(Statement::SysRead { to, id, number, index })
 }

@@ -3,7 +3,7 @@
 //! Facts: Heidenhain ISO pre-processor page, programming manual (DIN/ISO). Invariant: a block of which nothing is
 //! evaluated is left as it is.
 
-use super::formula::{Formula, Op, Wrong, expected};
+use super::formula::{self, Wrong, expected};
 use super::lex::Cursor;
 use super::path::{Shape, Walk, axis};
 use super::statement::{Label, Statement};
@@ -47,14 +47,14 @@ fn call(cursor: &mut Cursor<'_>) -> Result<Option<Statement>, Wrong> {
     let label = match (ahead.next_byte(), ahead.clone().quoted()) {
         (Some(b'"'), Some(name)) => {
             ahead.quoted();
-            Formula(vec![Op::Text(name.into())])
+            formula::text(name)
         }
-        (Some(b'0'..=b'9'), _) => Formula::number(f64::from(ahead.whole().unwrap_or(u32::MAX))),
+        (Some(b'0'..=b'9'), _) => formula::number(f64::from(ahead.whole().unwrap_or(u32::MAX))),
         _ => return Ok(None),
     };
     let repeat = if matches!(ahead.peek(), Some(b',' | b'.')) {
         ahead.bump();
-        Some(Formula::operand(&mut ahead)?)
+        Some(formula::operand(&mut ahead)?)
     } else {
         None
     };

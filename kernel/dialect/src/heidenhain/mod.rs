@@ -3,7 +3,7 @@
 //! Facts: reference control-emulator.md 5.4, the pages of the emulated system's Heidenhain pre-processor, programming
 //! manuals of the control. Both forms of program are read block by block as they are written. What is left of a block
 //! are words for the tables of the machine: [docs/preprocessors.md] says which. Invariants: a statement is compiled
-//! once for each line that stands as it was read; frames here are those of the kernel, in the same order.
+//! once for each line that stands as it was read; the calls here are those of the kernel, in the same order.
 
 mod carry;
 mod circle;
@@ -36,15 +36,14 @@ use rustc_hash::FxHashMap;
 use super::host::Host;
 use super::interpreter::{Interpreter, Remaining, Setting};
 use crate::kept::{Kept, Tables};
-use crate::levels::Levels;
+use crate::search::Labels;
 use counterpoint_event::FileId;
 use counterpoint_fault as diag;
-use flow::{Frame, Labels};
 use lex::Cursor;
 use path::Path;
 use settings::Settings;
 use statement::Statement;
-use variables::Variables;
+use variables::{Level, Variables};
 
 pub(crate) use control::Control;
 
@@ -66,8 +65,6 @@ pub(crate) struct Heidenhain {
     variables: Variables,
     path: Path,
     settings: Settings,
-    /// Frames of the kernel.
-    frames: Levels<Frame>,
     /// Kind of the call that has been asked for.
     calling: Option<flow::Kind>,
     /// Program that CALL SELECTED PGM calls.
@@ -80,7 +77,7 @@ pub(crate) struct Heidenhain {
     /// A line may run again, so compiled lines are worth keeping.
     keeping: bool,
     compiled: Kept<Line>,
-    labels: Tables<FileId, Labels>,
+    labels: Tables<FileId, Labels<statement::Label>>,
 }
 
 impl Heidenhain {
@@ -161,7 +158,6 @@ impl Interpreter for Heidenhain {
 
     fn restart(&mut self, reset: bool) {
         self.variables.begin(reset);
-        self.frames = Levels::default();
         self.calling = None;
         self.path = Path::default();
         self.units = feeds::Units::default();
@@ -175,22 +171,20 @@ impl Interpreter for Heidenhain {
     fn on_call(&mut self, _: &mut dyn Host) {
         self.keeping = true;
         let kind = self.calling.take().unwrap_or(flow::Kind::Program);
-        if kind == flow::Kind::Program {
-            self.variables.enter();
+        match kind {
+            flow::Kind::Program => self.variables.calls.enter(Level::default()),
+            flow::Kind::Label => self.variables.calls.enter_part(Level::default()),
         }
-        self.frames.enter(Frame { kind, ..Frame::default() });
     }
 
     fn on_repeat(&mut self) {
-        if let Some(frame) = self.frames.called_mut() {
-            frame.repeats.clear();
+        if let Some(level) = self.variables.calls.called_mut() {
+            level.repeats.clear();
         }
     }
 
     fn on_return(&mut self, _: &mut dyn Host) {
-        if self.frames.leave().is_some_and(|frame| frame.kind == flow::Kind::Program) {
-            self.variables.leave();
-        }
+        self.variables.calls.leave();
     }
 
     fn variable(&mut self, _: &mut dyn Host, name: &str, indices: &[f64]) -> Result<Option<Value>, Halt> {

@@ -191,7 +191,7 @@ pub(super) fn walk(path: &mut Path, host: &mut dyn Host, step: &Step, ahead: &[S
 
 impl Walk<'_> {
     pub(super) fn complain(&mut self, why: &str) {
-        let text = format!("{why} in '{}'", self.host.block_text());
+        let text = format!("{why}, in '{}'", self.host.block_text());
         self.host.diagnose(&diag::PATH_NOT_MADE, text);
     }
 
@@ -199,7 +199,7 @@ impl Walk<'_> {
         self.note_words();
         let step = self.step;
         if step.seen.iter().any(|word| word.is("G") && matches!(word.value, Some(26.0 | 27.0))) {
-            self.complain("G26 and G27 are not emulated, the contour is reached and left without an arc");
+            self.complain("G26 and G27 are not supported; the contour is reached and left without an arc");
             return Ok(Vec::new());
         }
         let shape = if step.shape == Shape::Iso { self.iso_shape() } else { step.shape };
@@ -409,7 +409,7 @@ impl Walk<'_> {
         if self.step.seen.iter().any(|word| word.is("FAUTO")) {
             let feed = self.path.tool_feed.clone();
             if feed.is_none() {
-                self.complain("F AUTO has no feed of TOOL CALL");
+                self.complain("F AUTO needs a feed in TOOL CALL");
             }
             for line in lines {
                 *line = line.replace("FAUTO", feed.as_deref().unwrap_or(""));

@@ -5,8 +5,7 @@
 
 use super::path::{Position, Walk};
 use super::words::joined;
-use crate::contour::{Point, along, angle_between, minus, pieces};
-use crate::numeric::{cosine, sine};
+use crate::contour::{Polar, angle_between, minus, pieces};
 
 impl Walk<'_> {
     const POLAR: [&'static str; 6] = ["PR", "IPR", "PA", "IPA", "H", "R"];
@@ -14,11 +13,10 @@ impl Walk<'_> {
     /// End of a block in polar coordinates, and the angle that the tool goes round the pole if that is said.
     pub(super) fn polar_end(&mut self) -> Option<(Position, Option<f64>)> {
         let Some(pole) = self.path.pole else {
-            self.complain("polar coordinates have no pole");
+            self.complain("polar coordinates have no pole (CC)");
             return None;
         };
-        let from = minus(self.flat(&self.start), pole);
-        let (mut radius, mut angle) = (libm::hypot(from[0], from[1]), libm::atan2(from[1], from[0]).to_degrees());
+        let Polar { mut radius, mut angle } = Polar::of(pole, self.flat(&self.start));
         let mut sweep = None;
         for word in &self.step.seen {
             let Some(value) = word.value else { continue };
@@ -37,8 +35,7 @@ impl Walk<'_> {
             }
         }
         let mut end = self.target();
-        let point = along(pole, [cosine(angle), sine(angle)], radius);
-        self.put(&mut end, point);
+        self.put(&mut end, Polar { radius, angle }.point(pole));
         Some((end, sweep))
     }
 
@@ -70,18 +67,17 @@ impl Walk<'_> {
             (None, Some(sweep)) => sweep < 0.0,
             (Some(clockwise), _) => clockwise,
             (None, None) => {
-                self.complain("a circle has no direction");
+                self.complain("the circle has no direction of rotation");
                 return Vec::new();
             }
         };
         if sweep.is_some_and(|sweep| sweep != 0.0 && (sweep < 0.0) != clockwise) {
-            self.complain("the angle about the pole and the direction do not agree, the direction counts");
+            self.complain("the angle about the pole and the direction do not agree; the direction is used");
         }
-        let angle = |point: Point| libm::atan2(point[1] - pole[1], point[0] - pole[0]).to_degrees();
-        let (from, radius) = (angle(start), libm::hypot(start[0] - pole[0], start[1] - pole[1]));
+        let Polar { radius, angle: from } = Polar::of(pole, start);
         let turned = match sweep {
             Some(sweep) => sweep.abs(),
-            None => angle_between(from, angle(self.flat(&end)), clockwise),
+            None => angle_between(from, Polar::of(pole, self.flat(&end)).angle, clockwise),
         };
         if !(0.0..=360.0 * 1000.0).contains(&turned) || radius == 0.0 {
             self.complain("a circle has no radius or more than 1000 turns");
@@ -94,7 +90,7 @@ impl Walk<'_> {
             for ((slot, from), end) in to.iter_mut().zip(&begin).zip(&end) {
                 *slot = if part == 1.0 { *end } else { from + (end - from) * part };
             }
-            self.put(&mut to, along(pole, [cosine(angle), sine(angle)], radius));
+            self.put(&mut to, Polar { radius, angle }.point(pole));
             let (code, sign) = self.circle_code("C", clockwise);
             let mut words = self.positions(&last, &to);
             words.extend(sign);

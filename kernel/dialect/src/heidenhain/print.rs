@@ -6,7 +6,7 @@
 
 use super::Heidenhain;
 use super::eval::Evaluator;
-use super::formula::Formula;
+use super::formula::operand;
 use super::lex::{Cursor, capitals};
 use super::variables::Value;
 use super::words::shown;
@@ -25,7 +25,7 @@ impl Heidenhain {
         cursor.take(b'/');
         let mut parts = Vec::new();
         while !cursor.is_over() {
-            match Formula::operand(&mut cursor) {
+            match operand(&mut cursor) {
                 Ok(formula) => parts.push(formula),
                 Err(wrong) => {
                     let text = format!("{wrong} of '{text}'");
@@ -52,7 +52,7 @@ impl Heidenhain {
         let (mask, _) = text.split_once(" /").or_else(|| text.rsplit_once('/')).unwrap_or((text, ""));
         let mask = mask.trim().trim_matches('"');
         let Some((file, _)) = self.find_program(host, mask)? else {
-            let text = format!("there is no mask {mask} for '{}', nothing is printed", host.block_text());
+            let text = format!("mask {mask} not found for '{}'; nothing is printed", host.block_text());
             host.diagnose(&diag::PRINT_MASK, text);
             return Ok(());
         };
@@ -67,7 +67,7 @@ impl Heidenhain {
             let format = cursor.quoted().unwrap_or_default().to_owned();
             let mut values = Vec::new();
             while cursor.take(b',') {
-                match Formula::operand(&mut cursor) {
+                match operand(&mut cursor) {
                     Ok(formula) => values.push(Evaluator::new(&mut self.variables, host).value(&formula)?),
                     Err(_) => {
                         cursor.letters();

@@ -4,7 +4,7 @@
 //! statement are one. Invariant: a block that is no statement is words; reading never fails but for what begins as a
 //! statement.
 
-use super::formula::{Formula, Name, Op, Wrong, expected, parameter};
+use super::formula::{self, Formula, Name, Own, Wrong, expected, parameter};
 use super::lex::Cursor;
 use super::path::Shape;
 use super::words::{Word, words};
@@ -198,7 +198,7 @@ fn path_word(cursor: &mut Cursor<'_>, word: &str) -> bool {
 
 /// A formula up to the end of the block.
 pub(super) fn whole_formula(cursor: &mut Cursor<'_>) -> Result<Formula, Wrong> {
-    let formula = Formula::parse(cursor)?;
+    let formula = formula::formula(cursor)?;
     if cursor.is_over() { Ok(formula) } else { Err(expected(cursor, "the end of the formula")) }
 }
 
@@ -216,7 +216,7 @@ fn key_word(cursor: &mut Cursor<'_>) -> Result<Option<Statement>, Wrong> {
     } else if cursor.keyword("LBL") {
         return label(cursor).map(Some);
     } else if cursor.keyword("CALL LBL") {
-        let label = Formula::operand(cursor)?;
+        let label = formula::operand(cursor)?;
         let repeat = if cursor.keyword("REP") { Some(repeat(cursor)?) } else { None };
         if !cursor.is_over() {
             return Err(expected(cursor, "REP or the end of the block"));
@@ -241,10 +241,10 @@ fn key_word(cursor: &mut Cursor<'_>) -> Result<Option<Statement>, Wrong> {
         Statement::Nothing
     } else if cursor.keyword("TOOL CALL") {
         let named = matches!(cursor.peek(), Some(b'0'..=b'9' | b'"' | b'Q'));
-        let tool = if named { Some(Formula::operand(cursor)?) } else { None };
+        let tool = if named { Some(formula::operand(cursor)?) } else { None };
         Statement::ToolCall { tool, words: words(cursor) }
     } else if cursor.keyword("TOOL DEF") {
-        let tool = Formula::operand(cursor)?;
+        let tool = formula::operand(cursor)?;
         Statement::ToolDefinition { tool, words: words(cursor) }
     } else if cursor.keyword("CYCL DEF") {
         return super::cycles::read(cursor).map(Some);
@@ -266,7 +266,7 @@ fn key_word(cursor: &mut Cursor<'_>) -> Result<Option<Statement>, Wrong> {
 
 /// How often a section is repeated; `REP 3` and `REP 3/2` of listings that show what is left.
 fn repeat(cursor: &mut Cursor<'_>) -> Result<Formula, Wrong> {
-    let repeat = Formula::operand(cursor)?;
+    let repeat = formula::operand(cursor)?;
     if cursor.take(b'/') {
         cursor.whole();
     }
@@ -287,7 +287,7 @@ fn label(cursor: &mut Cursor<'_>) -> Result<Statement, Wrong> {
 /// A label that a statement goes to: `LBL 5`, `LBL "NAME"`, `LBL QS5`.
 pub(super) fn target(cursor: &mut Cursor<'_>) -> Result<Formula, Wrong> {
     cursor.keyword("LBL");
-    let target = Formula::operand(cursor)?;
+    let target = formula::operand(cursor)?;
     if cursor.is_over() { Ok(target) } else { Err(expected(cursor, "the end of the block")) }
 }
 
@@ -297,7 +297,7 @@ pub(super) fn program_name(cursor: &mut Cursor<'_>) -> Result<Formula, Wrong> {
     if let Some(name) = parameter(&mut ahead)
         && ahead.is_over()
     {
-        return Ok(Formula(vec![Op::Variable(name)]));
+        return Ok(Formula::own(Own::Variable(name)));
     }
     let name = match cursor.quoted() {
         Some(name) => name,
@@ -306,7 +306,7 @@ pub(super) fn program_name(cursor: &mut Cursor<'_>) -> Result<Formula, Wrong> {
     if name.trim().is_empty() {
         return Err(expected(cursor, "the name of a program"));
     }
-    Ok(Formula(vec![Op::Text(name.trim().into())]))
+    Ok(formula::text(name.trim()))
 }
 
 /// `%NAME G71` begins an ISO program, or ends it after a number; `%NAME` calls one.
@@ -321,7 +321,7 @@ fn percent(cursor: &mut Cursor<'_>) -> Statement {
         _ if text.is_empty() => Statement::Nothing,
         _ => {
             let name = if unit.is_empty() { name } else { text };
-            Statement::CallProgram(Formula(vec![Op::Text(name.trim_matches('"').into())]))
+            Statement::CallProgram(formula::text(name.trim_matches('"')))
         }
     }
 }

@@ -36,8 +36,7 @@ impl Heidenhain {
             Asked::Unknown => {
                 let known = self.system_value(host, id, number, index);
                 if known.is_none() {
-                    let text =
-                        format!("the control tells nothing about {asked} in '{}', 0 is taken", host.block_text());
+                    let text = format!("no value is known for {asked} in '{}'; 0 is used", host.block_text());
                     host.diagnose(&diag::SYSTEM_DATA_UNKNOWN, text);
                 }
                 Value::Number(known.unwrap_or(0.0))

@@ -9,13 +9,19 @@ use std::sync::Arc;
 use rustc_hash::FxHashMap;
 
 use super::formula::{Kind, Name};
-use crate::levels::Levels;
+use crate::call_stack::CallStack;
 
 /// A value.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Value {
     Number(f64),
     Text(Arc<str>),
+}
+
+impl Default for Value {
+    fn default() -> Self {
+        Self::Number(0.0)
+    }
 }
 
 /// What the control tells by Q parameters of its own.
@@ -65,14 +71,23 @@ impl ControlState {
     }
 }
 
+/// What a program or label that runs has of its own.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Level {
+    /// QL parameters; a label has none.
+    local: FxHashMap<u32, f64>,
+    /// Passes to come of the repeats that run, by line of their call.
+    pub(super) repeats: Vec<(u32, u32)>,
+}
+
 /// The parameters of a kernel.
 #[derive(Debug, Default)]
 pub(super) struct Variables {
     q: FxHashMap<u32, f64>,
     kept: FxHashMap<u32, f64>,
     texts: FxHashMap<u32, Arc<str>>,
-    /// Of the main program and the programs it has called.
-    local: Levels<FxHashMap<u32, f64>>,
+    /// Of the programs and labels that run; labels use the parameters of their program.
+    pub(super) calls: CallStack<Level>,
     pub(super) control: ControlState,
 }
 
@@ -85,7 +100,7 @@ impl Variables {
     /// Bytes that they take, about.
     pub(super) fn bytes(&self) -> usize {
         let texts: usize = self.texts.values().map(|text| text.len() + 60).sum();
-        let local: usize = self.local.iter().map(|values| values.len() * 32).sum();
+        let local: usize = self.calls.iter().map(|level| level.local.len() * 32).sum();
         texts + local + (self.q.len() + self.kept.len()) * 32
     }
 
@@ -93,7 +108,7 @@ impl Variables {
         match kind {
             Kind::Q => Some(&self.q),
             Kind::Kept => Some(&self.kept),
-            Kind::Local => Some(self.local.here()),
+            Kind::Local => Some(&self.calls.program().local),
             Kind::Text => None,
         }
     }
@@ -127,25 +142,16 @@ impl Variables {
                 self.kept.insert(name.index, value);
             }
             (Kind::Local, Value::Number(value)) => {
-                self.local.here_mut().insert(name.index, value);
+                self.calls.program_mut().local.insert(name.index, value);
             }
             _ => return false,
         }
         true
     }
 
-    /// A called program has local parameters of its own.
-    pub(super) fn enter(&mut self) {
-        self.local.enter(FxHashMap::default());
-    }
-
-    pub(super) fn leave(&mut self) {
-        self.local.leave();
-    }
-
     /// The program begins again.
     pub(super) fn begin(&mut self, reset: bool) {
-        self.local = Levels::default();
+        self.calls = CallStack::default();
         if reset {
             self.q.clear();
             self.texts.clear();

@@ -1,6 +1,7 @@
 //! Axes, frames and modes: where the tool is, and how the program counts.
 
 use counterpoint_machine::ident::CodeId;
+use counterpoint_machine::index::CodeRowId;
 
 /// An axis of the channel.
 #[derive(Debug, Clone, PartialEq)]
@@ -21,7 +22,7 @@ pub struct AxisPlace {
 
 /// The active codes of all groups.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Modes(pub Vec<(u16, CodeId, u16)>);
+pub struct Modes(pub Vec<(u16, CodeId, Option<CodeRowId>)>);
 
 /// Positions, frames and modes of the channel.
 pub trait Frames {

@@ -18,6 +18,9 @@ pub trait Report {
     /// Reports a diagnostic of the block.
     fn diagnose(&mut self, facts: &'static Facts, text: String);
 
+    /// Reports a word of the block that nothing recognises.
+    fn report_unrecognised(&mut self, word: &str);
+
     /// Reports a diagnostic with a severity of its own.
     fn report(&mut self, facts: &'static Facts, severity: u8, text: String);
 

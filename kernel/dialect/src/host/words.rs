@@ -1,5 +1,6 @@
 //! Words of the machine: what they are called, how their numbers are written and read, and the block that is made of them.
 
+use counterpoint_machine::index::CodeRowId;
 use counterpoint_program::key_words::Number;
 
 /// A word that the interpreter made.
@@ -64,7 +65,7 @@ pub trait Words {
     fn push(&mut self, word: MadeWord);
 
     /// Adds a literal text of the machine, by its row in the code table.
-    fn push_text(&mut self, row: u16);
+    fn push_text(&mut self, row: CodeRowId);
 
     /// A part of the text remains on the block for the tables of the machine.
     fn keep_text(&mut self, span: (u32, u32));

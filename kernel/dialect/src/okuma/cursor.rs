@@ -6,11 +6,11 @@
 /// What cannot be read.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub(super) enum Mistake {
-    #[error("{0} is expected at column {1}")]
+    #[error("expected {0} at column {1}")]
     Expected(&'static str, usize),
     #[error("the expression is too long at column {0}")]
     TooLong(usize),
-    #[error("text behind the statement at column {0}")]
+    #[error("unexpected text after the statement at column {0}")]
     Behind(usize),
     #[error("{0} takes {1} at column {2}")]
     Arguments(&'static str, &'static str, usize),

@@ -9,11 +9,13 @@ use counterpoint_fault::Halt;
 use counterpoint_lang::value::Value;
 
 use super::cursor::Cursor;
-use super::expr::{Expr, Reader, Variable};
-use super::math::{Binary, Fault};
+use super::expr::{Expr, Own, Reader, Variable};
+use super::math::Fault;
 use super::names::Local;
 use super::store::Store;
+use crate::expression::{Evaluate, Stack};
 use crate::host::{Answer, Host};
+use crate::numeric::{Function, Operator, truth};
 use counterpoint_fault as diag;
 
 /// Why there is no value.
@@ -45,56 +47,31 @@ impl<'e> Eval<'e> {
 
     /// A value; what has none is 0.
     pub(super) fn value(&mut self, expr: &Expr) -> Result<f64, Stop> {
-        let value = match expr {
-            Expr::Number(value) => *value,
-            Expr::Empty => 0.0,
-            Expr::Variable(variable) => return self.variable(variable),
-            Expr::Unknown(text) => return self.unknown(text, "function"),
-            Expr::Apply(function, arguments) => {
-                let mut values = [0.0; 2];
-                for (slot, argument) in values.iter_mut().zip(arguments) {
-                    *slot = self.value(argument)?;
-                }
-                let [first, second] = values;
-                let unit = if self.host.is_inch() { 10_000.0 } else { 1_000.0 };
-                self.checked(function.apply(first, second, unit))?
-            }
-            Expr::Binary(operator, sides) => {
-                let (left, right) = &**sides;
-                if matches!(operator, Binary::Eq | Binary::Ne) && (*left == Expr::Empty || *right == Expr::Empty) {
-                    let same = self.known(left)?.is_none() == self.known(right)?.is_none();
-                    return Ok(super::math::truth(same == (*operator == Binary::Eq)));
-                }
-                let values = (self.value(left)?, self.value(right)?);
-                self.checked(operator.apply(values.0, values.1))?
-            }
-        };
-        Ok(value)
+        self.evaluate(expr)
     }
 
-    /// A value, none for a variable that has none.
-    fn known(&mut self, expr: &Expr) -> Result<Option<f64>, Stop> {
-        match expr {
-            Expr::Empty => Ok(None),
-            Expr::Variable(Variable::Local(name)) => Ok(self.store.local(*name)),
-            Expr::Variable(Variable::Common(family, index)) => match family.name(self.value(index)?) {
-                Some(name) => Ok(self.store.common(self.host, &name)?),
-                None => Ok(None),
+    /// Whether a variable has a value.
+    fn has_value(&mut self, variable: &Variable) -> Result<bool, Stop> {
+        match variable {
+            Variable::Local(name) => Ok(self.store.local(*name).is_some()),
+            Variable::Common(family, index) => match family.common(self.value(index)?) {
+                Some(common) => Ok(self.store.common(self.host, common)?.is_some()),
+                None => Ok(false),
             },
-            other => self.value(other).map(Some),
+            Variable::System(..) => Ok(true),
         }
     }
 
     /// What is assigned: none takes the value of a variable away.
     pub(super) fn assigned(&mut self, expr: &Expr) -> Result<Option<f64>, Stop> {
-        if *expr == Expr::Empty { Ok(None) } else { self.value(expr).map(Some) }
+        if let Some(Own::Empty) = expr.as_own() { Ok(None) } else { self.value(expr).map(Some) }
     }
 
-    fn checked(&mut self, result: Result<f64, Fault>) -> Result<f64, Stop> {
-        let fault = match result {
-            Ok(value) if value.is_finite() => return Ok(value),
-            Ok(_) => Fault::Overflow,
-            Err(fault) => fault,
+    fn checked(&mut self, value: Option<f64>, fault: Fault) -> Result<f64, Stop> {
+        let fault = match value {
+            Some(value) if value.is_finite() => return Ok(value),
+            Some(_) => Fault::Overflow,
+            None => fault,
         };
         let facts = if fault == Fault::Division { &diag::MACRO_DIVISION } else { &diag::MACRO_DOMAIN };
         let text = format!("{fault} in '{}'", self.host.block_text());
@@ -109,8 +86,8 @@ impl<'e> Eval<'e> {
             },
             Variable::Common(family, index) => {
                 let index = self.value(index)?;
-                match family.name(index) {
-                    Some(name) => Ok(self.store.common(self.host, &name)?.unwrap_or(0.0)),
+                match family.common(index) {
+                    Some(common) => Ok(self.store.common(self.host, common)?.unwrap_or(0.0)),
                     None => self.unknown(&format!("{}{index}", family.prefix()), "common variable"),
                 }
             }
@@ -153,7 +130,7 @@ impl<'e> Eval<'e> {
             Answer::Unknown => match system(self.host, text) {
                 Some(value) => Ok(value),
                 None => {
-                    let text = format!("there is no {kind} {text}, it counts as 0 in '{}'", self.host.block_text());
+                    let text = format!("{kind} {text} does not exist in '{}'; 0 is used", self.host.block_text());
                     self.host.diagnose(&diag::OKUMA_UNKNOWN, text);
                     Ok(0.0)
                 }
@@ -189,8 +166,8 @@ impl<'e> Eval<'e> {
             }
             Variable::Common(family, index) => {
                 let index = self.value(index)?;
-                match family.name(index) {
-                    Some(name) => Ok(self.store.set_common(self.host, name, value)?),
+                match family.common(index) {
+                    Some(common) => Ok(self.store.set_common(self.host, common, value)?),
                     None => self.assign_unknown(&format!("{}{index}", family.prefix()), value),
                 }
             }
@@ -229,13 +206,42 @@ impl<'e> Eval<'e> {
             }
             Answer::Unknown => {}
         }
-        let text = format!("{text} cannot be set in '{}', nothing is", self.host.block_text());
+        let text = format!("{text} cannot be set in '{}'; ignored", self.host.block_text());
         self.host.diagnose(&diag::OKUMA_UNKNOWN, text);
         Ok(())
     }
 }
 
-/// Variables of the control that the kernel can tell.
+impl Evaluate<f64, Own> for Eval<'_> {
+    type Stop = Stop;
+
+    fn own(&mut self, own: &Own, stack: &mut Stack<f64>) -> Result<f64, Stop> {
+        match own {
+            Own::Empty => Ok(0.0),
+            Own::Variable(variable) => self.variable(variable),
+            Own::HasValue(variable) => self.has_value(variable).map(truth),
+            Own::IsValue => {
+                stack.pop();
+                Ok(1.0)
+            }
+            Own::Steps(steps) => {
+                let unit = if self.host.is_inch() { 10_000.0 } else { 1_000.0 };
+                self.checked(Some(steps.value(stack.pop(), unit)), Fault::Overflow)
+            }
+            Own::Unknown(text) => self.unknown(text, "function"),
+        }
+    }
+
+    fn apply(&mut self, function: Function, value: f64) -> Result<f64, Stop> {
+        self.checked(function.value(value), Fault::Domain(function.name(), value))
+    }
+
+    fn combine(&mut self, operator: Operator, left: f64, right: f64) -> Result<f64, Stop> {
+        self.checked(operator.value(left, right), Fault::Division)
+    }
+}
+
+/// Variables of the control that the kernel knows.
 pub(super) fn system(host: &dyn Host, name: &str) -> Option<f64> {
     if let Some(number) = name.strip_prefix("VPBR") {
         return matches!(number.as_bytes(), [b'1'..=b'9']).then_some(0.0);

@@ -5,9 +5,10 @@
 //! [`DEEPEST`] brackets deep, so neither reading nor evaluating nor dropping it runs out of stack.
 
 use super::cursor::{Cursor, Mistake};
-use super::math::{Binary, Function};
+use super::math::{self, Known, Steps};
 use super::names::{self, Family, Local};
-use crate::expression::{Grammar, read};
+use crate::expression::{self, COMPARISONS, Code, Grammar, Operators, Part, Sign, read};
+use crate::numeric::Operator;
 
 /// Parts of an expression.
 const MOST: usize = 256;
@@ -15,18 +16,26 @@ const MOST: usize = 256;
 /// Brackets and signs inside each other.
 const DEEPEST: usize = 40;
 
-/// An expression.
+/// An operation that only this control has.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) enum Expr {
-    Number(f64),
+pub(super) enum Own {
     /// What a variable without a value is equal to.
     Empty,
     Variable(Variable),
-    Apply(Function, Box<[Expr]>),
-    Binary(Binary, Box<(Expr, Expr)>),
+    /// Whether a variable has a value.
+    HasValue(Variable),
+    /// True for a value that is not a variable.
+    IsValue,
+    /// A number rounded to the smallest steps of the control.
+    Steps(Steps),
     /// A function that the control does not have, as it is written.
     Unknown(Box<str>),
 }
+
+pub(super) type Op = expression::Op<f64, Own>;
+
+/// An expression.
+pub(super) type Expr = Code<f64, Own>;
 
 /// A variable that is read or written.
 #[derive(Debug, Clone, PartialEq)]
@@ -37,81 +46,99 @@ pub(super) enum Variable {
     System(Box<str>, Box<[Expr]>),
 }
 
-impl Expr {
-    /// Its value is a truth.
-    fn is_truth(&self) -> bool {
-        match self {
-            Expr::Binary(Binary::And | Binary::Or | Binary::Eor, sides) => sides.0.is_truth() && sides.1.is_truth(),
-            Expr::Binary(operator, _) => operator.compares(),
-            Expr::Apply(function, _) => *function == Function::NotTrue,
-            _ => false,
-        }
-    }
-}
-
 /// Reads expressions from a text.
 pub(super) struct Reader<'c, 'a> {
     pub(super) cursor: &'c mut Cursor<'a>,
+    ops: Vec<Op>,
     parts: usize,
     /// Brackets and signs around what is being read.
     depth: usize,
 }
 
-/// Operators by how tight they are, loosest first.
-const LEVELS: &[&[(&str, Binary)]] = &[
-    &[("OR", Binary::Or), ("EOR", Binary::Eor)],
-    &[("AND", Binary::And)],
-    &[
-        ("EQ", Binary::Eq),
-        ("NE", Binary::Ne),
-        ("GT", Binary::Gt),
-        ("GE", Binary::Ge),
-        ("LT", Binary::Lt),
-        ("LE", Binary::Le),
-    ],
-    &[("+", Binary::Add), ("-", Binary::Sub)],
-    &[("*", Binary::Mul), ("/", Binary::Div), ("MOD", Binary::Mod)],
-];
-
 impl Grammar for Reader<'_, '_> {
-    type Operator = Binary;
-    type Part = Expr;
+    type Value = f64;
+    type Own = Own;
     type Mistake = Mistake;
 
-    fn operand(&mut self) -> Result<Expr, Mistake> {
-        self.signed()
+    const OPERATORS: Operators = &[
+        &[("OR", Operator::BitOr), ("EOR", Operator::BitXor)],
+        &[("AND", Operator::BitAnd)],
+        COMPARISONS,
+        &[("+", Operator::Add), ("-", Operator::Sub)],
+        &[("*", Operator::Mul), ("/", Operator::Div), ("MOD", Operator::Rem)],
+    ];
+    const SIGNS: &'static [(&'static str, Sign)] = &[("+", Sign::Plus), ("-", Sign::Minus), ("NOT", Sign::NotEither)];
+
+    fn ops(&mut self) -> &mut Vec<Op> {
+        &mut self.ops
     }
 
-    fn operator(&mut self, loosest: usize) -> Option<(usize, Binary)> {
-        self.cursor.peek()?;
+    fn takes(&mut self, word: &str) -> bool {
         // Words of letters may stand close to a number that follows: `EQ5`.
-        let cursor = &mut *self.cursor;
-        let mut take = |word: &str| if word.len() == 1 { cursor.key_word(word) } else { cursor.word(word) };
-        for (level, operators) in LEVELS.iter().enumerate().skip(loosest) {
-            if let Some((_, operator)) = operators.iter().find(|(word, _)| take(word)) {
-                return Some((level, *operator));
-            }
-        }
-        None
+        if word.len() == 1 { self.cursor.key_word(word) } else { self.cursor.word(word) }
+    }
+
+    fn operand(&mut self) -> Result<Part, Mistake> {
+        self.value()
+    }
+
+    fn negated(value: &f64) -> Option<f64> {
+        Some(-value)
+    }
+
+    fn nest(&mut self, _: bool) -> Result<(), Mistake> {
+        self.count()?;
+        self.depth += 1;
+        if self.depth > DEEPEST { Err(Mistake::TooLong(self.cursor.at + 1)) } else { Ok(()) }
+    }
+
+    fn unnest(&mut self, signs: usize) {
+        self.depth -= signs + 1;
     }
 
     fn check(&mut self, _: usize, _: bool) -> Result<(), Mistake> {
         self.count()
     }
 
-    fn join(&mut self, operator: Binary, left: Expr, right: Expr) -> Expr {
-        Expr::Binary(operator, Box::new((left, right)))
+    fn join(&mut self, operator: Operator, left: Part, right: Part) -> Part {
+        let is_empty = |ops: &[Op]| matches!(ops, [Op::Own(Own::Empty)]);
+        let (before, after) = self.ops.split_at(right.start.min(self.ops.len()));
+        let first = before.get(left.start..).unwrap_or_default();
+        if matches!(operator, Operator::Eq | Operator::Ne) && (is_empty(first) || is_empty(after)) {
+            let after = self.ops.split_off(right.start);
+            let before = self.ops.split_off(left.start);
+            self.ops.extend([before, after].into_iter().flat_map(has_value));
+        }
+        self.ops.push(Op::Combine(operator));
+        let logical = matches!(operator, Operator::BitAnd | Operator::BitOr | Operator::BitXor);
+        Part { start: left.start, truth: operator.compares() || logical && left.truth && right.truth }
     }
+}
+
+/// An operand as one that says whether it has a value.
+fn has_value(mut operand: Vec<Op>) -> Vec<Op> {
+    match operand.as_mut_slice() {
+        [Op::Own(Own::Empty)] => return vec![Op::Value(0.0)],
+        [Op::Own(Own::Variable(variable @ (Variable::Local(_) | Variable::Common(..))))] => {
+            return vec![Op::Own(Own::HasValue(variable.clone()))];
+        }
+        _ => {}
+    }
+    operand.push(Op::Own(Own::IsValue));
+    operand
 }
 
 impl<'c, 'a> Reader<'c, 'a> {
     pub(super) fn new(cursor: &'c mut Cursor<'a>) -> Self {
-        Self { cursor, parts: 0, depth: 0 }
+        Self { cursor, ops: Vec::new(), parts: 0, depth: 0 }
     }
 
     /// A whole expression.
     pub(super) fn expression(&mut self) -> Result<Expr, Mistake> {
-        read(self, 0)
+        let outer = std::mem::take(&mut self.ops);
+        let done = read(self, 0);
+        let ops = std::mem::replace(&mut self.ops, outer);
+        done.map(|_| Code::new(ops))
     }
 
     fn count(&mut self) -> Result<(), Mistake> {
@@ -119,41 +146,12 @@ impl<'c, 'a> Reader<'c, 'a> {
         if self.parts > MOST { Err(Mistake::TooLong(self.cursor.at + 1)) } else { Ok(()) }
     }
 
-    /// A value with its signs.
-    fn signed(&mut self) -> Result<Expr, Mistake> {
-        self.count()?;
-        self.depth += 1;
-        if self.depth > DEEPEST {
-            return Err(Mistake::TooLong(self.cursor.at + 1));
-        }
-        let value = self.with_sign()?;
-        self.depth -= 1;
-        Ok(value)
-    }
-
-    fn with_sign(&mut self) -> Result<Expr, Mistake> {
-        if self.cursor.take(b'+') {
-            return self.signed();
-        }
-        if self.cursor.take(b'-') {
-            return Ok(match self.signed()? {
-                Expr::Number(value) => Expr::Number(-value),
-                value => Expr::Apply(Function::Minus, [value].into()),
-            });
-        }
-        if self.cursor.word("NOT") {
-            let value = self.signed()?;
-            let function = if value.is_truth() { Function::NotTrue } else { Function::Not };
-            return Ok(Expr::Apply(function, [value].into()));
-        }
-        self.operand()
-    }
-
-    fn operand(&mut self) -> Result<Expr, Mistake> {
+    /// A value without signs.
+    fn value(&mut self) -> Result<Part, Mistake> {
         match self.cursor.peek() {
             Some(b'[') => {
                 self.cursor.at += 1;
-                let inside = self.expression()?;
+                let inside = read(self, 0)?;
                 self.cursor.expect(b']', "']'")?;
                 Ok(inside)
             }
@@ -164,14 +162,16 @@ impl<'c, 'a> Reader<'c, 'a> {
         }
     }
 
-    fn number(&mut self) -> Result<Expr, Mistake> {
+    fn number(&mut self) -> Result<Part, Mistake> {
         let at = self.cursor.at;
-        let text = number_text(self.cursor);
-        text.parse().map(Expr::Number).map_err(|_| Mistake::Expected("a number", at + 1))
+        match number_text(self.cursor).parse() {
+            Ok(value) => Ok(self.push(Op::Value(value))),
+            Err(_) => Err(Mistake::Expected("a number", at + 1)),
+        }
     }
 
     /// `#81H` or `$81`.
-    fn hexadecimal(&mut self) -> Result<Expr, Mistake> {
+    fn hexadecimal(&mut self) -> Result<Part, Mistake> {
         let closes = self.cursor.here() == Some(b'#');
         self.cursor.at += 1;
         let at = self.cursor.at;
@@ -182,30 +182,43 @@ impl<'c, 'a> Reader<'c, 'a> {
         if closes && self.cursor.here() == Some(b'H') {
             self.cursor.at += 1;
         }
-        Ok(Expr::Number(value as f64))
+        Ok(self.push(Op::Value(value as f64)))
     }
 
-    fn name(&mut self) -> Result<Expr, Mistake> {
+    fn name(&mut self) -> Result<Part, Mistake> {
         let start = self.cursor.at;
         let name = name_text(self.cursor);
         if name == "EMPTY" {
-            return Ok(Expr::Empty);
+            return Ok(self.push(Op::Own(Own::Empty)));
         }
-        let (known, opens) = (Function::named(name), self.cursor.peek() == Some(b'['));
-        if let Some((name, function)) = known {
-            let at = self.cursor.at + 1;
-            let arguments = self.list()?;
-            if arguments.len() != function.arguments() {
-                let wanted = if function.arguments() == 1 { "one value" } else { "two values" };
-                return Err(Mistake::Arguments(name, wanted, at));
-            }
-            return Ok(Expr::Apply(function, arguments));
+        let opens = self.cursor.peek() == Some(b'[');
+        if let Some((name, known)) = math::named(name) {
+            return self.function(name, known);
         }
         if opens && !name.starts_with('V') {
             self.list()?;
-            return Ok(Expr::Unknown(self.cursor.between(start).into()));
+            let text = self.cursor.between(start).into();
+            return Ok(self.push(Op::Own(Own::Unknown(text))));
         }
-        self.variable(name).map(Expr::Variable)
+        let variable = self.variable(name)?;
+        Ok(self.push(Op::Own(Own::Variable(variable))))
+    }
+
+    /// The arguments of a function.
+    fn function(&mut self, name: &'static str, known: Known) -> Result<Part, Mistake> {
+        let (start, at) = (self.ops.len(), self.cursor.at + 1);
+        let arguments = self.list()?;
+        let (wanted, words) = if matches!(known, Known::Two(_)) { (2, "two values") } else { (1, "one value") };
+        if arguments.len() != wanted {
+            return Err(Mistake::Arguments(name, words, at));
+        }
+        self.ops.extend(arguments.into_iter().flat_map(Code::into_ops));
+        self.ops.push(match known {
+            Known::One(function) => Op::Apply(function),
+            Known::Steps(steps) => Op::Own(Own::Steps(steps)),
+            Known::Two(operator) => Op::Combine(operator),
+        });
+        Ok(Part { start, truth: false })
     }
 
     /// The variable of a name that has just been read, with its indices.
@@ -215,7 +228,7 @@ impl<'c, 'a> Reader<'c, 'a> {
         }
         let indices = if self.cursor.peek() == Some(b'[') { self.list()? } else { Box::default() };
         Ok(match (names::common(name), &*indices) {
-            (Some((family, Some(number))), []) => Variable::Common(family, Box::new(Expr::Number(number))),
+            (Some((family, Some(number))), []) => Variable::Common(family, Box::new(Expr::constant(number))),
             (Some((family, None)), [index]) => Variable::Common(family, Box::new(index.clone())),
             _ => Variable::System(name.into(), indices),
         })
@@ -280,15 +293,16 @@ mod tests {
 
     #[test]
     fn variables() {
-        assert!(matches!(read("LA1"), Expr::Variable(Variable::Local(_))));
-        assert!(matches!(read("VC[LA1]"), Expr::Variable(Variable::Common(Family::Vc, _))));
-        assert!(matches!(read("V33"), Expr::Variable(Variable::Common(Family::V, _))));
-        assert_eq!(read("VTOFX[1]"), Expr::Variable(Variable::System("VTOFX".into(), [Expr::Number(1.0)].into())));
-        assert_eq!(read("HALF[ 1, 2]"), Expr::Unknown("HALF[ 1, 2]".into()));
+        assert!(matches!(read("LA1").as_own(), Some(Own::Variable(Variable::Local(_)))));
+        assert!(matches!(read("VC[LA1]").as_own(), Some(Own::Variable(Variable::Common(Family::Vc, _)))));
+        assert!(matches!(read("V33").as_own(), Some(Own::Variable(Variable::Common(Family::V, _)))));
+        let system = Variable::System("VTOFX".into(), [Expr::constant(1.0)].into());
+        assert_eq!(read("VTOFX[1]"), Expr::own(Own::Variable(system)));
+        assert_eq!(read("HALF[ 1, 2]"), Expr::own(Own::Unknown("HALF[ 1, 2]".into())));
         assert_eq!(
             (read("#81H"), read("$fF".to_ascii_uppercase().as_str())),
-            (Expr::Number(129.0), Expr::Number(255.0))
+            (Expr::constant(129.0), Expr::constant(255.0))
         );
-        assert_eq!((read("EMPTY"), read("-.5")), (Expr::Empty, Expr::Number(-0.5)));
+        assert_eq!((read("EMPTY"), read("-.5")), (Expr::own(Own::Empty), Expr::constant(-0.5)));
     }
 }

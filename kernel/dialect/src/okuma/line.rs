@@ -5,7 +5,7 @@
 //! divides.
 
 use super::cursor::{Cursor, Mistake};
-use super::expr::{Expr, Reader, Variable, name_text, number_text};
+use super::expr::{Expr, Own, Reader, Variable, name_text, number_text};
 use super::names::{self, Local};
 use super::text::Prepared;
 
@@ -240,7 +240,7 @@ impl Reading<'_> {
             condition
         } else {
             let name = name_text(cursor);
-            Expr::Variable(Reader::new(cursor).variable(name)?)
+            Expr::own(Own::Variable(Reader::new(cursor).variable(name)?))
         };
         cursor.key_word("GOTO");
         let target = self.target()?;
@@ -285,7 +285,7 @@ impl Reading<'_> {
             if cursor.between(start) == "Q" && repeats.is_none() {
                 let digits = !cursor.take(b'=') && matches!(cursor.peek(), Some(b'0'..=b'9'));
                 repeats = Some(match digits {
-                    true => Expr::Number(number_text(cursor).parse().unwrap_or(f64::MAX)),
+                    true => Expr::constant(number_text(cursor).parse().unwrap_or(f64::MAX)),
                     false => Reader::new(cursor).expression()?,
                 });
                 continue;
@@ -375,7 +375,7 @@ impl Reading<'_> {
         let written = self.raw(from, end).trim().to_owned();
         let raw = self.raw(start, end).trim().to_owned();
         let is_number = |byte: u8| byte.is_ascii_digit() || matches!(byte, b'.' | b'-' | b'+');
-        let spelled = Some(written).filter(|text| matches!(value, Expr::Number(_)) && text.bytes().all(is_number));
+        let spelled = Some(written).filter(|text| value.as_constant().is_some() && text.bytes().all(is_number));
         Ok(Item::Set { name: name.to_owned(), variable, value, spelled, raw })
     }
 }
@@ -453,7 +453,7 @@ mod tests {
         assert!(matches!(statement("IF[VC1 EQ 1]NA"), Statement::Goto(Some(_), target) if target == named("A")));
         assert!(matches!(statement("IF VPBR2 GOTO N7"), Statement::Goto(Some(_), target) if target == named("7")));
         let Statement::Call(call) = statement("CALL O1 Q2 LA=1 LB=[2+3]") else { panic!("no call") };
-        assert_eq!((call.name.as_str(), call.repeats, call.arguments.len()), ("O1", Some(Expr::Number(2.0)), 2));
+        assert_eq!((call.name.as_str(), call.repeats, call.arguments.len()), ("O1", Some(Expr::constant(2.0)), 2));
         assert_eq!(statement("$A.MIN%"), Statement::Nothing);
         assert_eq!(statement("$ X5"), Statement::Continued);
     }

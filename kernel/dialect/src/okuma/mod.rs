@@ -56,6 +56,8 @@ pub(crate) struct Okuma {
     indices: Tables<FileId, Index>,
     /// Texts of the alarms of the user, `VUACM[n]`.
     alarm_texts: FxHashMap<u32, String>,
+    /// Names and whether a register of the machine has them.
+    words: FxHashMap<Box<str>, bool>,
     /// Calls are executed; otherwise they stay on the block.
     takes_calls: bool,
     /// Sequence names are taken off the block.
@@ -75,6 +77,7 @@ impl Okuma {
             lines: Kept::default(),
             indices: Tables::default(),
             alarm_texts: FxHashMap::default(),
+            words: FxHashMap::default(),
             takes_calls: true,
             takes_names,
             takes_messages: true,
@@ -174,8 +177,8 @@ impl Okuma {
         cursor.end().ok()?;
         match (variable, indices) {
             (Variable::System(name, own), [index]) if own.is_empty() => match names::common(&name) {
-                Some((family, None)) => Some(Variable::Common(family, Box::new(Expr::Number(*index)))),
-                _ => Some(Variable::System(name, [Expr::Number(*index)].into())),
+                Some((family, None)) => Some(Variable::Common(family, Box::new(Expr::constant(*index)))),
+                _ => Some(Variable::System(name, [Expr::constant(*index)].into())),
             },
             (variable, []) => Some(variable),
             _ => None,
@@ -239,10 +242,12 @@ impl Interpreter for Okuma {
     fn variable(&mut self, host: &mut dyn Host, name: &str, indices: &[f64]) -> Result<Option<Value>, Halt> {
         let value = match Self::named(name, indices) {
             Some(Variable::Local(name)) => self.store.local(name),
-            Some(Variable::Common(family, index)) => match constant(&index).and_then(|index| family.name(index)) {
-                Some(name) => self.store.common(host, &name)?,
-                None => None,
-            },
+            Some(Variable::Common(family, index)) => {
+                match index.as_constant().and_then(|index| family.common(*index)) {
+                    Some(common) => self.store.common(host, common)?,
+                    None => None,
+                }
+            }
             Some(Variable::System(name, own)) if own.is_empty() => eval::system(host, &name),
             _ => None,
         };
@@ -258,16 +263,18 @@ impl Interpreter for Okuma {
                 }
                 Ok(true)
             }
-            Some(Variable::Common(family, index)) => match constant(&index).and_then(|index| family.name(index)) {
-                Some(name) => self.store.set_common(host, name, Some(value)).map(|()| true),
-                None => Ok(false),
-            },
+            Some(Variable::Common(family, index)) => {
+                match index.as_constant().and_then(|index| family.common(*index)) {
+                    Some(common) => self.store.set_common(host, common, Some(value)).map(|()| true),
+                    None => Ok(false),
+                }
+            }
             _ => Ok(false),
         }
     }
 
     fn memory(&self) -> u64 {
-        (self.store.bytes() + self.lines.bytes() + self.indices.bytes()) as u64
+        (self.store.bytes() + self.words.len() * 60 + self.lines.bytes() + self.indices.bytes()) as u64
     }
 
     fn setting(&mut self, _: &mut dyn Host, name: &str, values: &[Value]) -> Setting {
@@ -283,13 +290,5 @@ impl Interpreter for Okuma {
         self.lines.clear();
         // Messages that the machine knows follow the same setting.
         if name == "PROCESS,MESSAGES" { Setting::Unknown } else { Setting::Made }
-    }
-}
-
-/// An index that is a number.
-fn constant(index: &Expr) -> Option<f64> {
-    match index {
-        Expr::Number(number) => Some(*number),
-        _ => None,
     }
 }

@@ -42,10 +42,42 @@ impl Family {
         }
     }
 
-    /// The name of a common variable; none if there is no such one.
-    pub(super) fn name(self, index: f64) -> Option<String> {
+    /// A common variable by its number; none if it does not exist.
+    pub(super) fn common(self, index: f64) -> Option<Common> {
         let exists = (1.0..=COMMON).contains(&index) && index.fract() == 0.0;
-        exists.then(|| format!("{}{index}", self.prefix()))
+        exists.then(|| Common::new(self, index as u8))
+    }
+}
+
+/// A common variable: its name, filled up with zeros.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub(super) struct Common {
+    name: [u8; 8],
+    length: usize,
+}
+
+impl Common {
+    fn new(family: Family, number: u8) -> Self {
+        let mut common = Self { name: [0; 8], length: 0 };
+        common.push(family.prefix().bytes());
+        let digits = [number / 100, number / 10 % 10, number % 10];
+        let leading = digits.iter().take_while(|digit| **digit == 0).count();
+        common.push(digits.iter().skip(leading).map(|digit| b'0' + digit));
+        common
+    }
+
+    fn push(&mut self, bytes: impl Iterator<Item = u8>) {
+        for byte in bytes {
+            if let Some(slot) = self.name.get_mut(self.length) {
+                *slot = byte;
+                self.length += 1;
+            }
+        }
+    }
+
+    /// Its name.
+    pub(super) fn name(&self) -> &str {
+        std::str::from_utf8(self.name.get(..self.length).unwrap_or_default()).unwrap_or_default()
     }
 }
 
@@ -92,7 +124,10 @@ mod tests {
         assert_eq!(common("V"), Some((Family::V, None)));
         assert_eq!(common("VSIOX"), None);
         assert_eq!(common("VCX"), None);
-        assert_eq!(Family::Vc.name(200.0).as_deref(), Some("VC200"));
-        assert_eq!((Family::V.name(0.0), Family::V.name(201.0), Family::V.name(1.5)), (None, None, None));
+        for (family, number, name) in [(Family::Vc, 200.0, "VC200"), (Family::V, 7.0, "V7"), (Family::Vc, 10.0, "VC10")]
+        {
+            assert_eq!(family.common(number).unwrap().name(), name);
+        }
+        assert_eq!((Family::V.common(0.0), Family::V.common(201.0), Family::V.common(1.5)), (None, None, None));
     }
 }

@@ -5,11 +5,10 @@
 //! after it, then in the files of subprograms (`.SSB`, `.SUB`, `.LIB`), first beside the main program, then among those
 //! stored with the machine. Invariant: the order of files is that of their ids, so the same job finds the same text.
 
-use rustc_hash::FxHashMap;
-
 use super::line::{Head, Wanted, is_header, normal, read};
 use super::text::prepare;
-use crate::kept::{Table, next_or_first};
+use crate::kept::Table;
+use crate::search::{Labels, Search};
 use counterpoint_program::shape::Range;
 use counterpoint_program::source::Source;
 
@@ -33,7 +32,7 @@ pub(super) struct Definition {
 pub(super) struct Index {
     pub(super) definitions: Vec<Definition>,
     /// Lines by sequence number or name without N, ascending.
-    labels: FxHashMap<String, Vec<u32>>,
+    labels: Labels<String>,
     /// Lines continue those above them.
     pub(super) continues: bool,
 }
@@ -58,7 +57,7 @@ impl Index {
                 }
                 Some(Head::Number(label) | Head::Name(label)) => {
                     let label = normal(label.get(1..).unwrap_or_default());
-                    index.labels.entry(label).or_default().push(line);
+                    index.labels.add(label, line);
                 }
                 _ => {}
             }
@@ -77,7 +76,6 @@ impl Index {
 
     /// The line to go to from another one: from there on, else from the top of the program that the line belongs to.
     pub(super) fn label(&self, name: &str, from: u32, range: Range) -> Option<u32> {
-        let lines = self.labels.get(name)?;
         // Definitions and lines are in ascending order.
         let at = self.definitions.partition_point(|definition| definition.first <= from);
         let own = at.checked_sub(1).and_then(|at| self.definitions.get(at));
@@ -85,13 +83,13 @@ impl Index {
         let first = own.map_or(1, |definition| definition.first).max(range.first);
         let end = next.map_or(u32::MAX, |definition| definition.first.saturating_sub(1));
         let last = if range.last >= range.first { end.min(range.last) } else { end };
-        next_or_first(lines, from.saturating_add(1), first, last)
+        self.labels.find(name, Search::Around, from, (first, last))
     }
 }
 
 impl Table for Index {
     fn bytes(&self) -> usize {
-        self.definitions.len() * 60 + self.labels.len() * 100
+        self.definitions.len() * 60 + self.labels.bytes()
     }
 }
 

@@ -5,6 +5,7 @@
 //! then, and ends with that program. Invariant: words keep their order; a block that leaves none leaves no text.
 
 use counterpoint_fault::{Acted, Halt};
+use std::borrow::Cow;
 use std::sync::Arc;
 
 use counterpoint_lang::value::Value;
@@ -20,6 +21,9 @@ use counterpoint_fault as diag;
 
 /// Modal calls at the same time.
 const MODAL: usize = 8;
+
+/// Names of which is kept whether they are words.
+const WORDS: usize = 1000;
 
 /// Output that sets an alarm of the user.
 const USER_ALARM: f64 = 992.0;
@@ -39,7 +43,7 @@ pub(super) struct Modal {
 impl Okuma {
     pub(super) fn run(&mut self, host: &mut dyn Host, line: &Line, text: &[u8]) -> Result<Option<String>, Halt> {
         if line.open {
-            let text = format!("a comment or message has no end in '{}'", host.block_text());
+            let text = format!("a comment or message is not closed in '{}'", host.block_text());
             host.diagnose(&diag::COMMENT_OPEN, text);
         }
         let mut left = String::new();
@@ -52,7 +56,7 @@ impl Okuma {
         match &line.statement {
             Statement::Nothing => {}
             Statement::Continued => {
-                let text = format!("'{}' goes on with a block that is not above it, it is dropped", host.block_text());
+                let text = format!("'{}' continues a block, but there is none above it; ignored", host.block_text());
                 host.diagnose(&diag::OKUMA_CONTINUED, text);
                 return Ok(None);
             }
@@ -107,8 +111,8 @@ impl Okuma {
             return Ok(());
         }
         let name = match target {
-            Target::Named(name) => name.clone(),
-            Target::Computed(number) => normal(&self.value(host, number)?.to_string()),
+            Target::Named(name) => Cow::Borrowed(name),
+            Target::Computed(number) => Cow::Owned(normal(&self.value(host, number)?.to_string())),
         };
         let place = host.place();
         let index = self.index(host, place.file);
@@ -118,7 +122,7 @@ impl Okuma {
                 host.go_to(line)
             }
             None => {
-                let text = format!("there is no block N{name} in the program to go to from '{}'", host.block_text());
+                let text = format!("block N{name} not found in the program for '{}'", host.block_text());
                 Err(host.alarm(&diag::JUMP_TARGET, text))
             }
         }
@@ -173,7 +177,7 @@ impl Okuma {
 
     fn mod_out(&mut self, host: &mut dyn Host) {
         if self.modal.pop().is_none() {
-            let text = format!("there is no modal call to end in '{}'", host.block_text());
+            let text = format!("no modal call is active in '{}'; ignored", host.block_text());
             host.diagnose(&diag::OKUMA_NO_MODAL, text);
         }
         host.effect();
@@ -210,14 +214,15 @@ impl Okuma {
         {
             return self.user_alarm(host, value, raw, left);
         }
+        let is_word = self.is_word(host, name);
         let mut eval = Eval::new(&mut self.store, host);
         let done = eval.assigned(value).and_then(|assigned| {
             let number = assigned.unwrap_or(0.0);
-            let word = eval.host.word(name, number, spelled.as_deref());
+            let word = if is_word { eval.host.word(name, number, spelled.as_deref()) } else { None };
             match (word, variable) {
                 (Some(word), _) => {
                     if assigned.is_none() {
-                        let text = format!("EMPTY is no value for {name}, it counts as 0 in '{raw}'");
+                        let text = format!("EMPTY is not a valid value for {name} in '{raw}'; 0 is used");
                         eval.host.diagnose(&diag::OKUMA_UNKNOWN, text);
                     }
                     push(left, &word);
@@ -239,6 +244,19 @@ impl Okuma {
 }
 
 impl Okuma {
+    /// A register of the machine has this name.
+    fn is_word(&mut self, host: &dyn Host, name: &str) -> bool {
+        if let Some(known) = self.words.get(name) {
+            return *known;
+        }
+        let is = host.word(name, 0.0, None).is_some();
+        if self.words.len() >= WORDS {
+            self.words.clear();
+        }
+        self.words.insert(name.into(), is);
+        is
+    }
+
     /// A text for a variable: that of an alarm, or what the machine knows.
     fn text(
         &mut self,
@@ -265,7 +283,7 @@ impl Okuma {
                 self.alarm_texts.insert(number, text.to_owned());
             }
             _ => {
-                let text = format!("{asked} takes no text in '{}', nothing is set", host.block_text());
+                let text = format!("{asked} cannot be set to a text in '{}'; ignored", host.block_text());
                 host.diagnose(&diag::OKUMA_UNKNOWN, text);
             }
         }

@@ -8,9 +8,9 @@ use counterpoint_fault::{Acted, Halt};
 use counterpoint_lang::value::Value;
 use rustc_hash::FxHashMap;
 
-use super::names::Local;
+use super::names::{Common, Local};
+use crate::call_stack::CallStack;
 use crate::host::Host;
-use crate::levels::Levels;
 
 /// Local variables that a call sets.
 pub(super) type Arguments = Box<[(Local, f64)]>;
@@ -27,15 +27,15 @@ struct Locals {
 #[derive(Debug, Default)]
 pub(super) struct Store {
     /// Of the main program and the subprograms that run.
-    locals: Levels<Locals>,
+    locals: CallStack<Locals>,
     /// Common variables of this channel alone.
-    own: FxHashMap<String, f64>,
+    own: FxHashMap<Common, f64>,
 }
 
 impl Store {
     /// The program begins; `reset` as if it were the first one.
     pub(super) fn begin(&mut self, reset: bool) {
-        self.locals = Levels::default();
+        self.locals = CallStack::default();
         if reset {
             self.own.clear();
         }
@@ -84,21 +84,21 @@ impl Store {
     }
 
     /// A common variable, if it has a value.
-    pub(super) fn common(&mut self, host: &mut dyn Host, name: &str) -> Result<Option<f64>, Halt> {
+    pub(super) fn common(&mut self, host: &mut dyn Host, common: Common) -> Result<Option<f64>, Halt> {
         if host.has_own_common() {
-            return Ok(self.own.get(name).copied());
+            return Ok(self.own.get(&common).copied());
         }
-        Ok(host.shared(name)?.and_then(|value| value.as_real()))
+        Ok(host.shared(common.name())?.and_then(|value| value.as_real()))
     }
 
     /// Sets a common variable, or takes its value away.
-    pub(super) fn set_common(&mut self, host: &mut dyn Host, name: String, value: Option<f64>) -> Acted {
+    pub(super) fn set_common(&mut self, host: &mut dyn Host, common: Common, value: Option<f64>) -> Acted {
         if !host.has_own_common() {
-            return host.set_shared(&name, value.map(Value::Real));
+            return host.set_shared(common.name(), value.map(Value::Real));
         }
         let before = match value {
-            Some(value) => self.own.insert(name, value),
-            None => self.own.remove(&name),
+            Some(value) => self.own.insert(common, value),
+            None => self.own.remove(&common),
         };
         if before.map(f64::to_bits) != value.map(f64::to_bits) {
             host.effect();

@@ -14,7 +14,7 @@ pub(super) struct Prepared {
     pub(super) upper: Vec<u8>,
     /// Messages to the operator.
     pub(super) messages: Vec<String>,
-    /// A comment or message has no end.
+    /// A comment or message is not closed.
     pub(super) open: bool,
 }
 

@@ -54,7 +54,7 @@ impl Siemens {
                     None => 1,
                 };
                 if passes > MOST_PASSES {
-                    return syntax(format!("{passes} passes are too many, {MOST_PASSES} are possible"));
+                    return syntax(format!("{passes} passes are too many (maximum {MOST_PASSES})"));
                 }
                 left.call =
                     self.repeated(host, first, last.as_ref(), *one_block, u32::try_from(passes).unwrap_or(0))?;
@@ -74,19 +74,16 @@ impl Siemens {
             Structure::EndFor => {
                 let file = host.place().file;
                 let line = self.line_of(host, file, partners.first);
-                let head = line
-                    .as_ref()
-                    .as_ref()
-                    .ok()
-                    .and_then(|line| line.items.iter().find(|item| matches!(item, Item::For(..))).cloned());
-                let Some(Item::For(variable, ..)) = &head else { return syntax("ENDFOR has no FOR") };
+                let items = line.as_ref().as_ref().map_or(&[][..], |line| &line.items);
+                let head = items.iter().find(|item| matches!(item, Item::For(..)));
+                let Some(Item::For(variable, ..)) = head else { return syntax("ENDFOR has no FOR") };
                 let Some(target) = self.locate(host, variable)? else {
-                    return syntax(format!("{} of FOR is no variable", variable.name));
+                    return syntax(format!("{} of FOR is not a variable", variable.name));
                 };
                 let value = super::evaluate::number(&self.value_of(host, &target)?)?;
                 self.store(host, &target, Data::Real(value + 1.0))?;
                 match head {
-                    Some(head) if self.loop_goes_on(host, &head)? => self.go(host, partners.first.saturating_add(1)),
+                    Some(head) if self.loop_goes_on(host, head)? => self.go(host, partners.first.saturating_add(1)),
                     _ => Ok(()),
                 }
             }
@@ -96,7 +93,7 @@ impl Siemens {
     /// The variable of FOR is not beyond its last value.
     fn loop_goes_on(&mut self, host: &mut dyn Host, head: &Item) -> Outcome<bool> {
         let Item::For(variable, _, last) = head else { return Ok(false) };
-        let value = self.evaluate(host, &Expression::Name(variable.clone()))?;
+        let value = self.read(host, variable)?;
         let last = self.evaluate(host, last)?;
         Ok(super::evaluate::number(&value)? <= super::evaluate::number(&last)?)
     }
@@ -146,7 +143,7 @@ impl Siemens {
             },
         };
         if to < from {
-            return syntax("the part to be repeated ends before it begins");
+            return syntax("the part to be repeated ends before it starts");
         }
         if passes == 0 {
             return Ok(None);

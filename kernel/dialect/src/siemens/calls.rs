@@ -5,7 +5,7 @@
 //! begins has a level of its own, which goes when it returns.
 
 use super::define::{Header, Parameter};
-use super::expression::{Argument, Expression};
+use super::expression::{Argument, as_name};
 use super::jumps::bare;
 use super::line::{Item, read};
 use super::value::Data;
@@ -102,7 +102,7 @@ impl Siemens {
             Ok(Some(expression)) => expression,
             Err(text) => return syntax(text.clone()),
         };
-        if let Expression::Name(name) = expression
+        if let Some(name) = as_name(expression)
             && (name.name == "R" || self.variables.knows(&name.name))
             && let Some(target) = self.locate(host, name)?
         {
@@ -139,16 +139,17 @@ impl Siemens {
     /// A subprogram begins.
     pub(super) fn enter(&mut self, host: &mut dyn Host) {
         let line = host.place().line;
-        let level = match self.calling.take().filter(|calling| calling.line == line) {
-            Some(calling) => Level { part: calling.part, given: calling.given, ..Level::default() },
-            None => Level::default(),
-        };
-        self.variables.enter(level);
+        let calls = &mut self.variables.calls;
+        match self.calling.take().filter(|calling| calling.line == line) {
+            Some(calling) if calling.part => calls.enter_part(Level::default()),
+            Some(calling) => calls.enter(Level { given: calling.given, ..Level::default() }),
+            None => calls.enter(Level::default()),
+        }
     }
 
     /// PROC: parameters become variables.
     pub(super) fn take_arguments(&mut self, host: &mut dyn Host, header: &Header) -> Outcome<()> {
-        let Some(level) = self.variables.level() else { return Ok(()) };
+        let level = self.variables.calls.program_mut();
         if std::mem::replace(&mut level.taken, true) {
             return Ok(());
         }
@@ -166,11 +167,10 @@ impl Siemens {
             self.variables.keep(&parameter.name, variable);
         }
         let modes = header.save.then(|| host.modes());
-        if let Some(level) = self.variables.level() {
-            (level.given, level.back) = (given, back);
-            if level.modes.is_none() {
-                level.modes = modes;
-            }
+        let level = self.variables.calls.program_mut();
+        (level.given, level.back) = (given, back);
+        if level.modes.is_none() {
+            level.modes = modes;
         }
         Ok(())
     }
@@ -185,7 +185,9 @@ impl Siemens {
             Some(Passed::One(_)) if parameter.array => return mismatch(format!("the parameter {name} is an array")),
             Some(Passed::One(value)) => value.clone(),
             Some(Passed::Missing) | None if parameter.by_reference => {
-                return mismatch(format!("the parameter {name} is a variable of the caller, and was not given"));
+                return mismatch(format!(
+                    "the parameter {name} needs a variable of the caller, but the argument is missing"
+                ));
             }
             Some(Passed::Missing) | None => match &parameter.default {
                 Some(default) => self.evaluate(host, default)?,
@@ -254,7 +256,7 @@ impl Siemens {
         let first = self.label_line(host, &label(&labels.0), &at)?;
         let last = self.label_line(host, &label(&labels.1), &at)?;
         if last < first {
-            return syntax(format!("label {} stands before {}", labels.1, labels.0));
+            return syntax(format!("label {} comes before label {}", labels.1, labels.0));
         }
         Ok((file, Range { number: None, first, last }))
     }

@@ -35,7 +35,7 @@ impl Siemens {
         let kind = match (kind, &declaration.length) {
             (Type::Text(_), Some(length)) => match self.whole_number(host, length)? {
                 length if (1..=i64::from(LONGEST_TEXT)).contains(&length) => Type::Text(length as u16),
-                length => return refused(format!("a text of {length} characters is not possible")),
+                length => return refused(format!("a text length of {length} is not valid")),
             },
             (Type::Text(_), None) => Type::Text(LONGEST_TEXT),
             (kind, _) => kind,
@@ -51,7 +51,7 @@ impl Siemens {
     fn redeclare(&mut self, host: &mut dyn Host, variable: &Declared) -> Outcome<()> {
         let name = Name { name: variable.name.clone(), index: Vec::new() };
         let Some(target) = self.locate(host, &name)? else {
-            return refused(format!("there is no variable {} for REDEF", variable.name));
+            return refused(format!("variable {} of REDEF does not exist", variable.name));
         };
         self.begin_with(host, &target, variable.initial.as_ref())
     }
@@ -82,10 +82,10 @@ impl Siemens {
         let name = &declared.name;
         if super::functions::is_function(name) || name.starts_with('$') || super::expression::parameter(name).is_some()
         {
-            return refused(format!("{name} is a name of the control"));
+            return refused(format!("{name} is reserved by the control"));
         }
         if declared.sizes.len() > 3 {
-            return refused(format!("{name} has {} dimensions, 3 are possible", declared.sizes.len()));
+            return refused(format!("{name} has {} dimensions (maximum 3)", declared.sizes.len()));
         }
         let mut sizes = Vec::new();
         for size in &declared.sizes {
@@ -97,7 +97,7 @@ impl Siemens {
         let count = sizes.iter().product::<usize>().max(1);
         let most = if scope == Scope::Nck { MOST_SHARED } else { MOST_ELEMENTS };
         if count > most {
-            return refused(format!("{name} has {count} elements, {most} are possible"));
+            return refused(format!("{name} has {count} elements (maximum {most})"));
         }
         if scope == Scope::Nck {
             return self.declare_shared(host, kind, sizes, declared, again);
@@ -106,10 +106,10 @@ impl Siemens {
         let place = host.place();
         let variable = Variable { kind, sizes, values: vec![kind.initial(); count], born: (place.file, place.line) };
         let variables = &mut self.variables;
-        let running = variables.running();
+        let running = variables.calls.program_depth();
         let old = match scope {
             Scope::Channel => variables.channel.get(name),
-            _ => variables.levels.get(running).and_then(|level| level.variables.get(name)),
+            _ => variables.calls.at(running).and_then(|level| level.variables.get(name)),
         };
         if let Some(old) = old.filter(|_| !again) {
             if scope == Scope::Channel && (old.kind, &old.sizes) == (kind, &variable.sizes) {
@@ -149,7 +149,7 @@ impl Siemens {
             if (known, &known_sizes) == (kind, &sizes) {
                 return Ok(());
             }
-            return refused(format!("{name} is defined otherwise by another channel"));
+            return refused(format!("another channel defines {name} differently"));
         }
         let count = sizes.iter().product::<usize>().max(1);
         let length = if let Type::Text(length) = kind { length } else { 0 };

@@ -5,6 +5,7 @@
 
 use super::cursor::{Cursor, split_list};
 use super::expression::{Argument, Expression, arguments, expression, unexpected};
+use super::value::Data;
 use super::value::Type;
 
 /// Whose variable it is.
@@ -196,8 +197,9 @@ fn parameter(cursor: &mut Cursor<'_>) -> Result<Parameter, String> {
     let kind = cursor.name().and_then(|name| Type::named(&name.to_ascii_uppercase()));
     let Some(mut kind) = kind else { return Err(format!("a type is missing, {}", unexpected(cursor))) };
     if let Type::Text(_) = kind {
-        let length = match text_length(cursor, kind)? {
-            Some(Expression::Int(length)) => u16::try_from(length).unwrap_or(LONGEST_TEXT),
+        let length = text_length(cursor, kind)?;
+        let length = match length.as_ref().and_then(Expression::as_constant) {
+            Some(Data::Int(length)) => u16::try_from(*length).unwrap_or(LONGEST_TEXT),
             _ => LONGEST_TEXT,
         };
         kind = Type::Text(length.min(LONGEST_TEXT));

@@ -5,10 +5,12 @@
 //! within a part in 10^12. A name that nothing knows is asked of the
 //! identification macro, then it is an alarm. Invariant: a REAL that comes out is finite.
 
-use super::expression::{Argument, Binary, Expression, Name, Unary, whole};
+use super::expression::{Argument, Expression, Name, Own, as_name, whole};
 use super::value::Data;
 use super::{Fault, Outcome, Siemens, functions, syntax, wrong_type};
+use crate::expression::{Evaluate, Stack};
 use crate::host::{Answer, Host};
+use crate::numeric::{Function, Operator};
 use counterpoint_fault as diag;
 
 /// Most characters of a text.
@@ -19,43 +21,47 @@ pub(super) fn real(value: f64) -> Outcome<Data> {
     if value.is_finite() {
         Ok(Data::Real(value))
     } else {
-        Err(Fault::Alarm(&diag::MACRO_DOMAIN, "a calculation has no result".to_owned()))
+        Err(Fault::Alarm(&diag::MACRO_DOMAIN, "the result is out of range".to_owned()))
     }
-}
-
-fn division<T>() -> Outcome<T> {
-    Err(Fault::Alarm(&diag::MACRO_DIVISION, "division by zero".to_owned()))
 }
 
 /// A number that an operand has to be.
 pub(super) fn number(value: &Data) -> Outcome<f64> {
     match value.number() {
         Some(number) => Ok(number),
-        None => wrong_type(format!("{} is no number", value.described())),
+        None => wrong_type(format!("{} is not a valid number", value.described())),
+    }
+}
+
+/// The interpreter and its kernel as what gives expressions their values.
+struct Values<'s> {
+    siemens: &'s mut Siemens,
+    host: &'s mut dyn Host,
+}
+
+impl Evaluate<Data, Own> for Values<'_> {
+    type Stop = Fault;
+
+    fn own(&mut self, own: &Own, _: &mut Stack<Data>) -> Outcome<Data> {
+        match own {
+            Own::Name(name) => self.siemens.read(self.host, name),
+            Own::Call(name, arguments) => self.siemens.function(self.host, name, arguments),
+        }
+    }
+
+    fn apply(&mut self, function: Function, value: Data) -> Outcome<Data> {
+        functions::apply(function, &value)
+    }
+
+    fn combine(&mut self, operator: Operator, left: Data, right: Data) -> Outcome<Data> {
+        binary(operator, left, right)
     }
 }
 
 impl Siemens {
     /// Value of an expression.
     pub(super) fn evaluate(&mut self, host: &mut dyn Host, expression: &Expression) -> Outcome<Data> {
-        Ok(match expression {
-            Expression::Int(value) => Data::Int(*value),
-            Expression::Real(value) => Data::Real(*value),
-            Expression::Bool(value) => Data::Bool(*value),
-            Expression::Char(value) => Data::Char(*value),
-            Expression::Text(text) => Data::Text(text.to_string()),
-            Expression::Name(name) => return self.read(host, name),
-            Expression::Call(name, arguments) => return self.function(host, name, arguments),
-            Expression::Unary(operator, inner) => {
-                let inner = self.evaluate(host, inner)?;
-                return unary(*operator, &inner);
-            }
-            Expression::Binary(operator, left, right) => {
-                let left = self.evaluate(host, left)?;
-                let right = self.evaluate(host, right)?;
-                return binary(*operator, left, right);
-            }
-        })
+        Values { siemens: self, host }.evaluate(expression)
     }
 
     /// A condition.
@@ -66,7 +72,7 @@ impl Siemens {
     /// A whole number, rounded.
     pub(super) fn whole_number(&mut self, host: &mut dyn Host, expression: &Expression) -> Outcome<i64> {
         let value = number(&self.evaluate(host, expression)?)?.round();
-        if value.abs() > 1e15 { wrong_type(format!("{value:e} is no number for this")) } else { Ok(value as i64) }
+        if value.abs() > 1e15 { wrong_type(format!("{value:e} is out of range")) } else { Ok(value as i64) }
     }
 
     /// Value of an argument; none if it was left out.
@@ -78,7 +84,8 @@ impl Siemens {
         }
     }
 
-    fn read(&mut self, host: &mut dyn Host, name: &Name) -> Outcome<Data> {
+    /// Value of a name.
+    pub(super) fn read(&mut self, host: &mut dyn Host, name: &Name) -> Outcome<Data> {
         if name.name.starts_with('$') {
             let asked = self.written(host, name)?;
             return match self.ask(host, &asked, None)? {
@@ -90,6 +97,12 @@ impl Siemens {
                     None => Err(unknown(&asked)),
                 },
             };
+        }
+        if let Some(value) = self.variables.scalar(name) {
+            return Ok(value.clone());
+        }
+        if let Some(number) = self.r_parameter(host, name)? {
+            return Ok(Data::Real(self.variables.parameter(number)));
         }
         if name.name == "AX" && name.index.len() == 1 {
             return self.axis_of(host, name);
@@ -115,7 +128,7 @@ impl Siemens {
         let Some(index) = name.index.first() else { return syntax("AX needs an axis") };
         match self.evaluate(host, index)? {
             Data::Axis(axis) => Ok(Data::Axis(axis)),
-            other => wrong_type(format!("{} is no axis", other.described())),
+            other => wrong_type(format!("{} is not an axis", other.described())),
         }
     }
 
@@ -145,11 +158,9 @@ impl Siemens {
         }
         let mut texts = Vec::new();
         for index in &name.index {
-            let text = match index {
+            let text = match as_name(index) {
                 // Parts of frames and names of data are texts.
-                Expression::Name(name) if name.index.is_empty() && !self.variables.knows(&name.name) => {
-                    name.name.clone()
-                }
+                Some(name) if name.index.is_empty() && !self.variables.knows(&name.name) => name.name.clone(),
                 _ => match self.evaluate(host, index)? {
                     Data::Text(text) => format!("\"{text}\""),
                     other => other.text(),
@@ -171,7 +182,7 @@ impl Siemens {
                 Answer::Instead(text) => self.instead(host, &text),
                 Answer::Drop => Ok(Data::Int(0)),
                 Answer::Keep => Ok(Data::Axis(asked)),
-                Answer::Unknown => Err(Fault::Alarm(&diag::MACRO_VARIABLE, format!("there is no function {name}"))),
+                Answer::Unknown => Err(Fault::Alarm(&diag::MACRO_VARIABLE, format!("function {name} does not exist"))),
             };
         }
         let mut values = Vec::new();
@@ -180,6 +191,10 @@ impl Siemens {
                 Some(value) => values.push(value),
                 None => return syntax(format!("an argument of {name} is missing")),
             }
+        }
+        functions::check(name, values.len())?;
+        if let Some(function) = functions::of_one(name) {
+            return functions::apply(function, &values.pop().unwrap_or_default());
         }
         match functions::number_function(name, &values)? {
             Some(value) => Ok(value),
@@ -196,20 +211,10 @@ pub(super) fn words_name(host: &dyn Host, name: &str) -> bool {
 }
 
 fn unknown(name: &str) -> Fault {
-    Fault::Alarm(&diag::MACRO_VARIABLE, format!("there is no variable {name}"))
+    Fault::Alarm(&diag::MACRO_VARIABLE, format!("variable {name} does not exist"))
 }
 
-fn unary(operator: Unary, inner: &Data) -> Outcome<Data> {
-    let value = number(inner)?;
-    Ok(match (operator, inner) {
-        (Unary::Minus, Data::Int(value)) => value.checked_neg().map_or(Data::Real(-(*value as f64)), Data::Int),
-        (Unary::Minus, _) => Data::Real(-value),
-        (Unary::Not, _) => Data::Bool(value == 0.0),
-        (Unary::BitNot, _) => Data::Int(i64::from(!(bits(inner)?))),
-    })
-}
-
-fn bits(value: &Data) -> Outcome<i32> {
+pub(super) fn bits(value: &Data) -> Outcome<i32> {
     let number = number(value)?.round();
     if number.abs() <= f64::from(u32::MAX) {
         Ok(number as i64 as i32)
@@ -218,8 +223,8 @@ fn bits(value: &Data) -> Outcome<i32> {
     }
 }
 
-fn binary(operator: Binary, left: Data, right: Data) -> Outcome<Data> {
-    use Binary as B;
+fn binary(operator: Operator, left: Data, right: Data) -> Outcome<Data> {
+    use Operator as B;
     match operator {
         B::Join => {
             let text = left.text() + &right.text();
@@ -232,19 +237,13 @@ fn binary(operator: Binary, left: Data, right: Data) -> Outcome<Data> {
             let (outer, inner) = (super::variables::as_frame(left)?, super::variables::as_frame(right)?);
             match outer.chain(&inner) {
                 Some(frame) => Ok(Data::Frame(Box::new(frame))),
-                None => wrong_type("the frame is out of all bounds"),
+                None => wrong_type("the frame is out of range"),
             }
         }
-        B::Equal | B::NotEqual | B::Less | B::LessEqual | B::Greater | B::GreaterEqual => {
-            compare(operator, left, right)
-        }
+        operator if operator.compares() => compare(operator, left, right),
         B::Or | B::Xor | B::And => {
-            let (left, right) = (number(&left)? != 0.0, number(&right)? != 0.0);
-            Ok(Data::Bool(match operator {
-                B::Or => left || right,
-                B::And => left && right,
-                _ => left != right,
-            }))
+            let value = operator.value(number(&left)?, number(&right)?);
+            Ok(Data::Bool(value == Some(1.0)))
         }
         B::BitOr => Ok(Data::Int(i64::from(bits(&left)? | bits(&right)?))),
         B::BitXor => Ok(Data::Int(i64::from(bits(&left)? ^ bits(&right)?))),
@@ -253,30 +252,23 @@ fn binary(operator: Binary, left: Data, right: Data) -> Outcome<Data> {
     }
 }
 
-fn calculate(operator: Binary, left: &Data, right: &Data) -> Outcome<Data> {
+fn calculate(operator: Operator, left: &Data, right: &Data) -> Outcome<Data> {
     if let (Data::Int(a), Data::Int(b)) = (left, right) {
         let exact = match operator {
-            Binary::Add => a.checked_add(*b),
-            Binary::Subtract => a.checked_sub(*b),
-            Binary::Multiply => a.checked_mul(*b),
-            Binary::IntegerDivide | Binary::Modulo if *b == 0 => return division(),
-            Binary::IntegerDivide => a.checked_div(*b),
-            Binary::Modulo => a.checked_rem(*b),
+            Operator::Add => a.checked_add(*b),
+            Operator::Sub => a.checked_sub(*b),
+            Operator::Mul => a.checked_mul(*b),
+            Operator::WholeDiv => a.checked_div(*b),
+            Operator::Rem => a.checked_rem(*b),
             _ => None,
         };
         if let Some(value) = exact {
             return Ok(Data::Int(value));
         }
     }
-    let (a, b) = (number(left)?, number(right)?);
-    match operator {
-        Binary::Add => real(a + b),
-        Binary::Subtract => real(a - b),
-        Binary::Multiply => real(a * b),
-        _ if b == 0.0 => division(),
-        Binary::Divide => real(a / b),
-        Binary::IntegerDivide => real((a / b).trunc()),
-        _ => real(a % b),
+    match operator.value(number(left)?, number(right)?) {
+        Some(value) => real(value),
+        None => Err(Fault::Alarm(&diag::MACRO_DIVISION, "division by zero".to_owned())),
     }
 }
 
@@ -285,7 +277,7 @@ pub(super) fn same(left: f64, right: f64) -> bool {
     left == right || (left - right).abs() <= 1e-12 * left.abs().max(right.abs())
 }
 
-fn compare(operator: Binary, left: Data, right: Data) -> Outcome<Data> {
+fn compare(operator: Operator, left: Data, right: Data) -> Outcome<Data> {
     use std::cmp::Ordering;
     let order = match (&left, &right) {
         (Data::Text(a) | Data::Axis(a), Data::Text(b) | Data::Axis(b)) => Some(a.cmp(b)),
@@ -299,15 +291,15 @@ fn compare(operator: Binary, left: Data, right: Data) -> Outcome<Data> {
     };
     let Some(order) = order else { return wrong_type("values cannot be compared") };
     let no_order = matches!(left, Data::Axis(_) | Data::Frame(_));
-    if no_order && !matches!(operator, Binary::Equal | Binary::NotEqual) {
+    if no_order && !matches!(operator, Operator::Eq | Operator::Ne) {
         return wrong_type(format!("{} has no order", left.described()));
     }
     Ok(Data::Bool(match operator {
-        Binary::Equal => order.is_eq(),
-        Binary::NotEqual => order.is_ne(),
-        Binary::Less => order.is_lt(),
-        Binary::LessEqual => order.is_le(),
-        Binary::Greater => order.is_gt(),
+        Operator::Eq => order.is_eq(),
+        Operator::Ne => order.is_ne(),
+        Operator::Lt => order.is_lt(),
+        Operator::Le => order.is_le(),
+        Operator::Gt => order.is_gt(),
         _ => order.is_ge(),
     }))
 }

@@ -4,29 +4,37 @@
 //! AND; XOR; OR; `<<`; comparisons. Since comparisons bind weakest, a second one without parentheses is a mistake.
 //! Invariant: what was read is bounded in depth, so that evaluating it is too.
 
-use std::sync::Arc;
-
 use super::cursor::{Cursor, split_list};
-use crate::expression::{Grammar, read};
+use super::functions;
+use super::value::Data;
+use crate::expression::{self, Code, Grammar, Operators, Part, Sign, read};
+use crate::numeric::Operator;
 
 /// Deepest nesting of parentheses, brackets and arguments.
 const DEEPEST: usize = 24;
 /// Most operators of an expression.
 const MOST_OPERATORS: usize = 200;
 
-/// An expression.
+/// An operation that only this control has.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) enum Expression {
-    Int(i64),
-    Real(f64),
-    Bool(bool),
-    Char(u8),
-    Text(Arc<str>),
+pub(super) enum Own {
     /// A variable, an axis, a system variable.
     Name(Name),
+    /// A function by its name, with its arguments.
     Call(String, Vec<Argument>),
-    Unary(Unary, Box<Expression>),
-    Binary(Binary, Box<Expression>, Box<Expression>),
+}
+
+pub(super) type Op = expression::Op<Data, Own>;
+
+/// An expression.
+pub(super) type Expression = Code<Data, Own>;
+
+/// The name that an expression consists of.
+pub(super) fn as_name(expression: &Expression) -> Option<&Name> {
+    match expression.as_own() {
+        Some(Own::Name(name)) => Some(name),
+        _ => None,
+    }
 }
 
 /// A name in capital letters with its indices; `R5` is `R` with the index 5.
@@ -43,71 +51,29 @@ pub(super) struct Argument {
     pub(super) value: Result<Option<Expression>, String>,
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Unary {
-    Minus,
-    Not,
-    BitNot,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Binary {
-    Equal,
-    NotEqual,
-    Less,
-    LessEqual,
-    Greater,
-    GreaterEqual,
-    Join,
-    Or,
-    Xor,
-    And,
-    BitOr,
-    BitXor,
-    BitAnd,
-    Add,
-    Subtract,
-    Multiply,
-    Divide,
-    IntegerDivide,
-    Modulo,
-    Chain,
-}
-
 /// Level of comparisons.
 const COMPARISONS: usize = 0;
 
-/// Operators by level, weakest first.
-const LEVELS: [&[(&str, Binary)]; 10] = [
-    &[
-        ("==", Binary::Equal),
-        ("<>", Binary::NotEqual),
-        ("<=", Binary::LessEqual),
-        (">=", Binary::GreaterEqual),
-        ("<", Binary::Less),
-        (">", Binary::Greater),
-    ],
-    &[("<<", Binary::Join)],
-    &[("OR", Binary::Or)],
-    &[("XOR", Binary::Xor)],
-    &[("AND", Binary::And)],
-    &[("B_OR", Binary::BitOr)],
-    &[("B_XOR", Binary::BitXor)],
-    &[("B_AND", Binary::BitAnd)],
-    &[("+", Binary::Add), ("-", Binary::Subtract)],
-    &[
-        ("*", Binary::Multiply),
-        ("/", Binary::Divide),
-        ("DIV", Binary::IntegerDivide),
-        ("MOD", Binary::Modulo),
-        (":", Binary::Chain),
-    ],
-];
+/// Reads expressions from a text.
+struct Reader<'c, 'a> {
+    cursor: &'c mut Cursor<'a>,
+    ops: Vec<Op>,
+}
 
 /// Reads an expression.
 pub(super) fn expression(cursor: &mut Cursor<'_>) -> Result<Expression, String> {
     cursor.operators = 0;
-    read(cursor, 0)
+    part(cursor)
+}
+
+/// Reads an expression that is a part of another one.
+fn part(cursor: &mut Cursor<'_>) -> Result<Expression, String> {
+    let depth = cursor.depth;
+    let mut reader = Reader { cursor, ops: Vec::new() };
+    let done = read(&mut reader, 0);
+    let ops = reader.ops;
+    cursor.depth = depth;
+    done.map(|_| Code::new(ops))
 }
 
 /// Reads a text that has to be one expression.
@@ -121,119 +87,164 @@ pub(super) fn whole(text: &str) -> Result<Expression, String> {
 /// What is wrong where the cursor stands.
 pub(super) fn unexpected(cursor: &Cursor<'_>) -> String {
     let rest: String = cursor.rest().trim_start().chars().take(20).collect();
-    if rest.is_empty() { "the block ends too early".to_owned() } else { format!("'{rest}' is not expected") }
+    if rest.is_empty() { "the block ends too early".to_owned() } else { format!("unexpected '{rest}'") }
 }
 
-impl Grammar for Cursor<'_> {
-    type Operator = Binary;
-    type Part = Expression;
+impl Grammar for Reader<'_, '_> {
+    type Value = Data;
+    type Own = Own;
     type Mistake = String;
 
-    fn operand(&mut self) -> Result<Expression, String> {
-        unary(self)
+    const OPERATORS: Operators = &[
+        &[
+            ("==", Operator::Eq),
+            ("<>", Operator::Ne),
+            ("<=", Operator::Le),
+            (">=", Operator::Ge),
+            ("<", Operator::Lt),
+            (">", Operator::Gt),
+        ],
+        &[("<<", Operator::Join)],
+        &[("OR", Operator::Or)],
+        &[("XOR", Operator::Xor)],
+        &[("AND", Operator::And)],
+        &[("B_OR", Operator::BitOr)],
+        &[("B_XOR", Operator::BitXor)],
+        &[("B_AND", Operator::BitAnd)],
+        &[("+", Operator::Add), ("-", Operator::Sub)],
+        &[
+            ("*", Operator::Mul),
+            ("/", Operator::Div),
+            ("DIV", Operator::WholeDiv),
+            ("MOD", Operator::Rem),
+            (":", Operator::Chain),
+        ],
+    ];
+    const SIGNS: &'static [(&'static str, Sign)] =
+        &[("-", Sign::Minus), ("NOT", Sign::Not), ("B_NOT", Sign::NotBits), ("+", Sign::Plus)];
+
+    fn ops(&mut self) -> &mut Vec<Op> {
+        &mut self.ops
     }
 
-    fn operator(&mut self, loosest: usize) -> Option<(usize, Binary)> {
-        let mut levels = LEVELS.iter().enumerate().skip(loosest);
-        levels.find_map(|(level, operators)| Some((level, operator(self, operators)?)))
+    fn takes(&mut self, word: &str) -> bool {
+        if word.starts_with(|c: char| c.is_ascii_alphabetic()) {
+            return self.cursor.word(word);
+        }
+        let from = self.cursor.at();
+        let mut takes = self.cursor.takes(word);
+        // `<` of `<<` belongs to the other one.
+        if takes && matches!((word, self.cursor.byte(0)), ("<", b'<') | (">", b'>')) {
+            self.cursor.back_to(from);
+            takes = false;
+        }
+        takes
+    }
+
+    fn operand(&mut self) -> Result<Part, String> {
+        let start = self.ops.len();
+        self.primary()?;
+        Ok(Part { start, truth: false })
+    }
+
+    fn negated(value: &Data) -> Option<Data> {
+        match value {
+            Data::Int(value) => Some(Data::Int(-value)),
+            Data::Real(value) => Some(Data::Real(-value)),
+            _ => None,
+        }
+    }
+
+    fn nest(&mut self, sign: bool) -> Result<(), String> {
+        if sign && self.cursor.depth >= DEEPEST {
+            return Err(too_deep());
+        }
+        self.cursor.depth += usize::from(sign);
+        Ok(())
+    }
+
+    fn unnest(&mut self, signs: usize) {
+        self.cursor.depth = self.cursor.depth.saturating_sub(signs);
     }
 
     fn check(&mut self, level: usize, chained: bool) -> Result<(), String> {
         if level == COMPARISONS && chained {
-            return Err("a comparison binds weaker than AND and OR, each one needs parentheses".to_owned());
+            return Err("comparisons bind weaker than AND and OR; put each one in parentheses".to_owned());
         }
-        self.operators += 1;
-        if self.operators > MOST_OPERATORS {
+        self.cursor.operators += 1;
+        if self.cursor.operators > MOST_OPERATORS {
             return Err(format!("the expression has more than {MOST_OPERATORS} operators"));
         }
         Ok(())
     }
-
-    fn join(&mut self, operator: Binary, left: Expression, right: Expression) -> Expression {
-        Expression::Binary(operator, Box::new(left), Box::new(right))
-    }
 }
 
-fn operator(cursor: &mut Cursor<'_>, operators: &[(&str, Binary)]) -> Option<Binary> {
-    for &(text, operator) in operators {
-        if text.starts_with(|c: char| c.is_ascii_alphabetic()) {
-            if cursor.word(text) {
-                return Some(operator);
+impl Reader<'_, '_> {
+    fn primary(&mut self) -> Result<(), String> {
+        let cursor = &mut *self.cursor;
+        cursor.blanks();
+        let constant = match cursor.byte(0) {
+            b'(' => {
+                cursor.takes("(");
+                if cursor.depth >= DEEPEST {
+                    return Err(too_deep());
+                }
+                cursor.depth += 1;
+                read(self, 0)?;
+                self.cursor.depth -= 1;
+                return if self.cursor.takes(")") {
+                    Ok(())
+                } else {
+                    Err(format!("a ')' is missing, {}", unexpected(self.cursor)))
+                };
             }
-            continue;
-        }
-        let from = cursor.at();
-        if cursor.takes(text) {
-            // `<` of `<<` belongs to the other one.
-            if (text == "<" && cursor.byte(0) == b'<') || (text == ">" && cursor.byte(0) == b'>') {
-                cursor.back_to(from);
-                continue;
+            b'"' => match cursor.quoted() {
+                Some(text) => Data::Text(text.into()),
+                None => return Err("a text is not closed".to_owned()),
+            },
+            b'\'' => constant(cursor)?,
+            b'0'..=b'9' | b'.' => number(cursor)?,
+            _ => {
+                return match cursor.name() {
+                    Some(name) => self.named(&name.to_ascii_uppercase()),
+                    None => Err(unexpected(cursor)),
+                };
             }
-            return Some(operator);
-        }
+        };
+        self.ops.push(Op::Value(constant));
+        Ok(())
     }
-    None
+
+    /// A name in capital letters has been read.
+    fn named(&mut self, name: &str) -> Result<(), String> {
+        let op = match name {
+            "TRUE" => Op::Value(Data::Bool(true)),
+            "FALSE" => Op::Value(Data::Bool(false)),
+            _ if self.cursor.byte(0) == b'(' => {
+                let mut arguments = arguments(self.cursor)?;
+                match (functions::of_one(name), arguments.as_mut_slice()) {
+                    (Some(function), [Argument { value: Ok(value), .. }]) if value.is_some() => {
+                        self.ops.extend(value.take().into_iter().flat_map(Code::into_ops));
+                        Op::Apply(function)
+                    }
+                    _ => Op::Own(Own::Call(name.to_owned(), arguments)),
+                }
+            }
+            _ => Op::Own(Own::Name(indexed(self.cursor, name)?)),
+        };
+        self.ops.push(op);
+        Ok(())
+    }
 }
 
-fn unary(cursor: &mut Cursor<'_>) -> Result<Expression, String> {
-    let operator = if cursor.takes("-") {
-        Some(Unary::Minus)
-    } else if cursor.word("NOT") {
-        Some(Unary::Not)
-    } else if cursor.word("B_NOT") {
-        Some(Unary::BitNot)
-    } else {
-        None
-    };
-    let Some(operator) = operator else {
-        if cursor.takes("+") {
-            return deeper(cursor, unary);
-        }
-        return primary(cursor);
-    };
-    let inner = deeper(cursor, unary)?;
-    Ok(match (operator, inner) {
-        (Unary::Minus, Expression::Int(value)) => Expression::Int(-value),
-        (Unary::Minus, Expression::Real(value)) => Expression::Real(-value),
-        (operator, inner) => Expression::Unary(operator, Box::new(inner)),
-    })
-}
-
-fn deeper<T>(cursor: &mut Cursor<'_>, read: impl FnOnce(&mut Cursor<'_>) -> Result<T, String>) -> Result<T, String> {
-    if cursor.depth >= DEEPEST {
-        return Err(format!("the expression is nested deeper than {DEEPEST} levels"));
-    }
-    cursor.depth += 1;
-    let done = read(cursor);
-    cursor.depth -= 1;
-    done
-}
-
-fn primary(cursor: &mut Cursor<'_>) -> Result<Expression, String> {
-    cursor.blanks();
-    match cursor.byte(0) {
-        b'(' => {
-            cursor.takes("(");
-            let inner = deeper(cursor, |cursor| read(cursor, 0))?;
-            if cursor.takes(")") { Ok(inner) } else { Err(format!("a ')' is missing, {}", unexpected(cursor))) }
-        }
-        b'"' => match cursor.quoted() {
-            Some(text) => Ok(Expression::Text(text.into())),
-            None => Err("a text has no end".to_owned()),
-        },
-        b'\'' => constant(cursor),
-        b'0'..=b'9' | b'.' => number(cursor),
-        _ => match cursor.name() {
-            Some(name) => named(cursor, &name.to_ascii_uppercase()),
-            None => Err(unexpected(cursor)),
-        },
-    }
+fn too_deep() -> String {
+    format!("the expression is nested deeper than {DEEPEST} levels")
 }
 
 /// `'HFF'`, `'B0101'`, `'D12'`, or a character.
-fn constant(cursor: &mut Cursor<'_>) -> Result<Expression, String> {
+fn constant(cursor: &mut Cursor<'_>) -> Result<Data, String> {
     let inner = cursor.rest().get(1..).and_then(|rest| rest.split_once('\'')).map(|(inner, _)| inner);
-    let Some(inner) = inner else { return Err("a constant in ' ' has no end".to_owned()) };
+    let Some(inner) = inner else { return Err("a constant in ' ' is not closed".to_owned()) };
     for _ in 0..inner.chars().count() + 2 {
         cursor.step();
     }
@@ -245,15 +256,15 @@ fn constant(cursor: &mut Cursor<'_>) -> Result<Expression, String> {
     };
     if let Some(value) = inner.get(1..).filter(|_| radix > 0).and_then(|digits| i64::from_str_radix(digits, radix).ok())
     {
-        return Ok(Expression::Int(value));
+        return Ok(Data::Int(value));
     }
     match inner.as_bytes() {
-        [one] => Ok(Expression::Char(*one)),
-        _ => Err(format!("'{inner}' is no constant")),
+        [one] => Ok(Data::Char(*one)),
+        _ => Err(format!("'{inner}' is not a valid constant")),
     }
 }
 
-fn number(cursor: &mut Cursor<'_>) -> Result<Expression, String> {
+fn number(cursor: &mut Cursor<'_>) -> Result<Data, String> {
     let Some((text, point)) = cursor.decimal() else { return Err(unexpected(cursor)) };
     if cursor.byte(0).eq_ignore_ascii_case(&b'E') && cursor.byte(1).eq_ignore_ascii_case(&b'X') {
         let from = cursor.at();
@@ -271,29 +282,16 @@ fn number(cursor: &mut Cursor<'_>) -> Result<Expression, String> {
         return real(&format!("{text}e{sign}{exponent}"));
     }
     match text.parse::<i64>() {
-        Ok(value) if !point => Ok(Expression::Int(value)),
+        Ok(value) if !point => Ok(Data::Int(value)),
         _ => real(text),
     }
 }
 
-fn real(text: &str) -> Result<Expression, String> {
+fn real(text: &str) -> Result<Data, String> {
     match text.parse::<f64>() {
-        Ok(value) if value.is_finite() => Ok(Expression::Real(value)),
-        _ => Err(format!("{text} is no number of the control")),
+        Ok(value) if value.is_finite() => Ok(Data::Real(value)),
+        _ => Err(format!("{text} is not a number that this control accepts")),
     }
-}
-
-/// A name in capital letters has been read.
-fn named(cursor: &mut Cursor<'_>, name: &str) -> Result<Expression, String> {
-    match name {
-        "TRUE" => return Ok(Expression::Bool(true)),
-        "FALSE" => return Ok(Expression::Bool(false)),
-        _ => {}
-    }
-    if cursor.byte(0) == b'(' {
-        return Ok(Expression::Call(name.to_owned(), arguments(cursor)?));
-    }
-    Ok(Expression::Name(indexed(cursor, name)?))
 }
 
 /// Number of an R parameter whose name has it, `R5` or `$R5`.
@@ -308,13 +306,19 @@ pub(super) fn parameter(name: &str) -> Option<i64> {
 /// Indices after a name in capital letters.
 pub(super) fn indexed(cursor: &mut Cursor<'_>, name: &str) -> Result<Name, String> {
     if let Some(number) = parameter(name) {
-        return Ok(Name { name: "R".to_owned(), index: vec![Expression::Int(number)] });
+        return Ok(Name { name: "R".to_owned(), index: vec![Expression::constant(Data::Int(number))] });
     }
     let name = if name == "$R" { "R" } else { name };
     let mut index = Vec::new();
     while cursor.takes("[") {
         loop {
-            index.push(deeper(cursor, |cursor| read(cursor, 0))?);
+            if cursor.depth >= DEEPEST {
+                return Err(too_deep());
+            }
+            cursor.depth += 1;
+            let read = part(cursor);
+            cursor.depth -= 1;
+            index.push(read?);
             if cursor.takes("]") {
                 break;
             }
@@ -323,7 +327,7 @@ pub(super) fn indexed(cursor: &mut Cursor<'_>, name: &str) -> Result<Name, Strin
             }
         }
         if index.len() > 8 {
-            return Err("there are too many indices".to_owned());
+            return Err("too many indices".to_owned());
         }
     }
     Ok(Name { name: name.to_owned(), index })
@@ -332,7 +336,7 @@ pub(super) fn indexed(cursor: &mut Cursor<'_>, name: &str) -> Result<Name, Strin
 /// Arguments in parentheses.
 pub(super) fn arguments(cursor: &mut Cursor<'_>) -> Result<Vec<Argument>, String> {
     if cursor.depth >= DEEPEST {
-        return Err(format!("the expression is nested deeper than {DEEPEST} levels"));
+        return Err(too_deep());
     }
     let Some(inner) = cursor.enclosed(b'(', b')') else { return Err("a ')' is missing".to_owned()) };
     if inner.trim().is_empty() {
@@ -346,7 +350,7 @@ fn argument(cursor: &Cursor<'_>, text: &str) -> Argument {
     let value = if text.is_empty() {
         Ok(None)
     } else {
-        read(&mut inner, 0).and_then(|read| {
+        part(&mut inner).and_then(|read| {
             inner.blanks();
             if inner.is_at_end() { Ok(Some(read)) } else { Err(unexpected(&inner)) }
         })

@@ -165,7 +165,7 @@ impl Siemens {
             match found {
                 Some(file) => self.definition_file(host, file)?,
                 None if reports => {
-                    let text = format!("there is no definition file {name}");
+                    let text = format!("definition file {name} not found");
                     host.diagnose(&diag::SIEMENS_FILE, text);
                 }
                 None => {}

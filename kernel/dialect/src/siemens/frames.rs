@@ -37,13 +37,13 @@ pub(super) fn geometry(host: &dyn Host, axis: &Data) -> Outcome<usize> {
             return Ok(at);
         }
     }
-    wrong_type(format!("{} is no geometry axis", axis.described()))
+    wrong_type(format!("{} is not a geometry axis", axis.described()))
 }
 
 fn parts(frame: &Frame) -> Outcome<Parts> {
     match frame.parts() {
         Some(parts) => Ok(parts),
-        None => wrong_type("the frame is no rotation of a scaled frame, it has no parts"),
+        None => wrong_type("the frame has no translation, rotation and scaling as parts"),
     }
 }
 
@@ -58,7 +58,7 @@ pub(super) fn with_part(frame: &Frame, axis: usize, part: Part, value: &Data) ->
     parts.set(axis, part, super::evaluate::number(value)?);
     match parts.frame() {
         Some(frame) => Ok(frame),
-        None => wrong_type("the frame is out of all bounds"),
+        None => wrong_type("the frame is out of range"),
     }
 }
 
@@ -96,7 +96,7 @@ impl Siemens {
         }
         match made.frame() {
             Some(frame) => Ok(Some(Data::Frame(Box::new(frame)))),
-            None => wrong_type("the frame is out of all bounds"),
+            None => wrong_type("the frame is out of range"),
         }
     }
 
@@ -111,7 +111,7 @@ impl Siemens {
                 let Some(index) = name.index.first() else { return syntax("$P_UIFR needs an index") };
                 let number = self.whole_number(host, index)?;
                 if !(1..=MOST_SETTABLE).contains(&number) {
-                    return wrong_type(format!("there is no settable frame {number}"));
+                    return wrong_type(format!("settable frame {number} does not exist"));
                 }
                 Some((number as u32, 1))
             }
@@ -218,7 +218,8 @@ fn offset(host: &mut dyn Host, number: u32, frame: &Frame) -> Result<(), String>
 /// Blocks that set the programmable frame.
 fn blocks(host: &dyn Host, frame: &Frame) -> Result<Vec<String>, String> {
     let Some(parts) = frame.parts() else {
-        return Err("the frame is no rotation of a scaled frame, the machine has no words for it".to_owned());
+        return Err("the frame has no translation, rotation and scaling as parts, so the machine has no words for it"
+            .to_owned());
     };
     let axes = host.axes();
     let present = GEOMETRY.map(|name| axes.iter().any(|axis| axis.letter.eq_ignore_ascii_case(name)));

@@ -4,28 +4,20 @@
 //! Decisions: ATAN2 is above −180 up to 180; BOUND(least, most, value); ROUND rounds halves away from zero, ROUNDUP to
 //! the next larger whole number. Invariant: an argument outside its domain is an alarm.
 
-use super::evaluate::{number, real, same};
+use super::evaluate::{bits, number, real, same};
 use super::frame::turn;
 use super::value::Data;
 use super::{Fault, Outcome, syntax};
+use crate::numeric::{Function, Operator};
 use counterpoint_fault as diag;
 
-/// Functions, with the smallest and the largest number of arguments.
-const FUNCTIONS: [(&str, usize, usize); 37] = [
-    ("SIN", 1, 1),
-    ("COS", 1, 1),
-    ("TAN", 1, 1),
-    ("ASIN", 1, 1),
-    ("ACOS", 1, 1),
+/// Functions besides those of all controls, with the smallest and the largest number of arguments.
+const FUNCTIONS: [(&str, usize, usize); 28] = [
     ("ATAN2", 2, 2),
-    ("SQRT", 1, 1),
-    ("ABS", 1, 1),
     ("POT", 1, 1),
     ("TRUNC", 1, 1),
     ("ROUND", 1, 1),
     ("ROUNDUP", 1, 1),
-    ("LN", 1, 1),
-    ("EXP", 1, 1),
     ("MINVAL", 2, 2),
     ("MAXVAL", 2, 2),
     ("BOUND", 3, 3),
@@ -53,50 +45,67 @@ const FUNCTIONS: [(&str, usize, usize); 37] = [
 
 /// The control has a function of this name.
 pub(super) fn is_function(name: &str) -> bool {
-    FUNCTIONS.iter().any(|(function, ..)| *function == name)
+    Function::named(name).is_some() || FUNCTIONS.iter().any(|(function, ..)| *function == name)
 }
 
 fn domain<T>(text: String) -> Outcome<T> {
     Err(Fault::Alarm(&diag::MACRO_DOMAIN, text))
 }
 
-/// Value of a function of numbers; none if it is not one.
-pub(super) fn number_function(name: &str, values: &[Data]) -> Outcome<Option<Data>> {
-    let Some((_, least, most)) = FUNCTIONS.iter().find(|(function, ..)| *function == name) else { return Ok(None) };
-    if !(*least..=*most).contains(&values.len()) {
-        let wanted = if least == most { least.to_string() } else { format!("{least} to {most}") };
-        return syntax(format!("{name} takes {wanted} arguments, not {}", values.len()));
-    }
-    let at = |at: usize| values.get(at).map_or(Ok(0.0), number);
-    let outside = |value: f64| domain(format!("{name} has no value at {value}"));
-    let value = match name {
-        "SIN" => turn(at(0)?).0,
-        "COS" => turn(at(0)?).1,
-        "TAN" => match turn(at(0)?) {
-            (_, 0.0) => return outside(at(0)?),
-            (sine, cosine) => sine / cosine,
-        },
-        "ASIN" | "ACOS" if at(0)?.abs() > 1.0 => return outside(at(0)?),
-        "ASIN" => libm::asin(at(0)?).to_degrees(),
-        "ACOS" => libm::acos(at(0)?).to_degrees(),
-        "ATAN2" => libm::atan2(at(0)?, at(1)?).to_degrees(),
-        "SQRT" if at(0)? < 0.0 => return outside(at(0)?),
-        "SQRT" => at(0)?.sqrt(),
-        "ABS" => match values.first() {
-            Some(Data::Int(value)) => return Ok(Some(Data::Int(value.abs()))),
-            _ => at(0)?.abs(),
-        },
-        "POT" => at(0)? * at(0)?,
-        "TRUNC" => {
-            let value = at(0)?;
-            // What rounding has left of a whole number is that number, as for comparisons.
-            return whole(if same(value, value.round()) { value.round() } else { value.trunc() });
+/// Whether a function takes so many arguments.
+pub(super) fn check(name: &str, count: usize) -> Outcome<()> {
+    let known = FUNCTIONS.iter().find(|(function, ..)| *function == name);
+    match known.copied().or(Function::named(name).map(|_| ("", 1, 1))) {
+        Some((_, least, most)) if !(least..=most).contains(&count) => {
+            let wanted = if least == most { least.to_string() } else { format!("{least} to {most}") };
+            syntax(format!("{name} takes {wanted} arguments, not {count}"))
         }
-        "ROUND" => return whole(at(0)?.round()),
-        "ROUNDUP" => return whole(at(0)?.ceil()),
-        "LN" if at(0)? <= 0.0 => return outside(at(0)?),
-        "LN" => libm::log(at(0)?),
-        "EXP" => libm::exp(at(0)?),
+        _ => Ok(()),
+    }
+}
+
+/// The function of one number that a name means.
+pub(super) fn of_one(name: &str) -> Option<Function> {
+    Some(match name {
+        "POT" => Function::Square,
+        "TRUNC" => Function::Fix,
+        "ROUND" => Function::Round,
+        "ROUNDUP" => Function::Ceil,
+        name => return Function::named(name),
+    })
+}
+
+/// Value of a function of one number, or of a sign.
+pub(super) fn apply(function: Function, value: &Data) -> Outcome<Data> {
+    let v = number(value)?;
+    let result = match (function, value) {
+        (Function::Neg, Data::Int(value)) => return Ok(value.checked_neg().map_or(Data::Real(-v), Data::Int)),
+        (Function::Neg, _) => return Ok(Data::Real(-v)),
+        (Function::Not, _) => return Ok(Data::Bool(v == 0.0)),
+        (Function::NotBits, _) => return Ok(Data::Int(i64::from(!bits(value)?))),
+        (Function::Abs, Data::Int(value)) => return Ok(Data::Int(value.saturating_abs())),
+        // What rounding has left of a whole number is that number, as for comparisons.
+        (Function::Fix, _) if same(v, v.round()) => return whole(v.round()),
+        (Function::Fix | Function::Round | Function::Ceil, _) => return whole(function.value(v).unwrap_or(v)),
+        (Function::Sin, _) => Some(turn(v).0),
+        (Function::Cos, _) => Some(turn(v).1),
+        (Function::Tan, _) => match turn(v) {
+            (_, 0.0) => None,
+            (sine, cosine) => Some(sine / cosine),
+        },
+        _ => function.value(v),
+    };
+    match result {
+        Some(result) => real(result),
+        None => domain(format!("{} has no value at {v}", function.name())),
+    }
+}
+
+/// Value of another function of numbers; none if it is not one.
+pub(super) fn number_function(name: &str, values: &[Data]) -> Outcome<Option<Data>> {
+    let at = |at: usize| values.get(at).map_or(Ok(0.0), number);
+    let value = match name {
+        "ATAN2" => Operator::Atan2.value(at(0)?, at(1)?).unwrap_or(0.0),
         "MINVAL" | "MAXVAL" => {
             let first_is_less = at(0)? <= at(1)?;
             let chosen = usize::from(first_is_less != (name == "MINVAL"));
@@ -109,7 +118,7 @@ pub(super) fn number_function(name: &str, values: &[Data]) -> Outcome<Option<Dat
             }
             value.clamp(least, most)
         }
-        "INT" => return whole(at(0)?.round()),
+        "INT" => return whole(at(0)?.round()).map(Some),
         "REAL" => at(0)?,
         "BOOL" => return Ok(Some(Data::Bool(at(0)? != 0.0))),
         _ => return Ok(None),
@@ -118,6 +127,6 @@ pub(super) fn number_function(name: &str, values: &[Data]) -> Outcome<Option<Dat
 }
 
 /// A whole number; INT if it is one.
-fn whole(value: f64) -> Outcome<Option<Data>> {
-    if value.abs() <= super::value::MOST_INT as f64 { Ok(Some(Data::Int(value as i64))) } else { real(value).map(Some) }
+fn whole(value: f64) -> Outcome<Data> {
+    if value.abs() <= super::value::MOST_INT as f64 { Ok(Data::Int(value as i64)) } else { real(value) }
 }

@@ -13,7 +13,8 @@ use super::line::{Direction, Item, Jump, Label, Line, Structure, head, read};
 use super::value::Data;
 use super::{Fault, Outcome, Siemens};
 use crate::host::{Host, Place};
-use crate::kept::{Table, next_or_first};
+use crate::kept::Table;
+use crate::search::{Labels, Search};
 use crate::text::without_comment;
 use counterpoint_event::FileId;
 use counterpoint_fault as diag;
@@ -23,8 +24,8 @@ use counterpoint_program::source::Source;
 /// What is to be found in a file.
 #[derive(Debug, Default)]
 pub(super) struct Places {
-    labels: FxHashMap<String, Vec<u32>>,
-    numbers: FxHashMap<u32, Vec<u32>>,
+    labels: Labels<String>,
+    numbers: Labels<u32>,
     /// Programs of an archive: name, first and last line.
     pub(super) programs: Vec<(String, u32, u32)>,
     partners: FxHashMap<u32, Partners>,
@@ -108,10 +109,10 @@ impl Places {
             let mut cursor = Cursor::new(text);
             let (number, label) = head(&mut cursor);
             if let Some(number) = number.and_then(|number| number.parse().ok()) {
-                places.numbers.entry(number).or_default().push(line);
+                places.numbers.add(number, line);
             }
             if let Some(label) = label {
-                places.labels.entry(label).or_default().push(line);
+                places.labels.add(label, line);
             }
             let Some(step) = step(text, &cursor) else { continue };
             places.partner(&mut open, step, line);
@@ -138,6 +139,15 @@ impl Places {
         }
     }
 
+    /// Line of a label or block number from another line, within some lines.
+    fn find(&self, label: &Label, search: Search, here: u32, around: (u32, u32)) -> Option<u32> {
+        match label {
+            Label::Number(number) => self.numbers.find(number, search, here, around),
+            Label::Name(name) => self.labels.find(name.as_str(), search, here, around),
+            Label::Value(_) => None,
+        }
+    }
+
     /// Lines of the program around a line.
     pub(super) fn program(&self, range: Range, line: u32) -> (u32, u32) {
         let around = self.programs.iter().find(|(_, first, last)| (*first..=*last).contains(&line));
@@ -147,7 +157,7 @@ impl Places {
 
 impl Table for Places {
     fn bytes(&self) -> usize {
-        let lines = self.labels.len() * 100 + self.numbers.len() * 60 + self.partners.len() * 40;
+        let lines = self.labels.bytes() + self.numbers.bytes() + self.partners.len() * 40;
         lines + self.programs.len() * 80
     }
 }
@@ -176,7 +186,7 @@ impl Siemens {
         let found = self.places(host, place.file).partners.get(&place.line).copied();
         match found.filter(|partners| partners.last >= place.range.first) {
             Some(partners) => Ok(partners),
-            None => Err(Fault::Alarm(&diag::MACRO_LOOP, "the loop or branch has no partner".to_owned())),
+            None => Err(Fault::Alarm(&diag::MACRO_LOOP, "the loop or branch has no matching statement".to_owned())),
         }
     }
 
@@ -184,7 +194,7 @@ impl Siemens {
     pub(super) fn go(&mut self, host: &mut dyn Host, line: u32) -> Outcome<()> {
         let range = host.place().range;
         if line < range.first || line > range.last.saturating_add(1) {
-            return Err(Fault::Alarm(&diag::JUMP_TARGET, "the jump leads out of the part that is repeated".to_owned()));
+            return Err(Fault::Alarm(&diag::JUMP_TARGET, "the jump leaves the part that is repeated".to_owned()));
         }
         Ok(host.go_to(line)?)
     }
@@ -199,7 +209,12 @@ impl Siemens {
             return Ok(true);
         }
         let label = self.label(host, &jump.target)?;
-        let found = find(&places, &label, jump.direction, (first, last), &place);
+        let search = match jump.direction {
+            Direction::Forward => Search::Forward,
+            Direction::Back => Search::Back,
+            Direction::Either | Direction::Silent | Direction::Start => Search::Around,
+        };
+        let found = places.find(&label, search, place.line, (first, last));
         match found {
             Some(line) => {
                 self.go(host, line)?;
@@ -208,11 +223,11 @@ impl Siemens {
             None if jump.direction == Direction::Silent => Ok(false),
             None => {
                 let way = match jump.direction {
-                    Direction::Forward => " further on",
-                    Direction::Back => " before this",
+                    Direction::Forward => " after this block",
+                    Direction::Back => " before this block",
                     _ => "",
                 };
-                let text = format!("there is no {} in the program{way}", shown(&label));
+                let text = format!("{} not found in the program{way}", shown(&label));
                 Err(Fault::Alarm(&diag::JUMP_TARGET, text))
             }
         }
@@ -223,7 +238,7 @@ impl Siemens {
         let value = match label {
             Label::Name(name) if self.variables.knows(name) => {
                 let name = super::expression::Name { name: name.clone(), index: Vec::new() };
-                self.evaluate(host, &super::expression::Expression::Name(name))?
+                self.read(host, &name)?
             }
             Label::Value(expression) => self.evaluate(host, expression)?,
             known => return Ok(known.clone()),
@@ -244,18 +259,17 @@ impl Siemens {
         let label = self.label(host, label)?;
         let places = self.places(host, place.file);
         let around = places.program(place.range, place.line.clamp(place.range.first, place.range.last));
-        let back = find(&places, &label, Direction::Back, around, place);
-        match back.or_else(|| find(&places, &label, Direction::Either, around, place)) {
+        match places.find(&label, Search::BackThenForward, place.line, around) {
             Some(line) => Ok(line),
-            None => Err(Fault::Alarm(&diag::JUMP_TARGET, format!("there is no {} in the program", shown(&label)))),
+            None => Err(Fault::Alarm(&diag::JUMP_TARGET, format!("{} not found in the program", shown(&label)))),
         }
     }
 
     /// The first ENDLABEL of the program from a line on.
     pub(super) fn end_label(&mut self, host: &mut dyn Host, place: &Place, from: u32) -> Option<u32> {
         let places = self.places(host, place.file);
-        let lines = places.labels.get("ENDLABEL")?;
-        lines.get(lines.partition_point(|line| *line < from)).copied().filter(|line| *line < place.line)
+        let within = (from, place.line.saturating_sub(1));
+        places.labels.find("ENDLABEL", Search::FromTop, place.line, within)
     }
 }
 
@@ -264,22 +278,5 @@ fn shown(label: &Label) -> String {
         Label::Number(number) => format!("block N{number}"),
         Label::Name(name) => format!("label {name}"),
         Label::Value(_) => "such label".to_owned(),
-    }
-}
-
-fn find(places: &Places, label: &Label, direction: Direction, around: (u32, u32), place: &Place) -> Option<u32> {
-    let lines = match label {
-        Label::Number(number) => places.numbers.get(number),
-        Label::Name(name) => places.labels.get(name),
-        Label::Value(_) => None,
-    }?;
-    // They are in ascending order.
-    let at = |line: u32| lines.partition_point(|other| *other < line);
-    let inside = lines.get(at(around.0)..at(around.1.saturating_add(1))).unwrap_or_default();
-    let (before, after) = inside.split_at_checked(inside.partition_point(|line| *line <= place.line))?;
-    match direction {
-        Direction::Forward => after.first().copied(),
-        Direction::Back => before.last().copied(),
-        _ => next_or_first(lines, place.line.saturating_add(1), around.0, around.1),
     }
 }

@@ -8,6 +8,7 @@ use super::cursor::{Cursor, begins_name, in_name};
 use super::define::{self, Declaration, Header};
 use super::expression::{Argument, Expression, Name, arguments, expression, indexed, unexpected};
 use super::statement::{JUMPS, call, case, direction, jump, repeat};
+use super::value::Data;
 
 /// A block.
 #[derive(Debug, Default, PartialEq)]
@@ -207,7 +208,7 @@ fn alone(line: Line) -> Result<Line, String> {
         matches!(item, Item::Structure(_) | Item::For(..) | Item::While(_) | Item::Until(_) | Item::RepeatPart { .. })
     };
     match line.items.iter().find(is_structure) {
-        Some(_) => Err("a loop, a branch or a repetition stands beside other words".to_owned()),
+        Some(_) => Err("a loop, branch or repetition must be alone in its block".to_owned()),
         None => Ok(line),
     }
 }
@@ -273,7 +274,7 @@ fn address(cursor: &mut Cursor<'_>, letter: u8) -> Result<Item, String> {
     Ok(match letter {
         b'L' if !extension.is_empty() && text.len() == name.len() => Item::Program(name),
         b'P' => match extension.parse() {
-            Ok(passes) => Item::Passes(Expression::Int(passes), text.to_owned()),
+            Ok(passes) => Item::Passes(Expression::constant(Data::Int(passes)), text.to_owned()),
             Err(_) => Item::Text(text.to_owned()),
         },
         b'M' if extension.parse() == Ok(17) && text.len() == name.len() => Item::Return(name, false),

@@ -6,7 +6,7 @@
 
 use std::sync::Arc;
 
-use super::expression::{Argument, Expression, Name, whole};
+use super::expression::{Argument, Expression, Name, as_name, whole};
 use super::line::{Assigned, Item, Line, read};
 use super::value::Data;
 use super::{Fault, Outcome, Siemens, syntax};
@@ -144,7 +144,7 @@ impl Siemens {
             Item::Passes(passes, word) => {
                 let passes = self.whole_number(host, passes)?;
                 if passes > MOST_PASSES {
-                    return syntax(format!("{passes} passes are too many, {MOST_PASSES} are possible"));
+                    return syntax(format!("{passes} passes are too many (maximum {MOST_PASSES})"));
                 }
                 left.passes = Some(u32::try_from(passes).unwrap_or(0));
                 left.passes_word = Some(word.clone());
@@ -163,12 +163,12 @@ impl Siemens {
                     left.add(text);
                     return Ok(Then::GoOn);
                 }
-                if self.variables.in_part() {
+                if self.variables.calls.in_part() {
                     let text = format!("'{}' ends a pass of the part that is repeated", host.block_text());
                     host.diagnose(&diag::SIEMENS_IGNORED, text);
                 }
                 if *elsewhere {
-                    let text = format!("the target of RET is not looked for in '{}'", host.block_text());
+                    let text = format!("the target of RET is ignored in '{}'", host.block_text());
                     host.diagnose(&diag::SIEMENS_IGNORED, text);
                 }
                 host.return_from();
@@ -200,8 +200,8 @@ impl Siemens {
         }
         let is_parameter = name.name == "R" && !name.index.is_empty();
         let is_local = is_parameter || self.variables.knows(&name.name);
-        let is_word = name.name.len() == 1 || name.name == "AX" || words_address(host, &name.name);
-        if !is_local && is_word {
+        let is_word = || name.name.len() == 1 || name.name == "AX" || words_address(host, &name.name);
+        if !is_local && is_word() {
             return self.word(host, name, value, left);
         }
         match self.locate(host, name)? {
@@ -239,8 +239,9 @@ impl Siemens {
 
     /// A macro has named another variable, or given the text that stands on the block.
     fn set_instead(&mut self, host: &mut dyn Host, text: &str, value: &Assigned, left: &mut Left) -> Outcome<()> {
-        if let Ok(Expression::Name(name)) = whole(text)
-            && let Some(target) = self.locate(host, &name)?
+        if let Ok(expression) = whole(text)
+            && let Some(name) = as_name(&expression)
+            && let Some(target) = self.locate(host, name)?
         {
             return self.assign(host, &target, value);
         }
@@ -315,7 +316,7 @@ impl Siemens {
     ) -> Outcome<Then> {
         let name = match self.evaluate(host, name)? {
             Data::Text(text) => text.trim().to_owned(),
-            other => return super::wrong_type(format!("{} is no name of a subprogram", other.described())),
+            other => return super::wrong_type(format!("{} is not a valid name of a subprogram", other.described())),
         };
         if !self.settings.subprograms {
             left.add(&format!("CALL \"{name}\""));
@@ -346,12 +347,16 @@ impl Siemens {
             None => String::new(),
             Some(argument) => match &argument.value {
                 Ok(None) => String::new(),
-                Ok(Some(Expression::Name(name)))
-                    if name.index.is_empty() && !name.name.starts_with('$') && !self.variables.knows(&name.name) =>
-                {
-                    argument.text.clone()
-                }
-                Ok(Some(expression)) => self.evaluate(host, expression)?.text(),
+                Ok(Some(expression)) => match as_name(expression) {
+                    Some(name)
+                        if name.index.is_empty()
+                            && !name.name.starts_with('$')
+                            && !self.variables.knows(&name.name) =>
+                    {
+                        argument.text.clone()
+                    }
+                    _ => self.evaluate(host, expression)?.text(),
+                },
                 // A text without quotation marks.
                 Err(_) if !argument.text.contains('"') => argument.text.clone(),
                 Err(text) => return syntax(text.clone()),
@@ -425,8 +430,7 @@ fn whole_translation(host: &dyn Host, left: &mut Left) {
 
 /// G90 and G91: whether positions are distances.
 fn mode(text: &str) -> Option<bool> {
-    let text = text.to_ascii_uppercase();
-    let digits = text.strip_prefix('G')?.trim_start().trim_start_matches('0');
+    let digits = text.strip_prefix(['G', 'g'])?.trim_start().trim_start_matches('0');
     match digits {
         "90" => Some(false),
         "91" => Some(true),

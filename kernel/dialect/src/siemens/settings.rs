@@ -5,7 +5,8 @@
 
 use counterpoint_lang::value::Value;
 
-use super::expression::{Expression, Name, whole};
+use super::expression::{Expression, Name, as_name, whole};
+use super::value::Data;
 use crate::interpreter::Setting;
 
 /// Settings.
@@ -129,8 +130,8 @@ impl Settings {
 
 /// A variable in native spelling, with further indices after it.
 pub(super) fn named(text: &str, indices: &[f64]) -> Option<Name> {
-    let Ok(Expression::Name(mut name)) = whole(text.trim()) else { return None };
-    name.index.extend(indices.iter().map(|index| Expression::Real(*index)));
+    let mut name = as_name(&whole(text.trim()).ok()?)?.clone();
+    name.index.extend(indices.iter().map(|index| Expression::constant(Data::Real(*index))));
     let sound = indices.iter().all(|index| index.is_finite());
     sound.then_some(name)
 }

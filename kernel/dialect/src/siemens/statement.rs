@@ -6,6 +6,7 @@
 use super::cursor::{Cursor, in_name};
 use super::expression::{Expression, arguments, expression, unexpected};
 use super::line::{Direction, Item, Jump, Label, Structure};
+use super::value::Data;
 
 pub(super) const JUMPS: [(&str, Direction); 5] = [
     ("GOTO", Direction::Either),
@@ -33,7 +34,7 @@ fn label(cursor: &mut Cursor<'_>) -> Result<Label, String> {
     }
     let digits = cursor.digits();
     if !digits.is_empty() && !in_name(cursor.byte(0)) && !joined(cursor) {
-        return digits.parse().map(Label::Number).map_err(|_| format!("there is no block number {digits}"));
+        return digits.parse().map(Label::Number).map_err(|_| format!("{digits} is not a valid block number"));
     }
     *cursor = before.clone();
     if let Some(name) = cursor.name()
@@ -85,9 +86,9 @@ pub(super) fn case(cursor: &mut Cursor<'_>) -> Result<Item, String> {
             return Ok(Item::Case(value, cases, None));
         }
         let default = cursor.word("DEFAULT");
-        let constant = if default { Expression::Bool(true) } else { expression(cursor)? };
+        let constant = if default { Expression::constant(Data::Bool(true)) } else { expression(cursor)? };
         let Some(direction) = cursor.name().and_then(direction) else {
-            return Err(format!("a jump is missing behind CASE, {}", unexpected(cursor)));
+            return Err(format!("a jump is missing after CASE, {}", unexpected(cursor)));
         };
         let jump = jump(cursor, direction)?;
         if default {
@@ -112,7 +113,7 @@ pub(super) fn call(cursor: &mut Cursor<'_>, kind: &str) -> Result<Item, String> 
     if kind == "CALL"
         && let Some(section) = section(cursor)?
     {
-        let name = Expression::Text("".into());
+        let name = Expression::constant(Data::Text(String::new()));
         return Ok(Item::CallText { name, section: Some(section), arguments: Vec::new() });
     }
     if kind == "PCALL" {
@@ -123,13 +124,13 @@ pub(super) fn call(cursor: &mut Cursor<'_>, kind: &str) -> Result<Item, String> 
             while !cursor.is_at_end() && !matches!(cursor.byte(0), b' ' | b'\t' | b'(') {
                 cursor.step();
             }
-            let name = Expression::Text(cursor.since(from).into());
+            let name = Expression::constant(Data::Text(cursor.since(from).into()));
             let arguments = if cursor.byte(0) == b'(' { arguments(cursor)? } else { Vec::new() };
             return Ok(Item::CallText { name, section: None, arguments });
         }
     }
     let name = match kind {
-        "PCALL" => Expression::Text(cursor.quoted().unwrap_or_default().into()),
+        "PCALL" => Expression::constant(Data::Text(cursor.quoted().unwrap_or_default().into())),
         _ => expression(cursor)?,
     };
     let arguments = if kind == "PCALL" && cursor.byte(0) == b'(' { arguments(cursor)? } else { Vec::new() };

@@ -5,7 +5,7 @@
 //! is the simulated time of the channel. Invariant: what is not known here is none, so that it is reported.
 
 use super::evaluate::number;
-use super::expression::{Expression, Name};
+use super::expression::{Name, as_name};
 use super::value::Data;
 use super::{Outcome, Siemens, syntax};
 use crate::host::Host;
@@ -37,8 +37,8 @@ impl Siemens {
             }
             "$P_SUBPAR" => {
                 let number = self.only_index(host, name)?;
-                let level = self.variables.level();
-                let given = usize::try_from(number - 1).ok().and_then(|at| level.and_then(|l| l.given.get(at)));
+                let given = &self.variables.calls.program().given;
+                let given = usize::try_from(number - 1).ok().and_then(|at| given.get(at));
                 Data::Bool(given.is_some_and(|given| given.is_there()))
             }
             "$AC_TIME" => Data::Real(0.0),
@@ -62,7 +62,7 @@ impl Siemens {
         if name.name == "$AC_TIMER" {
             let timer = self.only_index(host, name)?;
             if !(0..=MOST_TIMERS).contains(&timer) {
-                return syntax(format!("there is no timer {timer}"));
+                return syntax(format!("timer {timer} does not exist"));
             }
             let value = number(value)?;
             let state = if value < 0.0 {
@@ -89,11 +89,11 @@ impl Siemens {
     /// Position of the axis in the index.
     fn position(&mut self, host: &mut dyn Host, name: &Name, machine: bool) -> Outcome<f64> {
         let [index] = name.index.as_slice() else { return syntax(format!("{} needs an axis", name.name)) };
-        let wanted = match index {
-            Expression::Name(axis) if axis.index.is_empty() && !self.variables.knows(&axis.name) => axis.name.clone(),
+        let wanted = match as_name(index) {
+            Some(axis) if axis.index.is_empty() && !self.variables.knows(&axis.name) => axis.name.clone(),
             _ => match self.evaluate(host, index)? {
                 Data::Axis(axis) | Data::Text(axis) => axis,
-                other => return super::wrong_type(format!("{} is no axis", other.described())),
+                other => return super::wrong_type(format!("{} is not an axis", other.described())),
             },
         };
         let is = |text: &str| text.eq_ignore_ascii_case(&wanted);

@@ -1,10 +1,11 @@
 //! Expressions and blocks without a kernel.
 
-use super::expression::{Expression, whole};
+use super::expression::{Expression, Op, whole};
 use super::frame::{Frame, Parts};
 use super::line::{Item, head, read};
 use super::value::{Data, Type, shown};
 use super::{cursor::Cursor, needs_interpreter, settings::named};
+use crate::numeric::Operator;
 
 fn item(text: &str) -> Item {
     let line = read(text).unwrap();
@@ -56,14 +57,14 @@ fn labels_and_numbers_begin_a_block() {
 fn comparisons_bind_weakest() {
     assert!(whole("A==1 AND B==2").is_err());
     assert!(whole("(A==1) AND (B==2)").is_ok());
-    let Expression::Binary(operator, ..) = whole("R1+1<R2*2").unwrap() else { panic!() };
-    assert_eq!(operator, super::expression::Binary::Less);
+    let expression = whole("R1+1<R2*2").unwrap();
+    assert!(matches!(expression.ops().last(), Some(Op::Combine(Operator::Lt))));
     for wrong in ["", "1+", "(1", "1 2", "SIN(", "\"a", "'HXY'", "1EX", "A[1"] {
         assert!(whole(wrong).is_err(), "{wrong}");
     }
-    assert_eq!(whole("'HFF'"), Ok(Expression::Int(255)));
-    assert_eq!(whole("'B101'"), Ok(Expression::Int(5)));
-    assert_eq!(whole("2.5EX-1"), Ok(Expression::Real(0.25)));
+    assert_eq!(whole("'HFF'"), Ok(Expression::constant(Data::Int(255))));
+    assert_eq!(whole("'B101'"), Ok(Expression::constant(Data::Int(5))));
+    assert_eq!(whole("2.5EX-1"), Ok(Expression::constant(Data::Real(0.25))));
     assert!(whole(&format!("{}1{}", "(".repeat(500), ")".repeat(500))).is_err());
     assert!(whole(&"1+".repeat(5000)).is_err());
     assert!(whole(&"-".repeat(5000)).is_err());

@@ -16,7 +16,7 @@ fn text(values: &[Data], at: usize) -> Outcome<String> {
     match values.get(at) {
         Some(Data::Text(text) | Data::Axis(text)) => Ok(text.clone()),
         Some(Data::Char(one)) => Ok(char::from(*one).to_string()),
-        Some(other) => wrong_type(format!("{} is no text", other.described())),
+        Some(other) => wrong_type(format!("{} is not a text", other.described())),
         None => Ok(String::new()),
     }
 }
@@ -65,7 +65,7 @@ impl Siemens {
             "NUMBER" => match parse(&first()?) {
                 Some(value) => Data::Real(value),
                 None => {
-                    let text = format!("\"{}\" is no number", first()?);
+                    let text = format!("\"{}\" is not a valid number", first()?);
                     return Err(Fault::Alarm(&diag::MACRO_DOMAIN, text));
                 }
             },
@@ -73,12 +73,14 @@ impl Siemens {
             "STRING" => Data::Text(values.first().map(Data::text).unwrap_or_default()),
             "AXSTRING" => match values.first() {
                 Some(Data::Axis(axis)) => Data::Text(axis.clone()),
-                other => return wrong_type(format!("{} is no axis", other.map(Data::described).unwrap_or_default())),
+                other => {
+                    return wrong_type(format!("{} is not an axis", other.map(Data::described).unwrap_or_default()));
+                }
             },
             "AXNAME" => {
                 let wanted = first()?.to_ascii_uppercase();
                 if !super::evaluate::words_name(host, &wanted) {
-                    return wrong_type(format!("there is no axis {wanted}"));
+                    return wrong_type(format!("axis {wanted} does not exist"));
                 }
                 Data::Axis(wanted)
             }
@@ -89,7 +91,7 @@ impl Siemens {
             "ISVAR" => Data::Bool(self.is_variable(host, &first()?)?),
             "ISFILE" => Data::Bool(self.has_file(host, &first()?)),
             "SPRINT" => Data::Text(sprint(&first()?, values.get(1..).unwrap_or_default())?),
-            _ => return syntax(format!("there is no function {name}")),
+            _ => return syntax(format!("function {name} does not exist")),
         })
     }
 

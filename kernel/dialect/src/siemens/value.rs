@@ -19,6 +19,12 @@ pub(super) enum Data {
     Frame(Box<Frame>),
 }
 
+impl Default for Data {
+    fn default() -> Self {
+        Self::Int(0)
+    }
+}
+
 /// A type.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Type {
@@ -98,7 +104,7 @@ impl Type {
             _ => None,
         };
         match made {
-            Some(Data::Int(number)) if number.abs() > MOST_INT => Err(format!("{number} is beyond the numbers of INT")),
+            Some(Data::Int(number)) if number.abs() > MOST_INT => Err(format!("{number} is out of range for INT")),
             Some(made) => Ok(made),
             None => Err(format!("{} cannot be a value of {}", value.described(), self.name())),
         }

@@ -7,11 +7,12 @@
 use counterpoint_lang::value::Value;
 use rustc_hash::FxHashMap;
 
-use super::expression::{Argument, Expression, Name};
+use super::expression::{Argument, Expression, Name, as_name};
 use super::frame::{Frame, Part};
 use super::line::Assigned;
 use super::value::{Data, Type};
 use super::{Fault, Outcome, Siemens, wrong_type};
+use crate::call_stack::CallStack;
 use crate::host::Host;
 use counterpoint_event::FileId;
 use counterpoint_fault as diag;
@@ -35,8 +36,6 @@ pub(super) struct Variable {
 #[derive(Debug, Default)]
 pub(super) struct Level {
     pub(super) variables: FxHashMap<String, Variable>,
-    /// A part of the program that runs: it has no variables of its own.
-    pub(super) part: bool,
     /// What the call has given, until PROC takes it.
     pub(super) given: Vec<super::calls::Given>,
     /// PROC has taken it.
@@ -48,9 +47,9 @@ pub(super) struct Level {
 }
 
 /// All variables of a kernel.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(super) struct Variables {
-    pub(super) levels: Vec<Level>,
+    pub(super) calls: CallStack<Level>,
     pub(super) channel: FxHashMap<String, Variable>,
     /// Types and sizes of variables that all channels share.
     pub(super) shared: FxHashMap<String, (Type, Vec<usize>)>,
@@ -58,19 +57,6 @@ pub(super) struct Variables {
     pub(super) elements: usize,
     /// Bytes of their names, texts and frames.
     texts: usize,
-}
-
-impl Default for Variables {
-    fn default() -> Self {
-        Self {
-            levels: vec![Level::default()],
-            channel: FxHashMap::default(),
-            shared: FxHashMap::default(),
-            parameters: FxHashMap::default(),
-            elements: 0,
-            texts: 0,
-        }
-    }
 }
 
 /// Where a variable is kept.
@@ -98,30 +84,14 @@ pub(super) struct Target {
 }
 
 impl Variables {
-    /// The program that runs, without the parts of it that are repeated.
-    pub(super) fn running(&self) -> usize {
-        self.levels.iter().rposition(|level| !level.part).unwrap_or(0)
-    }
-
-    /// A part of it is being repeated.
-    pub(super) fn in_part(&self) -> bool {
-        self.levels.last().is_some_and(|level| level.part)
-    }
-
-    /// Its variables.
-    pub(super) fn level(&mut self) -> Option<&mut Level> {
-        let running = self.running();
-        self.levels.get_mut(running)
-    }
-
     /// Bytes that they take, about.
     pub(super) fn bytes(&self) -> usize {
         (self.elements + self.parameters.len()) * 48 + self.texts + self.shared.len() * 100
     }
 
     fn find(&self, name: &str) -> Option<(Holder, &Variable)> {
-        let running = self.running();
-        let of = |at: usize| self.levels.get(at)?.variables.get(name).map(|found| (Holder::Level(at), found));
+        let running = self.calls.program_depth();
+        let of = |at: usize| self.calls.at(at)?.variables.get(name).map(|found| (Holder::Level(at), found));
         of(running).or_else(|| of(0)).or_else(|| self.channel.get(name).map(|found| (Holder::Channel, found)))
     }
 
@@ -130,9 +100,23 @@ impl Variables {
         self.find(name).is_some() || self.shared.contains_key(name)
     }
 
+    /// Value of a variable of one value, without index.
+    pub(super) fn scalar(&self, name: &Name) -> Option<&Data> {
+        if !name.index.is_empty() {
+            return None;
+        }
+        let (_, variable) = self.find(&name.name)?;
+        variable.values.first().filter(|_| variable.sizes.is_empty())
+    }
+
+    /// Value of an R parameter.
+    pub(super) fn parameter(&self, number: u32) -> f64 {
+        self.parameters.get(&number).copied().unwrap_or(0.0)
+    }
+
     fn held(&mut self, holder: Holder, name: &str) -> Option<&mut Variable> {
         match holder {
-            Holder::Level(at) => self.levels.get_mut(at)?.variables.get_mut(name),
+            Holder::Level(at) => self.calls.at_mut(at)?.variables.get_mut(name),
             Holder::Channel => self.channel.get_mut(name),
             Holder::Shared | Holder::Parameter => None,
         }
@@ -150,8 +134,7 @@ impl Variables {
         }
         self.elements += variable.values.len();
         self.texts += variable.bytes();
-        let Some(level) = self.level() else { return false };
-        if let Some(old) = level.variables.insert(name.to_owned(), variable) {
+        if let Some(old) = self.calls.program_mut().variables.insert(name.to_owned(), variable) {
             self.elements = self.elements.saturating_sub(old.values.len());
             self.texts = self.texts.saturating_sub(old.bytes());
         }
@@ -168,14 +151,9 @@ impl Variables {
         }
     }
 
-    /// A subprogram begins.
-    pub(super) fn enter(&mut self, level: Level) {
-        self.levels.push(level);
-    }
-
     /// A subprogram has returned; the main program stays.
     pub(super) fn leave(&mut self) -> Option<Level> {
-        let level = if self.levels.len() > 1 { self.levels.pop() } else { None }?;
+        let level = self.calls.leave()?;
         let count: usize = level.variables.values().map(|variable| variable.values.len()).sum();
         self.elements = self.elements.saturating_sub(count);
         self.texts = self.texts.saturating_sub(level.variables.values().map(Variable::bytes).sum());
@@ -184,7 +162,10 @@ impl Variables {
 
     /// The next pass of a subprogram begins: its variables are new, what goes back goes in again.
     pub(super) fn again(&mut self) {
-        let Some(level) = self.levels.last_mut().filter(|level| !level.part) else { return };
+        if self.calls.in_part() {
+            return;
+        }
+        let level = self.calls.here_mut();
         for (name, given) in std::mem::take(&mut level.back) {
             if let (Some(variable), Some(given)) = (level.variables.remove(&name), level.given.get_mut(given)) {
                 given.take_from(&variable);
@@ -202,7 +183,7 @@ impl Variables {
     pub(super) fn for_next_program(self) -> Self {
         let elements = self.channel.values().map(|variable| variable.values.len()).sum();
         let texts = self.channel.values().map(Variable::bytes).sum();
-        Self { levels: vec![Level::default()], elements, texts, ..self }
+        Self { calls: CallStack::default(), elements, texts, ..self }
     }
 }
 
@@ -246,25 +227,23 @@ fn missing<T>(text: String) -> Outcome<T> {
 }
 
 impl Siemens {
+    /// Number of an R parameter; none if it is another name.
+    pub(super) fn r_parameter(&mut self, host: &mut dyn Host, name: &Name) -> Outcome<Option<u32>> {
+        let ("R", [index]) = (name.name.as_str(), name.index.as_slice()) else { return Ok(None) };
+        let number = self.whole_number(host, index)?;
+        match u32::try_from(number) {
+            Ok(found) if number <= MOST_PARAMETERS => Ok(Some(found)),
+            _ => missing(format!("parameter R{number} does not exist")),
+        }
+    }
+
     /// Where a variable is; none if there is none of this name.
     pub(super) fn locate(&mut self, host: &mut dyn Host, name: &Name) -> Outcome<Option<Target>> {
         if name.name == "R" {
-            let [index] = name.index.as_slice() else { return Ok(None) };
-            let number = self.whole_number(host, index)?;
-            if !(0..=MOST_PARAMETERS).contains(&number) {
-                return missing(format!("there is no parameter R{number}"));
-            }
-            let (kind, at) = (Type::Real, number as usize);
-            let holder = Holder::Parameter;
-            return Ok(Some(Target {
-                holder,
-                name: "R".to_owned(),
-                kind,
-                at,
-                count: at + 1,
-                whole: false,
-                part: None,
-            }));
+            let Some(number) = self.r_parameter(host, name)? else { return Ok(None) };
+            let (holder, kind, at) = (Holder::Parameter, Type::Real, number as usize);
+            let name = name.name.clone();
+            return Ok(Some(Target { holder, name, kind, at, count: at + 1, whole: false, part: None }));
         }
         let (holder, kind, sizes) = match self.variables.find(&name.name) {
             Some((holder, variable)) => (holder, variable.kind, variable.sizes.clone()),
@@ -311,20 +290,17 @@ impl Siemens {
     /// Value of an element.
     pub(super) fn value_of(&mut self, host: &mut dyn Host, target: &Target) -> Outcome<Data> {
         if target.whole {
-            return missing(format!("{} is an array, it needs its indices", target.name));
+            return missing(format!("{} is an array; program its indices", target.name));
         }
         let value = match target.holder {
-            Holder::Parameter => {
-                let number = target.at as u32;
-                Data::Real(self.variables.parameters.get(&number).copied().unwrap_or(0.0))
-            }
+            Holder::Parameter => Data::Real(self.variables.parameter(target.at as u32)),
             Holder::Shared => {
                 let found = host.shared(&element_key(&target.name, target.at, target.count))?;
                 found.and_then(|value| target.kind.taken_from(&value)).unwrap_or_else(|| target.kind.initial())
             }
             holder => match self.variables.held(holder, &target.name).and_then(|held| held.values.get(target.at)) {
                 Some(value) => value.clone(),
-                None => return missing(format!("there is no variable {}", target.name)),
+                None => return missing(format!("variable {} does not exist", target.name)),
             },
         };
         match (target.part, &value) {
@@ -339,7 +315,9 @@ impl Siemens {
             None => value,
             Some((axis, part)) => {
                 let whole = Target { part: None, ..target.clone() };
-                let Data::Frame(frame) = self.value_of(host, &whole)? else { return wrong_type("no frame") };
+                let Data::Frame(frame) = self.value_of(host, &whole)? else {
+                    return wrong_type("the variable is not a frame");
+                };
                 Data::Frame(Box::new(super::frames::with_part(&frame, axis, part, &value)?))
             }
         };
@@ -370,14 +348,16 @@ impl Siemens {
     /// Sets what stands after `=`.
     pub(super) fn assign(&mut self, host: &mut dyn Host, target: &Target, value: &Assigned) -> Outcome<()> {
         match value {
-            Assigned::One(..) if target.whole => missing(format!("{} is an array, it needs its indices", target.name)),
+            Assigned::One(..) if target.whole => missing(format!("{} is an array; program its indices", target.name)),
             Assigned::One(value, _) => {
                 let value = self.evaluate(host, value)?;
                 self.store(host, target, value)
             }
             Assigned::List(values) => self.store_list(host, target, values),
             Assigned::Fill(values) => self.store_fill(host, target, values),
-            Assigned::Way(_, _, way) => wrong_type(format!("{way} is for words, {} is a variable", target.name)),
+            Assigned::Way(_, _, way) => {
+                wrong_type(format!("{way} is for addresses only; {} is a variable", target.name))
+            }
         }
     }
 
@@ -405,7 +385,7 @@ impl Siemens {
         let count = match values.next() {
             Some(argument) => match self.argument(host, argument)?.and_then(|count| count.number()) {
                 Some(count) if count >= 0.0 => (count as usize).min(rest),
-                _ => return wrong_type("the number of REP is not possible"),
+                _ => return wrong_type("the number of values of REP is not valid"),
             },
             None => rest,
         };
@@ -421,8 +401,8 @@ impl Siemens {
     /// Axis and part of a frame in an index.
     pub(super) fn frame_part(&mut self, host: &mut dyn Host, index: &[Expression]) -> Outcome<(usize, Part)> {
         let [axis, part] = index else { return super::syntax("a frame has an axis and a part in its index") };
-        let part = match part {
-            Expression::Name(name) if name.index.is_empty() => Part::named(&name.name),
+        let part = match as_name(part) {
+            Some(name) if name.index.is_empty() => Part::named(&name.name),
             _ => None,
         };
         let Some(part) = part else { return super::syntax("a part of a frame is TR, FI, RT, SC or MI") };
@@ -466,6 +446,6 @@ impl Target {
 pub(super) fn as_frame(value: Data) -> Outcome<Frame> {
     match value {
         Data::Frame(frame) => Ok(*frame),
-        other => wrong_type(format!("{} is no frame", other.described())),
+        other => wrong_type(format!("{} is not a frame", other.described())),
     }
 }

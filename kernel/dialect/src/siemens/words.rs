@@ -6,13 +6,12 @@
 //! start of the circle. Invariant: a number is written without an exponent.
 
 use super::evaluate::{number, words_name};
-use super::expression::{Argument, Expression, Name};
+use super::expression::{Argument, Name, as_name};
 use super::line::{Assigned, Way};
 use super::run::Left;
 use super::value::{Data, shown};
 use super::{Outcome, Siemens};
 use crate::host::{AxisPlace, Host};
-use counterpoint_fault as diag;
 
 /// Largest value of a word.
 const BOUND: f64 = 1e12;
@@ -45,7 +44,7 @@ impl Siemens {
                 let value = if value.abs() <= BOUND {
                     value
                 } else {
-                    return super::wrong_type("the position is beyond the numbers of words");
+                    return super::wrong_type("the position is out of range");
                 };
                 let relative = left.relative.unwrap_or_else(|| host.relative());
                 match placed(&axes, axis, &address, *way, value, relative) {
@@ -67,8 +66,7 @@ impl Siemens {
         let word = format!("{address}{}{text}", self.sign(host, &address));
         if address.len() > 1 && splits(&address) && !has_word && !host.is_code_text(&word) {
             // The scanner would read a word of the letter and its extension.
-            let text = format!("{word} not recognised in '{}'", host.block_text());
-            host.diagnose(&diag::NOT_RECOGNISED, text);
+            host.report_unrecognised(&word);
             return Ok(());
         }
         left.add(&word);
@@ -90,8 +88,9 @@ impl Siemens {
         let mut texts = Vec::new();
         for argument in arguments {
             let value = match &argument.value {
-                Ok(Some(Expression::Text(_))) | Ok(None) | Err(_) => None,
-                Ok(Some(Expression::Name(name))) if !self.has_value(host, name) => None,
+                Ok(None) | Err(_) => None,
+                Ok(Some(value)) if matches!(value.as_constant(), Some(Data::Text(_))) => None,
+                Ok(Some(value)) if as_name(value).is_some_and(|name| !self.has_value(host, name)) => None,
                 Ok(Some(_)) if is_number(&argument.text) => None,
                 Ok(Some(expression)) => self.quietly(|this| this.evaluate(host, expression))?,
             };

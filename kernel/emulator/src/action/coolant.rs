@@ -43,7 +43,7 @@ pub(super) fn switch(act: &mut Act<'_, '_>, switch: Switch) -> Acted {
 /// The coolant that a spindle code brings along: its group follows.
 pub(super) fn with_spindle(act: &mut Act<'_, '_>, on: bool) {
     let code = if on { codes::COOLANT_ON } else { codes::COOLANT_OFF };
-    act.state.modal.activate(group::COOLANT, code, u16::MAX);
+    act.state.modal.activate(group::COOLANT, code, None);
     flows(act, if on { Flow::Again } else { Flow::Off }, Outlet::Main);
 }
 

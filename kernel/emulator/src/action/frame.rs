@@ -25,7 +25,7 @@ pub(crate) const ENTRIES: &[Entry] = &[
 /// any frame.
 pub(super) fn machine_frame(act: &mut Act<'_, '_>) -> Acted {
     // The mode that the block says, wherever it says so, else the active one.
-    let code = |firing: &PendingCode| act.env.machine.codes.get(usize::from(firing.row)).filter(|row| row.enable);
+    let code = |firing: &PendingCode| Some(&act.env.machine.codes[firing.row]).filter(|row| row.enable);
     let rows = act.block.pending.iter().rev().filter_map(code);
     let said = rows.filter(|row| row.group == group::POSITION).map(|row| row.id).next();
     let mode = said.or_else(|| act.state.modal.code(group::POSITION));

@@ -5,6 +5,7 @@
 //! scales in the plane make no circle; it is told, and the end is reached straight.
 
 use counterpoint_motion::arc as geometry;
+use nalgebra::Vector3;
 
 use super::arc::Circle;
 use crate::act::Act;
@@ -25,8 +26,8 @@ const MOST_PIECES: f64 = 20_000.0;
 
 /// The two directions of a circle's plane as they are in the work frame.
 struct Sides {
-    first: Point,
-    second: Point,
+    first: Vector3<f64>,
+    second: Vector3<f64>,
     /// How many times as large the circle is.
     scale: f64,
 }
@@ -49,17 +50,10 @@ pub(super) fn circle(act: &mut Act<'_, '_>, plane: Plane, circle: &Circle) -> Ac
 
 /// The sides of the plane, if a circle stays a circle.
 fn sides(map: &Affine, plane: Plane) -> Option<Sides> {
-    let unit = |role: usize| {
-        let mut direction = [0.0; 3];
-        if let Some(slot) = direction.get_mut(role) {
-            *slot = 1.0;
-        }
-        map.direction(direction)
-    };
-    let (first, second) = (unit(plane.first), unit(plane.second));
-    let product = |a: Point, b: Point| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
-    let (one, other) = (product(first, first), product(second, second));
-    let same = (one - other).abs() <= FLAT * one && product(first, second).abs() <= FLAT * one;
+    let side = |role: usize| Vector3::from(map.direction(Vector3::ith(role, 1.0).into()));
+    let (first, second) = (side(plane.first), side(plane.second));
+    let (one, other) = (first.norm_squared(), second.norm_squared());
+    let same = (one - other).abs() <= FLAT * one && first.dot(&second).abs() <= FLAT * one;
     same.then_some(Sides { first, second, scale: one.sqrt() })
 }
 
@@ -76,7 +70,7 @@ pub(super) fn on_part(map: &Affine, made: geometry::Arc, level: f64) -> Option<g
     let [cx, cy] = made.center;
     let [x, y, _] = map.point([cx, cy, level]);
     let spoke = map.direction([libm::cos(made.start_angle), libm::sin(made.start_angle), 0.0]);
-    let ([a, b, _], [c, d, _]) = (sides.first, sides.second);
+    let ([a, b, _], [c, d, _]): (Point, Point) = (sides.first.into(), sides.second.into());
     Some(geometry::Arc {
         center: [x, y],
         radius: made.radius * sides.scale,
@@ -88,7 +82,7 @@ pub(super) fn on_part(map: &Affine, made: geometry::Arc, level: f64) -> Option<g
 /// The roles of the two axes whose plane the circle lies in.
 fn roles(sides: &Sides) -> Option<[usize; 2]> {
     let flat = |role: usize| {
-        let part = |side: &Point| side.get(role).is_some_and(|part| part.abs() <= FLAT * sides.scale);
+        let part = |side: &Vector3<f64>| side.get(role).is_some_and(|part| part.abs() <= FLAT * sides.scale);
         part(&sides.first) && part(&sides.second)
     };
     [(2, [0, 1]), (1, [2, 0]), (0, [1, 2])].into_iter().find(|(normal, _)| flat(*normal)).map(|(_, roles)| roles)
@@ -115,13 +109,7 @@ fn flat(
     let center = pick(map.point(middle));
     let start = pick(act.state.place.geometry(&from));
     // The other way round where the frame mirrors the plane.
-    let unit = |role: usize| {
-        let mut direction = [0.0; 3];
-        if let Some(slot) = direction.get_mut(role) {
-            *slot = 1.0;
-        }
-        pick(map.direction(direction))
-    };
+    let unit = |role: usize| pick(map.direction(Vector3::ith(role, 1.0).into()));
     let ([a, b], [c, d]) = (unit(plane.first), unit(plane.second));
     let sweep = if a * d - b * c < 0.0 { -circle.made.sweep } else { circle.made.sweep };
     let made = geometry::Arc {

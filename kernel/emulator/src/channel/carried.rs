@@ -19,6 +19,7 @@ use counterpoint_fault::{Acted, Halt};
 use counterpoint_machine::macros::model::Hook;
 use counterpoint_program::shape::Range;
 use counterpoint_program::tape;
+use counterpoint_sync::tag::Tag;
 
 /// How the life of a kernel ended.
 pub struct Lived {
@@ -26,6 +27,8 @@ pub struct Lived {
     pub rank: u16,
     /// Why it ended.
     pub halt: Halt,
+    /// Tag of the end of its program in the log, if the program has ended.
+    pub ended: Option<Tag>,
     /// What it carries on, if it may be started again.
     pub left: Option<Box<Carried>>,
 }
@@ -53,10 +56,10 @@ impl Kernel<'_> {
     fn into_carried(self) -> Carried {
         let events = self.ports.emitter.count();
         let Self { channel, ports: _, plan: _, flow, dialect, macros } = self;
-        let Channel { env: _, at, block: _, text, acting: _, state, reports, burden } = channel;
+        let Channel { env: _, at, block: _, text, acting: _, state, reports, burden, held: _ } = channel;
         let At { channel, clock, micro: _, file: _, line: _, blocks, idle_blocks } = at;
         let BlockText { edited: _, tape } = text;
-        let Reports { diagnostics, alarms: _, raised, waits: _ } = reports;
+        let Reports { diagnostics, alarms: _, raised, waits: _, unrecognised: _ } = reports;
         Carried {
             channel,
             clock,
@@ -85,17 +88,17 @@ impl Kernel<'_> {
         self.flow = carried.flow;
         self.dialect = carried.dialect;
         self.macros = carried.macros;
-        self.ports.emitter.go_on_from(carried.events);
+        self.ports.emitter.count_from(carried.events);
     }
 }
 
 impl Kernel<'_> {
     /// The end of its life.
-    pub(crate) fn lived(self, halt: Halt) -> Lived {
+    pub(crate) fn lived(self, halt: Halt, ended: Option<Tag>) -> Lived {
         let hook = self.channel.env.machine.macros.as_deref().and_then(|macros| macros.hook(Hook::MachineShutdown));
         let rank = self.channel.at.channel;
         let left = (hook.is_some() && matches!(halt, Halt::End(_))).then(|| Box::new(self.into_carried()));
-        Lived { rank, halt, left }
+        Lived { rank, halt, ended, left }
     }
 
     /// Takes over what it was before; from its end to now it stood idle.

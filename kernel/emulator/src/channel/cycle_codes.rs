@@ -5,6 +5,7 @@ use crate::macros::calls::Task;
 use crate::state::modal::group;
 use counterpoint_machine::ident::codes;
 use counterpoint_machine::ident::kind::CodeKind;
+use counterpoint_machine::index::CodeRowId;
 
 /// Order of a cycle that position words fire: after the codes that take such words for themselves.
 const IMPLIED_ORDER: u16 = 500;
@@ -14,13 +15,13 @@ impl Kernel<'_> {
     #[inline]
     pub(crate) fn imply_motion(&mut self) {
         let machine = self.channel.env.machine;
-        let code = |row: u16| machine.codes.get(usize::from(row)).map(|row| (row.id, row.id.kind()));
+        let code = |row: CodeRowId| (machine.codes[row].id, machine.codes[row].id.kind());
         let mut in_machine = false;
         for firing in &self.channel.block.pending {
             match code(firing.row) {
-                Some((codes::CYCLE_ON, _) | (_, CodeKind::Cycle(_) | CodeKind::ThreadCycle(_))) => return,
-                Some((codes::CYCLE_OFF, _)) => return self.queue_by_data(group::MOTION),
-                Some((codes::POSITION_MACHINE, _)) => in_machine = true,
+                (codes::CYCLE_ON, _) | (_, CodeKind::Cycle(_) | CodeKind::ThreadCycle(_)) => return,
+                (codes::CYCLE_OFF, _) => return self.queue_by_data(group::MOTION),
+                (codes::POSITION_MACHINE, _) => in_machine = true,
                 _ => {}
             }
         }

@@ -5,6 +5,7 @@
 use super::Kernel;
 use counterpoint_fault as diag;
 use counterpoint_machine::ident::DataId;
+use counterpoint_machine::index::DataRowId;
 use counterpoint_program::block::Datum;
 
 /// Stands for a remembered value among the registers of an identifier; no register has this bit, and every block does.
@@ -24,7 +25,7 @@ impl Kernel<'_> {
             self.trace_data(id, value);
             return Some(Datum { value, incremental: false, absolute: false, raw: value });
         }
-        if (self.channel.block.present | RECALLED) & self.plan.data.registers_of.get(usize::from(id.0))? == 0 {
+        if (self.channel.block.present | RECALLED) & self.plan.data.registers_of[id] == 0 {
             return None;
         }
         self.take_word(id)
@@ -32,14 +33,14 @@ impl Kernel<'_> {
 
     /// A value of `id` is on the block.
     pub(crate) fn block_has(&self, id: DataId) -> bool {
-        let registers = self.plan.data.registers_of.get(usize::from(id.0)).copied().unwrap_or(0);
+        let registers = self.plan.data.registers_of[id];
         self.channel.has_any(registers) || self.channel.block.added.iter().any(|(other, _)| *other == id)
     }
 
     /// One of the registers of `id` is on the block.
     fn take_word(&mut self, id: DataId) -> Option<Datum> {
         let plan = self.plan;
-        for source in plan.data.sources.get(usize::from(id.0))? {
+        for source in plan.sources_of(id) {
             let Some(word) = self.channel.block.take(source.register) else { continue };
             let (raw, incremental) = (word.value, word.incremental);
             if raw < source.min || raw > source.max {
@@ -61,7 +62,7 @@ impl Kernel<'_> {
     /// The last value of modal data (reference control-emulator.md 1.3).
     #[cold]
     pub(crate) fn recall(&self, id: DataId) -> Option<Datum> {
-        let modal = self.plan.data.recall.as_ref()?.get(usize::from(id.0)).copied()?;
+        let modal = self.plan.data.recall.as_ref()?[id];
         let value = self.channel.state.modal.value(id).filter(|_| modal)?;
         Some(Datum { value, incremental: false, absolute: false, raw: value })
     }
@@ -69,7 +70,7 @@ impl Kernel<'_> {
     /// A word is there, but its row says that nothing may take it, or all rows of the data are off.
     #[cold]
     pub(crate) fn refuse(&mut self, id: DataId) -> bool {
-        let refused = self.plan.data.refused.get(usize::from(id.0)).copied().unwrap_or(0);
+        let refused = self.plan.data.refused[id];
         if (self.channel.block.present | RECALLED) & refused != 0 {
             let why = if refused & RECALLED == 0 { "its row is not processed" } else { "its rows are switched off" };
             let text = format!(
@@ -102,8 +103,8 @@ impl Kernel<'_> {
         if is_x && !self.plan.data.diameter_x.is_empty() { self.channel.across_factor() } else { 1.0 }
     }
 
-    pub(crate) fn out_of_range(&mut self, row: u16, value: f64) {
-        let Some(row) = self.channel.env.machine.data.get(usize::from(row)) else { return };
+    pub(crate) fn out_of_range(&mut self, row: DataRowId, value: f64) {
+        let row = &self.channel.env.machine.data[row];
         let name = row
             .register
             .and_then(|r| self.channel.env.machine.registers.get(usize::from(r)))

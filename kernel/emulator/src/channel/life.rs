@@ -3,11 +3,12 @@
 use super::Kernel;
 use super::carried::Lived;
 use super::flow::Frame;
-use counterpoint_event::event::{Diagnostic, FileId, Kind, Member, Phase, Verdict, VerdictKind};
+use counterpoint_event::event::{Diagnostic, Event, FileId, Kind, Member, Phase, Verdict, VerdictKind};
 use counterpoint_fault::{self as diag, Facts};
 use counterpoint_fault::{Acted, Halt};
 use counterpoint_ports::control::State;
 use counterpoint_program::shape::Range;
+use counterpoint_sync::tag::Tag;
 use counterpoint_sync::verdict;
 use counterpoint_sync::waits::{Finish, Terminal};
 
@@ -15,7 +16,8 @@ use counterpoint_sync::waits::{Finish, Terminal};
 const WEIGHED_EVERY: u64 = 64;
 
 impl Kernel<'_> {
-    /// Runs the kernel's whole life. With `again` it goes on with another file, as if that were the first one or not.
+    /// Runs the channel until its program ends. `again` restarts it with another file, with (`true`) or without resetting
+    /// modal state.
     pub fn live(mut self, start: (u16, Range, Box<str>), again: Option<bool>) -> Lived {
         let (file, range, name) = start;
         self.ports.coordinator.begin(self.channel.at.channel);
@@ -35,8 +37,8 @@ impl Kernel<'_> {
             halt = self.end_macros(next);
         }
         self.close_files(halt);
-        self.finish(halt);
-        self.lived(halt)
+        let ended = self.finish(halt);
+        self.lived(halt, ended)
     }
 
     fn begin(&mut self, file: FileId, range: Range, name: Box<str>) -> Acted {
@@ -49,8 +51,8 @@ impl Kernel<'_> {
         self.plan.hooks.map_or(Ok(()), |hooks| (hooks.program.start)(self))
     }
 
-    /// Says how it ended and lets the others know.
-    fn finish(&mut self, halt: Halt) {
+    /// Logs the end state and publishes it to the other channels. The tag of the end in the log, if the program has ended.
+    fn finish(&mut self, halt: Halt) -> Option<Tag> {
         let (how, phase, state) = match halt {
             Halt::End(_) => (Terminal::Ended, Phase::ProgramEnd, State::Ended),
             Halt::Alarm | Halt::Dropped => (Terminal::Alarmed, Phase::Alarmed, State::Alarmed),
@@ -64,8 +66,10 @@ impl Kernel<'_> {
         if let Halt::End(Some(stop)) = halt {
             self.emit(0, Kind::Stop(stop));
         }
+        let mut ended = None;
         if matches!(halt, Halt::End(_) | Halt::Alarm) {
             self.emit(0, Kind::Lifecycle(phase));
+            ended = Some(self.tag());
             let finish = Finish { how, file: self.channel.at.file, line: self.channel.at.line };
             let (rank, tag, info) = (self.channel.at.channel, self.tag(), self.channel.env.info);
             let stop_all = halt == Halt::Alarm
@@ -84,7 +88,7 @@ impl Kernel<'_> {
         }
         self.ports.progress.t_ns.store(self.channel.at.clock, std::sync::atomic::Ordering::Relaxed);
         self.ports.progress.set_state(state);
-        self.ports.emitter.flush(self.tag());
+        self.flush();
         let (rank, finish) =
             (self.channel.at.channel, Finish { how, file: self.channel.at.file, line: self.channel.at.line });
         self.ports.coordinator.done(rank, |order| {
@@ -92,6 +96,7 @@ impl Kernel<'_> {
                 order.waits.finish(rank, finish);
             }
         });
+        ended
     }
 
     /// Logs a verdict as an event of the master.
@@ -112,7 +117,7 @@ impl Kernel<'_> {
         .into_iter()
         .flatten()
         {
-            self.ports.emitter.push(counterpoint_event::event::Event {
+            self.push_event(Event {
                 t_ns: self.channel.at.clock,
                 micro: self.channel.at.micro,
                 dur_ns: 0,

@@ -37,6 +37,7 @@ mod wait;
 
 use counterpoint_fault::Halt;
 use counterpoint_lang::pattern::Memory;
+use emit::{Emitter, blank};
 use flow::Flow;
 use parts::{DialectState, Ports, Setup};
 use plan::Plan;
@@ -45,7 +46,7 @@ use crate::macros::runtime::Runtime;
 use crate::state::State;
 use crate::state::burden::Burden;
 use crate::state::channel::{Acting, At, BlockText, Channel, Reports};
-use counterpoint_event::event::Kind;
+use counterpoint_event::event::{Event, Kind};
 use counterpoint_machine::model::Channel as MachineChannel;
 use counterpoint_program::block::Block;
 use counterpoint_sync::order::Order;
@@ -80,6 +81,7 @@ impl<'a> Kernel<'a> {
                 state: State::new(machine, channel),
                 reports: Reports::default(),
                 burden: Burden::default(),
+                held: None,
             },
             ports,
             plan,
@@ -91,7 +93,7 @@ impl<'a> Kernel<'a> {
 }
 
 impl Kernel<'_> {
-    /// Where the kernel stands in the order of everything.
+    /// This kernel's current tag.
     pub fn tag(&self) -> Tag {
         self.channel.at.tag()
     }
@@ -102,20 +104,60 @@ impl Kernel<'_> {
         let bytes = kind.text_bytes();
         self.emit_as(dur_ns, |slot| *slot = kind);
         if bytes > 0 && self.ports.emitter.carries(bytes) {
-            self.ports.emitter.flush(self.tag());
+            self.flush();
         }
     }
 
     /// Adds an event whose kind is written where it stays.
     #[inline(always)]
     pub(crate) fn emit_as(&mut self, dur_ns: i64, write: impl FnOnce(&mut Kind)) {
-        let (t_ns, micro) = (self.channel.at.clock, self.channel.at.micro);
-        if let Some(event) = self.ports.emitter.slot(t_ns, micro) {
-            (event.t_ns, event.micro, event.dur_ns) = (t_ns, micro, dur_ns);
-            (event.channel, event.file, event.line) =
-                (self.channel.at.channel, self.channel.at.file, self.channel.at.line);
+        let At { channel, clock, micro, file, line, .. } = self.channel.at;
+        let slot = match self.ports.emitter.slot() {
+            Some(event) => Some(event),
+            None => self.other_slot(Tag { t: clock, micro, rank: channel }),
+        };
+        if let Some(event) = slot {
+            (event.t_ns, event.micro, event.dur_ns) = (clock, micro, dur_ns);
+            (event.channel, event.file, event.line) = (channel, file, line);
             write(&mut event.kind);
         }
+    }
+
+    /// Adds a complete event.
+    pub(crate) fn push_event(&mut self, event: Event) {
+        let tag = Tag { t: event.t_ns, micro: event.micro, rank: self.channel.at.channel };
+        let slot = match self.ports.emitter.slot() {
+            Some(slot) => Some(slot),
+            None => self.other_slot(tag),
+        };
+        if let Some(slot) = slot {
+            *slot = event;
+        }
+    }
+
+    /// The place of an event at this tag where the chunk of the emitter has none: among the events held back, or in the
+    /// next chunk.
+    #[cold]
+    #[inline(never)]
+    fn other_slot(&mut self, tag: Tag) -> Option<&mut Event> {
+        let emitter = &mut self.ports.emitter;
+        match &mut self.channel.held {
+            Some(held) => {
+                held.events.push(blank());
+                emitter.holds_back(Some(held.events.len()));
+                held.events.last_mut()
+            }
+            None => {
+                emitter.flush(tag);
+                emitter.slot()
+            }
+        }
+    }
+
+    /// Sends the events so far. Events held back stay.
+    pub(crate) fn flush(&mut self) {
+        let upto = self.channel.promise();
+        self.ports.emitter.flush(upto);
     }
 
     /// Runs an operation on what the channels share, in tag order.
@@ -128,13 +170,13 @@ impl Kernel<'_> {
             // The master works while no channel does.
             return Ok(coordinator.unordered(operation));
         }
-        if self.ports.emitter.is_late(self.channel.at.clock) {
+        if self.channel.held.as_ref().is_some_and(|held| held.since.t < self.channel.at.clock) {
             self.flush_lookahead()?;
         }
         self.ports.control.disturb(self.channel.at.channel);
-        let tag = self.tag();
-        let mut turn =
-            coordinator.enter(tag, &mut self.ports.emitter, |emitter| emitter.flush(tag)).map_err(|_| Halt::Stopped)?;
+        let (tag, upto) = (self.tag(), self.channel.promise());
+        let flush = |emitter: &mut Emitter<'_>| emitter.flush(upto);
+        let mut turn = coordinator.enter(tag, &mut self.ports.emitter, flush).map_err(|_| Halt::Stopped)?;
         let result = operation(&mut turn);
         drop(turn);
         self.ports.control.disturb(self.channel.at.channel);

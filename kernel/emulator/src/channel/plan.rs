@@ -10,7 +10,8 @@ use super::refusals::Refusals;
 use counterpoint_machine::Machine;
 use counterpoint_machine::ident::dimension::Dimension;
 use counterpoint_machine::ident::kind::data::DataKind;
-use counterpoint_machine::ident::{DataId, codes, data};
+use counterpoint_machine::ident::{CodeId, DataId, codes, data};
+use counterpoint_machine::index::{CodeRowId, DataRowId, Table};
 use counterpoint_machine::model::AxisRole;
 use counterpoint_machine::rows::{CodeForm, CodeRow, Register};
 use counterpoint_program::scan::Scanner;
@@ -24,13 +25,13 @@ pub struct Plan {
     /// For what the pre-processor of another control leaves: it has seen to the marks of optional skip.
     pub(crate) unmarked: Option<Arc<Scanner>>,
     /// Action of each code row.
-    pub(crate) action_of_row: Vec<Option<&'static dyn Action>>,
+    pub(crate) action_of_row: Table<CodeRowId, Option<&'static dyn Action>>,
     /// What else is asked of the actions.
     pub(crate) actions: &'static Actions,
     /// Words that call programs; `None` when the machine has none.
     pub(crate) code_calls: Option<Box<CodeCalls>>,
     /// First enabled row of each code.
-    pub(crate) rows_of_code: Vec<Option<u16>>,
+    pub(crate) rows_of_code: Table<CodeId, Option<CodeRowId>>,
     pub(crate) registers: Registers,
     pub(crate) data: DataPlan,
     pub(crate) edits: Edits,
@@ -59,17 +60,17 @@ pub(crate) struct Registers {
 #[derive(Debug)]
 pub(crate) struct DataPlan {
     /// Registers that can supply each data identifier, bit by register.
-    pub(crate) registers_of: Vec<u128>,
+    pub(crate) registers_of: Table<DataId, u128>,
     /// Where the values of each data identifier come from, in row order.
-    pub(crate) sources: Vec<Vec<Source>>,
+    pub(crate) sources: Table<DataId, Vec<Source>>,
     /// Data that are positions of X, where programs choose between diameter and radius.
     pub(crate) diameter_x: Vec<DataId>,
     /// Data rows that drop their word silently.
-    pub(crate) ignore: Vec<bool>,
+    pub(crate) ignore: Table<DataRowId, bool>,
     /// Data identifiers whose last value stands in when the word is missing; `None` when the machine has none.
-    pub(crate) recall: Option<Vec<bool>>,
+    pub(crate) recall: Option<Table<DataId, bool>>,
     /// Registers whose word an identifier must not take (`process = false`), bit by register.
-    pub(crate) refused: Vec<u128>,
+    pub(crate) refused: Table<DataId, u128>,
 }
 
 /// What makes a block something else than its line.
@@ -95,17 +96,16 @@ impl DataPlan {
         let diameter_x = diameter_x(machine);
         let refused = refused(machine);
         let recall = recall(machine);
-        let recalled = |id: usize| recall.as_ref().and_then(|r| r.get(id)).copied().unwrap_or(false);
-        let registers_of = |(id, rows): (usize, &Vec<u16>)| {
-            let registers = rows.iter().filter_map(|&row| machine.data.get(usize::from(row))?.register);
-            let off = refused.get(id).copied().unwrap_or(0) & RECALLED;
-            let remembered = if recalled(id) { RECALLED } else { off };
+        let registers_of = |id: DataId, rows: &Vec<DataRowId>| {
+            let registers = rows.iter().filter_map(|&row| machine.data[row].register);
+            let recalled = recall.as_ref().is_some_and(|recall| recall[id]);
+            let remembered = if recalled { RECALLED } else { refused[id] & RECALLED };
             registers.filter(|&r| r < 127).fold(remembered, |bits, r| bits | 1 << r)
         };
         Self {
-            registers_of: machine.tables.rows_of_data.iter().enumerate().map(registers_of).collect(),
+            registers_of: machine.tables.rows_of_data.map(registers_of),
             sources: sources(machine, &diameter_x),
-            ignore: machine.data.iter().map(|r| !r.process).collect(),
+            ignore: machine.data.map(|_, row| !row.process),
             diameter_x,
             recall,
             refused,
@@ -146,8 +146,8 @@ impl Registers {
 /// What a control makes of blocks and values beyond the meaning of their words.
 #[derive(Debug)]
 pub(crate) struct Rules {
-    /// Group within which only the last G code of a block acts, by code row, 0 for none; empty where all act.
-    pub(crate) exclusive: Vec<u16>,
+    /// Group within which only the last G code of a block acts, by code row, 0 for none; `None` where all act.
+    pub(crate) exclusive: Option<Table<CodeRowId, u16>>,
     /// Steps of one unit that values of expressions are rounded to, by register in primary and secondary units; empty
     /// where values stay as they are.
     pub(crate) steps: Vec<[f64; 2]>,
@@ -169,13 +169,13 @@ impl Rules {
 }
 
 /// Modal data that no action remembers by itself: those the machine made modal beyond axes, feeds, speeds and tools.
-fn recall(machine: &Machine) -> Option<Vec<bool>> {
+fn recall(machine: &Machine) -> Option<Table<DataId, bool>> {
     let own = |kind: DataKind| kind.is_modal() || kind == DataKind::ThreadLead;
-    let of = |rows: &Vec<u16>| {
-        let mut rows = rows.iter().filter_map(|&row| machine.data.get(usize::from(row)));
+    let of = |_, rows: &Vec<DataRowId>| {
+        let mut rows = rows.iter().map(|&row| &machine.data[row]);
         rows.any(|row| row.modal && row.process && !own(row.id.kind()))
     };
-    let recall: Vec<bool> = machine.tables.rows_of_data.iter().map(of).collect();
+    let recall = machine.tables.rows_of_data.map(of);
     recall.contains(&true).then_some(recall)
 }
 
@@ -208,20 +208,17 @@ const NEEDED: [DataId; 24] = [
 ];
 
 /// Registers of rows that are recognised but not processed.
-fn refused(machine: &Machine) -> Vec<u128> {
-    let of = |rows: &Vec<u16>| {
-        let rows = rows.iter().filter_map(|&row| machine.data.get(usize::from(row)));
+fn refused(machine: &Machine) -> Table<DataId, u128> {
+    let of = |_, rows: &Vec<DataRowId>| {
+        let rows = rows.iter().map(|&row| &machine.data[row]);
         let registers = rows.filter(|row| !row.process).filter_map(|row| row.register).filter(|&r| r < 127);
         registers.fold(0, |bits, r| bits | 1 << r)
     };
-    let mut refused: Vec<u128> = machine.tables.rows_of_data.iter().map(of).collect();
+    let mut refused = machine.tables.rows_of_data.map(of);
     // Data that actions need and whose rows are all off: whoever asks for them is refused, whatever is on the block.
     for row in machine.data.iter().filter(|row| !row.enable && NEEDED.contains(&row.id)) {
-        let at = usize::from(row.id.0);
-        if machine.tables.rows_of_data.get(at).is_some_and(Vec::is_empty)
-            && let Some(bits) = refused.get_mut(at)
-        {
-            *bits = RECALLED;
+        if machine.tables.rows_of_data[row.id].is_empty() {
+            refused[row.id] = RECALLED;
         }
     }
     refused
@@ -231,9 +228,9 @@ fn refused(machine: &Machine) -> Vec<u128> {
 const ONE_SHOT: u16 = 1000;
 
 /// Groups of rows whose codes exclude each other on a block: those of G words.
-fn exclusive(machine: &Machine, g: Option<u8>) -> Vec<u16> {
+fn exclusive(machine: &Machine, g: Option<u8>) -> Option<Table<CodeRowId, u16>> {
     if !machine.habits.last_of_group {
-        return Vec::new();
+        return None;
     }
     let group = |row: &CodeRow| match row.form {
         CodeForm::Register { register, .. } | CodeForm::RegisterAsData { register, .. } if Some(register) == g => {
@@ -245,7 +242,7 @@ fn exclusive(machine: &Machine, g: Option<u8>) -> Vec<u16> {
         }
         _ => 0,
     };
-    machine.codes.iter().map(group).collect()
+    Some(machine.codes.map(|_, row| group(row)))
 }
 
 /// Steps of one unit at each register.
@@ -273,7 +270,7 @@ pub(crate) struct Source {
     /// A position of X, which may be programmed as a diameter or as a radius.
     pub(crate) diameter_x: bool,
     /// Row of the data table.
-    pub(crate) row: u16,
+    pub(crate) row: DataRowId,
 }
 
 /// Data that are positions of X; none on machines whose programs cannot choose between diameter and radius.
@@ -296,9 +293,9 @@ fn diameter_x(machine: &Machine) -> Vec<DataId> {
     axes.chain(own).collect()
 }
 
-fn sources(machine: &Machine, diameter_x: &[DataId]) -> Vec<Vec<Source>> {
-    let source = |&index: &u16| {
-        let row = machine.data.get(usize::from(index)).filter(|row| row.process)?;
+fn sources(machine: &Machine, diameter_x: &[DataId]) -> Table<DataId, Vec<Source>> {
+    let source = |&index: &DataRowId| {
+        let row = Some(&machine.data[index]).filter(|row| row.process)?;
         Some(Source {
             register: row.register?,
             modal: row.modal,
@@ -311,18 +308,14 @@ fn sources(machine: &Machine, diameter_x: &[DataId]) -> Vec<Vec<Source>> {
             row: index,
         })
     };
-    machine.tables.rows_of_data.iter().map(|rows| rows.iter().filter_map(source).collect()).collect()
+    machine.tables.rows_of_data.map(|_, rows| rows.iter().filter_map(source).collect())
 }
 
 /// First enabled row of each code.
-fn rows_of_code(machine: &Machine) -> Vec<Option<u16>> {
-    let mut rows = vec![None; counterpoint_machine::ident::codes::TABLE.len() + machine.custom_codes.len()];
-    for (row, at) in machine.codes.iter().zip(0_u16..) {
-        if let Some(slot @ None) = rows.get_mut(usize::from(row.id.0))
-            && row.enable
-        {
-            *slot = Some(at);
-        }
+fn rows_of_code(machine: &Machine) -> Table<CodeId, Option<CodeRowId>> {
+    let mut rows = machine.code_names.map(|_, _| None);
+    for (at, row) in machine.codes.entries().filter(|(_, row)| row.enable) {
+        rows[row.id].get_or_insert(at);
     }
     rows
 }
@@ -337,12 +330,12 @@ fn lead_is_feed(machine: &Machine) -> bool {
 impl Plan {
     /// Where the values of an identifier come from.
     pub(crate) fn sources_of(&self, id: DataId) -> &[Source] {
-        self.data.sources.get(usize::from(id.0)).map_or(&[], Vec::as_slice)
+        &self.data.sources[id]
     }
 
     /// Registers that can supply an identifier, bit by register.
     pub(crate) fn registers_of(&self, id: DataId) -> u128 {
-        self.data.registers_of.get(usize::from(id.0)).copied().unwrap_or(0)
+        self.data.registers_of[id]
     }
 
     /// The plan for a machine, with the optional skip levels that are on, its actions, and the hooks of its macros.
@@ -358,7 +351,7 @@ impl Plan {
             hooks,
             unmarked: syntax.needs_interpreter.map(|_| Arc::new(Scanner::without_marks(machine, syntax))),
             scanner: Scanner::new(machine, syntax, opskip),
-            action_of_row: machine.codes.iter().map(|row| (actions.of)(row.id)).collect(),
+            action_of_row: machine.codes.map(|_, row| (actions.of)(row.id)),
             actions,
             code_calls: CodeCalls::new(machine),
             rows_of_code: rows_of_code(machine),

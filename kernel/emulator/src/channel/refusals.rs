@@ -7,6 +7,7 @@ use super::Kernel;
 use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
 use counterpoint_machine::Machine;
+use counterpoint_machine::index::{CodeRowId, Table};
 use counterpoint_machine::refusals::{Active, Refusal, WordRule, Written};
 use counterpoint_machine::rows::CodeRow;
 use counterpoint_machine::tables::form_range;
@@ -16,7 +17,7 @@ use counterpoint_program::block::PendingCode;
 #[derive(Debug)]
 pub(crate) struct Refusals {
     /// Rules that look for each code row, bit by rule.
-    rows: Vec<u64>,
+    rows: Table<CodeRowId, u64>,
     /// Rules without codes, bit by rule.
     free: u64,
     /// Registers of data words that rules without codes look for, bit by register.
@@ -43,7 +44,7 @@ impl Refusals {
         let free =
             machine.diagnostics.refusals.iter().filter(|rule| rule.codes.is_empty()).filter_map(|rule| rule.word);
         let registers = free.fold(0, |bits, word| bits | 1 << word.register);
-        let rows = machine.codes.iter().map(looks).collect();
+        let rows = machine.codes.map(|_, row| looks(row));
         Some(Box::new(Self { rows, free: rules(&|rule| rule.codes.is_empty()), registers }))
     }
 }
@@ -83,7 +84,7 @@ impl Kernel<'_> {
             self.foreign_axis()?;
         }
         let Some(refusals) = self.plan.rules.refusals.as_deref() else { return Ok(()) };
-        let looked = |firing: &PendingCode| refusals.rows.get(usize::from(firing.row)).copied().unwrap_or(0);
+        let looked = |firing: &PendingCode| refusals.rows[firing.row];
         let rules = self.channel.block.pending.iter().fold(0, |bits, firing| bits | looked(firing));
         if rules != 0 || self.channel.block.present & refusals.registers != 0 {
             return self.refused(rules | refusals.free);
@@ -95,7 +96,7 @@ impl Kernel<'_> {
     #[cold]
     fn foreign_axis(&mut self) -> Acted {
         let machine = self.channel.env.machine;
-        let rows = || self.channel.block.pending.iter().filter_map(|firing| machine.codes.get(usize::from(firing.row)));
+        let rows = || self.channel.block.pending.iter().map(|firing| &machine.codes[firing.row]);
         let wrong = |register: u8| {
             self.channel.state.place.layout.bounds.foreign & 1 << register != 0 && self.channel.block.has(register)
         };
@@ -157,21 +158,21 @@ impl Kernel<'_> {
     }
 
     fn is_written(&self, code: &Written, firing: &PendingCode) -> bool {
-        let row = self.channel.env.machine.codes.get(usize::from(firing.row));
-        row.is_some_and(|row| match *code {
+        let row = &self.channel.env.machine.codes[firing.row];
+        match *code {
             Written::Id(id) => row.id == id,
             Written::Word { register, min, max } => {
                 let own = form_range(&row.form).filter(|(own, ..)| *own == register);
                 // What is not written has the value of its row.
                 own.is_some_and(|(_, first, _)| (min..=max).contains(if firing.modal { &first } else { &firing.value }))
             }
-        })
+        }
     }
 
     /// A code is active before the block, and no other one of its group on the block ends it.
     fn is_on(&self, state: &Active, trigger: Option<&PendingCode>) -> bool {
         let others = self.channel.block.pending.iter().filter(|firing| !firing.modal && Some(*firing) != trigger);
-        let mut rows = others.filter_map(|firing| self.channel.env.machine.codes.get(usize::from(firing.row)));
+        let mut rows = others.map(|firing| &self.channel.env.machine.codes[firing.row]);
         let ended = rows.any(|row| row.group == state.group && row.id != state.id);
         !ended && self.channel.state.modal.code(state.group) == Some(state.id)
     }

@@ -8,7 +8,7 @@
 use super::Kernel;
 use crate::state::alarms::Alarms;
 use crate::state::burden::{RESULT, shortened};
-use counterpoint_event::event::{Diagnostic, Kind};
+use counterpoint_event::event::{Diagnostic, Kind, Unrecognised};
 use counterpoint_fault::{self as diag, Facts};
 use counterpoint_fault::{Acted, Halt};
 
@@ -26,6 +26,15 @@ impl Kernel<'_> {
         } else if self.channel.is_alarm(facts) {
             self.channel.reports.alarms.softened = self.channel.reports.alarms.softened.saturating_add(1);
         }
+    }
+
+    /// Reports text of a block that nothing recognises; `place` is the block in quotes, and what may be wrong with it.
+    pub(crate) fn report_unrecognised(&mut self, text: &str, place: String) {
+        let about = Unrecognised { text: text.into(), place: place.into() };
+        let message = about.to_string();
+        self.channel.reports.unrecognised = Some(Box::new(about));
+        self.diagnose(&diag::NOT_RECOGNISED, message);
+        self.channel.reports.unrecognised = None;
     }
 
     /// Counts a diagnostic; false if it is one too many.
@@ -54,8 +63,9 @@ impl Kernel<'_> {
                 self.channel.count_error(severity);
                 let text = shortened(&text);
                 self.channel.burden.result(text.len() + RESULT);
+                let unrecognised = self.channel.reports.take_unrecognised(facts.number, &text);
                 let (number, text) = (facts.number, text.into());
-                let diagnostic = Diagnostic { number, severity, text, ..Diagnostic::default() };
+                let diagnostic = Diagnostic { number, severity, text, unrecognised, ..Diagnostic::default() };
                 self.emit(0, Kind::Diagnostic(Box::new(diagnostic)));
             }
         }

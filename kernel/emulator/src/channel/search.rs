@@ -119,7 +119,7 @@ impl Kernel<'_> {
         }
         let mut labels = Labels::default();
         let scanner = &self.plan.scanner;
-        let sources = self.plan.data.sources.get(usize::from(data::LABEL.0)).map_or(&[][..], Vec::as_slice);
+        let sources = self.plan.sources_of(data::LABEL);
         let mut block = Block::default();
         if let Some(source) = self.channel.env.sources.get(self.channel.at.file).filter(|_| !sources.is_empty()) {
             for line in source.walk(1, source.lines()) {
@@ -143,7 +143,7 @@ impl Kernel<'_> {
     /// A code of the block calls a range.
     fn calls_range(&self, block: &Block) -> bool {
         let words = block.words.iter().flat_map(|word| self.channel.env.machine.tables.code(word.register, word.value));
-        words.chain(&block.texts).any(|&row| self.id_of_row(row) == Some(codes::CALSUB_RANGE))
+        words.chain(&block.texts).any(|&row| self.id_of_row(row) == codes::CALSUB_RANGE)
     }
 
     /// A program of a file by name; `whole` takes the file from its top whatever it defines.

@@ -80,12 +80,7 @@ impl Kernel<'_> {
 
     /// A code of the block takes a program name.
     fn calls_by_name(&self) -> bool {
-        let mut rows = self
-            .channel
-            .block
-            .pending
-            .iter()
-            .filter_map(|firing| self.channel.env.machine.codes.get(usize::from(firing.row)));
+        let mut rows = self.channel.block.pending.iter().map(|firing| &self.channel.env.machine.codes[firing.row]);
         rows.any(|row| row.id == codes::CALSUB_ID)
     }
 
@@ -173,7 +168,7 @@ impl Kernel<'_> {
             let remedy = remedy(facts, &text);
             return Err(self.alarm(facts, format!("{why} in '{block}'{hint}{remedy}")));
         }
-        self.diagnose(&diag::NOT_RECOGNISED, format!("{text} not recognised in '{block}'{hint}"));
+        self.report_unrecognised(&text, format!("'{block}'{hint}"));
         Ok(())
     }
 }

@@ -8,7 +8,7 @@ use rustc_hash::FxHashMap;
 use super::Kernel;
 use crate::state::frames::offsets::EXTENDED;
 use crate::state::modal::group;
-use counterpoint_dialect::{Levels, NotThere, VACANT, is_vacant};
+use counterpoint_dialect::{CallStack, NotThere, VACANT, is_vacant};
 use counterpoint_machine::ident::codes;
 
 /// Local variables #1–#33 of one level.
@@ -17,7 +17,7 @@ type Locals = [f64; 34];
 /// Variables that only this channel sees.
 #[derive(Debug)]
 pub(crate) struct ChannelVariables {
-    levels: Levels<Locals>,
+    calls: CallStack<Locals>,
     own: FxHashMap<u32, f64>,
     /// What has no value, and what does not exist, is 0.
     pub(super) reads_zero: bool,
@@ -31,7 +31,7 @@ pub(crate) struct ChannelVariables {
 impl Default for ChannelVariables {
     fn default() -> Self {
         Self {
-            levels: Levels::new([VACANT; 34]),
+            calls: CallStack::new([VACANT; 34]),
             own: FxHashMap::default(),
             reads_zero: false,
             keeps_system: false,
@@ -49,20 +49,20 @@ impl ChannelVariables {
                 *slot = value;
             }
         }
-        self.levels.enter(locals);
+        self.calls.enter(locals);
     }
 
     /// Return from a macro call.
     pub(crate) fn leave(&mut self) {
-        self.levels.leave();
+        self.calls.leave();
     }
 
     fn local(&self, index: u32) -> f64 {
-        self.levels.here().get(index as usize).copied().unwrap_or(VACANT)
+        self.calls.here().get(index as usize).copied().unwrap_or(VACANT)
     }
 
     fn set_local(&mut self, index: u32, value: f64) {
-        if let Some(slot) = self.levels.here_mut().get_mut(index as usize) {
+        if let Some(slot) = self.calls.here_mut().get_mut(index as usize) {
             *slot = value;
         }
     }

@@ -14,7 +14,6 @@ use counterpoint_ports::control::State;
 use counterpoint_sync::coordinator::turn::Met;
 use counterpoint_sync::order::Wake;
 use counterpoint_sync::order::arrive::After;
-use counterpoint_sync::tag::Tag;
 use counterpoint_sync::waits::{Finish, Set, Spec, Terminal, Waiting};
 
 impl Kernel<'_> {
@@ -41,13 +40,13 @@ fn arrive(kernel: &mut Kernel<'_>, spec: Spec) -> Acted {
     let tag = kernel.tag();
     let (file, line, info) = (kernel.channel.at.file, kernel.channel.at.line, kernel.channel.env.info);
     let waiting = Waiting { spec, tag, file, line };
-    let release = |meeting| Release { key: wait.key.clone(), primitive: wait.primitive, since_ns, meeting };
+    let release = |meeting| released(&wait, since_ns, meeting);
     kernel.ports.control.disturb(kernel.channel.at.channel);
     let met = kernel.ports.coordinator.meet(
         waiting.clone(),
         kernel,
         |kernel| {
-            kernel.ports.emitter.flush(tag);
+            kernel.flush();
             kernel.ports.progress.stand(wait.clone());
         },
         |kernel, look| kernel.ports.emitter.work(look),
@@ -77,10 +76,16 @@ fn arrive(kernel: &mut Kernel<'_>, spec: Spec) -> Acted {
             if let Some(verdict) = verdict {
                 kernel.emit_verdict(verdict);
             }
-            let wake = stand(kernel, tag, &wait);
+            let wake = stand(kernel, &wait);
             woken(kernel, wake, release)
         }
     }
+}
+
+/// The event of a channel that continues after a wait.
+fn released(wait: &Wait, since_ns: i64, meeting: u64) -> Release {
+    let Wait { key, primitive, mark, .. } = wait;
+    Release { key: key.clone(), primitive: *primitive, since_ns, meeting, mark: mark.clone() }
 }
 
 /// Continues after a wait.
@@ -105,10 +110,10 @@ fn woken(kernel: &mut Kernel<'_>, wake: Wake, release: impl FnOnce(u64) -> Relea
 }
 
 /// Waits until another channel ends the wait that this one is blocked at.
-fn stand(kernel: &mut Kernel<'_>, tag: Tag, wait: &Arc<Wait>) -> Wake {
+fn stand(kernel: &mut Kernel<'_>, wait: &Arc<Wait>) -> Wake {
     let (coordinator, rank) = (kernel.ports.coordinator, kernel.channel.at.channel);
     let wake = coordinator.wait(rank, kernel, |kernel| {
-        kernel.ports.emitter.flush(tag);
+        kernel.flush();
         kernel.ports.progress.stand(wait.clone());
     });
     kernel.ports.control.disturb(kernel.channel.at.channel);
@@ -162,8 +167,8 @@ fn wait(kernel: &mut Kernel<'_>, by: u16, heads: Set) -> Acted {
     if let Some(verdict) = verdict {
         kernel.emit_verdict(verdict);
     }
-    let wake = stand(kernel, tag, &wait);
-    let release = |meeting| Release { key: wait.key.clone(), primitive: wait.primitive, since_ns, meeting };
+    let wake = stand(kernel, &wait);
+    let release = |meeting| released(&wait, since_ns, meeting);
     woken(kernel, wake, release)
 }
 

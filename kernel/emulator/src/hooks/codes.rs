@@ -5,11 +5,12 @@
 
 use counterpoint_lang::value::Value;
 use counterpoint_machine::ident::kind::data::DataKind;
+use counterpoint_machine::index::DataMacroId;
 
 use crate::channel::Kernel;
 use crate::channel::hook_points::Origin;
 use crate::macros::calls::Task;
-use crate::macros::values::{code_id, code_value, data_value};
+use crate::macros::values::{code_value, data_value};
 use crate::state::modal::group;
 use counterpoint_fault as diag;
 use counterpoint_fault::{Acted, Halt};
@@ -114,8 +115,7 @@ impl Kernel<'_> {
             return None;
         }
         list.iter().find_map(|&at| {
-            let at = usize::from(at);
-            let named = macros.codes.get(at)?;
+            let named = &macros.codes[at];
             let may = runtime.hooks.has_code(at) && !runtime.calls.is_busy(named.code);
             let holds = || named.condition.is_empty() || named.condition.holds(|item| self.is_present(item, Some(id)));
             (may && holds()).then_some(named.code)
@@ -146,8 +146,7 @@ impl Kernel<'_> {
     fn run_code(&mut self, firing: PendingCode, id: CodeId) -> Acted {
         let Some(code) = self.matching_code_macro(id) else {
             let machine = self.channel.env.machine;
-            let row = machine.codes.get(usize::from(firing.row));
-            return row.map_or(Ok(()), |row| self.perform(row, firing));
+            return self.perform(&machine.codes[firing.row], firing);
         };
         let mut arguments = [code_value(Some(id)), self.value_of_code(firing)];
         self.run_macro(code, Task::Code(firing, id), &mut arguments).map(|_| ())
@@ -155,8 +154,8 @@ impl Kernel<'_> {
 
     /// `$P2` of a code macro.
     fn value_of_code(&self, firing: PendingCode) -> Value {
-        match self.channel.env.machine.codes.get(usize::from(firing.row)).map(|row| &row.form) {
-            Some(CodeForm::Text(text)) => Value::text(text.as_str()),
+        match &self.channel.env.machine.codes[firing.row].form {
+            CodeForm::Text(text) => Value::text(text.as_str()),
             _ => Value::Real(self.code_number(firing)),
         }
     }
@@ -165,7 +164,7 @@ impl Kernel<'_> {
     pub(crate) fn output_code(&mut self, firing: PendingCode, id: CodeId, wanted: Option<&Value>) -> Acted {
         let target = match wanted {
             None => id,
-            Some(value @ Value::Code(_)) => match code_id(value) {
+            Some(value @ Value::Code(_)) => match self.code_id(value) {
                 Some(target) => target,
                 None => return Ok(()),
             },
@@ -181,14 +180,11 @@ impl Kernel<'_> {
             return Ok(());
         };
         let machine = self.channel.env.machine;
-        let facts = |row: u16| machine.codes.get(usize::from(row));
-        let own = facts(firing.row).and_then(|row| Self::data_of_firing(row, firing));
+        let own = Self::data_of_firing(&machine.codes[firing.row], firing);
         let firing = PendingCode { row, ..firing };
         self.channel.acting.as_data = own;
-        if target != id
-            && let Some(row) = facts(row)
-        {
-            self.set_firing(row, firing);
+        if target != id {
+            self.set_firing(&machine.codes[row], firing);
             self.channel.acting.as_data = self.channel.acting.as_data.or(own);
         }
         let done = self.act_with_macros(firing, target);
@@ -223,7 +219,7 @@ impl Kernel<'_> {
             return Some(Taken { value, factor: 1.0, incremental: false, raw: value, modal: false, register: None });
         }
         let plan = self.plan;
-        for source in plan.data.sources.get(usize::from(id.0))? {
+        for source in plan.sources_of(id) {
             let Some(word) = self.channel.block.take(source.register) else { continue };
             let (raw, incremental) = (word.value, word.incremental);
             if raw < source.min || raw > source.max {
@@ -238,7 +234,7 @@ impl Kernel<'_> {
         let at = self.channel.block.added.iter().position(|(other, _)| *other == id)?;
         let (_, value) = self.channel.block.added.remove(at);
         let rows = self.channel.env.machine.tables.data(id);
-        let row = rows.first().and_then(|&row| self.channel.env.machine.data.get(usize::from(row)));
+        let row = rows.first().map(|&row| &self.channel.env.machine.data[row]);
         let (dimension, modal) = row.map_or((Dimension::None, false), |row| (row.dimension.plain(), row.modal));
         let across = if self.plan.data.diameter_x.contains(&id) { self.channel.across_factor() } else { 1.0 };
         let factor = self.channel.unit_factor(dimension) * across;
@@ -247,7 +243,7 @@ impl Kernel<'_> {
 
     /// Runs the data macros of an identifier, in list order; none if one of them takes the value away. True if a macro
     /// says that the value is absolute whatever the mode.
-    fn data_macros(&mut self, id: DataId, list: &[u16], taken: &mut Taken) -> Option<bool> {
+    fn data_macros(&mut self, id: DataId, list: &[DataMacroId], taken: &mut Taken) -> Option<bool> {
         let relative =
             taken.incremental || self.channel.state.modal.code(group::POSITION) == Some(codes::POSITION_RELATIVE);
         let mode = if relative { 2.0 } else { 1.0 };
@@ -255,7 +251,7 @@ impl Kernel<'_> {
         let register = Value::Real(register.map_or(0.0, |register| f64::from(register.index)));
         let mut arguments = [Value::Real(1.0), Value::Real(taken.value), data_value(id), Value::Real(mode), register];
         for &at in list {
-            let Some(code) = self.matching_data_macro(usize::from(at)) else { continue };
+            let Some(code) = self.matching_data_macro(at) else { continue };
             let before = arguments.clone();
             if let Err(halt) = self.run_macro(code, Task::None, &mut arguments) {
                 self.keep_halt(halt);
@@ -278,16 +274,14 @@ impl Kernel<'_> {
         Some(wanted == 1.0)
     }
 
-    fn matching_data_macro(&self, at: usize) -> Option<u16> {
-        let named = self.channel.env.machine.macros.as_deref()?.data.get(at)?;
+    fn matching_data_macro(&self, at: DataMacroId) -> Option<u16> {
+        let named = &self.channel.env.machine.macros.as_deref()?.data[at];
         let runtime = &*self.macros;
         let may = runtime.hooks.has_data(at) && !runtime.calls.is_busy(named.code);
         // The data that are being taken count as present; they are off the block already.
         let holds = || {
             let present = |item| match (item, self.channel.env.machine.macros.as_deref()) {
-                (Item::Data(id), Some(macros)) if macros.of_data(id).contains(&(at as u16)) && !self.has_data(id) => {
-                    true
-                }
+                (Item::Data(id), Some(macros)) if macros.of_data(id).contains(&at) && !self.has_data(id) => true,
                 _ => self.is_present(item, None),
             };
             named.condition.is_empty() || named.condition.holds(present)
@@ -313,14 +307,7 @@ impl Kernel<'_> {
             if id == data::OPSKIP {
                 continue;
             }
-            let rows = self
-                .channel
-                .env
-                .machine
-                .tables
-                .data(id)
-                .iter()
-                .filter_map(|&row| self.channel.env.machine.data.get(usize::from(row)));
+            let rows = self.channel.env.machine.tables.data(id).iter().map(|&row| &self.channel.env.machine.data[row]);
             let modal = rows.clone().any(|row| row.modal && row.process);
             if modal && !id.kind().is_axis() {
                 let factor = rows.map(|row| self.channel.unit_factor(row.dimension.plain())).next().unwrap_or(1.0);

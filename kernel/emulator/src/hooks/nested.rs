@@ -12,7 +12,6 @@ use crate::channel::flow::Pending;
 use crate::channel::hook_points::Origin;
 use crate::macros::context::BlockContext;
 use crate::macros::issued::Later;
-use crate::macros::values::{code_id, data_id};
 use crate::state::burden;
 use crate::state::channel::Acting;
 use counterpoint_event::event::{Kind, Listing};
@@ -113,11 +112,11 @@ impl Kernel<'_> {
         self.macros.block.text = Some(Arc::default());
         let mut items = items.iter();
         while let Some(item) = items.next() {
-            if let Some(id) = code_id(item) {
+            if let Some(id) = self.code_id(item) {
                 if !self.add_code(id, 0.0) {
                     self.no_such_code(id);
                 }
-            } else if let Some(id) = data_id(item) {
+            } else if let Some(id) = self.data_id(item) {
                 match items.next().and_then(Value::as_real) {
                     Some(value) if self.knows_data(id) => self.channel.block.added.push((id, value)),
                     Some(_) => {

@@ -11,7 +11,7 @@ use counterpoint_lang::value::Value;
 
 use crate::channel::Kernel;
 use crate::macros::calls::Task;
-use crate::macros::values::{code_id, code_value};
+use crate::macros::values::code_value;
 use crate::state::burden::shortened;
 use counterpoint_event::event::{Kind, Message};
 use counterpoint_fault::Acted;
@@ -92,7 +92,7 @@ impl Kernel<'_> {
 
     /// OUTPUT in the macro of a remark: the code that `$P1` holds now.
     pub(crate) fn output_remark(&mut self, id: CodeId, text: Arc<String>, wanted: Option<&Value>) -> Acted {
-        let target = wanted.map_or(Some(id), code_id);
+        let target = wanted.map_or(Some(id), |value| self.code_id(value));
         match target {
             None => Ok(()),
             Some(target) if target == codes::COMMENT || target == codes::DISPLY => self.fire_remark(target, text),

@@ -8,8 +8,9 @@ use counterpoint_lang::ident;
 use counterpoint_lang::value::Value;
 
 use crate::channel::Kernel;
-use crate::macros::values::{code_id, code_value, data_id};
+use crate::macros::values::code_value;
 use counterpoint_machine::ident::{CodeId, DataId};
+use counterpoint_machine::index::CodeRowId;
 use counterpoint_machine::rows::CodeForm;
 use counterpoint_program::block::PendingCode;
 
@@ -18,17 +19,16 @@ const MOST_ADDED: usize = 1000;
 
 impl Kernel<'_> {
     /// The first row of a code that is switched on.
-    pub(crate) fn row_of_code(&self, id: CodeId) -> Option<u16> {
-        self.plan.rows_of_code.get(usize::from(id.0)).copied().flatten()
+    pub(crate) fn row_of_code(&self, id: CodeId) -> Option<CodeRowId> {
+        self.plan.rows_of_code[id]
     }
 
     /// Makes a code the active one of its group, without acting; the one that was.
     pub(crate) fn activate_code(&mut self, id: CodeId) -> Option<CodeId> {
         let row = self.row_of_code(id)?;
-        let group =
-            self.channel.env.machine.codes.get(usize::from(row)).map(|row| row.group).filter(|group| *group != 0)?;
+        let group = Some(self.channel.env.machine.codes[row].group).filter(|group| *group != 0)?;
         let before = self.channel.state.modal.code(group);
-        self.channel.state.modal.activate(group, id, row);
+        self.channel.state.modal.activate(group, id, Some(row));
         self.channel.follow_cycle();
         self.channel.follow_spindle();
         self.channel.follow_clamps();
@@ -46,10 +46,10 @@ impl Kernel<'_> {
             Some(value) => value.as_real().ok_or_else(|| Fault::kind("a number", value))?,
         };
         if let Value::Code(_) = item {
-            return Ok(Value::Logical(code_id(item).is_some_and(|id| self.add_code(id, value))));
+            return Ok(Value::Logical(self.code_id(item).is_some_and(|id| self.add_code(id, value))));
         }
         let Value::Register(_) = item else { return Err(Fault::kind("a code or data identifier", item)) };
-        let known = data_id(item).filter(|id| self.knows_data(*id));
+        let known = self.data_id(item).filter(|id| self.knows_data(*id));
         if let Some(id) = known {
             self.channel.block.added.push((id, value));
         }
@@ -64,7 +64,7 @@ impl Kernel<'_> {
     /// Inserts a code by its order among those that have not acted yet.
     pub(crate) fn add_code(&mut self, id: CodeId, value: f64) -> bool {
         let Some(row) = self.row_of_code(id) else { return false };
-        let Some(facts) = self.channel.env.machine.codes.get(usize::from(row)) else { return false };
+        let facts = &self.channel.env.machine.codes[row];
         // The value is what the row's factor makes of it.
         let value = if facts.mul == 0.0 { value } else { (value - facts.add) / facts.mul };
         let firing = PendingCode { order: facts.order, row, value, modal: false, only_if_data_left: false };
@@ -78,20 +78,19 @@ impl Kernel<'_> {
     /// Position of a code that has not acted yet.
     fn waiting_code(&self, id: CodeId) -> Option<usize> {
         let firings = self.channel.block.pending.iter().enumerate().skip(self.channel.block.next);
-        let mut found = firings.filter(|(_, firing)| self.id_of_row(firing.row) == Some(id));
+        let mut found = firings.filter(|(_, firing)| self.id_of_row(firing.row) == id);
         found.next().map(|(at, _)| at)
     }
 
-    pub(crate) fn id_of_row(&self, row: u16) -> Option<CodeId> {
-        self.channel.env.machine.codes.get(usize::from(row)).map(|row| row.id)
+    pub(crate) fn id_of_row(&self, row: CodeRowId) -> CodeId {
+        self.channel.env.machine.codes[row].id
     }
 
     /// Value of a code as macros see it: of its word with the factor of its row, 0 for a literal text.
     pub(crate) fn code_number(&self, firing: PendingCode) -> f64 {
-        match self.channel.env.machine.codes.get(usize::from(firing.row)) {
-            Some(row) if matches!(row.form, CodeForm::Register { .. } | CodeForm::RegisterAsData { .. }) => {
-                firing.value * row.mul + row.add
-            }
+        let row = &self.channel.env.machine.codes[firing.row];
+        match row.form {
+            CodeForm::Register { .. } | CodeForm::RegisterAsData { .. } => firing.value * row.mul + row.add,
             _ => firing.value,
         }
     }
@@ -103,7 +102,7 @@ impl Kernel<'_> {
 
     /// Data are on the block.
     pub(crate) fn has_data(&self, id: DataId) -> bool {
-        let registers = self.plan.data.registers_of.get(usize::from(id.0)).copied().unwrap_or(0);
+        let registers = self.plan.data.registers_of[id];
         self.channel.block.present & registers != 0
             || self.channel.block.added.iter().any(|(other, _)| *other == id)
             || self.channel.acting.as_data.is_some_and(|(other, _)| other == id)
@@ -113,7 +112,7 @@ impl Kernel<'_> {
     pub(crate) fn get_item(&mut self, arguments: &[Value], take: bool) -> Outcome<Value> {
         let Some(item) = arguments.first() else { return Ok(Value::Null) };
         if let Value::Code(_) = item {
-            let Some(at) = code_id(item).and_then(|id| self.waiting_code(id)) else { return Ok(Value::Null) };
+            let Some(at) = self.code_id(item).and_then(|id| self.waiting_code(id)) else { return Ok(Value::Null) };
             let firing = self.channel.block.pending.get(at).copied();
             if take {
                 self.channel.block.pending.remove(at);
@@ -121,7 +120,7 @@ impl Kernel<'_> {
             return Ok(firing.map_or(Value::Null, |firing| Value::Real(self.code_number(firing))));
         }
         let Value::Register(_) = item else { return Err(Fault::kind("a code or data identifier", item)) };
-        let Some(id) = data_id(item) else { return Ok(Value::Null) };
+        let Some(id) = self.data_id(item) else { return Ok(Value::Null) };
         let named = |code: &i32| ident::minor_name(*code).filter(|name| ["MODAL", "LAST"].contains(name));
         let mode = match arguments.get(1) {
             None => "",
@@ -138,14 +137,7 @@ impl Kernel<'_> {
         if mode.is_empty() {
             return Ok(Value::Null);
         }
-        let rows = self
-            .channel
-            .env
-            .machine
-            .tables
-            .data(id)
-            .iter()
-            .filter_map(|&row| self.channel.env.machine.data.get(usize::from(row)));
+        let rows = self.channel.env.machine.tables.data(id).iter().map(|&row| &self.channel.env.machine.data[row]);
         let factor = rows.map(|row| self.channel.unit_factor(row.dimension)).next().unwrap_or(1.0);
         Ok(self.channel.state.modal.value(id).map_or(Value::Null, |value| Value::Real(value / factor)))
     }
@@ -161,7 +153,7 @@ impl Kernel<'_> {
             return Some(value);
         }
         let plan = self.plan;
-        for source in plan.data.sources.get(usize::from(id.0)).map_or(&[][..], Vec::as_slice) {
+        for source in plan.sources_of(id) {
             let word =
                 if take { self.channel.block.take(source.register) } else { self.channel.block.look(source.register) };
             if let Some(word) = word {
@@ -178,9 +170,9 @@ impl Kernel<'_> {
 
     /// `$FCEGAC`, `$FCESAC`
     pub(crate) fn active_code(&mut self, arguments: &[Value], set: bool) -> Value {
-        let Some(id) = arguments.first().and_then(code_id) else { return Value::Code(0) };
+        let Some(id) = arguments.first().and_then(|item| self.code_id(item)) else { return Value::Code(0) };
         let Some(row) = self.row_of_code(id) else { return Value::Code(0) };
-        let group = self.channel.env.machine.codes.get(usize::from(row)).map_or(0, |row| row.group);
+        let group = self.channel.env.machine.codes[row].group;
         let before = self.channel.state.modal.code(group).filter(|_| group != 0);
         if set {
             self.activate_code(id);
@@ -190,7 +182,7 @@ impl Kernel<'_> {
 
     /// `$FCEDAC`: data that fire the modal code of a group, or no longer.
     pub(crate) fn data_as_code(&mut self, arguments: &[Value]) -> Value {
-        let id = arguments.first().and_then(data_id).filter(|id| self.knows_data(*id));
+        let id = arguments.first().and_then(|item| self.data_id(item)).filter(|id| self.knows_data(*id));
         let group = arguments.get(1).and_then(Value::as_real).unwrap_or(-1.0);
         let Some(id) = id else { return Value::Logical(false) };
         let modes = &mut self.macros.modes;

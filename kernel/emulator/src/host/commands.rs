@@ -2,6 +2,7 @@
 //!
 //! Facts: reference control-emulator.md 4.4, macro-language.md 3.2, 3.3. Decisions: docs/emulation.md.
 
+use counterpoint_machine::index::CodeRowId;
 use std::sync::Arc;
 
 use counterpoint_lang::diag::Number;
@@ -37,7 +38,7 @@ pub(crate) fn fault(facts: &diag::Facts, text: impl Into<String>) -> Fault {
 
 impl Kernel<'_> {
     /// Makes codes active again that were saved.
-    pub(crate) fn put_modes_back(&mut self, saved: &[(u16, CodeId, u16)]) {
+    pub(crate) fn put_modes_back(&mut self, saved: &[(u16, CodeId, Option<CodeRowId>)]) {
         self.channel.state.modal.restore(saved);
         self.channel.follow_cycle();
         self.channel.follow_spindle();

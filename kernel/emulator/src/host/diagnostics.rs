@@ -181,8 +181,10 @@ impl Kernel<'_> {
         let operation = self.operation_name().into();
         let kernel = self.kernel_name().into();
         self.channel.burden.result(text.len() + RESULT);
+        let unrecognised = self.channel.reports.take_unrecognised(number, &text);
         let text = text.into();
-        self.emit(0, Kind::Diagnostic(Box::new(Diagnostic { number, severity, text, operation, kernel, origin })));
+        let diagnostic = Diagnostic { number, severity, text, operation, kernel, origin, unrecognised };
+        self.emit(0, Kind::Diagnostic(Box::new(diagnostic)));
     }
 
     /// `$FERSEV`: severity before the change, −1 for an unknown number.

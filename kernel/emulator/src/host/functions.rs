@@ -149,8 +149,8 @@ impl Kernel<'_> {
         let macros = self.channel.env.machine.macros.as_deref()?;
         let runtime = &mut *self.macros;
         let is = |other: u32| f64::from(other) == id;
-        let code = macros.codes.iter().position(|one| is(one.id)).and_then(|at| runtime.hooks.codes.get_mut(at));
-        let data = macros.data.iter().position(|one| is(one.id)).and_then(|at| runtime.hooks.data.get_mut(at));
+        let code = macros.codes.find(|one| is(one.id)).map(|at| &mut runtime.hooks.codes[at]);
+        let data = macros.data.find(|one| is(one.id)).map(|at| &mut runtime.hooks.data[at]);
         if let Some(slot) = code.or(data) {
             return Some(std::mem::replace(slot, on.unwrap_or(*slot)));
         }
@@ -203,7 +203,7 @@ impl Kernel<'_> {
             Some(value) => value,
             None => {
                 let rows = self.channel.env.machine.tables.data_of(u8::try_from(at).ok()?);
-                let ids = rows.iter().filter_map(|&row| self.channel.env.machine.data.get(usize::from(row)));
+                let ids = rows.iter().map(|&row| &self.channel.env.machine.data[row]);
                 let mut known = ids.filter_map(|row| self.channel.state.modal.value(row.id));
                 known.next().unwrap_or(0.0)
             }

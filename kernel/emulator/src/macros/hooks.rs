@@ -1,5 +1,6 @@
 //! Which macros are on.
 
+use counterpoint_machine::index::{CodeMacroId, DataMacroId, Table};
 use counterpoint_machine::macros::model::{HOOKS, Hook, Macros};
 
 /// Hooks, code macros and data macros that are on.
@@ -8,9 +9,9 @@ pub(crate) struct Hooks {
     /// Macro of each hook that is on.
     pub(crate) on: [Option<u16>; HOOKS],
     /// Code macros that are on.
-    pub(crate) codes: Vec<bool>,
+    pub(crate) codes: Table<CodeMacroId, bool>,
     /// Data macros that are on.
-    pub(crate) data: Vec<bool>,
+    pub(crate) data: Table<DataMacroId, bool>,
     /// What is processed now may match code and data macros.
     pub(crate) matching: bool,
 }
@@ -20,8 +21,8 @@ impl Hooks {
     pub(crate) fn new(macros: &Macros) -> Self {
         Self {
             on: macros.hooks,
-            codes: macros.codes.iter().map(|one| one.enabled).collect(),
-            data: macros.data.iter().map(|one| one.enabled).collect(),
+            codes: macros.codes.map(|_, one| one.enabled),
+            data: macros.data.map(|_, one| one.enabled),
             matching: true,
         }
     }
@@ -33,12 +34,12 @@ impl Hooks {
     }
 
     /// A code macro is on.
-    pub(crate) fn has_code(&self, at: usize) -> bool {
-        self.codes.get(at).copied().unwrap_or(false)
+    pub(crate) fn has_code(&self, at: CodeMacroId) -> bool {
+        self.codes[at]
     }
 
     /// A data macro is on.
-    pub(crate) fn has_data(&self, at: usize) -> bool {
-        self.data.get(at).copied().unwrap_or(false)
+    pub(crate) fn has_data(&self, at: DataMacroId) -> bool {
+        self.data[at]
     }
 }

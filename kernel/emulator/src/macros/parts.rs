@@ -1,5 +1,6 @@
 //! Smaller parts of what the macros of a kernel remember.
 
+use counterpoint_machine::index::CodeRowId;
 use std::sync::Arc;
 
 use counterpoint_lang::host::Folder;
@@ -17,7 +18,7 @@ use counterpoint_program::scan::Scanner;
 #[derive(Debug, Default)]
 pub(crate) struct Modes {
     /// Pushed modal states.
-    pub(crate) saved: Vec<Vec<(u16, CodeId, u16)>>,
+    pub(crate) saved: Vec<Vec<(u16, CodeId, Option<CodeRowId>)>>,
     /// Data that fire a modal group.
     pub(crate) data_codes: Vec<(DataId, u16)>,
 }

@@ -2,30 +2,31 @@
 
 use counterpoint_lang::value::Value;
 
+use counterpoint_machine::Machine;
 use counterpoint_machine::ident::{CodeId, DataId};
 
 /// Identifier of a code value, none for `CODE_NONE`.
-pub(crate) fn code_id(value: &Value) -> Option<CodeId> {
+pub(crate) fn code_id(machine: &Machine, value: &Value) -> Option<CodeId> {
     match value {
-        Value::Code(at) => at.checked_sub(1).and_then(|at| u16::try_from(at).ok()).map(CodeId),
+        Value::Code(number) => machine.code_names.id(number.checked_sub(1)? as usize),
         _ => None,
     }
 }
 
 /// Identifier of a data value, none for `REG_NONE`.
-pub(crate) fn data_id(value: &Value) -> Option<DataId> {
+pub(crate) fn data_id(machine: &Machine, value: &Value) -> Option<DataId> {
     match value {
-        Value::Register(at) => at.checked_sub(1).and_then(|at| u16::try_from(at).ok()).map(DataId),
+        Value::Register(number) => machine.data_names.id(number.checked_sub(1)? as usize),
         _ => None,
     }
 }
 
 /// Value of a code.
 pub(crate) fn code_value(id: Option<CodeId>) -> Value {
-    Value::Code(id.map_or(0, |id| u32::from(id.0) + 1))
+    Value::Code(id.map_or(0, |id| id.index() as u32 + 1))
 }
 
 /// Value of data.
 pub(crate) fn data_value(id: DataId) -> Value {
-    Value::Register(u32::from(id.0) + 1)
+    Value::Register(id.index() as u32 + 1)
 }

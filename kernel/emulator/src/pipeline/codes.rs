@@ -8,6 +8,7 @@ use counterpoint_dialect::MacroCall;
 use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
 use counterpoint_machine::ident::{self, CodeId, DataId};
+use counterpoint_machine::index::CodeRowId;
 use counterpoint_machine::number::written;
 use counterpoint_machine::rows::{CodeForm, CodeRow, Modality};
 use counterpoint_program::block::{PendingCode, Word};
@@ -63,7 +64,7 @@ impl Kernel<'_> {
             }
             let word = *word;
             let candidates = machine.tables.code(word.register, word.value);
-            match candidates.first().and_then(|&row| machine.codes.get(usize::from(row)).map(|r| (row, r))) {
+            match candidates.first().map(|&row| (row, &machine.codes[row])) {
                 None if Some(word.register) == self.plan.registers.g => match self.macro_call_of(word.value) {
                     Some(how) => {
                         call |= how != MacroCall::End;
@@ -83,13 +84,11 @@ impl Kernel<'_> {
             self.categorise_conditional();
         }
         for index in 0..self.channel.block.texts.len() {
-            if let Some(&row) = self.channel.block.texts.get(index)
-                && let Some(code) = machine.codes.get(usize::from(row))
-            {
-                self.queue(row, code, 0.0, false);
+            if let Some(&row) = self.channel.block.texts.get(index) {
+                self.queue(row, &machine.codes[row], 0.0, false);
             }
         }
-        if self.channel.block.pending.len() > 1 && !self.plan.rules.exclusive.is_empty() {
+        if self.channel.block.pending.len() > 1 && self.plan.rules.exclusive.is_some() {
             self.last_of_groups();
         }
         call
@@ -132,8 +131,8 @@ impl Kernel<'_> {
             .block
             .pending
             .get(at)
-            .and_then(|firing| self.plan.rules.exclusive.get(usize::from(firing.row)))?;
-        (*group != 0).then_some((word, at, *group))
+            .and_then(|firing| Some(self.plan.rules.exclusive.as_ref()?[firing.row]))?;
+        (group != 0).then_some((word, at, group))
     }
 
     /// A word as its register writes it.
@@ -155,7 +154,7 @@ impl Kernel<'_> {
                 continue;
             }
             let chosen = candidates.iter().find_map(|&index| {
-                let row = machine.codes.get(usize::from(index))?;
+                let row = &machine.codes[index];
                 let with = row.with.is_empty() || row.with.iter().any(|&r| self.channel.block.has(r));
                 let without = row.without.iter().all(|&r| !self.channel.block.has(r));
                 (with && without).then_some((index, row))
@@ -197,7 +196,7 @@ impl Kernel<'_> {
         }
     }
 
-    fn queue(&mut self, index: u16, row: &CodeRow, value: f64, modal: bool) {
+    fn queue(&mut self, index: CodeRowId, row: &CodeRow, value: f64, modal: bool) {
         self.channel.block.flags.swallows |= !row.process;
         self.channel.block.pending.push(PendingCode {
             order: row.order,
@@ -237,12 +236,7 @@ impl Kernel<'_> {
     #[cold]
     fn drop_ignored(&mut self) {
         for at in 0..self.channel.block.pending.len() {
-            let row = self
-                .channel
-                .block
-                .pending
-                .get(at)
-                .and_then(|firing| self.channel.env.machine.codes.get(usize::from(firing.row)));
+            let row = self.channel.block.pending.get(at).map(|firing| &self.channel.env.machine.codes[firing.row]);
             let row = row.filter(|row| !row.process);
             for &register in row.map_or(&[][..], |row| row.ignores.as_slice()) {
                 self.channel.block.take(register);
@@ -251,9 +245,8 @@ impl Kernel<'_> {
     }
 
     pub(crate) fn queue_modal(&mut self, group: u16) {
-        if let Some(index) = self.channel.state.modal.row(group)
-            && let Some(row) = self.channel.env.machine.codes.get(usize::from(index))
-        {
+        if let Some(index) = self.channel.state.modal.row(group) {
+            let row = &self.channel.env.machine.codes[index];
             let value = match row.form {
                 CodeForm::RegisterAsData { min, .. } => min,
                 _ => 0.0,
@@ -282,11 +275,7 @@ impl Kernel<'_> {
     }
 
     pub(crate) fn group_queued(&self, group: u16) -> bool {
-        self.channel
-            .block
-            .pending
-            .iter()
-            .any(|f| self.channel.env.machine.codes.get(usize::from(f.row)).is_some_and(|r| r.group == group))
+        self.channel.block.pending.iter().any(|f| self.channel.env.machine.codes[f.row].group == group)
     }
 
     /// By order, left to right among equals (insertion sort: a block has few codes).
@@ -306,7 +295,7 @@ impl Kernel<'_> {
     pub(crate) fn fire(&mut self, firing: PendingCode) -> Acted {
         self.channel.check_stop()?;
         let machine = self.channel.env.machine;
-        let Some(row) = machine.codes.get(usize::from(firing.row)) else { return Ok(()) };
+        let row = &machine.codes[firing.row];
         if firing.only_if_data_left && !self.is_left(row.group) {
             return Ok(());
         }
@@ -340,15 +329,15 @@ impl Kernel<'_> {
         match row.modality {
             Modality::NonModal if row.group != 0 && !firing.modal => self.channel.state.modal.refire_once(row.group),
             Modality::NonModal => {}
-            Modality::Modal => self.channel.state.modal.activate(row.group, row.id, firing.row),
-            Modality::Persistent => self.channel.state.modal.activate_persistent(row.group, row.id, firing.row),
+            Modality::Modal => self.channel.state.modal.activate(row.group, row.id, Some(firing.row)),
+            Modality::Persistent => self.channel.state.modal.activate_persistent(row.group, row.id, Some(firing.row)),
         }
     }
 
     /// The built-in action of a code.
     #[inline(always)]
     pub(crate) fn perform(&mut self, row: &CodeRow, firing: PendingCode) -> Acted {
-        let result = match self.plan.action_of_row.get(usize::from(firing.row)).copied().flatten() {
+        let result = match self.plan.action_of_row[firing.row] {
             Some(action) => {
                 if self.channel.env.trace.is_some() {
                     self.trace_code(row.id);
@@ -388,11 +377,11 @@ impl Kernel<'_> {
     /// Loads the start state of the machine: these codes become active without acting.
     pub(crate) fn initial_codes(&mut self) {
         for &id in &self.channel.env.machine.initial {
-            let row = self.channel.env.machine.codes.iter().position(|r| r.id == id);
-            if let Some((index, row)) = row.and_then(|i| self.channel.env.machine.codes.get(i).map(|r| (i as u16, r))) {
-                self.channel.state.modal.activate(row.group, id, index);
+            let row = self.channel.env.machine.codes.entries().find(|(_, row)| row.id == id);
+            if let Some((index, row)) = row {
+                self.channel.state.modal.activate(row.group, id, Some(index));
             } else if let Some(facts) = ident::code_facts(id) {
-                self.channel.state.modal.activate(facts.group, id, u16::MAX);
+                self.channel.state.modal.activate(facts.group, id, None);
             }
         }
         self.channel.state.secondary =

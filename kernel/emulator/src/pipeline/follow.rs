@@ -254,10 +254,10 @@ impl Kernel<'_> {
         let found = frame.and_then(|(file, range, next)| {
             let blocks = sources.get(file).map_or(&[][..], |source| source.sequences(number));
             let last = Spot { line: range.last, offset: u32::MAX };
-            dialect::next_or_first(blocks, next, Spot::line(range.first), last)
+            dialect::Search::Around.find(blocks, next, (Spot::line(range.first), last))
         });
         found.ok_or_else(|| {
-            let text = format!("there is no block N{number} in the program to go to from '{}'", self.block_text());
+            let text = format!("block N{number} not found in the program for '{}'", self.block_text());
             self.alarm(&diag::JUMP_TARGET, text)
         })
     }

@@ -39,7 +39,7 @@ impl Kernel<'_> {
             self.unknown_text()?;
         }
         if self.channel.block.flags.irregular & irregular::OPEN_COMMENT != 0 {
-            let text = format!("a comment or message has no end in '{}'", self.block_text());
+            let text = format!("a comment or message is not closed in '{}'", self.block_text());
             self.diagnose(&diag::COMMENT_OPEN, text);
         }
         if self.channel.block.flags.irregular & irregular::DIGITS != 0 {
@@ -55,8 +55,7 @@ impl Kernel<'_> {
 
     fn leftover_word(&mut self, register: u8, value: f64, span: (u32, u32)) {
         let machine = self.channel.env.machine;
-        let mut rows =
-            self.channel.block.pending.iter().filter_map(|firing| machine.codes.get(usize::from(firing.row)));
+        let mut rows = self.channel.block.pending.iter().map(|firing| &machine.codes[firing.row]);
         if rows.any(|row| row.ignores.contains(&register)) {
             return;
         }
@@ -65,11 +64,9 @@ impl Kernel<'_> {
         let mut known = false;
         let mut axis = false;
         for &index in rows {
-            let Some(row) = machine.data.get(usize::from(index)) else { continue };
+            let row = &machine.data[index];
             // A label that no call takes marks its block; the sequence number of a head tells and does nothing.
-            if matches!(row.id, data::LABEL | data::SEQNO_MAIN | data::SEQNO_SIDE)
-                || self.plan.data.ignore.get(usize::from(index)).copied().unwrap_or(false)
-            {
+            if matches!(row.id, data::LABEL | data::SEQNO_MAIN | data::SEQNO_SIDE) || self.plan.data.ignore[index] {
                 known = true;
                 continue;
             }
@@ -108,11 +105,9 @@ impl Kernel<'_> {
                 .env
                 .machine
                 .tables
-                .rows_of_data
-                .get(usize::from(axis.data.0))
-                .into_iter()
-                .flatten()
-                .filter_map(|&row| self.channel.env.machine.data.get(usize::from(row)))
+                .data(axis.data)
+                .iter()
+                .map(|&row| &self.channel.env.machine.data[row])
                 .any(|row| row.register == Some(register))
         })
     }

@@ -107,7 +107,7 @@ impl Kernel<'_> {
             return Err(Halt::Stopped);
         }
         if self.channel.at.blocks.is_multiple_of(256) && self.ports.coordinator.should_yield() {
-            self.ports.emitter.flush(self.tag());
+            self.flush();
             self.ports.coordinator.yield_permit(self.channel.at.channel);
         }
         if self.channel.at.blocks.is_multiple_of(256) && self.channel.state.place.frames.is_some() {

@@ -12,10 +12,12 @@ use counterpoint_ports::Shares;
 use counterpoint_program::block::Block;
 
 use super::burden::Burden;
+use super::cutter::Held;
 use super::waits::KnownWaits;
 use counterpoint_event::Letters;
-use counterpoint_event::event::FileId;
+use counterpoint_event::event::{FileId, Unrecognised};
 use counterpoint_event::info::Info;
+use counterpoint_fault as diag;
 use counterpoint_machine::Machine;
 use counterpoint_machine::ident::DataId;
 use counterpoint_ports::files::Files;
@@ -38,6 +40,15 @@ pub struct Channel<'a> {
     pub(crate) reports: Reports,
     /// Memory and work used up.
     pub(crate) burden: Burden,
+    /// What compensation holds back.
+    pub(crate) held: Option<Held>,
+}
+
+impl Channel<'_> {
+    /// No event that is sent later is before this tag.
+    pub(crate) fn promise(&self) -> Tag {
+        self.held.as_ref().map_or_else(|| self.at.tag(), |held| held.since)
+    }
 }
 
 /// What a run is about; it does not change while the kernel runs.
@@ -121,6 +132,15 @@ pub(crate) struct Reports {
     pub(crate) raised: FxHashMap<u32, u32>,
     /// Waits met so far.
     pub(crate) waits: KnownWaits,
+    /// What the diagnostic that is about to be logged does not recognise.
+    pub(crate) unrecognised: Option<Box<Unrecognised>>,
+}
+
+impl Reports {
+    /// What a diagnostic does not recognise, unless the machine has given it another text.
+    pub(crate) fn take_unrecognised(&mut self, number: u32, text: &str) -> Option<Box<Unrecognised>> {
+        self.unrecognised.take_if(|about| number == diag::NOT_RECOGNISED.number && about.to_string() == text)
+    }
 }
 
 impl Channel<'_> {

@@ -5,8 +5,9 @@ use std::sync::Arc;
 use counterpoint_motion::arc::Arc as MotionArc;
 
 use super::channel::Channel;
-use counterpoint_event::event::{FeedUnit, FileId, Position};
+use counterpoint_event::event::{Event, FeedUnit, FileId, Position};
 use counterpoint_motion::contour::element::{Element, Spot};
+use counterpoint_sync::tag::Tag;
 
 /// Where compensation is.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -67,6 +68,13 @@ pub(crate) struct Waiting {
     pub(crate) text: Option<Arc<[u8]>>,
     /// Events that were held back before it.
     pub(crate) events: usize,
+}
+
+/// Events that are held back until the move before them is known.
+pub(crate) struct Held {
+    pub(crate) events: Vec<Event>,
+    /// No event that comes out later is before this tag.
+    pub(crate) since: Tag,
 }
 
 /// Active compensation.

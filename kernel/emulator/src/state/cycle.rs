@@ -10,6 +10,7 @@ use counterpoint_machine::Machine;
 use counterpoint_machine::ident::kind::CodeKind;
 use counterpoint_machine::ident::kind::cycle::HoleCycle;
 use counterpoint_machine::ident::{CodeId, codes};
+use counterpoint_machine::index::CodeRowId;
 
 /// A height: a position, or a distance from another height, as programmed.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -104,8 +105,8 @@ pub(crate) struct Boring {
 pub(crate) struct Cycle {
     /// A code of its own carries out cycles; cycle codes only define them.
     pub(crate) activator: bool,
-    /// Row of the code that cancels.
-    pub(crate) off: u16,
+    /// Row of the code that cancels, none on a machine without such a code.
+    pub(crate) off: Option<CodeRowId>,
     /// A cycle is in effect (`$CYMCH`).
     pub(crate) running: bool,
     /// A macro has set values for the cycle that is to begin.
@@ -132,12 +133,11 @@ pub(crate) struct Cycle {
 impl Cycle {
     /// No cycle yet.
     pub(crate) fn new(machine: &Machine) -> Self {
-        let row = |id| machine.codes.iter().position(|row| row.id == id && row.enable);
-        let off = row(codes::CYCLE_OFF).and_then(|row| u16::try_from(row).ok()).unwrap_or(u16::MAX);
-        Self::blank(row(codes::CYCLE_ON).is_some(), off, machine)
+        let row = |id| machine.codes.find(|row| row.id == id && row.enable);
+        Self::blank(row(codes::CYCLE_ON).is_some(), row(codes::CYCLE_OFF), machine)
     }
 
-    fn blank(activator: bool, off: u16, machine: &Machine) -> Self {
+    fn blank(activator: bool, off: Option<CodeRowId>, machine: &Machine) -> Self {
         Self {
             activator,
             off,

@@ -5,6 +5,7 @@
 use counterpoint_event::event::FeedUnit;
 use counterpoint_machine::Machine;
 use counterpoint_machine::ident::{CodeId, DataId, codes, data};
+use counterpoint_machine::index::{CodeRowId, Table};
 
 /// Modal groups the kernel itself asks for (reference control-emulator.md 3.2).
 pub(crate) mod group {
@@ -27,18 +28,17 @@ pub(crate) mod group {
 /// Modal codes and data.
 #[derive(Debug)]
 pub(crate) struct Modal {
-    /// Active code row of each group, `None` = `CODE_NONE`.
-    groups: Vec<Option<(CodeId, u16)>>,
+    /// Active code of each group with its row, `None` = `CODE_NONE`. The machine may start with a code that it has no row of.
+    groups: Vec<Option<(CodeId, Option<CodeRowId>)>>,
     /// Remembered values by data identifier.
-    data: Vec<Option<f64>>,
+    data: Table<DataId, Option<f64>>,
     /// Groups whose active code fires again on blocks without a code of the group; `true` = on every block.
     pub(crate) refires: Vec<(u16, bool)>,
 }
 
 impl Modal {
     pub(crate) fn new(machine: &Machine) -> Self {
-        let data_ids = data::TABLE.len() + machine.custom_data.len();
-        Self { groups: vec![None; 1000], data: vec![None; data_ids], refires: Vec::new() }
+        Self { groups: vec![None; 1000], data: machine.data_names.map(|_, _| None), refires: Vec::new() }
     }
 
     /// Active code of a group.
@@ -47,12 +47,12 @@ impl Modal {
     }
 
     /// Active row of a group.
-    pub(crate) fn row(&self, group: u16) -> Option<u16> {
-        self.groups.get(usize::from(group)).copied().flatten().map(|(_, row)| row)
+    pub(crate) fn row(&self, group: u16) -> Option<CodeRowId> {
+        self.groups.get(usize::from(group)).copied().flatten().and_then(|(_, row)| row)
     }
 
     /// Makes a code the active one of its group (group 0 has none).
-    pub(crate) fn activate(&mut self, group: u16, id: CodeId, row: u16) {
+    pub(crate) fn activate(&mut self, group: u16, id: CodeId, row: Option<CodeRowId>) {
         if group != 0
             && let Some(slot) = self.groups.get_mut(usize::from(group))
         {
@@ -64,7 +64,7 @@ impl Modal {
     }
 
     /// Makes a code active that fires again on every block.
-    pub(crate) fn activate_persistent(&mut self, group: u16, id: CodeId, row: u16) {
+    pub(crate) fn activate_persistent(&mut self, group: u16, id: CodeId, row: Option<CodeRowId>) {
         self.activate(group, id, row);
         if group != 0 {
             self.refires.push((group, true));
@@ -79,13 +79,13 @@ impl Modal {
     }
 
     /// Active codes of all groups.
-    pub(crate) fn saved(&self) -> Vec<(u16, CodeId, u16)> {
+    pub(crate) fn saved(&self) -> Vec<(u16, CodeId, Option<CodeRowId>)> {
         let groups = self.groups.iter().zip(0_u16..);
         groups.filter_map(|(active, group)| active.map(|(id, row)| (group, id, row))).collect()
     }
 
     /// Puts active codes back; groups that had none have none again.
-    pub(crate) fn restore(&mut self, saved: &[(u16, CodeId, u16)]) {
+    pub(crate) fn restore(&mut self, saved: &[(u16, CodeId, Option<CodeRowId>)]) {
         self.groups.fill(None);
         for &(group, id, row) in saved {
             if let Some(slot) = self.groups.get_mut(usize::from(group)) {
@@ -98,14 +98,12 @@ impl Modal {
 
     /// Remembered value.
     pub(crate) fn value(&self, id: DataId) -> Option<f64> {
-        self.data.get(usize::from(id.0)).copied().flatten()
+        self.data[id]
     }
 
     /// Remembers a value.
     pub(crate) fn remember(&mut self, id: DataId, value: f64) {
-        if let Some(slot) = self.data.get_mut(usize::from(id.0)) {
-            *slot = Some(value);
-        }
+        self.data[id] = Some(value);
     }
 }
 

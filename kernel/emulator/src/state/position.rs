@@ -172,7 +172,7 @@ fn foreign(machine: &Machine, axes: &[Axis]) -> u128 {
     }
     let registers = machine.tables.data_of_register.iter().enumerate().take(127);
     let foreign = registers.filter(|(_, rows)| {
-        let mut ids = rows.iter().filter_map(|&row| machine.data.get(usize::from(row))).map(|row| row.id);
+        let mut ids = rows.iter().map(|&row| &machine.data[row]).map(|row| row.id);
         let positions = |kind| matches!(kind, DataKind::Axis(_) | DataKind::FramePoint | DataKind::Polar);
         let only = ids.clone().all(|id| positions(id.kind()));
         let moves = ids.clone().any(|id| id.kind().is_axis());

@@ -23,8 +23,8 @@ impl KnownWaits {
         if self.0.len() >= Self::MOST {
             self.0.clear();
         }
-        let (key, participants) = (spec.text().into(), spec.parts.iter().collect());
-        let wait = Arc::new(Wait { key, primitive: spec.primitive, participants });
+        let (key, mark, participants) = (spec.text().into(), spec.mark().into(), spec.parts.iter().collect());
+        let wait = Arc::new(Wait { key, primitive: spec.primitive, participants, mark });
         self.0.insert(spec.clone(), wait.clone());
         wait
     }

@@ -17,6 +17,7 @@ use crate::channel::Kernel;
 use crate::state::burden::shortened;
 use counterpoint_event::event::{Kind, Trace};
 use counterpoint_machine::ident::{self, CodeId, DataId};
+use counterpoint_machine::index::CodeRowId;
 use counterpoint_machine::number::written;
 use counterpoint_machine::rows::CodeForm;
 
@@ -90,8 +91,8 @@ impl Kernel<'_> {
     }
 
     /// The literal text of a row of the code table.
-    pub(crate) fn literal_of(&self, row: u16) -> Option<&str> {
-        match &self.channel.env.machine.codes.get(usize::from(row))?.form {
+    pub(crate) fn literal_of(&self, row: CodeRowId) -> Option<&str> {
+        match &self.channel.env.machine.codes[row].form {
             CodeForm::Text(text) => Some(text),
             _ => None,
         }

@@ -1,5 +1,7 @@
 //! Diagnostics.
 
+use std::fmt;
+
 use serde::{Deserialize, Serialize};
 
 use super::declare::record;
@@ -20,6 +22,26 @@ record! {
         pub kernel: Box<str> = 5 [added],
         /// The statement of a macro that raised it, none if no macro did.
         pub origin: Option<Box<Origin>> = 6 [added],
+        /// What nothing recognises, if that is what the diagnostic says.
+        pub unrecognised: Option<Box<Unrecognised>> = 7 [wire],
+    }
+}
+
+record! {
+    /// Text of a block that no code takes.
+    #[derive(Debug, Clone, PartialEq, Eq, Default)]
+    pub struct Unrecognised {
+        /// The text.
+        pub text: Box<str> = 1,
+        /// Its block in quotes, and what may be wrong with it.
+        pub place: Box<str> = 2,
+    }
+}
+
+/// As the diagnostic says it.
+impl fmt::Display for Unrecognised {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} not recognised in {}", self.text, self.place)
     }
 }
 

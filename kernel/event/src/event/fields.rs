@@ -268,45 +268,32 @@ pub(super) fn position(tag: u8, from: &impl Source) -> Position {
     position
 }
 
-impl<R: Record> Record for Box<R> {
-    #[inline]
-    fn fields(&self, out: &mut impl Fields) {
-        (**self).fields(out);
-    }
+/// Pointers to a record are written as the record.
+macro_rules! pointers {
+    ($($pointer:ident)*) => { $(
+        impl<R: Record> Record for $pointer<R> {
+            #[inline]
+            fn fields(&self, out: &mut impl Fields) {
+                (**self).fields(out);
+            }
 
-    fn read(from: &impl Source) -> Option<Self> {
-        R::read(from).map(Self::new)
-    }
+            fn read(from: &impl Source) -> Option<Self> {
+                R::read(from).map(Self::new)
+            }
 
-    #[inline]
-    fn work(&self) -> Option<Work> {
-        (**self).work()
-    }
+            #[inline]
+            fn work(&self) -> Option<Work> {
+                (**self).work()
+            }
 
-    fn action(&self, number: fn(f64) -> String) -> Option<String> {
-        (**self).action(number)
-    }
+            fn action(&self, number: fn(f64) -> String) -> Option<String> {
+                (**self).action(number)
+            }
+        }
+    )* };
 }
 
-impl<R: Record> Record for Arc<R> {
-    #[inline]
-    fn fields(&self, out: &mut impl Fields) {
-        (**self).fields(out);
-    }
-
-    fn read(from: &impl Source) -> Option<Self> {
-        R::read(from).map(Self::new)
-    }
-
-    #[inline]
-    fn work(&self) -> Option<Work> {
-        (**self).work()
-    }
-
-    fn action(&self, number: fn(f64) -> String) -> Option<String> {
-        (**self).action(number)
-    }
-}
+pointers! { Box Arc }
 
 /// Adds up the bytes of the texts of an event.
 #[derive(Debug, Default)]

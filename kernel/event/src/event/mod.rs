@@ -31,7 +31,7 @@ use std::sync::Arc;
 pub use block::Block;
 pub use call::{Call, Return};
 pub use coolant::{Coolant, Outlet};
-pub use diagnostic::{Diagnostic, Origin};
+pub use diagnostic::{Diagnostic, Origin, Unrecognised};
 pub use dwell::Dwell;
 pub use frame::Frame;
 pub use function::Function;
@@ -44,7 +44,7 @@ pub use stop::Stop;
 pub use tool::{ToolAction, ToolChange, ToolData};
 pub use trace::{Listing, Trace};
 pub use verdict::{Member, Verdict, VerdictKind};
-pub use wait::{Primitive, Release, Wait, mark};
+pub use wait::{Primitive, Release, Wait};
 pub use work::Work;
 
 pub use crate::{FileId, MAX_AXES, Position};

@@ -32,10 +32,12 @@ record! {
         pub primitive: Primitive = 2,
         /// Channels that take part, own one included, ascending.
         pub participants: Arc<[u16]> = 3,
+        /// The mark as the listing names it: `101`.
+        pub mark: Arc<str> = 4 [wire],
     }
 
     fn action(&self, _: fn(f64) -> String) -> Option<String> {
-        Some(format!("sync mark={} wait", mark(&self.key)))
+        Some(format!("sync mark={} wait", self.mark))
     }
 }
 
@@ -51,17 +53,11 @@ record! {
         pub since_ns: i64 = 3,
         /// Ordinal of the sync point in the job, from 1, the same in all channels that met there.
         pub meeting: u64 = 4,
+        /// Same text as in [`Wait::mark`].
+        pub mark: Arc<str> = 5 [wire],
     }
 
     fn action(&self, _: fn(f64) -> String) -> Option<String> {
-        Some(format!("sync mark={} go", mark(&self.key)))
+        Some(format!("sync mark={} go", self.mark))
     }
-}
-
-/// The number of a mark (`M101 P12`: `101`), the whole word when it has none behind a single letter (`START1`).
-#[must_use]
-pub fn mark(key: &str) -> &str {
-    let first = key.split_whitespace().next().unwrap_or(key);
-    let number = first.strip_prefix(|c: char| c.is_ascii_alphabetic()).unwrap_or(first);
-    if number.starts_with(|c: char| c.is_ascii_digit()) { number } else { first }
 }

@@ -30,6 +30,10 @@ impl Sink for Fold {
         Some(&mut self.0)
     }
 
+    fn is_logged(&self) -> bool {
+        false
+    }
+
     fn events(&mut self, _: u64, _: &[Event]) -> bool {
         false
     }

@@ -1,13 +1,13 @@
 //! Several kernels under a master.
 //!
-//! The thread that runs the job is the master kernel (#0): it starts the kernels, one thread each, brings their streams
-//! together (as one ordered log, or only as results) and closes the job. Facts: reference control-emulator.md 2.1, 2.4, 8.
+//! The thread that runs the job is the master kernel (#0): it starts the kernels, one thread each, puts their results
+//! together, merges their events into the ordered log if somebody wants one, and closes the job. Facts: reference control-emulator.md 2.1, 2.4, 8.
 
 mod master;
 mod one_thread;
 mod rounds;
 
-use counterpoint_sync::{backlog, coordinator, merge, ranks, shared};
+use counterpoint_sync::{backlog, coordinator, merge, ranks, shared, stream};
 use std::sync::OnceLock;
 
 use backlog::Backlog;
@@ -16,6 +16,7 @@ use coordinator::switch::{Port, Switch};
 use master::{At, Master};
 use merge::{End, Feeder, Merger};
 use rounds::Round;
+use stream::Stream;
 
 use crate::prepared::Job;
 use counterpoint_emulator::channel::Kernel;
@@ -30,82 +31,11 @@ use counterpoint_machine::model::Channel;
 use counterpoint_ports::control::{Control, Progress, State};
 use counterpoint_ports::files::Files;
 use counterpoint_program::shape::Range;
-use counterpoint_results::builder::ResultsBuilder;
 use counterpoint_sync::sink::{Sink, WrittenFiles};
+use counterpoint_sync::tag::Tag;
 
 /// Runs a prepared job; returns when every kernel has ended and the whole log has been received.
 pub(crate) fn run(job: &Job, files: &dyn Files, control: &Control, sink: &mut dyn Sink) -> Outcome {
-    let (outcome, written) = match sink.results() {
-        Some(builder) => folded(job, files, control, builder),
-        None => ordered(job, files, control, sink),
-    };
-    sink.files(written);
-    outcome
-}
-
-/// Runs a job whose events go into its results, channel by channel.
-fn folded(job: &Job, files: &dyn Files, control: &Control, builder: &mut ResultsBuilder) -> (Outcome, WrittenFiles) {
-    let plan = Plan::new(
-        &job.spec().machine,
-        &job.spec().options.opskip,
-        &counterpoint_emulator::action::ACTIONS,
-        job.macros().map(|_| &counterpoint_emulator::hooks::POINTS),
-    );
-    let (given, mut count, mut round) = (OnceLock::new(), 0, Some(Round::default()));
-    let mut written = WrittenFiles::new();
-    while let Some(mut now) = round.take() {
-        let coordinator = now.coordinator(job, None);
-        let shop = Shop { job, plan: &plan, coordinator: &coordinator, files, control, given: &given };
-        let mut log = |event: &Event| {
-            count += 1;
-            builder.event(event);
-            true
-        };
-        let starting = shop.begin(&mut now, &mut log);
-        let mut backlogs: Vec<Backlog> =
-            builder.split().into_iter().map(|of| Backlog::new(of.number, of, job.info().room.waiting)).collect();
-        let lived = shop.folded(starting, &mut backlogs);
-        let stop = coordinator.stop_tag();
-        let (mut channels, mut last) = (Vec::new(), now.at);
-        for backlog in backlogs {
-            let (results, events, end) = backlog.close(stop);
-            last = last.max(end);
-            count += events;
-            channels.push(results);
-        }
-        let ended: Vec<u16> = channels.iter().filter(|channel| channel.ended()).map(|channel| channel.number).collect();
-        builder.join(channels);
-        let mut log = |event: &Event| {
-            count += 1;
-            builder.event(event);
-            true
-        };
-        round = shop.close(now, lived, &ended, last, &mut log);
-        written = coordinator.written();
-    }
-    (Outcome { events: count, cancelled: control.cancelled(), sink_failed: false }, written)
-}
-
-/// The ordered log on its way to the sink, between the runs of the kernels.
-struct Log<'s> {
-    sink: &'s mut dyn Sink,
-    /// Events so far.
-    count: u64,
-    refused: bool,
-}
-
-impl Log<'_> {
-    fn note(&mut self, event: &Event) -> bool {
-        if !self.refused {
-            self.count += 1;
-            self.refused = !self.sink.events(self.count, std::slice::from_ref(event));
-        }
-        !self.refused
-    }
-}
-
-/// Runs a job whose events become one ordered log.
-fn ordered(job: &Job, files: &dyn Files, control: &Control, sink: &mut dyn Sink) -> (Outcome, WrittenFiles) {
     let machine = &*job.spec().machine;
     let plan = Plan::new(
         machine,
@@ -115,25 +45,97 @@ fn ordered(job: &Job, files: &dyn Files, control: &Control, sink: &mut dyn Sink)
     );
     let (given, mut round) = (OnceLock::new(), Some(Round::default()));
     let mut written = WrittenFiles::new();
-    let mut log = Log { sink, count: 0, refused: false };
+    let mut log = Log::new(sink);
     while let Some(mut now) = round.take() {
-        let (mut merger, feeders, sender) =
-            Merger::new(machine.channels.iter().map(|c| c.number), job.info().room.waiting);
-        let coordinator = now.coordinator(job, Some(sender));
+        let numbers = machine.channels.iter().map(|channel| channel.number);
+        let (merging, sender) = match log.logged.then(|| Merger::new(numbers, job.info().room.waiting)) {
+            Some((merger, feeders, sender)) => (Some((merger, feeders)), Some(sender)),
+            None => (None, None),
+        };
+        let coordinator = now.coordinator(job, sender);
         let shop = Shop { job, plan: &plan, coordinator: &coordinator, files, control, given: &given };
         let starting = shop.begin(&mut now, &mut |event| log.note(event));
         if log.refused {
             coordinator.abort();
         }
-        (merger.next_seq, merger.last) = (log.count + 1, now.at);
-        let lived = shop.ordered(starting, feeders, &mut merger, log.sink);
-        log.refused |= merger.end() == End::Refused;
-        log.count = merger.next_seq - 1;
-        round = shop.close(now, lived, &merger.ended(), merger.last, &mut |event| log.note(event));
+        let mut backlogs = log.backlogs(job);
+        let lived = match merging {
+            Some((mut merger, feeders)) => {
+                merger.next_seq = log.seq + 1;
+                let lived = shop.kernels(starting, &mut backlogs, Some((&mut merger, feeders)), log.sink);
+                log.seq = merger.next_seq - 1;
+                log.refused |= merger.end() == End::Refused;
+                lived
+            }
+            None => shop.kernels(starting, &mut backlogs, None, log.sink),
+        };
+        let last = log.close(backlogs, coordinator.stop_tag()).max(now.at);
+        round = shop.close(now, lived, last, &mut |event| log.note(event));
         round = round.filter(|_| !log.refused);
         written = coordinator.written();
     }
-    (Outcome { events: log.count, cancelled: control.cancelled(), sink_failed: log.refused }, written)
+    let outcome = Outcome { events: log.count, cancelled: control.cancelled(), sink_failed: log.refused };
+    sink.files(written);
+    outcome
+}
+
+/// Results and log between the runs of the kernels.
+struct Log<'s> {
+    sink: &'s mut dyn Sink,
+    /// Somebody wants the ordered log.
+    logged: bool,
+    /// Number of the last event that the sink has received.
+    seq: u64,
+    /// Events so far.
+    count: u64,
+    /// The sink takes no more events.
+    refused: bool,
+}
+
+impl<'s> Log<'s> {
+    fn new(sink: &'s mut dyn Sink) -> Self {
+        let logged = sink.is_logged();
+        Self { sink, logged, seq: 0, count: 0, refused: false }
+    }
+
+    /// Adds an event while no kernel runs. Returns `false` when the log takes nothing more.
+    fn note(&mut self, event: &Event) -> bool {
+        if self.refused {
+            return false;
+        }
+        self.count += 1;
+        if let Some(builder) = self.sink.results() {
+            builder.event(event);
+        }
+        if self.logged {
+            self.seq += 1;
+            self.refused = !self.sink.events(self.seq, std::slice::from_ref(event));
+        }
+        !self.refused
+    }
+
+    /// What the kernels feed, by channel.
+    fn backlogs(&mut self, job: &Job) -> Vec<Backlog> {
+        let room = job.info().room.waiting;
+        match self.sink.results() {
+            Some(builder) => builder.split().into_iter().map(|of| Backlog::new(of.number, Some(of), room)).collect(),
+            None => job.info().channels.iter().map(|channel| Backlog::new(channel.number, None, room)).collect(),
+        }
+    }
+
+    /// Puts together what the kernels have fed, up to the stop of the job. Time and microstep of the last event.
+    fn close(&mut self, backlogs: Vec<Backlog>, stop: Tag) -> (i64, u32) {
+        let (mut channels, mut last) = (Vec::new(), (0, 0));
+        for closed in backlogs.into_iter().map(|backlog| backlog.close(stop)) {
+            last = last.max(closed.last);
+            self.count += closed.events;
+            channels.extend(closed.results);
+        }
+        if let Some(builder) = self.sink.results() {
+            builder.join(channels);
+        }
+        last
+    }
 }
 
 /// A kernel about to start.
@@ -147,20 +149,8 @@ struct Start<'a> {
     reset: Option<bool>,
 }
 
-/// Where the events of a kernel on its own thread go.
-enum Way<'a> {
-    Queue(Feeder),
-    Results(&'a mut Backlog),
-}
-
-impl<'a> From<Way<'a>> for Target<'a> {
-    fn from(way: Way<'a>) -> Self {
-        match way {
-            Way::Queue(feeder) => Self::Queue(feeder),
-            Way::Results(backlog) => Self::Results(backlog),
-        }
-    }
-}
+/// What a kernel feeds: the results of its channel, and the log if there is one.
+type Feeds<'a> = (&'a mut Backlog, Option<Feeder>);
 
 /// What all kernels of a job work with.
 #[derive(Clone, Copy)]
@@ -200,66 +190,61 @@ impl<'a> Shop<'a> {
         starting
     }
 
-    /// Every kernel feeds the results of its own channel.
-    fn folded(self, starting: Vec<Start<'_>>, backlogs: &mut [Backlog]) -> Vec<Lived> {
+    /// Runs the kernels. Each feeds the backlog of its channel; the log, if there is one, is merged on this thread.
+    fn kernels(
+        self,
+        starting: Vec<Start<'_>>,
+        backlogs: &mut [Backlog],
+        merging: Option<(&mut Merger, Vec<Feeder>)>,
+        sink: &mut dyn Sink,
+    ) -> Vec<Lived> {
         let mut free: Vec<Option<&mut Backlog>> = backlogs.iter_mut().map(Some).collect();
         let mut work = Vec::new();
         for start in starting {
             let backlog = free.iter_mut().find(|b| b.as_ref().is_some_and(|b| b.rank == start.channel.number));
-            if let Some(backlog) = backlog.and_then(Option::take) {
-                work.push((start, Way::Results(backlog)));
-            }
+            work.extend(backlog.and_then(Option::take).map(|backlog| (start, backlog)));
         }
-        // The only kernel needs no thread of its own.
-        match work.len() {
-            1 => work.into_iter().map(|(start, way)| self.alone(start, way.into())).collect(),
-            _ if self.coordinator.on_one_thread() => self.in_turns(work, || ()),
-            _ => self.together(work, || ()),
-        }
-    }
-
-    /// Kernels send their events to this thread, which merges them; the only kernel of a job runs on this thread and
-    /// hands its events straight to the sink.
-    fn ordered(
-        self,
-        mut starting: Vec<Start<'a>>,
-        feeders: Vec<Feeder>,
-        merger: &mut Merger,
-        sink: &mut dyn Sink,
-    ) -> Vec<Lived> {
-        if starting.len() == 1
-            && let Some(start) = starting.pop()
+        let (merger, mut feeders) = merging.map_or((None, Vec::new()), |(merger, feeders)| (Some(merger), feeders));
+        if work.len() == 1
+            && let Some((start, backlog)) = work.pop()
         {
-            return vec![self.alone(start, Target::Direct { merger, sink })];
+            // The only kernel needs no thread of its own, and no merging.
+            return vec![match merger {
+                Some(merger) => self.alone(start, Stream::only(backlog, merger, sink)),
+                None => self.alone(start, Stream::new(backlog, None)),
+            }];
         }
-        let feeders = feeders.into_iter().filter_map(|feeder| {
-            let at = starting.iter().position(|start| start.channel.number == feeder.rank)?;
-            Some((starting.swap_remove(at), Way::Queue(feeder)))
+        let work = work.into_iter().map(|(start, backlog)| {
+            let feeder = feeders.iter().position(|feeder| feeder.rank == start.channel.number);
+            (start, (backlog, feeder.map(|at| feeders.swap_remove(at))))
         });
-        let work: Vec<_> = feeders.collect();
-        if self.coordinator.on_one_thread() {
-            return self.in_turns(work, || merger.pump(sink, || self.coordinator.abort()));
+        let work: Vec<_> = work.collect();
+        let abort = || self.coordinator.abort();
+        match (merger, self.coordinator.on_one_thread()) {
+            (Some(merger), true) => self.in_turns(work, || merger.pump(sink, abort)),
+            (Some(merger), false) => self.together(work, || merger.run(sink, abort)),
+            (None, true) => self.in_turns(work, || ()),
+            (None, false) => self.together(work, || ()),
         }
-        self.together(work, || merger.run(sink, || self.coordinator.abort()))
     }
 
     /// Runs the only kernel of a job on this thread.
-    fn alone<'k>(self, start: Start<'k>, target: Target<'k>) -> Lived
+    fn alone<'k>(self, start: Start<'k>, stream: Stream<'k>) -> Lived
     where
         'a: 'k,
     {
         self.coordinator.set_single();
-        let (kernel, at, reset) = self.started(start, target, Switch::Thread);
+        let (kernel, at, reset) = self.started(start, stream, Switch::Thread);
         kernel.live(at, reset)
     }
 
     /// A kernel as it starts, with its program.
-    fn started<'k>(self, start: Start<'k>, target: Target<'k>, switch: Switch<'k>) -> (Kernel<'k>, At, Option<bool>)
+    fn started<'k>(self, start: Start<'k>, stream: Stream<'k>, switch: Switch<'k>) -> (Kernel<'k>, At, Option<bool>)
     where
         'a: 'k,
     {
         let Start { channel, progress, at, before, reset } = start;
-        let mut kernel = self.kernel(channel, progress, target, switch);
+        let mut kernel = self.kernel(channel, progress, Target::Stream(stream), switch);
         if let Some((now, carried)) = before {
             (kernel.channel.at.clock, kernel.channel.at.micro) = now;
             if let Some(carried) = carried {
@@ -270,14 +255,14 @@ impl<'a> Shop<'a> {
     }
 
     /// A thread for each kernel; meanwhile this one does something else.
-    fn together(self, work: Vec<(Start<'_>, Way<'_>)>, meanwhile: impl FnOnce()) -> Vec<Lived> {
+    fn together(self, work: Vec<(Start<'_>, Feeds<'_>)>, meanwhile: impl FnOnce()) -> Vec<Lived> {
         let (coordinator, control) = (self.coordinator, self.control);
         std::thread::scope(|scope| {
             let mut running = Vec::new();
-            for (start, way) in work {
+            for (start, (backlog, feeder)) in work {
                 let number = start.channel.number;
                 let work = move || {
-                    let (kernel, at, reset) = self.started(start, way.into(), Switch::Thread);
+                    let (kernel, at, reset) = self.started(start, Stream::new(backlog, feeder), Switch::Thread);
                     guarded(kernel, at, reset, coordinator)
                 };
                 let mut thread = std::thread::Builder::new().name(format!("kernel-{number}"));

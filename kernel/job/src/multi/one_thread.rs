@@ -11,7 +11,8 @@ use corosensei::{CoroutineResult, ScopedCoroutine, ScopedCoroutineRef, Yielder};
 
 use super::coordinator::Coordinator;
 use super::coordinator::switch::{Pause, Switch};
-use super::{Shop, Start, Way};
+use super::stream::Stream;
+use super::{Feeds, Shop, Start};
 use counterpoint_emulator::channel::carried::Lived;
 
 /// Bytes of the stack of a kernel without macros, those of a thread of its own.
@@ -80,9 +81,9 @@ fn next_turn(coordinator: &Coordinator, turns: &[Turn<'_>]) -> Option<usize> {
 
 impl<'a> Shop<'a> {
     /// Runs the kernels in turns; `between` is called whenever none of them runs.
-    pub(super) fn in_turns(self, work: Vec<(Start<'_>, Way<'_>)>, mut between: impl FnMut()) -> Vec<Lived> {
+    pub(super) fn in_turns(self, work: Vec<(Start<'_>, Feeds<'_>)>, mut between: impl FnMut()) -> Vec<Lived> {
         let mut coroutines = Vec::new();
-        for (start, way) in work {
+        for (start, feeds) in work {
             let number = start.channel.number;
             let stack = if self.job.macros().is_some() { counterpoint_emulator::macros::STACK } else { STACK };
             let Ok(stack) = DefaultStack::new(stack) else {
@@ -92,11 +93,12 @@ impl<'a> Shop<'a> {
                 continue;
             };
             // What a coroutine begins with must be small.
-            let begin = Box::new((start, way));
+            let begin = Box::new((start, feeds));
             let body = move |yielder: &Yielder<(), Pause>, ()| {
                 let life = catch_unwind(AssertUnwindSafe(|| {
-                    let (start, way) = *begin;
-                    let (kernel, at, reset) = self.started(start, way.into(), Switch::Coroutine(yielder));
+                    let (start, (backlog, feeder)) = *begin;
+                    let (kernel, at, reset) =
+                        self.started(start, Stream::new(backlog, feeder), Switch::Coroutine(yielder));
                     kernel.live(at, reset)
                 }));
                 if life.is_err() {

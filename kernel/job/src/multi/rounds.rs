@@ -100,14 +100,14 @@ impl<'a> Shop<'a> {
         self,
         mut round: Round,
         lived: Vec<Lived>,
-        ended: &[u16],
         (t_ns, micro): (i64, u32),
         log: &mut dyn FnMut(&Event) -> bool,
     ) -> Option<Round> {
         let stop = self.coordinator.stop_tag();
         self.coordinator.unordered(|order| order.shared.files.close(stop));
-        let all = lived.iter().all(|one| matches!(one.halt, Halt::End(_)) && ended.contains(&one.rank));
-        for Lived { rank, halt, .. } in lived.iter().filter(|one| !ended.contains(&one.rank)) {
+        let ended = |one: &Lived| one.ended.is_some_and(|tag| tag <= stop);
+        let all = lived.iter().all(|one| matches!(one.halt, Halt::End(_)) && ended(one));
+        for Lived { rank, halt, .. } in lived.iter().filter(|one| !ended(one)) {
             let phase = if *halt == Halt::Blocked { Phase::Blocked } else { Phase::Stopped };
             log(&Event { micro, channel: *rank, ..super::master(t_ns, Kind::Lifecycle(phase)) });
         }

@@ -43,7 +43,7 @@ impl MacroCompiler<'_> {
         let Some(function) = func::named(name) else {
             let help = ident::nearest(name, func::all().map(|function| function.name));
             let help = help.map(|near| format!("did you mean {near}?"));
-            self.error_with(span, Number::UNKNOWN_FUNCTION, format!("there is no function {name}"), help);
+            self.error_with(span, Number::UNKNOWN_FUNCTION, format!("unknown function {name}"), help);
             return (0, None);
         };
         if let Way::Missing(why) = function.way {

@@ -100,14 +100,18 @@ impl MacroCompiler<'_> {
         if index.is_none() {
             let all = self.environment.identifiers();
             let help = ident::nearest(name, all.iter().map(String::as_str)).map(|near| format!("did you mean {near}?"));
-            self.error_with(span, Number::UNKNOWN_IDENTIFIER, format!("there is no identifier {name}"), help);
+            self.error_with(span, Number::UNKNOWN_IDENTIFIER, format!("unknown identifier {name}"), help);
         }
         let index = index.unwrap_or(0);
         self.constant(if code { Value::Code(index) } else { Value::Register(index) })
     }
 
     pub(super) fn wrong(&mut self, span: Span, wanted: &str, found: Kind) {
-        self.error(span, Number::WRONG_TYPE, format!("{wanted} is wanted here, this is of type {}", found.name()));
+        self.error(
+            span,
+            Number::WRONG_TYPE,
+            format!("{wanted} is expected here, but this is of type {}", found.name()),
+        );
     }
 
     /// Compiles an operand that must have a type.
@@ -191,7 +195,7 @@ impl MacroCompiler<'_> {
             }
             None => None,
         };
-        self.error_with(span, Number::UNKNOWN_VARIABLE, format!("there is no system variable {name}"), help);
+        self.error_with(span, Number::UNKNOWN_VARIABLE, format!("unknown system variable {name}"), help);
         Reach::Nowhere
     }
 

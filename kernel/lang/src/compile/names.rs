@@ -32,7 +32,7 @@ impl MacroCompiler<'_> {
                         header.name == declared.name || header.parameters.iter().any(|(name, _)| *name == declared.name)
                     });
                 if taken {
-                    let message = format!("{} is declared already", declared.name);
+                    let message = format!("{} is already declared", declared.name);
                     self.error(declared.span, Number::REDECLARED, message);
                     continue;
                 }

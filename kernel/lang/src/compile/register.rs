@@ -73,7 +73,7 @@ pub(super) fn share(
             };
             let symbol = SharedSymbol { shared, kind: *kind, indices: declared.sizes.len(), channel: *channel };
             if program.shared.contains_key(&declared.name) || program.functions.contains_key(&declared.name) {
-                let message = format!("{} is declared already", declared.name);
+                let message = format!("{} is already declared", declared.name);
                 diagnostics.push(Diagnostic::new(source, declared.span, Number::REDECLARED, message));
             } else {
                 program.shared.insert(declared.name.clone(), symbol);

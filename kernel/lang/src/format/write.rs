@@ -28,7 +28,7 @@ pub fn write(out: &mut String, format: &Format, arguments: &[Value], registers: 
             Piece::Code(Code::Register { register, word, argument }) => {
                 let value = if *argument { Some(real(rest.next().unwrap_or(&Value::Unset))?) } else { None };
                 let text = registers.register_text(*register, value, *word);
-                out.push_str(&text.ok_or_else(|| Fault::new(Number::NO_HOST, "there is no such register here"))?);
+                out.push_str(&text.ok_or_else(|| Fault::new(Number::NO_HOST, "unknown register"))?);
             }
             Piece::Code(code) => one(out, code, rest.next().unwrap_or(&Value::Unset), registers)?,
         }
@@ -68,7 +68,7 @@ fn one(out: &mut String, code: &Code, value: &Value, registers: &dyn Registers) 
             let code = real(value)?.round();
             #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
             let character = if (0.0..=1_114_111.0).contains(&code) { char::from_u32(code as u32) } else { None };
-            let fault = || Fault::new(Number::FORMAT_MISMATCH, "there is no character with this number");
+            let fault = || Fault::new(Number::FORMAT_MISMATCH, "this number is not a valid character code");
             out.push(character.ok_or_else(fault)?);
         }
         Code::Any | Code::Column { .. } | Code::Skip(_) | Code::Register { .. } => any(out, value, registers),

@@ -15,7 +15,7 @@ pub(super) fn character(_: &mut Context<'_>, arguments: &[Value]) -> Outcome<Val
     let found = u32::try_from(count(code)).ok().and_then(char::from_u32).filter(|_| code >= 0.0);
     match found {
         Some(found) => Ok(Value::text(found.to_string())),
-        None => Err(Fault::new(Number::OUT_OF_RANGE, format!("there is no character {code}"))),
+        None => Err(Fault::new(Number::OUT_OF_RANGE, format!("{code} is not a valid character code"))),
     }
 }
 
@@ -220,7 +220,7 @@ pub(super) fn trim_right(_: &mut Context<'_>, arguments: &[Value]) -> Outcome<Va
 pub(super) fn element(_: &mut Context<'_>, arguments: &[Value]) -> Outcome<Value> {
     let (list, index) = (elements(arguments, 0)?, number(arguments, 1)?);
     let found = if index >= 1.0 { list.get(count(index) - 1) } else { None };
-    let message = || format!("the index {} is outside of 1 to {}", index.trunc(), list.len());
+    let message = || format!("index {} is outside 1 to {}", index.trunc(), list.len());
     found.cloned().ok_or_else(|| Fault::new(Number::OUT_OF_RANGE, message()))
 }
 

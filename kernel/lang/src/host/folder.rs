@@ -22,7 +22,7 @@ const STORAGE: &str = "//ICAMFS/";
 pub const NOT_FOUND: i32 = 2;
 /// Status of a file that cannot be read or written.
 pub const FAILED: i32 = 5;
-/// Status of a file name that leads out of the folder of the run, or of a file that may not be used.
+/// Status of a file name that is outside the folder of the run, or of a file that may not be used.
 pub const FORBIDDEN: i32 = 13;
 /// Status of arguments that make no sense.
 pub const INVALID: i32 = 22;
@@ -134,7 +134,7 @@ impl Folder {
     /// [`Folder::located`], with a warning for a name that leads out.
     fn place(&self, state: &mut State, path: &str) -> Result<String, i32> {
         self.located(path).ok_or_else(|| {
-            let message = format!("'{path}' leads out of the folder of the run");
+            let message = format!("'{path}' is outside the folder of the run");
             state.warn(Fault::new(Number::OUTSIDE, message));
             FORBIDDEN
         })
@@ -214,7 +214,7 @@ impl Folder {
         const ITEMS: [&str; 7] = ["mtime", "size", "atime", "ctime", "mode", "owner", "group"];
         let wanted = text(arguments, 1).trim().to_lowercase();
         let Some(item) = ITEMS.into_iter().find(|item| !wanted.is_empty() && item.starts_with(&wanted)) else {
-            let message = format!("'{wanted}' is none of size, atime, ctime, mtime, mode, owner, group");
+            let message = format!("'{wanted}' is not one of size, atime, ctime, mtime, mode, owner, group");
             return Err(Fault::new(Number::TYPE_MISMATCH, message));
         };
         let found = self.place(state, text(arguments, 0)).and_then(|place| shelf.facts(&place));

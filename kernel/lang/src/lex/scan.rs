@@ -149,7 +149,7 @@ impl Scanner<'_> {
             ".XOR." => Sign::Xor,
             ".TRUE." => return Ok(Token::System("$TRUE".into())),
             ".FALSE." => return Ok(Token::System("$FALSE".into())),
-            _ => return Err((Number::STRANGE_CHARACTER, format!("there is no operator `{text}`"))),
+            _ => return Err((Number::STRANGE_CHARACTER, format!("unknown operator `{text}`"))),
         }))
     }
 
@@ -250,7 +250,7 @@ impl Scanner<'_> {
             '<' => Sign::Less,
             '!' => Sign::Not,
             _ => {
-                let message = format!("the character `{}` means nothing outside a text", first.escape_default());
+                let message = format!("illegal character `{}` outside a text", first.escape_default());
                 return Err((Number::STRANGE_CHARACTER, message));
             }
         }))

@@ -132,7 +132,7 @@ impl Parser<'_> {
             return Ok(ExprKind::Record(record));
         }
         if ident::reserved(name).is_some() {
-            let message = format!("{name} is a word of the language and no value");
+            let message = format!("{name} is a word of the language, not a value");
             return self.fail_at(span, Number::RESERVED_WORD, message, Some(format!("a variable is written %{name}")));
         }
         self.variable(Variable::User(name.to_owned()))

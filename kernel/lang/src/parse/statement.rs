@@ -49,7 +49,8 @@ impl Parser<'_> {
         if arguments && self.peek().is_some() {
             self.list()?;
         }
-        let message = format!("{name} is a record of the post product and does nothing in the control emulator");
+        let message =
+            format!("{name} is a record of the post-processor product and does nothing in the control emulator");
         let help = (name == "GOTO").then(|| "JUMPTO/label jumps".to_owned());
         self.diagnostics.push(Diagnostic::new(self.source, span, Number::RECORD_IGNORED, message).help(help));
         Ok(StatementKind::Empty)
@@ -57,13 +58,13 @@ impl Parser<'_> {
 
     fn unknown<T>(&mut self, name: &str, span: crate::source::Span) -> Parsed<T> {
         if COMMANDS.contains(&name) {
-            return self.fail_at(span, Number::SYNTAX, format!("{name} is not written this way"), None);
+            return self.fail_at(span, Number::SYNTAX, format!("wrong syntax for {name}"), None);
         }
         if ident::reserved(name) == Some(ident::Reserved::Control) {
             return self.fail_at(
                 span,
                 Number::RESERVED_WORD,
-                format!("{name} is reserved but begins no statement"),
+                format!("{name} is reserved, but is not a statement"),
                 None,
             );
         }
@@ -74,7 +75,7 @@ impl Parser<'_> {
             "DIALOG" => Some("a dialog is the function $FDIALOG()".to_owned()),
             _ => ident::nearest(name, COMMANDS.iter().copied()).map(|near| format!("did you mean {near}?")),
         };
-        self.fail_at(span, Number::UNKNOWN_COMMAND, format!("there is no command {name}"), help)
+        self.fail_at(span, Number::UNKNOWN_COMMAND, format!("unknown command {name}"), help)
     }
 
     fn named(&mut self, name: &str, arguments: bool) -> Parsed<Option<StatementKind>> {
@@ -407,7 +408,7 @@ impl Parser<'_> {
         let start = self.span();
         if self.is_bare_call() {
             let help = Some("assign its result, for instance %L01=…".to_owned());
-            return self.fail_at(start, Number::BARE_CALL, "a call is a value and no statement", help);
+            return self.fail_at(start, Number::BARE_CALL, "a function call is a value, not a statement", help);
         }
         let target = self.target()?;
         let sign = match self.sign() {

@@ -105,7 +105,7 @@ impl Compiler {
             Some('(') => {
                 self.groups += 1;
                 if self.groups > 9 {
-                    return bad("there can be nine groups");
+                    return bad("more than nine groups");
                 }
                 self.open.push((self.groups, start));
                 self.steps.push(Step::Save(2 * self.groups));
@@ -133,7 +133,7 @@ impl Compiler {
             Some(digit @ '1'..='9') => {
                 let number = digit.to_digit(10).map_or(0, |digit| digit as usize);
                 if self.closed.get(number) != Some(&true) {
-                    return bad("a back reference names a group that is not complete before it");
+                    return bad("a back reference must follow its group");
                 }
                 self.steps.push(Step::Reference(number));
                 Ok(Some(start))
@@ -164,7 +164,7 @@ impl Compiler {
             self.at += 1;
             let value = number.unwrap_or(0) * 10 + digit;
             if value > 255 {
-                return bad("repetitions go up to 255");
+                return bad("more than 255 repetitions");
             }
             number = Some(value);
         }

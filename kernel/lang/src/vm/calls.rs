@@ -66,7 +66,7 @@ pub(super) fn call<'p>(
     state.spend(5)?;
     match program.macros.get(usize::from(callee)) {
         Some(code) => Ok((code, take(program, state, code, callee)?)),
-        None => Err(Box::new(Fault::new(Number::UNKNOWN_FUNCTION, "this function is not there"))),
+        None => Err(Box::new(Fault::new(Number::UNKNOWN_FUNCTION, "this function does not exist"))),
     }
 }
 
@@ -162,7 +162,7 @@ fn fresh(
     let slot = usize::from(index);
     if old.is_none() && slot < state.calls.frames.len() {
         let name = program.macros.get(slot).map_or("the macro", |code| code.name.as_str());
-        return Err(Box::new(Fault::new(Number::RE_ENTERED, format!("{name} is running already"))));
+        return Err(Box::new(Fault::new(Number::RE_ENTERED, format!("{name} is already running"))));
     }
     if state.calls.frames.len() <= slot {
         state.calls.frames.resize_with(slot, || Some(Box::default()));

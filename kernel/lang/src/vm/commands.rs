@@ -144,7 +144,7 @@ fn error(
     #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
     let index = number.max(0.0) as u32;
     let Some((severity, text)) = host.diagnostic(index) else {
-        let message = format!("no table has a diagnostic {index:08}");
+        let message = format!("unknown diagnostic {index:08}");
         return Err(Fault::new(Number::UNKNOWN_DIAGNOSTIC, message));
     };
     let format = state.format(&text, false)?;

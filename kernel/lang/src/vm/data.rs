@@ -12,7 +12,7 @@ use crate::value::{Array, Elements, Kind, Value};
 use std::sync::Arc;
 
 fn outside(index: i64, length: usize) -> Fault {
-    Fault::new(Number::OUT_OF_RANGE, format!("the index {index} is outside of 1 to {length}"))
+    Fault::new(Number::OUT_OF_RANGE, format!("index {index} is outside 1 to {length}"))
 }
 
 pub(super) fn add(state: &State, a: &Value, b: &Value) -> Outcome<Value> {
@@ -132,7 +132,7 @@ fn array_position(state: &State, array: &Array, indices: &[i64]) -> Outcome<usiz
     array.position(full).ok_or_else(|| {
         let sizes: Vec<String> = array.sizes.iter().map(u32::to_string).collect();
         let given: Vec<String> = full.iter().map(i64::to_string).collect();
-        let message = format!("the index ({}) is outside of the array of ({})", given.join(","), sizes.join(","));
+        let message = format!("index ({}) is outside the array of size ({})", given.join(","), sizes.join(","));
         Fault::new(Number::OUT_OF_RANGE, message)
     })
 }
@@ -339,7 +339,7 @@ pub(super) fn declared(state: &mut State, code: &Code, frame: &[Value], declarat
     for slot in &declaration.sizes {
         let size = get(frame, *slot).as_real().map_or(0, whole);
         let size = u32::try_from(size).ok().filter(|size| *size > 0);
-        let size = size.ok_or_else(|| Fault::new(Number::OUT_OF_RANGE, "the size of an array is 1 or more"))?;
+        let size = size.ok_or_else(|| Fault::new(Number::OUT_OF_RANGE, "the size of an array must be 1 or more"))?;
         count = count.saturating_mul(size as usize);
         sizes.push(size);
     }

@@ -195,7 +195,7 @@ fn stopped(state: &mut State) -> Fault {
 fn used_up(state: &mut State) -> Fault {
     match state.spend(usize::MAX) {
         Err(fault) => fault,
-        Ok(()) => Fault::new(crate::diag::Number::TICKS, "the budget of steps is used up"),
+        Ok(()) => Fault::new(crate::diag::Number::TICKS, "the budget of steps is exhausted"),
     }
 }
 

@@ -412,7 +412,7 @@ fn call(
     state.buffer = arguments;
     match result {
         Ok(value) if !finite(&value) => {
-            let message = format!("{} has no result that is a number", function.name);
+            let message = format!("the result of {} is not a number", function.name);
             Err(Fault::new(Number::BAD_ARITHMETIC, message))
         }
         result => result,

@@ -30,7 +30,7 @@ macro_rules! codes {
             kind: $kind,
         }),*];
         $(#[doc = concat!("`CODE_", stringify!($name), "`" $(, $meaning)?, ".")]
-        pub const $name: CodeId = CodeId(Position::$name as u16);)*
+        pub const $name: CodeId = CodeId::built_in(Position::$name as u16);)*
     };
 }
 

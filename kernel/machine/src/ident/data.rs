@@ -21,7 +21,7 @@ macro_rules! data {
             dimension: Dimension::$dimension,
         }),*];
         $(#[doc = concat!("`REG_", stringify!($name), "`" $(, ": ", $meaning)?, ".")]
-        pub const $name: DataId = DataId(Position::$name as u16);)*
+        pub const $name: DataId = DataId::built_in(Position::$name as u16);)*
     };
 }
 

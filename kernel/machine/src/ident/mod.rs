@@ -9,13 +9,23 @@ pub mod dimension;
 pub mod kind;
 pub mod takes;
 
-/// A code identifier: what fires an action.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub struct CodeId(pub u16);
+use crate::index::Table;
+pub use crate::index::{CodeId, DataId};
 
-/// A data identifier: what supplies a value to an action.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub struct DataId(pub u16);
+/// Name of an identifier: a built-in one, or one of a machine's own.
+pub type Name = std::borrow::Cow<'static, str>;
+
+/// The names of all built-in codes.
+#[must_use]
+pub fn code_names() -> Table<CodeId, Name> {
+    codes::TABLE.iter().map(|facts| Name::from(facts.name)).collect()
+}
+
+/// The names of all built-in data.
+#[must_use]
+pub fn data_names() -> Table<DataId, Name> {
+    data::TABLE.iter().map(|facts| Name::from(facts.name)).collect()
+}
 
 /// Facts of a code identifier.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -44,7 +54,7 @@ impl CodeId {
     /// The first built-in code of a kind.
     #[must_use]
     pub fn of_kind(kind: kind::CodeKind) -> Option<Self> {
-        codes::TABLE.iter().position(|facts| facts.kind == kind).map(|index| Self(index as u16))
+        codes::TABLE.iter().position(|facts| facts.kind == kind).map(|at| Self::built_in(at as u16))
     }
 }
 
@@ -96,7 +106,7 @@ fn canonical_code(name: &str) -> String {
 #[must_use]
 pub fn code(name: &str) -> Option<CodeId> {
     let name = canonical_code(name);
-    codes::TABLE.iter().position(|facts| facts.name == name).map(|index| CodeId(index as u16))
+    codes::TABLE.iter().position(|facts| facts.name == name).map(|at| CodeId::built_in(at as u16))
 }
 
 /// Built-in data identifier by name; letter case and the prefix `DATA_` are accepted.
@@ -104,19 +114,19 @@ pub fn code(name: &str) -> Option<CodeId> {
 pub fn data(name: &str) -> Option<DataId> {
     let name = name.to_ascii_uppercase();
     let name = name.strip_prefix("DATA_").map_or(name.clone(), |rest| format!("REG_{rest}"));
-    data::TABLE.iter().position(|facts| facts.name == name).map(|index| DataId(index as u16))
+    data::TABLE.iter().position(|facts| facts.name == name).map(|at| DataId::built_in(at as u16))
 }
 
 /// Facts of a built-in code identifier; `None` for a custom one.
 #[must_use]
 pub fn code_facts(id: CodeId) -> Option<&'static CodeFacts> {
-    codes::TABLE.get(usize::from(id.0))
+    codes::TABLE.get(id.index())
 }
 
 /// Facts of a built-in data identifier; `None` for a custom one.
 #[must_use]
 pub fn data_facts(id: DataId) -> Option<&'static DataFacts> {
-    data::TABLE.get(usize::from(id.0))
+    data::TABLE.get(id.index())
 }
 
 #[cfg(test)]

@@ -9,6 +9,8 @@ use super::{
     initial, kinematics, macros, output, overlap, paths, pump, refusals, registers,
 };
 use super::{spindles, storage, subprograms, sync, tape, time, tool, variables};
+use crate::ident;
+use crate::index::Table;
 use crate::model::Machine;
 use crate::tables::Tables;
 use crate::toml::check::Check;
@@ -27,7 +29,7 @@ pub(super) fn machine(merged: &Merged, files: &dyn Files, check: &Check) -> Mach
     let head = head::read(&mut top);
     let format = format::read(&mut top, check, head.preprocessor);
     let registers = registers::read(&mut top, check);
-    let mut names = Names { check, registers, custom_codes: Vec::new(), custom_data: Vec::new() };
+    let mut names = Names { check, registers, codes: ident::code_names(), data: ident::data_names() };
     let data = data::read(&mut top, &mut names, head.unit);
     let axes = axes::read(&mut top, &names, &data);
     let spindles = spindles::read(&mut top, check);
@@ -59,13 +61,14 @@ pub(super) fn machine(merged: &Merged, files: &dyn Files, check: &Check) -> Mach
     let mut shown = Vec::new();
     let macros = macros::read(&mut top, &names, (&codes, &data), files, &storage, &mut shown);
     idle::check(&mut top, &codes, head.preprocessor, channels.len(), check);
-    overlap::check_custom(&codes, &names.custom_codes, macros.as_deref(), check);
+    overlap::check_custom(&codes, &names.codes, macros.as_deref(), check);
     let tape_editor = tape::read(&mut top);
     let dialogs = dialogs::read(&mut top, files, macros.as_deref(), &shown, check);
     let mut diagnostics = diagnostics::read(&mut top, files);
     diagnostics.refusals = refusals::read(&mut top, &names, &codes);
     top.finish();
-    let tables = Tables::new(&names.registers, &codes, &data, names.custom_data.len());
+    let (codes, data): (Table<_, _>, Table<_, _>) = (codes.into_iter().collect(), data.into_iter().collect());
+    let tables = Tables::new(&names.registers, &codes, &data, &names.data);
     Machine {
         name: head.name,
         number: head.number,
@@ -81,8 +84,8 @@ pub(super) fn machine(merged: &Merged, files: &dyn Files, check: &Check) -> Mach
         registers: names.registers,
         codes,
         data,
-        custom_codes: names.custom_codes,
-        custom_data: names.custom_data,
+        code_names: names.codes,
+        data_names: names.data,
         axes,
         channels,
         spindles,

@@ -11,6 +11,7 @@ use counterpoint_lang::source::Source;
 use super::macro_uses::{self, Given};
 use super::names::Names;
 use crate::ident;
+use crate::index::{Id, Table};
 use crate::macros::condition::{self, Condition, Item, Step};
 use crate::macros::environment::{MachineEnvironment, beside};
 use crate::macros::model::{FIRST_HOOK_ID, Hook, Macros, Named};
@@ -49,8 +50,12 @@ pub(super) fn read(
         compiler.hook(&mut section, hook, &mut macros.hooks);
     }
     let mut ids = Vec::new();
-    macros.codes = compiler.rows(&mut section, true, &mut macros.of_code, &mut ids);
-    macros.data = compiler.rows(&mut section, false, &mut macros.of_data, &mut ids);
+    let code = |item: &Item| if let Item::Code(id) = item { Some(*id) } else { None };
+    let data = |item: &Item| if let Item::Data(id) = item { Some(*id) } else { None };
+    macros.of_code = names.codes.map(|_, _| Vec::new());
+    macros.of_data = names.data.map(|_, _| Vec::new());
+    macros.codes = compiler.rows(&mut section, code, &mut macros.of_code, &mut ids);
+    macros.data = compiler.rows(&mut section, data, &mut macros.of_data, &mut ids);
     section.finish();
     macros.program = Arc::new(program);
     Some(Arc::new(macros))
@@ -104,8 +109,8 @@ impl Compiler<'_, '_> {
             }
         };
         let mut environment = MachineEnvironment {
-            codes: &self.names.custom_codes,
-            data: &self.names.custom_data,
+            codes: &self.names.codes,
+            data: &self.names.data,
             files: Some(self.files),
             stored: self.stored,
         };
@@ -149,44 +154,39 @@ impl Compiler<'_, '_> {
         }
     }
 
-    fn rows(
+    /// Macros of codes or of data; `of` picks the identifiers of the kind.
+    fn rows<I: Id, M: Id>(
         &mut self,
         section: &mut Section<'_>,
-        of_codes: bool,
-        by: &mut Vec<Vec<u16>>,
+        of: fn(&Item) -> Option<I>,
+        by: &mut Table<I, Vec<M>>,
         ids: &mut Vec<u32>,
-    ) -> Vec<Named> {
+    ) -> Table<M, Named> {
+        let of_codes = of(&Item::Code(ident::codes::COMMENT)).is_some();
         let (key, title) = if of_codes { ("code", "[[macros.code]]") } else { ("data", "[[macros.data]]") };
-        let (built_in, custom) = if of_codes {
-            (ident::codes::TABLE.len(), self.names.custom_codes.len())
-        } else {
-            (ident::data::TABLE.len(), self.names.custom_data.len())
-        };
-        by.resize(built_in + custom, Vec::new());
-        let mut rows = Vec::new();
+        let mut rows: Table<M, Named> = Table::default();
         for mut row in section.rows(key, title, MOST) {
-            let place = u16::try_from(rows.len()).unwrap_or(u16::MAX);
-            if let Some((named, firing)) = self.row(&mut row, of_codes, ids) {
-                if row.node("name").is_some() && rows.iter().any(|other: &Named| other.name == named.name) {
+            if let Some(named) = self.row(&mut row, of_codes, ids) {
+                if row.node("name").is_some() && rows.iter().any(|other| other.name == named.name) {
                     let text =
                         format!("another macro of {title} has the name \"{}\"; names tell them apart", named.name);
                     row.error("name", text);
                 }
-                for at in firing {
-                    if let Some(list) = by.get_mut(usize::from(at))
-                        && list.last() != Some(&place)
-                    {
-                        list.push(place);
+                let firing: Vec<I> = named.matches.iter().filter_map(of).collect();
+                if let Some(place) = rows.push(named) {
+                    for id in firing {
+                        if by[id].last() != Some(&place) {
+                            by[id].push(place);
+                        }
                     }
                 }
-                rows.push(named);
             }
             row.finish();
         }
         rows
     }
 
-    fn row(&mut self, row: &mut Section<'_>, of_codes: bool, ids: &mut Vec<u32>) -> Option<(Named, Vec<u16>)> {
+    fn row(&mut self, row: &mut Section<'_>, of_codes: bool, ids: &mut Vec<u32>) -> Option<Named> {
         let id = row.integer("id", 1..=i64::from(FIRST_HOOK_ID) - 1).map(|id| id as u32);
         let id = id.unwrap_or_else(|| ids.iter().max().map_or(1, |most| most + 1));
         if ids.contains(&id) {
@@ -201,28 +201,13 @@ impl Compiler<'_, '_> {
         let (kind, given) = if of_codes { (Kind::Any, Given::CODE) } else { (Kind::Data, Given::DATA) };
         let file = row.text("file")?;
         let code = self.one(file, row.place_of("file"), kind, given)?;
-        let matches = firing.clone();
-        let firing = firing.into_iter().map(|item| match item {
-            Item::Code(id) => id.0,
-            Item::Data(id) => id.0,
-        });
-        Some((Named { id, name: name.unwrap_or(default), enabled, code, matches, condition }, firing.collect()))
+        Some(Named { id, name: name.unwrap_or(default), enabled, code, matches: firing, condition })
     }
 
-    fn item_name(&self, item: Item) -> String {
-        let own = |names: &[String], at: u16, built_in: usize| {
-            let own = usize::from(at).checked_sub(built_in).and_then(|at| names.get(at).cloned());
-            own.unwrap_or_default()
-        };
+    fn item_name(&self, item: Item) -> &str {
         match item {
-            Item::Code(id) => match ident::code_facts(id) {
-                Some(facts) => facts.name.to_owned(),
-                None => own(&self.names.custom_codes, id.0, ident::codes::TABLE.len()),
-            },
-            Item::Data(id) => match ident::data_facts(id) {
-                Some(facts) => facts.name.to_owned(),
-                None => own(&self.names.custom_data, id.0, ident::data::TABLE.len()),
-            },
+            Item::Code(id) => &self.names.codes[id],
+            Item::Data(id) => &self.names.data[id],
         }
     }
 

@@ -3,7 +3,8 @@
 //! Invariant: a custom identifier exists only because a row says `custom = true` (or it is one of the two names that
 //! mean "swallow"), so that a misspelt built-in name is always found. Facts: reference control-emulator.md 1.2, 1.3.
 
-use crate::ident::{self, CodeId, DataId};
+use crate::ident::{self, CodeId, DataId, Name};
+use crate::index::{Id, Table};
 use crate::rows::Register;
 use crate::toml::check::Check;
 use crate::toml::node::Place;
@@ -20,8 +21,8 @@ const REG_IGNORE: &str = "REG_IGNORE";
 pub(super) struct Names<'a> {
     pub(super) check: &'a Check,
     pub(super) registers: Vec<Register>,
-    pub(super) custom_codes: Vec<String>,
-    pub(super) custom_data: Vec<String>,
+    pub(super) codes: Table<CodeId, Name>,
+    pub(super) data: Table<DataId, Name>,
 }
 
 impl Names<'_> {
@@ -38,8 +39,8 @@ impl Names<'_> {
         }
         let name = name.to_ascii_uppercase();
         if custom || name == CODE_IGNORE {
-            let index = self.custom(row, &name, "CODE_", true)?;
-            return Some((CodeId(index), name == CODE_IGNORE));
+            let id = custom_id(&mut self.codes, row, &name, "CODE_")?;
+            return Some((id, name == CODE_IGNORE));
         }
         let near = did_you_mean(&name, ident::codes::TABLE.iter().map(|facts| facts.name));
         let hint = "a name of your own needs `custom = true`";
@@ -60,8 +61,8 @@ impl Names<'_> {
         }
         let name = name.to_ascii_uppercase();
         if custom || name == REG_IGNORE {
-            let index = self.custom(row, &name, "REG_", false)?;
-            return Some((DataId(index), name == REG_IGNORE));
+            let id = custom_id(&mut self.data, row, &name, "REG_")?;
+            return Some((id, name == REG_IGNORE));
         }
         let near = did_you_mean(&name, ident::data::TABLE.iter().map(|facts| facts.name));
         let hint = "a name of your own needs `custom = true`";
@@ -72,11 +73,9 @@ impl Names<'_> {
     /// A code named elsewhere than in its row.
     pub(super) fn code(&self, name: &str, place: &Place) -> Option<CodeId> {
         let upper = name.to_ascii_uppercase();
-        let own = self.custom_codes.iter().position(|custom| *custom == upper);
-        let id = ident::code(name).or_else(|| offset(own?, ident::codes::TABLE.len()).map(CodeId));
+        let id = ident::code(name).or_else(|| self.codes.find(|known| *known == upper));
         if id.is_none() {
-            let names = ident::codes::TABLE.iter().map(|facts| facts.name);
-            let near = did_you_mean(name, names.chain(self.custom_codes.iter().map(String::as_str)));
+            let near = did_you_mean(name, self.codes.iter().map(AsRef::as_ref));
             self.check.error(place, format!("unknown code identifier \"{}\"{near}", name.escape_debug()));
         }
         id
@@ -85,11 +84,9 @@ impl Names<'_> {
     /// A data identifier named elsewhere than in its row.
     pub(super) fn data(&self, name: &str, place: &Place) -> Option<DataId> {
         let upper = name.to_ascii_uppercase();
-        let own = self.custom_data.iter().position(|custom| *custom == upper);
-        let id = ident::data(name).or_else(|| offset(own?, ident::data::TABLE.len()).map(DataId));
+        let id = ident::data(name).or_else(|| self.data.find(|known| *known == upper));
         if id.is_none() {
-            let names = ident::data::TABLE.iter().map(|facts| facts.name);
-            let near = did_you_mean(name, names.chain(self.custom_data.iter().map(String::as_str)));
+            let near = did_you_mean(name, self.data.iter().map(AsRef::as_ref));
             self.check.error(place, format!("unknown data identifier \"{}\"{near}", name.escape_debug()));
         }
         id
@@ -117,29 +114,16 @@ impl Names<'_> {
         };
         self.check.missing(place, text);
     }
-
-    /// Index of a custom name, new or known.
-    fn custom(&mut self, row: &Section<'_>, name: &str, prefix: &str, code: bool) -> Option<u16> {
-        let rest = name.strip_prefix(prefix).unwrap_or_default();
-        let plain = rest.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
-        if rest.is_empty() || !plain || name.len() > 64 {
-            let expected = format!("{prefix} and up to {} letters, digits or _", 64 - prefix.len());
-            row.error("id", format!("a custom name must be {expected}, not \"{}\"", name.escape_debug()));
-            return None;
-        }
-        let (names, built_in) = if code {
-            (&mut self.custom_codes, ident::codes::TABLE.len())
-        } else {
-            (&mut self.custom_data, ident::data::TABLE.len())
-        };
-        let index = names.iter().position(|known| known == name).unwrap_or_else(|| {
-            names.push(name.to_owned());
-            names.len() - 1
-        });
-        offset(index, built_in)
-    }
 }
 
-fn offset(index: usize, built_in: usize) -> Option<u16> {
-    u16::try_from(built_in + index).ok()
+/// Identifier of a custom name, new or known.
+fn custom_id<I: Id>(names: &mut Table<I, Name>, row: &Section<'_>, name: &str, prefix: &str) -> Option<I> {
+    let rest = name.strip_prefix(prefix).unwrap_or_default();
+    let plain = rest.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
+    if rest.is_empty() || !plain || name.len() > 64 {
+        let expected = format!("{prefix} and up to {} letters, digits or _", 64 - prefix.len());
+        row.error("id", format!("a custom name must be {expected}, not \"{}\"", name.escape_debug()));
+        return None;
+    }
+    names.find(|known| known == name).or_else(|| names.push(name.to_owned().into()))
 }

@@ -4,7 +4,8 @@
 
 use std::cmp::Ordering;
 
-use crate::ident::codes;
+use crate::ident::{CodeId, Name, code_facts};
+use crate::index::Table;
 use crate::macros::model::Macros;
 use crate::rows::{CodeForm, CodeRow, Register};
 use crate::tables::{form_range, overlap};
@@ -63,12 +64,13 @@ fn text_of(row: &CodeRow) -> Option<&str> {
 }
 
 /// Warns about codes of the machine's own that nothing handles.
-pub(super) fn check_custom(codes: &[CodeRow], names: &[String], macros: Option<&Macros>, check: &Check) {
+pub(super) fn check_custom(codes: &[CodeRow], names: &Table<CodeId, Name>, macros: Option<&Macros>, check: &Check) {
     let mut told = Vec::new();
     for row in codes.iter().filter(|row| row.enable && row.process) {
-        let Some(name) = usize::from(row.id.0).checked_sub(codes::TABLE.len()).and_then(|at| names.get(at)) else {
+        if code_facts(row.id).is_some() {
             continue;
-        };
+        }
+        let name = &names[row.id];
         if !told.contains(&row.id) && macros.is_none_or(|macros| macros.of_code(row.id).is_empty()) {
             told.push(row.id);
             let text = format!(

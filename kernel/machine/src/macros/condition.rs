@@ -190,7 +190,7 @@ impl<F: FnMut(&str) -> Option<Item>> Parser<F> {
                     self.steps.push(Step::Present(item));
                 } else {
                     // Reported already; any identifier keeps the rest readable.
-                    self.steps.push(Step::Present(Item::Code(CodeId(u16::MAX))));
+                    self.steps.push(Step::Present(Item::Code(crate::ident::codes::COMMENT)));
                 }
                 Ok(())
             }
@@ -205,13 +205,13 @@ mod tests {
     use super::*;
 
     fn steps(text: &str) -> Result<Vec<Step>, String> {
-        parse(text, |name| Some(Item::Data(DataId(u16::from(name.as_bytes()[0] - b'A')))))
+        parse(text, |name| Some(Item::Data(DataId::built_in(u16::from(name.as_bytes()[0] - b'A')))))
     }
 
     fn holds(text: &str, present: &str) -> bool {
         let condition = Condition { steps: steps(text).unwrap(), ..Condition::default() };
         condition.holds(|item| match item {
-            Item::Data(DataId(at)) => present.contains(char::from(b'A' + at as u8)),
+            Item::Data(id) => present.contains(char::from(b'A' + id.index() as u8)),
             Item::Code(_) => false,
         })
     }
@@ -231,9 +231,9 @@ mod tests {
 
     #[test]
     fn lists_must_all_hold() {
-        let item = |at| Item::Data(DataId(at));
+        let item = |at| Item::Data(DataId::built_in(at));
         let condition = Condition { present: vec![item(0), item(1)], absent: vec![item(2)], steps: vec![] };
-        let test = |on: &[u16]| condition.holds(|i| matches!(i, Item::Data(DataId(at)) if on.contains(&at)));
+        let test = |on: &[usize]| condition.holds(|i| matches!(i, Item::Data(id) if on.contains(&id.index())));
         assert_eq!([test(&[0, 1]), test(&[0]), test(&[0, 1, 2])], [true, false, false]);
     }
 

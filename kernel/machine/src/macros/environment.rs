@@ -9,16 +9,17 @@ use counterpoint_lang::host::{Environment, SystemVariable};
 use counterpoint_lang::source::Source;
 
 use super::{identifiers, system};
-use crate::ident::{codes, data};
+use crate::ident::{CodeId, DataId, Name};
+use crate::index::Table;
 use crate::stored::StoredFile;
 use counterpoint_ports::files::Files;
 
 /// What the compiler needs to know of one machine.
 pub struct MachineEnvironment<'a> {
-    /// Names of the machine's own codes.
-    pub codes: &'a [String],
-    /// Names of the machine's own data.
-    pub data: &'a [String],
+    /// Names of all codes.
+    pub codes: &'a Table<CodeId, Name>,
+    /// Names of all data.
+    pub data: &'a Table<DataId, Name>,
     /// Files that may be included, none while a program runs.
     pub files: Option<&'a dyn Files>,
     /// Files stored with the machine, which may be included as `//ICAMFS/…`.
@@ -30,9 +31,9 @@ fn symbols() -> &'static [SystemVariable] {
     SYMBOLS.get_or_init(|| system::table().iter().map(system::Variable::symbol).collect())
 }
 
-fn own(names: &[String], name: &str, built_in: usize) -> Option<u32> {
+fn own(names: &[Name], name: &str) -> Option<u32> {
     let at = names.iter().position(|own| own == name)?;
-    u32::try_from(built_in + at + 1).ok()
+    u32::try_from(at + 1).ok()
 }
 
 impl Environment for MachineEnvironment<'_> {
@@ -41,15 +42,15 @@ impl Environment for MachineEnvironment<'_> {
     }
 
     fn code(&self, name: &str) -> Option<u32> {
-        identifiers::code(name).or_else(|| own(self.codes, name, codes::TABLE.len()))
+        identifiers::code(name).or_else(|| own(self.codes, name))
     }
 
     fn register(&self, name: &str) -> Option<u32> {
-        identifiers::register(name).or_else(|| own(self.data, name, data::TABLE.len()))
+        identifiers::register(name).or_else(|| own(self.data, name))
     }
 
     fn identifiers(&self) -> Vec<String> {
-        identifiers::names().map(str::to_owned).chain(self.codes.iter().chain(self.data).cloned()).collect()
+        self.codes.iter().chain(self.data).map(ToString::to_string).collect()
     }
 
     fn foreign(&self, name: &str) -> Option<&'static str> {

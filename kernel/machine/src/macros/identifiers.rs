@@ -7,13 +7,13 @@ use crate::ident;
 /// Number of a code, 0 for `CODE_NONE`; other spellings are accepted.
 #[must_use]
 pub fn code(name: &str) -> Option<u32> {
-    if name == "CODE_NONE" { Some(0) } else { ident::code(name).map(|id| u32::from(id.0) + 1) }
+    if name == "CODE_NONE" { Some(0) } else { ident::code(name).map(|id| id.index() as u32 + 1) }
 }
 
 /// Number of data, 0 for `REG_NONE`; other spellings are accepted.
 #[must_use]
 pub fn register(name: &str) -> Option<u32> {
-    if name == "REG_NONE" { Some(0) } else { ident::data(name).map(|id| u32::from(id.0) + 1) }
+    if name == "REG_NONE" { Some(0) } else { ident::data(name).map(|id| id.index() as u32 + 1) }
 }
 
 /// The name of the tables for a code or data that may be spelled otherwise.

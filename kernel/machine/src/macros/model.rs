@@ -10,6 +10,7 @@ use counterpoint_lang::compile::{self, Program, Strong};
 use super::condition::{Condition, Item};
 use super::environment::MachineEnvironment;
 use crate::ident::{CodeId, DataId};
+use crate::index::{CodeMacroId, DataMacroId, Table};
 use counterpoint_event::Letters;
 
 /// A place of the run where one macro may stand.
@@ -200,13 +201,13 @@ pub struct Macros {
     /// Macro of each hook.
     pub hooks: [Option<u16>; HOOKS],
     /// Code macros in list order.
-    pub codes: Vec<Named>,
+    pub codes: Table<CodeMacroId, Named>,
     /// Data macros in list order.
-    pub data: Vec<Named>,
+    pub data: Table<DataMacroId, Named>,
     /// Code macros of each code identifier, in list order.
-    pub of_code: Vec<Vec<u16>>,
+    pub of_code: Table<CodeId, Vec<CodeMacroId>>,
     /// Data macros of each data identifier, in list order.
-    pub of_data: Vec<Vec<u16>>,
+    pub of_data: Table<DataId, Vec<DataMacroId>>,
 }
 
 impl Macros {
@@ -218,14 +219,14 @@ impl Macros {
 
     /// Code macros that a code may fire, in list order.
     #[must_use]
-    pub fn of_code(&self, id: CodeId) -> &[u16] {
-        self.of_code.get(usize::from(id.0)).map_or(&[], Vec::as_slice)
+    pub fn of_code(&self, id: CodeId) -> &[CodeMacroId] {
+        &self.of_code[id]
     }
 
     /// Data macros of an identifier, in list order.
     #[must_use]
-    pub fn of_data(&self, id: DataId) -> &[u16] {
-        self.of_data.get(usize::from(id.0)).map_or(&[], Vec::as_slice)
+    pub fn of_data(&self, id: DataId) -> &[DataMacroId] {
+        &self.of_data[id]
     }
 }
 

@@ -3,13 +3,17 @@
 //! Coordinates are X, Y, Z as geometry (radii). Angles are degrees; their sines come from `libm` and are exact at
 //! multiples of 90, so that every machine gives the same bits. Invariant: an inverse that exists is finite.
 
-/// Three coordinates.
+use nalgebra::{Matrix3, Vector3};
+
+/// Three coordinates, as everything outside of frames has them.
 pub type Point = [f64; 3];
 
-/// A linear part and a shift: one row for each coordinate of the result.
+/// A linear part and a shift. *Invariant:* a coordinate of a result is the sum by columns from the left, the shift last, so that
+/// every machine rounds alike.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Affine {
-    rows: [[f64; 4]; 3],
+    linear: Matrix3<f64>,
+    shift: Vector3<f64>,
 }
 
 /// Sine and cosine of degrees.
@@ -24,46 +28,50 @@ pub fn turn(degrees: f64) -> (f64, f64) {
     }
 }
 
+/// The linear part applied to a vector.
+#[inline]
+fn applied(linear: &Matrix3<f64>, to: &Vector3<f64>) -> Vector3<f64> {
+    linear.column(0) * to.x + linear.column(1) * to.y + linear.column(2) * to.z
+}
+
 impl Affine {
     /// Leaves everything where it is.
-    pub const SAME: Self = Self { rows: [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]] };
+    pub const SAME: Self =
+        Self { linear: Matrix3::new(1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0), shift: Vector3::new(0.0, 0.0, 0.0) };
 
     /// Moves everything by a distance.
     pub fn translation(by: Point) -> Self {
-        let mut made = Self::SAME;
-        for (row, by) in made.rows.iter_mut().zip(by) {
-            row[3] = by;
-        }
-        made
+        Self { shift: by.into(), ..Self::SAME }
     }
 
     /// Makes every coordinate so many times as large; −1 mirrors.
     pub fn scale(by: Point) -> Self {
-        let mut made = Self::SAME;
-        for (at, (row, by)) in made.rows.iter_mut().zip(by).enumerate() {
-            if let Some(slot) = row.get_mut(at) {
-                *slot = by;
-            }
-        }
-        made
+        Self { linear: Matrix3::from_diagonal(&by.into()), ..Self::SAME }
     }
 
-    /// Turns about a direction through the origin, counter-clockwise seen against it; `None` for no direction.
+    /// Turns about a direction through the origin, counter-clockwise seen against it; `None` for no direction. Quarters
+    /// are exact, which the rotations of nalgebra are not.
     pub fn rotation(about: Point, degrees: f64) -> Option<Self> {
-        let length = about.iter().map(|part| part * part).sum::<f64>().sqrt();
+        let about = Vector3::from(about);
+        let length = about.norm();
         if !(length.is_normal() && degrees.is_finite()) {
             return None;
         }
-        let [x, y, z] = about.map(|part| part / length);
+        let [x, y, z] = (about / length).into();
         let (sine, cosine) = turn(degrees);
         let rest = 1.0 - cosine;
-        Some(Self {
-            rows: [
-                [x * x * rest + cosine, x * y * rest - z * sine, x * z * rest + y * sine, 0.0],
-                [y * x * rest + z * sine, y * y * rest + cosine, y * z * rest - x * sine, 0.0],
-                [z * x * rest - y * sine, z * y * rest + x * sine, z * z * rest + cosine, 0.0],
-            ],
-        })
+        let linear = Matrix3::new(
+            x * x * rest + cosine,
+            x * y * rest - z * sine,
+            x * z * rest + y * sine,
+            y * x * rest + z * sine,
+            y * y * rest + cosine,
+            y * z * rest - x * sine,
+            z * x * rest - y * sine,
+            z * y * rest + x * sine,
+            z * z * rest + cosine,
+        );
+        Some(Self { linear, ..Self::SAME })
     }
 
     /// The same around another point than the origin.
@@ -74,48 +82,45 @@ impl Affine {
     /// The map of twelve numbers, row by row; `None` if one of them is not finite.
     pub fn of_cells(cells: [f64; 12]) -> Option<Self> {
         let [a, b, c, x, d, e, f, y, g, h, i, z] = cells;
-        cells.iter().all(|cell| cell.is_finite()).then_some(Self { rows: [[a, b, c, x], [d, e, f, y], [g, h, i, z]] })
+        let map = Self { linear: Matrix3::new(a, b, c, d, e, f, g, h, i), shift: Vector3::new(x, y, z) };
+        map.is_finite().then_some(map)
     }
 
     /// The twelve numbers, row by row.
     pub fn cells(&self) -> Vec<f64> {
-        self.rows.concat()
+        let rows: [[f64; 3]; 3] = self.linear.transpose().into();
+        rows.into_iter().zip(&self.shift).flat_map(|([x, y, z], shift)| [x, y, z, *shift]).collect()
     }
 
     /// First `inner`, then this one.
     pub fn after(&self, inner: &Self) -> Self {
-        let mut made = *self;
-        for (row, [x, y, z, shift]) in made.rows.iter_mut().zip(self.rows) {
-            let [first, second, third] = inner.rows;
-            for (column, slot) in row.iter_mut().enumerate() {
-                let at = |of: [f64; 4]| of.get(column).copied().unwrap_or(0.0);
-                *slot = x * at(first) + y * at(second) + z * at(third);
-            }
-            row[3] += shift;
+        let [first, second, third] = [0, 1, 2].map(|at| applied(&self.linear, &inner.linear.column(at).into_owned()));
+        Self {
+            linear: Matrix3::from_columns(&[first, second, third]),
+            shift: applied(&self.linear, &inner.shift) + self.shift,
         }
-        made
     }
 
     /// Where a point goes.
-    pub fn point(&self, [px, py, pz]: Point) -> Point {
-        self.rows.map(|[x, y, z, shift]| x * px + y * py + z * pz + shift)
+    pub fn point(&self, point: Point) -> Point {
+        (applied(&self.linear, &point.into()) + self.shift).into()
     }
 
     /// What a direction becomes.
-    pub fn direction(&self, [dx, dy, dz]: Point) -> Point {
-        self.rows.map(|[x, y, z, _]| x * dx + y * dy + z * dz)
+    pub fn direction(&self, direction: Point) -> Point {
+        applied(&self.linear, &direction.into()).into()
     }
 
     /// A coordinate that is there makes one that is not.
     pub fn leaves(&self, has: [bool; 3]) -> bool {
-        let of = |row: &[f64; 4]| row.iter().zip(has).any(|(part, has)| has && part.abs() > 1e-12);
-        self.rows.iter().zip(has).any(|(row, has)| !has && of(row))
+        let of = |row: &[f64; 3]| row.iter().zip(has).any(|(part, has)| has && part.abs() > 1e-12);
+        let rows: [[f64; 3]; 3] = self.linear.transpose().into();
+        rows.iter().zip(has).any(|(row, has)| !has && of(row))
     }
 
     /// Volume of a unit cube after the map, negative if it mirrors.
     pub fn determinant(&self) -> f64 {
-        let [[a, b, c, _], [d, e, f, _], [g, h, i, _]] = self.rows;
-        a * (e * i - f * h) - b * (d * i - f * g) + c * (d * h - e * g)
+        self.linear.determinant()
     }
 
     /// The way back, if there is one.
@@ -124,17 +129,26 @@ impl Affine {
         if !by.is_normal() {
             return None;
         }
-        let [[a, b, c, x], [d, e, f, y], [g, h, i, z]] = self.rows;
-        let turned = [
-            [e * i - f * h, c * h - b * i, b * f - c * e],
-            [f * g - d * i, a * i - c * g, c * d - a * f],
-            [d * h - e * g, b * g - a * h, a * e - b * d],
-        ];
-        let rows = turned.map(|row| {
-            let [p, q, r] = row.map(|value| value / by);
-            [p, q, r, -(p * x + q * y + r * z)]
-        });
-        rows.iter().flatten().all(|value| value.is_finite()).then_some(Self { rows })
+        // Written out: the inverse of nalgebra has zeros of the other sign.
+        let [[a, d, g], [b, e, h], [c, f, i]]: [[f64; 3]; 3] = self.linear.into();
+        let turned = Matrix3::new(
+            e * i - f * h,
+            c * h - b * i,
+            b * f - c * e,
+            f * g - d * i,
+            a * i - c * g,
+            c * d - a * f,
+            d * h - e * g,
+            b * g - a * h,
+            a * e - b * d,
+        );
+        let linear = turned / by;
+        let map = Self { linear, shift: -applied(&linear, &self.shift) };
+        map.is_finite().then_some(map)
+    }
+
+    fn is_finite(&self) -> bool {
+        self.linear.iter().chain(&self.shift).all(|value| value.is_finite())
     }
 }
 

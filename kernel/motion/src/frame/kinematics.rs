@@ -6,6 +6,8 @@
 //! part or to the tool. Points are those of the gauge point of the spindle; a tool is a way from its tip to that point
 //! with all heads at zero. Facts: reference control-emulator.md 6.8, functions.md 10. Invariant: a solution is finite.
 
+use nalgebra::Vector3;
+
 use super::affine::{Affine, Point};
 
 /// Sums below this are none.
@@ -36,42 +38,29 @@ pub struct Chain {
     pub tool: Point,
 }
 
-fn dot(a: Point, b: Point) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
-}
-
-fn cross([ax, ay, az]: Point, [bx, by, bz]: Point) -> Point {
-    [ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx]
-}
-
-fn add(a: Point, b: Point) -> Point {
-    let [ax, ay, az] = a;
-    let [bx, by, bz] = b;
-    [ax + bx, ay + by, az + bz]
-}
-
-fn times(a: Point, by: f64) -> Point {
-    a.map(|value| value * by)
-}
-
 /// A direction of length one; none for zero.
 pub fn unit(direction: Point) -> Option<Point> {
-    let length = dot(direction, direction).sqrt();
-    length.is_normal().then(|| times(direction, 1.0 / length))
+    unit_vector(direction).map(Into::into)
+}
+
+fn unit_vector(direction: Point) -> Option<Vector3<f64>> {
+    let direction = Vector3::from(direction);
+    let length = direction.norm();
+    length.is_normal().then(|| direction * (1.0 / length))
 }
 
 /// Degrees that turn `from` to `to` about `axis`; none if they do not lie on one circle about it, `Some(None)` if any
 /// angle does.
-fn turn_between(axis: Point, from: Point, to: Point) -> Option<Option<f64>> {
-    if (dot(axis, from) - dot(axis, to)).abs() > SAME {
+fn turn_between(axis: &Vector3<f64>, from: &Vector3<f64>, to: &Vector3<f64>) -> Option<Option<f64>> {
+    if (axis.dot(from) - axis.dot(to)).abs() > SAME {
         return None;
     }
-    let flat = |v: Point| add(v, times(axis, -dot(axis, v)));
+    let flat = |v: &Vector3<f64>| v + axis * -axis.dot(v);
     let (from, to) = (flat(from), flat(to));
-    if dot(from, from) < SAME * SAME || dot(to, to) < SAME * SAME {
+    if from.norm_squared() < SAME * SAME || to.norm_squared() < SAME * SAME {
         return Some(None);
     }
-    Some(Some(libm::atan2(dot(axis, cross(from, to)), dot(from, to)).to_degrees()))
+    Some(Some(libm::atan2(axis.dot(&from.cross(&to)), from.dot(&to)).to_degrees()))
 }
 
 /// Angles of the axes by solution: one for each axis, none where any angle does.
@@ -99,15 +88,15 @@ impl Chain {
 
     /// Where the linear axes stand when the tip is at a point of the part. `length`: from the tip to the gauge point.
     pub fn linear(&self, part: Point, length: Point, angle: impl Fn(usize) -> f64 + Copy) -> Point {
-        let tip = self.part(angle).point(part);
-        let tool = self.head(angle).point(times(length, -1.0));
-        add(tip, times(tool, -1.0))
+        let tip = Vector3::from(self.part(angle).point(part));
+        let tool = Vector3::from(self.head(angle).point(length.map(|value| -value)));
+        (tip - tool).into()
     }
 
     /// The point of the part where the tip is.
     pub fn tip(&self, linear: Point, length: Point, angle: impl Fn(usize) -> f64 + Copy) -> Option<Point> {
-        let tool = self.head(angle).point(times(length, -1.0));
-        self.part(angle).inverse().map(|back| back.point(add(linear, tool)))
+        let tool = Vector3::from(self.head(angle).point(length.map(|value| -value)));
+        self.part(angle).inverse().map(|back| back.point(Into::into(Vector3::from(linear) + tool)))
     }
 
     /// Direction of the tool on the part.
@@ -124,24 +113,24 @@ impl Chain {
             ([_], []) | ([], [_]) => return true,
             _ => return false,
         };
-        let pair = unit(first.vector).zip(unit(second.vector));
-        pair.is_some_and(|(a, b)| 1.0 - dot(a, b).abs() > FLAT)
+        let pair = unit_vector(first.vector).zip(unit_vector(second.vector));
+        pair.is_some_and(|(a, b)| 1.0 - a.dot(&b).abs() > FLAT)
     }
 
     /// The angles that bring the tool into a direction of the part: up to two solutions.
     pub fn solve(&self, direction: Point) -> Vec<Angles> {
-        let (Some(wanted), Some(tool)) = (unit(direction), unit(self.tool)) else { return Vec::new() };
+        let (Some(wanted), Some(tool)) = (unit_vector(direction), unit_vector(self.tool)) else { return Vec::new() };
         // Each case is: the first axis turns `x`, the second one `y`, and both come to the same direction.
         let (first, second, x, y, signs) = match (self.tables.as_slice(), self.heads.as_slice()) {
             ([a, b], []) => (b, a, wanted, tool, [-1.0, 1.0]),
             ([], [a, b]) => (a, b, wanted, tool, [-1.0, 1.0]),
             ([a], [b]) => (a, b, wanted, tool, [-1.0, 1.0]),
-            ([a], []) => return Self::single(a, wanted, tool, -1.0),
-            ([], [a]) => return Self::single(a, tool, wanted, 1.0),
+            ([a], []) => return Self::single(a, &wanted, &tool, -1.0),
+            ([], [a]) => return Self::single(a, &tool, &wanted, 1.0),
             _ => return Vec::new(),
         };
-        let (Some(p), Some(q)) = (unit(first.vector), unit(second.vector)) else { return Vec::new() };
-        let (k, xp, yq) = (dot(p, q), dot(x, p), dot(y, q));
+        let (Some(p), Some(q)) = (unit_vector(first.vector), unit_vector(second.vector)) else { return Vec::new() };
+        let (k, xp, yq) = (p.dot(&q), x.dot(&p), y.dot(&q));
         let rest = 1.0 - k * k;
         if rest < FLAT {
             return Vec::new();
@@ -152,20 +141,20 @@ impl Chain {
             return Vec::new();
         }
         let height = height.max(0.0).sqrt();
-        let flat = add(times(p, a), times(q, b));
+        let flat = p * a + q * b;
         let heights: &[f64] = if height < FLAT { &[0.0] } else { &[height, -height] };
         let solve = |height: f64| {
-            let common = add(flat, times(cross(p, q), height));
-            let one = turn_between(p, x, common)?;
-            let two = turn_between(q, y, common)?;
+            let common = flat + p.cross(&q) * height;
+            let one = turn_between(&p, &x, &common)?;
+            let two = turn_between(&q, &y, &common)?;
             let [s, t] = signs;
             Some(vec![(first.axis, one.map(|angle| s * angle)), (second.axis, two.map(|angle| t * angle))])
         };
         heights.iter().filter_map(|height| solve(*height)).collect()
     }
 
-    fn single(joint: &Joint, from: Point, to: Point, sign: f64) -> Vec<Angles> {
-        let angle = unit(joint.vector).and_then(|axis| turn_between(axis, from, to));
+    fn single(joint: &Joint, from: &Vector3<f64>, to: &Vector3<f64>, sign: f64) -> Vec<Angles> {
+        let angle = unit_vector(joint.vector).and_then(|axis| turn_between(&axis, from, to));
         angle.map(|angle| vec![(joint.axis, angle.map(|angle| sign * angle))]).into_iter().collect()
     }
 }
@@ -205,7 +194,10 @@ mod tests {
                         solution.iter().find(|(at, _)| *at == axis).and_then(|(_, angle)| *angle).unwrap_or(0.0)
                     };
                     let back = chain.direction(of).unwrap();
-                    assert!(dot(back, direction) > 1.0 - 1e-12, "{chain:?} {angles:?} {solution:?}");
+                    assert!(
+                        Vector3::from(back).dot(&Vector3::from(direction)) > 1.0 - 1e-12,
+                        "{chain:?} {angles:?} {solution:?}"
+                    );
                 }
             }
         }

@@ -45,13 +45,13 @@ impl Actions {
                 && (a.direction == Direction::Off || (a.css, a.speed, a.angle) == (b.css, b.speed, b.angle))
         };
         if !now.css && now.limit.is_finite() && now.limit != before.limit && same(&before, now) {
-            return numbered(now, format!("spindle max={}", wildcard_text(now.limit)));
+            return numbered(now, (format!("spindle max={}", wildcard_text(now.limit)), true));
         }
         let stands = now.direction == Direction::Off && before.direction == Direction::Off;
         if stands && (now.css, now.speed) != (before.css, before.speed) {
             return match now.css {
                 true => turning(&Spindle { direction: Direction::Clockwise, ..*now }),
-                false => numbered(now, format!("spindle rpm={}", wildcard_text(now.speed))),
+                false => numbered(now, (format!("spindle rpm={}", wildcard_text(now.speed)), true)),
             };
         }
         turning(now)
@@ -124,14 +124,19 @@ fn turning(spindle: &Spindle) -> String {
         Direction::Clockwise => format!("spindle clw, rpm={}", number(spindle.speed)),
         Direction::CounterClockwise => format!("spindle ccw, rpm={}", number(spindle.speed)),
     };
-    numbered(spindle, text)
+    let bare = match spindle.direction {
+        Direction::Off | Direction::Locked | Direction::Neutral => true,
+        Direction::Oriented => spindle.angle == 0.0,
+        Direction::Clockwise | Direction::CounterClockwise => false,
+    };
+    numbered(spindle, (text, !bare))
 }
 
-/// With the number of the spindle, unless it is the first one.
-fn numbered(spindle: &Spindle, text: String) -> String {
+/// With the number of the spindle, unless it is the first one; after a value a comma separates it.
+fn numbered(spindle: &Spindle, (text, has_value): (String, bool)) -> String {
     match spindle.spindle {
         0 | 1 => text,
-        other if text.contains('=') => format!("{text}, n={other}"),
+        other if has_value => format!("{text}, n={other}"),
         other => format!("{text} n={other}"),
     }
 }

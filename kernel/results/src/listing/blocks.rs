@@ -8,7 +8,7 @@ use std::io::{Result, Write};
 use rustc_hash::FxHashMap;
 
 use crate::summary::Summary;
-use counterpoint_event::event::{Event, Wait, mark};
+use counterpoint_event::event::{Event, Wait};
 use counterpoint_event::info::Info;
 
 /// `n! block`, the block exactly as read.
@@ -45,7 +45,7 @@ impl Waits {
     /// The line of a wait at its arrival.
     pub(super) fn write(&mut self, event: &Event, wait: &Wait, out: &mut dyn Write) -> Result<()> {
         let release = self.0.get_mut(&event.channel).and_then(VecDeque::pop_front).flatten();
-        let mark = mark(&wait.key);
+        let mark = &wait.mark;
         match release {
             Some(ns) => writeln!(out, "wait mark={mark} until {}", clock(ns)),
             None => writeln!(out, "wait mark={mark} never released"),

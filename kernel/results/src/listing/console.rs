@@ -1,13 +1,12 @@
 //! The console: messages and diagnostics, a line each.
 //!
-//! Form: reference listing-and-trace.md 5, last paragraph. No status line; text that nothing recognises is told with its
+//! Form: reference listing-and-trace.md 5, last paragraph. No status line; text that nothing recognises is reported with its
 //! place at the end and in the spelling of the console. What a macro raised ends with the file and line of the macro.
 
 use std::io::{BufWriter, Result, Write};
 
 use super::{BUFFER, diagnostics};
-use counterpoint_event::event::{Diagnostic, Event, Kind, Message};
-use counterpoint_fault as diag;
+use counterpoint_event::event::{Diagnostic, Event, Kind, Message, Unrecognised};
 
 /// Writes the console lines of one channel and the master, of all channels for 0.
 ///
@@ -27,9 +26,8 @@ pub fn render_console(channel: u16, events: &mut dyn Iterator<Item = (u64, Event
 
 fn line(event: &Event, diagnostic: &Diagnostic) -> String {
     let word = diagnostics::word(diagnostic.severity);
-    let unknown = Some(&*diagnostic.text).filter(|_| diagnostic.number == diag::NOT_RECOGNISED.number);
-    if let Some((what, block)) = unknown.and_then(|text| text.split_once(" not recognised in ")) {
-        return format!("{word}: '{what}' not recognized in {block} at line {}", event.line);
+    if let Some(Unrecognised { text, place }) = diagnostic.unrecognised.as_deref() {
+        return format!("{word}: '{text}' not recognized in {place} at line {}", event.line);
     }
     match &diagnostic.origin {
         Some(origin) => format!("{word}: {} ({}:{})", diagnostic.text, origin.file, origin.line),

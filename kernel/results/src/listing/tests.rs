@@ -270,9 +270,3 @@ fn the_operation_stands_before_the_kernel() {
     let line = "  SEVERITY(04) LINE(00001) ERRNUM(02001005) INPUT(p2.nc) OPER(ROUGH) KERNEL(TURRET)\n";
     assert!(listing.contains(line), "{listing}");
 }
-
-#[test]
-fn marks_are_told_by_their_numbers() {
-    let marks = ["M101", "M101 P12", "101", "START1", "S205", "GATE"].map(counterpoint_event::event::mark);
-    assert_eq!(marks, ["101", "101", "101", "START1", "205", "GATE"]);
-}

@@ -16,7 +16,7 @@ use counterpoint_machine::model::Heights;
 pub(super) fn direction(act: &mut Act<'_, '_>, form: Form) -> Option<bool> {
     let machine = act.env.machine;
     let on_block = || {
-        let ids = act.block.pending.iter().filter_map(|code| machine.codes.get(usize::from(code.row)));
+        let ids = act.block.pending.iter().map(|code| &machine.codes[code.row]);
         ids.map(|row| row.id).find_map(|id| match id {
             codes::INTERP_DEF_CLW => Some(true),
             codes::INTERP_DEF_CCLW => Some(false),

@@ -1,13 +1,32 @@
-//! What is held back with a move that waits, and its release behind that move.
+//! What is held back with a move that waits, and its release after that move.
 //!
-//! While a move waits the clock stands where the move begins, and goes on by what happens after it (dwells, functions).
+//! While a move waits the clock stays where the move begins, and advances by what happens after it (dwells, functions).
 //! When the move has been made, all that was held back is moved on by its time.
 
 use crate::act::Act;
-use crate::state::cutter::Waiting;
+use crate::state::cutter::{Held, Waiting};
 use counterpoint_event::event::Event;
 
 impl Act<'_, '_> {
+    /// Holds events back from here on.
+    pub(super) fn buffer_events(&mut self) {
+        if self.held.is_none() {
+            self.held = Some(Held { events: Vec::new(), since: self.at.tag() });
+            self.holds_back(Some(0));
+        }
+    }
+
+    /// Events held back so far.
+    pub(super) fn buffered_events(&self) -> usize {
+        self.held.as_ref().map_or(0, |held| held.events.len())
+    }
+
+    /// Ends holding events back; the caller puts them where they belong.
+    pub(super) fn release_events(&mut self) -> Vec<Event> {
+        self.holds_back(None);
+        self.held.take().map(|held| held.events).unwrap_or_default()
+    }
+
     /// Lets held events out up to (not including) the one with this number; they come `late` ns later.
     pub(super) fn put_back_events(&mut self, events: &mut std::vec::IntoIter<Event>, count: usize, late: i64) {
         for mut event in events.by_ref().take(count) {

@@ -118,7 +118,7 @@ impl Kernel<'_> {
 
     /// Takes the repeat word off the block.
     fn repeat_word(&mut self) -> u32 {
-        let source = self.plan.data.sources.get(usize::from(data::CALSUB_REPEAT.0)).and_then(|sources| sources.first());
+        let source = self.plan.sources_of(data::CALSUB_REPEAT).first();
         let at =
             source.and_then(|source| self.channel.block.words.iter().position(|word| word.register == source.register));
         let Some(at) = at else { return 1 };

@@ -21,6 +21,11 @@ impl Report for Kernel<'_> {
         self.plan.hooks.is_some() && self.plan.scanner.remarks(text).iter().any(|(is_message, ..)| *is_message)
     }
 
+    fn report_unrecognised(&mut self, word: &str) {
+        let place = format!("'{}'", self.block_text());
+        Kernel::report_unrecognised(self, word, place);
+    }
+
     fn diagnose(&mut self, facts: &'static Facts, text: String) {
         let unknown = facts.number == diag::NOT_RECOGNISED.number && self.channel.env.machine.habits.unknown_alarms;
         Kernel::diagnose(self, if unknown { &diag::UNKNOWN_TEXT } else { facts }, text);

@@ -4,6 +4,7 @@ use crate::channel::Kernel;
 use counterpoint_dialect::{MadeWord, Words};
 use counterpoint_event::info::Unit;
 use counterpoint_fault as diag;
+use counterpoint_machine::index::CodeRowId;
 use counterpoint_machine::number::written;
 use counterpoint_program::block::{Word, irregular};
 use counterpoint_program::key_words::Number;
@@ -105,7 +106,7 @@ impl Words for Kernel<'_> {
         self.channel.block.push(Word { register, incremental, used: false, value, start, end });
     }
 
-    fn push_text(&mut self, row: u16) {
+    fn push_text(&mut self, row: CodeRowId) {
         self.channel.block.texts.push(row);
     }
 

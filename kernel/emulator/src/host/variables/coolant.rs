@@ -12,6 +12,8 @@ use crate::channel::Kernel;
 use crate::state::coolant::code_of;
 use crate::state::modal::group;
 use counterpoint_event::event::{Coolant, Outlet};
+use counterpoint_machine::ident::kind::CodeKind;
+use counterpoint_machine::ident::kind::coolant::Switch;
 use counterpoint_machine::ident::{CodeId, codes};
 
 /// Modal group of the first coolant device, less one.
@@ -71,8 +73,8 @@ fn set_name(kernel: &mut Kernel<'_>, _: &[i64], value: &Value) -> Outcome<()> {
 
 /// The code of a coolant device; custom tables of a machine need not have it.
 fn device(at: &[i64], on: bool) -> Option<CodeId> {
-    let number = u16::try_from(*at.first()?).ok().filter(|number| (1..=9).contains(number))?;
-    Some(CodeId(codes::COOLANT_DEV1_OFF.0 + (number - 1) * 2 + u16::from(on)))
+    let number = u8::try_from(*at.first()?).ok()?;
+    CodeId::of_kind(CodeKind::Coolant(Switch::Device(number, on)))
 }
 
 fn device_state(kernel: &Kernel<'_>, at: &[i64]) -> Value {

@@ -39,7 +39,7 @@ fn a_row_of_the_same_name_is_replaced_as_a_whole_and_in_its_place() {
          [[axes]]\nname = \"X1\"\nrapid = 5\n[[channels]]\nnumber = 1\nname = \"ONLY\"\naxes = [\"X1\"]",
     );
     assert_eq!(machine.codes.len(), 2);
-    assert!(!machine.codes[0].enable);
+    assert!(!machine.codes.first().unwrap().enable);
     assert_eq!(machine.registers.iter().map(|r| r.name.as_str()).collect::<Vec<_>>(), ["G", "M", "X", "P"]);
     assert_eq!(machine.axes[0].rapid, 5.0);
     assert_eq!(machine.channels[0].name, "ONLY");
@@ -145,7 +145,7 @@ fn times_of_m_codes_go_to_their_rows_and_make_rows_where_there_is_none() {
     let function = row(&machine, codes::FUNCTION);
     assert_eq!((function.seconds, function.modality), (8.0, Modality::NonModal));
     assert!(matches!(function.form, CodeForm::RegisterAsData { register: 1, min: 60.0, max: 60.0, .. }));
-    assert_eq!(machine.tables.code(1, 60.0), [2]);
+    assert_eq!(crate::index::places(machine.tables.code(1, 60.0)), [2]);
 }
 
 #[test]

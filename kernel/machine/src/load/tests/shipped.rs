@@ -19,7 +19,7 @@ fn shipped(name: &str) -> Machine {
 fn meaning(machine: &Machine, letter: char, value: f64) -> Vec<&str> {
     let (register, _) = machine.tables.letter[letter as usize].unwrap();
     let rows = machine.tables.code(register, value);
-    rows.iter().map(|row| machine.code_name(machine.codes[usize::from(*row)].id)).collect()
+    rows.iter().map(|row| machine.code_name(machine.codes[*row].id)).collect()
 }
 
 #[test]

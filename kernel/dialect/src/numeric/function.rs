@@ -1,29 +1,20 @@
-//! What functions of numbers mean on every control that has them.
+//! Functions of one number.
 //!
-//! Angles are degrees. Invariants: sine and cosine are exact at multiples of 90 degrees; functions come from `libm`, so
-//! that every machine gives the same bits.
+//! *Invariants:* angles are degrees, and sine and cosine are exact at multiples of 90; functions come from `libm`, so that
+//! every machine gives the same bits.
 
 use std::f64::consts::PI;
 
-/// The value of a numbered variable that has none: one special NaN, which counts as zero in arithmetic and equals only
-/// itself.
-pub const VACANT: f64 = f64::from_bits(0x7ff8_0000_0c0d_e001);
-
-/// Tells the vacant value from every other one.
-pub fn is_vacant(value: f64) -> bool {
-    value.to_bits() == VACANT.to_bits()
-}
-
 /// Degrees of a radian.
-pub(super) const DEGREES: f64 = 180.0 / PI;
+pub(crate) const DEGREES: f64 = 180.0 / PI;
 
 /// Sine.
-pub(super) fn sine(degrees: f64) -> f64 {
+pub(crate) fn sine(degrees: f64) -> f64 {
     if degrees.rem_euclid(180.0) == 0.0 { 0.0 } else { libm::sin(degrees * PI / 180.0) }
 }
 
 /// Cosine.
-pub(super) fn cosine(degrees: f64) -> f64 {
+pub(crate) fn cosine(degrees: f64) -> f64 {
     if (degrees - 90.0).rem_euclid(180.0) == 0.0 { 0.0 } else { libm::cos(degrees * PI / 180.0) }
 }
 
@@ -34,7 +25,7 @@ fn tangent(degrees: f64) -> Option<f64> {
 }
 
 /// The whole number away from zero.
-pub(super) fn away(value: f64) -> f64 {
+pub(crate) fn away(value: f64) -> f64 {
     if value < 0.0 { value.floor() } else { value.ceil() }
 }
 
@@ -62,7 +53,7 @@ fn to_bcd(value: f64) -> f64 {
 
 /// Functions of one number that most controls have.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Function {
+pub(crate) enum Function {
     Sin,
     Cos,
     Tan,
@@ -79,13 +70,44 @@ pub(super) enum Function {
     Fix,
     /// To the whole number away from zero.
     Fup,
+    /// To the next larger whole number.
+    Ceil,
     Bin,
     Bcd,
+    Neg,
+    Square,
+    Log,
+    /// What is after the point.
+    Frac,
+    /// -1 below zero, otherwise 1.
+    Sign,
+    /// The bits of a whole number, inverted.
+    NotBits,
+    /// A truth, inverted.
+    Not,
 }
 
+/// Functions that every control has, under the name that every control gives them.
+pub(crate) const NAMED: [(&str, Function); 9] = [
+    ("SIN", Function::Sin),
+    ("COS", Function::Cos),
+    ("TAN", Function::Tan),
+    ("ASIN", Function::Asin),
+    ("ACOS", Function::Acos),
+    ("SQRT", Function::Sqrt),
+    ("ABS", Function::Abs),
+    ("LN", Function::Ln),
+    ("EXP", Function::Exp),
+];
+
 impl Function {
+    /// One that every control has.
+    pub(crate) fn named(name: &str) -> Option<Self> {
+        NAMED.iter().find(|(known, _)| *known == name).map(|(_, function)| *function)
+    }
+
     /// Name in messages.
-    pub(super) fn name(self) -> &'static str {
+    pub(crate) fn name(self) -> &'static str {
         match self {
             Self::Sin => "SIN",
             Self::Cos => "COS",
@@ -100,13 +122,20 @@ impl Function {
             Self::Round => "ROUND",
             Self::Fix => "FIX",
             Self::Fup => "FUP",
+            Self::Ceil => "ROUNDUP",
             Self::Bin => "BIN",
             Self::Bcd => "BCD",
+            Self::Neg => "NEG",
+            Self::Square => "SQ",
+            Self::Log => "LOG",
+            Self::Frac => "FRAC",
+            Self::Sign => "SGN",
+            Self::NotBits | Self::Not => "NOT",
         }
     }
 
     /// Value, none outside the domain of the function. Whether it is finite is not checked.
-    pub(super) fn value(self, v: f64) -> Option<f64> {
+    pub(crate) fn value(self, v: f64) -> Option<f64> {
         Some(match self {
             Self::Sin => sine(v),
             Self::Cos => cosine(v),
@@ -124,8 +153,17 @@ impl Function {
             Self::Round => v.round(),
             Self::Fix => v.trunc(),
             Self::Fup => away(v),
+            Self::Ceil => v.ceil(),
             Self::Bin => from_bcd(v),
             Self::Bcd => to_bcd(v),
+            Self::Neg => -v,
+            Self::Square => v * v,
+            Self::Log => libm::log10(v),
+            Self::Frac => v.fract(),
+            Self::Sign if v < 0.0 => -1.0,
+            Self::Sign => 1.0,
+            Self::NotBits => !(v as i64) as f64,
+            Self::Not => super::truth(v == 0.0),
         })
     }
 }

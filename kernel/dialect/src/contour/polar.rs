@@ -1,0 +1,38 @@
+//! Points by their distance and angle from a pole.
+//!
+//! *Invariant:* angles are degrees, and directions at multiples of 90 are exact.
+
+use super::plane::{Point, along, minus};
+use crate::numeric::{cosine, sine};
+
+/// Where a point is as seen from a pole.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Polar {
+    pub(crate) radius: f64,
+    /// Degrees.
+    pub(crate) angle: f64,
+}
+
+impl Polar {
+    /// Of a point.
+    pub(crate) fn of(pole: Point, point: Point) -> Self {
+        let from = minus(point, pole);
+        Self { radius: libm::hypot(from[0], from[1]), angle: libm::atan2(from[1], from[0]).to_degrees() }
+    }
+
+    /// The point.
+    pub(crate) fn point(self, pole: Point) -> Point {
+        along(pole, [cosine(self.angle), sine(self.angle)], self.radius)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_point_comes_back() {
+        assert_eq!(Polar::of([1.0, 2.0], [1.0, 7.0]), Polar { radius: 5.0, angle: 90.0 });
+        assert_eq!(Polar { radius: 5.0, angle: 180.0 }.point([1.0, 2.0]), [-4.0, 2.0]);
+    }
+}

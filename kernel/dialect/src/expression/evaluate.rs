@@ -1,0 +1,133 @@
+//! Evaluating compiled expressions.
+//!
+//! *Invariant:* evaluating allocates nothing but for values of more than [`INLINE`] pending operands.
+
+use super::code::{Code, Op};
+use crate::numeric::{Function, Operator};
+
+/// Operands that wait for their operator without room from the heap.
+const INLINE: usize = 8;
+
+/// Values that wait for their operator.
+#[derive(Debug)]
+pub(crate) struct Stack<V> {
+    inline: [V; INLINE],
+    count: usize,
+    rest: Vec<V>,
+}
+
+impl<V: Default> Stack<V> {
+    fn new() -> Self {
+        Self { inline: std::array::from_fn(|_| V::default()), count: 0, rest: Vec::new() }
+    }
+
+    #[inline]
+    fn push(&mut self, value: V) {
+        match self.inline.get_mut(self.count) {
+            Some(slot) => *slot = value,
+            None => self.rest.push(value),
+        }
+        self.count += 1;
+    }
+
+    /// Takes the value on top.
+    #[inline]
+    pub(crate) fn pop(&mut self) -> V {
+        self.count = self.count.saturating_sub(1);
+        match self.inline.get_mut(self.count) {
+            Some(slot) => std::mem::take(slot),
+            None => self.rest.pop().unwrap_or_default(),
+        }
+    }
+}
+
+/// What gives expressions of a dialect their values.
+pub(crate) trait Evaluate<V: Clone + Default, X> {
+    /// Why there is no value.
+    type Stop;
+
+    /// Value of an operation of the dialect, which takes its operands off the stack.
+    ///
+    /// # Errors
+    /// It has no value.
+    fn own(&mut self, own: &X, stack: &mut Stack<V>) -> Result<V, Self::Stop>;
+
+    /// Value of a function.
+    ///
+    /// # Errors
+    /// It has no value.
+    fn apply(&mut self, function: Function, value: V) -> Result<V, Self::Stop>;
+
+    /// Value of an operator.
+    ///
+    /// # Errors
+    /// It has no value.
+    fn combine(&mut self, operator: Operator, left: V, right: V) -> Result<V, Self::Stop>;
+
+    /// Value of an expression.
+    ///
+    /// # Errors
+    /// That of the first operation without a value.
+    fn evaluate(&mut self, code: &Code<V, X>) -> Result<V, Self::Stop> {
+        if let Some(value) = code.as_constant() {
+            return Ok(value.clone());
+        }
+        let mut stack = Stack::new();
+        for op in code.ops() {
+            let value = match op {
+                Op::Value(value) => value.clone(),
+                Op::Apply(function) => {
+                    let value = stack.pop();
+                    self.apply(*function, value)?
+                }
+                Op::Combine(operator) => {
+                    let right = stack.pop();
+                    let left = stack.pop();
+                    self.combine(*operator, left, right)?
+                }
+                Op::Own(own) => self.own(own, &mut stack)?,
+            };
+            stack.push(value);
+        }
+        Ok(stack.pop())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    struct Numbers;
+
+    impl Evaluate<f64, ()> for Numbers {
+        type Stop = ();
+
+        fn own(&mut self, (): &(), stack: &mut Stack<f64>) -> Result<f64, ()> {
+            Ok(stack.pop() + 100.0)
+        }
+
+        fn apply(&mut self, function: Function, value: f64) -> Result<f64, ()> {
+            function.value(value).ok_or(())
+        }
+
+        fn combine(&mut self, operator: Operator, left: f64, right: f64) -> Result<f64, ()> {
+            operator.value(left, right).ok_or(())
+        }
+    }
+
+    #[test]
+    fn operations_take_their_operands_in_the_order_of_the_text() {
+        let ops = vec![Op::Value(7.0), Op::Value(2.0), Op::Combine(Operator::Sub), Op::Own(())];
+        assert_eq!(Numbers.evaluate(&Code::new(ops)), Ok(105.0));
+        let ops = vec![Op::Value(1.0), Op::Value(0.0), Op::Combine(Operator::Div), Op::Own(())];
+        assert_eq!(Numbers.evaluate(&Code::new(ops)), Err(()));
+    }
+
+    #[test]
+    fn any_number_of_operands_may_wait() {
+        let mut ops: Vec<Op<f64, ()>> = (0..100).map(|value| Op::Value(f64::from(value))).collect();
+        ops.extend((0..99).map(|_| Op::Combine(Operator::Sub)));
+        let expected = (0..100).rev().fold(0.0, |right, left| f64::from(left) - right);
+        assert_eq!(Numbers.evaluate(&Code::new(ops)), Ok(expected));
+    }
+}

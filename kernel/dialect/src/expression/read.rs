@@ -1,0 +1,268 @@
+//! How expressions are read, whatever their words are.
+//!
+//! *Invariant:* operators of one level bind from left to right; reading recurses once a level and operand, so what bounds the
+//! nesting of operands bounds the stack.
+
+use super::code::Op;
+use crate::numeric::{Function, Operator};
+
+/// Operators by level, loosest first: their words and what they do.
+pub(crate) type Operators = &'static [&'static [(&'static str, Operator)]];
+
+/// Comparisons of the controls that write them as words.
+pub(crate) const COMPARISONS: &[(&str, Operator)] = &[
+    ("EQ", Operator::Eq),
+    ("NE", Operator::Ne),
+    ("GT", Operator::Gt),
+    ("GE", Operator::Ge),
+    ("LT", Operator::Lt),
+    ("LE", Operator::Le),
+];
+
+/// What stands before an operand.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Sign {
+    /// Changes nothing.
+    Plus,
+    Minus,
+    /// Inverts a truth.
+    Not,
+    /// Inverts the bits of a number.
+    NotBits,
+    /// Inverts a truth if the operand is one, otherwise the bits.
+    NotEither,
+}
+
+/// A part of what was read: it goes from an operation to the last one.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Part {
+    /// Its first operation.
+    pub(crate) start: usize,
+    /// Its value is a truth.
+    pub(crate) truth: bool,
+}
+
+/// The expressions of a dialect: its words, and where they are read from.
+pub(crate) trait Grammar {
+    type Value: Clone;
+    type Own;
+    /// Why a text is not an expression.
+    type Mistake;
+
+    const OPERATORS: Operators;
+    const SIGNS: &'static [(&'static str, Sign)];
+
+    /// What was read so far.
+    fn ops(&mut self) -> &mut Vec<Op<Self::Value, Self::Own>>;
+
+    /// Takes an operator or sign, if the text has it here.
+    fn takes(&mut self, word: &str) -> bool;
+
+    /// Reads an operand without signs.
+    ///
+    /// # Errors
+    /// There is none.
+    fn operand(&mut self) -> Result<Part, Self::Mistake>;
+
+    /// A constant with its sign changed, if it is a number.
+    fn negated(value: &Self::Value) -> Option<Self::Value>;
+
+    /// Counts a level of nesting: an operand, or a sign before it.
+    ///
+    /// # Errors
+    /// There are too many.
+    fn nest(&mut self, _sign: bool) -> Result<(), Self::Mistake> {
+        Ok(())
+    }
+
+    /// An operand with so many signs has been read.
+    fn unnest(&mut self, _signs: usize) {}
+
+    /// Operators of this level are understood here.
+    fn allows(&self, _level: usize) -> bool {
+        true
+    }
+
+    /// Whether the operator that was taken is allowed here; `chained` after another operator of its level.
+    ///
+    /// # Errors
+    /// It is not.
+    fn check(&mut self, _level: usize, _chained: bool) -> Result<(), Self::Mistake> {
+        Ok(())
+    }
+
+    /// Adds an operand of one operation.
+    fn push(&mut self, op: Op<Self::Value, Self::Own>) -> Part {
+        let ops = self.ops();
+        ops.push(op);
+        Part { start: ops.len() - 1, truth: false }
+    }
+
+    /// Adds a sign to an operand.
+    fn sign(&mut self, sign: Sign, part: Part) -> Part {
+        let function = match sign {
+            Sign::Plus => return part,
+            Sign::Minus => Function::Neg,
+            Sign::Not => Function::Not,
+            Sign::NotEither if part.truth => Function::Not,
+            Sign::NotBits | Sign::NotEither => Function::NotBits,
+        };
+        let ops = self.ops();
+        if let (Function::Neg, Some(Op::Value(value))) = (function, ops.last_mut())
+            && let Some(negated) = Self::negated(value)
+        {
+            // A constant is the last operation of its own operand only.
+            *value = negated;
+            return part;
+        }
+        ops.push(Op::Apply(function));
+        Part { truth: function == Function::Not, ..part }
+    }
+
+    /// Adds an operator to its operands.
+    fn join(&mut self, operator: Operator, left: Part, right: Part) -> Part {
+        self.ops().push(Op::Combine(operator));
+        let bits = matches!(operator, Operator::BitAnd | Operator::BitOr | Operator::BitXor);
+        Part { start: left.start, truth: operator.compares() || bits && left.truth && right.truth }
+    }
+}
+
+/// Reads operands and operators of this level and tighter ones, as far as they go.
+///
+/// # Errors
+/// An operand is missing, or an operator is not allowed.
+pub(crate) fn read<G: Grammar + ?Sized>(grammar: &mut G, loosest: usize) -> Result<Part, G::Mistake> {
+    let mut left = signed(grammar)?;
+    let mut before = None;
+    while let Some((level, operator)) = operator(grammar, loosest) {
+        grammar.check(level, before == Some(level))?;
+        let right = read(grammar, level + 1)?;
+        left = grammar.join(operator, left, right);
+        before = Some(level);
+    }
+    Ok(left)
+}
+
+/// Takes the operator that follows, if its level is at least `loosest`: level and operator.
+fn operator<G: Grammar + ?Sized>(grammar: &mut G, loosest: usize) -> Option<(usize, Operator)> {
+    for (level, operators) in G::OPERATORS.iter().enumerate().skip(loosest) {
+        if grammar.allows(level)
+            && let Some((_, operator)) = operators.iter().find(|(word, _)| grammar.takes(word))
+        {
+            return Some((level, *operator));
+        }
+    }
+    None
+}
+
+/// Reads an operand with its signs.
+///
+/// # Errors
+/// There is none, or it is nested too deeply.
+pub(crate) fn signed<G: Grammar + ?Sized>(grammar: &mut G) -> Result<Part, G::Mistake> {
+    grammar.nest(false)?;
+    let mut signs = Vec::new();
+    while let Some((_, sign)) = G::SIGNS.iter().find(|(word, _)| grammar.takes(word)) {
+        signs.push(*sign);
+        grammar.nest(true)?;
+    }
+    let mut part = grammar.operand()?;
+    grammar.unnest(signs.len());
+    for sign in signs.into_iter().rev() {
+        part = grammar.sign(sign, part);
+    }
+    Ok(part)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Digits with a few operators; its code is checked as text.
+    struct Digits<'t> {
+        text: &'t str,
+        ops: Vec<Op<u32, ()>>,
+    }
+
+    impl Grammar for Digits<'_> {
+        type Value = u32;
+        type Own = ();
+        type Mistake = &'static str;
+
+        const OPERATORS: Operators = &[
+            &[("<", Operator::Lt)],
+            &[("+", Operator::Add), ("-", Operator::Sub), ("&", Operator::BitAnd)],
+            &[("*", Operator::Mul), ("/", Operator::Div)],
+        ];
+        const SIGNS: &'static [(&'static str, Sign)] = &[("-", Sign::Minus), ("!", Sign::NotEither)];
+
+        fn ops(&mut self) -> &mut Vec<Op<u32, ()>> {
+            &mut self.ops
+        }
+
+        fn takes(&mut self, word: &str) -> bool {
+            let rest = self.text.strip_prefix(word);
+            self.text = rest.unwrap_or(self.text);
+            rest.is_some()
+        }
+
+        fn operand(&mut self) -> Result<Part, &'static str> {
+            if self.takes("(") {
+                let part = read(self, 0)?;
+                return if self.takes(")") { Ok(part) } else { Err("open") };
+            }
+            let (digit, rest) = self.text.split_at_checked(1).ok_or("the end")?;
+            self.text = rest;
+            let value = digit.parse().map_err(|_| "not a digit")?;
+            Ok(self.push(Op::Value(value)))
+        }
+
+        fn negated(_: &u32) -> Option<u32> {
+            None
+        }
+
+        fn check(&mut self, level: usize, chained: bool) -> Result<(), &'static str> {
+            if level == 0 && chained { Err("a second comparison") } else { Ok(()) }
+        }
+    }
+
+    fn postfix(text: &str) -> Result<String, &'static str> {
+        let mut digits = Digits { text, ops: Vec::new() };
+        read(&mut digits, 0)?;
+        let op = |op: &Op<u32, ()>| match op {
+            Op::Value(value) => value.to_string(),
+            Op::Combine(operator) => format!("{operator:?} "),
+            Op::Apply(function) => format!("{function:?} "),
+            Op::Own(()) => String::new(),
+        };
+        Ok(digits.ops.iter().map(op).collect())
+    }
+
+    #[test]
+    fn tighter_operators_bind_first_and_equal_ones_from_left_to_right() {
+        for (text, code) in [
+            ("1-2-3", "12Sub 3Sub "),
+            ("1+2*3-4", "123Mul Add 4Sub "),
+            ("1*2/3<4+5", "12Mul 3Div 45Add Lt "),
+            ("(1<2)*3", "12Lt 3Mul "),
+            ("-1*--2", "1Neg 2Neg Neg Mul "),
+        ] {
+            assert_eq!(postfix(text).as_deref(), Ok(code), "{text}");
+        }
+        assert_eq!(postfix("1<2<3"), Err("a second comparison"));
+        assert_eq!(postfix("1+"), Err("the end"));
+    }
+
+    #[test]
+    fn truths_are_inverted_as_truths() {
+        for (text, code) in [
+            ("!1", "1NotBits "),
+            ("!(1<2)", "12Lt Not "),
+            ("!((1<2)&(3<4))", "12Lt 34Lt BitAnd Not "),
+            ("!((1<2)&3)", "12Lt 3BitAnd NotBits "),
+            ("!!(1<2)", "12Lt Not Not "),
+        ] {
+            assert_eq!(postfix(text).as_deref(), Ok(code), "{text}");
+        }
+    }
+}

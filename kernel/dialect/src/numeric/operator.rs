@@ -1,0 +1,122 @@
+//! Operators between two values.
+//!
+//! *Invariant:* a division by zero has no value; every other operator has one, which may not be finite.
+
+use super::function::DEGREES;
+use super::truth;
+
+/// What stands between two operands, or takes two arguments.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Operator {
+    Add,
+    Sub,
+    Mul,
+    Div,
+    /// The whole part of a quotient.
+    WholeDiv,
+    /// Remainder, with the sign of the dividend.
+    Rem,
+    /// Remainder of both operands rounded to whole numbers.
+    RemOfWhole,
+    /// Remainder by the whole part of the quotient.
+    RemByQuotient,
+    Power,
+    Eq,
+    Ne,
+    Gt,
+    Ge,
+    Lt,
+    Le,
+    /// Of the bits of whole numbers.
+    BitAnd,
+    BitOr,
+    BitXor,
+    /// Of truths.
+    And,
+    Or,
+    Xor,
+    /// Angle of a height and a length.
+    Atan2,
+    /// The same, 0 to 360 degrees.
+    Angle,
+    /// Length of the longest side of a right triangle.
+    Legs,
+    /// Two texts.
+    Join,
+    /// Two frames.
+    Chain,
+}
+
+impl Operator {
+    /// Whether its value is a truth, whatever the operands are.
+    pub(crate) fn compares(self) -> bool {
+        matches!(self, Self::Eq | Self::Ne | Self::Gt | Self::Ge | Self::Lt | Self::Le)
+    }
+
+    /// Value for two numbers; none for a division by zero.
+    pub(crate) fn value(self, a: f64, b: f64) -> Option<f64> {
+        Some(match self {
+            Self::Add => a + b,
+            Self::Sub => a - b,
+            Self::Mul => a * b,
+            Self::Div | Self::WholeDiv | Self::Rem | Self::RemByQuotient if b == 0.0 => return None,
+            Self::Div => a / b,
+            Self::WholeDiv => (a / b).trunc(),
+            Self::Rem => a % b,
+            Self::RemOfWhole if b.round() == 0.0 => return None,
+            // Never the negative zero.
+            Self::RemOfWhole => a.round() % b.round() + 0.0,
+            Self::RemByQuotient => a - b * (a / b).trunc(),
+            Self::Power => libm::pow(a, b),
+            Self::Eq => truth(a == b),
+            Self::Ne => truth(a != b),
+            Self::Gt => truth(a > b),
+            Self::Ge => truth(a >= b),
+            Self::Lt => truth(a < b),
+            Self::Le => truth(a <= b),
+            Self::BitAnd => (a as i64 & b as i64) as f64,
+            Self::BitOr => (a as i64 | b as i64) as f64,
+            Self::BitXor => (a as i64 ^ b as i64) as f64,
+            Self::And => truth(a != 0.0 && b != 0.0),
+            Self::Or => truth(a != 0.0 || b != 0.0),
+            Self::Xor => truth((a != 0.0) != (b != 0.0)),
+            Self::Atan2 => libm::atan2(a, b) * DEGREES,
+            // The first leg lies opposite to the angle.
+            Self::Angle => (libm::atan2(a, b) * DEGREES).rem_euclid(360.0),
+            Self::Legs => libm::sqrt(a * a + b * b),
+            // Of texts and frames only.
+            Self::Join | Self::Chain => a,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Operator;
+
+    #[test]
+    fn remainders_differ_by_control() {
+        for (operator, a, b, expected) in [
+            (Operator::Rem, 7.5, 2.0, Some(1.5)),
+            (Operator::Rem, -7.5, 2.0, Some(-1.5)),
+            (Operator::RemOfWhole, 7.6, 2.4, Some(0.0)),
+            (Operator::RemOfWhole, 7.0, 0.4, None),
+            (Operator::RemByQuotient, -7.5, 2.0, Some(-1.5)),
+            (Operator::WholeDiv, -7.0, 2.0, Some(-3.0)),
+            (Operator::Div, 1.0, 0.0, None),
+            (Operator::Rem, 1.0, 0.0, None),
+        ] {
+            assert_eq!(operator.value(a, b), expected, "{operator:?} {a} {b}");
+        }
+        assert_eq!(Operator::RemOfWhole.value(-4.0, 2.0).map(f64::to_bits), Some(0.0_f64.to_bits()));
+    }
+
+    #[test]
+    fn truths_and_bits() {
+        assert_eq!(Operator::And.value(6.0, 3.0), Some(1.0));
+        assert_eq!(Operator::BitAnd.value(6.0, 3.0), Some(2.0));
+        assert_eq!(Operator::Xor.value(6.0, 3.0), Some(0.0));
+        assert_eq!(Operator::BitXor.value(6.0, 3.0), Some(5.0));
+        assert_eq!((Operator::Legs.value(3.0, 4.0), Operator::Angle.value(-1.0, 0.0)), (Some(5.0), Some(270.0)));
+    }
+}

@@ -1,0 +1,216 @@
+//! Positions in the tables of a machine, and tables that such a position cannot miss.
+//!
+//! Invariant: an id is made by the table that it is a position of, or by the list of built-in identifiers, and tables are
+//! never shortened; so every table made for the same rows has an entry for it, and indexing with it cannot fail. What is
+//! only a number (of the program, or of a macro) becomes an id through [`Table::id`], which may say no.
+
+use std::marker::PhantomData;
+use std::ops::{Deref, DerefMut, Index, IndexMut};
+
+mod sealed {
+    /// Making ids is a matter of this module.
+    pub trait Make: Copy {
+        /// The id of a position, none if there can be no such.
+        fn make(at: usize) -> Option<Self>;
+        /// The position.
+        fn at(self) -> usize;
+    }
+}
+
+/// A position in tables of one kind.
+pub trait Id: sealed::Make + PartialEq {}
+
+macro_rules! ids {
+    ($($(#[$doc:meta])* $name:ident($number:ty);)*) => { $(
+        $(#[$doc])*
+        #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+        pub struct $name($number);
+
+        impl $name {
+            /// The position.
+            #[must_use]
+            #[inline]
+            pub const fn index(self) -> usize {
+                self.0 as usize
+            }
+        }
+
+        impl sealed::Make for $name {
+            fn make(at: usize) -> Option<Self> {
+                <$number>::try_from(at).ok().map(Self)
+            }
+
+            #[inline]
+            fn at(self) -> usize {
+                self.index()
+            }
+        }
+
+        impl Id for $name {}
+    )* };
+}
+
+ids! {
+    /// A code identifier: what fires an action.
+    CodeId(u16);
+    /// A data identifier: what supplies a value to an action.
+    DataId(u16);
+    /// A row of the code table.
+    CodeRowId(u16);
+    /// A row of the data table.
+    DataRowId(u16);
+    /// A macro of codes.
+    CodeMacroId(u16);
+    /// A macro of data.
+    DataMacroId(u16);
+}
+
+impl CodeId {
+    /// The built-in code at a position of the list.
+    pub(crate) const fn built_in(at: u16) -> Self {
+        Self(at)
+    }
+}
+
+impl DataId {
+    /// The built-in data at a position of the list.
+    pub(crate) const fn built_in(at: u16) -> Self {
+        Self(at)
+    }
+}
+
+/// A list with an entry for every id of its kind.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Table<I, T> {
+    entries: Vec<T>,
+    ids: PhantomData<fn(I)>,
+}
+
+impl<I, T> Default for Table<I, T> {
+    fn default() -> Self {
+        Self { entries: Vec::new(), ids: PhantomData }
+    }
+}
+
+impl<I: Id, T> Table<I, T> {
+    /// Adds an entry; none if the table has as many as there are ids, and the entry is dropped.
+    pub fn push(&mut self, entry: T) -> Option<I> {
+        let id = I::make(self.entries.len())?;
+        self.entries.push(entry);
+        Some(id)
+    }
+
+    /// The id of a position that may not exist.
+    #[must_use]
+    pub fn id(&self, at: usize) -> Option<I> {
+        I::make(at).filter(|_| at < self.entries.len())
+    }
+
+    /// All ids.
+    pub fn ids(&self) -> impl DoubleEndedIterator<Item = I> + Clone + use<I, T> {
+        (0..self.entries.len()).filter_map(I::make)
+    }
+
+    /// All entries with their ids.
+    pub fn entries(&self) -> impl DoubleEndedIterator<Item = (I, &T)> + Clone {
+        self.entries.iter().enumerate().filter_map(|(at, entry)| Some((I::make(at)?, entry)))
+    }
+
+    /// The first entry that is meant.
+    pub fn find(&self, is: impl FnMut(&T) -> bool) -> Option<I> {
+        self.entries.iter().position(is).and_then(I::make)
+    }
+
+    /// A table for the same ids.
+    pub fn map<U>(&self, mut of: impl FnMut(I, &T) -> U) -> Table<I, U> {
+        self.entries().map(|(id, entry)| of(id, entry)).collect()
+    }
+}
+
+/// Entries beyond the last id are dropped.
+impl<I: Id, T> FromIterator<T> for Table<I, T> {
+    fn from_iter<L: IntoIterator<Item = T>>(list: L) -> Self {
+        let entries = (0..).map_while(I::make).zip(list).map(|(_, entry)| entry).collect();
+        Self { entries, ids: PhantomData }
+    }
+}
+
+impl<I: Id, T> Index<I> for Table<I, T> {
+    type Output = T;
+
+    #[inline]
+    #[expect(
+        clippy::indexing_slicing,
+        reason = "the invariant of the module: the id was made by a table of the same rows"
+    )]
+    fn index(&self, id: I) -> &T {
+        &self.entries[id.at()]
+    }
+}
+
+impl<I: Id, T> IndexMut<I> for Table<I, T> {
+    #[inline]
+    #[expect(
+        clippy::indexing_slicing,
+        reason = "the invariant of the module: the id was made by a table of the same rows"
+    )]
+    fn index_mut(&mut self, id: I) -> &mut T {
+        &mut self.entries[id.at()]
+    }
+}
+
+impl<I, T> Deref for Table<I, T> {
+    type Target = [T];
+
+    fn deref(&self) -> &[T] {
+        &self.entries
+    }
+}
+
+impl<I, T> DerefMut for Table<I, T> {
+    fn deref_mut(&mut self) -> &mut [T] {
+        &mut self.entries
+    }
+}
+
+impl<'t, I, T> IntoIterator for &'t Table<I, T> {
+    type Item = &'t T;
+    type IntoIter = std::slice::Iter<'t, T>;
+
+    fn into_iter(self) -> Self::IntoIter {
+        self.entries.iter()
+    }
+}
+
+/// Positions of ids, for comparing.
+#[cfg(test)]
+pub(crate) fn places<I: Id>(ids: &[I]) -> Vec<usize> {
+    ids.iter().map(|id| id.at()).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ids_come_from_tables_and_find_their_entries() {
+        let mut rows: Table<CodeRowId, &str> = Table::default();
+        let first = rows.push("a").unwrap();
+        let second = rows.push("b").unwrap();
+        assert_eq!((rows[first], rows[second]), ("a", "b"));
+        assert_eq!(rows.find(|row| *row == "b"), Some(second));
+        assert_eq!(rows.ids().collect::<Vec<_>>(), [first, second]);
+        let lengths = rows.map(|id, row| (id, row.len()));
+        assert_eq!(lengths[second], (second, 1));
+        assert_eq!((rows.id(1), rows.id(2)), (Some(second), None));
+        assert_eq!(rows.iter().copied().collect::<Table<CodeRowId, _>>(), rows);
+    }
+
+    #[test]
+    fn a_table_has_no_more_entries_than_ids() {
+        let mut full: Table<CodeRowId, ()> = std::iter::repeat_n((), 70_000).collect();
+        assert_eq!(full.len(), 65_536);
+        assert_eq!(full.push(()), None);
+        assert_eq!(full.ids().count(), 65_536);
+    }
+}
