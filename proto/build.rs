@@ -20,6 +20,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     std::fs::write(out.join("counterpoint.v1.bin"), descriptors.encode_to_vec())?;
     tonic_prost_build::configure()
         .bytes(".counterpoint.v1")
+        // The same message has the same bytes.
+        .btree_map(".counterpoint.v1")
         .extern_path(".counterpoint.v1.EventBatch", "crate::batch::EventBatch")
         .compile_fds(descriptors)?;
     Ok(())

@@ -25,7 +25,18 @@ time, 40000000 events, and 1000 diagnostics kept.";
 const SUBMIT_EXAMPLES: &str = "\
 Examples:
   counterpoint submit --machine fanuc-2path-lathe upper.nc lower.nc
-  counterpoint watch $(counterpoint submit --machine fanuc-mill part.nc)";
+  counterpoint watch $(counterpoint submit --machine fanuc-mill part.nc)
+  counterpoint submit --machine fanuc-mill part.nc --label part=17 --priority high --deadline 30m";
+
+const WATCH_EXAMPLES: &str = "\
+Examples:
+  counterpoint watch 01938f2c-5d1e-7c4a-9b1e-3f8d2a6b7c90
+  counterpoint watch --all --label part=17 --state failed";
+
+const JOBS_EXAMPLES: &str = "\
+Examples:
+  counterpoint jobs --newest --limit 20
+  counterpoint jobs --machine fanuc-mill --label part=17 --state failed --since 24h";
 
 const LOAD_EXAMPLES: &str = "\
 Examples:
@@ -48,14 +59,18 @@ pub(crate) enum Command {
     /// Submit programs to a server and print the id of the job
     #[command(after_help = SUBMIT_EXAMPLES)]
     Submit(Submit),
-    /// Follow a job to its end
-    Watch(Follow),
+    /// Follow a job to its end, or with --all the states of all jobs
+    #[command(after_help = WATCH_EXAMPLES)]
+    Watch(Watch),
     /// Answer the dialogs of a job that was submitted with --attend
     Attend(Follow),
     /// Wait for the end of a job
     Wait(Follow),
     /// List the jobs of a server
+    #[command(after_help = JOBS_EXAMPLES)]
     Jobs(Jobs),
+    /// Run a job again with its files, options and machine revision; print the new job's id
+    Rerun(Rerun),
     /// Ask a job to stop
     Cancel(JobArgs),
     /// Remove an ended job with its results
@@ -65,7 +80,7 @@ pub(crate) enum Command {
     /// Put load on a server and report how it copes
     #[command(after_help = LOAD_EXAMPLES)]
     Load(crate::load::arguments::Load),
-    /// Check, list and show machines
+    /// Check, list, show and delete machines
     #[command(subcommand)]
     Machine(Machine),
     /// Check, rewrite, run and explain macros
@@ -236,9 +251,112 @@ pub(crate) struct Submit {
     pub(crate) inputs: Inputs,
     #[command(flatten)]
     pub(crate) remote: Remote,
+    #[command(flatten)]
+    pub(crate) request: RequestArgs,
+}
+
+/// What a job is besides its programs and options.
+#[derive(Debug, Args)]
+pub(crate) struct RequestArgs {
     /// Identify the request: a repeated id returns the same job instead of creating a new one
     #[arg(long, value_name = "ID")]
     pub(crate) request_id: Option<String>,
+    /// Label the job; can be repeated
+    #[arg(long = "label", value_name = "KEY=VALUE", value_parser = label)]
+    pub(crate) labels: Vec<(String, String)>,
+    /// Say how urgent the job is among your own
+    #[arg(long, value_enum)]
+    pub(crate) priority: Option<Priority>,
+    /// Stop the job if it has not ended by then: a time from now (90s, 30m, 2h) or @ and seconds since 1970
+    #[arg(long, value_name = "TIME", value_parser = span_or_time)]
+    pub(crate) deadline: Option<When>,
+}
+
+/// Priorities of a job.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Priority {
+    Low,
+    Normal,
+    High,
+}
+
+/// A time.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum When {
+    /// So many milliseconds from or before now.
+    Span(i64),
+    /// Milliseconds since 1970.
+    At(i64),
+}
+
+fn label(text: &str) -> Result<(String, String), String> {
+    let pair = text.split_once('=').map(|(key, value)| (key.to_owned(), value.to_owned()));
+    pair.ok_or_else(|| "expected KEY=VALUE".to_owned())
+}
+
+fn span_or_time(text: &str) -> Result<When, String> {
+    let wrong = || "expected a number with s, m, h or d (90s, 30m, 2h), or @ and seconds since 1970".to_owned();
+    let number = |digits: &str, unit: i64| {
+        let value: i64 = digits.parse().map_err(|_| wrong())?;
+        value.checked_mul(unit).filter(|ms| *ms > 0).ok_or_else(wrong)
+    };
+    if let Some(seconds) = text.strip_prefix('@') {
+        return number(seconds, 1000).map(When::At);
+    }
+    let units = [('s', 1000), ('m', 60_000), ('h', 3_600_000), ('d', 86_400_000)];
+    let found = units.iter().find_map(|(unit, ms)| Some((text.strip_suffix(*unit)?, *ms)));
+    let (digits, ms) = found.ok_or_else(wrong)?;
+    number(digits, ms).map(When::Span)
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct Rerun {
+    /// The job to run again
+    pub(crate) job: String,
+    #[command(flatten)]
+    pub(crate) remote: Remote,
+    #[command(flatten)]
+    pub(crate) request: RequestArgs,
+}
+
+/// Which jobs.
+#[derive(Debug, Args)]
+pub(crate) struct JobFilter {
+    /// Choose only jobs in these states
+    #[arg(long, value_enum, value_delimiter = ',')]
+    pub(crate) state: Vec<State>,
+    /// Choose only jobs for this machine, a name or NAME@REVISION
+    #[arg(long, value_name = "NAME")]
+    pub(crate) machine: Option<String>,
+    /// Choose only jobs with this label; can be repeated
+    #[arg(long = "label", value_name = "KEY=VALUE", value_parser = label)]
+    pub(crate) labels: Vec<(String, String)>,
+    /// Choose only jobs accepted since then: a time before now (90s, 30m, 2h, 7d) or @ and seconds since 1970
+    #[arg(long, value_name = "TIME", value_parser = span_or_time)]
+    pub(crate) since: Option<When>,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct Watch {
+    /// The job
+    #[arg(required_unless_present = "all")]
+    pub(crate) job: Option<String>,
+    /// Follow the states of all jobs that the filter chooses, a line for each change, until interrupted
+    #[arg(long, conflicts_with = "job")]
+    pub(crate) all: bool,
+    #[command(flatten)]
+    pub(crate) filter: JobFilter,
+    /// Print JSON, one object per line, with --all
+    #[arg(long)]
+    pub(crate) json: bool,
+    #[command(flatten)]
+    pub(crate) remote: Remote,
+    /// Print no progress
+    #[arg(long, short)]
+    pub(crate) quiet: bool,
+    /// Exit with code 1 after warnings, too
+    #[arg(long)]
+    pub(crate) strict: bool,
 }
 
 #[derive(Debug, Args)]
@@ -266,9 +384,14 @@ pub(crate) struct Follow {
 pub(crate) struct Jobs {
     #[command(flatten)]
     pub(crate) remote: Remote,
-    /// List only jobs in these states
-    #[arg(long, value_enum, value_delimiter = ',')]
-    pub(crate) state: Vec<State>,
+    #[command(flatten)]
+    pub(crate) filter: JobFilter,
+    /// List the newest jobs first
+    #[arg(long)]
+    pub(crate) newest: bool,
+    /// List at most this many jobs
+    #[arg(long, value_name = "N")]
+    pub(crate) limit: Option<usize>,
     /// Print JSON, one object per line
     #[arg(long)]
     pub(crate) json: bool,
@@ -344,6 +467,13 @@ pub(crate) enum Machine {
         #[command(flatten)]
         at: At,
     },
+    /// Delete a machine of a server with all its revisions; jobs keep the revision they were submitted with
+    Delete {
+        /// Its name
+        machine: String,
+        #[command(flatten)]
+        remote: Remote,
+    },
     /// Show a machine or a part of it
     Show {
         /// Name of a machine, or a folder with machine.toml
@@ -391,6 +521,18 @@ fn positive(text: &str) -> Result<f64, String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn times_and_labels_are_read() {
+        assert_eq!(span_or_time("90s"), Ok(When::Span(90_000)));
+        assert_eq!(span_or_time("2h"), Ok(When::Span(7_200_000)));
+        assert_eq!(span_or_time("@1798761600"), Ok(When::At(1_798_761_600_000)));
+        for wrong in ["", "s", "5", "5w", "-5m", "0s", "@", "@x", "99999999999999999d", "µs"] {
+            assert!(span_or_time(wrong).is_err(), "{wrong}");
+        }
+        assert_eq!(label("a=b=c"), Ok(("a".to_owned(), "b=c".to_owned())));
+        assert!(label("a").is_err());
+    }
 
     #[test]
     fn the_help_names_the_limits_of_the_kernel() {

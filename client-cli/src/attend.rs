@@ -4,7 +4,7 @@
 //! accepts the value in brackets; the end of the input declines the dialog. A prompt ends at once when another client
 //! has answered its question.
 
-use std::collections::{HashMap, VecDeque};
+use std::collections::{BTreeMap, VecDeque};
 use std::io::{BufRead as _, Write as _};
 
 use counterpoint_proto::v1;
@@ -206,7 +206,7 @@ fn lines() -> mpsc::UnboundedReceiver<String> {
 }
 
 /// Values by variable.
-type Values = HashMap<String, v1::DialogValue>;
+type Values = BTreeMap<String, v1::DialogValue>;
 
 /// Whether a field is enabled, by the values entered so far and the initial values of the question.
 fn is_enabled(field: &v1::DialogField, entered: &Values, start: &Values) -> bool {

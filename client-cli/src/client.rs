@@ -2,7 +2,7 @@
 //!
 //! *Invariant:* an embedded server leaves nothing behind: its data folder is temporary and removed with the client.
 
-use counterpoint_client::{Blob, Chunks, Document, Settings, Through, Watch};
+use counterpoint_client::{Blob, Chunks, Document, Settings, Through, Watch, WatchJobs};
 use counterpoint_proto::v1;
 use counterpoint_proto::v1::jobs_client::JobsClient;
 use counterpoint_proto::v1::machines_client::MachinesClient;
@@ -71,6 +71,11 @@ impl Client {
 
     pub(crate) fn operator(&self) -> OperatorClient<Through> {
         self.server.operator()
+    }
+
+    /// Follows the states of many jobs.
+    pub(crate) fn watch_jobs(&self, filter: v1::JobFilter) -> WatchJobs {
+        self.server.watch_jobs(filter)
     }
 
     /// Follows a job.

@@ -4,24 +4,28 @@ use counterpoint_client::Update;
 use counterpoint_proto::v1;
 use counterpoint_proto::v1::event::Kind;
 
-use crate::arguments::{Command, Follow, JobArgs, Jobs, ResultArgs, State};
+use crate::arguments::{Command, Follow, JobArgs, ResultArgs, Watch};
 use crate::attend::{Attendant, Next};
 use crate::client::Client;
 use crate::error::Error;
 use crate::outcome::ended;
 use crate::progress::Progress;
-use crate::text::{table, time};
-use crate::{completions, load, machines, macros, results, run, say};
+use crate::text::time;
+use crate::{completions, jobs, load, machines, macros, results, run, say};
 
 /// Executes a command and returns the exit code.
 pub(crate) async fn dispatch(command: Command) -> Result<u8, Error> {
     match command {
         Command::Run(arguments) => run::run(arguments).await,
         Command::Submit(arguments) => run::submit(arguments).await,
-        Command::Watch(arguments) => watch(arguments).await,
+        Command::Watch(Watch { job: Some(job), remote, quiet, strict, .. }) => {
+            watch(Follow { of: JobArgs { job, remote, quiet }, strict }).await
+        }
+        Command::Watch(arguments) => jobs::watch(arguments).await,
         Command::Attend(arguments) => attend(arguments).await,
         Command::Wait(arguments) => wait(arguments).await,
-        Command::Jobs(arguments) => jobs(arguments).await,
+        Command::Jobs(arguments) => jobs::list(arguments).await,
+        Command::Rerun(arguments) => jobs::rerun(arguments).await,
         Command::Cancel(arguments) => cancel(arguments).await,
         Command::Delete(arguments) => delete(arguments).await,
         Command::Result(arguments) => result(arguments).await,
@@ -92,57 +96,6 @@ async fn attend(Follow { of: arguments, strict }: Follow) -> Result<u8, Error> {
 async fn wait(Follow { of: arguments, strict }: Follow) -> Result<u8, Error> {
     let client = Client::connect(&arguments.remote.server).await?;
     Ok(ended(&client.wait(&arguments.job).await?, strict))
-}
-
-async fn jobs(arguments: Jobs) -> Result<u8, Error> {
-    let client = Client::connect(&arguments.remote.server).await?;
-    let state = |state: &State| match state {
-        State::Queued => v1::JobState::Queued.into(),
-        State::Running => v1::JobState::Running.into(),
-        State::Succeeded => v1::JobState::Succeeded.into(),
-        State::Failed => v1::JobState::Failed.into(),
-        State::Cancelled => v1::JobState::Cancelled.into(),
-    };
-    let states: Vec<i32> = arguments.state.iter().map(state).collect();
-    let mut request = v1::ListJobsRequest { states, page_size: 500, page_token: String::new() };
-    let mut rows = Vec::new();
-    loop {
-        let page = client.jobs().list_jobs(request.clone()).await?.into_inner();
-        rows.extend(page.jobs);
-        if page.next_page_token.is_empty() {
-            break;
-        }
-        request.page_token = page.next_page_token;
-    }
-    if arguments.json {
-        let lines: String = rows.iter().map(|job| format!("{}\n", as_json(job))).collect();
-        say::data(lines.as_bytes())?;
-        return Ok(0);
-    }
-    let mut lines = vec![["job", "state", "machine", "cycle time", "programs"].map(str::to_owned).to_vec()];
-    lines.extend(rows.iter().map(|job| {
-        let programs = job.programs.iter().map(|p| p.path.as_str()).collect::<Vec<_>>().join(" ");
-        let state = job.state().as_str_name().trim_start_matches("JOB_STATE_").to_owned();
-        vec![job.job_id.clone(), state, job.machine.clone(), time(job.makespan_ns), programs]
-    }));
-    say::data(table(&lines, 3).as_bytes())?;
-    Ok(0)
-}
-
-fn as_json(job: &v1::JobStatus) -> serde_json::Value {
-    serde_json::json!({
-        "job": job.job_id,
-        "request_id": job.request_id,
-        "state": job.state().as_str_name().trim_start_matches("JOB_STATE_"),
-        "machine": job.machine,
-        "programs": job.programs.iter().map(|p| p.path.as_str()).collect::<Vec<_>>(),
-        "makespan_ns": job.makespan_ns,
-        "events": job.events,
-        "highest_severity": job.highest_severity,
-        "verdict": job.verdict,
-        "error": job.error,
-        "log_digest": job.log_digest,
-    })
 }
 
 async fn cancel(arguments: JobArgs) -> Result<u8, Error> {

@@ -16,6 +16,7 @@ pub(crate) async fn dispatch(command: Machine) -> Result<u8, Error> {
     match command {
         Machine::Check { machine, at } => check(&machine, at.server.as_deref()).await,
         Machine::List { at } => list(at.server.as_deref()).await,
+        Machine::Delete { machine, remote } => delete(machine, &remote.server).await,
         Machine::Show { machine, part, json, at } => show(&machine, part, json, at.server.as_deref()).await,
     }
 }
@@ -41,13 +42,19 @@ async fn check(machine: &str, server: Option<&str>) -> Result<u8, Error> {
 
 async fn list(server: Option<&str>) -> Result<u8, Error> {
     let client = Client::at(server).await?;
-    let machines = client.machines().list_machines(v1::ListMachinesRequest {}).await?.into_inner().machines;
+    let machines = client.machines().list_machines(v1::ListMachinesRequest::default()).await?.into_inner().machines;
     let mut rows = vec![["machine", "revision", "channels", "description"].map(str::to_owned).to_vec()];
     rows.extend(machines.into_iter().map(|m| {
         let revision = if m.shipped { "shipped".to_owned() } else { m.revision };
         vec![m.name, revision, m.channels.to_string(), m.description]
     }));
     say::data(table(&rows, 4).as_bytes())?;
+    Ok(0)
+}
+
+async fn delete(name: String, server: &str) -> Result<u8, Error> {
+    let client = Client::connect(server).await?;
+    client.machines().delete_machine(v1::DeleteMachineRequest { name }).await?;
     Ok(0)
 }
 

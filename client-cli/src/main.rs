@@ -13,6 +13,7 @@ mod completions;
 mod error;
 mod findings;
 mod guess;
+mod jobs;
 mod load;
 mod machines;
 mod macros;

@@ -19,7 +19,7 @@ use crate::report::report;
 use crate::say::{self, DIM, styled};
 use crate::summary::Summary;
 use crate::timeline::{Timeline, draw};
-use crate::{guess, machines, pack, results};
+use crate::{guess, jobs, machines, pack, results};
 
 /// Runs programs on a server in this process.
 pub(crate) async fn run(arguments: Run) -> Result<u8, Error> {
@@ -45,10 +45,10 @@ async fn carry_out(arguments: Run) -> Result<(v1::JobStatus, Option<u8>), (Stage
     let client = embedded.map_err(at(Stage::Submission))?;
     let name = machine(&client, &arguments.inputs, arguments.quiet).await.map_err(at(Stage::Machine))?;
     let first = pack.programs.first().map(|p| p.path.clone()).unwrap_or_default();
-    let id = counterpoint_client::request_id();
+    let request = v1::SubmitJobRequest { request_id: counterpoint_client::request_id(), ..Default::default() };
     let person = std::io::stdin().is_terminal() && std::io::stderr().is_terminal();
     let attended = arguments.inputs.attend || person && !arguments.quiet && !arguments.json;
-    let job = submit_pack(&client, &arguments.inputs, pack, name, (id, attended)).await;
+    let job = submit_pack(&client, &arguments.inputs, pack, name, (request, attended)).await;
     let job = job.map_err(at(Stage::Submission))?;
     let status = follow(&client, &job, (arguments.quiet, attended)).await.map_err(at(Stage::Submission))?;
     if let Some(code) = not_run(&status) {
@@ -103,8 +103,8 @@ pub(crate) async fn submit(arguments: Submit) -> Result<u8, Error> {
     let pack = pack::job(&arguments.inputs)?;
     let client = Client::connect(&arguments.remote.server).await?;
     let name = machine(&client, &arguments.inputs, false).await?;
-    let id = arguments.request_id.unwrap_or_else(counterpoint_client::request_id);
-    let job = submit_pack(&client, &arguments.inputs, pack, name, (id, arguments.inputs.attend)).await?;
+    let request = jobs::request(&arguments.request);
+    let job = submit_pack(&client, &arguments.inputs, pack, name, (request, arguments.inputs.attend)).await?;
     say::data(format!("{job}\n").as_bytes())?;
     Ok(0)
 }
@@ -132,13 +132,12 @@ async fn submit_pack(
     inputs: &Inputs,
     pack: pack::Pack,
     machine: String,
-    (request_id, attended): (String, bool),
+    (request, attended): (v1::SubmitJobRequest, bool),
 ) -> Result<String, Error> {
     let answers = inputs.answers.as_deref().map(crate::answers::read).transpose()?.unwrap_or_default();
     client.upload(&pack.files.blobs()).await?;
     let file = |(path, blob): (String, Blob)| v1::FileRef { path, digest: blob.digest().to_owned() };
     let request = v1::SubmitJobRequest {
-        request_id,
         machine,
         programs: pack.programs,
         files: pack.files.0.into_iter().map(file).collect(),
@@ -153,6 +152,7 @@ async fn submit_pack(
             threads: inputs.threads,
             limits: limits(inputs),
         }),
+        ..request
     };
     Ok(client.submit(request).await?.job_id)
 }

@@ -1,6 +1,6 @@
 //! Status on standard error in colours by meaning, data on standard output.
 //!
-//! Invariant: a closed pipe ends the command quietly.
+//! *Invariant:* a closed pipe ends the command quietly.
 
 use std::io::{self, Write as _};
 

@@ -284,6 +284,78 @@ fn the_token_and_the_authorities_come_from_the_environment() {
 }
 
 #[test]
+fn jobs_on_a_server_are_labelled_found_followed_and_run_again() {
+    let folder = tempfile::tempdir().unwrap();
+    let runtime = tokio::runtime::Builder::new_multi_thread().enable_all().build().unwrap();
+    let options =
+        Options { listen: "127.0.0.1:0".parse().unwrap(), data: folder.path().join("data"), ..Options::default() };
+    let service = runtime.block_on(service::build(options)).unwrap();
+    let url = service.handle().url();
+    runtime.spawn(service.run(std::future::pending()));
+    let call = |arguments: &[&str]| {
+        let output = counterpoint(&[arguments, &["--server", &url]].concat());
+        let text = String::from_utf8_lossy(&output.stdout).trim_end().to_owned();
+        (code(&output), text, String::from_utf8_lossy(&output.stderr).into_owned())
+    };
+    let done = |arguments: &[&str]| {
+        let (status, out, talk) = call(arguments);
+        assert_eq!(status, 0, "{arguments:?}: {out} {talk}");
+        out
+    };
+    let part = program(folder.path(), "part.nc", "O1\nG0 X1.\nM30\n");
+    let with = ["--machine", "fanuc-mill", "--label", "part=17", "--label", "shift=early", "--priority", "high"];
+    let first = done(&[&["submit", &part, "--deadline", "1h"][..], &with].concat());
+    done(&["wait", &first]);
+    let second = done(&["submit", &part, "--machine", "fanuc-mill"]);
+    done(&["wait", &second]);
+    let again = done(&["rerun", &first, "--request-id", "again", "--label", "part=18"]);
+    assert_eq!(done(&["rerun", &first, "--request-id", "again", "--label", "part=18"]), again);
+    done(&["wait", &again]);
+    let listed = |arguments: &[&str]| {
+        let lines = done(&[&["jobs", "--json"][..], arguments].concat());
+        let jobs = lines.lines().map(|line| serde_json::from_str::<serde_json::Value>(line).unwrap());
+        jobs.collect::<Vec<_>>()
+    };
+    let names =
+        |jobs: &[serde_json::Value]| jobs.iter().map(|job| job["job"].as_str().unwrap().to_owned()).collect::<Vec<_>>();
+    let labelled = listed(&["--label", "part=17", "--state", "succeeded", "--since", "1h"]);
+    assert_eq!(names(&labelled), [first.clone()]);
+    assert_eq!(labelled[0]["labels"]["shift"], "early");
+    assert_eq!((&labelled[0]["priority"], labelled[0]["deadline_ms"].is_i64()), (&"HIGH".into(), true));
+    assert_eq!(names(&listed(&["--newest", "--limit", "2", "--machine", "fanuc-mill"])), [again.clone(), second]);
+    assert_eq!(listed(&["--label", "part=18"])[0]["rerun_of"], first.as_str());
+    let (status, _, talk) = call(&["jobs", "--label", "part"]);
+    assert!(status == 2 && talk.contains("expected KEY=VALUE"), "{talk}");
+
+    let machine = folder.path().join("mine");
+    std::fs::create_dir(&machine).unwrap();
+    program(&machine, "machine.toml", "extends = \"fanuc-mill\"\n[ce]\nname = \"mine\"\n");
+    done(&["machine", "show", &machine.display().to_string(), "axes"]);
+    done(&["machine", "delete", "mine"]);
+    let (status, _, talk) = call(&["machine", "delete", "mine"]);
+    assert!(status == 2 && talk.contains("UNKNOWN_MACHINE"), "{talk}");
+
+    let mut watch = Command::new(env!("CARGO_BIN_EXE_counterpoint"))
+        .args(["watch", "--all", "--label", "watched=yes", "--state", "succeeded", "--json", "--server", &url])
+        .stdin(Stdio::null())
+        .stdout(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let output = std::io::BufReader::new(watch.stdout.take().unwrap());
+    let first_line = std::thread::spawn(move || std::io::BufRead::lines(output).next().unwrap().unwrap());
+    // Jobs that end before the watch has begun are not reported.
+    let mut watched = Vec::new();
+    while !first_line.is_finished() {
+        done(&["submit", &part, "--machine", "fanuc-mill"]);
+        watched.push(done(&["submit", &part, "--machine", "fanuc-mill", "--label", "watched=yes"]));
+    }
+    let line = first_line.join().unwrap();
+    assert!(watched.iter().any(|job| line.contains(job)) && line.contains("SUCCEEDED"), "{line}");
+    watch.kill().unwrap();
+    watch.wait().unwrap();
+}
+
+#[test]
 fn exit_codes_of_the_emulated_system() {
     let folder = tempfile::tempdir().unwrap();
     let run = |program: &str, more: &[&str]| {

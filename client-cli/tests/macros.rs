@@ -224,8 +224,7 @@ fn explain_knows_numbers_and_names() {
     assert_eq!(explained("$FSIN").1, "$FSIN(angle)\ngives: number\n\nSine of an angle in degrees.\n");
     assert_eq!(explained("fsin"), explained("$FSIN"));
     assert!(explained("DECLAR").1.starts_with("DECLAR/[GLOBAL"));
-    let expected =
-        "$OPSKIPL(1..9)\nLOGICAL, can be assigned (program)\n\nTells whether an optional-skip level is on.\n";
+    let expected = "$OPSKIPL(1..9)\nLOGICAL, can be assigned (program)\n\nA block skip level is on.\n";
     assert_eq!(explained("$opskipl").1, expected);
     assert!(explained("CODE_RAPID").1.contains("modal group 1"));
     assert!(explained("CODE_DELAY").1.ends_with("Uses REG_DELAY.\n"));

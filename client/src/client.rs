@@ -15,6 +15,7 @@ use crate::v1::machines_client::MachinesClient;
 use crate::v1::operator_client::OperatorClient;
 use crate::v1::results_client::ResultsClient;
 use crate::watch::Watch;
+use crate::watch_jobs::WatchJobs;
 
 /// Digests in one question, so that the message stays small.
 const ASK: usize = 10_000;
@@ -124,6 +125,12 @@ impl Client {
         Watch::new(self.0.clone(), job, level)
     }
 
+    /// Follows the states of many jobs, beginning with those that have not ended.
+    #[must_use]
+    pub fn watch_jobs(&self, filter: v1::JobFilter) -> WatchJobs {
+        WatchJobs::new(self.0.clone(), filter)
+    }
+
     /// Waits until a job has ended.
     ///
     /// # Errors
@@ -153,7 +160,7 @@ impl Client {
     /// # Errors
     /// As [`Client::submit`].
     pub async fn files(&self, job: &str) -> Result<Vec<v1::WrittenFile>, Error> {
-        let request = v1::ListFilesRequest { job_id: job.to_owned() };
+        let request = v1::ListFilesRequest { job_id: job.to_owned(), ..Default::default() };
         self.again(async || Ok(self.results().list_files(request.clone()).await?.into_inner().files)).await
     }
 

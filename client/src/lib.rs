@@ -12,6 +12,7 @@ mod document;
 mod error;
 mod settings;
 mod watch;
+mod watch_jobs;
 
 pub use blob::Blob;
 pub use client::{Client, request_id};
@@ -21,6 +22,7 @@ pub use document::{Chunks, Document, Drawing};
 pub use error::Error;
 pub use settings::{Call, Settings};
 pub use watch::{Update, Watch};
+pub use watch_jobs::{JobUpdate, WatchJobs};
 
 /// Largest message in either direction, bytes.
 pub const MAX_MESSAGE: usize = 4 << 20;

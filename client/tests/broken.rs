@@ -88,7 +88,7 @@ async fn submit(client: &Client, text: String) -> String {
         machine: "fanuc-mill".into(),
         programs: vec![v1::Program { path: "part.nc".into(), ..Default::default() }],
         files: vec![v1::FileRef { path: "part.nc".into(), digest: blob.digest().into() }],
-        options: None,
+        ..Default::default()
     };
     client.submit(request).await.unwrap().job_id
 }

@@ -22,7 +22,7 @@ pub(crate) const TABLE: &[(&str, &str, &str)] = &[
     (
         "counterpoint_limits_reached_total",
         "counter",
-        "Jobs stopped by a limit, by `limit`: wall_ms, max_job_bytes, or job for those of the emulator",
+        "Jobs stopped by a limit, by `limit`: wall_ms, max_job_bytes, deadline, or job for those of the emulator",
     ),
     ("counterpoint_jobs_queued", "gauge", "Jobs that wait, by `tenant`"),
     (

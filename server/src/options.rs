@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 mod groups;
 
 pub use groups::{Connections, ConnectionsFlags, Guard, GuardFlags, Maxima, MaximaFlags};
-pub use groups::{Retention, RetentionFlags, System, SystemFlags};
+pub use groups::{Quotas, QuotasFlags, Retention, RetentionFlags, System, SystemFlags};
 
 /// Options of a server.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -43,6 +43,9 @@ pub struct Options {
     /// What nobody may ask for more of.
     #[serde(flatten)]
     pub maxima: Maxima,
+    /// What one tenant may have.
+    #[serde(flatten)]
+    pub quotas: Quotas,
     /// Patience with connections, and how many there may be.
     #[serde(flatten)]
     pub connections: Connections,
@@ -72,6 +75,7 @@ impl Default for Options {
             guard: Guard::default(),
             system: System::default(),
             maxima: Maxima::default(),
+            quotas: Quotas::default(),
             connections: Connections::default(),
             retention: Retention::default(),
             ephemeral: false,
@@ -189,6 +193,9 @@ pub struct Flags {
     /// Maxima
     #[command(flatten)]
     pub maxima: MaximaFlags,
+    /// Quotas
+    #[command(flatten)]
+    pub quotas: QuotasFlags,
     /// Connections
     #[command(flatten)]
     pub connections: ConnectionsFlags,
@@ -217,6 +224,7 @@ impl Flags {
         self.guard.over(&mut options.guard);
         self.system.over(&mut options.system);
         self.maxima.over(&mut options.maxima);
+        self.quotas.over(&mut options.quotas);
         self.connections.over(&mut options.connections);
         self.retention.over(&mut options.retention);
         options

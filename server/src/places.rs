@@ -21,7 +21,7 @@ pub(crate) struct Place<K: Eq + Hash> {
     owner: K,
 }
 
-impl<K: Eq + Hash + Copy> Places<K> {
+impl<K: Eq + Hash + Clone> Places<K> {
     /// `most` in all and `most_each` per owner.
     pub(crate) fn new(most: usize, most_each: usize) -> Self {
         Self { most, most_each, taken: Mutex::default() }
@@ -35,7 +35,7 @@ impl<K: Eq + Hash + Copy> Places<K> {
             return None;
         }
         taken.0 += 1;
-        taken.1.insert(owner, own + 1);
+        taken.1.insert(owner.clone(), own + 1);
         Some(Place { places: self.clone(), owner })
     }
 }

@@ -1,21 +1,34 @@
 //! The queue: which job runs next, and how many are before a given one.
 //!
-//! [`Queue`] is the seam; the one in memory is in `local`. Jobs run in the order of submission, but for two kinds:
-//! those whose run the host failed wait for their time and go first then, and after an unclean stop the jobs that were
-//! running go first and one at a time. Invariant: a job is waiting, running or being stored, and never two of these.
+//! [`Queue`] is the seam; the one in memory is in `local`. Tenants that have jobs waiting take turns, and a turn is worth
+//! the same time of workers for each. Of one tenant, urgent jobs go first and others in the order of acceptance; a job
+//! that has waited long counts as more urgent. Two kinds go before all of them: jobs whose run the host failed, when
+//! their time has come, and, one at a time, jobs that were running when the server before this one died. Invariant: a
+//! job is waiting, running or being stored, and never two of these.
 
+use std::collections::BTreeSet;
 use std::fmt::Debug;
 use std::time::Instant;
+
+use crate::ledger::record::Priority;
 
 /// Why a job is put into the queue, and with that where.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Entry {
-    /// It was accepted: at the end.
-    Accepted,
+    /// It was accepted then: after those of its tenant that are as urgent.
+    Accepted(Instant),
     /// It was running when the server before this one died: first and alone.
     Suspect,
     /// It waits for another run until then, and goes first.
     Again(Instant),
+}
+
+/// A job that is to wait.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Ticket<'a> {
+    pub(crate) id: &'a str,
+    pub(crate) tenant: &'a str,
+    pub(crate) priority: Priority,
 }
 
 /// Jobs that wait, and who has a place. Calls do not block.
@@ -23,27 +36,34 @@ pub(crate) trait Queue: Send + Debug {
     /// Jobs that wait.
     fn len(&self) -> usize;
 
-    /// Lets a job wait.
-    fn push(&mut self, id: &str, entry: Entry);
+    /// Jobs of a tenant that wait.
+    fn waiting_of(&self, tenant: &str) -> usize;
 
-    /// Takes the next job if one of the `slots` workers is free for it.
+    /// Lets a job wait.
+    fn push(&mut self, ticket: Ticket<'_>, entry: Entry);
+
+    /// Takes the next job if one of the `slots` workers is free for it. A tenant of which no job runs gets a worker
+    /// beyond them, up to as many again, so that long jobs of others do not keep it waiting.
     fn next(&mut self, slots: usize, now: Instant) -> Option<String>;
 
     /// A run is over: its job gives its worker free before its end is stored, unless too many do that already.
-    fn store(&mut self, id: &str);
+    fn store(&mut self, id: &str, now: Instant);
 
     /// A job is neither running nor being stored any more.
-    fn free(&mut self, id: &str);
+    fn free(&mut self, id: &str, now: Instant);
 
     /// Takes a job out; `false` if it does not wait.
     fn remove(&mut self, id: &str) -> bool;
 
-    /// Jobs before this one; 0 if it does not wait.
+    /// Jobs that are likely to run before this one; 0 if it does not wait.
     fn before(&self, id: &str) -> usize;
 
     /// Jobs on workers.
-    fn running(&self) -> &[String];
+    fn running(&self) -> Vec<String>;
+
+    /// Number of jobs on workers.
+    fn workers(&self) -> usize;
 
     /// Jobs that run or are being stored.
-    fn busy(&self) -> usize;
+    fn busy(&self) -> BTreeSet<String>;
 }

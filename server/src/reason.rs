@@ -75,6 +75,26 @@ pub enum Refusal {
         /// Last event.
         last: u64,
     },
+    /// The cursor of a watch of many jobs is older than what the server remembers.
+    #[error(
+        "changes after the cursor {after} are forgotten, the oldest cursor is {oldest}: list the jobs and watch anew"
+    )]
+    CursorTooOld {
+        /// Cursor of the client.
+        after: u64,
+        /// The oldest that can be continued from.
+        oldest: u64,
+    },
+    /// A tenant has used up what it may.
+    #[error("the tenant '{tenant}' has reached its quota {quota}: {text}")]
+    Quota {
+        /// The tenant.
+        tenant: String,
+        /// Option that sets the quota.
+        quota: &'static str,
+        /// What it has used.
+        text: String,
+    },
     /// The admission queue is full.
     #[error("the queue is full ({0} jobs)")]
     QueueFull(usize),
@@ -111,6 +131,24 @@ pub enum Refusal {
     /// Who calls may not do this.
     #[error("{0}")]
     PermissionDenied(String),
+    /// A message is larger than the server takes.
+    #[error("{0}")]
+    MessageTooLarge(String),
+    /// A message is not one of the contract.
+    #[error("{0}")]
+    MalformedMessage(String),
+    /// There is no such call, or it cannot be made in this way.
+    #[error("{0}")]
+    UnknownCall(String),
+    /// The deadline that the client gave to the call is over.
+    #[error("the deadline of the call is over")]
+    CallDeadline,
+    /// The server has no such service.
+    #[error("{0}")]
+    UnknownService(String),
+    /// The server has failed.
+    #[error("{0}")]
+    Internal(String),
     /// Too many calls of one identity; when the next may come.
     #[error("too many calls a second (max_calls_per_s)")]
     RateLimited(Duration),
@@ -120,6 +158,28 @@ impl Refusal {
     /// A wrong field.
     pub(crate) fn field(field: impl Into<String>, text: impl Into<String>) -> Self {
         Self::InvalidField { field: field.into(), text: text.into() }
+    }
+
+    /// A quota that is reached.
+    pub(crate) fn quota(tenant: &str, quota: &'static str, text: String) -> Self {
+        Self::Quota { tenant: tenant.to_owned(), quota, text }
+    }
+
+    /// What a status without details says, which the transport has made.
+    pub(crate) fn of_transport(status: &Status) -> Self {
+        let text = status.message().to_owned();
+        match status.code() {
+            Code::OutOfRange | Code::ResourceExhausted if text.contains("message length too large") => {
+                Self::MessageTooLarge(text)
+            }
+            Code::Unimplemented => {
+                Self::UnknownCall(if text.is_empty() { "there is no such call".into() } else { text })
+            }
+            Code::DeadlineExceeded => Self::CallDeadline,
+            Code::NotFound => Self::UnknownService(text),
+            Code::Internal | Code::InvalidArgument => Self::MalformedMessage(text),
+            _ => Self::Internal(text),
+        }
     }
 
     /// Stable reason and gRPC code.
@@ -141,6 +201,8 @@ impl Refusal {
             Self::NotAttended(_) => ("NOT_ATTENDED", Code::FailedPrecondition),
             Self::NoResults(_) => ("NO_RESULTS", Code::FailedPrecondition),
             Self::CursorBeyondLog { .. } => ("CURSOR_BEYOND_LOG", Code::OutOfRange),
+            Self::CursorTooOld { .. } => ("CURSOR_TOO_OLD", Code::OutOfRange),
+            Self::Quota { .. } => ("QUOTA_EXCEEDED", Code::ResourceExhausted),
             Self::QueueFull(_) => ("QUEUE_FULL", Code::ResourceExhausted),
             Self::Draining { .. } => ("DRAINING", Code::Unavailable),
             Self::Storage(_) => ("STORAGE", Code::Unavailable),
@@ -153,6 +215,12 @@ impl Refusal {
             Self::Unauthenticated(_) => ("UNAUTHENTICATED", Code::Unauthenticated),
             Self::PermissionDenied(_) => ("PERMISSION_DENIED", Code::PermissionDenied),
             Self::RateLimited(_) => ("RATE_LIMITED", Code::ResourceExhausted),
+            Self::MessageTooLarge(_) => ("MESSAGE_TOO_LARGE", Code::ResourceExhausted),
+            Self::MalformedMessage(_) => ("MALFORMED_MESSAGE", Code::InvalidArgument),
+            Self::UnknownCall(_) => ("UNKNOWN_CALL", Code::Unimplemented),
+            Self::CallDeadline => ("CALL_DEADLINE", Code::DeadlineExceeded),
+            Self::UnknownService(_) => ("UNKNOWN_SERVICE", Code::NotFound),
+            Self::Internal(_) => ("INTERNAL", Code::Internal),
         }
     }
 
@@ -161,6 +229,8 @@ impl Refusal {
         match self {
             Self::Draining { cursor } => pair("cursor", cursor.to_string()),
             Self::CursorBeyondLog { last, .. } => pair("last_seq", last.to_string()),
+            Self::CursorTooOld { oldest, .. } => pair("oldest", oldest.to_string()),
+            Self::Quota { quota, .. } => pair("quota", (*quota).to_owned()),
             Self::MissingBlobs(digests) => {
                 pair("digests", digests.iter().take(16).cloned().collect::<Vec<_>>().join(","))
             }
@@ -177,6 +247,9 @@ impl From<Refusal> for Status {
         match &refusal {
             Refusal::InvalidField { field, text } => {
                 details.add_bad_request_violation(field, text);
+            }
+            Refusal::Quota { tenant, quota, text } => {
+                details.add_quota_failure_violation(format!("tenant:{tenant}"), format!("{quota}: {text}"));
             }
             Refusal::MachineInvalid(violations) => {
                 for (place, text) in violations.iter().take(20) {

@@ -1,6 +1,6 @@
 //! Lines over an axis, as SVG.
 //!
-//! *Invariant:* whatever the points are, every number in the drawing is finite and inside of it.
+//! *Invariant:* whatever the points are, every number in the drawing is finite and inside it.
 
 use std::fmt::Write as _;
 
@@ -49,7 +49,7 @@ pub(super) struct Plot {
     pub(super) series: Vec<Series>,
 }
 
-/// A text inside of HTML.
+/// A text inside HTML.
 pub(super) fn escaped(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }

@@ -19,6 +19,7 @@ mod okuma;
 mod plain;
 mod search;
 mod siemens;
+mod statement;
 mod table;
 mod text;
 

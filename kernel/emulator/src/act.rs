@@ -1,7 +1,7 @@
 //! What an action may touch: the channel, and a few services of the kernel that it belongs to.
 //!
-//! Invariant: an action cannot reach the flow of the program, the machine's macros, the plan or the coordinator; what it
-//! asks of them is carried out by the kernel, calls and ends at the end of the block.
+//! *Invariant:* an action cannot reach the flow of the program, the machine's macros, the plan or the coordinator; what it
+//! asks of them is executed by the kernel, calls and ends at the end of the block.
 
 use std::ops::{Deref, DerefMut};
 use std::sync::Arc;
@@ -21,7 +21,7 @@ use counterpoint_machine::ident::{CodeId, DataId};
 use counterpoint_machine::rows::CodeRow;
 use counterpoint_program::block::{Datum, PendingCode};
 use counterpoint_sync::shared::Command;
-use counterpoint_sync::waits::{Set, Spec};
+use counterpoint_sync::wait::{self, Wait};
 
 /// The context of an action.
 pub(crate) struct Act<'k, 'a> {
@@ -175,13 +175,13 @@ impl Act<'_, '_> {
 
 /// The machine: motions, spindle, tools, heads, cycles. Its macros see them.
 impl Act<'_, '_> {
-    /// Carries out a motion.
+    /// Executes a motion.
     #[inline(always)]
     pub(crate) fn travel(&mut self, seconds: f64, motion: &Motion) -> Acted {
         self.kernel.travel(seconds, motion)
     }
 
-    /// Carries out a motion that its macro has seen.
+    /// Executes a motion that its macro has seen.
     pub(crate) fn move_to(&mut self, seconds: f64, motion: &Motion) -> Acted {
         self.kernel.move_to(seconds, motion)
     }
@@ -299,13 +299,13 @@ impl Act<'_, '_> {
         self.kernel.ask(Pending::End(stop));
     }
 
-    /// Arrives at a wait, and waits until the others are there.
-    pub(crate) fn arrive(&mut self, spec: Spec) -> Acted {
-        self.kernel.arrive(spec)
+    /// Waits for other channels.
+    pub(crate) fn wait_for(&mut self, wait: Wait) -> Acted {
+        self.kernel.wait(wait)
     }
 
-    /// A start by one of the heads: it lets the other one continue, which waits for it.
-    pub(crate) fn start_by_head(&mut self, by: u16, heads: Set) -> Acted {
-        self.kernel.start_by_head(by, heads)
+    /// Does something at which other channels may continue; it is shown as this wait would be.
+    pub(crate) fn let_continue(&mut self, deed: wait::Act, shown: Wait) -> Acted {
+        self.kernel.let_continue(deed, shown)
     }
 }

@@ -1,6 +1,6 @@
 //! A running kernel as the host of its macros.
 //!
-//! Invariant: everything a macro reads or changes is the state of the kernel itself; what belongs to several kernels is
+//! *Invariant:* everything a macro reads or changes is the state of the kernel itself; what belongs to several kernels is
 //! reached through shared operations only. Facts: reference control-emulator.md 4, system-variables.md, functions.md.
 
 mod block;
@@ -88,7 +88,7 @@ impl Variables for Kernel<'_> {
             match done {
                 Ok(false) => {}
                 Ok(true) => {
-                    let halt = self.out_of_memory("GLOBAL variables and files of macros take most of it");
+                    let halt = self.out_of_memory("GLOBAL variables and files of macros use most of it");
                     self.keep_halt(halt);
                 }
                 Err(halt) => self.keep_halt(halt),

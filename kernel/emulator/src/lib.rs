@@ -13,3 +13,4 @@ pub mod macros;
 mod pipeline;
 pub mod state;
 mod trace;
+pub mod waits;

@@ -14,7 +14,7 @@ impl Letters {
     /// Reads letters; letter case does not matter, `all` is all of them.
     ///
     /// # Errors
-    /// The first character that is no letter of a trace.
+    /// The first character that is not a letter of a trace.
     pub fn parse(text: &str) -> Result<Self, char> {
         if text.eq_ignore_ascii_case("all") {
             return Self::parse(ALL);

@@ -1,6 +1,6 @@
 //! The text of a file, line by line.
 //!
-//! A byte order mark is no text; UTF-16 becomes UTF-8. Invariant: other bytes are kept as they are; a line ends at LF,
+//! A byte order mark is not part of the text; UTF-16 becomes UTF-8. Invariant: other bytes are kept as they are; a line ends at LF,
 //! CR LF or a lone CR, and the line's text excludes its end. Lines count from 1.
 
 use bytes::Bytes;

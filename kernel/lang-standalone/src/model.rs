@@ -1,6 +1,6 @@
 //! Stand-ins for a machine: three linear axes without a model.
 //!
-//! Invariant: functions of a model answer zero, nothing or an empty list, with one message per run. Facts: reference
+//! *Invariant:* functions of a model answer zero, nothing or an empty list, with one message per run. Facts: reference
 //! functions.md 10 to 12.
 
 use counterpoint_lang::diag::Number;

@@ -1,6 +1,6 @@
 //! Where lines go and where files are.
 //!
-//! Invariant: without an [`Outside`] nothing but memory is touched.
+//! *Invariant:* without an [`Outside`] nothing but memory is touched.
 
 use counterpoint_lang::diag::Diagnostic;
 use counterpoint_lang::host::Shelf;

@@ -1,6 +1,6 @@
 //! The NC program and the block in work.
 //!
-//! Invariant: searching never moves the reading position. Facts: reference functions.md 9, macro-language.md 3.3.
+//! *Invariant:* searching never moves the reading position. Facts: reference functions.md 9, macro-language.md 3.3.
 
 use std::collections::{BTreeMap, HashMap};
 

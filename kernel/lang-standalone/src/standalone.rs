@@ -1,6 +1,6 @@
 //! A host without a machine: commands are kept as text, files live in memory unless it is given an [`Outside`].
 //!
-//! Invariant: it answers every function of the language; what it was not given it answers as a control without a model,
+//! *Invariant:* it answers every function of the language; what it was not given it answers as a control without a model,
 //! without a user and without an NC program.
 
 mod commands;

@@ -1,6 +1,6 @@
 //! The tree of a file of macros.
 //!
-//! Invariant: expressions are at most [`MAX_DEPTH`] deep, so walking them needs bounded stack. Statements form a flat
+//! *Invariant:* expressions are at most [`MAX_DEPTH`] deep, so walking them needs bounded stack. Statements form a flat
 //! list per macro (a jump may enter any block); the lowering pairs blocks with their ends.
 
 use crate::lex::Sign;

@@ -1,6 +1,6 @@
 //! The code of a macro.
 //!
-//! Invariant: an instruction is eight bytes and names registers, never places in memory; constants sit in registers of
+//! *Invariant:* an instruction is eight bytes and names registers, never places in memory; constants sit in registers of
 //! their own that are filled once. Every instruction knows its statement, and some have a short form in [`fast`].
 
 pub mod body;
@@ -339,7 +339,7 @@ pub enum Shared {
 pub struct Short {
     /// One for each instruction.
     pub forms: Vec<fast::Fast>,
-    /// Small functions that they carry out in place of a call.
+    /// Small functions that they execute in place of a call.
     pub bodies: Vec<body::Body>,
 }
 

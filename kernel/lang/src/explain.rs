@@ -1,6 +1,6 @@
 //! What functions and statements do, in a line each.
 //!
-//! Invariant: every function and statement that control emulator macros can use has a row; a test compares the rows with
+//! *Invariant:* every function and statement that control emulator macros can use has a row; a test compares the rows with
 //! the tables of the parser and of the functions.
 
 use std::sync::OnceLock;

@@ -1,6 +1,6 @@
 //! What can go wrong while a macro runs.
 //!
-//! Invariant: a fault carries a number of the table and one sentence; place and macro are added by the machine that
+//! *Invariant:* a fault carries a number of the table and one sentence; place and macro are added by the machine that
 //! runs the code.
 
 use crate::diag::Number;

@@ -1,6 +1,6 @@
 //! String formats: values as text and text as values.
 //!
-//! Invariant: a format is parsed once into pieces; writing it never fails half-way with a changed output. Facts:
+//! *Invariant:* a format is parsed once into pieces; writing it never fails half-way with a changed output. Facts:
 //! reference macro-language.md 5.
 
 mod number;

@@ -1,6 +1,6 @@
 //! The functions of the language.
 //!
-//! Invariant: a function is found by its row in one table; what it computes never depends on its name. Angles are in
+//! *Invariant:* a function is found by its row in one table; what it computes never depends on its name. Angles are in
 //! degrees. Facts: the function catalogue of the reference.
 
 mod convert;

@@ -1,6 +1,6 @@
 //! What a macro asks the outside, at compile time and at run time.
 //!
-//! Invariant: the language reaches nothing but through these traits; calls carry indices of tables given once, never
+//! *Invariant:* the language reaches nothing but through these traits; calls carry indices of tables given once, never
 //! names. What a running macro asks is one trait for each concern: [`Variables`], [`Blocks`], [`Files`], [`Dialog`].
 
 mod blocks;

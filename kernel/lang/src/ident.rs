@@ -1,6 +1,6 @@
 //! The words of the language: minor words (keywords), major words (records), reserved words; near misses.
 //!
-//! Invariant: words are looked up in upper case; every word and code appears once per table. Facts: the lists of
+//! *Invariant:* words are looked up in upper case; every word and code appears once per table. Facts: the lists of
 //! minor, major and reserved words of the reference.
 
 use crate::value::Record;
@@ -60,7 +60,7 @@ pub fn major_name(subclass: i32) -> Option<&'static str> {
     major().names.get(&subclass).copied()
 }
 
-/// The record that a word names: a major word, or a reserved word of the post product that is a record of its own. The
+/// The record that a word names: a major word, or a reserved word of the post-processor product that is a record of its own. The
 /// numbers of the latter are those of cutter location data; class 29000 is this project's own, for words without one.
 #[must_use]
 pub fn record(word: &str) -> Option<Record> {
@@ -95,7 +95,7 @@ fn records() -> &'static [(&'static str, Record)] {
 pub enum Reserved {
     /// The control emulator's macros.
     Control,
-    /// The post product only.
+    /// The post-processor product only.
     Post,
 }
 

@@ -1,6 +1,6 @@
 //! Tokens: logical lines, blanks-insensitive, both spellings.
 //!
-//! Invariant: lexing never fails and takes linear time; what cannot be a token becomes a diagnostic and is left out.
+//! *Invariant:* lexing never fails and takes linear time; what cannot be a token becomes a diagnostic and is left out.
 //! Facts: reference macro-language.md 1.1 to 1.3.
 
 mod scan;

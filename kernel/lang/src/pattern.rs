@@ -1,6 +1,6 @@
 //! Regular expressions in the dialect of the line editor `ed`.
 //!
-//! Invariant: matching uses no recursion and stops with a fault when its step budget is used up, so no expression and
+//! *Invariant:* matching uses no recursion and stops with a fault when its step budget is used up, so no expression and
 //! no text can hang or crash a macro. Facts: reference macro-language.md 4. Choices of this project: a star on a group
 //! works; a star with nothing before it is literal; replacing all substitutes an empty match once per position, never
 //! directly after a match; splitting ignores empty matches.

@@ -1,6 +1,6 @@
 //! Everything compiled so far, and under which rules.
 //!
-//! Invariant: an index of a macro, of a function or of a variable keeps its meaning when sources are added.
+//! *Invariant:* an index of a macro, of a function or of a variable keeps its meaning when sources are added.
 
 use crate::bytecode::{Code, Shared};
 use crate::source::Source;

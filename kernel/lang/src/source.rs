@@ -1,6 +1,6 @@
 //! Source text of a file of macros and places in it.
 //!
-//! Invariant: every offset kept in tokens, trees and bytecode is a byte offset into one source's text.
+//! *Invariant:* every offset kept in tokens, trees and bytecode is a byte offset into one source's text.
 
 /// A stretch of a source, in bytes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

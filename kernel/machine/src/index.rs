@@ -5,7 +5,7 @@
 //! only a number (of the program, or of a macro) becomes an id through [`Table::id`], which may say no.
 
 use std::marker::PhantomData;
-use std::ops::{Deref, DerefMut, Index, IndexMut};
+use std::ops::{Index, IndexMut};
 
 mod sealed {
     /// Making ids is a matter of this module.
@@ -159,17 +159,28 @@ impl<I: Id, T> IndexMut<I> for Table<I, T> {
     }
 }
 
-impl<I, T> Deref for Table<I, T> {
-    type Target = [T];
+impl<I, T> Table<I, T> {
+    /// All entries, in order.
+    pub fn iter(&self) -> std::slice::Iter<'_, T> {
+        self.entries.iter()
+    }
 
-    fn deref(&self) -> &[T] {
+    /// All entries, in order.
+    #[must_use]
+    pub fn as_slice(&self) -> &[T] {
         &self.entries
     }
-}
 
-impl<I, T> DerefMut for Table<I, T> {
-    fn deref_mut(&mut self) -> &mut [T] {
-        &mut self.entries
+    /// How many entries there are.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.entries.len()
+    }
+
+    /// There is no entry.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.entries.is_empty()
     }
 }
 

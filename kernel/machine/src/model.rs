@@ -2,8 +2,10 @@
 
 mod behaviour;
 pub mod paths;
+mod waits;
 
 pub use behaviour::*;
+pub use waits::*;
 
 use super::ident::{CodeId, DataId, Name};
 use super::index::{CodeRowId, DataRowId, Table};

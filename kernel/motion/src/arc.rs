@@ -2,7 +2,7 @@
 //!
 //! Plane coordinates are `(first, second)` axis of the plane in right-handed order (XY, ZX, YZ), radius values.
 //! Angles come from `libm`, so that every machine gives the same bits.
-//! Invariant: an [`Arc`] that exists has a positive radius and a sweep in the asked direction.
+//! *Invariant:* an [`Arc`] that exists has a positive radius and a sweep in the asked direction.
 
 use std::f64::consts::{PI, TAU};
 

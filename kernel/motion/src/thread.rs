@@ -1,7 +1,7 @@
 //! Time of a thread: feed locked to the spindle, with a lead that may change along the way.
 //!
 //! The lead changes by the same amount with each revolution, `L(n) = L₀ + c·n`, so the way is `L₀·n + c·n²/2`.
-//! Invariant: everything is integrated exactly, under constant surface speed too.
+//! *Invariant:* everything is integrated exactly, under constant surface speed too.
 
 use crate::surface_speed::Speed;
 

@@ -92,7 +92,7 @@ fn check_options(spec: &Spec, findings: &mut Vec<Finding>) {
     let mut wrong = |text: String| findings.push(Finding::error("job", 0, 0, text));
     for level in &spec.options.opskip {
         if *level > 9 {
-            wrong(format!("optional-skip level {level} is not between 1 and 9, nor 0 for the machine's own"));
+            wrong(format!("block skip level {level} is not valid: expected 1 to 9, or 0 for the level of the machine"));
         }
     }
     let parameters = &spec.options.parameters;
@@ -100,7 +100,7 @@ fn check_options(spec: &Spec, findings: &mut Vec<Finding>) {
         wrong(format!("the parameters must be one line of at most {MOST_PARAMETERS} characters"));
     }
     if let Err(letter) = Letters::parse(&spec.options.trace) {
-        wrong(format!("'{}' is no letter of a trace, they are {}", letter.escape_debug(), letters::ALL));
+        wrong(format!("'{}' is not a valid trace letter: expected any of {}", letter.escape_debug(), letters::ALL));
     }
     counterpoint_ports::dialog::answers::check(&spec.machine.dialogs, &spec.options.answers)
         .into_iter()
@@ -190,7 +190,7 @@ fn candidates<'a>(
         let file = index as u16;
         let Some(source) = sources.get(file) else { continue };
         if source.walk(1, source.lines()).all(|n| source.line(n).iter().all(u8::is_ascii_whitespace)) {
-            let text = "the file is empty: a program has at least one block";
+            let text = "the file is empty: a program needs at least one block";
             findings.push(Finding::error(wish.file.clone(), 0, 0, text));
             continue;
         }
@@ -232,7 +232,7 @@ fn by_head(
         Some(Ok(found)) if found.len() > 1 => found.into_iter().map(|(head, range)| (range, Some(head))).collect(),
         Some(Err((head, line))) => {
             let text =
-                format!("the program of head {head} goes on after that of another head; it must be in one piece");
+                format!("the program of head {head} continues after that of another head; it must be in one piece");
             findings.push(Finding::error(source.name.clone(), line, 0, text));
             Vec::new()
         }
@@ -271,7 +271,7 @@ fn place(spec: &Spec, candidates: Vec<Candidate<'_>>, channels: &mut [Channel], 
             None if spec.programs.len() == 1 => {}
             None => {
                 let plural = if count == 1 { "" } else { "s" };
-                let text = format!("machine {machine} has {count} channel{plural}, there are more programs");
+                let text = format!("machine {machine} has {count} channel{plural}, but the job has more programs");
                 findings.push(candidate.error(text));
             }
         }
@@ -287,7 +287,7 @@ fn named(number: u32, source: &Source, callers: &Callers) -> Option<Range> {
 fn missing_number(wish: &Program, number: u32, source: &Source) -> Finding {
     let known: Vec<String> = source.programs().iter().filter_map(|r| r.number).map(|n| format!("O{n:04}")).collect();
     let known = if known.is_empty() { "none".to_owned() } else { known.join(", ") };
-    Finding::error(wish.file.clone(), 0, 0, format!("there is no program O{number:04} in the file, it has {known}"))
+    Finding::error(wish.file.clone(), 0, 0, format!("program O{number:04} not found in the file, which has {known}"))
 }
 
 /// Main programs of a file: those that no other program of the file calls; the first one if all are called. Text before

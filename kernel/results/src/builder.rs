@@ -1,7 +1,8 @@
 //! All results of a job in one pass over its events.
 //!
 //! Two ways lead to the same results: the ordered log, event by event ([`ResultsBuilder::event`]), or the stream of every
-//! channel into the results of that channel, on any thread, when nobody needs the order between channels.
+//! channel into the results of that channel, on the thread of its kernel. A run goes the second way, what is made again from a
+//! stored log the first.
 
 use std::sync::Arc;
 
@@ -109,7 +110,7 @@ impl ResultsBuilder {
         let mut cut_short = false;
         for (results, channel) in channels.into_iter().zip(&info.channels) {
             let ChannelResults { number, digest, mut tally, mut bars, track, program, tools, spans, .. } = results;
-            let stay = sync_points.standing(number);
+            let stay = sync_points.open_stay(number);
             let since = stay.map(|stay| stay.since_ns);
             let (state, end_ns) = tally.close(since, last_ns, outcome.cancelled);
             cut_short |= tally.is_cut_short(state);

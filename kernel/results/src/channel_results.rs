@@ -25,7 +25,7 @@ pub struct ChannelResults {
     pub(super) tally: Tally,
     pub(super) bars: Bars,
     pub(super) track: Track,
-    /// The wait it stands at.
+    /// The wait that blocks it.
     pub(super) wait: Option<Stay>,
     /// Stays that have ended.
     pub(super) stays: Vec<Stay>,

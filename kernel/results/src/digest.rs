@@ -9,7 +9,7 @@
 //! on, at the time where the event before ended). `-0.0` counts as `0.0`, texts and lists carry their length (u32),
 //! kinds and words their number on the wire, counted from 0. A motion says which axes of its start differ from where the
 //! last motion ended and which of its end differ from its start, and gives only those. *Invariant:* every field of every
-//! event can be told from the form; numbers already given to a kind or a state never change.
+//! event can be read from the form; numbers already given to a kind or a state never change.
 
 mod form;
 
@@ -66,7 +66,7 @@ struct Facts {
     turns: u16,
 }
 
-/// A run of expected blocks with nothing behind it.
+/// A run of expected blocks with nothing after it.
 const ONLY_BLOCKS: u8 = 255;
 
 /// Flags of the word an event begins with.

@@ -1,7 +1,7 @@
 //! Arcs of the log as geometry.
 //!
 //! Events give arcs by start, end and centre in programmed units; here radius values take the place of diameters.
-//! Invariant: angles are in the plane of the arc, counter-clockwise positive from its first axis to its second.
+//! *Invariant:* angles are in the plane of the arc, counter-clockwise positive from its first axis to its second.
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 

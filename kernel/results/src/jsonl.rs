@@ -165,7 +165,7 @@ fn float(out: &mut Vec<u8>, number: f64) {
 fn serial<T: serde::Serialize + ?Sized>(out: &mut Vec<u8>, value: &T) {
     let start = out.len();
     if serde_json::to_writer(&mut *out, value).is_err() {
-        // Cannot happen with a writer in memory; the line stays valid all the same.
+        // Cannot happen with a writer in memory; the line stays valid nevertheless.
         out.truncate(start);
         out.extend_from_slice(b"null");
     }

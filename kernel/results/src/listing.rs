@@ -3,7 +3,7 @@
 //! Layouts: reference listing-and-trace.md 2, 3, 5, 7, 8; columns are exact. Invariants: the same log gives the same
 //! listing (no date, no process number); events are folded as they stream by, the log is never held.
 //!
-//! Where the reference leaves a choice: diagnostics of the master kernel stand in every listing, since they concern
+//! Where the reference leaves a choice: diagnostics of the master kernel are in every listing, since they concern
 //! all channels; tooling feeds are as programmed (threads and inverse time left out); the rev/min of constant surface
 //! speed are the means of the motions; travel extremes are those of all places reached by the motions of a table.
 

@@ -1,7 +1,7 @@
 //! When which tool of a channel was in work, and on what.
 //!
 //! The operation is the comment of the block that loads the tool, or of a line of comment next to it: that is where
-//! people and CAM systems write it; a tool with a name of its own goes by that. Invariant: spans of a channel ascend and
+//! people and CAM systems write it; a tool with a name of its own goes by that. *Invariant:* spans of a channel ascend and
 //! do not overlap; there are at most `MOST`.
 
 use std::sync::Arc;
@@ -85,7 +85,7 @@ fn operation(info: &Info, file: FileId, line: u32) -> String {
     cut(&found.unwrap_or_default(), LONGEST)
 }
 
-/// What stands in brackets or after a semicolon.
+/// The text in brackets or after a semicolon.
 fn comment(text: &str) -> Option<String> {
     let bracket = text.split_once('(').map(|(_, rest)| rest.split_once(')').map_or(rest, |(inside, _)| inside));
     let found = bracket.or_else(|| text.split_once(';').map(|(_, rest)| rest))?;

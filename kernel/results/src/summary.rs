@@ -1,8 +1,8 @@
 //! The summary of a job: how it ended, how long everything took, who waited for whom.
 //!
-//! Facts: reference control-emulator.md 6.9 (classes of time). Invariant: for every channel
+//! Facts: reference control-emulator.md 6.9 (classes of time). *Invariant:* for every channel
 //! `feed_ns + rapid_ns + misc_ns + wait_ns` is its `end_ns`; durations are cut where the log was cut, and a wait
-//! that never came true counts up to where its channel ends.
+//! that was never satisfied counts up to where its channel ends.
 
 pub mod tally;
 #[cfg(test)]
@@ -42,9 +42,9 @@ pub enum State {
 pub enum ChannelState {
     /// Its program has ended.
     Ended,
-    /// It stands on an alarm.
+    /// It was stopped by an alarm.
     Alarmed,
-    /// It stands at a wait that never came true.
+    /// It is blocked at a wait that was never satisfied.
     Blocked,
     /// It has no program.
     NotStarted,
@@ -67,7 +67,7 @@ pub struct Summary {
     pub channels: Vec<Channel>,
     /// Sync points in order of their number, then waits that were never satisfied.
     pub waits: Waits,
-    /// Why channels can never go on.
+    /// Why channels cannot continue.
     pub verdict: Option<Verdict>,
     /// Diagnostics in log order, [`MAX_DIAGNOSTICS`] at most.
     pub diagnostics: Vec<Diagnostic>,
@@ -119,9 +119,9 @@ pub struct Verdict {
 pub struct Member {
     /// Channel number.
     pub channel: u16,
-    /// File name, empty when it stands at no line.
+    /// File name, empty when it is at no line.
     pub file: String,
-    /// Line, 0 when it stands at none.
+    /// Line, 0 when it is at none.
     pub line: u32,
     /// Text of the block.
     pub block: String,

@@ -189,7 +189,7 @@ impl SyncPoints {
     }
 
     /// The stay of a channel that has no end.
-    pub(crate) fn standing(&self, channel: u16) -> Option<&Stay> {
+    pub(crate) fn open_stay(&self, channel: u16) -> Option<&Stay> {
         self.open.iter().find(|(c, _)| *c == channel).map(|(_, stay)| stay)
     }
 

@@ -85,7 +85,7 @@ pub(crate) fn wait(channel: u16, line: u32, t_ns: i64, key: &str, participants: 
 }
 
 pub(crate) fn release(channel: u16, line: u32, since_ns: i64, t_ns: i64, key: &str, meeting: u64) -> Event {
-    let release = Release { key: key.into(), primitive: Primitive::Barrier, since_ns, meeting, mark: mark(key) };
+    let release = Release { key: key.into(), primitive: Primitive::Barrier, since_ns, meeting, mark: mark(key), by: 1 };
     at(channel, line, t_ns, 0, Kind::Release(release))
 }
 

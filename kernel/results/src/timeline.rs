@@ -1,7 +1,7 @@
 //! The timeline of a job: what every channel did when, and where they met.
 //!
 //! Invariants: bars of a channel ascend and do not overlap; neighbours of one kind are one bar (waits stay apart);
-//! a channel has [`bars::MOST`] bars at most. The stand of a blocked channel is no bar: it has no end and shows in
+//! a channel has [`bars::MOST`] bars at most. The open wait of a blocked channel is not a bar: it has no end and shows in
 //! `waits` without a release.
 
 pub mod bars;

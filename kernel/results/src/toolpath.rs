@@ -1,11 +1,11 @@
 //! The toolpath of a job in the work frame.
 //!
 //! Lathes (a channel with a diameter axis X and a Z) are seen as turners draw: Z to the right, X up as a radius.
-//! Everything else is X Y Z, seen from above and from the front. Invariant: a channel holds [`store::MOST`] moves at
+//! Everything else is X Y Z, seen from above and from the front. *Invariant:* a channel holds [`store::MOST`] moves at
 //! most; beyond that the path gets coarser, and a path that cannot be thinned ends early and says so.
 //!
 //! As JSON: `{unit, view: "zx" | "xyz", channels: [{channel, name, side, tools, truncated, segments}]}`. `side` is
-//! `lower` for a channel that works from below the turning axis; its coordinates are as programmed all the same. `tools`
+//! `lower` for a channel that works from below the turning axis; its coordinates are as programmed nevertheless. `tools`
 //! are those that moved, `{tool, name}`. A segment is either
 //! `{kind: rapid | feed | thread, points}` with the coordinates of a polyline one after the other (two or three for
 //! each point, by the view), or `{kind: arc_cw | arc_ccw, points, plane, center, turns}` with start and end in
@@ -35,7 +35,7 @@ const CHORD: f64 = std::f64::consts::TAU / 120.0;
 /// Chords of a circle with many turns that is seen from its side.
 const MOST_CHORDS: f64 = 4000.0;
 
-/// Tools that are told apart.
+/// Tools that get colours of their own.
 const MOST_TOOLS: usize = 500;
 
 /// How the path is seen.
@@ -202,7 +202,7 @@ impl Track {
 }
 
 impl Track {
-    /// The path goes on where the motion begins.
+    /// The path continues where the motion starts.
     #[inline(always)]
     fn begin(&mut self, motion: &Motion, line: u32) {
         if self.end != Some(motion.from) {

@@ -1,7 +1,7 @@
 //! The tools of one channel: what is known about each, and the offsets it was used with.
 //!
-//! Facts: reference listing-and-trace.md 7.1. Invariant: rows stand in the order of the first loads unless the channel
-//! has told another one; motions and blocks are not looked at.
+//! Facts: reference listing-and-trace.md 7.1. *Invariant:* rows are in the order of the first loads unless the channel
+//! has given another one; motions and blocks are ignored.
 
 use rustc_hash::FxHashMap;
 use serde::{Deserialize, Serialize};
@@ -94,7 +94,7 @@ impl Tools {
                 (row.diameter, row.radius, row.length) = (data.diameter, data.radius, data.length);
             }
         }
-        // Rows without a place keep theirs behind all others.
+        // Rows without a place keep their order after all others.
         rows.sort_by_key(|row| data.get(&row.tool).map_or(0, |data| data.place).wrapping_sub(1));
         rows
     }

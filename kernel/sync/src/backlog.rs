@@ -25,7 +25,7 @@ const SLICE: usize = 16;
 /// Events that wait, and the results that they will be taken into.
 pub struct Backlog {
     /// Number of the channel.
-    pub rank: u16,
+    pub channel: u16,
     /// None: nobody wants results, the events are only counted.
     results: Option<ChannelResults>,
     /// Chunks, each with its bytes.
@@ -52,10 +52,10 @@ pub struct Backlog {
 
 impl Backlog {
     /// Feeds the results of a channel, if somebody wants results. `room`: bytes that may wait for other kernels.
-    pub fn new(rank: u16, results: Option<ChannelResults>, room: u64) -> Self {
+    pub fn new(channel: u16, results: Option<ChannelResults>, room: u64) -> Self {
         let (waiting, spare) = (VecDeque::new(), Vec::new());
         Self {
-            rank,
+            channel,
             results,
             waiting,
             taken: 0,
@@ -172,7 +172,7 @@ impl Backlog {
         let mut from = self.taken;
         for (chunk, _) in std::mem::take(&mut self.waiting) {
             let rest = chunk.get(std::mem::take(&mut from)..).unwrap_or_default();
-            let after = |e: &Event| Tag { t: e.t_ns, micro: e.micro, rank: self.rank } > stop;
+            let after = |e: &Event| Tag { t: e.t_ns, micro: e.micro, channel: self.channel } > stop;
             let end = rest.iter().position(after).unwrap_or(rest.len());
             self.keep(rest.get(..end).unwrap_or_default());
         }
@@ -219,7 +219,7 @@ mod tests {
         // Whole slices before the floor.
         assert_eq!((backlog.events, backlog.last), (32, (32, 0)));
         assert!(!backlog.take_most(|| 60));
-        let closed = backlog.close(Tag { t: 70, micro: 0, rank: 1 });
+        let closed = backlog.close(Tag { t: 70, micro: 0, channel: 1 });
         assert_eq!((closed.events, closed.last), (70, (70, 0)));
     }
 

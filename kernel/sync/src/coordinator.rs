@@ -14,15 +14,15 @@ pub mod turn;
 
 use crossbeam_channel::Sender;
 
-use crate::merge::Message;
-use crate::order::{BLOCKED, Effect, Order};
-use crate::primitives;
-use crate::primitives::atomic::{
+use crate::channels::Channels;
+use crate::locks;
+use crate::locks::atomic::{
     AtomicBool, AtomicI64, AtomicU32, AtomicU64,
     Ordering::{Acquire, Relaxed, Release, SeqCst},
 };
-use crate::primitives::{Condvar, Mutex, MutexGuard, PoisonError, TryLockError, spin_loop};
-use crate::ranks::Ranks;
+use crate::locks::{Condvar, Mutex, MutexGuard, PoisonError, TryLockError, spin_loop};
+use crate::merge::Message;
+use crate::order::{BLOCKED, Effect, Order};
 use crate::shared::Shared;
 use crate::sink::WrittenFiles;
 use crate::tag::Tag;
@@ -32,7 +32,7 @@ use crate::waits::Waits;
 const LOCK_TRIES: u32 = 100;
 
 /// Where a job stops that is aborted: before everything.
-const ABORT: Tag = Tag { t: i64::MIN, micro: 0, rank: 0 };
+const ABORT: Tag = Tag { t: i64::MIN, micro: 0, channel: 0 };
 
 /// The job was stopped; the kernel has to end.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -68,7 +68,7 @@ struct Inner {
 
 /// The meeting place of the kernels of one job.
 pub struct Coordinator {
-    ranks: Ranks,
+    channels: Channels,
     slots: Box<[Slot]>,
     inner: Mutex<Inner>,
     /// Time of the stop, read by running kernels once per block.
@@ -101,8 +101,14 @@ impl Inner {
 
 impl Coordinator {
     /// For these channels, of which `threads` may run at once (0 = all).
-    pub fn new(ranks: Ranks, threads: usize, shared: Shared, waits: Waits, messages: Option<Sender<Message>>) -> Self {
-        let kernels = ranks.count();
+    pub fn new(
+        channels: Channels,
+        threads: usize,
+        shared: Shared,
+        waits: Waits,
+        messages: Option<Sender<Message>>,
+    ) -> Self {
+        let kernels = channels.count();
         let permits = if threads == 0 { kernels } else { threads.min(kernels) };
         let cores = std::thread::available_parallelism().map_or(1, usize::from);
         let one_thread = permits <= 1 || cores == 1;
@@ -118,14 +124,14 @@ impl Coordinator {
         Self {
             slots: (0..kernels).map(|_| slot()).collect(),
             inner: Mutex::new(Inner {
-                order: Order::new(ranks.clone(), shared, waits),
+                order: Order::new(channels.clone(), shared, waits),
                 flushed: vec![false; kernels],
                 stream_blocked: vec![false; kernels],
                 permits,
                 queue: Vec::new(),
                 messages,
             }),
-            ranks,
+            channels,
             stop_t: AtomicI64::new(i64::MAX),
             resumes: AtomicU64::new(0),
             waiting_permits: AtomicU32::new(0),
@@ -152,8 +158,8 @@ impl Coordinator {
         self.one_thread
     }
 
-    fn slot(&self, rank: u16) -> Option<&Slot> {
-        self.slots.get(self.ranks.index(rank))
+    fn slot(&self, channel: u16) -> Option<&Slot> {
+        self.slots.get(self.channels.index(channel))
     }
 
     /// The lock; a poisoned one is taken over, since every change under it is complete.
@@ -171,11 +177,11 @@ impl Coordinator {
 
     /// The kernel will do nothing before `t`. Returns `false` when the job was stopped before that.
     #[inline]
-    pub fn publish(&self, rank: u16, t: i64) -> bool {
+    pub fn publish(&self, channel: u16, t: i64) -> bool {
         if self.single.load(Relaxed) {
             return t <= self.stop_t.load(Relaxed);
         }
-        if let Some(slot) = self.slot(rank) {
+        if let Some(slot) = self.slot(channel) {
             // Whoever asks at this very moment may see the time before this one, and is answered with the next block.
             slot.bound.store(t, Release);
             if t > slot.need.load(Acquire) {
@@ -189,11 +195,11 @@ impl Coordinator {
 
     /// No other kernel will do anything before this time, nor has stopped the job before it; the largest time when
     /// all the others are done. A kernel that is blocked can only be resumed by this one, so it holds at this one's time.
-    pub fn floor(&self, rank: u16) -> i64 {
+    pub fn floor(&self, channel: u16) -> i64 {
         let least = || {
-            let others = self.slots.iter().zip(self.ranks.numbers()).filter(|(_, other)| **other != rank);
+            let others = self.slots.iter().zip(self.channels.numbers()).filter(|(_, other)| **other != channel);
             let least = others.map(|(slot, _)| slot.bound.load(SeqCst)).min().unwrap_or(i64::MAX);
-            let least = if least == BLOCKED { self.bound(rank) } else { least };
+            let least = if least == BLOCKED { self.bound(channel) } else { least };
             // A kernel that has stopped the job is done: the stop is looked at after its bound.
             least.min(self.stop_t.load(SeqCst))
         };
@@ -208,8 +214,8 @@ impl Coordinator {
     }
 
     /// No event of a kernel comes before this time any more, ns.
-    pub fn bound(&self, rank: u16) -> i64 {
-        self.slot(rank).map_or(i64::MAX, |slot| slot.bound.load(SeqCst))
+    pub fn bound(&self, channel: u16) -> i64 {
+        self.slot(channel).map_or(i64::MAX, |slot| slot.bound.load(SeqCst))
     }
 
     /// The files that macros have written, when no kernel runs any more.
@@ -233,6 +239,8 @@ impl Coordinator {
 
     /// Lets the order take its next steps.
     fn settle(&self, inner: &mut Inner) {
+        // A kernel that this turn resumed has its bound back before bounds are read, or others would act before it.
+        self.apply(inner);
         inner.order.hear(self.slots.iter().map(|slot| slot.bound.load(SeqCst)));
         let waiting = inner.order.settle();
         self.apply(inner);
@@ -248,18 +256,18 @@ impl Coordinator {
         let mut effects = inner.order.effects();
         for effect in effects.drain(..) {
             match effect {
-                Effect::Bound(rank, t) => self.set_bound(rank, t),
-                Effect::Blocked(rank) => self.stream_blocked(inner, rank),
-                Effect::Woken(rank, tag) => {
-                    let index = self.ranks.index(rank);
+                Effect::Bound(channel, t) => self.set_bound(channel, t),
+                Effect::Blocked(channel) => self.stream_blocked(inner, channel),
+                Effect::Woken(channel, tag) => {
+                    let index = self.channels.index(channel);
                     if let Some(flushed) = inner.flushed.get_mut(index) {
                         *flushed = false;
                     }
                     let blocked = inner.stream_blocked.get_mut(index).is_some_and(std::mem::take);
                     if let Some(tag) = tag.filter(|_| blocked) {
-                        inner.send(Message::Resumed(rank, tag));
+                        inner.send(Message::Resumed(channel, tag));
                     }
-                    self.signal(rank);
+                    self.signal(channel);
                 }
                 Effect::Stop(tag) => {
                     self.stop_t.fetch_min(tag.t, SeqCst);
@@ -273,8 +281,8 @@ impl Coordinator {
         inner.order.recycle(effects);
     }
 
-    fn set_bound(&self, rank: u16, t: i64) {
-        let Some(slot) = self.slot(rank) else { return };
+    fn set_bound(&self, channel: u16, t: i64) {
+        let Some(slot) = self.slot(channel) else { return };
         if slot.bound.load(SeqCst) == BLOCKED {
             self.resumes.fetch_add(1, SeqCst);
             slot.bound.store(t, SeqCst);
@@ -286,10 +294,10 @@ impl Coordinator {
     }
 
     /// The kernel is blocked: the merger hears of it once all events up to here are sent.
-    fn stream_blocked(&self, inner: &mut Inner, rank: u16) {
-        let index = self.ranks.index(rank);
+    fn stream_blocked(&self, inner: &mut Inner, channel: u16) {
+        let index = self.channels.index(channel);
         if inner.flushed.get(index) == Some(&true) {
-            inner.send(Message::Blocked(rank));
+            inner.send(Message::Blocked(channel));
             if let Some(blocked) = inner.stream_blocked.get_mut(index) {
                 *blocked = true;
             }

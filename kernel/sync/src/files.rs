@@ -163,7 +163,7 @@ mod tests {
 
     #[test]
     fn what_was_open_is_written_up_to_the_stop() {
-        let tag = |t, rank| Tag { t, micro: 0, rank };
+        let tag = |t, channel| Tag { t, micro: 0, channel };
         let mut written = Written::default();
         assert_eq!(written.put("t", "temporary"), Ok(()));
         for (at, text) in [(tag(5, 2), "late"), (tag(3, 2), "second"), (tag(3, 1), "first")] {

@@ -1,21 +1,26 @@
 //! How the kernels of a job run beside each other: the order of their shared operations, waits and the verdict on those
 //! that never end, what they share, and the streams of their events merged into one log.
 //!
-//! *Invariant:* nothing here knows a code, a word or a control; what happens depends on tags alone, not on threads.
+//! *Invariant:* nothing here knows a code, a word or a control: a wait comes with the rule of its control, as data. What
+//! happens depends on tags alone, not on threads.
 
 pub mod backlog;
+pub mod channels;
 pub mod coordinator;
 pub mod files;
 mod hoard;
+mod locks;
 pub mod merge;
 pub mod order;
 mod primitives;
-pub mod ranks;
 pub mod shared;
 pub mod sink;
 pub mod stream;
 pub mod tag;
+#[cfg(test)]
+mod testing;
 pub mod verdict;
+pub mod wait;
 pub mod waits;
 
 pub use hoard::weight;

@@ -27,7 +27,7 @@ pub enum Message {
     /// Events of a stream, and the promise that later ones are not before `upto`.
     Chunk {
         /// Stream.
-        rank: u16,
+        channel: u16,
         /// Events in order.
         events: Chunk,
         /// Promise.
@@ -46,7 +46,7 @@ pub enum Message {
 /// A kernel's end of the merger.
 pub struct Feeder {
     /// Number of the channel.
-    pub rank: u16,
+    pub channel: u16,
     messages: Sender<Message>,
     back: Receiver<Chunk>,
     /// Chunks on the way.
@@ -59,7 +59,7 @@ impl Feeder {
     /// Sends events; no later event is before `upto`.
     pub fn send(&mut self, events: Chunk, upto: Tag) {
         self.sent += 1;
-        let _ = self.messages.send(Message::Chunk { rank: self.rank, events, upto });
+        let _ = self.messages.send(Message::Chunk { channel: self.channel, events, upto });
     }
 
     /// As many chunks are on the way as may be: the kernel waits for one to come back.
@@ -88,7 +88,7 @@ enum State {
 }
 
 struct Stream {
-    rank: u16,
+    channel: u16,
     chunks: VecDeque<(Chunk, usize)>,
     state: State,
     /// Where chunks go that are in the log.
@@ -98,7 +98,7 @@ struct Stream {
 impl Stream {
     fn head(&self) -> Option<Tag> {
         let (events, at) = self.chunks.front()?;
-        events.get(*at).map(|e| Tag { t: e.t_ns, micro: e.micro, rank: self.rank })
+        events.get(*at).map(|e| Tag { t: e.t_ns, micro: e.micro, channel: self.channel })
     }
 
     /// No event of this stream that is not yet out is before this tag.
@@ -134,17 +134,22 @@ pub enum End {
 impl Merger {
     /// A merger for these channels, each with `room` bytes on the way at most, a feeder for each of them, and a sender for
     /// messages about streams.
-    pub fn new(ranks: impl Iterator<Item = u16>, room: u64) -> (Self, Vec<Feeder>, Sender<Message>) {
+    pub fn new(channels: impl Iterator<Item = u16>, room: u64) -> (Self, Vec<Feeder>, Sender<Message>) {
         let chunk = (CHUNK * size_of::<Event>() + TEXTS) as u64;
         let credit = usize::try_from(room / chunk).unwrap_or(CREDIT).clamp(2, CREDIT);
         let (sender, messages) = unbounded();
         let mut streams = Vec::new();
         let mut feeders = Vec::new();
-        for rank in ranks {
+        for channel in channels {
             let (back, returned) = bounded(CREDIT);
-            let floor = Tag { t: 0, micro: 0, rank };
-            streams.push(Stream { rank, chunks: VecDeque::with_capacity(CREDIT), state: State::Active(floor), back });
-            feeders.push(Feeder { rank, messages: sender.clone(), back: returned, sent: 0, credit });
+            let floor = Tag { t: 0, micro: 0, channel };
+            streams.push(Stream {
+                channel,
+                chunks: VecDeque::with_capacity(CREDIT),
+                state: State::Active(floor),
+                back,
+            });
+            feeders.push(Feeder { channel, messages: sender.clone(), back: returned, sent: 0, credit });
         }
         (Self { streams, messages, stop: Tag::END, next_seq: 1, end: End::Complete }, feeders, sender)
     }
@@ -211,14 +216,14 @@ impl Merger {
         }
     }
 
-    fn stream(&mut self, rank: u16) -> Option<&mut Stream> {
-        self.streams.iter_mut().find(|s| s.rank == rank)
+    fn stream(&mut self, channel: u16) -> Option<&mut Stream> {
+        self.streams.iter_mut().find(|s| s.channel == channel)
     }
 
     fn take(&mut self, message: Message) {
         match message {
-            Message::Chunk { rank, events, upto } => {
-                if let Some(stream) = self.stream(rank) {
+            Message::Chunk { channel, events, upto } => {
+                if let Some(stream) = self.stream(channel) {
                     stream.state = State::Active(upto);
                     if events.is_empty() {
                         recycle(stream, events);
@@ -227,15 +232,15 @@ impl Merger {
                     }
                 }
             }
-            Message::Blocked(rank) => self.set(rank, State::Blocked),
-            Message::Resumed(rank, tag) => self.set(rank, State::Active(tag)),
-            Message::Done(rank) => self.set(rank, State::Done),
+            Message::Blocked(channel) => self.set(channel, State::Blocked),
+            Message::Resumed(channel, tag) => self.set(channel, State::Active(tag)),
+            Message::Done(channel) => self.set(channel, State::Done),
             Message::StopAt(tag) => self.stop = self.stop.min(tag),
         }
     }
 
-    fn set(&mut self, rank: u16, state: State) {
-        if let Some(stream) = self.stream(rank) {
+    fn set(&mut self, channel: u16, state: State) {
+        if let Some(stream) = self.stream(channel) {
             stream.state = state;
         }
     }
@@ -275,13 +280,13 @@ impl Merger {
                 }
                 return End::Complete;
             }
-            let (rank, stop) = (stream.rank, self.stop);
+            let (channel, stop) = (stream.channel, self.stop);
             let Some((events, at)) = stream.chunks.pop_front() else { return End::Complete };
             let rest = events.get(at..).unwrap_or_default();
             let run = rest
                 .iter()
                 .position(|e| {
-                    let tag = Tag { t: e.t_ns, micro: e.micro, rank };
+                    let tag = Tag { t: e.t_ns, micro: e.micro, channel };
                     tag > bound || tag > stop
                 })
                 .unwrap_or(rest.len());

@@ -11,10 +11,11 @@ pub mod arrive;
 #[cfg(test)]
 mod explore;
 
-use crate::ranks::Ranks;
+use crate::channels::Channels;
 use crate::shared::Shared;
 use crate::tag::Tag;
-use crate::waits::{Arrival, Set, Waiting, Waits};
+use crate::wait::{Act, Finish, Waiting};
+use crate::waits::{Arrival, Released, Waits};
 
 /// Bound of a kernel that is blocked at a wait.
 pub const BLOCKED: i64 = i64::MAX - 1;
@@ -45,8 +46,10 @@ pub enum Wake {
     Released {
         /// Where to continue.
         tag: Tag,
-        /// Ordinal of the meeting.
-        meeting: u64,
+        /// Ordinal of the sync point.
+        sync_point: u64,
+        /// The channel whose operation ended the wait.
+        by: u16,
         /// Every kernel that is not done took part, so nobody acts before the tag.
         all: bool,
     },
@@ -92,13 +95,13 @@ struct Seat {
 /// The kernels of a job and what they share.
 #[derive(Debug, Clone)]
 pub struct Order {
-    ranks: Ranks,
+    channels: Channels,
     seats: Vec<Seat>,
     /// The kernel that has the turn.
     acting: Option<u16>,
     stop: Option<Tag>,
-    /// Meetings so far.
-    pub meetings: u64,
+    /// Sync points so far.
+    pub sync_points: u64,
     /// A verdict has been given.
     pub judged: bool,
     /// Variables, spindles and files that the kernels share.
@@ -110,20 +113,20 @@ pub struct Order {
 
 impl Order {
     /// The order of a run that begins.
-    pub fn new(ranks: Ranks, shared: Shared, waits: Waits) -> Self {
+    pub fn new(channels: Channels, shared: Shared, waits: Waits) -> Self {
         let seat = || Seat { status: Status::Running, bound: 0, since: 0, arriving: None, wake: None };
-        let seats = (0..ranks.count()).map(|_| seat()).collect();
+        let seats = (0..channels.count()).map(|_| seat()).collect();
         let (acting, stop, effects) = (None, None, Vec::new());
-        Self { ranks, seats, acting, stop, meetings: 0, judged: false, shared, waits, effects }
+        Self { channels, seats, acting, stop, sync_points: 0, judged: false, shared, waits, effects }
     }
 
-    fn seat(&mut self, rank: u16) -> Option<&mut Seat> {
-        self.seats.get_mut(self.ranks.index(rank))
+    fn seat(&mut self, channel: u16) -> Option<&mut Seat> {
+        self.seats.get_mut(self.channels.index(channel))
     }
 
     /// How far a kernel has come.
-    pub fn status(&self, rank: u16) -> Status {
-        self.seats.get(self.ranks.index(rank)).map_or(Status::Done, |seat| seat.status)
+    pub fn status(&self, channel: u16) -> Status {
+        self.seats.get(self.channels.index(channel)).map_or(Status::Done, |seat| seat.status)
     }
 
     /// The last tag of the job, once it has been stopped.
@@ -155,7 +158,7 @@ impl Order {
     /// A running kernel asks for an operation at this tag, or arrives at a wait. Its next [`Wake`] is the answer.
     pub fn request(&mut self, tag: Tag, arriving: Option<Waiting>) {
         let refused = self.stop.is_some_and(|stop| stop < tag);
-        let Some(seat) = self.seat(tag.rank) else { return };
+        let Some(seat) = self.seat(tag.channel) else { return };
         if refused {
             seat.wake = Some(Wake::Stopped);
             return;
@@ -164,26 +167,26 @@ impl Order {
         seat.bound = seat.bound.max(tag.t);
         seat.arriving = arriving;
         let bound = seat.bound;
-        self.effects.push(Effect::Bound(tag.rank, bound));
+        self.effects.push(Effect::Bound(tag.channel, bound));
     }
 
     /// A running kernel does nothing before this tag until it is [`back`](Self::back).
     pub fn away(&mut self, tag: Tag) {
-        if let Some(seat) = self.seat(tag.rank) {
+        if let Some(seat) = self.seat(tag.channel) {
             seat.status = Status::Away(tag);
         }
     }
 
     /// It continues where it was.
-    pub fn back(&mut self, rank: u16) {
-        if let Some(seat) = self.seat(rank).filter(|seat| matches!(seat.status, Status::Away(_))) {
+    pub fn back(&mut self, channel: u16) {
+        if let Some(seat) = self.seat(channel).filter(|seat| matches!(seat.status, Status::Away(_))) {
             seat.status = Status::Running;
         }
     }
 
     /// The answer to a kernel's last request or wait, if it is there.
-    pub fn take_wake(&mut self, rank: u16) -> Option<Wake> {
-        self.seat(rank)?.wake.take()
+    pub fn take_wake(&mut self, channel: u16) -> Option<Wake> {
+        self.seat(channel)?.wake.take()
     }
 
     /// The next turn in order, or the end of all waits that nobody is left to end. Gives the tag that cannot have its turn
@@ -199,14 +202,14 @@ impl Order {
                 return Some(tag);
             }
             let waits = &self.waits;
-            let seat = self.seats.get_mut(self.ranks.index(tag.rank))?;
+            let seat = self.seats.get_mut(self.channels.index(tag.channel))?;
             let arriving = seat.arriving.take();
             match arriving.filter(|waiting| waits.is_plain(waiting)) {
                 Some(waiting) => self.arrive_for(waiting),
                 None => {
                     seat.status = Status::Running;
-                    self.acting = Some(tag.rank);
-                    self.wake(tag.rank, Wake::Turn);
+                    self.acting = Some(tag.channel);
+                    self.wake(tag.channel, Wake::Turn);
                 }
             }
         }
@@ -215,8 +218,8 @@ impl Order {
 
     /// No other kernel can act before this tag.
     fn is_next(&self, tag: Tag) -> bool {
-        self.seats.iter().zip(self.ranks.numbers()).all(|(seat, rank)| {
-            *rank == tag.rank
+        self.seats.iter().zip(self.channels.numbers()).all(|(seat, channel)| {
+            *channel == tag.channel
                 || match seat.status {
                     Status::Running => seat.bound > tag.t,
                     Status::Parked(other) | Status::Away(other) => other > tag,
@@ -227,56 +230,56 @@ impl Order {
 
     /// Running kernels that may still act before this tag, by index.
     pub fn earlier(&self, tag: Tag) -> impl Iterator<Item = usize> {
-        let seats = self.seats.iter().zip(self.ranks.numbers()).enumerate();
+        let seats = self.seats.iter().zip(self.channels.numbers()).enumerate();
         let earlier = move |seat: &Seat| seat.status == Status::Running && seat.bound <= tag.t;
-        seats.filter(move |(_, (seat, rank))| **rank != tag.rank && earlier(seat)).map(|(index, _)| index)
+        seats.filter(move |(_, (seat, channel))| **channel != tag.channel && earlier(seat)).map(|(index, _)| index)
     }
 
     /// The kernel executes blocks, has no turn, and no answer waits for it.
-    pub fn is_free(&self, rank: u16) -> bool {
-        let seat = self.seats.get(self.ranks.index(rank));
-        self.acting != Some(rank) && seat.is_some_and(|seat| seat.status == Status::Running && seat.wake.is_none())
+    pub fn is_free(&self, channel: u16) -> bool {
+        let seat = self.seats.get(self.channels.index(channel));
+        self.acting != Some(channel) && seat.is_some_and(|seat| seat.status == Status::Running && seat.wake.is_none())
     }
 
     /// No other kernel runs or is about to act.
-    pub fn alone(&self, rank: u16) -> bool {
+    pub fn alone(&self, channel: u16) -> bool {
         self.seats
             .iter()
-            .zip(self.ranks.numbers())
-            .all(|(seat, &other)| other == rank || matches!(seat.status, Status::Blocked | Status::Done))
+            .zip(self.channels.numbers())
+            .all(|(seat, &other)| other == channel || matches!(seat.status, Status::Blocked | Status::Done))
     }
 
     /// The kernel gives its turn back.
-    pub fn leave(&mut self, rank: u16) {
-        if self.acting == Some(rank) {
+    pub fn leave(&mut self, channel: u16) {
+        if self.acting == Some(channel) {
             self.acting = None;
         }
     }
 
     /// The kernel waits until another one resumes it.
-    pub fn block(&mut self, rank: u16) {
-        self.rest(rank, Status::Blocked, BLOCKED);
+    pub fn block(&mut self, channel: u16) {
+        self.rest(channel, Status::Blocked, BLOCKED);
     }
 
     /// The kernel is finished.
-    pub fn done(&mut self, rank: u16) {
-        self.leave(rank);
-        self.rest(rank, Status::Done, DONE);
+    pub fn done(&mut self, channel: u16) {
+        self.leave(channel);
+        self.rest(channel, Status::Done, DONE);
     }
 
-    fn rest(&mut self, rank: u16, status: Status, bound: i64) {
-        if let Some(seat) = self.seat(rank) {
+    fn rest(&mut self, channel: u16, status: Status, bound: i64) {
+        if let Some(seat) = self.seat(channel) {
             if seat.bound < BLOCKED {
                 seat.since = seat.bound;
             }
             (seat.status, seat.bound) = (status, bound);
-            self.effects.push(Effect::Bound(rank, bound));
+            self.effects.push(Effect::Bound(channel, bound));
         }
     }
 
     /// Ends the wait of a blocked kernel.
-    pub fn resume(&mut self, rank: u16, wake: Wake) {
-        if let Some(seat) = self.seat(rank) {
+    pub fn resume(&mut self, channel: u16, wake: Wake) {
+        if let Some(seat) = self.seat(channel) {
             let t = match &wake {
                 Wake::Released { tag, .. } | Wake::Alarm { tag, .. } => tag.t,
                 // What it does at its end has its place in the order too.
@@ -284,19 +287,19 @@ impl Order {
                 Wake::Turn | Wake::Over | Wake::Stopped => seat.bound,
             };
             (seat.status, seat.bound) = (Status::Running, t);
-            self.effects.push(Effect::Bound(rank, t));
-            self.wake(rank, wake);
+            self.effects.push(Effect::Bound(channel, t));
+            self.wake(channel, wake);
         }
     }
 
-    fn wake(&mut self, rank: u16, wake: Wake) {
+    fn wake(&mut self, channel: u16, wake: Wake) {
         let tag = match &wake {
             Wake::Released { tag, .. } | Wake::Alarm { tag, .. } => Some(*tag),
             Wake::Turn | Wake::Over | Wake::Stopped => None,
         };
-        if let Some(seat) = self.seat(rank) {
+        if let Some(seat) = self.seat(channel) {
             seat.wake = Some(wake);
-            self.effects.push(Effect::Woken(rank, tag));
+            self.effects.push(Effect::Woken(channel, tag));
         }
     }
 
@@ -308,7 +311,9 @@ impl Order {
         self.stop = Some(tag);
         self.effects.push(Effect::Stop(tag));
         for index in 0..self.seats.len() {
-            let (Some(seat), Some(&rank)) = (self.seats.get_mut(index), self.ranks.numbers().get(index)) else { break };
+            let (Some(seat), Some(&channel)) = (self.seats.get_mut(index), self.channels.numbers().get(index)) else {
+                break;
+            };
             let after = match seat.status {
                 Status::Parked(other) => other > tag,
                 Status::Blocked => true,
@@ -316,39 +321,62 @@ impl Order {
             };
             if after {
                 seat.arriving = None;
-                self.resume(rank, Wake::Stopped);
+                self.resume(channel, Wake::Stopped);
             }
         }
     }
 
-    /// A meeting takes place; its number.
-    pub fn count_meeting(&mut self, channels: Set) -> u64 {
-        self.shared.met(channels);
-        self.meetings += 1;
-        self.meetings
+    /// Lets these kernels continue, but for the one that acts; the number of the sync point.
+    pub fn release(&mut self, released: Released, but: Option<u16>) -> u64 {
+        let Released { channels, t, micro, by } = released;
+        self.shared.met(channels.with(by));
+        self.sync_points += 1;
+        let part = |(seat, channel): (&Seat, &u16)| seat.status == Status::Done || channels.has(*channel);
+        let all = self.seats.iter().zip(self.channels.numbers()).all(part);
+        let sync_point = self.sync_points;
+        for channel in channels.iter().filter(|&channel| Some(channel) != but) {
+            self.resume(channel, Wake::Released { tag: Tag { t, micro, channel }, sync_point, by, all });
+        }
+        sync_point
     }
 
-    /// A meeting takes place: lets these kernels continue at this time and microstep, but for the one that acts.
-    pub fn release(&mut self, channels: Set, (t, micro): (i64, u32), but: Option<u16>) -> u64 {
-        let meeting = self.count_meeting(channels);
-        let part = |(seat, rank): (&Seat, &u16)| seat.status == Status::Done || channels.has(*rank);
-        let all = self.seats.iter().zip(self.ranks.numbers()).all(part);
-        for channel in channels.iter().filter(|&channel| Some(channel) != but) {
-            self.resume(channel, Wake::Released { tag: Tag { t, micro, rank: channel }, meeting, all });
+    fn release_all(&mut self, released: Vec<Released>) {
+        for one in released {
+            self.release(one, None);
         }
-        meeting
+    }
+
+    /// A channel does something for others, which may continue by that.
+    ///
+    /// # Errors
+    /// Why it cannot.
+    pub fn act(&mut self, tag: Tag, act: Act) -> Result<(), String> {
+        let released = self.waits.act(tag, act)?;
+        self.release_all(released);
+        Ok(())
+    }
+
+    /// The program of a channel ends; others may have waited for that.
+    pub fn finish(&mut self, tag: Tag, finish: Finish) {
+        self.waits.finish(tag.channel, finish);
+        let released = self.waits.settle(tag);
+        self.release_all(released);
     }
 
     /// Carries out a plain arrival in place of its kernel.
     fn arrive_for(&mut self, waiting: Waiting) {
-        let rank = waiting.tag.rank;
-        self.block(rank);
-        match self.waits.arrive(waiting) {
-            Arrival::Released { channels, t, micro } => {
-                self.release(channels, (t, micro), None);
+        let channel = waiting.tag.channel;
+        self.block(channel);
+        let arrived = self.waits.arrive(waiting);
+        match arrived.arrival {
+            Arrival::Released(released) => {
+                self.release(released, None);
             }
-            Arrival::Blocked | Arrival::Mismatch { .. } => self.effects.push(Effect::Blocked(rank)),
+            Arrival::Blocked | Arrival::Mismatch { .. } | Arrival::Illegal { .. } => {
+                self.effects.push(Effect::Blocked(channel));
+            }
         }
+        self.release_all(arrived.others);
     }
 
     /// Ends all waits when nothing can happen any more.
@@ -358,8 +386,8 @@ impl Order {
         }
         for index in 0..self.seats.len() {
             let blocked = self.seats.get(index).is_some_and(|seat| seat.status == Status::Blocked);
-            if let Some(&rank) = self.ranks.numbers().get(index).filter(|_| blocked) {
-                self.resume(rank, Wake::Over);
+            if let Some(&channel) = self.channels.numbers().get(index).filter(|_| blocked) {
+                self.resume(channel, Wake::Over);
             }
         }
     }

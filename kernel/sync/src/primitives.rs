@@ -1,18 +1,133 @@
-//! What the coordinator builds on: the standard library, or a model of it that tries out schedules of threads.
+//! The primitives that every wait of a control is made of, one file each.
+//!
+//! Each says what an arrival means for others (`arrive`), who is still missing (`missing`), who continues together
+//! (`together`), what those who continue use up (`depart`), and what a channel does for others without waiting (`act`).
+//! *Invariant:* `missing` changes nothing; a wait is over exactly when nobody is missing. Facts: reference
+//! channel-synchronisation.md 0, 1.1.
 
-#[cfg(not(all(test, feature = "shuttle")))]
-mod real {
-    pub(crate) use std::hint::spin_loop;
-    pub(crate) use std::sync::{Condvar, Mutex, MutexGuard, PoisonError, TryLockError, atomic};
-    pub(crate) use std::thread::yield_now;
+mod barrier;
+mod count;
+mod flag;
+mod join;
+mod lease;
+mod order;
+mod signal;
+
+use crate::wait::{Act, Missing, Places, Rules, Set, Wait, Waiting};
+use counterpoint_event::event::Primitive;
+
+/// Most marks that are set, signals that are kept or leases that are held at one time.
+const MOST: usize = 10_000;
+
+/// What a primitive sees of the channels.
+#[derive(Clone, Copy)]
+struct Scene<'a> {
+    places: &'a Places,
+    rules: &'a Rules,
 }
 
-#[cfg(all(test, feature = "shuttle"))]
-mod real {
-    pub(crate) use shuttle::hint::spin_loop;
-    pub(crate) use shuttle::sync::{Condvar, Mutex, MutexGuard, atomic};
-    pub(crate) use shuttle::thread::yield_now;
-    pub(crate) use std::sync::{PoisonError, TryLockError};
+impl Scene<'_> {
+    /// The channel is absent, and the control counts that as an arrival.
+    fn is_excused(self, channel: u16, wait: &Wait) -> bool {
+        self.places.is_absent(channel) && self.rules.counts_absent(wait)
+    }
 }
 
-pub(crate) use real::*;
+/// What the primitives remember between arrivals.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Memory {
+    flags: flag::Flags,
+    reached: order::Reached,
+    signals: signal::Signals,
+    leases: lease::Leases,
+}
+
+impl Memory {
+    /// Why a channel cannot arrive here whatever the others do.
+    pub(crate) fn illegal(&self, waiting: &Waiting) -> Option<String> {
+        let channel = waiting.tag.channel;
+        match waiting.wait.primitive {
+            Primitive::Flag => self.flags.illegal(waiting.wait.key),
+            Primitive::Order => self.reached.illegal(channel, &waiting.wait),
+            Primitive::Lease => self.leases.illegal(waiting.wait.key),
+            Primitive::Barrier | Primitive::Count | Primitive::Signal | Primitive::Join => None,
+        }
+    }
+
+    /// A channel arrives; true if that may end the waits of others, too, which wait for something else.
+    pub(crate) fn arrive(&mut self, waiting: &Waiting) -> bool {
+        let (channel, wait) = (waiting.tag.channel, &waiting.wait);
+        match wait.primitive {
+            Primitive::Flag => self.flags.set(channel, wait.key),
+            Primitive::Order => self.reached.arrive(channel, wait),
+            Primitive::Lease => self.leases.arrive(channel, wait.key),
+            Primitive::Barrier | Primitive::Count | Primitive::Signal | Primitive::Join => {}
+        }
+        matches!(wait.primitive, Primitive::Flag | Primitive::Order)
+    }
+
+    /// Who is missing for a channel at this wait, which need not stand at it yet.
+    #[inline]
+    pub(crate) fn missing(&self, channel: u16, wait: &Wait, places: &Places, rules: &Rules) -> Missing {
+        let scene = Scene { places, rules };
+        match wait.primitive {
+            Primitive::Barrier => barrier::missing(channel, wait, scene),
+            Primitive::Flag => self.flags.missing(channel, wait, scene),
+            Primitive::Order => self.reached.missing(channel, wait, scene),
+            Primitive::Count => count::missing(channel, wait, scene),
+            Primitive::Signal => self.signals.missing(channel, wait),
+            Primitive::Join => join::missing(channel, wait, scene),
+            Primitive::Lease => self.leases.missing(channel, wait, scene),
+        }
+    }
+
+    /// The channels that continue when the wait of one of them is over.
+    pub(crate) fn together(&self, channel: u16, wait: &Wait, places: &Places) -> Set {
+        match wait.primitive {
+            Primitive::Barrier => barrier::together(wait, places),
+            Primitive::Count => count::together(wait, places),
+            Primitive::Flag | Primitive::Order | Primitive::Signal | Primitive::Join | Primitive::Lease => {
+                Set::default().with(channel)
+            }
+        }
+    }
+
+    /// A channel continues: what it uses up.
+    pub(crate) fn depart(&mut self, channel: u16, wait: &Wait) {
+        match wait.primitive {
+            Primitive::Flag => self.flags.clear(channel, wait.key),
+            Primitive::Signal => self.signals.depart(channel, wait),
+            Primitive::Lease => self.leases.depart(channel, wait.key),
+            Primitive::Barrier | Primitive::Order | Primitive::Count | Primitive::Join => {}
+        }
+    }
+
+    /// A channel gives its wait up.
+    pub(crate) fn abandon(&mut self, channel: u16, wait: &Wait) {
+        if wait.primitive == Primitive::Lease {
+            self.leases.abandon(channel, wait.key);
+        }
+    }
+
+    /// A channel does something for others.
+    ///
+    /// # Errors
+    /// Why it cannot.
+    pub(crate) fn act(&mut self, channel: u16, act: Act) -> Result<(), String> {
+        match act {
+            Act::Set(key) => {
+                if let Some(reason) = self.flags.illegal(key) {
+                    return Err(reason);
+                }
+                self.flags.set(channel, key);
+                Ok(())
+            }
+            Act::Clear(key) => {
+                self.flags.clear(channel, key);
+                Ok(())
+            }
+            Act::Signal { key, to, broadcast } => self.signals.send(channel, key, to, broadcast),
+            Act::Release(key) => self.leases.release(channel, key),
+        }
+    }
+}

@@ -4,7 +4,7 @@ use rustc_hash::FxHashMap;
 
 use crate::files::Written;
 use crate::hoard::{Hoard, weight};
-use crate::waits::Set;
+use crate::wait::Set;
 use counterpoint_event::event::Direction;
 use counterpoint_lang::value::Value;
 

@@ -62,7 +62,7 @@ impl<'a> Stream<'a> {
         {
             coordinator.abort();
         }
-        let floor = || coordinator.floor(upto.rank);
+        let floor = || coordinator.floor(upto.channel);
         let taken = self.backlog.pass(events, floor);
         let merged = matches!(self.log, Some(Log::Merged(_)));
         if taken && !merged {
@@ -98,9 +98,9 @@ impl<'a> Stream<'a> {
 
     /// Does a little of the work that was put off; `false` when there is none. `look`: the other kernels may have come so
     /// far that there is more.
-    pub fn work(&mut self, look: bool, (rank, coordinator): (u16, Port<'_>)) -> bool {
+    pub fn work(&mut self, look: bool, (channel, coordinator): (u16, Port<'_>)) -> bool {
         if look {
-            self.backlog.look(coordinator.floor(rank));
+            self.backlog.look(coordinator.floor(channel));
         }
         self.backlog.work()
     }

@@ -1,6 +1,6 @@
-//! The order of everything that channels share: superdense time and rank.
+//! The order of everything that channels share: superdense time and channel.
 
-/// `(time, microstep, channel rank)`: shared operations are executed in this order, whatever the threads do.
+/// `(time, microstep, channel channel)`: shared operations are executed in this order, whatever the threads do.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct Tag {
     /// Simulated time, ns.
@@ -8,10 +8,10 @@ pub struct Tag {
     /// Order among causally related operations of one instant.
     pub micro: u32,
     /// Channel number; 0 is the master.
-    pub rank: u16,
+    pub channel: u16,
 }
 
 impl Tag {
     /// After everything.
-    pub const END: Self = Self { t: i64::MAX, micro: u32::MAX, rank: u16::MAX };
+    pub const END: Self = Self { t: i64::MAX, micro: u32::MAX, channel: u16::MAX };
 }

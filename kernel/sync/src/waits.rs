@@ -1,197 +1,39 @@
-//! Meeting points: who waits where, what matches, and who can never go on.
+//! All waits of a job: who waits where, who continues, and who never can.
 //!
-//! Facts: reference channel-synchronisation.md 1.1, 1.3 (Fanuc), 2.3 (fix-point). Invariant: arrivals come in tag
-//! order, so the outcome depends on simulated time alone.
+//! *Invariant:* arrivals, acts and ends come in tag order, so the outcome depends on simulated time alone. All waits that an
+//! operation ends are found before anything that they use up is taken away. Facts: reference channel-synchronisation.md 1.1,
+//! 1.4 (two phases), 2.3 (fix-point).
 
-mod start;
+#[cfg(test)]
+mod tests;
 
 use std::fmt::Write as _;
 
-use crate::ranks::Ranks;
+use crate::channels::Channels;
+use crate::primitives::Memory;
 use crate::tag::Tag;
-use counterpoint_event::event::{FileId, Member, Primitive};
+use crate::wait::{Act, Finish, Missing, Places, Reaction, Rules, Set, Wait, Waiting};
+use counterpoint_event::event::{Member, Primitive};
 
-/// Set of channels, bit `n − 1` for channel `n`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
-pub struct Set(pub u128);
-
-impl Set {
-    /// All channels up to `count`.
-    pub fn up_to(count: u16) -> Self {
-        (1..=count).collect()
-    }
-
-    /// With one more channel; numbers outside 1–128 are ignored.
-    pub fn with(self, channel: u16) -> Self {
-        if (1..=128).contains(&channel) { Self(self.0 | 1 << (channel - 1)) } else { self }
-    }
-
-    /// Membership.
-    pub fn has(self, channel: u16) -> bool {
-        (1..=128).contains(&channel) && self.0 & (1 << (channel - 1)) != 0
-    }
-
-    /// Channels, ascending.
-    pub fn iter(self) -> impl Iterator<Item = u16> {
-        let mut left = self.0;
-        std::iter::from_fn(move || {
-            let channel = left.trailing_zeros() as u16 + 1;
-            left &= left.checked_sub(1)?;
-            Some(channel)
-        })
-    }
-}
-
-impl FromIterator<u16> for Set {
-    fn from_iter<I: IntoIterator<Item = u16>>(channels: I) -> Self {
-        channels.into_iter().fold(Self::default(), Self::with)
-    }
-}
-
-/// `1, 2 and 3`.
-pub fn words(channels: &[u16]) -> String {
-    let mut out = String::new();
-    for (index, channel) in channels.iter().enumerate() {
-        let separator = match index {
-            0 => "",
-            i if i + 1 == channels.len() => " and ",
-            _ => ", ",
-        };
-        let _ = write!(out, "{separator}{channel}");
-    }
-    out
-}
-
-/// How the channel list was written; Fanuc compares it too.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum Style {
-    /// Not at all.
-    NoList,
-    /// As a list or a sum, which is the same set.
-    Listed,
-}
-
-/// A wait as programmed.
-#[derive(Debug, Clone, PartialEq, Eq, Hash)]
-pub struct Spec {
-    /// Primitive.
-    pub primitive: Primitive,
-    /// Letter of the code.
-    pub letter: char,
-    /// Its number.
-    pub number: u32,
-    /// Channels as written.
-    pub named: Set,
-    /// Channels that take part, own one included.
-    pub parts: Set,
-    /// Form.
-    pub style: Style,
-}
-
-impl Spec {
-    /// The mark as the listing names it: the number alone if a letter is before it.
-    pub fn mark(&self) -> String {
-        match self.primitive {
-            Primitive::Signal => self.text(),
-            _ if self.letter.is_ascii_alphabetic() => self.number.to_string(),
-            _ => format!("{}{}", self.letter, self.number),
-        }
-    }
-
-    /// `M101` or `M101 P12`; `START1` for a start by one side.
-    pub fn text(&self) -> String {
-        if self.primitive == Primitive::Signal {
-            return format!("START{}", self.number);
-        }
-        let mut out = format!("{}{}", self.letter, self.number);
-        if self.style == Style::Listed {
-            out.push_str(" P");
-            for channel in self.named.iter() {
-                let _ = write!(out, "{}", if channel == 10 { 0 } else { channel });
-            }
-        }
-        out
-    }
-
-    fn matches(&self, other: &Self) -> bool {
-        self.primitive == other.primitive
-            && self.letter == other.letter
-            && self.number == other.number
-            && self.style == other.style
-            && self.named == other.named
-            && self.parts == other.parts
-    }
-
-    /// Case of PS0160 when both stand at the same time.
-    fn mismatch(&self, other: &Self) -> Option<&'static str> {
-        if self.primitive != Primitive::Barrier || other.primitive != Primitive::Barrier {
-            return None;
-        }
-        let same_code = self.letter == other.letter && self.number == other.number;
-        match (self.style, other.style) {
-            (Style::NoList, Style::NoList) if !same_code => Some("different codes without P"),
-            (Style::NoList, Style::Listed) | (Style::Listed, Style::NoList) => Some("one with P, one without"),
-            (Style::Listed, Style::Listed) if same_code && self.named != other.named => {
-                Some("the same code with different P")
-            }
-            (Style::Listed, Style::Listed) if !same_code && self.named == other.named => {
-                Some("different codes with the same P")
-            }
-            _ => None,
-        }
-    }
-}
-
-/// A channel that stands at a wait.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Waiting {
-    /// What is waited for.
-    pub spec: Spec,
-    /// When the channel arrived.
-    pub tag: Tag,
-    /// File of the block.
-    pub file: FileId,
-    /// Line of the block.
-    pub line: u32,
-}
-
-/// How a channel came to its end.
+/// Channels that continue together.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Terminal {
-    /// Its program ended.
-    Ended,
-    /// An alarm stopped it.
-    Alarmed,
-    /// It has no program.
-    NeverStarted,
-    /// It was stopped.
-    Stopped,
-}
-
-/// The end of a channel.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Finish {
-    /// How it ended.
-    pub how: Terminal,
-    /// File of its last block.
-    pub file: FileId,
-    /// Line of its last block.
-    pub line: u32,
+pub struct Released {
+    /// The channels.
+    pub channels: Set,
+    /// When, ns.
+    pub t: i64,
+    /// Their order at that time.
+    pub micro: u32,
+    /// The channel whose operation let them continue.
+    pub by: u16,
 }
 
 /// What an arrival leads to.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Arrival {
-    /// The meeting is complete: these channels go on at this time.
-    Released {
-        /// Channels that continue, the arriving one among them.
-        channels: Set,
-        /// Time of the release, ns.
-        t: i64,
-        /// Its order at that time.
-        micro: u32,
-    },
-    /// The channel stands.
+    /// The wait is over: these channels continue, the arriving one among them.
+    Released(Released),
+    /// The channel waits.
     Blocked,
     /// The control refuses: these channels (the arriving one included) alarm.
     Mismatch {
@@ -202,220 +44,215 @@ pub enum Arrival {
         /// What does not match.
         text: String,
     },
+    /// The channel cannot arrive here whatever the others do.
+    Illegal {
+        /// Why.
+        text: String,
+    },
+}
+
+/// An arrival, and what else it means.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Arrived {
+    /// What it leads to for the channel and those that continue with it.
+    pub arrival: Arrival,
+    /// Others whose own waits are over by it.
+    pub others: Vec<Released>,
+    /// What the control warns of.
+    pub warning: Option<String>,
+}
+
+impl From<Arrival> for Arrived {
+    fn from(arrival: Arrival) -> Self {
+        Self { arrival, others: Vec::new(), warning: None }
+    }
 }
 
 /// All waits of the job.
 #[derive(Debug, Clone)]
 pub struct Waits {
-    ranks: Ranks,
-    waiting: Vec<Option<Waiting>>,
-    finished: Vec<Option<Finish>>,
+    /// Where all channels are.
+    pub places: Places,
+    /// The rules of the machine.
+    pub rules: Rules,
+    memory: Memory,
     release_ns: i64,
-    /// Starts that a head has given and the other one has not used yet.
-    starts: [u32; 2],
-}
-
-/// When a meeting lets go whose last arrival was at this time and microstep.
-pub fn after(t: i64, micro: u32, release_ns: i64) -> (i64, u32) {
-    if release_ns > 0 { (t + release_ns, 0) } else { (t, micro + 1) }
 }
 
 impl Waits {
     /// No channel waits yet; a release takes `release_ns`.
-    pub fn new(ranks: Ranks, release_ns: i64) -> Self {
-        let channels = ranks.count();
-        Self { ranks, waiting: vec![None; channels], finished: vec![None; channels], release_ns, starts: [0; 2] }
+    pub fn new(channels: Channels, rules: Rules, release_ns: i64) -> Self {
+        Self { places: Places::new(channels), rules, memory: Memory::default(), release_ns }
     }
 
-    /// The wait of a channel.
-    pub fn at(&self, rank: u16) -> Option<&Waiting> {
-        self.waiting.get(self.ranks.index(rank)).and_then(Option::as_ref)
+    /// A channel has come to its end.
+    pub fn finish(&mut self, channel: u16, finish: Finish) {
+        self.places.finish(channel, finish);
+        self.give_up(channel);
     }
 
-    /// How a channel ended.
-    pub fn end(&self, rank: u16) -> Option<Finish> {
-        self.finished.get(self.ranks.index(rank)).copied().flatten()
-    }
-
-    /// All channels, ascending.
-    pub fn channels(&self) -> impl Iterator<Item = u16> + use<'_> {
-        self.ranks.numbers().iter().copied()
-    }
-
-    /// A channel has ended.
-    pub fn finish(&mut self, rank: u16, finish: Finish) {
-        if let Some(slot) = self.finished.get_mut(self.ranks.index(rank)) {
-            *slot = Some(finish);
-        }
-        self.leave(rank);
-    }
-
-    fn leave(&mut self, rank: u16) {
-        if let Some(slot) = self.waiting.get_mut(self.ranks.index(rank)) {
-            *slot = None;
+    /// A channel waits no longer, though nobody came.
+    fn give_up(&mut self, channel: u16) {
+        if let Some(waiting) = self.places.leave(channel) {
+            self.memory.abandon(channel, &waiting.wait);
         }
     }
 
-    /// An arrival that raises no alarm and leaves nobody without hope: all others stand at the same meeting or can
-    /// still come by themselves.
+    fn missing_at(&self, channel: u16, wait: &Wait) -> Missing {
+        self.memory.missing(channel, wait, &self.places, &self.rules)
+    }
+
+    /// Who is missing for the wait of a channel.
+    pub fn missing(&self, channel: u16) -> Missing {
+        self.places.at(channel).map_or_else(Missing::default, |own| self.missing_at(channel, &own.wait))
+    }
+
+    /// Enough of the missing ones execute blocks.
+    fn can_come(&self, missing: Missing) -> bool {
+        missing.need == 0 || missing.is_met_by(missing.channels.iter().filter(|&c| self.places.runs(c)).collect())
+    }
+
+    /// Why the control refuses two waits that stand at the same time.
+    fn refused(&self, wait: &Wait, other: &Wait) -> Option<&'static str> {
+        self.rules.of(wait)?.mismatch.and_then(|mismatch| (mismatch.refuses)(wait, other))
+    }
+
+    /// An arrival that raises no alarm and leaves nobody without hope: it ends the wait, or those who are missing can still
+    /// come by themselves.
     pub fn is_plain(&self, arriving: &Waiting) -> bool {
-        let own = arriving.tag.rank;
-        self.waiting.iter().flatten().all(|other| arriving.spec.mismatch(&other.spec).is_none())
-            && arriving.spec.parts.iter().filter(|&c| c != own).all(|c| match self.at(c) {
-                Some(other) => other.spec.matches(&arriving.spec),
-                None => self.end(c).is_none() && self.ranks.index(c) < self.waiting.len(),
-            })
+        self.places.waiting().all(|other| self.refused(&arriving.wait, &other.wait).is_none())
+            && self.can_come(self.missing_at(arriving.tag.channel, &arriving.wait))
+            && self.memory.illegal(arriving).is_none()
+    }
+
+    /// A waiting channel whose missing partners can still come by themselves: no need to look further.
+    pub fn hopeful(&self, channel: u16) -> bool {
+        self.can_come(self.missing(channel))
+    }
+
+    /// Ends the wait at once if nobody is missing, without a release.
+    pub fn pass(&mut self, arriving: &Waiting) -> bool {
+        let (channel, wait) = (arriving.tag.channel, &arriving.wait);
+        let passes = self.missing_at(channel, wait).is_none() && self.memory.illegal(arriving).is_none();
+        if passes {
+            self.memory.depart(channel, wait);
+        }
+        passes
     }
 
     /// A channel arrives.
-    pub fn arrive(&mut self, arriving: Waiting) -> Arrival {
-        let rank = arriving.tag.rank;
-        let mut refused = Set::default();
-        let mut text = String::new();
+    pub fn arrive(&mut self, arriving: Waiting) -> Arrived {
+        let (wait, tag) = (arriving.wait, arriving.tag);
+        if let Some(text) = self.memory.illegal(&arriving) {
+            return Arrival::Illegal { text }.into();
+        }
+        let mut warning = None;
+        if let Some((reaction, channels, members, text)) = self.mismatch(&arriving) {
+            if reaction == Reaction::Alarm {
+                for channel in channels.without(tag.channel).iter() {
+                    self.give_up(channel);
+                }
+                return Arrival::Mismatch { channels, members, text }.into();
+            }
+            warning = Some(text);
+        }
+        let concerns_others = self.memory.arrive(&arriving);
+        self.places.stand(arriving);
+        if concerns_others {
+            let mut others = self.settle(tag);
+            let own = others.iter().position(|released| released.channels.has(tag.channel));
+            let arrival = own.map_or(Arrival::Blocked, |own| Arrival::Released(others.swap_remove(own)));
+            others.sort_by_key(|released| released.channels.0.trailing_zeros());
+            return Arrived { arrival, others, warning };
+        }
+        if !self.missing_at(tag.channel, &wait).is_none() {
+            return Arrived { warning, ..Arrival::Blocked.into() };
+        }
+        let together = self.memory.together(tag.channel, &wait, &self.places);
+        Arrived { warning, ..Arrival::Released(self.let_go(together, tag)).into() }
+    }
+
+    /// Waits that do not match the arriving one: what follows, the channels, the others as members, and what does not match.
+    fn mismatch(&self, arriving: &Waiting) -> Option<(Reaction, Set, Vec<Member>, String)> {
+        let mismatch = self.rules.of(&arriving.wait)?.mismatch?;
+        let channel = arriving.tag.channel;
+        let mut channels = Set::default();
         let mut members = Vec::new();
-        for other in self.waiting.iter().flatten() {
-            if let Some(case) = arriving.spec.mismatch(&other.spec) {
-                refused = refused.with(other.tag.rank);
-                members.push(Member {
-                    channel: other.tag.rank,
-                    file: other.file,
-                    line: other.line,
-                    waiting_for: Vec::new(),
-                });
-                let _ = write!(
-                    text,
-                    "{}channel {rank} waits at {}, channel {} at {}: {case}",
-                    if text.is_empty() { "" } else { "; " },
-                    arriving.spec.text(),
-                    other.tag.rank,
-                    other.spec.text()
-                );
-            }
+        let mut text = String::new();
+        for other in self.places.waiting() {
+            let Some(case) = self.refused(&arriving.wait, &other.wait) else { continue };
+            let partner = other.tag.channel;
+            channels = channels.with(partner);
+            members.push(Member { channel: partner, file: other.file, line: other.line, waiting_for: Vec::new() });
+            let _ = write!(
+                text,
+                "{}channel {channel} waits at {}, channel {partner} at {}: {case}",
+                if text.is_empty() { "" } else { "; " },
+                self.rules.text(&arriving.wait),
+                self.rules.text(&other.wait)
+            );
         }
-        if refused != Set::default() {
-            for channel in refused.iter() {
-                self.leave(channel);
-            }
-            return Arrival::Mismatch { channels: refused.with(rank), members, text };
+        if channels.is_empty() {
+            return None;
         }
-        let parts = arriving.spec.parts;
-        if let Some(slot) = self.waiting.get_mut(self.ranks.index(rank)) {
-            *slot = Some(arriving);
-        }
-        if self.missing(rank) != Set::default() {
-            return Arrival::Blocked;
-        }
-        let (mut t, mut micro) = (0, 0);
-        for tag in parts.iter().filter_map(|c| self.at(c)).map(|w| w.tag) {
-            (t, micro) = (t, micro).max((tag.t, tag.micro));
-        }
-        for channel in parts.iter() {
-            self.leave(channel);
-        }
-        (t, micro) = after(t, micro, self.release_ns);
-        Arrival::Released { channels: parts, t, micro }
+        Some((mismatch.reaction, channels.with(channel), members, format!("{}: {text}", mismatch.title)))
     }
 
-    /// Participants of a channel's wait that have not arrived at the same meeting.
-    pub fn missing(&self, rank: u16) -> Set {
-        let Some(own) = self.at(rank) else { return Set::default() };
-        let mut missing = Set::default();
-        for channel in own.spec.parts.iter() {
-            if !self.at(channel).is_some_and(|other| other.spec.matches(&own.spec)) {
-                missing = missing.with(channel);
+    /// A channel does something for others; who continues by that.
+    ///
+    /// # Errors
+    /// Why it cannot.
+    pub fn act(&mut self, tag: Tag, act: Act) -> Result<Vec<Released>, String> {
+        self.memory.act(tag.channel, act)?;
+        Ok(self.settle(tag))
+    }
+
+    /// All waits that are over, by what the operation at this tag changed: first all of them are found, then they end.
+    pub fn settle(&mut self, tag: Tag) -> Vec<Released> {
+        let over = |waiting: &&Waiting| self.missing_at(waiting.tag.channel, &waiting.wait).is_none();
+        let mut points: Vec<(Wait, Set)> = Vec::new();
+        for waiting in self.places.waiting().filter(over) {
+            let channel = waiting.tag.channel;
+            match points.iter_mut().find(|(wait, _)| is_one_point(wait, &waiting.wait)) {
+                Some((_, channels)) => *channels = channels.with(channel),
+                None => points.push((waiting.wait, Set::default().with(channel))),
             }
         }
-        missing
+        points.into_iter().map(|(_, channels)| self.let_go(channels, tag)).collect()
     }
 
-    /// A waiting channel whose missing partners can all still arrive by themselves: no need to look further.
-    pub fn hopeful(&self, rank: u16) -> bool {
-        self.missing(rank).iter().all(|c| self.at(c).is_none() && self.end(c).is_none())
+    /// These channels continue after the operation at this tag.
+    fn let_go(&mut self, channels: Set, tag: Tag) -> Released {
+        for channel in channels.iter() {
+            if let Some(waiting) = self.places.leave(channel) {
+                self.memory.depart(channel, &waiting.wait);
+            }
+        }
+        let (t, micro) = if self.release_ns > 0 { (tag.t + self.release_ns, 0) } else { (tag.t, tag.micro + 1) };
+        Released { channels, t, micro, by: tag.channel }
     }
 
-    /// Channels that wait and can never go on: the complement of the fix-point over what can still arrive.
+    /// Channels that wait and can never continue: the complement of the fix-point over what can still come.
     pub fn dead(&self) -> Set {
-        let mut live = Set::default();
-        for channel in self.channels() {
-            if self.at(channel).is_none() && self.end(channel).is_none() {
-                live = live.with(channel);
-            }
-        }
+        let mut live: Set = self.places.channels().filter(|&channel| self.places.runs(channel)).collect();
+        let waiting: Set = self.places.waiting().map(|waiting| waiting.tag.channel).collect();
         loop {
             let before = live;
-            for channel in self.channels() {
-                if self.at(channel).is_some() && self.missing(channel).iter().all(|m| live.has(m)) {
+            for channel in waiting.iter().filter(|&channel| !before.has(channel)) {
+                if self.missing(channel).is_met_by(live) {
                     live = live.with(channel);
                 }
             }
             if live == before {
-                break;
+                return Set(waiting.0 & !live.0);
             }
         }
-        let mut dead = Set::default();
-        for channel in self.channels() {
-            if self.at(channel).is_some() && !live.has(channel) {
-                dead = dead.with(channel);
-            }
-        }
-        dead
     }
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn waiting(rank: u16, t: i64, number: u32, named: &[u16]) -> Waiting {
-        let named_set = named.iter().fold(Set::default(), |s, &c| s.with(c));
-        let (parts, style) =
-            if named.is_empty() { (Set::up_to(2), Style::NoList) } else { (named_set.with(rank), Style::Listed) };
-        let spec = Spec { primitive: Primitive::Barrier, letter: 'M', number, named: named_set, parts, style };
-        Waiting { spec, tag: Tag { t, micro: 0, rank }, file: 0, line: 1 }
-    }
-
-    #[test]
-    fn a_mark_is_the_number_after_a_letter() {
-        let spec = |primitive, letter, named: &[u16]| Spec { primitive, letter, ..waiting(1, 0, 205, named).spec };
-        assert_eq!(spec(Primitive::Barrier, 'M', &[1, 2]).mark(), "205");
-        assert_eq!(spec(Primitive::Barrier, '!', &[]).mark(), "!205");
-        assert_eq!(spec(Primitive::Signal, 'M', &[]).mark(), "START205");
-    }
-
-    #[test]
-    fn a_meeting_releases_at_the_latest_arrival() {
-        let mut waits = Waits::new(Ranks::new(1..=3), 0);
-        assert_eq!(waits.arrive(waiting(1, 1, 101, &[1, 2, 3])), Arrival::Blocked);
-        assert_eq!(waits.arrive(waiting(2, 5, 101, &[1, 2, 3])), Arrival::Blocked);
-        let Arrival::Released { channels, t, micro } = waits.arrive(waiting(3, 7, 101, &[1, 2, 3])) else {
-            panic!("not released");
-        };
-        assert_eq!((channels, t, micro), (Set::up_to(3), 7, 1));
-    }
-
-    #[test]
-    fn fanuc_cases_of_the_alarm() {
-        for (first, second, alarm) in [
-            (waiting(1, 0, 101, &[]), waiting(2, 0, 102, &[]), true),
-            (waiting(1, 0, 101, &[1, 2]), waiting(2, 0, 102, &[1, 2]), true),
-            (waiting(1, 0, 101, &[1, 2, 3]), waiting(2, 0, 101, &[1, 2]), true),
-            (waiting(1, 0, 101, &[]), waiting(2, 0, 101, &[1, 2]), true),
-            (waiting(1, 0, 101, &[1, 2]), waiting(2, 0, 102, &[2, 3]), false),
-        ] {
-            let mut waits = Waits::new(Ranks::new(1..=3), 0);
-            assert_eq!(waits.arrive(first), Arrival::Blocked);
-            let arrival = waits.arrive(second.clone());
-            assert_eq!(matches!(arrival, Arrival::Mismatch { .. }), alarm, "{second:?}: {arrival:?}");
-        }
-    }
-
-    #[test]
-    fn a_circle_of_three_is_dead_only_when_closed() {
-        let mut waits = Waits::new(Ranks::new(1..=3), 0);
-        waits.arrive(waiting(1, 1, 101, &[1, 2]));
-        waits.arrive(waiting(2, 2, 102, &[2, 3]));
-        assert_eq!(waits.dead(), Set::default());
-        waits.arrive(waiting(3, 3, 103, &[1, 3]));
-        assert_eq!(waits.dead(), Set::up_to(3));
-    }
+/// Channels at both continue as one sync point.
+fn is_one_point(one: &Wait, other: &Wait) -> bool {
+    one.primitive == other.primitive
+        && one.key == other.key
+        && (one.primitive != Primitive::Barrier || one.parts == other.parts)
 }

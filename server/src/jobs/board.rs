@@ -3,17 +3,19 @@
 //! Invariant: a job that has not ended is on the board, and is either in the queue or on a worker thread, until the
 //! server drains.
 
+use std::collections::{BTreeSet, HashMap};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
 use dashmap::DashMap;
 use tokio::sync::watch;
 
+use super::feed::Feed;
 use super::live::{Live, lock};
 use super::recent::Recent;
 use super::{Core, worker};
-use crate::ledger::record::State;
-use crate::queue::{Entry, Queue};
+use crate::ledger::record::{Cause, Record, State, now_ms};
+use crate::queue::{Entry, Queue, Ticket};
 use crate::reason::Refusal;
 
 /// First and longest pause before a job is run again after the host has failed its run.
@@ -24,8 +26,8 @@ const LONGEST_PAUSE: Duration = Duration::from_secs(60);
 #[derive(Debug)]
 struct Waiting {
     jobs: Box<dyn Queue>,
-    /// Places given to submits whose ledger entry is under way.
-    reserved: usize,
+    /// Places given to submits whose ledger entry is under way, by tenant.
+    reserved: HashMap<String, usize>,
 }
 
 /// Jobs in memory.
@@ -34,40 +36,72 @@ pub(super) struct Board {
     pub(super) live: DashMap<String, Arc<Live>>,
     queue: Mutex<Waiting>,
     recent: Mutex<Recent>,
+    /// Jobs with a deadline that has not been reached, in its order.
+    deadlines: Mutex<BTreeSet<(i64, String)>>,
+    pub(super) feed: Feed,
     /// Jobs on worker threads.
     running: watch::Sender<usize>,
 }
 
 impl Board {
-    pub(super) fn new(queue: Box<dyn Queue>) -> Self {
+    pub(super) fn new(queue: Box<dyn Queue>, epoch: u64) -> Self {
         Self {
             live: DashMap::new(),
-            queue: Mutex::new(Waiting { jobs: queue, reserved: 0 }),
+            queue: Mutex::new(Waiting { jobs: queue, reserved: HashMap::new() }),
             recent: Mutex::default(),
+            deadlines: Mutex::default(),
+            feed: Feed::new(epoch),
             running: watch::Sender::new(0),
         }
     }
 }
 
+/// Whether a tenant may let another job wait: in a queue for `most` jobs of which `all` wait, `own` of them of the
+/// tenant. A full queue still has a tenth of its places for each tenant, but no more than as many again in all: one
+/// tenant cannot fill it for the others.
+fn has_place(most: usize, all: usize, own: usize) -> bool {
+    all < most || own < all && own < (most / 10).max(1) && all < most.saturating_mul(2)
+}
+
+fn push(queue: &mut dyn Queue, live: &Live, entry: Entry) {
+    live.peek(|record| {
+        let (tenant, priority) = (record.tenant.as_str(), record.asked.priority);
+        queue.push(Ticket { id: &record.id, tenant, priority }, entry);
+    });
+}
+
 impl Core {
     /// A place in the queue for a submit under way, given back when dropped.
-    pub(super) fn reserve(self: &Arc<Self>) -> Result<impl Drop + Send + use<>, Refusal> {
-        struct Place(Arc<Core>);
+    pub(super) fn reserve(self: &Arc<Self>, tenant: &str) -> Result<impl Drop + Send + use<>, Refusal> {
+        struct Place(Arc<Core>, String);
         impl Drop for Place {
             fn drop(&mut self) {
-                lock(&self.0.board.queue).reserved -= 1;
+                let mut queue = lock(&self.0.board.queue);
+                let left = queue.reserved.get_mut(&self.1).map(|own| {
+                    *own -= 1;
+                    *own
+                });
+                if left == Some(0) {
+                    queue.reserved.remove(&self.1);
+                }
             }
         }
         if self.drain.begun() {
             return Err(Refusal::Draining { cursor: 0 });
         }
         let mut queue = lock(&self.board.queue);
-        let free = self.options.slots().saturating_sub(queue.jobs.running().len());
-        if queue.jobs.len() + queue.reserved >= self.options.queue + free {
+        let own = queue.jobs.waiting_of(tenant) + queue.reserved.get(tenant).copied().unwrap_or(0);
+        let quota = self.options.quotas.tenant_queued;
+        if quota > 0 && own >= quota {
+            return Err(Refusal::quota(tenant, "tenant_queued", format!("{quota} jobs wait")));
+        }
+        let free = self.options.slots().saturating_sub(queue.jobs.workers());
+        let all = queue.jobs.len() + queue.reserved.values().sum::<usize>();
+        if !has_place(self.options.queue + free, all, own) {
             return Err(Refusal::QueueFull(self.options.queue));
         }
-        queue.reserved += 1;
-        Ok(Place(self.clone()))
+        *queue.reserved.entry(tenant.to_owned()).or_default() += 1;
+        Ok(Place(self.clone(), tenant.to_owned()))
     }
 
     /// Takes up a job, once.
@@ -87,9 +121,23 @@ impl Core {
         new
     }
 
+    /// Lets a job that is in memory wait for its turn.
     pub(super) fn wait_in_queue(&self, live: &Live) {
-        let entry = if live.record().runs.suspect { Entry::Suspect } else { Entry::Accepted };
-        lock(&self.board.queue).jobs.push(&live.id, entry);
+        let (suspect, deadline) = {
+            let record = live.record();
+            (record.runs.suspect, record.asked.deadline_ms)
+        };
+        if deadline > 0 {
+            lock(&self.board.deadlines).insert((deadline, live.id.clone()));
+        }
+        let entry = if suspect { Entry::Suspect } else { Entry::Accepted(Instant::now()) };
+        push(&mut *lock(&self.board.queue).jobs, live, entry);
+        self.changed(live);
+    }
+
+    /// Tells those who follow many jobs that one has changed.
+    pub(super) fn changed(&self, live: &Live) {
+        live.peek(|record| self.board.feed.changed(&record.tenant, &record.id));
     }
 
     /// Starts waiting jobs while there are free workers, disk space and a ledger.
@@ -111,12 +159,13 @@ impl Core {
             return None;
         }
         loop {
-            let id = queue.jobs.next(self.options.slots(), Instant::now())?;
+            let now = Instant::now();
+            let id = queue.jobs.next(self.options.slots(), now)?;
             if let Some(live) = self.live(&id) {
-                self.board.running.send_replace(queue.jobs.busy());
+                self.board.running.send_replace(queue.jobs.busy().len());
                 return Some(live);
             }
-            queue.jobs.free(&id);
+            queue.jobs.free(&id, now);
         }
     }
 
@@ -126,7 +175,7 @@ impl Core {
         let cores = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
         let jobs = {
             let queue = lock(&self.board.queue);
-            queue.jobs.running().len() + queue.jobs.len()
+            queue.jobs.workers() + queue.jobs.len()
         };
         let share = u16::try_from(cores / jobs.max(1)).unwrap_or(u16::MAX).max(1);
         if asked == 0 { share } else { asked.min(share) }
@@ -134,16 +183,17 @@ impl Core {
 
     /// The run is over and only its storage is left, which needs no core: the next job may run meanwhile.
     pub(super) fn leave(&self, live: &Live) {
-        lock(&self.board.queue).jobs.store(&live.id);
+        lock(&self.board.queue).jobs.store(&live.id, Instant::now());
     }
 
     /// A worker is free again: the job has ended, or the drain has interrupted it.
     pub(super) fn free(self: &Arc<Self>, live: &Live) {
         {
             let mut queue = lock(&self.board.queue);
-            queue.jobs.free(&live.id);
-            self.board.running.send_replace(queue.jobs.busy());
+            queue.jobs.free(&live.id, Instant::now());
+            self.board.running.send_replace(queue.jobs.busy().len());
         }
+        self.changed(live);
         let bytes = live.finished().map_or(0, |finished| finished.bytes);
         let gone = lock(&self.board.recent).push(live.id.clone(), bytes, self.options.ephemeral);
         for gone in gone {
@@ -155,17 +205,56 @@ impl Core {
     /// A worker is free again: the host has failed the run for the `failures`th time, and the job waits for the next.
     pub(super) fn again(&self, live: &Live, failures: u32) {
         let pause = FIRST_PAUSE.saturating_mul(1 << failures.saturating_sub(1).min(16)).min(LONGEST_PAUSE);
-        let mut queue = lock(&self.board.queue);
-        queue.jobs.free(&live.id);
-        queue.jobs.push(&live.id, Entry::Again(Instant::now() + pause));
-        self.board.running.send_replace(queue.jobs.busy());
+        {
+            let (mut queue, now) = (lock(&self.board.queue), Instant::now());
+            queue.jobs.free(&live.id, now);
+            push(&mut *queue.jobs, live, Entry::Again(now + pause));
+            self.board.running.send_replace(queue.jobs.busy().len());
+        }
+        self.changed(live);
     }
 
-    /// Stops runs that have reached their limit by the clock.
-    pub(super) fn stop_late_runs(&self) {
+    /// Stops runs that have reached their limit by the clock, and jobs whose deadline is over before they run.
+    pub(super) fn stop_late_jobs(self: &Arc<Self>) {
         let now = Instant::now();
-        let running = lock(&self.board.queue).jobs.running().to_vec();
+        let running = lock(&self.board.queue).jobs.running();
         running.iter().filter_map(|id| self.live(id)).for_each(|live| live.check_clock(now));
+        let mut late = Vec::new();
+        {
+            let mut deadlines = lock(&self.board.deadlines);
+            while let Some((deadline, id)) = deadlines.pop_first() {
+                if deadline > now_ms() {
+                    deadlines.insert((deadline, id));
+                    break;
+                }
+                late.push((deadline, id));
+            }
+        }
+        for (deadline, id) in late {
+            // A job on a worker is stopped as a limit of its run.
+            if let Some(live) = self.live(&id).filter(|_| self.withdraw(&id)) {
+                self.end_late(&live, deadline);
+            }
+        }
+    }
+
+    /// Ends a job that has been withdrawn, because its deadline is over.
+    fn end_late(self: &Arc<Self>, live: &Arc<Live>, deadline: i64) {
+        let mut ended = Record { state: State::Failed, ended_ms: now_ms(), ..live.record() };
+        ended.runs.limit = late(deadline);
+        ended.runs.cause = Some(Cause::Limit);
+        ended.error.clone_from(&ended.runs.limit);
+        if let Err(error) = self.ledger.update_blocking(ended.clone()) {
+            tracing::debug!(%error, "a job beyond its deadline is ended later");
+            self.put_back(live);
+            lock(&self.board.deadlines).insert((deadline, live.id.clone()));
+            return;
+        }
+        live.change(|record| *record = ended);
+        self.metrics.ended("FAILED");
+        self.metrics.limit("deadline");
+        self.changed(live);
+        self.board.live.remove(&live.id);
     }
 
     /// Number of running jobs, to be followed.
@@ -173,12 +262,17 @@ impl Core {
         self.board.running.subscribe()
     }
 
+    /// Jobs that run or whose end is being stored.
+    pub(crate) fn busy(&self) -> BTreeSet<String> {
+        lock(&self.board.queue).jobs.busy()
+    }
+
     /// Interrupts all running jobs; they are queued again in the ledger.
     pub(crate) fn interrupt(&self) {
         self.board.live.iter().filter(|live| live.state() == State::Running).for_each(|live| live.interrupt());
     }
 
-    /// Jobs before this one in the queue.
+    /// Jobs that are likely to run before this one.
     pub(crate) fn queued_before(&self, id: &str) -> usize {
         lock(&self.board.queue).jobs.before(id)
     }
@@ -189,7 +283,26 @@ impl Core {
     }
 
     /// Lets a job wait again that was withdrawn.
-    pub(super) fn put_back(&self, id: &str) {
-        lock(&self.board.queue).jobs.push(id, Entry::Again(Instant::now()));
+    pub(super) fn put_back(&self, live: &Live) {
+        push(&mut *lock(&self.board.queue).jobs, live, Entry::Again(Instant::now()));
+    }
+}
+
+/// Why a job ends at its deadline.
+pub(super) fn late(deadline: i64) -> String {
+    format!("the job had not ended at its deadline, deadline_ms {deadline}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_full_queue_has_places_for_tenants_that_have_few() {
+        assert!(has_place(10, 9, 9) && !has_place(10, 10, 10), "a tenant alone may fill it");
+        assert!(has_place(10, 10, 0) && has_place(10, 19, 0) && !has_place(10, 20, 0));
+        assert!(!has_place(10, 11, 1), "a tenth of the places is one");
+        assert!(has_place(100, 100, 9) && !has_place(100, 110, 10));
+        assert!(!has_place(0, 0, 0));
     }
 }

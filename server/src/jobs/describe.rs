@@ -1,9 +1,11 @@
 //! What is fixed about a job, and its status, in wire form.
 
+use counterpoint_kernel::dialog::answers::{Answer, Value};
 use counterpoint_kernel::log::info::{Info, Unit};
+use counterpoint_kernel::options::{Limits, Options};
 use counterpoint_proto::v1;
 
-use crate::ledger::record::{Reason, Record, State};
+use crate::ledger::record::{CONTENT, Cause, Priority, Reason, Record, State};
 
 /// The description that stands at the head of a log and of a watch.
 pub(crate) fn description(info: &Info) -> v1::JobDescription {
@@ -76,5 +78,83 @@ pub(crate) fn status(record: Record) -> v1::JobStatus {
         log_digest: record.log_digest,
         host_failures: record.runs.host_failures,
         host_failure: record.runs.host_failure,
+        labels: record.asked.labels,
+        priority: match record.asked.priority {
+            Priority::High => v1::JobPriority::High,
+            Priority::Normal => v1::JobPriority::Normal,
+            Priority::Low => v1::JobPriority::Low,
+        }
+        .into(),
+        deadline_ms: record.asked.deadline_ms,
+        tenant: record.tenant,
+        cause: match record.runs.cause {
+            None => v1::JobCause::Unspecified,
+            Some(Cause::Program) => v1::JobCause::Program,
+            Some(Cause::Machine) => v1::JobCause::Machine,
+            Some(Cause::Limit) => v1::JobCause::Limit,
+            Some(Cause::Host) => v1::JobCause::Host,
+        }
+        .into(),
+        rerun_of: record.asked.rerun_of,
+    }
+}
+
+/// The options of a job as they were submitted.
+pub(crate) fn options(record: &Record) -> v1::JobOptions {
+    let Options { opskip, opstop, ignore_waits, threads, trace, parameters, answers, attended, limits } =
+        record.options.clone();
+    // Early rows have the limits that count instead of those that were asked for.
+    let early = || Some(limits).filter(|_| !record.content.starts_with(CONTENT));
+    let limits = record.asked.limits.clone().or_else(early);
+    let own = (record.runs.wall_ms, record.runs.max_job_bytes);
+    let none = Limits {
+        simulated_ns: 0,
+        blocks: 0,
+        zero_time_blocks: 0,
+        events: 0,
+        block_length: 0,
+        nesting: 0,
+        diagnostics: 0,
+        memory: 0,
+        macro_steps: 0,
+    };
+    let limits = limits.or_else(|| (own != (0, 0)).then_some(none)).map(|limits| v1::JobLimits {
+        simulated_ns: limits.simulated_ns,
+        blocks: limits.blocks,
+        zero_time_blocks: limits.zero_time_blocks,
+        events: limits.events,
+        block_length: u32::try_from(limits.block_length).unwrap_or(u32::MAX),
+        nesting: u32::from(limits.nesting),
+        diagnostics: limits.diagnostics,
+        memory: limits.memory,
+        macro_steps: limits.macro_steps,
+        wall_ms: own.0,
+        max_job_bytes: own.1,
+    });
+    v1::JobOptions {
+        opskip: opskip.into_iter().map(u32::from).collect(),
+        opstop,
+        ignore_waits: ignore_waits.into_iter().map(u32::from).collect(),
+        threads: u32::from(threads),
+        limits,
+        trace,
+        answers: answers.into_iter().map(answer).collect(),
+        attended,
+        parameters,
+    }
+}
+
+fn answer(answer: Answer) -> v1::DialogAnswer {
+    use v1::dialog_value::Value as Wire;
+    let value = |value| match value {
+        Value::Flag(flag) => Wire::Flag(flag),
+        Value::Number(number) => Wire::Number(number),
+        Value::Text(text) => Wire::Text(text),
+    };
+    let values = answer.values.into_iter();
+    v1::DialogAnswer {
+        dialog: answer.dialog,
+        button: answer.button.unwrap_or_default(),
+        values: values.map(|(name, own)| (name, v1::DialogValue { value: Some(value(own)) })).collect(),
     }
 }

@@ -117,4 +117,7 @@ fn count(core: &Core, record: &Record) {
             core.metrics.limit(limit);
         }
     }
+    if record.runs.limit.contains("deadline_ms") {
+        core.metrics.limit("deadline");
+    }
 }

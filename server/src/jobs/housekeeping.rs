@@ -74,9 +74,10 @@ fn remove_expired(core: &Core, keep: &Keep) {
         let all = jobs.len();
         // A job that somebody watches goes the next time.
         jobs.retain(|job| !core.watched(&job.id));
+        let records: Vec<_> = jobs.iter().map(|job| core.ledger.job(&job.id).ok().flatten()).collect();
         core.ledger.remove_blocking(jobs.clone())?;
-        for job in &jobs {
-            core.forget(&job.id)?;
+        for (job, record) in jobs.iter().zip(&records) {
+            core.forget(&job.id, record.as_ref())?;
         }
         Ok::<_, Refusal>((jobs.len(), all))
     };

@@ -13,8 +13,9 @@ use counterpoint_kernel::log::event::Event;
 use counterpoint_kernel::log::info::Info;
 use tokio::sync::watch;
 
+use super::board::late;
 use super::operator::Desk;
-use crate::ledger::record::{Record, State};
+use crate::ledger::record::{Record, State, now_ms};
 use crate::log::tail::Tail;
 use crate::log::writer::Writer;
 use crate::results::Finished;
@@ -29,7 +30,8 @@ pub(crate) struct Run {
 /// What may stop a run besides its program and the client.
 #[derive(Debug, Default)]
 struct RunLimits {
-    until: Option<(Instant, u64)>,
+    /// When the run is stopped, and as what.
+    until: Option<(Instant, String)>,
     bytes: Option<u64>,
     /// The limit that was reached.
     reached: Option<String>,
@@ -130,10 +132,16 @@ impl Live {
         lock(&self.stop).clone()
     }
 
-    /// Sets the limits of the run that begins now: time by the clock, ms, and bytes of log and files.
-    pub(crate) fn set_limits(&self, wall_ms: u64, bytes: u64) {
-        let until = Instant::now().checked_add(Duration::from_millis(wall_ms));
-        *lock(&self.limits) = RunLimits { until: until.map(|at| (at, wall_ms)), bytes: Some(bytes), reached: None };
+    /// Sets the limits of the run that begins now: time by the clock, ms, and bytes of log and files; and the deadline
+    /// of the job, ms since 1970, 0 = none.
+    pub(crate) fn set_limits(&self, wall_ms: u64, bytes: u64, deadline_ms: i64) {
+        let left = u64::try_from(deadline_ms.saturating_sub(now_ms())).unwrap_or(0);
+        let (ms, text) = match deadline_ms > 0 && left < wall_ms {
+            true => (left, late(deadline_ms)),
+            false => (wall_ms, format!("the run was stopped after {wall_ms} ms by the clock, its limit wall_ms")),
+        };
+        let until = Instant::now().checked_add(Duration::from_millis(ms)).map(|at| (at, text));
+        *lock(&self.limits) = RunLimits { until, bytes: Some(bytes), reached: None };
     }
 
     /// The limit that has stopped the run.
@@ -143,9 +151,9 @@ impl Live {
 
     /// Stops the run if its time is over.
     pub(crate) fn check_clock(&self, now: Instant) {
-        let over = lock(&self.limits).until.filter(|(until, _)| *until <= now);
-        if let Some((_, ms)) = over {
-            self.reach(format!("the run was stopped after {ms} ms by the clock, its limit wall_ms"));
+        let over = lock(&self.limits).until.as_ref().filter(|(until, _)| *until <= now).map(|(_, text)| text.clone());
+        if let Some(text) = over {
+            self.reach(text);
         }
     }
 

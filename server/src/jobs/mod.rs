@@ -7,7 +7,9 @@
 mod board;
 pub(crate) mod describe;
 mod ends;
+pub(crate) mod feed;
 mod files;
+pub(crate) mod filter;
 mod flusher;
 mod housekeeping;
 pub(crate) mod live;
@@ -29,7 +31,7 @@ use crate::blobs::Blobs;
 use crate::drain::Drain;
 use crate::host::Host;
 use crate::ledger::record::{Record, State, now_ms};
-use crate::ledger::{Ledger, Submitted, recovered};
+use crate::ledger::{Ledger, Submitted, day, recovered};
 use crate::log::Logs;
 use crate::log::kept::Kept;
 use crate::machines::{Machines, is_shipped};
@@ -42,6 +44,7 @@ use crate::reason::Refusal;
 use crate::runner::Runner;
 use board::Board;
 use ends::Ends;
+use feed::{Feed, Removed};
 pub(crate) use files::Sandbox;
 use flusher::Flusher;
 use live::Live;
@@ -77,8 +80,35 @@ pub(crate) struct Core {
     flusher: Flusher,
     ends: Ends,
     board: Board,
-    /// Places for uploads, by the address of the connection.
-    pub(crate) uploads: Arc<Places<Option<SocketAddr>>>,
+    pub(crate) uploads: Uploads,
+}
+
+/// Places for uploads.
+#[derive(Debug)]
+pub(crate) struct Uploads {
+    by_connection: Arc<Places<Option<SocketAddr>>>,
+    by_tenant: Arc<Places<String>>,
+}
+
+impl Uploads {
+    fn new(options: &Options) -> Self {
+        let limits = &options.connections;
+        let each = match options.quotas.tenant_uploads {
+            0 => usize::MAX,
+            most => most,
+        };
+        Self {
+            by_connection: Arc::new(Places::new(limits.max_uploads, limits.max_uploads_per_connection)),
+            by_tenant: Arc::new(Places::new(usize::MAX, each)),
+        }
+    }
+
+    /// A place for an upload, given back when dropped.
+    pub(crate) fn take(&self, peer: Option<SocketAddr>, tenant: &str) -> Result<impl Send + use<>, Refusal> {
+        let place = self.by_connection.take(peer).ok_or(Refusal::TooManyUploads)?;
+        let quota = || Refusal::quota(tenant, "tenant_uploads", "so many uploads are under way".to_owned());
+        Ok((place, self.by_tenant.take(tenant.to_owned()).ok_or_else(quota)?))
+    }
 }
 
 impl std::fmt::Debug for Core {
@@ -95,11 +125,11 @@ impl Core {
         metrics: Arc<Metrics>,
     ) -> Result<Arc<Self>, Refusal> {
         let Seams { ledger, queue, logs, blobs, host } = seams;
-        let limits = &options.connections;
-        let uploads = Arc::new(Places::new(limits.max_uploads, limits.max_uploads_per_connection));
+        let uploads = Uploads::new(&options);
         Ok(Arc::new(Self {
             flusher: Flusher::start()?,
             ends: Ends::start()?,
+            board: Board::new(queue, ledger.epoch()),
             ledger,
             machines: Machines::new(blobs.clone(), options.maxima.max_machine_bytes),
             host,
@@ -109,7 +139,6 @@ impl Core {
             drain: Drain::new(),
             metrics,
             streams: Arc::default(),
-            board: Board::new(queue),
             uploads,
             options,
         }))
@@ -159,7 +188,7 @@ impl Core {
                 if writable.has_changed().unwrap_or(false) && *writable.borrow_and_update() {
                     core.find_unanswered();
                 }
-                core.stop_late_runs();
+                core.stop_late_jobs();
                 core.pump();
                 drop(core);
                 std::thread::sleep(TICK);
@@ -185,7 +214,7 @@ impl Core {
     /// Accepts a job; the answer says whether it was known.
     pub(crate) async fn submit(self: &Arc<Self>, record: Record) -> Result<(Record, bool), Refusal> {
         if let Some(known) = self.ledger.by_request(&record.tenant, &record.request_id)? {
-            return if known.content == record.content {
+            return if known.asks_the_same(&record) {
                 self.answered(&known)?;
                 Ok((self.current(known), true))
             } else {
@@ -193,10 +222,12 @@ impl Core {
             };
         }
         self.room()?;
-        let place = self.reserve()?;
+        self.within_quotas(&record.tenant)?;
+        let place = self.reserve(&record.tenant)?;
         let core = Arc::downgrade(self);
         // Jobs enter the queue in the order in which the ledger accepted them.
         let accepted = move |record: &Record| {
+            drop(place);
             if let Some(core) = core.upgrade() {
                 core.admit(Arc::new(Live::new(record.clone())));
             }
@@ -207,7 +238,6 @@ impl Core {
             blobs.of(&record.machine.tenant).require(&mut record.machine.files.values())
         };
         let submitted = self.ledger.submit(record, Box::new(check), Box::new(accepted)).await?;
-        drop(place);
         match submitted {
             Submitted::Known(known) => {
                 self.answered(&known)?;
@@ -240,9 +270,11 @@ impl Core {
     /// Takes up jobs that the ledger holds although their submits were refused: the sync of their transaction failed,
     /// and the ledger was found to hold it when it was opened again.
     fn find_unanswered(&self) {
-        let missing =
-            self.ledger.jobs("", usize::MAX, &|record| !record.state.ended() && self.live(&record.id).is_none());
-        missing.unwrap_or_default().into_iter().for_each(|record| self.take_up(record));
+        for record in self.ledger.unfinished().unwrap_or_default() {
+            if self.live(&record.id).is_none() {
+                self.take_up(record);
+            }
+        }
     }
 
     fn take_up(&self, record: Record) {
@@ -257,8 +289,25 @@ impl Core {
         }
     }
 
+    /// Refuses new work of a tenant that has used up what it may.
+    pub(crate) fn within_quotas(&self, tenant: &str) -> Result<(), Refusal> {
+        let quotas = &self.options.quotas;
+        if quotas.tenant_bytes == 0 && quotas.tenant_cpu_s == 0 {
+            return Ok(());
+        }
+        let usage = self.ledger.usage(tenant)?;
+        if quotas.tenant_bytes > 0 && usage.bytes >= quotas.tenant_bytes {
+            return Err(Refusal::quota(tenant, "tenant_bytes", format!("{} bytes are stored", usage.bytes)));
+        }
+        let seconds = usage.run_ms_on(day(now_ms())) / 1000;
+        if quotas.tenant_cpu_s > 0 && seconds >= quotas.tenant_cpu_s {
+            return Err(Refusal::quota(tenant, "tenant_cpu_s", format!("its jobs have run for {seconds} s today")));
+        }
+        Ok(())
+    }
+
     /// The newest state of a record.
-    fn current(&self, record: Record) -> Record {
+    pub(crate) fn current(&self, record: Record) -> Record {
         self.live(&record.id).map_or(record, |live| live.record())
     }
 
@@ -300,16 +349,18 @@ impl Core {
             let ended = Record { state: State::Cancelled, ended_ms: now_ms(), ..record };
             if let Err(refusal) = self.ledger.update(ended.clone()).await {
                 live.change(|record| record.cancel = false);
-                self.put_back(id);
+                self.put_back(&live);
                 return Err(refusal);
             }
             live.change(|record| record.clone_from(&ended));
             self.metrics.ended("CANCELLED");
+            self.changed(&live);
             self.board.live.remove(id);
             return Ok(ended);
         }
         self.ledger.flag_cancel(id.to_owned()).await?;
         live.cancel();
+        self.changed(&live);
         Ok(live.record())
     }
 
@@ -319,14 +370,23 @@ impl Core {
         if !record.state.ended() {
             return Err(Refusal::JobNotEnded(id.to_owned()));
         }
-        self.ledger.remove(record).await?;
-        self.forget(id)
+        self.ledger.remove(record.clone()).await?;
+        self.forget(id, Some(&record))
     }
 
     /// Clears away what is left of a job that is no longer in the ledger.
-    fn forget(&self, id: &str) -> Result<(), Refusal> {
+    fn forget(&self, id: &str, record: Option<&Record>) -> Result<(), Refusal> {
         self.board.live.remove(id);
+        if let Some(record) = record {
+            let removed = Removed { machine: filter::pinned(&record.machine), labels: record.asked.labels.clone() };
+            self.board.feed.removed(&record.tenant, id, removed);
+        }
         Ok(self.logs.remove(id)?)
+    }
+
+    /// Changes of all jobs.
+    pub(crate) fn feed(&self) -> &Feed {
+        &self.board.feed
     }
 
     /// Whether somebody beside the list of jobs has a job in hand.

@@ -10,7 +10,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::sync::mpsc::{RecvTimeoutError, channel};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use counterpoint_kernel::control::{Control, Stop};
 use counterpoint_kernel::job::Outcome;
@@ -28,7 +28,7 @@ use super::files::Sandbox;
 use super::live::{Live, Run};
 use super::sink::JobSink;
 use super::system::Shell;
-use crate::ledger::record::{Record, State, now_ms};
+use crate::ledger::record::{Cause, Record, State, now_ms};
 use crate::log::Logs;
 use crate::log::writer::{Ended, Small, Writer};
 use crate::pace::Pace;
@@ -77,15 +77,17 @@ type Change = Box<dyn FnOnce(&mut Record)>;
 fn failed(error: String) -> Change {
     Box::new(|record| {
         record.state = State::Failed;
+        record.runs.cause = Some(Cause::Host);
         record.error = error;
     })
 }
 
-fn refused(findings: Vec<Finding>) -> Change {
+fn refused((cause, findings): (Cause, Vec<Finding>)) -> Change {
     let first = findings.iter().find(|f| f.error).or(findings.first());
     let error = first.map_or_else(|| "the job cannot be run".to_owned(), ToString::to_string);
-    Box::new(|record| {
+    Box::new(move |record| {
         record.state = State::Failed;
+        record.runs.cause = Some(cause);
         record.error = error;
         record.findings = findings.into_iter().map(Into::into).collect();
     })
@@ -103,6 +105,7 @@ fn queued_again() -> Change {
 fn late(limit: String) -> Change {
     Box::new(|record| {
         record.state = State::Failed;
+        record.runs.cause = Some(Cause::Limit);
         record.verdict.clone_from(&limit);
         record.runs.limit = limit;
     })
@@ -145,6 +148,7 @@ fn end(core: &Arc<Core>, live: &Arc<Live>, change: Change, log: Option<Small>) {
     record.runs.suspect = false;
     if record.state.ended() {
         record.ended_ms = now_ms();
+        record.runs.run_ms = u64::try_from(record.ended_ms - record.runs.started_ms).unwrap_or(0);
     }
     core.leave(live);
     End::new(core, live, record, log).keep();
@@ -172,14 +176,17 @@ fn run(core: &Core, live: &Arc<Live>) -> Result<Ran, Refusal> {
         (record.state, record.runs.started_ms) = (State::Running, now_ms());
         record.runs.attempt += 1;
     });
+    core.changed(live);
     let or_most = |asked: u64, most: u64| if asked == 0 { most } else { asked.min(most) };
     live.set_limits(
         or_most(record.runs.wall_ms, core.options.maxima.max_wall_ms),
         or_most(record.runs.max_job_bytes, core.options.maxima.max_job_bytes),
+        record.asked.deadline_ms,
     );
+    live.check_clock(Instant::now());
     // A cancel that came while the job waited for another run.
     let stop = live.stop();
-    if live.cancelled() {
+    if live.cancelled() || live.reached().is_some() {
         stop.ask();
     }
     let files = Sandbox::new(core.blobs.of(&record.tenant), &record.files);
@@ -251,9 +258,11 @@ impl Through {
             core.logs.sync(&live.id)?;
         }
         let verdict = finished.results.summary.verdict.as_ref();
-        if limit.is_empty() && verdict.is_some_and(|verdict| verdict.kind == VerdictKind::Limit) {
+        let own_limit = verdict.is_some_and(|verdict| verdict.kind == VerdictKind::Limit);
+        if limit.is_empty() && own_limit {
             core.metrics.limit("job");
         }
+        let cause = if limit.is_empty() && !own_limit { Cause::Program } else { Cause::Limit };
         let change: Change = Box::new(move |record| {
             let summary = &finished.results.summary;
             record.state = match summary.state {
@@ -261,6 +270,7 @@ impl Through {
                 summary::State::Failed => State::Failed,
                 summary::State::Succeeded => State::Succeeded,
             };
+            record.runs.cause = (record.state == State::Failed).then_some(cause);
             record.events = outcome.events;
             record.runs.limit = limit;
             record.runs.has_files = has_files;
@@ -274,13 +284,13 @@ impl Through {
     }
 }
 
-/// Loads the machine and the programs of a job.
+/// Loads the machine and the programs of a job, or says which of them cannot be used.
 pub(crate) fn prepare(
     core: &Core,
     record: &Record,
     files: &Sandbox,
     stop: &Stop,
-) -> Result<Result<Box<dyn Prepared>, Vec<Finding>>, Refusal> {
+) -> Result<Result<Box<dyn Prepared>, (Cause, Vec<Finding>)>, Refusal> {
     prepare_with(core, record, record.options.clone(), files, stop)
 }
 
@@ -290,11 +300,11 @@ fn prepare_with(
     options: Options,
     files: &Sandbox,
     stop: &Stop,
-) -> Result<Result<Box<dyn Prepared>, Vec<Finding>>, Refusal> {
+) -> Result<Result<Box<dyn Prepared>, (Cause, Vec<Finding>)>, Refusal> {
     let checked = core.machines.load(&record.machine)?;
-    let Some(machine) = checked.machine else { return Ok(Err(checked.findings)) };
+    let Some(machine) = checked.machine else { return Ok(Err((Cause::Machine, checked.findings))) };
     let task = Task { machine, programs: record.programs.clone(), options };
-    Ok(core.runner.prepare(task, files, stop))
+    Ok(core.runner.prepare(task, files, stop).map_err(|findings| (Cause::Program, findings)))
 }
 
 /// Bytes of a log from which on results are stored; those of a smaller one are made from it when asked for.

@@ -6,11 +6,13 @@
 
 pub(crate) mod record;
 
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Debug;
 
 use bytes::Bytes;
 use counterpoint_kernel::dialog::answers::Answer;
 use tokio::sync::watch;
+use uuid::Uuid;
 
 use crate::machines::Definition;
 use crate::reason::Refusal;
@@ -49,6 +51,64 @@ pub(crate) struct Keep {
 pub(crate) struct Ended {
     pub(crate) id: String,
     pub(crate) ended_ms: i64,
+}
+
+/// Which jobs are wanted, and how many.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Query {
+    pub(crate) tenant: String,
+    /// In one of these states; empty = in any.
+    pub(crate) states: BTreeSet<State>,
+    /// Jobs that run: the ledger knows them as waiting.
+    pub(crate) running: BTreeSet<String>,
+    /// Submitted for this machine, perhaps with its revision.
+    pub(crate) machine: Option<String>,
+    pub(crate) labels: BTreeMap<String, String>,
+    /// Accepted from here on, and before there, by the time in the identity, ms; 0 = any time.
+    pub(crate) from_ms: i64,
+    pub(crate) until_ms: i64,
+    pub(crate) newest_first: bool,
+    /// After this job in the order asked for; empty = from the start.
+    pub(crate) after: String,
+    pub(crate) count: usize,
+}
+
+/// A page of jobs.
+#[derive(Debug, Default)]
+pub(crate) struct Page {
+    pub(crate) jobs: Vec<Record>,
+    /// Where the next page begins; none if there is none.
+    pub(crate) next: Option<String>,
+}
+
+/// Time in an identity, ms: when the job was accepted, by a clock that never goes back.
+pub(crate) fn time_of(id: Uuid) -> i64 {
+    i64::try_from(id.as_u128() >> 80).unwrap_or(i64::MAX)
+}
+
+/// What a tenant has used.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub(crate) struct Usage {
+    /// Bytes of logs, files and results of its ended jobs.
+    pub(crate) bytes: u64,
+    /// Day of the last run, since 1970 UTC, and the time of its runs, ms.
+    pub(crate) day: u64,
+    pub(crate) run_ms: u64,
+}
+
+/// A day, ms.
+const DAY_MS: i64 = 86_400_000;
+
+/// The day of a time, since 1970 UTC.
+pub(crate) fn day(ms: i64) -> u64 {
+    u64::try_from(ms / DAY_MS).unwrap_or(0)
+}
+
+impl Usage {
+    /// Time of the runs of a day, ms.
+    pub(crate) fn run_ms_on(&self, day: u64) -> u64 {
+        if self.day == day { self.run_ms } else { 0 }
+    }
 }
 
 /// Keeps jobs and machines. Calls that are not async may block.
@@ -100,17 +160,25 @@ pub(crate) trait Ledger: Send + Sync + Debug {
     /// The job of a tenant that was accepted under a request id.
     fn by_request(&self, tenant: &str, request_id: &str) -> Result<Option<Record>, Refusal>;
 
-    /// Up to `count` jobs after the job `after`, in order of submission, that `wanted` takes.
-    fn jobs(&self, after: &str, count: usize, wanted: &dyn Fn(&Record) -> bool) -> Result<Vec<Record>, Refusal>;
+    /// A page of jobs. It takes a bounded time, however many jobs there are and however few are wanted.
+    fn jobs(&self, query: &Query) -> Result<Page, Refusal>;
 
     /// Jobs that had not ended when the server went down, in order of submission.
-    fn unfinished(&self) -> Result<Vec<Record>, Refusal> {
-        self.jobs("", usize::MAX, &|record| !record.state.ended())
-    }
+    fn unfinished(&self) -> Result<Vec<Record>, Refusal>;
+
+    /// What a tenant has used.
+    fn usage(&self, tenant: &str) -> Result<Usage, Refusal>;
+
+    /// Number of this opening of the ledger: each is larger than the one before.
+    fn epoch(&self) -> u64;
 
     /// Stores a machine of a tenant under its name and its revision. One that is trusted is replaced by another such
     /// only.
     async fn put_machine(&self, definition: Definition, check: Check<Definition>) -> Result<(), Refusal>;
+
+    /// Removes a machine of a tenant with all its revisions; `false` if there is none. One that is trusted is removed
+    /// for `trusted` callers only.
+    async fn remove_machine(&self, tenant: String, name: String, trusted: bool) -> Result<bool, Refusal>;
 
     /// A machine of a tenant by `name` or `name@revision`.
     fn machine(&self, tenant: &str, name: &str) -> Result<Option<Definition>, Refusal>;
@@ -143,6 +211,7 @@ pub(crate) fn recovered(mut record: Record, alone: bool, attempts: u32) -> Recor
     } else if suspect && alone && record.runs.crashes >= attempts.max(1) {
         record.state = State::Failed;
         record.ended_ms = record::now_ms();
+        record.runs.cause = Some(record::Cause::Host);
         record.error = format!("poison: the server died {} times while this job ran alone", record.runs.crashes);
     } else {
         record.runs.suspect |= suspect;

@@ -3,17 +3,19 @@
 //! Invariant: states only go forward (QUEUED → RUNNING → one of the three ends), but for a run that died or was
 //! interrupted by a shutdown: RUNNING → QUEUED.
 
+use std::collections::BTreeMap;
+
 use counterpoint_kernel::dialog::answers::Answer;
 use counterpoint_kernel::job::Program;
 use counterpoint_kernel::machine::finding::Finding;
-use counterpoint_kernel::options::Options;
+use counterpoint_kernel::options::{Limits, Options};
 use serde::{Deserialize, Serialize};
 
 use crate::machines::Definition;
 use crate::tenant;
 
 /// State of a job.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "UPPERCASE")]
 pub enum State {
     /// Accepted.
@@ -34,6 +36,33 @@ impl State {
     pub fn ended(self) -> bool {
         matches!(self, Self::Succeeded | Self::Failed | Self::Cancelled)
     }
+}
+
+/// How urgent a job is among those of its tenant.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "UPPERCASE")]
+pub enum Priority {
+    /// Before the others.
+    High,
+    /// As usual.
+    #[default]
+    Normal,
+    /// After the others.
+    Low,
+}
+
+/// What made a job fail.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "UPPERCASE")]
+pub enum Cause {
+    /// Its programs.
+    Program,
+    /// Its machine.
+    Machine,
+    /// A limit, or its deadline.
+    Limit,
+    /// The server or its host.
+    Host,
 }
 
 /// A reason why a job could not be run.
@@ -83,7 +112,35 @@ pub struct Runs {
     pub has_files: bool,
     /// Bytes of its log, files and results.
     pub stored_bytes: u64,
+    /// Time of the run that has ended it, ms by the clock.
+    pub run_ms: u64,
+    /// What made the job fail.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub cause: Option<Cause>,
 }
+
+/// What a client asked for beside programs and options.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Asked {
+    /// Labels to find the job by.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub labels: BTreeMap<String, String>,
+    /// How urgent it is.
+    pub priority: Priority,
+    /// When it is stopped, milliseconds since 1970; 0 = never.
+    pub deadline_ms: i64,
+    /// The job that it runs again; empty = none.
+    #[serde(skip_serializing_if = "String::is_empty")]
+    pub rerun_of: String,
+    /// Limits of the kernel that were asked for, 0 = none; absent = none at all.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub limits: Option<Limits>,
+}
+
+/// Begins the digest of a content that covers what the client sent and nothing else. Earlier ones covered defaults of
+/// the server too.
+pub(crate) const CONTENT: &str = "2:";
 
 /// A job.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -95,7 +152,8 @@ pub struct Record {
     pub tenant: String,
     /// Identity given by the client.
     pub request_id: String,
-    /// Digest of what was submitted, without the request id.
+    /// Digest of what was submitted, without the request id, after [`CONTENT`].
+    #[serde(default)]
     pub content: String,
     /// Machine as the client named it.
     pub machine_name: String,
@@ -105,8 +163,12 @@ pub struct Record {
     pub programs: Vec<Program>,
     /// Path and digest of every file.
     pub files: Vec<(String, String)>,
-    /// Options.
+    /// Options, with the limits that count.
+    #[serde(default)]
     pub options: Options,
+    /// What else was asked for.
+    #[serde(flatten)]
+    pub asked: Asked,
     /// What the operator has answered so far, by channel in the order asked; taken again when the job is run again.
     #[serde(default)]
     pub answers: Vec<(u16, Option<Answer>)>,
@@ -116,25 +178,51 @@ pub struct Record {
     #[serde(flatten)]
     pub runs: Runs,
     /// A cancel was accepted.
+    #[serde(default)]
     pub cancel: bool,
     /// Milliseconds since 1970.
+    #[serde(default)]
     pub submitted_ms: i64,
     /// Likewise; 0 = not ended.
+    #[serde(default)]
     pub ended_ms: i64,
     /// Events in the log.
+    #[serde(default)]
     pub events: u64,
     /// Simulated time, ns.
+    #[serde(default)]
     pub makespan_ns: i64,
     /// Highest severity.
+    #[serde(default)]
     pub highest_severity: u8,
     /// Text of the verdict, empty = none.
+    #[serde(default)]
     pub verdict: String,
     /// Why it could not be run or kept.
+    #[serde(default)]
     pub error: String,
     /// Reasons with places.
+    #[serde(default)]
     pub findings: Vec<Reason>,
     /// Digest of the log.
+    #[serde(default)]
     pub log_digest: String,
+}
+
+impl Record {
+    /// Whether another record asks for the same.
+    pub(crate) fn asks_the_same(&self, other: &Self) -> bool {
+        if self.content.starts_with(CONTENT) {
+            return self.content == other.content;
+        }
+        // The content of an early row covers limits that the server filled in: what surely was sent is compared.
+        let sent = |record: &Self| Options { limits: Limits::default(), ..record.options.clone() };
+        self.machine_name == other.machine_name
+            && self.programs == other.programs
+            && self.files == other.files
+            && other.asked == Asked { limits: other.asked.limits.clone(), ..Asked::default() }
+            && sent(self) == sent(other)
+    }
 }
 
 /// Milliseconds since 1970.
@@ -159,6 +247,7 @@ pub(crate) mod tests {
             programs: Vec::new(),
             files: Vec::new(),
             options: Options::default(),
+            asked: Asked::default(),
             answers: Vec::new(),
             state: State::Queued,
             runs: Runs::default(),

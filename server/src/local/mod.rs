@@ -36,7 +36,7 @@ pub(crate) fn open(options: &Options, disk: Disk, metrics: &Arc<Metrics>) -> Res
     };
     Ok(Seams {
         ledger: Arc::new(LocalLedger::open(&store, metrics.clone())?),
-        queue: Box::new(LocalQueue::default()),
+        queue: Box::new(LocalQueue::new(options.quotas.tenant_running)),
         logs: Arc::new(store.clone()),
         blobs,
         host: Arc::new(store),

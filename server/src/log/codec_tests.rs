@@ -72,6 +72,7 @@ fn kinds() -> Vec<Kind> {
             since_ns: 5,
             meeting: 3,
             mark: "".into(),
+            by: 1,
         }),
         Kind::Diagnostic(Box::new(Diagnostic {
             number: 1201,
@@ -141,6 +142,7 @@ fn kinds() -> Vec<Kind> {
             since_ns: -1,
             meeting: 1 << 40,
             mark: "".into(),
+            by: 1,
         }),
         Kind::Release(Release {
             key: "".into(),
@@ -148,6 +150,7 @@ fn kinds() -> Vec<Kind> {
             since_ns: -1,
             meeting: 1 << 40,
             mark: "".into(),
+            by: 1,
         }),
         Kind::Release(Release {
             key: "".into(),
@@ -155,6 +158,7 @@ fn kinds() -> Vec<Kind> {
             since_ns: -1,
             meeting: 1 << 40,
             mark: "".into(),
+            by: 1,
         }),
         Kind::Release(Release {
             key: "".into(),
@@ -162,6 +166,7 @@ fn kinds() -> Vec<Kind> {
             since_ns: -1,
             meeting: 1 << 40,
             mark: "".into(),
+            by: 1,
         }),
         Kind::Release(Release {
             key: "".into(),
@@ -169,6 +174,7 @@ fn kinds() -> Vec<Kind> {
             since_ns: -1,
             meeting: 1 << 40,
             mark: "".into(),
+            by: 1,
         }),
         verdict(VerdictKind::Cycle),
         verdict(VerdictKind::Mismatch),
@@ -208,6 +214,7 @@ fn kinds() -> Vec<Kind> {
             since_ns: 5,
             meeting: 3,
             mark: "101".into(),
+            by: 1,
         }),
         Kind::Diagnostic(Box::new(Diagnostic {
             unrecognised: Some(Box::new(Unrecognised { text: "Q7".into(), place: "'G1 Q7'".into() })),

@@ -34,6 +34,7 @@ use tower_service::Service as _;
 use crate::access::CertificateNames;
 use crate::options::Options;
 use crate::places::Places;
+use crate::reason::Refusal;
 pub(crate) use gate::Gate;
 use held::Held;
 pub(crate) use status::serve as monitor;
@@ -247,11 +248,25 @@ async fn answer(
         None => answered.await?,
         Some(deadline) => match timeout(deadline, answered).await {
             Ok(response) => response?,
-            Err(_) => Status::deadline_exceeded("the deadline of the call is over").into_http(),
+            Err(_) => Status::from(Refusal::CallDeadline).into_http(),
         },
     };
+    let response = detailed(response);
     peer.gate.answered(peer.address, caller.as_ref(), &path, &response, begin.elapsed());
     Ok(response.map(|body| Held::new(body, call)))
+}
+
+/// Gives the status of a call that the transport has refused the details that all refusals have.
+fn detailed(response: Response<Body>) -> Response<Body> {
+    let headers = response.headers();
+    let refused = headers.get("grpc-status").is_some_and(|status| status != "0");
+    if !refused || headers.contains_key("grpc-status-details-bin") {
+        return response;
+    }
+    match Status::from_header_map(headers) {
+        Some(status) => Status::from(Refusal::of_transport(&status)).into_http(),
+        None => response,
+    }
 }
 
 /// `grpc-timeout`: up to 8 digits and a unit.

@@ -98,6 +98,22 @@ group! {
 }
 
 group! {
+    /// What one tenant may have; 0 = without limit.
+    Quotas, QuotasFlags {
+        /// Most jobs of one tenant that wait; 0 = without limit
+        tenant_queued: usize = 0, "COUNTERPOINT_TENANT_QUEUED", "N";
+        /// Most jobs of one tenant that run at the same time, others wait; 0 = without limit
+        tenant_running: usize = 0, "COUNTERPOINT_TENANT_RUNNING", "N";
+        /// Most bytes of logs, files and results of the ended jobs of one tenant; 0 = without limit
+        tenant_bytes: u64 = 0, "COUNTERPOINT_TENANT_BYTES", "BYTES";
+        /// Most uploads of one tenant at the same time; 0 = without limit
+        tenant_uploads: usize = 0, "COUNTERPOINT_TENANT_UPLOADS", "N";
+        /// Seconds that jobs of one tenant may run on a day (UTC) until no more are accepted; 0 = without limit
+        tenant_cpu_s: u64 = 0, "COUNTERPOINT_TENANT_CPU_S", "SECONDS";
+    }
+}
+
+group! {
     /// How long blobs that nothing needs and jobs that have ended are kept.
     Retention, RetentionFlags {
         /// Seconds that a blob is kept which no job and no machine needs, from its last upload or question for it on

@@ -47,16 +47,17 @@ impl Service for Blobs {
         &self,
         request: Request<Streaming<v1::UploadRequest>>,
     ) -> Result<Response<v1::UploadResponse>, Status> {
-        let _place = self.0.uploads.take(request.remote_addr()).ok_or(Refusal::TooManyUploads)?;
         let caller = Caller::of(&request)?;
+        let _place = self.0.uploads.take(request.remote_addr(), caller.tenant())?;
         let patience = self.0.options.connections.upload_stall_s;
         let mut chunks = request.into_inner();
         let first = next(&mut chunks, patience).await?.unwrap_or_default();
         let (blobs, digest) = (self.0.blobs.of(caller.tenant()), first.digest.clone());
         caller.about(&digest);
-        let core = self.0.clone();
+        let (core, tenant) = (self.0.clone(), caller.tenant().to_owned());
         let mut receiver = blocking(move || {
             core.room()?;
+            core.within_quotas(&tenant)?;
             let mut receiver = blobs.receive(&first.digest, first.size)?;
             receiver.chunk(&first.data)?;
             Ok(receiver)

@@ -9,9 +9,11 @@ use tokio_stream::wrappers::ReceiverStream;
 use tonic::{Request, Response, Status};
 use tracing::Instrument as _;
 
-use super::{Jobs, blocking, job, submit, watch};
+use super::{Jobs, blocking, job, submit, watch, watch_jobs};
 use crate::access::Caller;
-use crate::jobs::describe::{description, state, status};
+use crate::jobs::describe::{description, options, status};
+use crate::jobs::filter::{self, Filter};
+use crate::ledger::Query;
 use crate::log::reader::Reader;
 use crate::reason::Refusal;
 
@@ -46,7 +48,14 @@ impl Service for Jobs {
                 blocking(read).await?
             }
         };
-        Ok(Response::new(v1::GetJobResponse { status: Some(status(record)), description }))
+        let file = |(path, digest): &(String, String)| v1::FileRef { path: path.clone(), digest: digest.clone() };
+        Ok(Response::new(v1::GetJobResponse {
+            files: record.files.iter().map(file).collect(),
+            options: Some(options(&record)),
+            pinned_machine: filter::pinned(&record.machine),
+            status: Some(status(record)),
+            description,
+        }))
     }
 
     async fn list_jobs(&self, request: Request<v1::ListJobsRequest>) -> Result<Response<v1::ListJobsResponse>, Status> {
@@ -54,23 +63,27 @@ impl Service for Jobs {
         if !request.page_token.is_empty() && uuid::Uuid::try_parse(&request.page_token).is_err() {
             return Err(Refusal::field("page_token", "is not a next_page_token of this call").into());
         }
-        if let Some(at) = request.states.iter().position(|state| v1::JobState::try_from(*state).is_err()) {
-            return Err(Refusal::field(format!("states[{at}]"), "is not a state of a job").into());
-        }
         let size = if request.page_size == 0 { 50 } else { request.page_size.min(500) as usize };
+        let mut filter = Filter::read(request.filter.unwrap_or_default())?;
+        let states = filter::states("states", &request.states)?;
+        if filter.states.is_empty() {
+            filter.states = states;
+        } else if !states.is_empty() {
+            filter.states.retain(|state| states.contains(state));
+            if filter.states.is_empty() {
+                return Ok(Response::new(v1::ListJobsResponse::default()));
+            }
+        }
         let core = self.0.clone();
         let answer = blocking(move || {
-            let wanted = |s: v1::JobState| request.states.is_empty() || request.states.contains(&s.into());
-            let mut jobs = core.ledger.jobs(&request.page_token, size + 1, &|record| {
-                let now = core.live(&record.id).map_or(record.state, |live| live.state());
-                record.tenant == tenant && wanted(state(now))
-            })?;
-            let more = jobs.len() > size;
-            jobs.truncate(size);
-            let next = jobs.last().filter(|_| more).map(|job| job.id.clone());
-            let newest = |record: crate::Record| core.live(&record.id).map_or(record, |live| live.record());
-            let jobs = jobs.into_iter().map(|record| status(newest(record))).collect();
-            Ok(v1::ListJobsResponse { jobs, next_page_token: next.unwrap_or_default() })
+            let query = Query {
+                newest_first: request.newest_first,
+                after: request.page_token,
+                ..filter.query(&tenant, core.busy(), size)
+            };
+            let page = core.ledger.jobs(&query)?;
+            let jobs = page.jobs.into_iter().map(|record| status(core.current(record))).collect();
+            Ok(v1::ListJobsResponse { jobs, next_page_token: page.next.unwrap_or_default() })
         });
         Ok(Response::new(answer.await?))
     }
@@ -122,5 +135,33 @@ impl Service for Jobs {
         job(&self.0, &caller, &id)?;
         self.0.delete(&id).await?;
         Ok(Response::new(v1::DeleteJobResponse {}))
+    }
+
+    async fn rerun_job(&self, request: Request<v1::RerunJobRequest>) -> Result<Response<v1::RerunJobResponse>, Status> {
+        if self.0.drain.begun() {
+            return Err(Refusal::Draining { cursor: 0 }.into());
+        }
+        let (core, caller, request) = (self.0.clone(), Caller::of(&request)?, request.into_inner());
+        let record = blocking(move || {
+            let earlier = job(&core, &caller, &request.job_id)?;
+            submit::rerun(&core, earlier, request)
+        })
+        .await?;
+        let (record, duplicate) = self.0.submit(record).await?;
+        Ok(Response::new(v1::RerunJobResponse { status: Some(status(record)), duplicate }))
+    }
+
+    type WatchJobsStream = ReceiverStream<Result<v1::WatchJobsResponse, Status>>;
+
+    async fn watch_jobs(
+        &self,
+        request: Request<v1::WatchJobsRequest>,
+    ) -> Result<Response<Self::WatchJobsStream>, Status> {
+        let (caller, request) = (Caller::of(&request)?, request.into_inner());
+        let watch = watch_jobs::WatchJobs::new(self.0.clone(), caller.tenant(), request)?;
+        let (send, receive) = mpsc::channel(1);
+        // Ends with the client or with the drain.
+        tokio::spawn(watch.run(send).instrument(tracing::info_span!("watch jobs")));
+        Ok(Response::new(ReceiverStream::new(receive)))
     }
 }

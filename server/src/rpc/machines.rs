@@ -7,7 +7,7 @@ use counterpoint_proto::v1;
 use counterpoint_proto::v1::machines_server::Machines as Service;
 use tonic::{Request, Response, Status};
 
-use super::{Machines, blocking, submit};
+use super::{Machines, blocking, page, submit};
 use crate::access::{Caller, Role};
 use crate::jobs::Core;
 use crate::jobs::describe::finding;
@@ -67,17 +67,39 @@ impl Service for Machines {
         &self,
         request: Request<v1::ListMachinesRequest>,
     ) -> Result<Response<v1::ListMachinesResponse>, Status> {
-        let (core, caller) = (self.0.clone(), Caller::of(&request)?);
-        let machines = blocking(move || {
+        let (core, caller, request) = (self.0.clone(), Caller::of(&request)?, request.into_inner());
+        let answer = blocking(move || {
             let mut all = core.ledger.machines(caller.tenant())?;
             all.retain(|definition| !core.reserved(&definition.name));
             let shadowed = |name: &String| all.iter().any(|d| d.name == *name);
             let shipped: Vec<_> = shipped().iter().filter(|name| !shadowed(name)).collect();
             all.extend(shipped.iter().map(|name| Definition::shipped(name)));
             all.sort_by(|a, b| a.name.cmp(&b.name));
-            all.iter().map(|definition| Ok(summary(definition, &core.machines.load(definition)?))).collect()
+            let (page, next_page_token) = page(all, request.page_size, 500, &request.page_token, |d| d.name.as_str());
+            let summary = |definition: &Definition| Ok(summary(definition, &core.machines.load(definition)?));
+            let machines = page.iter().map(summary).collect::<Result<_, Refusal>>()?;
+            Ok(v1::ListMachinesResponse { machines, next_page_token })
         });
-        Ok(Response::new(v1::ListMachinesResponse { machines: machines.await? }))
+        Ok(Response::new(answer.await?))
+    }
+
+    async fn delete_machine(
+        &self,
+        request: Request<v1::DeleteMachineRequest>,
+    ) -> Result<Response<v1::DeleteMachineResponse>, Status> {
+        let (caller, name) = (Caller::of(&request)?, request.into_inner().name);
+        caller.about(&name);
+        if self.0.reserved(&name) {
+            return Err(Refusal::MachineShipped(name).into());
+        }
+        if !is_name(&name) {
+            return Err(Refusal::field("name", "must be the name of a machine, without a revision").into());
+        }
+        let (tenant, trusted) = (caller.tenant().to_owned(), caller.identity.role >= Role::Admin);
+        match self.0.ledger.remove_machine(tenant, name.clone(), trusted).await? {
+            true => Ok(Response::new(v1::DeleteMachineResponse {})),
+            false => Err(Refusal::UnknownMachine(name).into()),
+        }
     }
 
     async fn check_machine(

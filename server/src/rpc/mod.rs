@@ -9,6 +9,7 @@ mod operator;
 mod results;
 mod submit;
 mod watch;
+mod watch_jobs;
 
 use std::io::{self, Write};
 use std::sync::Arc;
@@ -51,6 +52,18 @@ trait Chunk: Send + 'static {
 fn job(core: &Core, caller: &Caller, id: &str) -> Result<Record, Refusal> {
     caller.about(id);
     core.job_of(caller.tenant(), id)
+}
+
+/// The part of a sorted list after the entry that `token` names, and the token of the next part. A `size` of 0 is the
+/// whole rest.
+fn page<T>(mut all: Vec<T>, size: u32, most: usize, token: &str, name: impl Fn(&T) -> &str) -> (Vec<T>, String) {
+    let begin = all.partition_point(|entry| !token.is_empty() && name(entry) <= token);
+    all.drain(..begin);
+    let size = if size == 0 { usize::MAX } else { (size as usize).min(most) };
+    let more = all.len() > size;
+    all.truncate(size);
+    let next = all.last().filter(|_| more).map(|last| name(last).to_owned());
+    (all, next.unwrap_or_default())
 }
 
 /// Does work that may block.

@@ -91,7 +91,8 @@ impl Attend {
                 _ = drain.wait_for(|begun| *begun) => return Err(Refusal::Draining { cursor: 0 }),
                 next = said.message() => next,
             };
-            match next.ok().flatten().and_then(|next| next.content) {
+            let next = next.map_err(|status| Refusal::of_transport(&status))?;
+            match next.and_then(|next| next.content) {
                 Some(content) => self.hear(content).await?,
                 None => return Ok(()),
             }

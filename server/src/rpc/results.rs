@@ -15,7 +15,7 @@ use counterpoint_proto::v1::results_server::Results as Service;
 use tokio_stream::wrappers::ReceiverStream;
 use tonic::{Request, Response, Status};
 
-use super::{Chunk, Results, blocking, job, stream};
+use super::{Chunk, Results, blocking, job, page, stream};
 use crate::Record;
 use crate::access::Caller;
 use crate::jobs::{Core, Sandbox, worker};
@@ -114,9 +114,12 @@ impl Service for Results {
         &self,
         request: Request<v1::ListFilesRequest>,
     ) -> Result<Response<v1::ListFilesResponse>, Status> {
-        let files = written(&self.0, &Caller::of(&request)?, request.into_inner().job_id).await?;
+        let (caller, request) = (Caller::of(&request)?, request.into_inner());
+        let mut files = written(&self.0, &caller, request.job_id).await?;
+        files.sort();
+        let (files, next_page_token) = page(files, request.page_size, 10_000, &request.page_token, |file| &file.0);
         let file = |(path, text): (String, String)| v1::WrittenFile { path, size: text.len() as u64 };
-        Ok(Response::new(v1::ListFilesResponse { files: files.into_iter().map(file).collect() }))
+        Ok(Response::new(v1::ListFilesResponse { files: files.into_iter().map(file).collect(), next_page_token }))
     }
 
     type GetFileStream = ReceiverStream<Result<v1::GetFileResponse, Status>>;

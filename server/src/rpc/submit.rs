@@ -8,29 +8,37 @@ use counterpoint_kernel::dialog::answers::{Answer, Value};
 use counterpoint_kernel::job::Program;
 use counterpoint_kernel::options::{Limits, Options};
 use counterpoint_proto::v1;
-use serde::Serialize;
+use prost::Message as _;
 
 use crate::blobs::{digest, is_digest};
 use crate::jobs::Core;
-use crate::ledger::record::{Record, Runs, State, now_ms};
+use crate::ledger::record::{Asked, CONTENT, Priority, Record, Runs, State, now_ms};
 use crate::machines::{Definition, is_shipped};
 use crate::reason::Refusal;
+
+/// Most labels of a job.
+const MOST_LABELS: usize = 32;
 
 /// Checks a request and makes the record of a new job.
 pub(super) fn record(core: &Core, tenant: &str, request: v1::SubmitJobRequest) -> Result<Record, Refusal> {
     check_request_id(&request.request_id)?;
+    let content = content_of(&request);
     let files = files(core, &request.files)?;
     let programs = programs(core, &request.programs, &files)?;
     let files: Vec<_> = files.into_iter().collect();
-    let asked = request.options.unwrap_or_default();
-    let (wall_ms, max_job_bytes) = asked.limits.map_or((0, 0), |limits| (limits.wall_ms, limits.max_job_bytes));
-    let mut options = options(asked)?;
-    let content = content(&request.machine, &programs, &files, &options, (wall_ms, max_job_bytes));
-    // The maxima of the server are not part of what was submitted.
-    options.limits = core.options.maxima.capped(&options.limits);
+    let sent = request.options.unwrap_or_default();
+    let own = sent.limits.unwrap_or_default();
+    let asked = Asked {
+        labels: labels(request.labels)?,
+        priority: priority(request.priority)?.unwrap_or_default(),
+        deadline_ms: deadline(request.deadline_ms)?,
+        rerun_of: String::new(),
+        limits: asked_limits(&own)?,
+    };
+    let options = options(sent)?;
     let machine = machine(core, tenant, &request.machine)?;
     core.blobs.of(tenant).require(&mut files.iter().map(|(_, digest)| digest))?;
-    Ok(Record {
+    let record = Record {
         // The ledger gives it when it accepts the job.
         id: String::new(),
         content,
@@ -41,9 +49,10 @@ pub(super) fn record(core: &Core, tenant: &str, request: v1::SubmitJobRequest) -
         programs,
         files,
         options,
+        asked,
         answers: Vec::new(),
         state: State::Queued,
-        runs: Runs { wall_ms, max_job_bytes, ..Runs::default() },
+        runs: Runs { wall_ms: own.wall_ms, max_job_bytes: own.max_job_bytes, ..Runs::default() },
         cancel: false,
         submitted_ms: now_ms(),
         ended_ms: 0,
@@ -54,7 +63,92 @@ pub(super) fn record(core: &Core, tenant: &str, request: v1::SubmitJobRequest) -
         error: String::new(),
         findings: Vec::new(),
         log_digest: String::new(),
-    })
+    };
+    Ok(limited(core, record))
+}
+
+/// Checks a request and makes the record of a job that runs another one again.
+pub(super) fn rerun(core: &Core, earlier: Record, mut request: v1::RerunJobRequest) -> Result<Record, Refusal> {
+    check_request_id(&request.request_id)?;
+    let request_id = std::mem::take(&mut request.request_id);
+    let content = format!("{CONTENT}{}", digest(&request.encode_to_vec()));
+    // An early row has the limits that counted then instead of those that were asked for.
+    let early = || Some(earlier.options.limits.clone()).filter(|_| !earlier.content.starts_with(CONTENT));
+    let asked = Asked {
+        labels: if request.labels.is_empty() { earlier.asked.labels } else { labels(request.labels)? },
+        priority: priority(request.priority)?.unwrap_or(earlier.asked.priority),
+        deadline_ms: deadline(request.deadline_ms)?,
+        rerun_of: earlier.id,
+        limits: earlier.asked.limits.clone().or_else(early),
+    };
+    let runs = Runs { wall_ms: earlier.runs.wall_ms, max_job_bytes: earlier.runs.max_job_bytes, ..Runs::default() };
+    let record = Record {
+        id: String::new(),
+        content,
+        tenant: earlier.tenant,
+        request_id,
+        machine_name: earlier.machine_name,
+        machine: earlier.machine,
+        programs: earlier.programs,
+        files: earlier.files,
+        options: earlier.options,
+        asked,
+        answers: Vec::new(),
+        state: State::Queued,
+        runs,
+        cancel: false,
+        submitted_ms: now_ms(),
+        ended_ms: 0,
+        events: 0,
+        makespan_ns: 0,
+        highest_severity: 0,
+        verdict: String::new(),
+        error: String::new(),
+        findings: Vec::new(),
+        log_digest: String::new(),
+    };
+    Ok(limited(core, record))
+}
+
+/// The record with the limits that count: those asked for, or the defaults, within the maxima of the server.
+fn limited(core: &Core, mut record: Record) -> Record {
+    let asked = record.asked.limits.as_ref().map_or_else(Limits::default, or_default);
+    record.options.limits = core.options.maxima.capped(&asked);
+    record
+}
+
+fn labels(labels: BTreeMap<String, String>) -> Result<BTreeMap<String, String>, Refusal> {
+    if labels.len() > MOST_LABELS {
+        return Err(Refusal::field("labels", format!("at most {MOST_LABELS} are allowed")));
+    }
+    for (key, value) in &labels {
+        let allowed = |b: u8| b.is_ascii_lowercase() || b.is_ascii_digit() || b"._/-".contains(&b);
+        let begins = key.starts_with(|c: char| c.is_ascii_lowercase() || c.is_ascii_digit());
+        if !(1..=63).contains(&key.len()) || !key.bytes().all(allowed) || !begins {
+            let text = "a key must have 1 to 63 characters of a-z 0-9 . _ / -, the first a letter or digit";
+            return Err(Refusal::field(format!("labels[{key:?}]"), text));
+        }
+        if value.len() > 255 || value.chars().any(char::is_control) {
+            let text = "must have at most 255 bytes and no control characters";
+            return Err(Refusal::field(format!("labels[{key:?}]"), text));
+        }
+    }
+    Ok(labels)
+}
+
+/// A priority from the wire; none = not given.
+fn priority(number: i32) -> Result<Option<Priority>, Refusal> {
+    match v1::JobPriority::try_from(number) {
+        Ok(v1::JobPriority::Unspecified) => Ok(None),
+        Ok(v1::JobPriority::Low) => Ok(Some(Priority::Low)),
+        Ok(v1::JobPriority::Normal) => Ok(Some(Priority::Normal)),
+        Ok(v1::JobPriority::High) => Ok(Some(Priority::High)),
+        Err(_) => Err(Refusal::field("priority", format!("{number} is not a priority"))),
+    }
+}
+
+fn deadline(ms: i64) -> Result<i64, Refusal> {
+    if ms < 0 { Err(Refusal::field("deadline_ms", "must not be negative")) } else { Ok(ms) }
 }
 
 fn check_request_id(id: &str) -> Result<(), Refusal> {
@@ -117,6 +211,7 @@ fn small<T: TryFrom<u64>>(field: &str, value: u64, min: u64, max: u64) -> Result
     T::try_from(value).map_err(|_| refuse())
 }
 
+/// Options but for the limits.
 fn options(options: v1::JobOptions) -> Result<Options, Refusal> {
     let opskip = options.opskip.iter().map(|&level| small("options.opskip", u64::from(level), 0, 9));
     let ignore = options.ignore_waits.iter().map(|&c| small("options.ignore_waits", u64::from(c), 1, 9999));
@@ -129,7 +224,7 @@ fn options(options: v1::JobOptions) -> Result<Options, Refusal> {
         attended: options.attended,
         parameters: options.parameters,
         threads: small("options.threads", u64::from(options.threads), 0, 1024)?,
-        limits: limits(options.limits.unwrap_or_default())?,
+        limits: Limits::default(),
     })
 }
 
@@ -149,28 +244,44 @@ pub(super) fn answer(answer: v1::DialogAnswer) -> Answer {
     }
 }
 
-fn limits(asked: v1::JobLimits) -> Result<Limits, Refusal> {
-    let default = Limits::default();
-    let or = |value: u64, default: u64| if value == 0 { default } else { value };
+/// Limits that were asked for, 0 = not given; none when none was given.
+fn asked_limits(asked: &v1::JobLimits) -> Result<Option<Limits>, Refusal> {
     if asked.simulated_ns < 0 {
         return Err(Refusal::field("options.limits.simulated_ns", "must not be negative"));
     }
-    let nesting = small("options.limits.nesting", u64::from(asked.nesting), 0, 1000)?;
-    Ok(Limits {
-        simulated_ns: if asked.simulated_ns == 0 { default.simulated_ns } else { asked.simulated_ns },
+    let own = v1::JobLimits { wall_ms: 0, max_job_bytes: 0, ..*asked };
+    let limits = Limits {
+        simulated_ns: asked.simulated_ns,
+        blocks: asked.blocks,
+        zero_time_blocks: asked.zero_time_blocks,
+        events: asked.events,
+        block_length: asked.block_length as usize,
+        nesting: small("options.limits.nesting", u64::from(asked.nesting), 0, 1000)?,
+        diagnostics: asked.diagnostics,
+        memory: asked.memory,
+        macro_steps: asked.macro_steps,
+    };
+    Ok((own != v1::JobLimits::default()).then_some(limits))
+}
+
+/// Limits with the defaults for those that were not given.
+fn or_default(asked: &Limits) -> Limits {
+    fn or<T: Default + PartialEq>(value: T, default: T) -> T {
+        if value == T::default() { default } else { value }
+    }
+    let default = Limits::default();
+    Limits {
+        simulated_ns: or(asked.simulated_ns, default.simulated_ns),
         blocks: or(asked.blocks, default.blocks),
         zero_time_blocks: or(asked.zero_time_blocks, default.zero_time_blocks),
         events: or(asked.events, default.events),
-        block_length: match asked.block_length {
-            0 => default.block_length,
-            n => n as usize,
-        },
-        nesting: if nesting == 0 { default.nesting } else { nesting },
-        diagnostics: if asked.diagnostics == 0 { default.diagnostics } else { asked.diagnostics },
+        block_length: or(asked.block_length, default.block_length),
+        nesting: or(asked.nesting, default.nesting),
+        diagnostics: or(asked.diagnostics, default.diagnostics),
         memory: or(asked.memory, default.memory),
         macro_steps: or(asked.macro_steps, default.macro_steps),
     }
-    .capped())
+    .capped()
 }
 
 /// The machine that a name means to a tenant, pinned to its revision.
@@ -188,26 +299,18 @@ pub(super) fn machine(core: &Core, tenant: &str, name: &str) -> Result<Definitio
     Err(Refusal::UnknownMachine(name.to_owned()))
 }
 
-/// Digest of what a client submitted, request id left out.
-fn content(
-    machine: &str,
-    programs: &[Program],
-    files: &[(String, String)],
-    options: &Options,
-    own_limits: (u64, u64),
-) -> String {
-    #[derive(Serialize)]
-    struct Content<'a> {
-        machine: &'a str,
-        programs: &'a [Program],
-        files: &'a [(String, String)],
-        options: &'a Options,
-        #[serde(skip_serializing_if = "Option::is_none")]
-        own_limits: Option<(u64, u64)>,
+/// Digest of what a client submitted, request id left out. Nothing of the server is in it, and a field that the client
+/// does not know is as one that it leaves empty: the same request has the same digest for every version.
+fn content_of(request: &v1::SubmitJobRequest) -> String {
+    let mut sent = v1::SubmitJobRequest { request_id: String::new(), ..request.clone() };
+    sent.files.sort_by(|a, b| a.path.cmp(&b.path));
+    if sent.priority == v1::JobPriority::Normal as i32 {
+        sent.priority = 0;
     }
-    let own_limits = Some(own_limits).filter(|limits| *limits != (0, 0));
-    let content = serde_json::to_vec(&Content { machine, programs, files, options, own_limits });
-    digest(&content.unwrap_or_default())
+    let mut options = sent.options.take().unwrap_or_default();
+    options.limits = options.limits.filter(|limits| *limits != v1::JobLimits::default());
+    sent.options = Some(options).filter(|options| *options != v1::JobOptions::default());
+    format!("{CONTENT}{}", digest(&sent.encode_to_vec()))
 }
 
 /// Whether a path may be used inside a sandbox: relative, `/` between parts, no empty, `.` or `..` part, no
@@ -222,6 +325,45 @@ fn path_is_clean(path: &str) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_digest_of_a_content_covers_what_was_sent_and_nothing_else() {
+        let file = |path: &str| v1::FileRef { path: path.into(), digest: "d".into() };
+        let request = v1::SubmitJobRequest {
+            request_id: "r".into(),
+            machine: "m".into(),
+            files: vec![file("a"), file("b")],
+            ..Default::default()
+        };
+        let same = [
+            v1::SubmitJobRequest { request_id: "s".into(), ..request.clone() },
+            v1::SubmitJobRequest { files: vec![file("b"), file("a")], ..request.clone() },
+            v1::SubmitJobRequest { priority: v1::JobPriority::Normal.into(), ..request.clone() },
+            v1::SubmitJobRequest {
+                options: Some(v1::JobOptions { limits: Some(v1::JobLimits::default()), ..Default::default() }),
+                ..request.clone()
+            },
+        ];
+        for other in same {
+            assert_eq!(content_of(&other), content_of(&request), "{other:?}");
+        }
+        let blocks = v1::JobLimits { blocks: Limits::default().blocks, ..Default::default() };
+        let different = [
+            v1::SubmitJobRequest { labels: [("k".to_owned(), "v".to_owned())].into(), ..request.clone() },
+            v1::SubmitJobRequest { priority: v1::JobPriority::High.into(), ..request.clone() },
+            v1::SubmitJobRequest { deadline_ms: 1, ..request.clone() },
+            // A default may change: asking for it is not the same as leaving it to the server.
+            v1::SubmitJobRequest {
+                options: Some(v1::JobOptions { limits: Some(blocks), ..Default::default() }),
+                ..request.clone()
+            },
+        ];
+        for other in different {
+            assert_ne!(content_of(&other), content_of(&request), "{other:?}");
+        }
+        // It stays the same for ever: ledgers hold it.
+        assert_eq!(content_of(&request), "2:76f703040c740938b71112af4cca35c46ac088d608840e68485a61409f2931b7");
+    }
 
     #[test]
     fn only_relative_downward_paths_are_clean() {

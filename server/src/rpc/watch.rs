@@ -40,7 +40,16 @@ const PULL: usize = 256 * 1024;
 /// Time after which a client that takes nothing stands still.
 const STALL: Duration = Duration::from_millis(100);
 /// Messages below this size are padded up to it: receivers count small HTTP/2 frames as a flood.
-const SMALLEST: usize = 256;
+pub(super) const SMALLEST: usize = 256;
+
+/// Interval between signs of life that a client asks for.
+pub(super) fn heartbeat(asked_ms: u32) -> Result<Duration, Refusal> {
+    let ms = if asked_ms == 0 { HEARTBEAT_MS } else { asked_ms };
+    if !HEARTBEATS_MS.contains(&ms) {
+        return Err(Refusal::field("heartbeat_ms", "must be 0, or 100 to 60,000"));
+    }
+    Ok(Duration::from_millis(ms.into()))
+}
 
 type Out = mpsc::Sender<Result<v1::WatchJobResponse, Status>>;
 
@@ -85,10 +94,7 @@ impl Watch {
     pub(super) fn new(core: Arc<Core>, request: v1::WatchJobRequest) -> Result<Self, Refusal> {
         let level = v1::WatchLevel::try_from(request.level)
             .map_err(|_| Refusal::field("level", format!("{} is not a level", request.level)))?;
-        let heartbeat = if request.heartbeat_ms == 0 { HEARTBEAT_MS } else { request.heartbeat_ms };
-        if !HEARTBEATS_MS.contains(&heartbeat) {
-            return Err(Refusal::field("heartbeat_ms", "must be 0, or 100 to 60,000"));
-        }
+        let heartbeat = heartbeat(request.heartbeat_ms)?;
         let live = match core.live(&request.job_id) {
             Some(live) => live,
             None => from_ledger(&core, &request.job_id)?,
@@ -98,7 +104,7 @@ impl Watch {
             core,
             live,
             level,
-            heartbeat: Duration::from_millis(heartbeat.into()),
+            heartbeat,
             cursor: request.after_seq,
             reader: None,
             pull: FIRST_PULL,

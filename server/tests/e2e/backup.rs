@@ -54,7 +54,7 @@ async fn a_backup_of_a_running_server_has_every_job_and_finishes_those_that_had_
     for (job, expected) in &ended {
         assert!(server.events(job, 0).await == *expected);
     }
-    let files = v1::ListFilesRequest { job_id: ended[2].0.clone() };
+    let files = v1::ListFilesRequest { job_id: ended[2].0.clone(), ..Default::default() };
     assert_eq!(server.results().list_files(files).await.unwrap().into_inner().files.len(), 1);
     let again = server.request("small", "EVENTS 9").await;
     assert!(server.jobs().submit_job(again).await.unwrap().into_inner().duplicate);

@@ -79,7 +79,7 @@ impl As {
             machine: machine.into(),
             programs: vec![v1::Program { path: "main.nc".into(), ..Default::default() }],
             files: vec![v1::FileRef { path: "main.nc".into(), digest }],
-            options: None,
+            ..Default::default()
         };
         Ok(self.jobs().submit_job(request).await?.into_inner().status.unwrap())
     }

@@ -236,7 +236,7 @@ async fn files_of_macros_are_listed_read_and_survive() {
     let refused = server.submit("no", "REFUSE").await;
     server.wait(&job).await;
     server.wait(&refused).await;
-    let list = |job: &String| v1::ListFilesRequest { job_id: job.clone() };
+    let list = |job: &String| v1::ListFilesRequest { job_id: job.clone(), ..Default::default() };
     assert_eq!(reason(&server.results().list_files(list(&refused)).await.unwrap_err()), "NO_RESULTS");
     server.stop().await;
     let server = Server::start(options(folder.path())).await;

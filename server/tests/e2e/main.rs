@@ -21,6 +21,7 @@ mod descriptors;
 mod doctor;
 #[cfg(target_os = "linux")]
 mod faults;
+mod find;
 mod folder;
 mod guard;
 mod guarded;
@@ -31,6 +32,9 @@ mod limits;
 mod metrics;
 mod operator;
 mod rate;
+mod refusals;
+mod rerun;
+mod share;
 mod signed;
 #[cfg(target_os = "linux")]
 mod stalled;
@@ -44,3 +48,4 @@ mod tls;
 mod trouble;
 mod upgrade;
 mod watch;
+mod watch_jobs;

@@ -112,7 +112,8 @@ async fn a_small_log_survives_is_watched_and_goes_with_its_job() {
     assert_eq!(server.events(&job, 15).await, whole[15..]);
     let summary = server.results().get_summary(v1::GetSummaryRequest { job_id: job.clone() }).await;
     assert!(summary.unwrap().into_inner().message().await.unwrap().is_some());
-    let files = server.results().list_files(v1::ListFilesRequest { job_id: job.clone() }).await.unwrap();
+    let files =
+        server.results().list_files(v1::ListFilesRequest { job_id: job.clone(), ..Default::default() }).await.unwrap();
     assert!(files.into_inner().files.is_empty());
     assert!(
         server

@@ -164,7 +164,8 @@ async fn blobs_come_back_whole_and_lies_are_refused() {
 async fn a_machine_can_be_put_listed_and_pinned() {
     let folder = tempfile::tempdir().unwrap();
     let server = Server::start(options(folder.path())).await;
-    let shipped = server.machines().list_machines(v1::ListMachinesRequest {}).await.unwrap().into_inner().machines;
+    let shipped =
+        server.machines().list_machines(v1::ListMachinesRequest::default()).await.unwrap().into_inner().machines;
     let lathe = shipped.iter().find(|m| m.name == "fanuc-2path-lathe").unwrap();
     assert!(lathe.shipped && lathe.revision.is_empty() && lathe.channels == 2);
     let request = v1::CheckMachineRequest { name: "fanuc-2path-lathe".into(), files: vec![] };

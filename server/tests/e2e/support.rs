@@ -292,7 +292,7 @@ impl Server {
             machine: "fanuc-2path-lathe".into(),
             programs: vec![v1::Program { path: "main.nc".into(), ..Default::default() }],
             files: vec![v1::FileRef { path: "main.nc".into(), digest }],
-            options: None,
+            ..Default::default()
         }
     }
 

@@ -57,7 +57,7 @@ async fn a_job_of_another_tenant_is_not_there_for_any_call() {
         unknown(results().get_toolpath(toolpath).await);
         unknown(results().get_summary(v1::GetSummaryRequest { job_id: job_id.clone() }).await);
         unknown(results().get_events(v1::GetEventsRequest { job_id: job_id.clone() }).await);
-        unknown(results().list_files(v1::ListFilesRequest { job_id: job_id.clone() }).await);
+        unknown(results().list_files(v1::ListFilesRequest { job_id: job_id.clone(), ..Default::default() }).await);
         let file = v1::GetFileRequest { job_id: job_id.clone(), path: "a.txt".into() };
         unknown(results().get_file(file).await);
         let first = v1::AttendRequest { content: Some(v1::attend_request::Content::JobId(job_id)) };
@@ -107,7 +107,8 @@ async fn request_ids_and_machines_belong_to_their_tenant_also_after_a_restart() 
         assert_eq!(caller.wait(&again.job_id).await.events, events);
         let machine = caller.machines().get_machine(get("own")).await.unwrap().into_inner().machine.unwrap();
         assert_eq!(machine.description, description);
-        let all = caller.machines().list_machines(v1::ListMachinesRequest {}).await.unwrap().into_inner().machines;
+        let all =
+            caller.machines().list_machines(v1::ListMachinesRequest::default()).await.unwrap().into_inner().machines;
         assert_eq!(all.iter().filter(|machine| !machine.shipped).count(), 1);
         let job = caller.submit("own", "own", "EVENTS 1").await.unwrap().job_id;
         assert_eq!(caller.wait(&job).await.state(), v1::JobState::Succeeded);
@@ -131,7 +132,7 @@ async fn a_file_is_there_only_for_the_tenant_that_has_uploaded_it() {
         machine: LATHE.into(),
         programs: vec![v1::Program { path: "main.nc".into(), ..Default::default() }],
         files: vec![v1::FileRef { path: "main.nc".into(), digest: secret.clone() }],
-        options: None,
+        ..Default::default()
     };
     assert_eq!(reason(&other.jobs().submit_job(request).await.unwrap_err()), "MISSING_BLOBS");
     let file = v1::MachineFile { path: "m/machine.toml".into(), digest: secret };

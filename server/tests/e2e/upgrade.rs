@@ -116,6 +116,120 @@ async fn a_ledger_of_schema_1_is_opened_and_its_jobs_are_listed_watched_and_fini
     server.stop().await;
 }
 
+const LOG: TableDefinition<'_, &str, &[u8]> = TableDefinition::new("log");
+const BLOB: TableDefinition<'_, &str, u64> = TableDefinition::new("blob");
+const ENDED: TableDefinition<'_, (i64, &str), u64> = TableDefinition::new("ended");
+
+/// A folder as a server of a schema left it: two jobs that have ended, one of them with a small log, one that was running,
+/// one that waited. Gives their identities by request id.
+async fn folder_of(folder: &Path, schema: u64) -> BTreeMap<&'static str, String> {
+    let server = Server::start(options(folder)).await;
+    let mut jobs = BTreeMap::new();
+    let mut rows = Vec::new();
+    for (name, script) in [("ended", "EVENTS 2000"), ("small", "EVENTS 9")] {
+        let job = server.submit(name, script).await;
+        let status = server.wait(&job).await;
+        let mut row = row_1(&job, name, "SUCCEEDED", script);
+        row["events"] = status.events.into();
+        row["makespan_ns"] = status.makespan_ns.into();
+        row["log_digest"] = status.log_digest.into();
+        rows.push(row);
+        jobs.insert(name, job);
+    }
+    server.upload(b"EVENTS 7").await;
+    server.stop().await;
+    let small = jobs["small"].clone();
+    let small = small.as_str();
+    let log = {
+        let database = redb::Database::open(folder.join("ledger.redb")).unwrap();
+        let logs = database.begin_read().unwrap().open_table(LOG).unwrap();
+        logs.get(small).unwrap().unwrap().value().to_vec()
+    };
+    for (name, number, state, script) in [("running", 1, "RUNNING", "EVENTS 2000"), ("queued", 2, "QUEUED", "EVENTS 7")]
+    {
+        let id = format!("ffffffff-ffff-7fff-bfff-0000000000{number:02}");
+        rows.push(row_1(&id, name, state, script));
+        jobs.insert(name, id);
+    }
+    if schema >= 4 {
+        for row in &mut rows {
+            row["host_failures"] = 0.into();
+            row["host_failure"] = "".into();
+            row["wall_ms"] = 0.into();
+            row["stored_bytes"] = 10.into();
+        }
+    }
+    if schema >= 5 {
+        rows.iter_mut().for_each(|row| row["machine"]["trusted"] = true.into());
+    }
+    if schema == 1 {
+        let path = folder.join("jobs").join(small);
+        std::fs::create_dir_all(&path).unwrap();
+        std::fs::write(path.join("log"), &log).unwrap();
+    }
+    write_ledger(folder, schema, &rows);
+    let database = redb::Database::open(folder.join("ledger.redb")).unwrap();
+    let txn = database.begin_write().unwrap();
+    if schema >= 2 {
+        txn.open_table(LOG).unwrap().insert(small, log.as_slice()).unwrap();
+    }
+    if schema >= 3 {
+        let mut counts = txn.open_table(BLOB).unwrap();
+        for (script, count) in [("EVENTS 2000", 2), ("EVENTS 9", 1), ("EVENTS 7", 1)] {
+            counts.insert(digest(script.as_bytes()).as_str(), count).unwrap();
+        }
+    }
+    if schema >= 4 {
+        for name in ["ended", "small"] {
+            txn.open_table(ENDED).unwrap().insert((1_700_000_000_002, jobs[name].as_str()), 10).unwrap();
+        }
+    }
+    txn.commit().unwrap();
+    jobs
+}
+
+#[tokio::test]
+async fn ledgers_of_all_earlier_schemas_are_opened_and_their_jobs_found_finished_and_run_again() {
+    for schema in 1..=5 {
+        let folder = tempfile::tempdir().unwrap();
+        let jobs = folder_of(folder.path(), schema).await;
+        let server = Server::start(options(folder.path())).await;
+        let events = [("ended", 2000), ("small", 9), ("running", 2000), ("queued", 7)];
+        for (name, count) in events {
+            let status = server.wait(&jobs[name]).await;
+            let expected = (v1::JobState::Succeeded, count, "default");
+            assert_eq!((status.state(), status.events, status.tenant.as_str()), expected, "{schema}: {name}");
+            assert_eq!(server.events(&jobs[name], 0).await.len() as u64, count, "{schema}: {name}");
+        }
+        let list = async |filter: v1::JobFilter| {
+            let request = v1::ListJobsRequest { filter: Some(filter), newest_first: true, ..Default::default() };
+            let jobs = server.jobs().list_jobs(request).await.unwrap().into_inner().jobs;
+            jobs.into_iter().map(|job| job.request_id).collect::<Vec<_>>().join(" ")
+        };
+        let machine = v1::JobFilter { machine: "fanuc-2path-lathe".into(), ..Default::default() };
+        assert_eq!(list(machine).await, "queued running small ended", "{schema}");
+        let succeeded = v1::JobFilter { states: vec![v1::JobState::Succeeded.into()], ..Default::default() };
+        assert_eq!(list(succeeded).await, "queued running small ended", "{schema}");
+        // The request ids of the jobs are known, and mean the same.
+        for (name, count) in events {
+            let request = server.request(name, &format!("EVENTS {count}")).await;
+            let again = server.jobs().submit_job(request.clone()).await.unwrap().into_inner();
+            assert!(again.duplicate && again.status.unwrap().job_id == jobs[name], "{schema}: {name}");
+            let other = v1::SubmitJobRequest { machine: "fanuc-mill".into(), ..request };
+            let refused = server.jobs().submit_job(other).await.unwrap_err();
+            assert_eq!(reason(&refused), "REQUEST_ID_REUSED", "{schema}: {name}");
+        }
+        let rerun =
+            v1::RerunJobRequest { job_id: jobs["small"].clone(), request_id: "again".into(), ..Default::default() };
+        let again = server.jobs().rerun_job(rerun).await.unwrap().into_inner().status.unwrap().job_id;
+        assert_eq!(server.wait(&again).await.events, 9, "{schema}");
+        server.jobs().delete_job(v1::DeleteJobRequest { job_id: jobs["ended"].clone() }).await.unwrap();
+        server.stop().await;
+        assert_eq!(counterpoint_server::doctor::examine(folder.path(), false).unwrap(), [], "{schema}");
+        assert!(self::schema(folder.path()) > schema);
+    }
+}
+
 #[tokio::test]
 async fn a_ledger_of_a_later_schema_is_refused_and_not_touched() {
     let folder = tempfile::tempdir().unwrap();

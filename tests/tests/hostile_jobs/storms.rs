@@ -200,9 +200,9 @@ fn of_lathes() -> Vec<Case> {
             &["G71 U1. R1.\nG71 P1 Q2 U.1 W.1 F1.\nN1 G0 X1.\nN2 X2.\n"],
             UNKNOWN,
         ),
-        lathe("lathe: meetings without end", &["N1 M101\nGOTO1\n"; 2], &[LIMIT]),
+        lathe("lathe: waits without end", &["N1 M101\nGOTO1\n"; 2], &[LIMIT]),
         lathe(
-            "lathe: meetings and shared variables",
+            "lathe: waits and shared variables",
             &["N1 M101\n#500=#500+1\nGOTO1\n", "N1 #500=#500-1\nM101\nGOTO1\n"],
             &[LIMIT],
         ),

@@ -1,9 +1,10 @@
 //! From the text of a line to a [`Line`]: its statement.
 
-use super::control::KEY_WORDS;
+use super::control::{KEY_WORDS, STATEMENTS};
 use super::cursor::{Error, NESTING, Parser};
 use super::expr::Expr;
 use super::statement::{Line, Statement};
+use crate::statement::Shared;
 use counterpoint_program::key_words::{Names, key_word};
 
 /// Compiles a line (comments and optional-skip marks already blanked out) of a machine that has these names.
@@ -55,12 +56,31 @@ impl Parser<'_> {
             Some("ELSE") => Ok(Statement::Else),
             Some("GOTO") => Ok(Statement::Goto(self.jump_target()?)),
             Some("THEN") => Err(self.error("IF before THEN")),
-            Some("POPEN") => Ok(Statement::Output(true)),
-            Some("PCLOS") => Ok(Statement::Output(false)),
             Some("DPRNT") => Ok(Statement::Print(self.items(2)?)),
             Some("BPRNT") => Ok(Statement::PrintBinary(self.items(1)?)),
-            Some(_) | None => self.words(),
+            Some(word) => match Shared::of(STATEMENTS, word) {
+                Some(shared) => Ok(Statement::Shared(shared, self.operands(shared.operands)?)),
+                None => self.words(),
+            },
+            None => self.words(),
         }
+    }
+
+    /// So many operands in brackets, with commas between them.
+    fn operands(&mut self, count: usize) -> Result<Box<[Expr]>, Error> {
+        let mut operands = Vec::with_capacity(count);
+        for at in 0..count {
+            if !self.accept(if at == 0 { b'[' } else { b',' }) {
+                return Err(self.error("an operand in brackets"));
+            }
+            let mut ops = Vec::new();
+            self.relation(&mut ops)?;
+            operands.push(self.checked(ops)?);
+        }
+        if count > 0 && !self.accept(b']') {
+            return Err(self.error("']'"));
+        }
+        Ok(operands.into())
     }
 
     fn conditional(&mut self) -> Result<Statement, Error> {
@@ -133,9 +153,21 @@ impl Parser<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::statement::OPEN_OUTPUT;
 
     fn plain(text: &[u8]) -> Result<Line, Error> {
         compile(text, Names { key_words: KEY_WORDS, ..Names::default() })
+    }
+
+    #[test]
+    fn operands_of_statements_stand_in_brackets() {
+        let operands = |text: &str, count| {
+            let names = Names::default();
+            let mut parser = Parser { text: text.as_bytes(), at: 0, depth: 0, names, written: None, name: None };
+            parser.operands(count).map(|operands| operands.len())
+        };
+        assert_eq!((operands("", 0), operands("[#1+2]", 1), operands("[1, [2]]", 2)), (Ok(0), Ok(1), Ok(2)));
+        assert!(operands("[1,2]", 1).is_err() && operands("[1]", 2).is_err() && operands("1", 1).is_err());
     }
 
     #[test]
@@ -151,7 +183,7 @@ mod tests {
         assert!(matches!(kind("GO20"), Ok(Statement::Goto(_))));
         assert!(matches!(kind("DPRNT[X#1[42]]"), Ok(Statement::Print(_))));
         assert!(matches!(kind("BP[C**#1[2]D]"), Ok(Statement::PrintBinary(items)) if items.len() == 3));
-        assert!(matches!(kind("POPEN"), Ok(Statement::Output(true))));
+        assert_eq!(kind("POPEN"), Ok(Statement::Shared(&OPEN_OUTPUT, Box::default())));
         for wrong in
             ["DPRNT", "DPRNT[X#1]", "DPRNT[X#1[4]]", "DPRNT[X#1[42]", "BPRNT[#1[42]]", "DPRNT[]]", "DPRNT[A[B]"]
         {

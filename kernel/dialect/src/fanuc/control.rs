@@ -3,15 +3,23 @@
 use super::{Fanuc, call};
 use crate::definition::{Dialect, Unknown};
 use crate::interpreter::{Interpreter, MacroCall};
+use crate::statement::{CLOSE_OUTPUT, OPEN_OUTPUT, Statements};
 use counterpoint_machine::Machine;
 use counterpoint_program::key_words::KeyWords;
 use counterpoint_program::syntax::{PLAIN, Syntax};
 
-/// Key words of statements.
-pub(super) const KEY_WORDS: KeyWords = KeyWords {
-    all: &["IF", "WHILE", "GOTO", "DO", "END", "ENDIF", "ELSE", "THEN", "POPEN", "PCLOS", "BPRNT", "DPRNT"],
-    joined: "THEN",
-};
+/// Key words: those of statements that other controls have too, each with its statement, and the control's own.
+macro_rules! key_words {
+    ([$($word:literal => $statement:expr),* $(,)?], [$($own:literal),*]) => {
+        pub(super) const STATEMENTS: Statements<&str> = &[$(($word, &$statement)),*];
+        pub(super) const KEY_WORDS: KeyWords = KeyWords { all: &[$($own,)* $($word),*], joined: "THEN" };
+    };
+}
+
+key_words!(
+    ["POPEN" => OPEN_OUTPUT, "PCLOS" => CLOSE_OUTPUT],
+    ["IF", "WHILE", "GOTO", "DO", "END", "ENDIF", "ELSE", "THEN", "BPRNT", "DPRNT"]
+);
 
 static SYNTAX: Syntax = Syntax { angle_names: true, call_words: &["G65", "G66"], key_words: Some(KEY_WORDS), ..PLAIN };
 

@@ -52,7 +52,9 @@ impl Fanuc {
             }
             Statement::Else => self.skip_past(host, Pairs::of_branch)?,
             Statement::EndIf => {}
-            Statement::Output(open) => host.open_output(*open),
+            Statement::Shared(shared, operands) => {
+                shared.execute(host, operands, |host, operand| eval(host, operand).map(number))?;
+            }
             Statement::Print(items) => print_line(host, items, false)?,
             Statement::PrintBinary(items) => print_line(host, items, true)?,
         }

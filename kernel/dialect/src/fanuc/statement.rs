@@ -1,6 +1,7 @@
 //! A compiled program line, and what its words may be called.
 
 use super::expr::Expr;
+use crate::statement::Shared;
 use counterpoint_machine::index::CodeRowId;
 use counterpoint_program::key_words::Number;
 
@@ -44,8 +45,8 @@ pub(super) enum Statement {
     End(u8),
     /// `GOTO n`.
     Goto(Expr),
-    /// `POPEN` and `PCLOS`: output begins, output ends.
-    Output(bool),
+    /// A statement that other controls have too, with its operands.
+    Shared(&'static Shared, Box<[Expr]>),
     /// `DPRNT[…]`: a line of text and numbers.
     Print(Vec<Item>),
     /// `BPRNT[…]`: a line of text and binary numbers.

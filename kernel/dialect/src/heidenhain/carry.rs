@@ -33,10 +33,10 @@ impl Heidenhain {
                 }
                 Ok(None)
             }
-            Statement::Error(number) => {
-                let number = Evaluator::new(&mut self.variables, host).number(number)?;
-                let text = format!("FN 14: ERROR = {number} in '{}'", host.block_text());
-                Err(host.alarm(&diag::MACRO_ALARM, text))
+            Statement::Shared(statement, operands) => {
+                let value =
+                    |host: &mut dyn Host, operand: &Formula| Evaluator::new(&mut self.variables, host).number(operand);
+                statement.execute(host, operands, value).map(|()| None)
             }
             Statement::Print(text) => self.print(host, text).map(|()| None),
             Statement::Send(text) => self.send(host, text).map(|()| None),

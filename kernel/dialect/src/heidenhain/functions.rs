@@ -8,6 +8,14 @@ use super::lex::Cursor;
 use super::statement::{Condition, Statement, Test, target};
 use super::words::words;
 use crate::numeric::{Function, Operator};
+use crate::statement::{ALARM, Shared};
+
+/// Functions that other controls have as statements, too: number, key word, what they do.
+const STATEMENTS: [(u32, &str, &Shared); 1] = [(14, "ERROR", &ALARM)];
+
+fn shared(number: u32) -> Option<(&'static str, &'static Shared)> {
+    STATEMENTS.iter().find(|(known, ..)| *known == number).map(|(_, key, statement)| (*key, *statement))
+}
 
 /// Behind `FN`: number, colon, function.
 pub(super) fn read(cursor: &mut Cursor<'_>) -> Result<Statement, Wrong> {
@@ -22,12 +30,6 @@ pub(super) fn read(cursor: &mut Cursor<'_>) -> Result<Statement, Wrong> {
             Statement::Assign(name, calculated(number, cursor)?)
         }
         9..=12 => return branch(number, cursor),
-        14 => {
-            if !cursor.keyword("ERROR") || !cursor.take(b'=') {
-                return Err(expected(cursor, "ERROR ="));
-            }
-            Statement::Error(formula::operand(cursor)?)
-        }
         15 => Statement::Send(text_of(cursor, &["PRINT"])),
         16 => Statement::Print(text_of(cursor, &["F-PRINT"])),
         18 => {
@@ -40,7 +42,16 @@ pub(super) fn read(cursor: &mut Cursor<'_>) -> Result<Statement, Wrong> {
         }
         20 => return Ok(Statement::Nothing),
         38 => Statement::Send(text_of(cursor, &["SEND"])),
-        _ => return Ok(foreign(&format!("FN {number}"), cursor)),
+        _ => match shared(number) {
+            Some((key, statement)) => {
+                if !cursor.keyword(key) || !cursor.take(b'=') {
+                    return Err(expected(cursor, "the key word of the function and an equal sign"));
+                }
+                let operands = (0..statement.operands).map(|_| formula::operand(cursor)).collect::<Result<_, _>>()?;
+                Statement::Shared(statement, operands)
+            }
+            None => return Ok(foreign(&format!("FN {number}"), cursor)),
+        },
     };
     ended(statement, cursor)
 }
@@ -63,7 +74,6 @@ pub(super) fn read_iso(number: u32, cursor: &mut Cursor<'_>) -> Result<Statement
             place(3, cursor)?;
             return Ok(Statement::Branch(Condition::Compare(first, test(number), second), target(cursor)?));
         }
-        14 => Statement::Error(operand(1, cursor)?),
         15 | 38 => Statement::Send(text_of(cursor, &[])),
         16 => Statement::Print(text_of(cursor, &["P01"])),
         18 => {
@@ -71,7 +81,14 @@ pub(super) fn read_iso(number: u32, cursor: &mut Cursor<'_>) -> Result<Statement
             system(to, cursor)?
         }
         20 => return Ok(Statement::Nothing),
-        _ => return Ok(foreign(&format!("D{number:02}"), cursor)),
+        _ => match shared(number) {
+            Some((_, statement)) => {
+                let operands =
+                    (1..=statement.operands as u32).map(|at| operand(at, cursor)).collect::<Result<_, _>>()?;
+                Statement::Shared(statement, operands)
+            }
+            None => return Ok(foreign(&format!("D{number:02}"), cursor)),
+        },
     };
     ended(statement, cursor)
 }

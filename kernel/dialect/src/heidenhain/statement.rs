@@ -8,6 +8,7 @@ use super::formula::{self, Formula, Name, Own, Wrong, expected, parameter};
 use super::lex::Cursor;
 use super::path::Shape;
 use super::words::{Word, words};
+use crate::statement::Shared;
 
 /// Label of a place in the program.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
@@ -49,7 +50,8 @@ pub(super) enum Statement {
     Words(Vec<Word>),
     Assign(Name, Formula),
     Branch(Condition, Formula),
-    Error(Formula),
+    /// A statement that other controls have too, with its operands.
+    Shared(&'static Shared, Box<[Formula]>),
     /// What FN 16 prints: the mask, and where to.
     Print(String),
     /// What FN 38 sends.

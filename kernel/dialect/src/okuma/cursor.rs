@@ -14,6 +14,8 @@ pub(super) enum Mistake {
     Behind(usize),
     #[error("{0} takes {1} at column {2}")]
     Arguments(&'static str, &'static str, usize),
+    #[error("expected {0} operands at column {1}")]
+    Operands(usize, usize),
 }
 
 /// A text that is being read.

@@ -235,7 +235,7 @@ impl<'c, 'a> Reader<'c, 'a> {
     }
 
     /// Values in brackets.
-    fn list(&mut self) -> Result<Box<[Expr]>, Mistake> {
+    pub(super) fn list(&mut self) -> Result<Box<[Expr]>, Mistake> {
         self.cursor.expect(b'[', "'['")?;
         let mut values = vec![self.expression()?];
         while self.cursor.take(b',') {

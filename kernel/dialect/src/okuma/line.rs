@@ -8,6 +8,10 @@ use super::cursor::{Cursor, Mistake};
 use super::expr::{Expr, Own, Reader, Variable, name_text, number_text};
 use super::names::{self, Local};
 use super::text::Prepared;
+use crate::statement::{RETURN, Shared, Statements};
+
+/// Key words of statements that other controls have too.
+const STATEMENTS: Statements<&str> = &[("RTS", &RETURN)];
 
 /// A block.
 #[derive(Debug, Default)]
@@ -46,7 +50,8 @@ pub(super) enum Statement {
     Call(Call),
     ModIn(Call),
     ModOut,
-    Return,
+    /// A statement that other controls have too, with its operands.
+    Shared(&'static Shared, Box<[Expr]>),
     /// Words and assignments.
     Items(Vec<Item>),
 }
@@ -193,9 +198,8 @@ impl Reading<'_> {
             cursor.end()?;
             return Ok(Statement::Nothing);
         }
-        if cursor.word("RTS") {
-            cursor.end()?;
-            return Ok(Statement::Return);
+        if let Some((_, shared)) = STATEMENTS.iter().find(|(word, _)| cursor.word(word)) {
+            return Ok(Statement::Shared(shared, operands(cursor, shared.operands)?));
         }
         if cursor.word("NOEX") {
             return self.items();
@@ -380,6 +384,16 @@ impl Reading<'_> {
     }
 }
 
+/// So many operands in brackets, with commas between them, and the end of the block.
+fn operands(cursor: &mut Cursor<'_>, count: usize) -> Result<Box<[Expr]>, Mistake> {
+    let operands = if count > 0 { Reader::new(cursor).list()? } else { Box::default() };
+    if operands.len() != count {
+        return Err(Mistake::Operands(count, cursor.at + 1));
+    }
+    cursor.end()?;
+    Ok(operands)
+}
+
 /// A word that only looks like a name.
 fn is_statement(word: &[u8]) -> bool {
     [b"NOEX".as_slice(), b"NMSG"].into_iter().any(|known| word.eq_ignore_ascii_case(known))
@@ -443,6 +457,13 @@ mod tests {
         assert_eq!(head("nLAP1 G0"), [name("nLAP1")]);
         assert_eq!(head("oab"), [Head::Program("oab".to_owned())]);
         assert!(head("NOEX LA=1").is_empty() && head("NMSG").is_empty() && head("X5").is_empty());
+    }
+
+    #[test]
+    fn operands_of_statements_stand_in_brackets() {
+        let operands = |text: &str, count| operands(&mut Cursor::new(text.as_bytes()), count).map(|list| list.len());
+        assert_eq!((operands("", 0), operands("[LA1+2]", 1), operands("[1, 2]", 2)), (Ok(0), Ok(1), Ok(2)));
+        assert!(operands("[1,2]", 1).is_err() && operands("[1]", 2).is_err() && operands("X5", 0).is_err());
     }
 
     #[test]

@@ -67,7 +67,9 @@ impl Okuma {
             }
             Statement::ModIn(call) => self.mod_in(host, call)?,
             Statement::ModOut => self.mod_out(host),
-            Statement::Return => host.return_from(),
+            Statement::Shared(shared, operands) => {
+                shared.execute(host, operands, |host, operand| self.value(host, operand))?;
+            }
             Statement::Items(items) => items.iter().try_for_each(|item| self.item(host, item, &mut left))?,
         }
         Ok(some(left))

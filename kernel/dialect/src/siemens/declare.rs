@@ -130,7 +130,7 @@ impl Siemens {
             variables.keep(name, variable);
             Holder::Level(running)
         };
-        let target = Target { holder, name: name.clone(), kind, at: 0, count, whole: false, part: None };
+        let target = Target { holder, name: name.clone().into(), kind, at: 0, count, whole: false, part: None };
         self.begin_with(host, &target, declared.initial.as_ref())
     }
 
@@ -160,7 +160,7 @@ impl Siemens {
         host.set_shared(&declared_key(name), Some(Value::text(text)))?;
         self.variables.shared.insert(name.clone(), (kind, sizes));
         let target =
-            Target { holder: Holder::Shared, name: name.clone(), kind, at: 0, count, whole: false, part: None };
+            Target { holder: Holder::Shared, name: name.clone().into(), kind, at: 0, count, whole: false, part: None };
         self.begin_with(host, &target, declared.initial.as_ref())
     }
 }

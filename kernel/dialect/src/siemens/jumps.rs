@@ -4,6 +4,7 @@
 //! first, then from the beginning; a jump stays in its program, and in a part that is repeated. Invariant: partners are
 //! found without running anything, so a jump out of a loop leaves nothing after.
 
+use std::borrow::Cow;
 use std::sync::Arc;
 
 use rustc_hash::FxHashMap;
@@ -234,24 +235,24 @@ impl Siemens {
     }
 
     /// A label without expressions.
-    fn label(&mut self, host: &mut dyn Host, label: &Label) -> Outcome<Label> {
+    fn label<'l>(&mut self, host: &mut dyn Host, label: &'l Label) -> Outcome<Cow<'l, Label>> {
         let value = match label {
             Label::Name(name) if self.variables.knows(name) => {
                 let name = super::expression::Name { name: name.clone(), index: Vec::new() };
                 self.read(host, &name)?
             }
             Label::Value(expression) => self.evaluate(host, expression)?,
-            known => return Ok(known.clone()),
+            known => return Ok(Cow::Borrowed(known)),
         };
         let text = match value {
             Data::Text(text) => text.trim().trim_end_matches(':').to_ascii_uppercase(),
             other => super::value::shown(super::evaluate::number(&other)?),
         };
         let digits = text.strip_prefix(['N', ':']).unwrap_or(&text);
-        Ok(match digits.parse() {
+        Ok(Cow::Owned(match digits.parse() {
             Ok(number) => Label::Number(number),
             Err(_) => Label::Name(text),
-        })
+        }))
     }
 
     /// The line of a label for REPEAT and CALL BLOCK: before this block, else after it.

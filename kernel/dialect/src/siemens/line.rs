@@ -9,6 +9,7 @@ use super::define::{self, Declaration, Header};
 use super::expression::{Argument, Expression, Name, arguments, expression, indexed, unexpected};
 use super::statement::{JUMPS, call, case, direction, jump, repeat};
 use super::value::Data;
+use crate::statement::{IDLE, Shared, Statements};
 
 /// A block.
 #[derive(Debug, Default, PartialEq)]
@@ -68,8 +69,12 @@ pub(super) enum Item {
     },
     /// ELSE ENDIF LOOP ENDLOOP ENDFOR ENDWHILE REPEAT
     Structure(Structure),
-    /// Understood, and without effect here.
-    Idle(String),
+    /// A statement that other controls have too, with its key word as written.
+    Shared {
+        statement: &'static Shared,
+        text: String,
+        operands: Vec<Argument>,
+    },
 }
 
 /// Statements of one word.
@@ -159,8 +164,16 @@ const WAYS: [(&str, Way); 10] = [
     ("QU", Way::Value),
 ];
 
-/// Statements that change nothing of what is emulated.
-const IDLE: [&str; 7] = ["STOPRE", "SBLOF", "SBLON", "DISPLOF", "DISPLON", "ACTBLOCNO", "ENDLABEL"];
+/// Key words of statements that other controls have too.
+const STATEMENTS: Statements<&str> = &[
+    ("STOPRE", &IDLE),
+    ("SBLOF", &IDLE),
+    ("SBLON", &IDLE),
+    ("DISPLOF", &IDLE),
+    ("DISPLON", &IDLE),
+    ("ACTBLOCNO", &IDLE),
+    ("ENDLABEL", &IDLE),
+];
 
 /// Number and label at the beginning of a block; what is left begins at the cursor.
 pub(super) fn head(cursor: &mut Cursor<'_>) -> (Option<String>, Option<String>) {
@@ -328,8 +341,13 @@ fn statement(cursor: &mut Cursor<'_>, name: &str, from: usize) -> Result<Item, S
     if let Some((_, direction)) = JUMPS.iter().find(|(text, _)| *text == name) {
         return Ok(Item::Goto(jump(cursor, *direction)?));
     }
-    if IDLE.contains(&name) {
-        return Ok(Item::Idle(cursor.since(from).to_owned()));
+    if let Some((_, statement)) = STATEMENTS.iter().find(|(text, _)| *text == name) {
+        let text = cursor.since(from).to_owned();
+        let operands = if statement.operands > 0 { arguments(cursor)? } else { Vec::new() };
+        if operands.len() != statement.operands {
+            return Err(format!("{name} takes {} arguments, not {}", statement.operands, operands.len()));
+        }
+        return Ok(Item::Shared { statement, text, operands });
     }
     Ok(match name {
         "REPEATB" => return repeat(cursor, true),

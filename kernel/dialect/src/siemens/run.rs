@@ -184,10 +184,12 @@ impl Siemens {
                 self.externals.insert(header.name.clone());
             }
             Item::Message(argument) => self.message(host, argument.as_ref(), left)?,
-            Item::Idle(text) => {
-                if host.is_code_text(text) {
-                    left.add(text);
-                }
+            Item::Shared { text, .. } if host.is_code_text(text) => left.add(text),
+            Item::Shared { statement, operands, .. } => {
+                statement.execute(host, operands, |host, operand| match self.argument(host, operand)? {
+                    Some(value) => super::evaluate::number(&value),
+                    None => syntax("an argument is missing"),
+                })?;
             }
             _ => return self.flow(host, item, left),
         }

@@ -4,6 +4,8 @@
 //! program, in the channel, in what all channels share. Invariants: what all channels share goes through the host; the
 //! number of elements is bounded; an index is checked before anything is read or written.
 
+use std::borrow::Cow;
+
 use counterpoint_lang::value::Value;
 use rustc_hash::FxHashMap;
 
@@ -72,7 +74,7 @@ pub(super) enum Holder {
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Target {
     pub(super) holder: Holder,
-    pub(super) name: String,
+    pub(super) name: Cow<'static, str>,
     pub(super) kind: Type,
     pub(super) at: usize,
     /// Elements of the whole variable.
@@ -242,8 +244,7 @@ impl Siemens {
         if name.name == "R" {
             let Some(number) = self.r_parameter(host, name)? else { return Ok(None) };
             let (holder, kind, at) = (Holder::Parameter, Type::Real, number as usize);
-            let name = name.name.clone();
-            return Ok(Some(Target { holder, name, kind, at, count: at + 1, whole: false, part: None }));
+            return Ok(Some(Target { holder, name: "R".into(), kind, at, count: at + 1, whole: false, part: None }));
         }
         let (holder, kind, sizes) = match self.variables.find(&name.name) {
             Some((holder, variable)) => (holder, variable.kind, variable.sizes.clone()),
@@ -267,7 +268,7 @@ impl Siemens {
             let index = plain.iter().map(|index| self.whole_number(host, index)).collect::<Outcome<Vec<_>>>()?;
             position(&name.name, &sizes, &index).or_else(missing)?
         };
-        Ok(Some(Target { holder, name: name.name.clone(), kind, at, count, whole, part }))
+        Ok(Some(Target { holder, name: name.name.clone().into(), kind, at, count, whole, part }))
     }
 
     /// Type and sizes of a variable that all channels share.

@@ -55,7 +55,7 @@ fn to_point(act: &mut Act<'_, '_>, coded: u8) -> Acted {
     }
     let target = act.way_of_machine(&target);
     if missing || moving == 0 {
-        let text = format!("there is no tool-change position for every axis of '{}'", act.block_text());
+        let text = format!("no tool-change position is defined for every axis of '{}'", act.block_text());
         act.diagnose(&diag::NO_REFERENCE, text);
     }
     act.rapid_to(moving, target)

@@ -1,6 +1,6 @@
 //! Coolant: what flows at the main and the side head, auxiliary devices, the pressure of the pump.
 //!
-//! Facts: reference control-emulator.md 3.2, 6.3, system-variables.md 6. Invariant: what flows is the active code of its
+//! Facts: reference control-emulator.md 3.2, 6.3, system-variables.md 6. *Invariant:* what flows is the active code of its
 //! modal group; kept here is only what the codes do not say: what flowed last, and the pressure.
 
 use counterpoint_lang::format::wildcard_text;
@@ -20,7 +20,7 @@ use counterpoint_machine::ident::{codes, data};
 pub(crate) const ENTRIES: &[Entry] =
     &[entry_of_kind!(CodeKind::Coolant(of) => |act, _row, _code| switch(act, of)).contour(Contour::Waits)];
 
-/// Carries out a code.
+/// Executes a code.
 pub(super) fn switch(act: &mut Act<'_, '_>, switch: Switch) -> Acted {
     match switch {
         Switch::Fluid(flow, outlet) => flows(act, flow, outlet),
@@ -69,7 +69,7 @@ fn set_pressure(act: &mut Act<'_, '_>, wanted: f64) {
     let pressure = wanted.max(0.0).min(most);
     if pressure != wanted {
         let text = format!(
-            "a coolant pressure of {} is not possible in '{}', it becomes {}",
+            "coolant pressure {} is out of range in '{}'; {} is used",
             wildcard_text(wanted),
             act.block_text(),
             wildcard_text(pressure)

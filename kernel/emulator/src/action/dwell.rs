@@ -62,7 +62,7 @@ fn turns(act: &mut Act<'_, '_>, revolutions: f64) -> Acted {
         Some(Turning::Fixed(rpm)) => rpm,
         Some(Turning::Surface(surface)) => surface.rpm(act.radius(&act.state.place.position)),
         None => {
-            let text = format!("dwell in revolutions while the spindle stands in '{}'", act.block_text());
+            let text = format!("dwell in revolutions while the spindle is stopped in '{}'", act.block_text());
             act.diagnose(&diag::SPINDLE_STANDS, text);
             return Ok(());
         }

@@ -1,6 +1,6 @@
 //! One entry of the registry: the codes that an action takes, and what it does.
 //!
-//! Invariant: no two entries take the same code.
+//! *Invariant:* no two entries take the same code.
 
 use counterpoint_fault::Acted;
 

@@ -1,6 +1,6 @@
 //! The work frame: presets, work offsets, tool offsets, length compensation.
 //!
-//! Invariant: changing the frame never moves the machine; the programmed position is what changes.
+//! *Invariant:* changing the frame never moves the machine; the programmed position is what changes.
 
 use crate::act::Act;
 use crate::action::entry::{Contour, Entry, entry_of_kind};

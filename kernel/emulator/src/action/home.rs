@@ -111,7 +111,7 @@ fn home_text(channel: &Channel<'_>, coded: u8, number: usize) -> String {
 pub(super) fn go_nth(act: &mut Act<'_, '_>) -> Acted {
     let number = act.take(data::GOHOME_NTH).map_or(2.0, |d| d.value);
     if ![2.0, 3.0, 4.0].contains(&number) {
-        let text = format!("there is no reference point {number} in '{}', expected 2, 3 or 4", act.block_text());
+        let text = format!("reference point {number} not found in '{}', expected 2, 3 or 4", act.block_text());
         act.diagnose(&diag::NO_REFERENCE, text);
         act.targets();
         return Ok(());

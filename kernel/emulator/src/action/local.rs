@@ -1,6 +1,6 @@
 //! Codes of the local frame: translation, rotation, scale and mirror of the program.
 //!
-//! Facts: reference control-emulator.md 6.7. Invariant: the machine stands still; the programmed point is what changes.
+//! Facts: reference control-emulator.md 6.7. *Invariant:* the machine stands still; the programmed point is what changes.
 //! Decisions: docs/emulation.md, "Local frame".
 
 use counterpoint_lang::format::wildcard_text;
@@ -31,7 +31,7 @@ const SCALE_CENTER: [DataId; 3] = [data::LCS_SCALE_CENTER_X, data::LCS_SCALE_CEN
 /// Directions of X, Y and Z.
 const UNITS: [Point; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 
-/// Carries out a code of the local frame.
+/// Executes a code of the local frame.
 pub(super) fn change(act: &mut Act<'_, '_>, part: Part, change: Change) -> Acted {
     let has = act.state.place.has_axes();
     let levels = act.cycle_levels();
@@ -55,7 +55,10 @@ pub(super) fn change(act: &mut Act<'_, '_>, part: Part, change: Change) -> Acted
                 // An additive code alone changes nothing.
                 None if change == Change::Add => Ok(()),
                 None => {
-                    let text = format!("the frame needs its data in '{}', it stays as it is", act.block_text());
+                    let text = format!(
+                        "the local coordinate system needs its data in '{}'; it is unchanged",
+                        act.block_text()
+                    );
                     act.diagnose(&diag::DATA_MISSING, text);
                     return Ok(());
                 }
@@ -77,11 +80,11 @@ pub(super) fn change(act: &mut Act<'_, '_>, part: Part, change: Change) -> Acted
 pub(crate) fn refuse(act: &mut Act<'_, '_>, refused: Refused) {
     let block = act.block_text();
     let (facts, why) = match refused {
-        Refused::NoWayBack => (&diag::FRAME_REFUSED, "would leave no way back to the program"),
+        Refused::NoWayBack => (&diag::FRAME_REFUSED, "would have no inverse"),
         Refused::TooMany => (&diag::FRAME_REFUSED, "has too many additive parts"),
         Refused::MissingAxis => (&diag::FRAME_AXIS, "would move an axis that the channel does not have"),
     };
-    act.diagnose(facts, format!("the local frame {why} in '{block}', it stays as it is"));
+    act.diagnose(facts, format!("the local coordinate system {why} in '{block}'; it is unchanged"));
 }
 
 /// Takes three values, lengths as geometry.

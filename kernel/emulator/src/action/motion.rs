@@ -74,7 +74,8 @@ impl Act<'_, '_> {
     fn rapid_feed(&mut self) -> Option<f64> {
         let Some(datum) = self.take(data::RAPID_FEED) else { return self.state.modal.value(data::RAPID_FEED) };
         if datum.value <= 0.0 {
-            let text = format!("the feed is zero or less in '{}', the move is timed as rapid", self.block_text());
+            let text =
+                format!("the feed rate is zero or negative in '{}', the move is timed as rapid", self.block_text());
             self.diagnose(&diag::FEED_NOT_POSITIVE, text);
             return None;
         }

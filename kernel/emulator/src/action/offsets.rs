@@ -1,6 +1,6 @@
 //! Offsets that the program itself sets.
 //!
-//! Facts: general CNC practice (Fanuc G10); the annex of the emulated system has no identifier for it. Invariant: what
+//! Facts: general CNC practice (Fanuc G10); the annex of the emulated system has no identifier for it. *Invariant:* what
 //! is not kept is told and nothing changes; the machine stands still.
 
 use crate::act::Act;

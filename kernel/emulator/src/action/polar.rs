@@ -1,6 +1,6 @@
 //! Polar interpolation: its codes, its words, and circles on the part.
 //!
-//! Facts: reference control-emulator.md 6.8. Decisions: docs/emulation.md, "Polar interpolation". Invariant: events name
+//! Facts: reference control-emulator.md 6.8. Decisions: docs/emulation.md, "Polar interpolation". *Invariant:* events name
 //! the real axes; length and time are those on the part.
 
 use std::f64::consts::TAU;
@@ -122,7 +122,7 @@ pub(super) fn arc(act: &mut Act<'_, '_>, polar: Polar, clockwise: bool) -> Acted
     let level = act.seen(&programmed)[2];
     let Some(made) = local.map_or(Some(made), |map| super::turned::on_part(&map, made, level)) else {
         let done = act.becomes(&diag::ARC_SCALED, STRAIGHT);
-        let text = format!("the frame makes no circle of the part of '{}', {done}", act.block_text());
+        let text = format!("the circle of '{}' is under unequal scale factors, {done}", act.block_text());
         act.diagnose(&diag::ARC_SCALED, text);
         return act.feed_to(coded, to, feed, unit);
     };

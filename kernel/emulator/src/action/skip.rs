@@ -1,6 +1,6 @@
 //! Probing moves: straight feed that a touch would end.
 //!
-//! Facts: reference control-emulator.md 6.1, system-variables.md 12. Invariant: there is no model here, so nothing is ever
+//! Facts: reference control-emulator.md 6.1, system-variables.md 12. *Invariant:* there is no model here, so nothing is ever
 //! touched: every probing move ends at its end point and counts as missed; the alarm mode decides whether that is told.
 
 use crate::act::Act;
@@ -27,7 +27,7 @@ pub(super) fn probe(act: &mut Act<'_, '_>) -> Acted {
     act.feed_to(coded, target, feed, unit)?;
     *act.state.skip = Probing { result: 2.0, end: act.state.place.position, block: act.at.blocks };
     if act.state.modal.code(ALARM) == Some(codes::SKIP_ALARM_SIGNAL) {
-        let text = format!("the probe has touched nothing in '{}'", act.block_text());
+        let text = format!("the probe made no contact in '{}'", act.block_text());
         act.diagnose(&diag::PROBE_MISSED, text);
     }
     Ok(())

@@ -1,7 +1,7 @@
 //! Spindles: direction, speed, constant surface speed, speed limit.
 //!
 //! Facts: reference control-emulator.md 3.3, 6.3; channel-synchronisation.md 1.9 (a spindle that several channels
-//! command: the last writer in tag order wins, with a warning when no meeting lies between). A shared spindle is
+//! command: the last writer in tag order wins, with a warning when no sync point lies between). A shared spindle is
 //! reached only through shared operations; an own one is plain state of the act.
 
 use counterpoint_fault::{Acted, Halt};
@@ -110,7 +110,7 @@ pub(super) fn radial(act: &mut Act<'_, '_>) -> Acted {
     act.command_spindle(|c| c.radius = radius.max(0.0))
 }
 
-/// Stops, orients or reverses the spindle inside of a cycle; it stays as it is when it stands.
+/// Stops, orients or reverses the spindle inside a cycle; it stays as it is when it stands.
 pub(super) fn turn_inside(act: &mut Act<'_, '_>, direction: Direction) -> Acted {
     if act.state.spindle.index.is_none() {
         return Ok(());

@@ -1,6 +1,6 @@
 //! Which spindle of a channel is in work: the front or the rear one when it turns the part, the milling one when it mills.
 //!
-//! Facts: reference control-emulator.md 3.2, 6.3, system-variables.md 9. Invariant: the spindle in work is that of
+//! Facts: reference control-emulator.md 3.2, 6.3, system-variables.md 9. *Invariant:* the spindle in work is that of
 //! `Kernel::spindle`; what the channel has commanded of its other spindles is kept here, unless another channel can
 //! command them too.
 
@@ -81,7 +81,7 @@ pub(super) fn driver_by_id(act: &mut Act<'_, '_>) -> Acted {
 /// There is no such head to drive constant surface speed.
 pub(super) fn no_head(act: &mut Act<'_, '_>, id: f64) -> Acted {
     let id = counterpoint_lang::format::wildcard_text(id);
-    let text = format!("there is no head {id} to drive constant surface speed in '{}'", act.block_text());
+    let text = format!("head {id} for constant surface speed not found in '{}'", act.block_text());
     act.diagnose(&diag::NO_HEAD, text);
     Ok(())
 }

@@ -17,8 +17,8 @@ use counterpoint_machine::model::RapidPath;
 /// What is said about a feed that cannot be used.
 fn lack(feed: Option<f64>) -> (&'static diag::Facts, &'static str) {
     match feed {
-        None => (&diag::NO_FEED, "no feed has been programmed for"),
-        Some(_) => (&diag::FEED_NOT_POSITIVE, "the feed is zero or less in"),
+        None => (&diag::NO_FEED, "no feed rate is programmed for"),
+        Some(_) => (&diag::FEED_NOT_POSITIVE, "the feed rate is zero or negative in"),
     }
 }
 
@@ -70,7 +70,7 @@ impl Act<'_, '_> {
     fn without_feed(&mut self, path: &Path<'_>, facts: &diag::Facts, what: &str) -> f64 {
         let least = self.env.machine.habits.least_feed;
         let how = match least {
-            _ if !self.goes_on_at(facts) => "nothing of the block is done".to_owned(),
+            _ if !self.goes_on_at(facts) => "no part of the block acts".to_owned(),
             Some(feed) => format!("the smallest feed {} is used", counterpoint_lang::format::wildcard_text(feed)),
             None => "the move is timed as rapid".to_owned(),
         };
@@ -94,7 +94,7 @@ impl Act<'_, '_> {
         if self.goes_on_at(facts) {
             return Ok(());
         }
-        let text = format!("{what} '{}', nothing of the block is done", self.block_text());
+        let text = format!("{what} '{}', no part of the block acts", self.block_text());
         self.diagnose(facts, text);
         self.check_stop()
     }
@@ -140,11 +140,11 @@ impl Act<'_, '_> {
         stop_to_stop(path.length, speed, acceleration.is_finite().then_some(acceleration))
     }
 
-    /// Minutes at a feed per revolution, `None` (with a diagnostic) while the spindle stands.
+    /// Minutes at a feed per revolution, `None` (with a diagnostic) while the spindle is stopped.
     fn revolution_minutes(&mut self, path: &Path<'_>, feed: f64) -> Result<Option<f64>, counterpoint_fault::Halt> {
         let Some(speed) = self.spindle_speed()? else {
             let text = format!(
-                "feed per revolution while the spindle stands in '{}', the move is timed as rapid",
+                "feed per revolution while the spindle is stopped in '{}', the move is timed as rapid",
                 self.block_text()
             );
             self.diagnose(&diag::SPINDLE_STANDS, text);

@@ -41,8 +41,7 @@ pub(super) fn on(act: &mut Act<'_, '_>, method: u8) -> Acted {
     }
     let was = act.end_tip();
     if !act.start_tip(number.is_some()) {
-        let text =
-            format!("the axes of channel {} cannot follow the tool tip in '{}'", act.at.channel, act.block_text());
+        let text = format!("the axes of channel {} do not allow TCP in '{}'", act.at.channel, act.block_text());
         act.diagnose(&diag::NO_TIP_AXES, text);
         return Ok(());
     }
@@ -125,10 +124,8 @@ impl Act<'_, '_> {
             None => wanted,
         });
         let Some(solution) = wanted.and_then(|wanted| self.shortest(wanted)) else {
-            let text = format!(
-                "the rotary axes cannot bring the tool into the direction of '{}', they stay",
-                self.block_text()
-            );
+            let text =
+                format!("the rotary axes cannot reach the tool direction of '{}'; they do not move", self.block_text());
             self.diagnose(&diag::TIP_UNREACHABLE, text);
             return (coded, target);
         };

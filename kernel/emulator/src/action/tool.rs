@@ -49,7 +49,7 @@ pub(super) fn load(act: &mut Act<'_, '_>) -> Acted {
         let other = act.state.place.in_force.tool_offset != offset;
         act.state.place.in_force.tool_offset = offset;
         act.reframe();
-        // Compensation goes on with the nose of the new offset.
+        // Compensation continues with the nose of the new offset.
         if other
             && let Some(code @ (codes::COMP_DIAM_LEFT | codes::COMP_DIAM_RIGHT)) = act.state.modal.code(group::DIAMETER)
         {

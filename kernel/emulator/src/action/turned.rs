@@ -37,7 +37,7 @@ pub(super) fn circle(act: &mut Act<'_, '_>, plane: Plane, circle: &Circle) -> Ac
     let map = act.state.place.frames.as_deref().map_or(Affine::SAME, |frames| *frames.local.map());
     let Some(sides) = sides(&map, plane) else {
         let done = act.becomes(&diag::ARC_SCALED, STRAIGHT);
-        let text = format!("unequal scales make no circle of '{}', {done}", act.block_text());
+        let text = format!("the circle of '{}' is under unequal scale factors, {done}", act.block_text());
         act.diagnose(&diag::ARC_SCALED, text);
         return act.feed_to_point(circle.coded, circle.to, circle.feed, circle.unit);
     };
@@ -57,7 +57,7 @@ fn sides(map: &Affine, plane: Plane) -> Option<Sides> {
     same.then_some(Sides { first, second, scale: one.sqrt() })
 }
 
-/// A circle of the program on the part of polar interpolation, whose plane is that of X and Y; none if it is no circle
+/// A circle of the program on the part of polar interpolation, whose plane is that of X and Y; none if it is not a circle
 /// there.
 pub(super) fn on_part(map: &Affine, made: geometry::Arc, level: f64) -> Option<geometry::Arc> {
     if *map == Affine::SAME {

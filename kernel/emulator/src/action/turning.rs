@@ -1,7 +1,7 @@
 //! Absolute words of rotary axes that are angles: the shorter way, or the direction of the sign.
 //!
 //! Facts: reference control-emulator.md 1.5 (rotary axes #n11.10, #n11.20). Decisions: half a turn goes to the positive
-//! side; zero has the positive sign; a word of the angle at which the axis stands does not turn it. Positions go on
+//! side; zero has the positive sign; a word of the angle at which the axis stands does not turn it. Positions continue
 //! beyond 360 degrees, codes that unwind bring them back.
 
 use crate::act::Act;

@@ -1,6 +1,6 @@
 //! What the pipeline asks of the actions: it knows none of them, the plan holds what it calls.
 //!
-//! Invariant: an action is found once, when the plan is made.
+//! *Invariant:* an action is found once, when the plan is made.
 
 use std::fmt::Debug;
 
@@ -15,7 +15,7 @@ use counterpoint_program::block::PendingCode;
 
 /// What a code does.
 pub(crate) trait Action: Debug + Sync {
-    /// Carries out the code.
+    /// Executes the code.
     fn run(&self, kernel: &mut Kernel<'_>, row: &CodeRow, code: &PendingCode) -> Acted;
 }
 

@@ -34,7 +34,7 @@ impl Kernel<'_> {
         let compiled = self.dialect.interpreter.as_deref().map_or(0, |interpreter| interpreter.tables());
         let tables = self.flow.tables as u64 + compiled;
         let parts = [
-            (self.channel.burden.results, "diagnostics and meetings"),
+            (self.channel.burden.results, "diagnostics and waits"),
             (interpreter, "variables of the program"),
             (tables, "tables of the program's labels and lines"),
             (room.path.min(events.saturating_mul(PATH)), "the toolpath"),
@@ -52,7 +52,7 @@ impl Kernel<'_> {
 
     /// Ends the job: its memory is used up.
     pub(crate) fn out_of_memory(&mut self, what: &str) -> Halt {
-        self.limit(&format!("the memory of the job is used up: {what}"), VerdictKind::Limit)
+        self.limit(&format!("the memory of the job is exhausted: {what}"), VerdictKind::Limit)
     }
 
     /// Between two holes of a block: others see how far this kernel is, and the limits of the job count: a hole is

@@ -1,8 +1,8 @@
 //! What a kernel carries on when the machine is started again with another file.
 //!
-//! Facts: reference control-emulator.md 5.8. Invariant: only a kernel whose program came to its end is carried on, and
+//! Facts: reference control-emulator.md 5.8. *Invariant:* only a kernel whose program came to its end is carried on, and
 //! only on a machine whose Machine Shutdown may start it again; everything that belongs to one run of all kernels
-//! (clock of the coordinator, waits, streams) begins anew.
+//! (clock of the coordinator, waits, streams) begins again.
 
 use counterpoint_lang::pattern::Memory;
 use rustc_hash::FxHashMap;
@@ -24,7 +24,7 @@ use counterpoint_sync::tag::Tag;
 /// How the life of a kernel ended.
 pub struct Lived {
     /// Number of the channel.
-    pub rank: u16,
+    pub channel: u16,
     /// Why it ended.
     pub halt: Halt,
     /// Tag of the end of its program in the log, if the program has ended.
@@ -52,7 +52,7 @@ pub struct Carried {
 }
 
 impl Kernel<'_> {
-    /// Takes the kernel apart by name, so that a new part of it is either carried on or begins anew here.
+    /// Takes the kernel apart by name, so that a new part of it is either carried on or begins again here.
     fn into_carried(self) -> Carried {
         let events = self.ports.emitter.count();
         let Self { channel, ports: _, plan: _, flow, dialect, macros } = self;
@@ -96,9 +96,9 @@ impl Kernel<'_> {
     /// The end of its life.
     pub(crate) fn lived(self, halt: Halt, ended: Option<Tag>) -> Lived {
         let hook = self.channel.env.machine.macros.as_deref().and_then(|macros| macros.hook(Hook::MachineShutdown));
-        let rank = self.channel.at.channel;
+        let channel = self.channel.at.channel;
         let left = (hook.is_some() && matches!(halt, Halt::End(_))).then(|| Box::new(self.into_carried()));
-        Lived { rank, halt, ended, left }
+        Lived { channel, halt, ended, left }
     }
 
     /// Takes over what it was before; from its end to now it stood idle.
@@ -111,7 +111,7 @@ impl Kernel<'_> {
         self.macros.variables.store.idle = self.macros.variables.store.idle.saturating_add(idle);
     }
 
-    /// Begins another program. It counts as a block, so that a macro that restarts for ever comes to a limit.
+    /// Begins another program. It counts as a block, so that a macro that restarts indefinitely comes to a limit.
     pub(crate) fn begin_again(&mut self, file: FileId, range: Range, name: Box<str>, reset: bool) -> Acted {
         self.macros.course.closing = false;
         self.channel.at.blocks += 1;

@@ -1,6 +1,6 @@
 //! What the machine makes of a diagnostic before it is logged.
 //!
-//! Facts: reference control-emulator.md 7.5. Invariant: whether a diagnostic stops the channel does not depend on it.
+//! Facts: reference control-emulator.md 7.5. *Invariant:* whether a diagnostic stops the channel does not depend on it.
 
 use super::Kernel;
 use counterpoint_machine::macros::model::Hook;

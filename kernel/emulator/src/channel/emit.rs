@@ -1,6 +1,6 @@
 //! The event stream of one kernel.
 //!
-//! Invariant: events leave in the order of the kernel's clock; every chunk promises a tag that no later event of
+//! *Invariant:* events leave in the order of the kernel's clock; every chunk promises a tag that no later event of
 //! this stream is before.
 
 use counterpoint_event::event::{Dwell, Event, Kind};
@@ -19,7 +19,7 @@ pub enum Target<'a> {
 
 /// Collects events into chunks and sends them.
 pub struct Emitter<'a> {
-    rank: u16,
+    channel: u16,
     coordinator: Port<'a>,
     target: Target<'a>,
     /// Always [`size`](Self::size) events long; those from `count` on are left over from before.
@@ -43,14 +43,14 @@ pub(crate) fn blank() -> Event {
 
 impl<'a> Emitter<'a> {
     /// A stream of a channel that begins.
-    pub fn new(rank: u16, coordinator: Port<'a>, target: Target<'a>) -> Self {
+    pub fn new(channel: u16, coordinator: Port<'a>, target: Target<'a>) -> Self {
         let size = match &target {
             Target::Stream(stream) => stream.chunk_size(coordinator),
             Target::Kept(_) => NEAR_CHUNK,
         };
         let mut chunk = Vec::new();
         chunk.resize_with(size, blank);
-        Self { rank, coordinator, target, chunk, size, count: 0, room: size, texts: 0, gone: 0, held: 0 }
+        Self { channel, coordinator, target, chunk, size, count: 0, room: size, texts: 0, gone: 0, held: 0 }
     }
 
     /// Events so far.
@@ -89,7 +89,7 @@ impl<'a> Emitter<'a> {
     /// far that there is more.
     pub(crate) fn work(&mut self, look: bool) -> bool {
         match &mut self.target {
-            Target::Stream(stream) => stream.work(look, (self.rank, self.coordinator)),
+            Target::Stream(stream) => stream.work(look, (self.channel, self.coordinator)),
             Target::Kept(_) => false,
         }
     }

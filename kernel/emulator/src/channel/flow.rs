@@ -1,6 +1,6 @@
 //! State of the program flow: the running programs, what the block asks for at its end, labels and loops.
 //!
-//! Facts: reference control-emulator.md 5.7. Invariant: plain data; the stage `pipeline/follow` acts on it.
+//! Facts: reference control-emulator.md 5.7. *Invariant:* plain data; the stage `pipeline/follow` acts on it.
 
 use std::sync::Arc;
 
@@ -71,7 +71,7 @@ pub(crate) enum Pending {
 pub(crate) struct Printing {
     /// Between POPEN and PCLOS.
     pub(crate) open: bool,
-    /// Output outside of them has been reported.
+    /// Output outside them has been reported.
     pub(crate) closed_reported: bool,
 }
 

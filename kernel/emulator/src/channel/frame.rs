@@ -1,6 +1,6 @@
 //! The work frame of a channel changes: presets, work offsets, tool offsets, length compensation.
 //!
-//! Invariant: changing the frame never moves the machine; the programmed position is what changes.
+//! *Invariant:* changing the frame never moves the machine; the programmed position is what changes.
 
 use super::Kernel;
 use crate::state::clamps::Modulo;

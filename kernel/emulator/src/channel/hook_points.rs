@@ -41,7 +41,7 @@ pub struct HookPoints {
     pub(crate) block: BlockHooks,
     pub(crate) codes: CodeHooks,
     pub(crate) program: ProgramHooks,
-    /// Carries out a motion and its duration in seconds.
+    /// Executes a motion and its duration in seconds.
     pub(crate) motion: fn(&mut Kernel<'_>, f64, &Motion) -> Acted,
     /// Writes a motion and its duration in seconds down for the tables of tools and operations.
     pub(crate) moved: fn(&mut Kernel<'_>, f64, &Motion),
@@ -61,7 +61,7 @@ pub(crate) struct BlockHooks {
     pub(crate) made: fn(&mut Kernel<'_>) -> Acted,
     /// Pre-Processor Shutdown for a text that the pre-processor left, and what becomes of that text.
     pub(crate) left: fn(&mut Kernel<'_>, &str) -> Acted,
-    /// Comments and messages of a statement, before it is carried out.
+    /// Comments and messages of a statement, before it is executed.
     pub(crate) statement: fn(&mut Kernel<'_>, &[u8]) -> Acted,
     /// Pre-Processor Shutdown after a statement that left no words.
     pub(crate) consumed: fn(&mut Kernel<'_>) -> Acted,

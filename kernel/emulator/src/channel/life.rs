@@ -10,7 +10,7 @@ use counterpoint_ports::control::State;
 use counterpoint_program::shape::Range;
 use counterpoint_sync::tag::Tag;
 use counterpoint_sync::verdict;
-use counterpoint_sync::waits::{Finish, Terminal};
+use counterpoint_sync::wait::{Finish, Terminal};
 
 /// Blocks after which a kernel looks at the memory that it takes.
 const WEIGHED_EVERY: u64 = 64;
@@ -71,11 +71,11 @@ impl Kernel<'_> {
             self.emit(0, Kind::Lifecycle(phase));
             ended = Some(self.tag());
             let finish = Finish { how, file: self.channel.at.file, line: self.channel.at.line };
-            let (rank, tag, info) = (self.channel.at.channel, self.tag(), self.channel.env.info);
+            let (tag, info) = (self.tag(), self.channel.env.info);
             let stop_all = halt == Halt::Alarm
                 && self.channel.env.machine.sync.alarm_scope == counterpoint_machine::model::AlarmScope::All;
             let verdict = self.shared(|order| {
-                order.waits.finish(rank, finish);
+                order.finish(tag, finish);
                 if stop_all {
                     order.stop(tag);
                     return None;
@@ -89,11 +89,11 @@ impl Kernel<'_> {
         self.ports.progress.t_ns.store(self.channel.at.clock, std::sync::atomic::Ordering::Relaxed);
         self.ports.progress.set_state(state);
         self.flush();
-        let (rank, finish) =
+        let (channel, finish) =
             (self.channel.at.channel, Finish { how, file: self.channel.at.file, line: self.channel.at.line });
-        self.ports.coordinator.done(rank, |order| {
-            if order.waits.end(rank).is_none() && halt != Halt::Blocked {
-                order.waits.finish(rank, finish);
+        self.ports.coordinator.done(channel, |order| {
+            if order.waits.places.end(channel).is_none() && halt != Halt::Blocked {
+                order.waits.finish(channel, finish);
             }
         });
         ended
@@ -159,7 +159,7 @@ impl Kernel<'_> {
         } else if let Some(reason) =
             self.channel.at.blocks.is_multiple_of(WEIGHED_EVERY).then(|| self.overburdened()).flatten()
         {
-            format!("the memory of the job is used up: {reason}")
+            format!("the memory of the job is exhausted: {reason}")
         } else {
             return Ok(());
         };
@@ -168,14 +168,14 @@ impl Kernel<'_> {
 
     /// Stops the whole job here and says who was doing what.
     pub(crate) fn limit(&mut self, reason: &str, kind: VerdictKind) -> Halt {
-        let (rank, tag, info) = (self.channel.at.channel, self.tag(), self.channel.env.info);
+        let (own_channel, tag, info) = (self.channel.at.channel, self.tag(), self.channel.env.info);
         let own = self.what_it_did(reason);
         let (file, line) = (self.channel.at.file, self.channel.at.line);
         let verdict = self.shared(|order| {
             let mut sentences = vec![own];
             let mut members = Vec::new();
-            for channel in order.waits.channels() {
-                if channel == rank {
+            for channel in order.waits.places.channels() {
+                if channel == own_channel {
                     members.push(Member { channel, file, line, waiting_for: Vec::new() });
                 } else if let Some(sentence) = verdict::waiting_sentence(channel, &order.waits, info) {
                     sentences.push(sentence);
@@ -214,8 +214,8 @@ impl Kernel<'_> {
 
     /// No other channel is left to change what a polling loop reads.
     pub(crate) fn is_alone(&mut self) -> Result<bool, Halt> {
-        let rank = self.channel.at.channel;
-        self.shared(|order| order.alone(rank))
+        let channel = self.channel.at.channel;
+        self.shared(|order| order.alone(channel))
     }
 
     /// A loop that only reads shared variables is hopeless once a whole pass of it has run alone.

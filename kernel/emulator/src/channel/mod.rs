@@ -46,6 +46,7 @@ use crate::macros::runtime::Runtime;
 use crate::state::State;
 use crate::state::burden::Burden;
 use crate::state::channel::{Acting, At, BlockText, Channel, Reports};
+use crate::waits::rules;
 use counterpoint_event::event::{Event, Kind};
 use counterpoint_machine::model::Channel as MachineChannel;
 use counterpoint_program::block::Block;
@@ -79,7 +80,7 @@ impl<'a> Kernel<'a> {
                 text: BlockText { tape, ..BlockText::default() },
                 acting: Acting::default(),
                 state: State::new(machine, channel),
-                reports: Reports::default(),
+                reports: Reports::new(rules(machine)),
                 burden: Burden::default(),
                 held: None,
             },
@@ -114,7 +115,7 @@ impl Kernel<'_> {
         let At { channel, clock, micro, file, line, .. } = self.channel.at;
         let slot = match self.ports.emitter.slot() {
             Some(event) => Some(event),
-            None => self.other_slot(Tag { t: clock, micro, rank: channel }),
+            None => self.other_slot(Tag { t: clock, micro, channel: channel }),
         };
         if let Some(event) = slot {
             (event.t_ns, event.micro, event.dur_ns) = (clock, micro, dur_ns);
@@ -125,7 +126,7 @@ impl Kernel<'_> {
 
     /// Adds a complete event.
     pub(crate) fn push_event(&mut self, event: Event) {
-        let tag = Tag { t: event.t_ns, micro: event.micro, rank: self.channel.at.channel };
+        let tag = Tag { t: event.t_ns, micro: event.micro, channel: self.channel.at.channel };
         let slot = match self.ports.emitter.slot() {
             Some(slot) => Some(slot),
             None => self.other_slot(tag),

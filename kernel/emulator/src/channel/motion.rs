@@ -1,6 +1,6 @@
 //! Motions: limits, event, clock, position.
 //!
-//! Invariant: after an alarm of its block nothing moves; a motion of a clamped axis is reported and made all the same.
+//! *Invariant:* after an alarm of its block nothing moves; a motion of a clamped axis is reported and made nevertheless.
 
 use counterpoint_fault::Acted;
 
@@ -9,7 +9,7 @@ use counterpoint_event::event::{Kind, Motion, MotionKind, Position};
 use counterpoint_fault as diag;
 
 impl Kernel<'_> {
-    /// Carries out a motion, by way of its macro if the machine has one.
+    /// Executes a motion, by way of its macro if the machine has one.
     #[inline]
     pub(crate) fn travel(&mut self, seconds: f64, motion: &Motion) -> Acted {
         self.channel.check_stop()?;

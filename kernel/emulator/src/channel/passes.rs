@@ -1,6 +1,6 @@
 //! Passes of loops: a pass that takes no time costs a tick, and one that only polls may be hopeless.
 //!
-//! A loop is known by its jump back. Invariant: time passes in every loop that takes none, whatever loops, calls or jumps
+//! A loop is known by its jump back. *Invariant:* time passes in every loop that takes none, whatever loops, calls or jumps
 //! lie inside it. Facts: reference channel-synchronisation.md (polling), control-emulator.md 5.7.
 
 use super::Kernel;
@@ -53,7 +53,7 @@ impl Passes {
     }
 
     /// The loop jumps back at this clock: what it was at its last jump, if it is known. Loops inside it are forgotten:
-    /// they begin anew.
+    /// they begin again.
     fn jump(&mut self, key: Key, depth: usize, clock: i64) -> Option<Pass> {
         let (effects, polled) = (std::mem::take(&mut self.effects), std::mem::take(&mut self.polled));
         for pass in &mut self.loops {

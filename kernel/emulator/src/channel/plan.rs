@@ -22,7 +22,7 @@ pub struct Plan {
     /// Where the macros of the machine take part; none on a machine without macros.
     pub(crate) hooks: Option<&'static HookPoints>,
     pub(crate) scanner: Scanner,
-    /// For what the pre-processor of another control leaves: it has seen to the marks of optional skip.
+    /// For what the pre-processor of another control leaves: it has seen to the marks of block skip.
     pub(crate) unmarked: Option<Arc<Scanner>>,
     /// Action of each code row.
     pub(crate) action_of_row: Table<CodeRowId, Option<&'static dyn Action>>,
@@ -176,7 +176,7 @@ fn recall(machine: &Machine) -> Option<Table<DataId, bool>> {
         rows.any(|row| row.modal && row.process && !own(row.id.kind()))
     };
     let recall = machine.tables.rows_of_data.map(of);
-    recall.contains(&true).then_some(recall)
+    recall.iter().any(|recalled| *recalled).then_some(recall)
 }
 
 /// Data that whoever asks for them needs; others have a second form or a value of their own without the word.
@@ -338,7 +338,7 @@ impl Plan {
         self.data.registers_of[id]
     }
 
-    /// The plan for a machine, with the optional skip levels that are on, its actions, and the hooks of its macros.
+    /// The plan for a machine, with the block skip levels that are on, its actions, and the hooks of its macros.
     pub fn new(
         machine: &Machine,
         opskip: &[u8],

@@ -1,7 +1,7 @@
 //! Blocks that the control refuses by rules of the machine, looked at before anything of them acts.
 //!
 //! Facts: reference fanuc-variables-and-alarms.md 3; the rules are rows of the machine definition (`[[refusals]]`).
-//! Invariant: a block without a code or register that a rule looks for costs one look at each of its codes.
+//! *Invariant:* a block without a code or register that a rule looks for costs one look at each of its codes.
 
 use super::Kernel;
 use counterpoint_fault as diag;
@@ -105,7 +105,7 @@ impl Kernel<'_> {
         let Some(word) = words.next() else { return Ok(()) };
         let word = self.span_text((word.start, word.end));
         let text = format!(
-            "channel {} has no axis for {word} in '{}'; nothing of the block is done",
+            "channel {} has no axis for {word} in '{}'; no part of the block acts",
             self.channel.at.channel,
             self.block_text()
         );
@@ -120,7 +120,7 @@ impl Kernel<'_> {
         else {
             return Ok(());
         };
-        let text = format!("{} {} in '{}'; nothing of the block is done", rule.alarm, rule.text, self.block_text());
+        let text = format!("{} {} in '{}'; no part of the block acts", rule.alarm, rule.text, self.block_text());
         Err(self.alarm(&diag::REFUSED, text))
     }
 

@@ -1,6 +1,6 @@
 //! Diagnostics of a kernel, and what those do that are alarms of the control.
 //!
-//! Facts: reference control-emulator.md 7.5 (the emulated system goes on in all cases until an end code). Decision: a real
+//! Facts: reference control-emulator.md 7.5 (the emulated system continues in all cases until an end code). Decision: a real
 //! control stops at its alarms; which of both a machine does is data of its own (`[control] stops`, `stops` of a number).
 //! Invariants: what stops the channel is in the log whatever macros have switched off; a job with an alarm never counts as
 //! succeeded, however softly the alarm is told.
@@ -63,7 +63,7 @@ impl Kernel<'_> {
                 self.channel.count_error(severity);
                 let text = shortened(&text);
                 self.channel.burden.result(text.len() + RESULT);
-                let unrecognised = self.channel.reports.take_unrecognised(facts.number, &text);
+                let unrecognised = self.channel.reports.take_unrecognised(facts.number, text);
                 let (number, text) = (facts.number, text.into());
                 let diagnostic = Diagnostic { number, severity, text, unrecognised, ..Diagnostic::default() };
                 self.emit(0, Kind::Diagnostic(Box::new(diagnostic)));
@@ -87,13 +87,13 @@ impl Kernel<'_> {
         if self.ports.control.cancelled() { Halt::Stopped } else { halt }
     }
 
-    /// Logs an alarm that leaves nothing to go on with.
+    /// Logs an alarm that leaves nothing to continue with.
     pub(crate) fn fatal(&mut self, facts: &Facts, text: impl Into<String>) -> Halt {
         self.diagnose(facts, text);
         self.halted(Halt::Alarm)
     }
 
-    /// An alarm that the machine goes on from ends its block; what the block had asked for before still happens.
+    /// An alarm that the machine continues from ends its block; what the block had asked for before still happens.
     #[inline(always)]
     pub(crate) fn went_on(&mut self, done: Acted) -> Acted {
         if done == Err(Halt::Dropped) { self.goes_on() } else { done }

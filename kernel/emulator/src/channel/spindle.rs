@@ -1,7 +1,7 @@
 //! The spindle of a channel: what it is commanded to do, how it turns, what other channels see of it.
 //!
 //! Facts: reference channel-synchronisation.md 1.9 (a spindle that several channels command: the last writer in tag order
-//! wins, with a warning when no meeting lies between). Invariant: a shared spindle is reached only through shared
+//! wins, with a warning when no sync point lies between). *Invariant:* a shared spindle is reached only through shared
 //! operations; an own one is plain state of the channel.
 
 use counterpoint_fault::{Acted, Halt};
@@ -13,7 +13,7 @@ use counterpoint_event::event::{Direction, Kind, Spindle as SpindleEvent};
 use counterpoint_event::info::Unit;
 use counterpoint_fault as diag;
 use counterpoint_sync::shared::Command;
-use counterpoint_sync::waits::Set;
+use counterpoint_sync::wait::Set;
 
 impl Kernel<'_> {
     /// Changes the commanded state, logs it, and lets the spindle run up.
@@ -26,22 +26,22 @@ impl Kernel<'_> {
         self.flow.pass.effects = true;
         let before = self.turning_speed()?;
         let old = self.channel.state.spindle.command;
-        let rank = self.channel.at.channel;
+        let channel = self.channel.at.channel;
         let mut conflict = 0;
         if self.channel.state.spindle.shared {
             let (now, writer) = self.shared(|order| {
                 let Some(spindle) = order.shared.spindles.get_mut(index) else { return (Command::default(), 0) };
                 let old = spindle.command;
                 change(&mut spindle.command);
-                if old.driver == rank && spindle.command.driver != rank {
-                    // Until its new driver moves the spindle goes on as it turns.
+                if old.driver == channel && spindle.command.driver != channel {
+                    // Until its new driver moves the spindle continues as it turns.
                     spindle.now = before;
                 }
                 let changed = old != spindle.command;
-                let other = spindle.writer != 0 && spindle.writer != rank && !spindle.ordered.has(rank);
+                let other = spindle.writer != 0 && spindle.writer != channel && !spindle.ordered.has(channel);
                 let writer = if changed && other { spindle.writer } else { 0 };
-                spindle.writer = rank;
-                spindle.ordered = Set::default().with(rank);
+                spindle.writer = channel;
+                spindle.ordered = Set::default().with(channel);
                 (spindle.command, writer)
             })?;
             self.channel.state.spindle.command = now;
@@ -51,7 +51,7 @@ impl Kernel<'_> {
         }
         if conflict != 0 {
             let text = format!(
-                "channels {conflict} and {rank} both command the spindle without a meeting between them, here in '{}': the later one in time holds",
+                "channels {conflict} and {channel} both command the spindle without a sync point between them, here in '{}': the later command takes effect",
                 self.block_text()
             );
             self.diagnose(&diag::SPINDLE_CONFLICT, text);
@@ -87,7 +87,7 @@ impl Kernel<'_> {
         let speed = if now.css { now.surface } else { now.rpm };
         if !now.css && now.rpm > max {
             let text = format!(
-                "{} rev/min is above the largest speed {max} of spindle {number} in '{}'",
+                "{} rev/min is above the maximum speed {max} of spindle {number} in '{}'",
                 now.rpm,
                 self.block_text()
             );
@@ -164,7 +164,7 @@ impl Kernel<'_> {
         Ok(Some(Turning::Surface(speed)))
     }
 
-    /// Speed that turns now, 0 when the spindle stands.
+    /// Speed that turns now, 0 when the spindle is stopped.
     fn turning_speed(&mut self) -> Result<f64, Halt> {
         let radius = self.channel.radius(&self.channel.state.place.position);
         Ok(match self.spindle_speed()? {

@@ -27,7 +27,8 @@ impl Kernel<'_> {
                 Remaining::Text(left) => left.split('\n').try_for_each(|left| self.left_words(left, text)),
             },
             None => {
-                let text = format!("'{}' comes while the pre-processor asks a macro, it is dropped", self.block_text());
+                let text =
+                    format!("'{}' is issued while the pre-processor waits for a macro; ignored", self.block_text());
                 self.diagnose(&diag::PREPROCESSOR_ASKS, text);
                 Ok(())
             }
@@ -129,7 +130,7 @@ impl Kernel<'_> {
             }
         }
         let Some((file, range)) = found else {
-            let text = format!("subprogram {name} is missing, called in '{}'", self.block_text());
+            let text = format!("subprogram {name} not found, called in '{}'", self.block_text());
             return Err(self.alarm(&diag::SUBPROGRAM_MISSING, text));
         };
         let (next, repeats) = (range.first, passes.saturating_sub(1));

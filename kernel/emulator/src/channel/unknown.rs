@@ -1,8 +1,8 @@
 //! Words and text of a block that nothing knows.
 //!
-//! Facts: reference control-emulator.md 2.2 step 12 (the emulated system diagnoses what is left and goes on);
-//! fanuc-variables-and-alarms.md 3 (PS0009, PS0010: nothing of the block is done); siemens-cycles.md 6 (12470, 12550).
-//! Decision: `[control] unknown_code` says which of both a machine does. Invariant: where they are alarms, nothing of the
+//! Facts: reference control-emulator.md 2.2 step 12 (the emulated system diagnoses what is left and continues);
+//! fanuc-variables-and-alarms.md 3 (PS0009, PS0010: no part of the block acts); siemens-cycles.md 6 (12470, 12550).
+//! Decision: `[control] unknown_code` says which of both a machine does. *Invariant:* where they are alarms, nothing of the
 //! block has acted, unless a macro behind the block may still know its text.
 
 use super::Kernel;
@@ -40,7 +40,7 @@ impl Kernel<'_> {
         ];
         for (bit, facts, what) in kinds {
             if self.channel.block.flags.irregular & bit != 0 && self.channel.is_alarm(facts) {
-                let text = format!("{what} in '{}'; nothing of the block is done", self.block_text());
+                let text = format!("{what} in '{}'; no part of the block acts", self.block_text());
                 return Err(self.alarm(facts, text));
             }
         }
@@ -70,7 +70,7 @@ impl Kernel<'_> {
             let block = self.block_text();
             let hint = letter_for_zero(&what, &block);
             let remedy = remedy(facts, &what);
-            return Err(self.alarm(facts, format!("{why} in '{block}'{hint}; nothing of the block is done{remedy}")));
+            return Err(self.alarm(facts, format!("{why} in '{block}'{hint}; no part of the block acts{remedy}")));
         }
         if let Some(code) = code {
             self.moves_all_the_same(&code);

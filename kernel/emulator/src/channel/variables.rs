@@ -1,6 +1,6 @@
 //! Numbered variables: local, of the channel, common to all channels, and system variables.
 //!
-//! Facts: reference channel-synchronisation.md 1.3 (variable ranges) and control-emulator.md 5.4. Invariant: common
+//! Facts: reference channel-synchronisation.md 1.3 (variable ranges) and control-emulator.md 5.4. *Invariant:* common
 //! variables are touched only in shared operations.
 
 use rustc_hash::FxHashMap;

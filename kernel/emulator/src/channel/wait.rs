@@ -1,68 +1,136 @@
-//! Waits of a channel for others: arrivals, the start by one head, and what follows.
+//! Waits of a channel for others, and what it does so that others continue.
 //!
-//! Facts: reference channel-synchronisation.md 1.0, 1.3. Invariant: a kernel waits only here and in shared operations; codes
-//! that do not match alarm when two waits meet.
+//! Facts: reference channel-synchronisation.md 1.0 to 1.9. *Invariant:* a kernel waits only here and in shared operations; what
+//! a wait means is the business of `sync`.
 
 use std::sync::Arc;
 
 use counterpoint_fault::{Acted, Halt};
 
 use super::Kernel;
-use counterpoint_event::event::{Kind, Release, Wait};
+use counterpoint_event::event::{Kind, Primitive, Release, Verdict, Wait};
 use counterpoint_fault as diag;
 use counterpoint_ports::control::State;
 use counterpoint_sync::coordinator::turn::Met;
 use counterpoint_sync::order::Wake;
 use counterpoint_sync::order::arrive::After;
-use counterpoint_sync::waits::{Finish, Set, Spec, Terminal, Waiting};
+use counterpoint_sync::wait::{self, Finish, Terminal, Waiting};
 
 impl Kernel<'_> {
-    /// Arrives at a wait, and waits until the others are there.
-    pub(crate) fn arrive(&mut self, spec: Spec) -> Acted {
-        arrive(self, spec)
+    /// Waits for other channels.
+    pub(crate) fn wait(&mut self, wait: wait::Wait) -> Acted {
+        self.flow.pass.effects = true;
+        match wait.primitive {
+            Primitive::Barrier | Primitive::Flag | Primitive::Order | Primitive::Count => arrive(self, wait),
+            Primitive::Signal | Primitive::Join | Primitive::Lease => wait_unless_over(self, wait),
+        }
     }
 
-    /// A start by one of the heads: the one that it is named after lets the other one continue, now or when it comes; the
-    /// other one waits, unless the first one has been here before.
-    pub(crate) fn start_by_head(&mut self, by: u16, heads: Set) -> Acted {
+    /// Does something at which other channels may continue; it is shown as this wait would be.
+    pub(crate) fn let_continue(&mut self, act: wait::Act, shown: wait::Wait) -> Acted {
         self.flow.pass.effects = true;
-        if self.channel.at.channel == by { give(self, heads) } else { wait(self, by, heads) }
+        let what = match act {
+            wait::Act::Set(_) | wait::Act::Signal { .. } => "set",
+            wait::Act::Clear(_) => "clear",
+            wait::Act::Release(_) => "release",
+        };
+        show(self, &shown, what);
+        let tag = self.tag();
+        self.shared(|order| order.act(tag, act))?.map_err(|reason| impossible(self, &reason))
     }
 }
 
+/// What the channel does at its wait is not possible.
+fn impossible(kernel: &mut Kernel<'_>, reason: &str) -> Halt {
+    let text = format!("{reason}, in '{}'", kernel.block_text());
+    kernel.fatal(&diag::WAIT_IMPOSSIBLE, text)
+}
+
+/// A wait as it stands in the log.
+struct Logged {
+    wait: Arc<Wait>,
+    since_ns: i64,
+}
+
+impl Logged {
+    /// Logs that the channel waits from now on.
+    fn new(kernel: &mut Kernel<'_>, wait: &wait::Wait, since_ns: i64) -> Self {
+        let wait = kernel.channel.reports.waits.wait(wait);
+        kernel.channel.burden.result(crate::state::burden::RESULT);
+        kernel.emit(0, Kind::Wait(wait.clone()));
+        Self { wait, since_ns }
+    }
+
+    fn release(&self, meeting: u64, by: u16) -> Release {
+        let (key, primitive) = (self.wait.key.clone(), self.wait.primitive);
+        Release { key, primitive, since_ns: self.since_ns, meeting, mark: self.wait.mark.clone(), by }
+    }
+}
+
+/// Where the channel arrives, and how it ends if the control refuses that.
+fn arrival(kernel: &Kernel<'_>, wait: wait::Wait) -> (Waiting, Finish) {
+    let (file, line) = (kernel.channel.at.file, kernel.channel.at.line);
+    (Waiting { wait, tag: kernel.tag(), file, line }, Finish { how: Terminal::Alarmed, file, line })
+}
+
 /// Arrives, and waits until the others are there.
-fn arrive(kernel: &mut Kernel<'_>, spec: Spec) -> Acted {
-    let since_ns = kernel.channel.at.clock;
-    let wait = kernel.channel.reports.waits.wait(&spec);
-    kernel.channel.burden.result(crate::state::burden::RESULT);
-    kernel.emit(0, Kind::Wait(wait.clone()));
-    kernel.flow.pass.effects = true;
-    let tag = kernel.tag();
-    let (file, line, info) = (kernel.channel.at.file, kernel.channel.at.line, kernel.channel.env.info);
-    let waiting = Waiting { spec, tag, file, line };
-    let release = |meeting| released(&wait, since_ns, meeting);
+fn arrive(kernel: &mut Kernel<'_>, wait: wait::Wait) -> Acted {
+    let logged = Logged::new(kernel, &wait, kernel.channel.at.clock);
+    let (waiting, own) = arrival(kernel, wait);
+    let info = kernel.channel.env.info;
     kernel.ports.control.disturb(kernel.channel.at.channel);
     let met = kernel.ports.coordinator.meet(
-        waiting.clone(),
+        waiting,
         kernel,
         |kernel| {
             kernel.flush();
-            kernel.ports.progress.stand(wait.clone());
+            kernel.ports.progress.stand(logged.wait.clone());
         },
         |kernel, look| kernel.ports.emitter.work(look),
     );
     kernel.ports.control.disturb(kernel.channel.at.channel);
-    let after = match met {
-        Met::Woken(wake) => return woken(kernel, wake, release),
-        Met::Turn(mut turn) => {
-            let own = Finish { how: Terminal::Alarmed, file, line };
-            turn.arrive(waiting, own, info)
-        }
+    let (after, warning) = match met {
+        Met::Woken(wake) => return woken(kernel, wake, &logged),
+        Met::Turn(mut turn) => turn.arrive(waiting, own, info),
     };
+    if let Some(text) = warning {
+        kernel.diagnose(&diag::WAIT_LISTS, text);
+    }
     match after {
-        After::Go { t, micro, meeting } => {
+        After::Stand(verdict) => stand(kernel, verdict, &logged),
+        after => follow(kernel, after, &logged),
+    }
+}
+
+/// Continues at once if what is waited for has happened, without an entry in the list of sync points; waits otherwise.
+fn wait_unless_over(kernel: &mut Kernel<'_>, wait: wait::Wait) -> Acted {
+    let since_ns = kernel.channel.at.clock;
+    let (waiting, own) = arrival(kernel, wait);
+    let info = kernel.channel.env.info;
+    let after = kernel.shared(|order| (!order.waits.pass(&waiting)).then(|| order.arrive(waiting, own, info).0))?;
+    match after {
+        None => {
+            show(kernel, &wait, "go");
+            Ok(())
+        }
+        Some(After::Illegal { text }) => Err(impossible(kernel, &text)),
+        Some(after) => {
+            let logged = Logged::new(kernel, &wait, since_ns);
+            match after {
+                After::Stand(verdict) => stand(kernel, verdict, &logged),
+                after => follow(kernel, after, &logged),
+            }
+        }
+    }
+}
+
+/// Does what an arrival means that leaves nothing to wait for.
+fn follow(kernel: &mut Kernel<'_>, after: After, logged: &Logged) -> Acted {
+    match after {
+        After::Go { t, micro, sync_point } => {
             kernel.ports.progress.set_state(State::Running);
-            go_on(kernel, (t, micro), release(meeting));
+            let release = logged.release(sync_point, kernel.channel.at.channel);
+            go_on(kernel, (t, micro), release);
             Ok(())
         }
         After::Alarm { text, verdict } => {
@@ -72,31 +140,20 @@ fn arrive(kernel: &mut Kernel<'_>, spec: Spec) -> Acted {
             }
             Err(halt)
         }
-        After::Stand(verdict) => {
-            if let Some(verdict) = verdict {
-                kernel.emit_verdict(verdict);
-            }
-            let wake = stand(kernel, &wait);
-            woken(kernel, wake, release)
-        }
+        After::Illegal { text } => Err(impossible(kernel, &text)),
+        After::Stand(_) => Ok(()),
     }
 }
 
-/// The event of a channel that continues after a wait.
-fn released(wait: &Wait, since_ns: i64, meeting: u64) -> Release {
-    let Wait { key, primitive, mark, .. } = wait;
-    Release { key: key.clone(), primitive: *primitive, since_ns, meeting, mark: mark.clone() }
-}
-
 /// Continues after a wait.
-fn woken(kernel: &mut Kernel<'_>, wake: Wake, release: impl FnOnce(u64) -> Release) -> Acted {
+fn woken(kernel: &mut Kernel<'_>, wake: Wake, logged: &Logged) -> Acted {
     match wake {
-        Wake::Released { tag, meeting, all } => {
+        Wake::Released { tag, sync_point, by, all } => {
             kernel.ports.progress.set_state(State::Running);
             if all {
                 kernel.ports.emitter.all_reached(tag.t);
             }
-            go_on(kernel, (tag.t, tag.micro), release(meeting));
+            go_on(kernel, (tag.t, tag.micro), logged.release(sync_point, by));
             Ok(())
         }
         Wake::Alarm { tag, text } => {
@@ -110,17 +167,20 @@ fn woken(kernel: &mut Kernel<'_>, wake: Wake, release: impl FnOnce(u64) -> Relea
 }
 
 /// Waits until another channel ends the wait that this one is blocked at.
-fn stand(kernel: &mut Kernel<'_>, wait: &Arc<Wait>) -> Wake {
-    let (coordinator, rank) = (kernel.ports.coordinator, kernel.channel.at.channel);
-    let wake = coordinator.wait(rank, kernel, |kernel| {
+fn stand(kernel: &mut Kernel<'_>, verdict: Option<Verdict>, logged: &Logged) -> Acted {
+    if let Some(verdict) = verdict {
+        kernel.emit_verdict(verdict);
+    }
+    let (coordinator, channel) = (kernel.ports.coordinator, kernel.channel.at.channel);
+    let wake = coordinator.wait(channel, kernel, |kernel| {
         kernel.flush();
-        kernel.ports.progress.stand(wait.clone());
+        kernel.ports.progress.stand(logged.wait.clone());
     });
-    kernel.ports.control.disturb(kernel.channel.at.channel);
-    wake
+    kernel.ports.control.disturb(channel);
+    woken(kernel, wake, logged)
 }
 
-/// Continues after a meeting.
+/// Continues after a sync point.
 fn go_on(kernel: &mut Kernel<'_>, (t, micro): (i64, u32), release: Release) {
     if t > kernel.channel.at.clock {
         kernel.channel.at.idle_blocks = 0;
@@ -130,48 +190,8 @@ fn go_on(kernel: &mut Kernel<'_>, (t, micro): (i64, u32), release: Release) {
     kernel.emit(0, Kind::Release(release));
 }
 
-/// Lets the other head go on, now or when it comes.
-fn give(kernel: &mut Kernel<'_>, heads: Set) -> Acted {
-    tell(kernel, &Spec::start(kernel.channel.at.channel, heads), "set");
-    let tag = kernel.tag();
-    kernel.shared(|order| {
-        if let Some(released) = order.waits.start(tag, heads) {
-            let meeting = order.count_meeting(Set::default().with(tag.rank).with(released.rank));
-            order.resume(released.rank, Wake::Released { tag: released, meeting, all: false });
-        }
-    })
-}
-
-/// Waits for the other head, unless it has been here before.
-fn wait(kernel: &mut Kernel<'_>, by: u16, heads: Set) -> Acted {
-    let spec = Spec::start(by, heads);
-    let (since_ns, tag) = (kernel.channel.at.clock, kernel.tag());
-    let (file, line, info) = (kernel.channel.at.file, kernel.channel.at.line, kernel.channel.env.info);
-    let waiting = Waiting { spec: spec.clone(), tag, file, line };
-    let stands = kernel.shared(|order| {
-        if order.waits.started(by) {
-            return None;
-        }
-        order.waits.stand(waiting);
-        let verdict = if order.waits.hopeful(tag.rank) { None } else { order.judge(tag.t, info) };
-        order.block(tag.rank);
-        Some(verdict)
-    })?;
-    let Some(verdict) = stands else {
-        tell(kernel, &spec, "go");
-        return Ok(());
-    };
-    let wait = kernel.channel.reports.waits.wait(&spec);
-    kernel.channel.burden.result(crate::state::burden::RESULT);
-    kernel.emit(0, Kind::Wait(wait.clone()));
-    if let Some(verdict) = verdict {
-        kernel.emit_verdict(verdict);
-    }
-    let wake = stand(kernel, &wait);
-    let release = |meeting| released(&wait, since_ns, meeting);
-    woken(kernel, wake, release)
-}
-
-fn tell(kernel: &mut Kernel<'_>, spec: &Spec, what: &str) {
-    kernel.emit(0, Kind::mode(format!("sync mark={} {what}", spec.text())));
+/// Logs what the channel does at a mark without waiting.
+fn show(kernel: &mut Kernel<'_>, wait: &wait::Wait, what: &str) {
+    let text = kernel.channel.reports.waits.rules.text(wait);
+    kernel.emit(0, Kind::mode(format!("sync mark={text} {what}")));
 }

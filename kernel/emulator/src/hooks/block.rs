@@ -71,7 +71,7 @@ impl Kernel<'_> {
         self.words()
     }
 
-    /// Keeps the level of the first mark of optional skip, on machines that have a row for it.
+    /// Keeps the level of the first mark of block skip, on machines that have a row for it.
     fn note_mark(&mut self) {
         if !self.knows_data(data::OPSKIP) {
             return;
@@ -142,7 +142,7 @@ impl Kernel<'_> {
         self.macros.block.text = Some(Arc::new(text));
     }
 
-    /// The scanner to be used in place of the plan's, once a macro has switched a level of optional skip.
+    /// The scanner to be used in place of the plan's, once a macro has switched a level of block skip.
     #[inline]
     pub(crate) fn switched_scanner(&self) -> Option<Arc<Scanner>> {
         self.macros.reading.switched.clone()
@@ -160,7 +160,7 @@ impl Kernel<'_> {
         }
     }
 
-    /// `$OPSKIPL`: switches a level of optional skip from the next block on.
+    /// `$OPSKIPL`: switches a level of block skip from the next block on.
     pub(crate) fn switch_level(&mut self, level: u8, on: bool) {
         let before = self.switched_scanner().map_or(self.plan.scanner.levels(), |scanner| scanner.levels());
         let wanted = if on { before | 1 << level } else { before & !(1 << level) };
@@ -214,8 +214,7 @@ impl Kernel<'_> {
             }
             (Some(_), Value::Text(_)) | (None, _) => Verdict::Go,
             (Some(_), other) => {
-                let text =
-                    format!("$P2 of the {} is {}, not a text; it is passed over", hook.title(), other.kind_name());
+                let text = format!("$P2 of the {} is {}, not a text; it is ignored", hook.title(), other.kind_name());
                 self.diagnose(&diag::MACRO_RESULT, text);
                 Verdict::Go
             }

@@ -160,7 +160,7 @@ impl Kernel<'_> {
         }
     }
 
-    /// OUTPUT of a code macro: the code that `$P1` holds now goes on to the next macro or to its action.
+    /// OUTPUT of a code macro: the code that `$P1` holds now continues to the next macro or to its action.
     pub(crate) fn output_code(&mut self, firing: PendingCode, id: CodeId, wanted: Option<&Value>) -> Acted {
         let target = match wanted {
             None => id,
@@ -295,7 +295,7 @@ impl Kernel<'_> {
             if at == 2 || matches!(new, Value::Real(number) if number.is_finite()) {
                 continue;
             }
-            let text = format!("$P{} of a data macro is {}, not a number; it is passed over", at + 1, new.kind_name());
+            let text = format!("$P{} of a data macro is {}, not a number; it is ignored", at + 1, new.kind_name());
             *new = old.clone();
             self.diagnose(&diag::MACRO_RESULT, text);
         }
@@ -316,7 +316,7 @@ impl Kernel<'_> {
             }
             let name = self.channel.env.machine.data_name(id);
             let value = counterpoint_lang::format::wildcard_text(value);
-            self.diagnose(&diag::DATA_NOT_USED, format!("{name} {value} is not used by anything and is dropped"));
+            self.diagnose(&diag::DATA_NOT_USED, format!("{name} {value} is not used by any code; ignored"));
         }
     }
 

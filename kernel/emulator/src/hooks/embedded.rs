@@ -1,6 +1,6 @@
 //! Embedded macro code: code between `#{` or `!{` and `}` runs and its value takes its place.
 //!
-//! Facts: reference control-emulator.md 2.2, 5.3. Invariant: a piece of code is compiled once; code in a skipped
+//! Facts: reference control-emulator.md 2.2, 5.3. *Invariant:* a piece of code is compiled once; code in a skipped
 //! portion of a block is not run.
 
 use counterpoint_fault::{Acted, Halt};
@@ -18,7 +18,7 @@ const LONGEST_CODE: usize = 4096;
 const MOST_CODES: usize = 5000;
 
 impl Kernel<'_> {
-    /// Block delete comes before embedded code; a mark inside of such code is none.
+    /// Block delete comes before embedded code; a mark inside such code is none.
     pub(crate) fn delete_around_code(&mut self) {
         let fresh = self.macros.block.text.is_none();
         if !fresh || !self.has_embedded(0) && !self.has_embedded(1) {
@@ -144,7 +144,7 @@ impl Kernel<'_> {
     }
 }
 
-/// Embedded statements on lines of their own: a semicolon outside of a text ends one.
+/// Embedded statements on lines of their own: a semicolon outside a text ends one.
 fn statements(code: &str) -> String {
     let mut inside = false;
     let line = |c: char| {

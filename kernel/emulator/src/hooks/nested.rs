@@ -124,7 +124,7 @@ impl Kernel<'_> {
                         self.diagnose(&diag::DATA_MISSING, text);
                     }
                     None => {
-                        let text = format!("EXEC needs a number behind {}", self.channel.env.machine.data_name(id));
+                        let text = format!("EXEC needs a number after {}", self.channel.env.machine.data_name(id));
                         self.diagnose(&diag::MACRO_RESULT, text);
                     }
                 }

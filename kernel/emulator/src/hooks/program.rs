@@ -66,7 +66,7 @@ impl Kernel<'_> {
     fn start_at(&mut self, file: FileId, line: u32, reset: bool) -> Acted {
         let name = self.channel.env.info.file_name(file).to_owned();
         let Some((file, range)) = self.place_in_file(&name, line)? else {
-            let text = format!("the run cannot go on at line {line} of {name}");
+            let text = format!("the run cannot continue at line {line} of {name}");
             return Err(self.fatal(&diag::FILE_UNREADABLE, text));
         };
         self.start_over(file, range, name.into(), reset)
@@ -116,7 +116,7 @@ impl Kernel<'_> {
         self.went_on(done)
     }
 
-    /// Runs the identification macro on a text that nobody knows, with the value that is being assigned to it.
+    /// Runs the identification macro on a text that is unknown, with the value that is being assigned to it.
     ///
     /// # Errors
     /// The macro stopped the channel.

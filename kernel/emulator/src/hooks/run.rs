@@ -1,6 +1,6 @@
 //! Macros of a kernel as they run: how one starts and ends, and how the kernel works while it runs.
 //!
-//! Invariant: the state of the machine of the language lies with the kernel while no macro runs, and goes to the one that
+//! *Invariant:* the state of the machine of the language lies with the kernel while no macro runs, and goes to the one that
 //! does; macros nest as deep as the stack of their thread holds.
 
 use counterpoint_fault::Halt;
@@ -33,7 +33,7 @@ impl Kernel<'_> {
     /// Sets up the macros of the kernel's machine.
     pub fn with_macros(mut self, program: Option<&Arc<Program>>) -> Self {
         let none = Macros::default();
-        // A machine without macros has a program all the same if its programs have embedded code.
+        // A machine without macros has a program nevertheless if its programs have embedded code.
         let macros = self.channel.env.machine.macros.as_deref().unwrap_or(&none);
         let memory = self.channel.shares().macros;
         let Some(program) = program else { return self };

@@ -85,7 +85,7 @@ impl Kernel<'_> {
                 Ok(())
             }
             Some(None) => {
-                let text = format!("{} is missing, as the startup macro says", called.what);
+                let text = format!("{} not found, as the startup macro reports", called.what);
                 Err(self.alarm(&diag::SUBPROGRAM_MISSING, text))
             }
             // Passed over, and the passes after it with it: a macro asked billions of times would never end.
@@ -142,7 +142,7 @@ impl Kernel<'_> {
         Ok(Some((file, Range { number: around.and_then(|range| range.number), first: line, last })))
     }
 
-    /// Carries out the call or return that a block inside another one asks for, before the macro continues: the whole
+    /// Executes the call or return that a block inside another one asks for, before the macro continues: the whole
     /// subprogram, or the way back to the caller.
     pub(crate) fn call_at_once(&mut self) -> Acted {
         use Pending::{Call, CallRange, CallText, Return};

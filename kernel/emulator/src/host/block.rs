@@ -1,6 +1,6 @@
 //! The block in process as macros see it: its codes, its data, the active codes.
 //!
-//! Facts: reference functions.md 9. Invariant: what a macro takes is gone for the actions, what it adds they find.
+//! Facts: reference functions.md 9. *Invariant:* what a macro takes is gone for the actions, what it adds they find.
 
 use counterpoint_lang::diag::Number;
 use counterpoint_lang::fault::{Fault, Outcome};

@@ -74,7 +74,7 @@ impl Kernel<'_> {
             Command::RestoreModal => {
                 let saved = self.macros.modes.saved.pop();
                 let Some(groups) = saved else {
-                    return Err(fault(&diag::MODAL_STACK, "there is no saved modal state to restore"));
+                    return Err(fault(&diag::MODAL_STACK, "no saved modal state to restore"));
                 };
                 self.put_modes_back(&groups);
             }

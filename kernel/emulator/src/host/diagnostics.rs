@@ -1,6 +1,6 @@
 //! Diagnostics on a kernel with macros: severities, switches, counters, and the diagnostic event macro.
 //!
-//! Facts: reference control-emulator.md 4.3, 7.5, functions.md 7. Invariant: what the diagnostic macro itself raises goes
+//! Facts: reference control-emulator.md 4.3, 7.5, functions.md 7. *Invariant:* what the diagnostic macro itself raises goes
 //! straight to the log.
 
 use std::sync::Arc;
@@ -152,9 +152,9 @@ impl Kernel<'_> {
     /// Issues what `$P2`, `$P3` and `$P5` of the diagnostic macro say.
     pub(crate) fn output_diagnostic(&mut self, [index, severity, text]: &[Value; 3]) -> Outcome<()> {
         let wrong = |what: &str| Fault::new(Number(diag::MACRO_RESULT.number), format!("{what} of a diagnostic"));
-        let index = number(Some(index)).ok_or_else(|| wrong("this is no number"))?;
-        let severity = number(Some(severity)).filter(|s| *s < 100).ok_or_else(|| wrong("this is no severity"))?;
-        let text = text.as_text().ok_or_else(|| wrong("this is no text"))?;
+        let index = number(Some(index)).ok_or_else(|| wrong("not a valid number"))?;
+        let severity = number(Some(severity)).filter(|s| *s < 100).ok_or_else(|| wrong("not a valid severity"))?;
+        let text = text.as_text().ok_or_else(|| wrong("not a valid text"))?;
         let origin = self.macros.diagnostics.origin.clone();
         self.put_diagnostic((index, severity as u8), text, origin);
         Ok(())

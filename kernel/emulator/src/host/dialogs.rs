@@ -109,7 +109,7 @@ impl Kernel<'_> {
         let shown = shown.map_err(|failure: Failure| Fault::new(Number::NO_DIALOG, failure.to_string()))?;
         for (variable, value) in shown.values {
             let Some(at) = self.bound(&variable) else {
-                let text = format!("the dialog '{name}' sets {variable}, which is no variable shared by macros");
+                let text = format!("the dialog '{name}' sets {variable}, which is not a variable shared by macros");
                 return Err(Fault::new(Number::NO_DIALOG, text));
             };
             self.set_bound(state, at, value)?;

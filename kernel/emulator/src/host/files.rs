@@ -1,6 +1,6 @@
 //! Files of macros: those of the job and of the machine are read, what is written becomes a result of the job.
 //!
-//! Invariant: what a kernel finds in a file depends on simulated time only, never on who was faster.
+//! *Invariant:* what a kernel finds in a file depends on simulated time only, never on who was faster.
 
 use counterpoint_fault::Halt;
 use counterpoint_lang::fault::Outcome;
@@ -106,7 +106,7 @@ impl Shelf for Kernel<'_> {
             (done, written.bytes() as u64 > limit)
         })?;
         if over {
-            let halt = self.out_of_memory("files that macros have written take most of it");
+            let halt = self.out_of_memory("files that macros have written use most of it");
             self.keep_halt(halt);
             return Err(FAILED);
         }

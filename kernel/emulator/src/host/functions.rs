@@ -104,8 +104,10 @@ impl Kernel<'_> {
         let file = self.channel.env.info.files.iter().position(|file| file.name == name);
         let good = (1.0..=f64::from(u32::MAX)).contains(&line);
         let (Some(file), true) = (file, good) else {
-            state
-                .warn(Fault::new(Number::NO_FILE, format!("the job has no file '{name}' with a line {line} to go on")));
+            state.warn(Fault::new(
+                Number::NO_FILE,
+                format!("the job has no file '{name}' with a line {line} to continue"),
+            ));
             return Ok(Value::Logical(false));
         };
         self.macros.course.restart = Some(Restart { file: file as FileId, line: line as u32, reset });

@@ -2,7 +2,7 @@
 //!
 //! Facts: reference system-variables.md 14. Decisions: the first assignment after a tool change names the operation
 //! that the change has started, if that has no name yet; else it waits for the next change. Rows count from 2, row 1 is
-//! no operation. Invariant: what a macro writes into the table takes precedence.
+//! no operation. *Invariant:* what a macro writes into the table takes precedence.
 
 use counterpoint_lang::fault::Outcome;
 use counterpoint_lang::value::Value;

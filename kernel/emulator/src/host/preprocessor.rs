@@ -1,6 +1,6 @@
 //! Settings of the pre-processor: `$FCEPP`.
 //!
-//! Facts: reference functions.md 9, control-emulator.md 5.4. Invariant: a request that this machine's pre-processor
+//! Facts: reference functions.md 9, control-emulator.md 5.4. *Invariant:* a request that this machine's pre-processor
 //! does not have changes nothing, answers false, and is reported; one that belongs to another pre-processor names it.
 
 use counterpoint_lang::diag::Number;

@@ -1,7 +1,7 @@
 //! Macros in the trace: entering, statements, leaving, and what EXEC issues.
 //!
 //! Facts: reference listing-and-trace.md 4, 6. The letter M shows the macros of codes and data, H all others, X the
-//! parameters of EXEC. Invariant: a macro and everything it shows has one letter; without a trace nothing here is
+//! parameters of EXEC. *Invariant:* a macro and everything it shows has one letter; without a trace nothing here is
 //! called.
 
 use counterpoint_lang::host::Step;

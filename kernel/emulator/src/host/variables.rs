@@ -1,6 +1,6 @@
 //! System variables of a running kernel, by index.
 //!
-//! Invariant: the table of what each index reads is made once from the names; while macros run nothing is looked up by
+//! *Invariant:* the table of what each index reads is made once from the names; while macros run nothing is looked up by
 //! name. What the kernel does not know itself is kept here with its first value. Facts: reference system-variables.md;
 //! positions and decisions: docs/emulation.md.
 
@@ -79,7 +79,7 @@ fn pair(indices: &[i64]) -> (i64, i64) {
     (indices.first().copied().unwrap_or(0), indices.get(1).copied().unwrap_or(0))
 }
 
-/// Refuses indices outside of what a variable has.
+/// Refuses indices outside what a variable has.
 fn check_indices(variable: &Variable, indices: &[i64]) -> Outcome<()> {
     for (given, most) in indices.iter().zip(&variable.indices) {
         if *given < 1 || most.is_some_and(|most| *given > i64::from(most)) {

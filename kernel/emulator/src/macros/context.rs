@@ -19,7 +19,7 @@ pub(crate) struct BlockContext {
     pub(crate) preprocessed: bool,
     /// The pre-processor has made its words, or has left its text.
     pub(crate) made: bool,
-    /// Level of its first mark of optional skip, if the machine has data for that.
+    /// Level of its first mark of block skip, if the machine has data for that.
     pub(crate) mark: Option<u8>,
     /// `$CECODE`
     pub(crate) code: Option<CodeId>,

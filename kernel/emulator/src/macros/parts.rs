@@ -59,9 +59,9 @@ pub(crate) struct DiagnosticChanges {
 /// How texts are read.
 #[derive(Debug, Default)]
 pub(crate) struct Reading {
-    /// The scanner with levels of optional skip that a macro has switched.
+    /// The scanner with levels of block skip that a macro has switched.
     pub(crate) switched: Option<Arc<Scanner>>,
-    /// The scanner without marks of optional skip, once EXEC has issued a text.
+    /// The scanner without marks of block skip, once EXEC has issued a text.
     pub(crate) unmarked: Option<Arc<Scanner>>,
     /// Compiled embedded code by text; none where it has errors.
     pub(crate) embedded: FxHashMap<String, Option<(u16, bool)>>,

@@ -1,6 +1,6 @@
 //! Values handed to macros again and again without allocating.
 //!
-//! Invariant: a value that somebody still holds is never changed. A macro's frame keeps what it got until its next call,
+//! *Invariant:* a value that somebody still holds is never changed. A macro's frame keeps what it got until its next call,
 //! so of two values that take turns one is always free.
 
 use std::sync::Arc;

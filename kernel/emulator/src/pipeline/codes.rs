@@ -175,7 +175,7 @@ impl Kernel<'_> {
         }
     }
 
-    /// A word that is no code: data if a row knows its register, else unknown text.
+    /// A word that is not a code: data if a row knows its register, else unknown text.
     fn data_word(&mut self, position: usize) {
         let Some(word) = self.channel.block.words.get(position).copied() else { return };
         let known = self
@@ -232,7 +232,7 @@ impl Kernel<'_> {
         }
     }
 
-    /// Words of axes that swallowed codes of the block ignore move nothing.
+    /// Words of axes that ignored codes of the block ignore move nothing.
     #[cold]
     fn drop_ignored(&mut self) {
         for at in 0..self.channel.block.pending.len() {
@@ -367,7 +367,7 @@ impl Kernel<'_> {
         if documented_without {
             self.diagnose(
                 &diag::CODE_WITHOUT_PROCESSING,
-                format!("{} has no built-in processing and is passed over in '{text}'", name.to_lowercase()),
+                format!("{} has no built-in processing and is ignored in '{text}'", name.to_lowercase()),
             );
         } else {
             self.diagnose(&diag::NO_ACTION, format!("{} has no action in '{text}'", name.to_lowercase()));

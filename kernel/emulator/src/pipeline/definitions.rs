@@ -2,7 +2,7 @@
 //!
 //! Facts: reference control-emulator.md 5.7 (a definition met in normal flow cannot be skipped). Decisions: that holds
 //! where subprograms stand at the end of the main file or where defined (`same-file`), and not for a program that
-//! another channel runs, where the text ends as at the end of the file. Invariant: text that no program owns is reported once
+//! another channel runs, where the text ends as at the end of the file. *Invariant:* text that no program owns is reported once
 //! for each file and channel.
 
 use crate::channel::Kernel;
@@ -38,7 +38,7 @@ impl Kernel<'_> {
         }
         if self.first_time(file, next.first) {
             let text =
-                format!("the text of {name} has no end code and goes on with the definition in line {}", next.first);
+                format!("the text of {name} has no end code and continues with the definition in line {}", next.first);
             self.diagnose(&diag::RUNS_INTO_DEFINITION, text);
         }
         true
@@ -82,9 +82,9 @@ impl Kernel<'_> {
         let to = lines.next_back().unwrap_or(from);
         let name = self.channel.env.info.file_name(file);
         let text = if from == to {
-            format!("line {from} of {name} stands before the program and belongs to none")
+            format!("line {from} of {name} is before the program and belongs to no program")
         } else {
-            format!("lines {from} to {to} of {name} stand before the program and belong to none")
+            format!("lines {from} to {to} of {name} are before the program and belong to no program")
         };
         let place = (self.channel.at.file, self.channel.at.line);
         (self.channel.at.file, self.channel.at.line) = (file, from);

@@ -1,6 +1,6 @@
 //! Stage *edit*: the text of a block where it is not simply the line of the file.
 //!
-//! Facts: reference control-emulator.md 5.1 (a further character that ends blocks), 5.2 (tape editor). Invariant: what
+//! Facts: reference control-emulator.md 5.1 (a further character that ends blocks), 5.2 (tape editor). *Invariant:* what
 //! the scanner, the pre-processor and messages about words see is one text; places in it are places in that text.
 
 use std::sync::Arc;
@@ -60,7 +60,7 @@ impl Kernel<'_> {
             }
             if let Some(rule) = edited.stuck {
                 let text = format!(
-                    "rule {} of the tape editor needs too many steps on '{}' and is left out there",
+                    "rule {} of the tape editor needs too many steps on '{}' and is skipped for this block",
                     rule + 1,
                     self.block_text()
                 );

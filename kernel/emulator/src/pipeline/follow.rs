@@ -77,7 +77,7 @@ impl Kernel<'_> {
             }
         }
         let Some((file, range)) = found else {
-            let text = format!("{what} is missing, called in '{}'; {}", self.block_text(), self.places(&what));
+            let text = format!("{what} not found, called in '{}'; {}", self.block_text(), self.places(&what));
             return Err(self.alarm(&diag::SUBPROGRAM_MISSING, text));
         };
         self.report_heading(file, range);

@@ -47,7 +47,7 @@ impl Kernel<'_> {
             self.diagnose(&diag::TOO_MANY_DIGITS, text);
         }
         if self.channel.block.flags.irregular & irregular::BYTES != 0 {
-            let text = format!("control characters in line {} are passed over", self.channel.at.line);
+            let text = format!("control characters in line {} are ignored", self.channel.at.line);
             self.diagnose(&diag::BAD_BYTES, text);
         }
         Ok(())
@@ -89,12 +89,12 @@ impl Kernel<'_> {
         if axis && !self.channel_has(register) {
             self.diagnose(
                 &diag::AXIS_NOT_IN_CHANNEL,
-                format!("channel {} has no axis for {word} in '{block}', the word is dropped", self.channel.at.channel),
+                format!("channel {} has no axis for {word} in '{block}'; the word is ignored", self.channel.at.channel),
             );
         } else if axis && self.channel.state.modal.code(group::MOTION).is_none() {
             self.diagnose(&diag::NO_MOTION_MODE, format!("no motion code is active for {word} in '{block}'"));
         } else {
-            self.diagnose(&diag::DATA_NOT_USED, format!("{word} is not used by anything in '{block}' and is dropped"));
+            self.diagnose(&diag::DATA_NOT_USED, format!("{word} is not used by any code in '{block}'; ignored"));
         }
     }
 

@@ -1,4 +1,4 @@
-//! Stage *pre-process*: a statement is carried out, and the words that it makes continue as any others.
+//! Stage *pre-process*: a statement is executed, and the words that it makes continue as any others.
 //!
 //! Facts: reference control-emulator.md 2.2, 5.4.
 
@@ -7,7 +7,7 @@ use counterpoint_fault::Acted;
 use crate::channel::Kernel;
 
 impl Kernel<'_> {
-    /// Lets the pre-processor carry out a statement; the words that it makes act on the way.
+    /// Lets the pre-processor execute a statement; the words that it makes act on the way.
     #[inline(never)]
     pub(crate) fn statement_block(&mut self, text: &[u8]) -> Acted {
         let hooks = self.plan.hooks;

@@ -80,7 +80,7 @@ impl Kernel<'_> {
             if self.channel.env.machine.format.rws_at == RewindStop::Start {
                 self.diagnose(
                     &diag::NO_REWIND_STOP,
-                    "there is no rewind-stop before the program, it starts with its first block",
+                    "no rewind-stop before the program; it starts with its first block",
                 );
             }
         }

@@ -19,10 +19,10 @@ pub(crate) struct Alarms {
 pub(crate) const ERROR: u8 = 8;
 
 /// What an alarm makes of its block.
-pub(crate) const NOT_DONE: &str = "nothing of the block is done";
+pub(crate) const NOT_DONE: &str = "no part of the block acts";
 
 /// What a circle becomes that cannot be made.
-pub(crate) const STRAIGHT: &str = "the end is reached straight";
+pub(crate) const STRAIGHT: &str = "a straight move is made instead";
 
 impl Channel<'_> {
     /// Whether the channel stops at a diagnostic.
@@ -35,7 +35,7 @@ impl Channel<'_> {
         self.env.machine.is_alarm(facts)
     }
 
-    /// The machine goes on from this alarm.
+    /// The machine continues from this alarm.
     pub(crate) fn goes_on_at(&self, facts: &Facts) -> bool {
         !self.stops_at(facts)
     }

@@ -1,6 +1,6 @@
 //! What codes have said about circles to come: centre, radius, direction.
 //!
-//! Invariant: a defined centre is a point and stays until another definition.
+//! *Invariant:* a defined centre is a point and stays until another definition.
 
 use counterpoint_machine::ident::kind::arc::By;
 

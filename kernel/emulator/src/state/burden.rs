@@ -32,7 +32,7 @@ pub(crate) struct Burden {
     pub(crate) work: u64,
     /// Steps of macros.
     pub(crate) steps: u64,
-    /// Bytes of diagnostics and of stays at meetings.
+    /// Bytes of diagnostics and of stays at sync points.
     pub(crate) results: u64,
 }
 

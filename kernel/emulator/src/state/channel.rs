@@ -1,6 +1,6 @@
 //! One channel of the control: what it is given, where it is, what it remembers.
 //!
-//! Invariant: a part is plain data with methods of its own; none of them knows the kernel.
+//! *Invariant:* a part is plain data with methods of its own; none of them knows the kernel.
 
 use std::sync::Arc;
 
@@ -25,6 +25,7 @@ use counterpoint_ports::options::Options;
 use counterpoint_program::sources::Sources;
 use counterpoint_program::tape;
 use counterpoint_sync::tag::Tag;
+use counterpoint_sync::wait::Rules;
 
 /// One channel of the control: what it is given, where it is, what it remembers.
 pub struct Channel<'a> {
@@ -90,7 +91,7 @@ pub struct At {
 impl At {
     /// The tag of what the kernel does now.
     pub(crate) fn tag(&self) -> Tag {
-        Tag { t: self.clock, micro: self.micro, rank: self.channel }
+        Tag { t: self.clock, micro: self.micro, channel: self.channel }
     }
 
     /// Moves the clock on.
@@ -122,7 +123,7 @@ pub(crate) struct Acting {
 }
 
 /// Diagnostics and waits of a channel so far.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub(crate) struct Reports {
     /// Diagnostics logged.
     pub(crate) diagnostics: u32,
@@ -140,6 +141,14 @@ impl Reports {
     /// What a diagnostic does not recognise, unless the machine has given it another text.
     pub(crate) fn take_unrecognised(&mut self, number: u32, text: &str) -> Option<Box<Unrecognised>> {
         self.unrecognised.take_if(|about| number == diag::NOT_RECOGNISED.number && about.to_string() == text)
+    }
+}
+
+impl Reports {
+    /// None so far, on a machine with these rules of waits.
+    pub(crate) fn new(rules: Rules) -> Self {
+        let (diagnostics, alarms, raised) = (0, Alarms::default(), FxHashMap::default());
+        Self { diagnostics, alarms, raised, waits: KnownWaits::new(rules), unrecognised: Default::default() }
     }
 }
 

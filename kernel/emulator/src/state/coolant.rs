@@ -1,6 +1,6 @@
 //! Coolant of a channel: what the active codes do not say.
 //!
-//! Invariant: what flows is the active code of its modal group.
+//! *Invariant:* what flows is the active code of its modal group.
 
 use super::channel::Channel;
 use counterpoint_event::event::Outlet;

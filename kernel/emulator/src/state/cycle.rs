@@ -1,6 +1,6 @@
 //! What a channel remembers of its cycle.
 //!
-//! Invariant: heights and amounts belong to one run of cycles, from the first code to the cancellation; a macro that
+//! *Invariant:* heights and amounts belong to one run of cycles, from the first code to the cancellation; a macro that
 //! sets a value before the first code begins that run. Facts: reference system-variables.md 8.
 
 use super::channel::Channel;
@@ -55,7 +55,7 @@ pub(crate) struct Hole {
 pub(crate) struct CycleHeights {
     /// Level along the axis when it began.
     pub(crate) initial: f64,
-    /// Level that heights count from under a code that carries out.
+    /// Level that heights count from under a code that executes.
     pub(crate) reference: f64,
     pub(crate) clear: Option<Height>,
     pub(crate) depth: Option<Height>,
@@ -103,7 +103,7 @@ pub(crate) struct Boring {
 /// The cycle of a channel.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Cycle {
-    /// A code of its own carries out cycles; cycle codes only define them.
+    /// A code of its own executes cycles; cycle codes only define them.
     pub(crate) activator: bool,
     /// Row of the code that cancels, none on a machine without such a code.
     pub(crate) off: Option<CodeRowId>,
@@ -173,7 +173,7 @@ impl Cycle {
         *self = Self { prepared: true, number, code, axis, rigid, block, pecks, ..blank };
     }
 
-    /// A cycle code acts: begins a cycle, or goes on with another kind.
+    /// A cycle code acts: begins a cycle, or continues with another kind.
     pub(crate) fn begin(
         &mut self,
         machine: &Machine,

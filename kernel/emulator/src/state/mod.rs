@@ -1,6 +1,6 @@
 //! What a channel remembers from block to block: plain structs with methods of their own.
 //!
-//! Invariant: nothing here knows the kernel, its plan or its actions; one box holds what few machines use, and the block
+//! *Invariant:* nothing here knows the kernel, its plan or its actions; one box holds what few machines use, and the block
 //! loop never looks into it for what a machine does not use.
 
 pub(crate) mod alarms;

@@ -1,6 +1,6 @@
 //! Modal codes and data of a channel.
 //!
-//! Invariant: a group has one active code at most.
+//! *Invariant:* a group has one active code at most.
 
 use counterpoint_event::event::FeedUnit;
 use counterpoint_machine::Machine;

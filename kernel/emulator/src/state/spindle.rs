@@ -1,6 +1,6 @@
 //! Spindles of a channel: the one in work, and those that it can put into work.
 //!
-//! Invariant: a spindle that several channels command has no state of its own here but a copy.
+//! *Invariant:* a spindle that several channels command has no state of its own here but a copy.
 
 use super::channel::Channel;
 use super::modal::group;

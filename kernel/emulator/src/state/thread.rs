@@ -1,6 +1,6 @@
 //! What a channel remembers of its threads and threading cycles.
 //!
-//! Invariant: settings last until they are changed; depth, first step and number of passes belong to one cycle, and a
+//! *Invariant:* settings last until they are changed; depth, first step and number of passes belong to one cycle, and a
 //! macro that sets one of them before its code sets it for that cycle. Facts: reference system-variables.md 8.
 
 use counterpoint_machine::Machine;

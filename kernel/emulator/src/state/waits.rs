@@ -5,27 +5,37 @@ use std::sync::Arc;
 use rustc_hash::FxHashMap;
 
 use counterpoint_event::event::Wait;
-use counterpoint_sync::waits::Spec;
+use counterpoint_sync::wait::{self, Rules};
 
 /// Waits that a kernel has met, so that one met again costs nothing.
-#[derive(Debug, Default)]
-pub(crate) struct KnownWaits(FxHashMap<Spec, Arc<Wait>>);
+#[derive(Debug)]
+pub(crate) struct KnownWaits {
+    /// How the machine writes its waits.
+    pub(crate) rules: Rules,
+    known: FxHashMap<wait::Wait, Arc<Wait>>,
+}
 
 impl KnownWaits {
     /// Beyond this many, all are forgotten.
     const MOST: usize = 1000;
 
-    /// The wait of a specification, made at its first arrival.
-    pub(crate) fn wait(&mut self, spec: &Spec) -> Arc<Wait> {
-        if let Some(wait) = self.0.get(spec) {
-            return wait.clone();
+    /// None so far.
+    pub(crate) fn new(rules: Rules) -> Self {
+        Self { rules, known: FxHashMap::default() }
+    }
+
+    /// The wait as it is logged, made at its first arrival.
+    pub(crate) fn wait(&mut self, wait: &wait::Wait) -> Arc<Wait> {
+        if let Some(known) = self.known.get(wait) {
+            return known.clone();
         }
-        if self.0.len() >= Self::MOST {
-            self.0.clear();
+        if self.known.len() >= Self::MOST {
+            self.known.clear();
         }
-        let (key, mark, participants) = (spec.text().into(), spec.mark().into(), spec.parts.iter().collect());
-        let wait = Arc::new(Wait { key, primitive: spec.primitive, participants, mark });
-        self.0.insert(spec.clone(), wait.clone());
-        wait
+        let (key, participants) = (self.rules.text(wait).into(), wait.parts.iter().collect());
+        let mark = self.rules.mark(wait).into();
+        let logged = Arc::new(Wait { key, primitive: wait.primitive, participants, mark });
+        self.known.insert(*wait, logged.clone());
+        logged
     }
 }

@@ -1,6 +1,6 @@
 //! Declarations of events: types whose fields say how they are written, in the place where they are declared.
 
-/// Declares a type with its fields: `pub name: Type = number on the wire,`. In brackets after the number may stand
+/// Declares a type with its fields: `pub name: Type = number on the wire,`. In brackets after the number may be
 /// `optional` or `added` (see [`Field`](super::fields::Field)), `wire` for the wire only, `as "name"` for another name in
 /// JSON, `if test` when JSON has the field only if the test of the whole holds. Functions after the type belong to its
 /// [`Record`](super::fields::Record).

@@ -18,7 +18,7 @@ words! {
         Alarmed = 5 "alarmed",
         /// A channel was stopped by a limit, an alarm of the machine or a cancel.
         Stopped = 6 "stopped",
-        /// A channel stands at a wait that can never be released.
+        /// A channel is blocked at a wait that can never be released.
         Blocked = 7 "blocked",
         /// Master kernel: machine shutdown.
         MachineEnd = 8 "machine_end",

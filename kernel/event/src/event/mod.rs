@@ -3,7 +3,7 @@
 //! Everything a user sees (listing, timeline, toolpath, summary, live progress) is read off these events;
 //! nothing prints on the side. Each kind of event is a type in a file of its own, which names its fields once
 //! ([`fields`]). *Invariant:* an event is complete when it is emitted and is never changed later,
-//! and the log is sorted by `(t_ns, micro, stream rank, order within the stream)`.
+//! and the log is sorted by `(t_ns, micro, stream channel, order within the stream)`.
 
 mod block;
 mod call;

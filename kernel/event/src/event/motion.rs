@@ -50,7 +50,7 @@ pub struct Motion {
     pub to: Position,
     /// Arc centre by the two plane axes of `plane_axes`, in programmed units (radius values are given as
     /// diameters on a diameter axis); of a circle in space where its middle is over the chord, as
-    /// `counterpoint_motion::space::Circle::bulge` tells it by radius values of X, Y and Z; unused otherwise.
+    /// `counterpoint_motion::space::Circle::bulge` gives it by radius values of X, Y and Z; unused otherwise.
     pub center: [f64; 2],
     /// Axis indices (channel order) of the first and second axis of the arc's plane; 255 = none.
     pub plane_axes: [u8; 2],

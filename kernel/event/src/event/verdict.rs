@@ -46,7 +46,7 @@ record! {
 pub struct Member {
     /// Channel number.
     pub channel: u16,
-    /// File of the line where it stands.
+    /// File of the line where it is stopped.
     pub file: FileId,
     /// That line, 0 when it has none (never started).
     pub line: u32,

@@ -19,6 +19,8 @@ words! {
         Signal = 5 "SIGNAL",
         /// Waits for the end of others.
         Join = 6 "JOIN",
+        /// Owns an axis or a spindle, one channel at a time.
+        Lease = 7 "LEASE",
     }
 }
 
@@ -55,6 +57,8 @@ record! {
         pub meeting: u64 = 4,
         /// Same text as in [`Wait::mark`].
         pub mark: Arc<str> = 5 [wire],
+        /// Channel whose operation ended the wait: the last to come, who set the flag or sent the signal.
+        pub by: u16 = 6 [wire],
     }
 
     fn action(&self, _: fn(f64) -> String) -> Option<String> {

@@ -19,6 +19,6 @@ pub enum Work {
     Dwell,
     /// Spindle run-up and functions that take time.
     Misc,
-    /// Standing at a wait.
+    /// Waiting for other channels.
     Wait,
 }

@@ -7,7 +7,7 @@ mod master;
 mod one_thread;
 mod rounds;
 
-use counterpoint_sync::{backlog, coordinator, merge, ranks, shared, stream};
+use counterpoint_sync::{backlog, channels, coordinator, merge, shared, stream};
 use std::sync::OnceLock;
 
 use backlog::Backlog;
@@ -201,7 +201,7 @@ impl<'a> Shop<'a> {
         let mut free: Vec<Option<&mut Backlog>> = backlogs.iter_mut().map(Some).collect();
         let mut work = Vec::new();
         for start in starting {
-            let backlog = free.iter_mut().find(|b| b.as_ref().is_some_and(|b| b.rank == start.channel.number));
+            let backlog = free.iter_mut().find(|b| b.as_ref().is_some_and(|b| b.channel == start.channel.number));
             work.extend(backlog.and_then(Option::take).map(|backlog| (start, backlog)));
         }
         let (merger, mut feeders) = merging.map_or((None, Vec::new()), |(merger, feeders)| (Some(merger), feeders));
@@ -215,7 +215,7 @@ impl<'a> Shop<'a> {
             }];
         }
         let work = work.into_iter().map(|(start, backlog)| {
-            let feeder = feeders.iter().position(|feeder| feeder.rank == start.channel.number);
+            let feeder = feeders.iter().position(|feeder| feeder.channel == start.channel.number);
             (start, (backlog, feeder.map(|at| feeders.swap_remove(at))))
         });
         let work: Vec<_> = work.collect();
@@ -291,10 +291,10 @@ impl<'a> Shop<'a> {
 
 /// Runs a kernel; if it panics, all others are stopped and the panic goes on to whoever joins.
 fn guarded(kernel: Kernel<'_>, at: At, reset: Option<bool>, coordinator: &Coordinator) -> Lived {
-    let rank = kernel.channel.at.channel;
+    let channel = kernel.channel.at.channel;
     std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| kernel.live(at, reset))).unwrap_or_else(|panic| {
         coordinator.abort();
-        coordinator.done(rank, |_| ());
+        coordinator.done(channel, |_| ());
         std::panic::resume_unwind(panic)
     })
 }

@@ -23,7 +23,7 @@ type End = std::thread::Result<Lived>;
 
 /// A kernel in turns.
 struct Turn<'s> {
-    rank: u16,
+    channel: u16,
     coroutine: ScopedCoroutineRef<'s, (), Pause, End, DefaultStack>,
     /// Why it does not run; nothing before its first turn.
     pause: Option<Pause>,
@@ -37,10 +37,10 @@ fn scoped<'k>(
     between: &mut dyn FnMut(),
 ) -> Vec<End> {
     match rest.next() {
-        Some((rank, coroutine)) => coroutine.scope(|coroutine| {
+        Some((channel, coroutine)) => coroutine.scope(|coroutine| {
             // The earlier kernels live longer than this one.
             let mut turns = turns;
-            turns.push(Turn { rank, coroutine, pause: None });
+            turns.push(Turn { channel, coroutine, pause: None });
             scoped(coordinator, rest, turns, between)
         }),
         None => take_turns(coordinator, turns, between),
@@ -67,8 +67,8 @@ fn take_turns(coordinator: &Coordinator, mut turns: Vec<Turn<'_>>, between: &mut
 /// The kernel that goes on: of those with something to do the one that is furthest behind. One that needs an empty chunk
 /// comes last: the others bring the merger on. `None`: all have come to their end.
 fn next_turn(coordinator: &Coordinator, turns: &[Turn<'_>]) -> Option<usize> {
-    let ready = |turn: &Turn<'_>| turn.pause != Some(Pause::Sleep) || !coordinator.sleeps(turn.rank);
-    let order = |turn: &Turn<'_>| (turn.pause == Some(Pause::Chunk), coordinator.bound(turn.rank), turn.rank);
+    let ready = |turn: &Turn<'_>| turn.pause != Some(Pause::Sleep) || !coordinator.sleeps(turn.channel);
+    let order = |turn: &Turn<'_>| (turn.pause == Some(Pause::Chunk), coordinator.bound(turn.channel), turn.channel);
     let next = |turns: &[Turn<'_>]| {
         turns.iter().enumerate().filter(|(_, turn)| ready(turn)).min_by_key(|(_, turn)| order(turn)).map(|(at, _)| at)
     };
@@ -121,7 +121,7 @@ impl<'a> Shop<'a> {
         if let Some(payload) = panic {
             resume_unwind(payload);
         }
-        lived.sort_by_key(|one| one.rank);
+        lived.sort_by_key(|one| one.channel);
         lived
     }
 }

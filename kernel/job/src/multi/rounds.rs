@@ -3,15 +3,16 @@
 //! Facts: reference control-emulator.md 5.8. Invariant: between two rounds no kernel runs; the next one begins at the
 //! time at which the log of the one before has ended, one microstep later, so the log stays in order.
 
+use super::channels::Channels;
 use super::coordinator::Coordinator;
 use super::master::{At, Master};
-use super::ranks::Ranks;
 use super::shared::{Shared, Spindle};
 use super::{Shop, Start};
 use crate::prepared::Job;
 use counterpoint_emulator::channel::Kernel;
 use counterpoint_emulator::channel::carried::{Carried, Lived};
 use counterpoint_emulator::macros::parts::Restart;
+use counterpoint_emulator::waits::rules;
 use counterpoint_event::event::{Event, Kind, Phase};
 use counterpoint_fault as diag;
 use counterpoint_fault::Halt;
@@ -36,7 +37,7 @@ pub(super) struct Round {
     carried: Vec<Carried>,
     shared: Option<Shared>,
     /// Meetings so far.
-    meetings: u64,
+    sync_points: u64,
 }
 
 /// What Machine Shutdown wants next.
@@ -57,10 +58,10 @@ impl Round {
         let Spec { machine, options, .. } = job.spec();
         let fresh = || Shared { spindles: vec![Spindle::default(); machine.spindles.len()], ..Shared::default() };
         let shared = self.shared.take().unwrap_or_else(fresh);
-        let ranks = Ranks::new(machine.channels.iter().map(|channel| channel.number));
-        let waits = Waits::new(ranks.clone(), machine.sync.release_ns);
-        let coordinator = Coordinator::new(ranks, usize::from(options.threads), shared, waits, messages);
-        coordinator.unordered(|order| order.meetings = self.meetings);
+        let channels = Channels::new(machine.channels.iter().map(|channel| channel.number));
+        let waits = Waits::new(channels.clone(), rules(machine), machine.sync.release_ns);
+        let coordinator = Coordinator::new(channels, usize::from(options.threads), shared, waits, messages);
+        coordinator.unordered(|order| order.sync_points = self.sync_points);
         coordinator
     }
 }
@@ -107,13 +108,13 @@ impl<'a> Shop<'a> {
         self.coordinator.unordered(|order| order.shared.files.close(stop));
         let ended = |one: &Lived| one.ended.is_some_and(|tag| tag <= stop);
         let all = lived.iter().all(|one| matches!(one.halt, Halt::End(_)) && ended(one));
-        for Lived { rank, halt, .. } in lived.iter().filter(|one| !ended(one)) {
+        for Lived { channel, halt, .. } in lived.iter().filter(|one| !ended(one)) {
             let phase = if *halt == Halt::Blocked { Phase::Blocked } else { Phase::Stopped };
-            log(&Event { micro, channel: *rank, ..super::master(t_ns, Kind::Lifecycle(phase)) });
+            log(&Event { micro, channel: *channel, ..super::master(t_ns, Kind::Lifecycle(phase)) });
         }
         let wrong = match () {
-            () if !all || self.control.cancelled() => Some("not every channel has come to the end of its program"),
-            () if round.number >= MOST => Some("it has been started again 1000 times"),
+            () if !all || self.control.cancelled() => Some("not every channel has reached the end of its program"),
+            () if round.number >= MOST => Some("it has already been restarted 1000 times"),
             () => None,
         };
         let again = self.master_shutdown(&mut round.master, wrong, (t_ns, micro), log);
@@ -124,8 +125,8 @@ impl<'a> Shop<'a> {
         };
         let mut carried = round.carried;
         carried.extend(lived.into_iter().filter_map(|one| one.left).map(|left| *left));
-        let (shared, meetings) =
-            self.coordinator.unordered(|order| (std::mem::take(&mut order.shared), order.meetings));
+        let (shared, sync_points) =
+            self.coordinator.unordered(|order| (std::mem::take(&mut order.shared), order.sync_points));
         Some(Round {
             number: round.number + 1,
             at: (t_ns, micro.saturating_add(1)),
@@ -133,7 +134,7 @@ impl<'a> Shop<'a> {
             again: Some(again),
             carried,
             shared: Some(shared),
-            meetings,
+            sync_points,
         })
     }
 }
@@ -145,7 +146,7 @@ pub(super) fn restarted(kernel: &mut Kernel<'_>, restart: Restart, wrong: Option
     let (info, machine) = (kernel.channel.env.info, kernel.channel.env.machine);
     let name = info.file_name(file).to_owned();
     let refused = |kernel: &mut Kernel<'_>, reason: &str| {
-        let text = format!("the machine is not started again with line {line} of {name}: {reason}");
+        let text = format!("the machine is not restarted with line {line} of {name}: {reason}");
         kernel.diagnose(&diag::NO_RESTART, text);
         None
     };

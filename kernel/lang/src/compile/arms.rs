@@ -1,4 +1,4 @@
-//! Branches of IF and CASE, of which one at most is carried out: the same name may be declared in several of them.
+//! Branches of IF and CASE, of which one at most is executed: the same name may be declared in several of them.
 
 use crate::ast::{Block, Scope, Statement, StatementKind};
 use crate::value::Kind;
@@ -51,7 +51,7 @@ impl Arms {
             .is_some_and(|(before, paths)| *before == said && paths.iter().all(|path| self.excludes(path)))
     }
 
-    /// Here and there are never carried out both.
+    /// Here and there are never executed both.
     fn excludes(&self, there: &Path) -> bool {
         let parting = self.path.iter().zip(there).find(|(here, there)| here != there);
         parting.is_some_and(|(here, there)| here.0 == there.0)

@@ -1,6 +1,6 @@
 //! Expressions into registers, conditions into jumps.
 //!
-//! Invariant: an expression returns the register of its value and its type where that is evident.
+//! *Invariant:* an expression returns the register of its value and its type where that is evident.
 
 use super::MacroCompiler;
 use crate::ast::{Expr, ExprKind, Variable};

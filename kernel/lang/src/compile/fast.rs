@@ -1,6 +1,6 @@
 //! Finds the short forms of finished code.
 //!
-//! Invariant: a form that leaves out the store into a temporary register is only chosen when nothing after it in the
+//! *Invariant:* a form that leaves out the store into a temporary register is only chosen when nothing after it in the
 //! statement reads that register; temporaries do not live longer than their statement.
 
 use crate::bytecode::fast::{Fast, Near, Then};

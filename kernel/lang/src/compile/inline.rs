@@ -1,6 +1,6 @@
-//! Finds the calls of small functions that can be carried out in registers of the caller.
+//! Finds the calls of small functions that can be executed in registers of the caller.
 //!
-//! Invariant: a function is taken over only if it touches nothing but its own registers and never jumps back, so that
+//! *Invariant:* a function is taken over only if it touches nothing but its own registers and never jumps back, so that
 //! giving it up and calling it gives what the call alone would give, and costs the same steps.
 
 use super::Program;
@@ -11,9 +11,9 @@ use crate::value::Value;
 use rustc_hash::FxHashMap;
 use std::sync::Arc;
 
-/// Instructions of a function that is carried out in its caller.
+/// Instructions of a function that is executed in its caller.
 const MOST: usize = 32;
-/// Calls of a macro that are carried out in it.
+/// Calls of a macro that are executed in it.
 const MOST_CALLS: usize = 64;
 
 /// Looks at the calls of all macros from `first` on.

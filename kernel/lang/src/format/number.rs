@@ -1,6 +1,6 @@
 //! The numeric algorithm: digits, zeros, points, signs, times.
 //!
-//! Invariant: the value is rounded once, half away from zero, on its exact decimal expansion. Facts: reference
+//! *Invariant:* the value is rounded once, half away from zero, on its exact decimal expansion. Facts: reference
 //! macro-language.md 5, numeric algorithm.
 
 use std::fmt::Write as _;

@@ -1,6 +1,6 @@
 //! Format texts as pieces.
 //!
-//! Invariant: a code that is not understood is an error at parse time, never silently literal.
+//! *Invariant:* a code that is not understood is an error at parse time, never silently literal.
 
 use super::number::{Numeric, Point, Style, Zeros};
 use crate::diag::Number;

@@ -36,9 +36,9 @@ pub enum Command<'a> {
     System(&'a str),
 }
 
-/// The control that carries out the commands of macros.
+/// The control that executes the commands of macros.
 pub trait Blocks: Registers {
-    /// Carries out a command; the answer is a status for `$ERRNO`.
+    /// Executes a command; the answer is a status for `$ERRNO`.
     ///
     /// # Errors
     /// The command is not available here, or failed.

@@ -1,6 +1,6 @@
 //! Files as macros see them: names below one folder, a current folder, temporary files, stores of values.
 //!
-//! A host gives a [`Shelf`] with the files themselves; what does not depend on where they are is here. Invariant: a name
+//! A host gives a [`Shelf`] with the files themselves; what does not depend on where they are is here. *Invariant:* a name
 //! that is absolute, or climbs out of the folder with `..`, never reaches the shelf. Facts: reference functions.md 7.
 
 mod mru;

@@ -1,6 +1,6 @@
 //! The functions of the language that a host computes.
 //!
-//! Invariant: the enums, the list and what the compiler checks of a call come from one table, so that they cannot differ; a
+//! *Invariant:* the enums, the list and what the compiler checks of a call come from one table, so that they cannot differ; a
 //! host matches on [`HostFn`], never on a name. Facts: the function catalogue of the reference.
 
 use crate::value::Kind;

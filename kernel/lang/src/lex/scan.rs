@@ -1,6 +1,6 @@
 //! Tokens of one squeezed logical line.
 //!
-//! Invariant: every pass of the loop consumes at least one character.
+//! *Invariant:* every pass of the loop consumes at least one character.
 
 use super::{Line, MAX_NAME, Sign, Spanned, Token};
 use crate::diag::{Diagnostic, Number};

@@ -44,7 +44,7 @@ impl Parser<'_> {
         Ok(kind)
     }
 
-    /// Reads a record of the post product, which does nothing here.
+    /// Reads a record of the post-processor product, which does nothing here.
     fn record(&mut self, name: &str, span: crate::source::Span, arguments: bool) -> Parsed<StatementKind> {
         if arguments && self.peek().is_some() {
             self.list()?;

@@ -1,6 +1,6 @@
 //! Backtracking over the steps with a stack of its own.
 //!
-//! Invariant: every pass of the loop costs one step of the budget, so time and stack are bounded by it.
+//! *Invariant:* every pass of the loop costs one step of the budget, so time and stack are bounded by it.
 
 use super::{BYTES_PER_STEP, Class, Match, Pattern, Step};
 use crate::diag::Number;

@@ -1,6 +1,6 @@
-//! Beginning and end of functions that are carried out in registers of their callers.
+//! Beginning and end of functions that are executed in registers of their callers.
 //!
-//! Invariant: nothing but registers of the body changes until its result is given; see [`Body`].
+//! *Invariant:* nothing but registers of the body changes until its result is given; see [`Body`].
 
 use super::fast::Window;
 use crate::bytecode::Code;

@@ -11,7 +11,7 @@ use crate::host::{Command, Host};
 use crate::state::{State, pay_to_look, pay_to_write, whole};
 use crate::value::Value;
 
-/// Carries out a command; true if the macro issued a diagnostic that ends it.
+/// Executes a command; true if the macro issued a diagnostic that ends it.
 pub(super) fn command(
     state: &mut State,
     host: &mut dyn Host,

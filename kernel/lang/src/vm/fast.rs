@@ -1,6 +1,6 @@
 //! The loop over short forms.
 //!
-//! Invariant: it stops in front of the first instruction that has no short form or whose operands do not fit, having
+//! *Invariant:* it stops in front of the first instruction that has no short form or whose operands do not fit, having
 //! changed nothing of it; numbers that it stores exist. Shared variables that it uses lie in their homes meanwhile, and
 //! in their own place whenever another macro or the host may look at them.
 
@@ -354,7 +354,7 @@ pub(super) fn run<'p>(program: &'p Program, state: &mut State, host: &mut dyn Ho
                 continue;
             }
             if let Some(given_up) = running.take() {
-                // Nothing has changed but registers of the body: the call itself is carried out.
+                // Nothing has changed but registers of the body: the call itself is executed.
                 (code, at, ticks) = (given_up.code, given_up.at, given_up.ticks);
                 call = Some((given_up.to, given_up.body.callee, given_up.body.list));
             }

@@ -1,6 +1,6 @@
 //! Homes of shared variables: registers that hold them while short forms run.
 //!
-//! Invariant: a variable changes places with its home when a short form first needs it, and is back in its own place
+//! *Invariant:* a variable changes places with its home when a short form first needs it, and is back in its own place
 //! before anything but short forms of the same macro can look at it.
 
 use super::fast::Window;

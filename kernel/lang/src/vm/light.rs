@@ -1,6 +1,6 @@
 //! What short forms do with values that are not numbers.
 //!
-//! Invariant: everything here does what the full instruction does and costs the same steps, or does nothing and says so;
+//! *Invariant:* everything here does what the full instruction does and costs the same steps, or does nothing and says so;
 //! it takes light values only: single values whose texts are too short to cost a step. Memory of texts and sequences
 //! that no other value shares is used again.
 

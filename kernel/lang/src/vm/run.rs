@@ -1,6 +1,6 @@
 //! The loop over the instructions of a macro and of the functions it calls.
 //!
-//! Invariant: a call costs no stack of the computer, its caller waits in a list; short forms give exactly what
+//! *Invariant:* a call costs no stack of the computer, its caller waits in a list; short forms give exactly what
 //! [`super::step`] gives, or are not taken.
 
 use super::calls;

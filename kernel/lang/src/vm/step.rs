@@ -1,6 +1,6 @@
 //! One instruction, whatever its operands are.
 //!
-//! Invariant: this is the meaning of every instruction; [`super::run`] only takes short ways to the same results.
+//! *Invariant:* this is the meaning of every instruction; [`super::run`] only takes short ways to the same results.
 
 use super::run::{Next, Stop, copy, get, number, relate, set, set_number, slots};
 use super::{commands, data, shown};
@@ -33,7 +33,7 @@ fn divided_by_zero() -> Fault {
     Fault::new(Number::BAD_ARITHMETIC, "division by zero")
 }
 
-/// Carries out the instruction at `at`.
+/// Executes the instruction at `at`.
 #[allow(clippy::too_many_lines, reason = "one arm per instruction; the work is elsewhere")]
 #[inline(never)]
 pub(super) fn step(

@@ -1,6 +1,6 @@
 //! Text files by unit number, and reading from texts.
 //!
-//! Invariant: failures of files only set `$ERRNO`. Facts: reference macro-language.md 3.4; choices of this project: a
+//! *Invariant:* failures of files only set `$ERRNO`. Facts: reference macro-language.md 3.4; choices of this project: a
 //! missing file is created when it is written, FRONT truncates, lines end with LF.
 
 use super::run::{get, set};

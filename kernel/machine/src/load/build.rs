@@ -8,7 +8,7 @@ use super::{
     axes, calls, channels, codes, compensation, cycles, data, diagnostics, dialogs, format, habits, head, idle,
     initial, kinematics, macros, output, overlap, paths, pump, refusals, registers,
 };
-use super::{spindles, storage, subprograms, sync, tape, time, tool, variables};
+use super::{spindles, storage, subprograms, sync, tape, time, tool, variables, waits};
 use crate::ident;
 use crate::index::Table;
 use crate::model::Machine;
@@ -23,7 +23,10 @@ pub(super) fn machine(merged: &Merged, files: &dyn Files, check: &Check) -> Mach
     top.text("extends");
     if top.flag("abstract") == Some(true) {
         let name = &merged.folder;
-        top.error("abstract", format!("{name} is a family (abstract = true): extend it, it is no machine by itself"));
+        top.error(
+            "abstract",
+            format!("{name} is a family (abstract = true), not a machine; name a machine that extends it"),
+        );
         check.set_incomplete();
     }
     let head = head::read(&mut top);
@@ -46,7 +49,8 @@ pub(super) fn machine(merged: &Merged, files: &dyn Files, check: &Check) -> Mach
     let compensation = compensation::read(&mut top);
     overlap::check_codes(&codes, &names.registers, check);
     let initial = initial::read(&mut top, &names, &codes);
-    let sync = sync::read(&mut top, &channels, &codes, check);
+    let waits = waits::read(&mut top, &codes, &names.registers, check);
+    let sync = sync::read(&mut top, &channels, (&codes, waits), check);
     let variables = variables::read(&mut top, check);
     let around = calls::Around {
         registers: &names.registers,

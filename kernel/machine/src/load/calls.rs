@@ -132,6 +132,6 @@ fn check(row: &Section<'_>, call: &WordCall, before: &[WordCall], around: &Aroun
         shared.iter().chain(channel).any(|(first, last)| (first..=last).contains(&number))
     };
     if let Some(number) = call.variable.filter(|number| !common(number)) {
-        row.error("variable", format!("#{number} is no common variable of [variables]"));
+        row.error("variable", format!("#{number} is not a common variable of [variables]"));
     }
 }

@@ -41,7 +41,7 @@ fn read_row(row: &mut Section<'_>, axes: &[Axis], spindles: &[Spindle], check: &
     let [spindle, rear, milling] = ["spindle", "rear", "milling"].map(|key| {
         let number = row.integer(key, 1..=99).map(|number| number as u16);
         if let Some(number) = number.filter(|number| !spindles.iter().any(|known| known.number == *number)) {
-            check.missing(row.place_of(key), format!("there is no spindle {number}"));
+            check.missing(row.place_of(key), format!("no spindle has the number {number}"));
         }
         number
     });

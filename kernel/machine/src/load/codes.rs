@@ -58,7 +58,10 @@ fn read_row(section: &mut Section<'_>, names: &mut Names<'_>) -> Option<CodeRow>
     }
     if let Some(CodeForm::Register { register, .. } | CodeForm::RegisterAsData { register, .. }) = &form {
         if without.contains(register) {
-            section.error("without", "the row's own register is on every block that it could match: it never does");
+            section.error(
+                "without",
+                "the row's own register is on every block that it could match: the row never matches",
+            );
         }
         if with.contains(register) {
             let text = "the row's own register is on every block that it could match: this says nothing";

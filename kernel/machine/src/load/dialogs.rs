@@ -44,7 +44,7 @@ pub(super) fn read(
                         read_dialog(Section::new(&table, place, "a dialog file", check), macros, check)
                     }
                     _ => {
-                        check.error(&at, format!("there is no file {path}"));
+                        check.error(&at, format!("the file {path} does not exist"));
                         None
                     }
                 }
@@ -110,7 +110,10 @@ fn check_twins(fields: &[Field], named: &[Named], check: &Check) {
         if field.enabled.as_ref().is_some_and(|(variable, _)| variable.eq_ignore_ascii_case(name)) {
             let place = named.iter().find(|(variable, _, decides)| *decides && variable.eq_ignore_ascii_case(name));
             if let Some((_, place, _)) = place {
-                check.error(place, format!("{name} is the variable of this field, another one has to decide about it"));
+                check.error(
+                    place,
+                    format!("{name} is the variable of this field; a different variable must decide about it"),
+                );
             }
         }
         let twin = |other: &&Field| other.variable.eq_ignore_ascii_case(name) && other.enabled == field.enabled;
@@ -118,8 +121,10 @@ fn check_twins(fields: &[Field], named: &[Named], check: &Check) {
             let mut places =
                 named.iter().filter(|(variable, _, decides)| !decides && variable.eq_ignore_ascii_case(name));
             if let Some((_, place, _)) = places.next_back() {
-                check
-                    .error(place, format!("another field of this dialog sets {name} too, and only one value can stay"));
+                check.error(
+                    place,
+                    format!("another field of this dialog sets {name} too, but only one of the values can be kept"),
+                );
             }
         }
     }
@@ -204,7 +209,7 @@ fn read_field(mut row: Section<'_>, named: &mut Vec<Named>, check: &Check) -> Op
     }
     let whole = row.flag("whole").unwrap_or(false);
     if whole && min <= max && min.ceil() > max.floor() {
-        row.error("whole", format!("no whole number is from {min} to {max}"));
+        row.error("whole", format!("no whole number lies from {min} to {max}"));
     }
     let choices = choices(&mut row, check);
     let required = row.flag("required").unwrap_or(false);

@@ -24,7 +24,7 @@ pub(super) fn read(top: &mut Section<'_>, check: &Check, preprocessor: Preproces
     format.rws = section.text("rws").unwrap_or_default().to_owned();
     if !format.rws.is_empty() && section.node("rws_at").is_none() {
         let text =
-            "`rws` says nothing without `rws_at`, the place of the rewind-stop; \"start\" or \"optional\" is expected";
+            "`rws` has no effect without `rws_at`, the place of the rewind-stop; \"start\" or \"optional\" is expected";
         check.idle(section.place_of("rws"), text);
     }
     let places = [("none", RewindStop::None), ("start", RewindStop::Start), ("optional", RewindStop::Optional)];
@@ -48,7 +48,7 @@ pub(super) fn read(top: &mut Section<'_>, check: &Check, preprocessor: Preproces
         format.opskip_mark = opskip.character("mark").flatten();
         format.opskip_default = opskip.integer("default", 1..=9).unwrap_or(1) as u8;
         if opskip.node("mark").is_none() && opskip.node("default").is_some() {
-            check.idle(opskip.place_of("default"), "`default` says nothing without `mark`, the mark of optional skip");
+            check.idle(opskip.place_of("default"), "`default` has no effect without `mark`, the mark of optional skip");
         }
         opskip.finish();
     }

@@ -15,7 +15,7 @@ pub(super) fn read(top: &mut Section<'_>, names: &Names<'_>, rows: &[CodeRow]) -
         let of_row = rows.iter().find(|row| row.id == id).map(|row| row.group);
         let group = of_row.unwrap_or_else(|| ident::code_facts(id).map_or(0, |facts| facts.group));
         if group == 0 {
-            names.check.error(place, format!("{name} belongs to no modal group and cannot be active at program start"));
+            names.check.error(place, format!("{name} has no modal group and cannot be active at program start"));
         } else if let Some((_, _, other)) = initial.iter().find(|(_, known, _)| *known == group) {
             names.check.error(place, format!("{name} and {other} are both of group {group}; one can be active"));
         } else {

@@ -162,7 +162,7 @@ impl Uses<'_> {
                 ExprKind::Code(_) => {}
                 ExprKind::Register(name) => match rest.peek().map(|next| &next.kind) {
                     None | Some(ExprKind::Code(_) | ExprKind::Register(_)) => {
-                        let text = format!("EXEC needs a value behind {name}: {name},value");
+                        let text = format!("EXEC needs a value after {name}: {name},value");
                         self.check.error(&self.place(item.span), text);
                     }
                     Some(_) => {

@@ -104,7 +104,7 @@ impl Compiler<'_, '_> {
         let bytes = match self.files.read(&path) {
             Ok(bytes) => bytes,
             Err(error) => {
-                check.error(place, format!("the file of this macro cannot be had: {error}"));
+                check.error(place, format!("cannot read the file of this macro: {error}"));
                 return None;
             }
         };
@@ -168,8 +168,7 @@ impl Compiler<'_, '_> {
         for mut row in section.rows(key, title, MOST) {
             if let Some(named) = self.row(&mut row, of_codes, ids) {
                 if row.node("name").is_some() && rows.iter().any(|other| other.name == named.name) {
-                    let text =
-                        format!("another macro of {title} has the name \"{}\"; names tell them apart", named.name);
+                    let text = format!("another macro of {title} has the name \"{}\"; names must differ", named.name);
                     row.error("name", text);
                 }
                 let firing: Vec<I> = named.matches.iter().filter_map(of).collect();
@@ -239,7 +238,7 @@ impl Compiler<'_, '_> {
             return (Condition { present, absent, steps: Vec::new() }, matched.into_iter().filter(wanted).collect());
         };
         if !(matched.is_empty() && present.is_empty() && absent.is_empty()) {
-            row.error("condition", "`condition` stands instead of `match`, `present` and `absent`");
+            row.error("condition", "`condition` replaces `match`, `present` and `absent`; remove one or the other");
         }
         let place = row.place_of("condition").clone();
         let steps = condition::parse(text, |name| self.item(name, &place));

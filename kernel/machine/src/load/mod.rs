@@ -42,6 +42,7 @@ mod time;
 mod tool;
 mod values;
 mod variables;
+mod waits;
 mod word;
 
 #[cfg(test)]
@@ -68,6 +69,7 @@ pub fn load(files: &dyn Files, folder: &str) -> Loaded {
     let check = Check::default();
     let machine = chain::read(files, folder, &check).map(|mut merged| {
         questionnaire::expand(&mut merged.table, &check);
+        waits::expand(&mut merged.table);
         build::machine(&merged, files, &check)
     });
     let findings = check.into_findings();

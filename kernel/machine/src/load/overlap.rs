@@ -65,14 +65,14 @@ fn text_of(row: &CodeRow) -> Option<&str> {
 
 /// Warns about codes of the machine's own that nothing handles.
 pub(super) fn check_custom(codes: &[CodeRow], names: &Table<CodeId, Name>, macros: Option<&Macros>, check: &Check) {
-    let mut told = Vec::new();
+    let mut reported = Vec::new();
     for row in codes.iter().filter(|row| row.enable && row.process) {
         if code_facts(row.id).is_some() {
             continue;
         }
         let name = &names[row.id];
-        if !told.contains(&row.id) && macros.is_none_or(|macros| macros.of_code(row.id).is_empty()) {
-            told.push(row.id);
+        if !reported.contains(&row.id) && macros.is_none_or(|macros| macros.of_code(row.id).is_empty()) {
+            reported.push(row.id);
             let text = format!(
                 "{name} is a code of your own and no macro takes it: each use is an error (2900002); a row of \
                  [[macros.code]], or `process = false` to swallow it, is expected"

@@ -14,7 +14,7 @@ pub(super) fn read(top: &mut Section<'_>) -> Pump {
     pump.pressures = section.numbers("pressures", 1..=10).unwrap_or_default();
     for pressure in &pump.pressures {
         if *pressure < 0.0 || pump.max_pressure > 0.0 && *pressure > pump.max_pressure {
-            section.error("pressures", format!("the pressure {pressure} is not in 0 to `max_pressure`"));
+            section.error("pressures", format!("the pressure {pressure} is not between 0 and `max_pressure`"));
         }
     }
     section.finish();

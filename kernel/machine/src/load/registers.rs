@@ -45,7 +45,7 @@ fn read_row(mut row: Section<'_>, known: &[Register], check: &Check) -> Option<R
     let after = special_text(&mut row, "after").unwrap_or_default();
     let same = |other: &&Register| Some(&other.before) == before.as_ref() && other.after == after;
     if let Some(other) = known.iter().find(same).filter(|other| Some(&other.name) != name.as_ref()) {
-        let around = "the same texts around its number, so that nobody can tell them apart";
+        let around = "the same texts around its number, so that words of both look the same";
         row.error("before", format!("register {} has {around}", other.name));
     }
     let second = second.as_deref().map(characters);

@@ -31,7 +31,7 @@ pub(super) fn read(top: &mut Section<'_>, files: &dyn Files) -> Vec<StoredFile> 
     for path in files.list() {
         let Some(inside) = path.strip_prefix(&prefix).filter(|inside| !inside.is_empty()) else { continue };
         if stored.iter().any(|other| other.path.eq_ignore_ascii_case(inside)) {
-            top.error("files", format!("{inside} is there twice, but for letter case"));
+            top.error("files", format!("{inside} is there twice; letter case does not distinguish files"));
             continue;
         }
         match files.read(&path) {

@@ -4,7 +4,7 @@
 //! channel-synchronisation.md 1.3.
 
 use crate::ident::codes;
-use crate::model::{AlarmScope, Channel, PathsForm, Sync, SyncDialect};
+use crate::model::{AlarmScope, Channel, PathsForm, Sync, SyncDialect, WaitRow};
 use crate::rows::CodeRow;
 use crate::toml::check::Check;
 use crate::toml::section::Section;
@@ -16,13 +16,19 @@ const LONGEST: f64 = 86_400.0;
 const POLL_NS: i64 = 1_000_000;
 
 /// Reads the section.
-pub(super) fn read(top: &mut Section<'_>, channels: &[Channel], rows: &[CodeRow], check: &Check) -> Sync {
+pub(super) fn read(
+    top: &mut Section<'_>,
+    channels: &[Channel],
+    (rows, waits): (&[CodeRow], Vec<WaitRow>),
+    check: &Check,
+) -> Sync {
     let mut sync = Sync {
         dialect: SyncDialect::None,
         paths: PathsForm::List,
         alarm_scope: AlarmScope::Own,
         release_ns: 0,
         poll_ns: POLL_NS,
+        waits,
     };
     let Some(mut section) = top.table("sync", "[sync]") else { return sync };
     let dialects = [("none", SyncDialect::None), ("fanuc", SyncDialect::Fanuc)];
@@ -37,7 +43,7 @@ pub(super) fn read(top: &mut Section<'_>, channels: &[Channel], rows: &[CodeRow]
         section.error("poll", "`poll` must be at least 1e-9 s: a polling loop must take time");
     }
     check_form(&section, sync.paths, channels);
-    check_words(&section, sync.dialect, channels, rows, check);
+    check_words(&section, &sync, channels, rows, check);
     section.finish();
     sync
 }
@@ -68,15 +74,16 @@ fn check_form(section: &Section<'_>, form: PathsForm, channels: &[Channel]) {
     }
 }
 
-fn check_words(section: &Section<'_>, dialect: SyncDialect, channels: &[Channel], rows: &[CodeRow], check: &Check) {
+fn check_words(section: &Section<'_>, sync: &Sync, channels: &[Channel], rows: &[CodeRow], check: &Check) {
     let marks =
         [codes::SYNC_REG, codes::SYNC_REG_MAIN, codes::SYNC_REG_SIDE, codes::SYNC_REG_START, codes::SYNC_REG_STOP];
-    let words = rows.iter().any(|row| marks.contains(&row.id) && row.enable);
-    if dialect == SyncDialect::Fanuc && !words && channels.len() > 1 {
+    let own = |row: &CodeRow| sync.waits.iter().any(|wait| wait.form == row.form);
+    let words = rows.iter().any(|row| marks.contains(&row.id) && row.enable && !own(row));
+    if sync.dialect == SyncDialect::Fanuc && !words && sync.waits.is_empty() && channels.len() > 1 {
         let text = "the channels of this machine cannot meet: no row of [[codes]] has CODE_SYNC_REG";
         check.warning(section.place_of("dialect"), text);
     }
-    if dialect == SyncDialect::None && words {
+    if sync.dialect == SyncDialect::None && words {
         let text = "CODE_SYNC_REG has a word, but `dialect` is \"none\": the word will do nothing";
         check.warning(section.place_of("dialect"), text);
     }

@@ -27,7 +27,7 @@ pub(super) fn read(top: &mut Section<'_>) -> Vec<TapeRule> {
             }
         }
         if let Err(fault) = Pattern::new(&find) {
-            row.error("find", format!("\"{}\" is no expression: {}", find.escape_debug(), fault.message));
+            row.error("find", format!("\"{}\" is not a valid expression: {}", find.escape_debug(), fault.message));
         }
         rules.push(TapeRule { find, replace, on, line: row.place().line, file: row.place().file.to_string() });
         row.finish();

@@ -79,5 +79,5 @@ fn value(word: &str, digits: &str) -> Result<f64, Wrong> {
 }
 
 fn form(word: &str, why: &str) -> Wrong {
-    Wrong::Form(format!("\"{}\" is no code word: {why}", word.escape_debug()))
+    Wrong::Form(format!("\"{}\" is not a code word: {why}", word.escape_debug()))
 }

@@ -42,11 +42,11 @@ impl Environment for MachineEnvironment<'_> {
     }
 
     fn code(&self, name: &str) -> Option<u32> {
-        identifiers::code(name).or_else(|| own(self.codes, name))
+        identifiers::code(name).or_else(|| own(self.codes.as_slice(), name))
     }
 
     fn register(&self, name: &str) -> Option<u32> {
-        identifiers::register(name).or_else(|| own(self.data, name))
+        identifiers::register(name).or_else(|| own(self.data.as_slice(), name))
     }
 
     fn identifiers(&self) -> Vec<String> {

@@ -129,7 +129,7 @@ pub enum MainReturn {
 }
 
 /// Channel synchronisation.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Sync {
     /// Dialect of the meeting codes.
     pub dialect: SyncDialect,
@@ -141,6 +141,8 @@ pub struct Sync {
     pub release_ns: i64,
     /// Tick of a polling loop, ns.
     pub poll_ns: i64,
+    /// Words and texts of `[[waits]]`.
+    pub waits: Vec<super::WaitRow>,
 }
 
 /// Dialect of the meeting codes.

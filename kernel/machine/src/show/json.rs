@@ -5,7 +5,7 @@
 use serde_json::{Value, json};
 
 use super::{Show, axis, register, sorted_codes, word, written};
-use crate::model::{Axis, Channel, Heights, Machine};
+use crate::model::{Axis, Channel, Heights, Machine, WaitRow};
 use crate::rows::{CodeForm, CodeRow, DataRow, NumberFormat, Register};
 
 /// The whole machine.
@@ -227,6 +227,19 @@ fn sync(machine: &Machine) -> Value {
         "alarm_scope": word(sync.alarm_scope),
         "release_ns": sync.release_ns,
         "poll_ns": sync.poll_ns,
+        "waits": sync.waits.iter().map(wait).collect::<Vec<_>>(),
+    })
+}
+
+fn wait(wait: &WaitRow) -> Value {
+    json!({
+        "word": wait.word,
+        "primitive": word(wait.primitive),
+        "act": word(wait.act),
+        "mark": wait.mark,
+        "need": wait.need,
+        "absent": if wait.absent_counts { "counts" } else { "missed" },
+        "mismatch": word(wait.mismatch),
     })
 }
 

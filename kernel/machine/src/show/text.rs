@@ -79,7 +79,7 @@ pub(super) fn word_call(machine: &Machine, call: &WordCall) -> String {
     let how = match call.how {
         CallHow::Macro => "as a macro",
         CallHow::Subprogram => "as a subprogram",
-        CallHow::Moves => "as a macro behind every move",
+        CallHow::Moves => "as a macro after every move",
         CallHow::Blocks => "as a macro on every block",
     };
     let value = call.variable.map_or_else(String::new, |variable| format!(", value in #{variable}"));

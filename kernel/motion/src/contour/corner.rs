@@ -1,6 +1,6 @@
 //! What happens between two pieces of a contour: the offsets cut each other inside, and are joined outside.
 //!
-//! Facts: reference control-emulator.md 6.6. Decisions: docs/emulation.md, "Cutter radius". Invariant: every way is
+//! Facts: reference control-emulator.md 6.6. Decisions: docs/emulation.md, "Cutter radius". *Invariant:* every way is
 //! finite; where the tool does not fit, the way goes beside the contour's points and says so.
 
 use super::element::{Element, NOISE, Spot, beside, cross, distance, dot, plus};
@@ -68,7 +68,7 @@ impl Offset {
             return self.inside(first, second, here, small);
         }
         let mut links = self.outside(first.to, first.end(), second);
-        // A straight piece goes on to where its offset is left.
+        // A straight piece continues to where its offset is left.
         let mut end = end;
         if let (None, Some(Link::Line(to))) = (&first.arc, links.first()) {
             end = *to;
@@ -114,11 +114,11 @@ impl Offset {
             return vec![Link::Round { to: start, center: corner, clockwise: self.side > 0.0 }];
         }
         let mut links = if cosine >= -1e-9 {
-            // Both offsets go on to where they meet.
+            // Both offsets continue to where they meet.
             let [a, b] = [end, start].map(|spot| plus(spot, corner, -1.0));
             vec![Link::Line(plus(corner, plus(a, b, 1.0), 1.0 / (1.0 + cosine)))]
         } else {
-            // A sharp corner is cut off: both go on by the radius.
+            // A sharp corner is cut off: both continue by the radius.
             vec![Link::Line(plus(end, before, self.radius)), Link::Line(plus(start, after, -self.radius))]
         };
         if next.arc.is_some() {

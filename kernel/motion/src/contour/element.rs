@@ -1,7 +1,7 @@
 //! A piece of the contour in its plane, and what its offset is.
 //!
 //! Coordinates are those of the plane, as geometry (radii). The side is +1 for a tool left of the way, −1 right.
-//! Invariant: an element has a length.
+//! *Invariant:* an element has a length.
 
 use std::f64::consts::TAU;
 

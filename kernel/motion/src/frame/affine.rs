@@ -1,11 +1,11 @@
 //! Maps of space that keep straight lines straight.
 //!
 //! Coordinates are X, Y, Z as geometry (radii). Angles are degrees; their sines come from `libm` and are exact at
-//! multiples of 90, so that every machine gives the same bits. Invariant: an inverse that exists is finite.
+//! multiples of 90, so that every machine gives the same bits. *Invariant:* an inverse that exists is finite.
 
 use nalgebra::{Matrix3, Vector3};
 
-/// Three coordinates, as everything outside of frames has them.
+/// Three coordinates, as everything outside frames has them.
 pub type Point = [f64; 3];
 
 /// A linear part and a shift. *Invariant:* a coordinate of a result is the sum by columns from the left, the shift last, so that

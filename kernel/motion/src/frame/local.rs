@@ -2,7 +2,7 @@
 //!
 //! Each kind has a part of its own; from the program to the work frame they act in the order scale, mirror, rotation,
 //! translation. Additive parts act before all of them, the newest first: each is given in the frame that was active
-//! when it came. Invariant: the map has a way back and moves no axis that the channel does not have. Facts: reference
+//! when it came. *Invariant:* the map has a way back and moves no axis that the channel does not have. Facts: reference
 //! control-emulator.md 6.7.
 
 use super::affine::{Affine, Point};
@@ -70,7 +70,7 @@ pub struct Local {
     parts: [Option<Given>; 4],
     /// Additive parts, oldest first.
     added: Vec<(Part, Given)>,
-    /// A frame that a macro has given, outside of all.
+    /// A frame that a macro has given, outside all.
     given: Option<Affine>,
     /// Switched off by a macro: the parts are kept.
     off: bool,
@@ -136,7 +136,7 @@ impl Local {
         added.chain(own).find_map(|given| given.center)
     }
 
-    /// A point of the work frame as the part of a kind sees it: what lies outside of that part is taken off.
+    /// A point of the work frame as the part of a kind sees it: what lies outside that part is taken off.
     pub fn inside_of(&self, part: Part, point: Point) -> Option<Point> {
         let outer = self.composed(part as usize + 1);
         outer.inverse().map(|back| back.point(point))

@@ -109,8 +109,14 @@ fn every_field_counts() {
     let verdict = Verdict { kind: VerdictKind::Cycle, at_ns: 1, text: "t".into(), members: vec![member.clone()] };
     let wait =
         Wait { key: "M101".into(), primitive: Primitive::Barrier, participants: [1, 2].into(), mark: "101".into() };
-    let release =
-        Release { key: "M101".into(), primitive: Primitive::Barrier, since_ns: 5, meeting: 1, mark: "101".into() };
+    let release = Release {
+        key: "M101".into(),
+        primitive: Primitive::Barrier,
+        since_ns: 5,
+        meeting: 1,
+        mark: "101".into(),
+        by: 1,
+    };
     let motions = [
         motion(),
         Motion { kind: MotionKind::Thread, ..motion() },

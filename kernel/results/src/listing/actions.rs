@@ -1,6 +1,6 @@
-//! Actions as a trace tells them, read off the events.
+//! Actions in the words of the trace, read off the events.
 //!
-//! Layout and words: reference listing-and-trace.md 4.3. Invariant: `rapid` and `feed` are told when they change, and
+//! Layout and words: reference listing-and-trace.md 4.3. Invariant: `rapid` and `feed` are written when they change, and
 //! only axes that are coded or move are named.
 
 use counterpoint_lang::format::wildcard_text;
@@ -9,7 +9,7 @@ use crate::geometry::Loop;
 use counterpoint_event::event::{Direction, Event, FeedUnit, Kind, Motion, MotionKind, Spindle};
 use counterpoint_event::info::Axis;
 
-/// What was told last.
+/// What was written last.
 #[derive(Debug, Default)]
 pub(super) struct Actions {
     rate: Option<(FeedUnit, u64, bool)>,
@@ -28,16 +28,16 @@ impl Actions {
         }
     }
 
-    /// What a spindle does; its limit alone when nothing else is new, its speed when it stands before and after.
+    /// What a spindle does; its limit alone when nothing else is new, its speed when it is stopped before and after.
     fn spindle(&mut self, now: &Spindle) -> String {
-        let standing =
+        let stopped =
             Spindle { direction: Direction::Off, css: false, speed: 0.0, limit: f64::INFINITY, angle: 0.0, ..*now };
         let known = self.spindles.iter_mut().find(|known| known.spindle == now.spindle);
         let before = match known {
             Some(known) => std::mem::replace(known, *now),
             None => {
                 self.spindles.push(*now);
-                standing
+                stopped
             }
         };
         let same = |a: &Spindle, b: &Spindle| {
@@ -47,8 +47,8 @@ impl Actions {
         if !now.css && now.limit.is_finite() && now.limit != before.limit && same(&before, now) {
             return numbered(now, (format!("spindle max={}", wildcard_text(now.limit)), true));
         }
-        let stands = now.direction == Direction::Off && before.direction == Direction::Off;
-        if stands && (now.css, now.speed) != (before.css, before.speed) {
+        let stopped = now.direction == Direction::Off && before.direction == Direction::Off;
+        if stopped && (now.css, now.speed) != (before.css, before.speed) {
             return match now.css {
                 true => turning(&Spindle { direction: Direction::Clockwise, ..*now }),
                 false => numbered(now, (format!("spindle rpm={}", wildcard_text(now.speed)), true)),

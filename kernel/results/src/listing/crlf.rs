@@ -1,6 +1,6 @@
 //! Line ends of CR and LF for those who want them.
 //!
-//! Facts: reference listing-and-trace.md 1 (LF, with a switch). Invariant: nothing but line ends changes.
+//! Facts: reference listing-and-trace.md 1 (LF, with a switch). *Invariant:* nothing but line ends changes.
 
 use std::io::{Result, Write};
 

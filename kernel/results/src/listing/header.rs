@@ -1,6 +1,6 @@
 //! The identification header.
 //!
-//! Layout: reference listing-and-trace.md 2; what a job does not have leaves its line out. Invariant: nothing in it
+//! Layout: reference listing-and-trace.md 2; what a job does not have leaves its line out. *Invariant:* nothing in it
 //! depends on when or where the job ran.
 
 use std::io::{Result, Write};

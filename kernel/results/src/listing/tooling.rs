@@ -1,6 +1,6 @@
 //! The two tooling tables.
 //!
-//! Layout: reference listing-and-trace.md 7.1, rows as the summary has them. Invariant: time counts for the tool in use
+//! Layout: reference listing-and-trace.md 7.1, rows as the summary has them. *Invariant:* time counts for the tool in use
 //! when it passes; a tool change counts for the new tool.
 
 use std::io::{Result, Write};
@@ -56,7 +56,7 @@ impl Tooling {
         Self { tools: FxHashMap::default(), current: 0, spindle: None, end_ns }
     }
 
-    /// Any event of the channel that is no motion.
+    /// Takes any event of the channel except motions.
     pub(super) fn event(&mut self, event: &Event) {
         match &event.kind {
             Kind::Tool(ToolChange { action: ToolAction::Select, .. }) => {}

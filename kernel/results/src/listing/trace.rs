@@ -1,7 +1,7 @@
 //! Blocks and the lines of a trace, in order.
 //!
-//! Layout: reference listing-and-trace.md 3 and 4. Invariant: blocks of files stored with the machine are shown only
-//! with the letter Z; without it their actions stand alone.
+//! Layout: reference listing-and-trace.md 3 and 4. *Invariant:* blocks of files stored with the machine are shown only
+//! with the letter Z; without it only their actions are shown.
 
 use std::io::{Result, Write};
 

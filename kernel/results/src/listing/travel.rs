@@ -1,6 +1,6 @@
 //! The three travel tables: feed motions, rapid motions, both.
 //!
-//! Layout: reference listing-and-trace.md 7.3. Invariant: positions are those of the machine base frame, in axis
+//! Layout: reference listing-and-trace.md 7.3. *Invariant:* positions are those of the machine base frame, in axis
 //! units (diameters on a diameter axis), arcs with their extremes.
 
 use std::io::{Result, Write};

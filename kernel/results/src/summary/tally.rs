@@ -1,6 +1,6 @@
 //! The times of one channel.
 //!
-//! Invariant: what is counted adds up to where the channel ends; only its last event can be cut by a stop.
+//! *Invariant:* what is counted adds up to where the channel ends; only its last event can be cut by a stop.
 
 use super::ChannelState;
 use counterpoint_event::event::Work;
@@ -51,7 +51,7 @@ impl Tally {
         if let Some(state) = terminal(phase) {
             self.end = Some((state, t_ns));
         } else if let Some((_, before)) = self.end.take_if(|_| phase == Phase::ProgramStart) {
-            // Started again: it stood idle in between.
+            // Started again: the time in between was idle.
             self.add(Work::Wait, t_ns.saturating_sub(before));
         }
     }
@@ -61,7 +61,7 @@ impl Tally {
         self.end.is_some_and(|(state, _)| state != ChannelState::NotStarted)
     }
 
-    /// Its program came to an end or stands on an alarm.
+    /// Its program has ended or is stopped by an alarm.
     pub fn ended(&self) -> bool {
         matches!(self.end, Some((ChannelState::Ended | ChannelState::Alarmed, _)))
     }
@@ -71,7 +71,7 @@ impl Tally {
         self.begun && matches!(state, ChannelState::Alarmed | ChannelState::Blocked | ChannelState::Stopped)
     }
 
-    /// How the channel ended when the log ends at `end_ns`; `since_ns`: it stands at a wait since then.
+    /// How the channel ended when the log ends at `end_ns`; `since_ns`: it waits since then.
     pub fn close(&mut self, since_ns: Option<i64>, end_ns: i64, cancelled: bool) -> (ChannelState, i64) {
         let (state, end_ns) = match (self.end, since_ns) {
             (Some((ChannelState::Blocked, _)), Some(since)) => return (ChannelState::Blocked, since),

@@ -1,6 +1,6 @@
 //! The bars of one channel.
 //!
-//! Invariant: never more than twice [`MOST`] bars in memory, [`MOST`] at the end; less when the memory of the job has no
+//! *Invariant:* never more than twice [`MOST`] bars in memory, [`MOST`] at the end; less when the memory of the job has no
 //! room for them. Beyond that the shortest neighbours
 //! become one bar, of the kind that took the largest part of it.
 
@@ -122,7 +122,7 @@ impl Bars {
 
     fn thin(&mut self) {
         while self.bars.len() > self.most {
-            // Some of them are enough to tell what is short, and are done with in a moment: others wait meanwhile.
+            // A sample shows what is short, and is quickly done: other kernels wait meanwhile.
             let step = self.bars.len().div_ceil(SAMPLES);
             let mut durations: Vec<i64> = self.bars.iter().step_by(step).map(|b| b.dur_ns).collect();
             let middle = durations.len() / 2;

@@ -1,6 +1,6 @@
 //! The timeline as a picture: a row for each channel with its tools above, the time below, lines where channels met.
 //!
-//! Invariant: the size of the picture depends on its width in pixels, not on the length of the log.
+//! *Invariant:* the size of the picture depends on its width in pixels, not on the length of the log.
 
 mod rows;
 mod scale;
@@ -58,7 +58,7 @@ pub(super) fn draw(timeline: &Timeline) -> String {
         r##"<rect width="6" height="6" fill="#edf0f3"/><rect width="2" height="6" fill="#a9b4bf"/></pattern></defs>"##,
         "\n"
     ));
-    // Room for what has no end, and for the word behind a channel that did not end well.
+    // Room for bars without an end, and for the word after a channel that did not end well.
     let open_ended = timeline
         .channels
         .iter()

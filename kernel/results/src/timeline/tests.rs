@@ -108,7 +108,7 @@ fn a_job_without_time_is_still_a_picture() {
     assert!(timeline(&lathe(&["x"]), &[]).svg().contains("cycle time 0.000 s"));
 }
 
-/// `x` and width of the marks of meetings.
+/// `x` and width of the marks of sync points.
 fn marks(svg: &str) -> Vec<(f64, f64, String)> {
     let of = |rect: &str, key: &str| rect.split(key).nth(1).and_then(|r| r.split('"').next()).unwrap().parse().unwrap();
     let all = svg.split("<rect ").skip(1).filter(|rect| rect.contains("rx=\"3\""));

@@ -1,6 +1,6 @@
 //! The path of one channel in memory: a flat list of moves.
 //!
-//! Invariant: at most [`MOST`] moves, and no more than the memory of the job has room for. A longer path is thinned: moves of one kind shorter than a tolerance, which grows
+//! *Invariant:* at most [`MOST`] moves, and no more than the memory of the job has room for. A longer path is thinned: moves of one kind shorter than a tolerance, which grows
 //! up to a five-hundredth of the path's extent, become one; what then still does not fit is left out.
 
 use counterpoint_event::event::FileId;
@@ -14,7 +14,7 @@ const COARSEST: f64 = 500.0;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[repr(u32)]
 pub enum Stroke {
-    /// No move: the path begins anew here.
+    /// No move: the path begins again here.
     Start,
     /// Positioning.
     Rapid,

@@ -1,7 +1,7 @@
 //! The toolpath as a picture: one view for lathes, two for mills.
 //!
 //! The frame fits the cutting moves; rapids beyond it are cut at its border. Every tool has a colour, and every line
-//! says on hover which block it comes from. Invariant: aspect is preserved, all views of a picture have one scale, and
+//! says on hover which block it comes from. *Invariant:* aspect is preserved, all views of a picture have one scale, and
 //! of a long path only lines that change the picture are drawn, in a bounded number of pieces.
 
 mod canvas;

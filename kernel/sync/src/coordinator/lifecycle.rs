@@ -3,24 +3,24 @@
 use super::{ABORT, Coordinator};
 use crate::merge::Message;
 use crate::order::Order;
-use crate::waits::{Finish, Terminal};
+use crate::wait::{Finish, Terminal};
 
 impl Coordinator {
     /// A channel that never runs.
-    pub fn never_started(&self, rank: u16) {
+    pub fn never_started(&self, channel: u16) {
         let mut inner = self.lock();
-        inner.order.waits.finish(rank, Finish { how: Terminal::NeverStarted, file: 0, line: 0 });
-        inner.order.done(rank);
+        inner.order.waits.finish(channel, Finish { how: Terminal::NeverStarted, file: 0, line: 0 });
+        inner.order.done(channel);
         self.apply(&mut inner);
-        inner.send(Message::Done(rank));
+        inner.send(Message::Done(channel));
     }
 
     /// The kernel is finished, and all its events are sent. `last` is done before: its end may concern others.
-    pub fn done(&self, rank: u16, last: impl FnOnce(&mut Order)) {
+    pub fn done(&self, channel: u16, last: impl FnOnce(&mut Order)) {
         let mut inner = self.lock();
-        inner.send(Message::Done(rank));
+        inner.send(Message::Done(channel));
         last(&mut inner.order);
-        inner.order.done(rank);
+        inner.order.done(channel);
         if self.limited {
             self.release_permit(&mut inner);
         }

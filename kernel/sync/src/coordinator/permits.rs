@@ -2,7 +2,7 @@
 //!
 //! Invariant: a free permit goes to the waiting kernel that is furthest behind in simulated time.
 
-use super::primitives::atomic::Ordering::SeqCst;
+use super::locks::atomic::Ordering::SeqCst;
 
 use super::switch::Switch;
 use super::{Coordinator, Guard, Inner};
@@ -14,37 +14,37 @@ impl Coordinator {
     }
 
     /// Gives the permit to the kernel that is furthest behind, if that is not this one.
-    pub fn yield_permit(&self, rank: u16) {
+    pub fn yield_permit(&self, channel: u16) {
         let mut inner = self.lock();
-        let own = self.bound(rank);
+        let own = self.bound(channel);
         if inner.queue.iter().any(|&(bound, _)| bound < own) {
             self.release_permit(&mut inner);
-            drop(self.acquire_permit(rank, inner));
+            drop(self.acquire_permit(channel, inner));
         }
     }
 
     /// Takes the first permit of a kernel.
-    pub fn begin(&self, rank: u16) {
+    pub fn begin(&self, channel: u16) {
         let inner = self.lock();
-        drop(self.acquire_permit(rank, inner));
+        drop(self.acquire_permit(channel, inner));
     }
 
     pub(super) fn release_permit(&self, inner: &mut Inner) {
         inner.permits += 1;
-        if let Some(&(_, rank)) = inner.queue.iter().min() {
-            self.signal(rank);
+        if let Some(&(_, channel)) = inner.queue.iter().min() {
+            self.signal(channel);
         }
     }
 
-    pub(super) fn acquire_permit<'a>(&'a self, rank: u16, mut inner: Guard<'a>) -> Guard<'a> {
+    pub(super) fn acquire_permit<'a>(&'a self, channel: u16, mut inner: Guard<'a>) -> Guard<'a> {
         if !self.limited {
             return inner;
         }
-        let own = (self.bound(rank), rank);
+        let own = (self.bound(channel), channel);
         inner.queue.push(own);
         self.waiting_permits.fetch_add(1, SeqCst);
         while inner.permits == 0 || inner.queue.iter().min() != Some(&own) {
-            inner = self.sleep(rank, inner, Switch::Thread);
+            inner = self.sleep(channel, inner, Switch::Thread);
         }
         inner.permits -= 1;
         inner.queue.retain(|entry| *entry != own);

@@ -7,12 +7,14 @@ use std::sync::Arc;
 use super::Coordinator;
 use super::switch::{Port, Switch};
 use super::turn::Met;
+use crate::channels::Channels;
 use crate::order::Wake;
-use crate::ranks::Ranks;
+use crate::order::arrive::After;
 use crate::shared::Shared;
 use crate::tag::Tag;
-use crate::waits::{Arrival, Finish, Set, Spec, Style, Terminal, Waiting, Waits};
-use counterpoint_event::event::Primitive;
+use crate::testing::{Deed, info, wait, waits};
+use crate::wait::{Finish, Terminal, Waiting};
+use counterpoint_event::event::Primitive::{self, Barrier, Count, Flag, Join, Lease, Signal};
 
 /// Schedules that are tried for each test.
 const SCHEDULES: usize = 1_000;
@@ -25,27 +27,29 @@ enum Op {
     /// An operation on shared state.
     Act,
     /// A wait of all kernels.
-    Meet,
+    At(Primitive, u32),
+    /// Something done for others.
+    Do(Deed, u32),
     /// A wait for the merger.
     Away,
     /// The end of the job.
     Stop,
 }
 
-use Op::{Act, Away, Meet, Run, Stop};
+use Deed::{Free, Send, Set};
+use Op::{Act, At, Away, Do, Run, Stop};
 
 /// Runs a kernel; its operations go into the list of variables, in their order.
-fn kernel(core: &Coordinator, rank: u16, kernels: u16, script: &[Op]) {
+fn kernel(core: &Coordinator, channel: u16, kernels: u16, script: &[Op]) {
     let port = Port::new(core, Switch::Thread);
-    let parts: Set = (1..=kernels).collect();
     let (mut t, mut micro) = (0, 0);
-    core.begin(rank);
+    core.begin(channel);
     'script: for op in script {
-        let tag = Tag { t, micro, rank };
+        let tag = Tag { t, micro, channel };
         match op {
             Run(time) => {
                 (t, micro) = (t + time, 0);
-                if !core.publish(rank, t) {
+                if !core.publish(channel, t) {
                     break;
                 }
             }
@@ -53,7 +57,7 @@ fn kernel(core: &Coordinator, rank: u16, kernels: u16, script: &[Op]) {
             Act => match port.enter(tag, &mut (), |()| ()) {
                 Ok(mut turn) => {
                     let key = turn.shared.variables.len() as u32;
-                    turn.shared.variables.insert(key, t as f64 * 100.0 + f64::from(micro * 10 + u32::from(rank)));
+                    turn.shared.variables.insert(key, t as f64 * 100.0 + f64::from(micro * 10 + u32::from(channel)));
                     micro += 1;
                 }
                 Err(_) => break,
@@ -64,32 +68,31 @@ fn kernel(core: &Coordinator, rank: u16, kernels: u16, script: &[Op]) {
                 }
                 break;
             }
-            Meet => {
-                let spec = Spec {
-                    primitive: Primitive::Barrier,
-                    letter: 'M',
-                    number: 1,
-                    named: parts,
-                    parts,
-                    style: Style::Listed,
-                };
-                let waiting = Waiting { spec, tag, file: 0, line: 0 };
-                let mut wake = match port.meet(waiting.clone(), &mut (), |()| (), |(), _| false) {
+            Do(deed, number) => match port.enter(tag, &mut (), |()| ()) {
+                Ok(mut turn) => {
+                    assert_eq!(turn.act(tag, deed.act(*number, kernels)), Ok(()));
+                    micro += 1;
+                }
+                Err(_) => break,
+            },
+            At(primitive, number) => {
+                let waiting = Waiting { wait: wait(*primitive, *number, kernels), tag, file: 0, line: 0 };
+                let mut wake = match port.meet(waiting, &mut (), |()| (), |(), _| false) {
                     Met::Woken(wake) => wake,
-                    Met::Turn(mut turn) => match turn.waits.arrive(waiting) {
-                        Arrival::Released { channels, t, micro } => {
-                            let meeting = turn.release(channels, (t, micro), Some(rank));
-                            Wake::Released { tag: Tag { t, micro, rank }, meeting, all: true }
+                    Met::Turn(mut turn) => {
+                        let own = Finish { how: Terminal::Alarmed, file: 0, line: 0 };
+                        match turn.arrive(waiting, own, &info()).0 {
+                            After::Go { t, micro, sync_point } => {
+                                let tag = Tag { t, micro, channel };
+                                Wake::Released { tag, sync_point, by: channel, all: true }
+                            }
+                            After::Stand(_) => Wake::Turn,
+                            After::Alarm { .. } | After::Illegal { .. } => unreachable!("no wait is refused"),
                         }
-                        Arrival::Blocked => {
-                            turn.block(rank);
-                            Wake::Turn
-                        }
-                        Arrival::Mismatch { .. } => unreachable!("there is one code only"),
-                    },
+                    }
                 };
                 if wake == Wake::Turn {
-                    wake = port.wait(rank, &mut (), |()| ());
+                    wake = port.wait(channel, &mut (), |()| ());
                 }
                 match wake {
                     Wake::Released { tag, .. } => (t, micro) = (tag.t, tag.micro),
@@ -98,24 +101,23 @@ fn kernel(core: &Coordinator, rank: u16, kernels: u16, script: &[Op]) {
             }
         }
     }
-    let tag = Tag { t, micro, rank };
+    let tag = Tag { t, micro, channel };
     let finish = Finish { how: Terminal::Ended, file: 0, line: 0 };
     if let Ok(mut turn) = port.enter(tag, &mut (), |()| ()) {
-        turn.waits.finish(rank, finish);
+        turn.finish(tag, finish);
     }
-    core.done(rank, |_| ());
+    core.done(channel, |_| ());
 }
 
 /// The operations of a job, in their order.
 fn run(scripts: &'static [&'static [Op]], threads: usize) -> Vec<f64> {
-    let ranks = Ranks::new(1..=scripts.len() as u16);
-    let waits = Waits::new(ranks.clone(), 0);
-    let core = Arc::new(Coordinator::new(ranks, threads, Shared::default(), waits, None));
+    let channels = Channels::new(1..=scripts.len() as u16);
+    let core = Arc::new(Coordinator::new(channels, threads, Shared::default(), waits(scripts.len() as u16), None));
     let handles: Vec<_> = (1..)
         .zip(scripts)
-        .map(|(rank, script)| {
+        .map(|(channel, script)| {
             let core = Arc::clone(&core);
-            shuttle::thread::spawn(move || kernel(&core, rank, scripts.len() as u16, script))
+            shuttle::thread::spawn(move || kernel(&core, channel, scripts.len() as u16, script))
         })
         .collect();
     for handle in handles {
@@ -139,27 +141,81 @@ fn operations_of_two_kernels() {
 }
 
 #[test]
-fn meetings_of_two_kernels() {
+fn barriers_of_two_kernels() {
     tried(
-        &[&[Run(1), Meet, Act, Run(1), Meet, Act], &[Run(3), Meet, Run(2), Act, Meet, Act]],
+        &[
+            &[Run(1), At(Barrier, 1), Act, Run(1), At(Barrier, 1), Act],
+            &[Run(3), At(Barrier, 1), Run(2), Act, At(Barrier, 1), Act],
+        ],
         &[311.0, 502.0, 521.0, 522.0],
     );
 }
 
 #[test]
 fn a_partner_that_never_comes() {
-    tried(&[&[Act, Meet, Act], &[Run(1), Act, Run(1), Act]], &[1.0, 102.0, 202.0]);
+    tried(&[&[Act, At(Barrier, 1), Act], &[Run(1), Act, Run(1), Act]], &[1.0, 102.0, 202.0]);
 }
 
 #[test]
 fn a_stop_reaches_everybody() {
-    tried(&[&[Meet, Act], &[Run(1), Act, Run(1), Stop], &[Run(1), Act, Run(5), Act]], &[102.0, 103.0]);
+    tried(&[&[At(Barrier, 1), Act], &[Run(1), Act, Run(1), Stop], &[Run(1), Act, Run(5), Act]], &[102.0, 103.0]);
 }
 
 #[test]
 fn three_kernels_of_which_one_is_away() {
     tried(
-        &[&[Run(1), Away, Act, Meet, Act], &[Act, Run(2), Meet, Act], &[Away, Run(1), Act, Meet]],
+        &[
+            &[Run(1), Away, Act, At(Barrier, 1), Act],
+            &[Act, Run(2), At(Barrier, 1), Act],
+            &[Away, Run(1), Act, At(Barrier, 1)],
+        ],
         &[2.0, 101.0, 103.0, 211.0, 212.0],
+    );
+}
+
+#[test]
+fn flags_of_two_kernels() {
+    tried(
+        &[&[Run(1), At(Flag, 1), Act, Run(1), Do(Set, 2), Act], &[At(Flag, 1), Act, At(Flag, 2), Run(3), Act]],
+        &[111.0, 112.0, 211.0, 502.0],
+    );
+}
+
+#[test]
+fn order_numbers_of_two_kernels() {
+    let orders: &[&[Op]] = &[
+        &[Run(1), At(Primitive::Order, 1), Act, Run(1), At(Primitive::Order, 3), Act],
+        &[At(Primitive::Order, 2), Act, Run(2), At(Primitive::Order, 3), Act],
+    ];
+    tried(orders, &[111.0, 212.0, 411.0, 412.0]);
+}
+
+#[test]
+fn counts_of_three_kernels() {
+    tried(&[&[At(Count, 1), Act], &[Run(1), At(Count, 1), Act], &[Run(2), Act]], &[111.0, 112.0, 203.0]);
+}
+
+#[test]
+fn signals_of_two_kernels() {
+    tried(
+        &[&[At(Signal, 1), Act, At(Signal, 1), Act], &[Run(1), Do(Send, 1), Run(1), Do(Send, 1), Act]],
+        &[111.0, 211.0, 212.0],
+    );
+}
+
+#[test]
+fn a_join_of_two_kernels() {
+    tried(&[&[At(Join, 0), Act], &[Run(2), Act]], &[202.0, 221.0]);
+}
+
+#[test]
+fn a_lease_of_three_kernels() {
+    tried(
+        &[
+            &[At(Lease, 1), Run(2), Do(Free, 1), Act],
+            &[Run(1), At(Lease, 1), Act, Do(Free, 1)],
+            &[Run(1), At(Lease, 1), Act, Run(1), Do(Free, 1)],
+        ],
+        &[211.0, 212.0, 233.0],
     );
 }

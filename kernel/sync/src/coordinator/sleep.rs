@@ -4,8 +4,8 @@
 
 use std::time::{Duration, Instant};
 
-use super::primitives::atomic::Ordering::{Relaxed, SeqCst};
-use super::primitives::{PoisonError, spin_loop, yield_now};
+use super::locks::atomic::Ordering::{Relaxed, SeqCst};
+use super::locks::{PoisonError, spin_loop, yield_now};
 use super::switch::{Pause, Switch};
 use super::{Coordinator, Guard, Slot};
 
@@ -25,8 +25,8 @@ const CROWDED_WAITS: u32 = 256;
 const LOOK_EVERY: u32 = 64;
 
 impl Coordinator {
-    pub(super) fn signal(&self, rank: u16) {
-        if let Some(slot) = self.slot(rank) {
+    pub(super) fn signal(&self, channel: u16) {
+        if let Some(slot) = self.slot(channel) {
             slot.signal.fetch_add(1, SeqCst);
             if slot.asleep.swap(false, SeqCst) {
                 slot.condvar.notify_one();
@@ -35,8 +35,8 @@ impl Coordinator {
     }
 
     /// Sleeps until a signal, or runs other kernels meanwhile.
-    pub(super) fn sleep<'a>(&'a self, rank: u16, inner: Guard<'a>, switch: Switch<'_>) -> Guard<'a> {
-        let Some(slot) = self.slot(rank) else { return inner };
+    pub(super) fn sleep<'a>(&'a self, channel: u16, inner: Guard<'a>, switch: Switch<'_>) -> Guard<'a> {
+        let Some(slot) = self.slot(channel) else { return inner };
         slot.asleep.store(true, SeqCst);
         match switch {
             Switch::Thread => slot.condvar.wait(inner).unwrap_or_else(PoisonError::into_inner),
@@ -49,8 +49,8 @@ impl Coordinator {
     }
 
     /// The kernel waits for a signal that has not come yet.
-    pub fn sleeps(&self, rank: u16) -> bool {
-        self.slot(rank).is_some_and(|slot| slot.asleep.load(SeqCst))
+    pub fn sleeps(&self, channel: u16) -> bool {
+        self.slot(channel).is_some_and(|slot| slot.asleep.load(SeqCst))
     }
 
     /// Does the work that there is (`true`: with a look at how far the others are) and spins, until the signal comes or the

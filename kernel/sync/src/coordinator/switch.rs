@@ -11,7 +11,7 @@ use super::turn::{Met, Turn, Waiter};
 use super::{Coordinator, Stopped};
 use crate::order::Wake;
 use crate::tag::Tag;
-use crate::waits::Waiting;
+use crate::wait::Waiting;
 
 /// Why a kernel lets its thread run another one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -62,12 +62,12 @@ impl<'a> Port<'a> {
     /// # Errors
     /// [`Stopped`] when the job was stopped before this tag.
     pub fn enter<S>(self, tag: Tag, state: &mut S, flush: impl FnOnce(&mut S)) -> Result<Turn<'a>, Stopped> {
-        self.core.enter(tag, self.waiter(tag.rank, state, flush, no_work::<S>))
+        self.core.enter(tag, self.waiter(tag.channel, state, flush, no_work::<S>))
     }
 
     /// Waits until another kernel resumes this one, which is blocked.
-    pub fn wait<S>(self, rank: u16, state: &mut S, flush: impl FnOnce(&mut S)) -> Wake {
-        self.core.wait(self.waiter(rank, state, flush, no_work::<S>))
+    pub fn wait<S>(self, channel: u16, state: &mut S, flush: impl FnOnce(&mut S)) -> Wake {
+        self.core.wait(self.waiter(channel, state, flush, no_work::<S>))
     }
 
     /// Arrives at a wait. `flush` sends the events so far, if nobody comes soon; `work` is done for a moment while this
@@ -79,17 +79,17 @@ impl<'a> Port<'a> {
         flush: impl FnOnce(&mut S),
         work: impl Fn(&mut S, bool) -> bool,
     ) -> Met<'a> {
-        let rank = waiting.tag.rank;
-        self.core.meet(waiting, self.waiter(rank, state, flush, work))
+        let channel = waiting.tag.channel;
+        self.core.meet(waiting, self.waiter(channel, state, flush, work))
     }
 
-    fn waiter<S, F, W>(self, rank: u16, state: S, flush: F, work: W) -> Waiter<'a, S, F, W> {
-        Waiter { rank, switch: self.switch, state, flush, work }
+    fn waiter<S, F, W>(self, channel: u16, state: S, flush: F, work: W) -> Waiter<'a, S, F, W> {
+        Waiter { channel, switch: self.switch, state, flush, work }
     }
 
     /// Lets all other kernels come up to `tag`, if this one is free to wait.
     pub fn catch_up(self, tag: Tag) {
-        if self.core.is_free(tag.rank) {
+        if self.core.is_free(tag.channel) {
             let _ = self.enter(tag, &mut (), |()| ());
         }
     }

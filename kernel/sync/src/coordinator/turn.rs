@@ -5,17 +5,17 @@
 
 use std::ops::{Deref, DerefMut};
 
-use super::primitives::atomic::Ordering::SeqCst;
+use super::locks::atomic::Ordering::SeqCst;
 use super::switch::Switch;
 use super::{Coordinator, Guard, Stopped};
 use crate::order::{Order, Status, Wake};
 use crate::tag::Tag;
-use crate::waits::Waiting;
+use crate::wait::Waiting;
 
 /// The order while a kernel has its turn, which ends when this is dropped.
 pub struct Turn<'a> {
     coordinator: &'a Coordinator,
-    rank: u16,
+    channel: u16,
     inner: Guard<'a>,
 }
 
@@ -35,7 +35,7 @@ impl DerefMut for Turn<'_> {
 
 impl Drop for Turn<'_> {
     fn drop(&mut self) {
-        self.inner.order.leave(self.rank);
+        self.inner.order.leave(self.channel);
         self.coordinator.settle(&mut self.inner);
     }
 }
@@ -50,7 +50,7 @@ pub enum Met<'a> {
 
 /// A kernel that waits.
 pub(super) struct Waiter<'s, S, F, W> {
-    pub(super) rank: u16,
+    pub(super) channel: u16,
     pub(super) switch: Switch<'s>,
     /// What the next two work on.
     pub(super) state: S,
@@ -74,7 +74,7 @@ impl Coordinator {
         inner.order.request(tag, None);
         self.settle(&mut inner);
         match self.wake(inner, waiter) {
-            (inner, Wake::Turn) => Ok(Turn { coordinator: self, rank: tag.rank, inner }),
+            (inner, Wake::Turn) => Ok(Turn { coordinator: self, channel: tag.channel, inner }),
             _ => Err(Stopped),
         }
     }
@@ -90,7 +90,7 @@ impl Coordinator {
         inner.order.request(tag, Some(waiting));
         self.settle(&mut inner);
         match self.wake(inner, waiter) {
-            (inner, Wake::Turn) => Met::Turn(Turn { coordinator: self, rank: tag.rank, inner }),
+            (inner, Wake::Turn) => Met::Turn(Turn { coordinator: self, channel: tag.channel, inner }),
             (_, wake) => Met::Woken(wake),
         }
     }
@@ -109,48 +109,48 @@ impl Coordinator {
         mut inner: Guard<'a>,
         waiter: Waiter<'_, &mut S, impl FnOnce(&mut S), impl Fn(&mut S, bool) -> bool>,
     ) -> (Guard<'a>, Wake) {
-        let Waiter { rank, switch, state, flush, work } = waiter;
-        if let Some(wake) = inner.order.take_wake(rank) {
+        let Waiter { channel, switch, state, flush, work } = waiter;
+        if let Some(wake) = inner.order.take_wake(channel) {
             return (inner, wake);
         }
         if self.spin > 0
-            && let Some(slot) = self.slot(rank)
+            && let Some(slot) = self.slot(channel)
         {
             let seen = slot.signal.load(SeqCst);
             drop(inner);
             self.spin_for_signal(slot, seen, |look| work(state, look));
             inner = self.lock();
-            if let Some(wake) = inner.order.take_wake(rank) {
+            if let Some(wake) = inner.order.take_wake(channel) {
                 return (inner, wake);
             }
         }
         drop(inner);
         flush(state);
         inner = self.lock();
-        let index = self.ranks.index(rank);
+        let index = self.channels.index(channel);
         let mut gave_permit = false;
         loop {
-            if let Some(wake) = inner.order.take_wake(rank) {
+            if let Some(wake) = inner.order.take_wake(channel) {
                 if let Some(flushed) = inner.flushed.get_mut(index) {
                     *flushed = false;
                 }
                 // A turn that waits for a permit holds back other turns only, and those who sleep have no permit.
                 if gave_permit {
-                    inner = self.acquire_permit(rank, inner);
+                    inner = self.acquire_permit(channel, inner);
                 }
                 return (inner, wake);
             }
             if let Some(flushed) = inner.flushed.get_mut(index)
                 && !std::mem::replace(flushed, true)
-                && inner.order.status(rank) == Status::Blocked
+                && inner.order.status(channel) == Status::Blocked
             {
-                self.stream_blocked(&mut inner, rank);
+                self.stream_blocked(&mut inner, channel);
             }
             if self.limited && !gave_permit {
                 gave_permit = true;
                 self.release_permit(&mut inner);
             }
-            inner = self.sleep(rank, inner, switch);
+            inner = self.sleep(channel, inner, switch);
         }
     }
 
@@ -159,7 +159,7 @@ impl Coordinator {
     /// merger move on. A kernel that is parked or blocked already keeps its place.
     pub(super) fn away<R>(&self, tag: Tag, wait: impl FnOnce() -> R) -> R {
         let mut inner = self.lock();
-        let running = inner.order.is_free(tag.rank);
+        let running = inner.order.is_free(tag.channel);
         if running {
             inner.order.away(tag);
         }
@@ -169,16 +169,16 @@ impl Coordinator {
         self.settle(&mut inner);
         drop(inner);
         let result = wait();
-        let mut inner = self.acquire_permit(tag.rank, self.lock());
+        let mut inner = self.acquire_permit(tag.channel, self.lock());
         if running {
-            inner.order.back(tag.rank);
+            inner.order.back(tag.channel);
             self.settle(&mut inner);
         }
         result
     }
 
     /// Whether the kernel executes blocks and no answer waits for it.
-    pub(super) fn is_free(&self, rank: u16) -> bool {
-        self.lock().order.is_free(rank)
+    pub(super) fn is_free(&self, channel: u16) -> bool {
+        self.lock().order.is_free(channel)
     }
 }

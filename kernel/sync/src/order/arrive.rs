@@ -6,7 +6,8 @@ use counterpoint_event::info::Info;
 use super::{Order, Wake};
 use crate::tag::Tag;
 use crate::verdict;
-use crate::waits::{Arrival, Finish, Set, Terminal, Waiting};
+use crate::wait::{Finish, Set, Terminal, Waiting};
+use crate::waits::Arrival;
 
 /// What the arrival means for the arriving kernel.
 pub enum After {
@@ -17,11 +18,16 @@ pub enum After {
         /// Its order at that time.
         micro: u32,
         /// Number of the sync point.
-        meeting: u64,
+        sync_point: u64,
     },
     /// It waits, with the verdict if no wait can end any more.
     Stand(Option<Verdict>),
-    /// The control refuses the wait.
+    /// The channel cannot arrive here, whatever the others do.
+    Illegal {
+        /// Why.
+        text: String,
+    },
+    /// The control refuses to pair the wait with another one.
     Alarm {
         /// Its text.
         text: String,
@@ -41,26 +47,30 @@ impl Order {
         Some(verdict::of(dead, t, &self.waits, info))
     }
 
-    /// Carries out the arrival of a channel at a wait.
-    pub fn arrive(&mut self, waiting: Waiting, own: Finish, info: &Info) -> After {
+    /// Carries out the arrival of a channel at a wait, with what the control warns of.
+    pub fn arrive(&mut self, waiting: Waiting, own: Finish, info: &Info) -> (After, Option<String>) {
         let tag = waiting.tag;
         let (file, line) = (waiting.file, waiting.line);
-        match self.waits.arrive(waiting) {
-            Arrival::Released { channels, t, micro } => {
-                let meeting = self.release(channels, (t, micro), Some(tag.rank));
-                After::Go { t, micro, meeting }
+        let arrived = self.waits.arrive(waiting);
+        let after = match arrived.arrival {
+            Arrival::Released(released) => {
+                let sync_point = self.release(released, Some(tag.channel));
+                After::Go { t: released.t, micro: released.micro, sync_point }
             }
             Arrival::Blocked => {
-                let verdict = if self.waits.hopeful(tag.rank) { None } else { self.judge(tag.t, info) };
-                self.block(tag.rank);
+                let verdict = if self.waits.hopeful(tag.channel) { None } else { self.judge(tag.t, info) };
+                self.block(tag.channel);
                 After::Stand(verdict)
             }
             Arrival::Mismatch { channels, members, text } => {
-                let own_place = Member { channel: tag.rank, file, line, waiting_for: Vec::new() };
+                let own_place = Member { channel: tag.channel, file, line, waiting_for: Vec::new() };
                 let members = members.into_iter().chain([own_place]).collect();
                 refuse(self, channels, members, text, (tag, own))
             }
-        }
+            Arrival::Illegal { text } => After::Illegal { text },
+        };
+        self.release_all(arrived.others);
+        (after, arrived.warning)
     }
 }
 
@@ -77,14 +87,13 @@ fn refuse(
         let own = member.channel;
         member.waiting_for = channels.iter().filter(|&c| c != own).collect();
     }
-    let text = format!("PS0160 waiting codes do not match: {text}");
-    for member in members.iter().filter(|m| m.channel != tag.rank) {
+    for member in members.iter().filter(|m| m.channel != tag.channel) {
         let finish = Finish { how: Terminal::Alarmed, file: member.file, line: member.line };
         order.waits.finish(member.channel, finish);
-        let tag = Tag { t: tag.t, micro: tag.micro + 1, rank: member.channel };
+        let tag = Tag { t: tag.t, micro: tag.micro + 1, channel: member.channel };
         order.resume(member.channel, Wake::Alarm { tag, text: text.clone() });
     }
-    order.waits.finish(tag.rank, own);
+    order.waits.finish(tag.channel, own);
     let first = !order.judged;
     order.judged = true;
     let verdict = Verdict { kind: VerdictKind::Mismatch, at_ns: tag.t, text: text.clone().into(), members };

@@ -7,9 +7,12 @@
 use std::collections::{BTreeSet, HashSet};
 use std::fmt::Write as _;
 
+use super::arrive::After;
 use super::*;
-use crate::waits::{Finish, Spec, Style, Terminal};
-use counterpoint_event::event::Primitive;
+use crate::testing::{Deed, info, wait, waits};
+use crate::wait::{Finish, Terminal};
+use counterpoint_event::event::Primitive::{self, Barrier, Count, Flag, Join, Lease, Signal};
+use counterpoint_event::event::Verdict;
 
 /// A step of a script.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -18,8 +21,10 @@ enum Op {
     Run(i64),
     /// An operation on shared state.
     Act,
-    /// A wait of all kernels with this code.
-    Meet(u32),
+    /// A wait of all kernels with this primitive and number.
+    At(Primitive, u32),
+    /// Something done for others, with this number.
+    Do(Deed, u32),
     /// A wait for the merger.
     Away,
     /// An alarm that stops the job.
@@ -28,7 +33,8 @@ enum Op {
     End,
 }
 
-use Op::{Act, Away, End, Meet, Run, Stop};
+use Deed::{Clear, Free, Send, Set};
+use Op::{Act, At, Away, Do, End, Run, Stop};
 
 /// What a kernel does next.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -74,12 +80,14 @@ struct World {
     locked: Option<Locked>,
     /// Operations as they were carried out.
     log: Vec<(Tag, Op)>,
+    /// The verdict, and when it was given.
+    verdict: Option<String>,
 }
 
 impl World {
     fn new(scripts: &[&[Op]]) -> Self {
-        let ranks = Ranks::new(1..=scripts.len() as u16);
-        let waits = Waits::new(ranks.clone(), 0);
+        let count = scripts.len() as u16;
+        let channels = Channels::new(1..=count);
         let player = |script: &&[Op]| Player {
             script: script.iter().rev().copied().collect(),
             next: Next::Script,
@@ -89,24 +97,22 @@ impl World {
             fate: "",
         };
         Self {
-            order: Order::new(ranks, Shared::default(), waits),
+            order: Order::new(channels, Shared::default(), waits(count)),
             players: scripts.iter().map(player).collect(),
             heard: vec![0; scripts.len()],
             locked: None,
             log: Vec::new(),
+            verdict: None,
         }
     }
 
     fn tag(&self, index: usize) -> Tag {
         let (t, micro) = self.players[index].clock;
-        Tag { t, micro, rank: index as u16 + 1 }
+        Tag { t, micro, channel: index as u16 + 1 }
     }
 
-    fn waiting(&self, index: usize, number: u32) -> Waiting {
-        let parts: Set = (1..=self.players.len() as u16).collect();
-        let spec =
-            Spec { primitive: Primitive::Barrier, letter: 'M', number, named: parts, parts, style: Style::Listed };
-        Waiting { spec, tag: self.tag(index), file: 0, line: 0 }
+    fn waiting(&self, index: usize, (primitive, number): (Primitive, u32)) -> Waiting {
+        Waiting { wait: wait(primitive, number, self.players.len() as u16), tag: self.tag(index), file: 0, line: 0 }
     }
 
     /// Steps that can be taken now.
@@ -166,8 +172,8 @@ impl World {
 
     fn apply(&mut self) {
         for effect in self.order.effects() {
-            if let Effect::Bound(rank, t) = effect {
-                let player = &mut self.players[usize::from(rank) - 1];
+            if let Effect::Bound(channel, t) = effect {
+                let player = &mut self.players[usize::from(channel) - 1];
                 if player.bound == BLOCKED {
                     player.need = i64::MAX;
                 }
@@ -177,7 +183,7 @@ impl World {
     }
 
     fn player_step(&mut self, index: usize) {
-        let (tag, rank) = (self.tag(index), index as u16 + 1);
+        let (tag, channel) = (self.tag(index), index as u16 + 1);
         let player = &mut self.players[index];
         match player.next {
             Next::Script => match player.script.pop().unwrap_or(End) {
@@ -193,7 +199,8 @@ impl World {
                 }
                 op => {
                     player.next = Next::Answer(op);
-                    let arriving = if let Meet(number) = op { Some(self.waiting(index, number)) } else { None };
+                    let arriving =
+                        if let At(what, number) = op { Some(self.waiting(index, (what, number))) } else { None };
                     self.order.request(tag, arriving);
                     self.settle();
                 }
@@ -207,12 +214,12 @@ impl World {
             }
             Next::Return => {
                 player.next = Next::Script;
-                self.order.back(rank);
+                self.order.back(channel);
                 self.settle();
             }
             Next::Answer(op) => {
                 player.next = Next::Script;
-                match self.order.take_wake(rank).unwrap() {
+                match self.order.take_wake(channel).unwrap() {
                     Wake::Turn => self.act(index, op),
                     Wake::Released { tag, .. } => self.players[index].clock = (tag.t, tag.micro),
                     Wake::Over => self.end(index, "over", None),
@@ -225,7 +232,7 @@ impl World {
     }
 
     fn act(&mut self, index: usize, op: Op) {
-        let (tag, rank) = (self.tag(index), index as u16 + 1);
+        let (tag, channel) = (self.tag(index), index as u16 + 1);
         self.log.push((tag, op));
         match op {
             Act => self.players[index].clock.1 += 1,
@@ -233,41 +240,54 @@ impl World {
                 self.order.stop(tag);
                 return self.end(index, "stopped", None);
             }
-            Meet(number) => match self.order.waits.arrive(self.waiting(index, number)) {
-                Arrival::Released { channels, t, micro } => {
-                    self.order.release(channels, (t, micro), Some(rank));
-                    self.players[index].clock = (t, micro);
-                }
-                Arrival::Blocked => {
-                    self.order.block(rank);
-                    self.players[index].next = Next::Answer(op);
-                }
-                Arrival::Mismatch { channels, .. } => {
-                    for other in channels.iter().filter(|&other| other != rank) {
-                        let at = Tag { t: tag.t, micro: tag.micro + 1, rank: other };
-                        self.order.resume(other, Wake::Alarm { tag: at, text: String::new() });
-                    }
+            Do(deed, number) => {
+                if self.order.act(tag, deed.act(number, self.players.len() as u16)).is_err() {
                     return self.end(index, "alarm", Some(Terminal::Alarmed));
                 }
-            },
+                self.players[index].clock.1 += 1;
+            }
+            At(what, number) => {
+                let own = Finish { how: Terminal::Alarmed, file: 0, line: 0 };
+                match self.order.arrive(self.waiting(index, (what, number)), own, &info()).0 {
+                    After::Go { t, micro, .. } => self.players[index].clock = (t, micro),
+                    After::Stand(verdict) => {
+                        self.players[index].next = Next::Answer(op);
+                        self.judged(verdict);
+                    }
+                    After::Alarm { verdict, .. } => {
+                        self.judged(verdict);
+                        return self.end(index, "alarm", None);
+                    }
+                    After::Illegal { .. } => return self.end(index, "alarm", Some(Terminal::Alarmed)),
+                }
+            }
             End => {
-                self.order.waits.finish(rank, Finish { how: Terminal::Ended, file: 0, line: 0 });
+                self.order.finish(tag, Finish { how: Terminal::Ended, file: 0, line: 0 });
+                let verdict = self.order.judge(tag.t, &info());
+                self.judged(verdict);
                 return self.end(index, "ended", None);
             }
             Run(_) | Away => {}
         }
-        self.order.leave(rank);
+        self.order.leave(channel);
         self.settle();
     }
 
     fn end(&mut self, index: usize, fate: &'static str, how: Option<Terminal>) {
-        let rank = index as u16 + 1;
+        let channel = index as u16 + 1;
         (self.players[index].next, self.players[index].fate) = (Next::Ended, fate);
         if let Some(how) = how {
-            self.order.waits.finish(rank, Finish { how, file: 0, line: 0 });
+            self.order.waits.finish(channel, Finish { how, file: 0, line: 0 });
         }
-        self.order.done(rank);
+        self.order.done(channel);
         self.settle();
+    }
+
+    fn judged(&mut self, verdict: Option<Verdict>) {
+        if let Some(verdict) = verdict {
+            assert!(self.verdict.is_none(), "one verdict is enough");
+            self.verdict = Some(format!("{:?} at {} {:?}", verdict.kind, verdict.at_ns, verdict.members));
+        }
     }
 
     /// What must not depend on the schedule. After a stop the others get as far as they get: only what is in the log counts.
@@ -279,6 +299,7 @@ impl World {
         for player in &self.players {
             let _ = writeln!(out, "{:?} {}", player.clock, player.fate);
         }
+        let _ = writeln!(out, "{:?}", self.verdict);
         out
     }
 }
@@ -322,9 +343,8 @@ fn one_outcome(scripts: &[&[Op]]) {
     assert_eq!(logs.len(), 1, "{scripts:?}\n{outcomes:#?}");
 }
 
-#[test]
-fn all_schedules_of_short_scripts_of_two_kernels() {
-    let steps = [Run(1), Act, Meet(1), Meet(2), Away, Stop];
+/// All pairs of scripts of two of these steps.
+fn pairs<const N: usize>(steps: [Op; N]) {
     let scripts: Vec<[Op; 2]> = steps.iter().flat_map(|&one| steps.map(|two| [one, two])).collect();
     for one in &scripts {
         for two in &scripts {
@@ -334,13 +354,69 @@ fn all_schedules_of_short_scripts_of_two_kernels() {
 }
 
 #[test]
+fn all_schedules_of_short_scripts_of_two_kernels() {
+    pairs([Run(1), Act, At(Barrier, 1), At(Barrier, 2), Away, Stop]);
+}
+
+#[test]
+fn all_schedules_with_flags() {
+    pairs([Run(1), At(Flag, 1), At(Flag, 2), Do(Set, 1), Do(Clear, 1)]);
+}
+
+#[test]
+fn all_schedules_with_order_numbers() {
+    pairs([Run(1), At(Primitive::Order, 1), At(Primitive::Order, 2), Away]);
+}
+
+#[test]
+fn all_schedules_with_counts() {
+    pairs([Run(1), At(Count, 1), At(Count, 2), Act]);
+}
+
+#[test]
+fn all_schedules_with_signals() {
+    pairs([Run(1), At(Signal, 1), Do(Send, 1), Act]);
+}
+
+#[test]
+fn all_schedules_with_joins() {
+    pairs([Run(1), At(Join, 0), Act, Away]);
+}
+
+#[test]
+fn all_schedules_with_leases() {
+    pairs([Run(1), At(Lease, 1), At(Lease, 2), Do(Free, 1)]);
+}
+
+#[test]
+fn all_schedules_of_primitives_beside_each_other() {
+    pairs([At(Barrier, 1), At(Flag, 1), At(Signal, 1), Do(Send, 1), At(Lease, 1)]);
+}
+
+#[test]
+fn all_schedules_of_primitives_of_three_kernels() {
+    for [one, two, three] in [
+        [&[At(Flag, 1), Act][..], &[Run(1), At(Flag, 1)][..], &[Run(1), Do(Set, 1), Run(1), Do(Set, 1)][..]],
+        [&[At(Flag, 1), At(Flag, 1)], &[Do(Set, 1), Run(1), Do(Clear, 1)], &[Run(1), At(Flag, 1)]],
+        [&[At(Primitive::Order, 1), Act], &[Run(1), At(Primitive::Order, 2)], &[Run(1), At(Primitive::Order, 1)]],
+        [&[At(Count, 1), Act], &[Run(1), At(Count, 1)], &[Run(1), At(Count, 1)]],
+        [&[At(Signal, 1), Act], &[Run(1), Do(Send, 1)], &[Do(Send, 1), Run(1)]],
+        [&[At(Join, 0), Act], &[Run(1)], &[Act, Run(2)]],
+        [&[At(Lease, 1), Run(1), Do(Free, 1)], &[At(Lease, 1), Act], &[Run(1), At(Lease, 1)]],
+        [&[At(Lease, 1), Run(1), At(Lease, 2)], &[At(Lease, 2), Run(1), At(Lease, 1)], &[At(Join, 0)]],
+    ] {
+        one_outcome(&[one, two, three]);
+    }
+}
+
+#[test]
 fn all_schedules_of_longer_scripts_of_two_kernels() {
     for [one, two] in [
-        [&[Run(1), Act, Run(2), Meet(1), Act][..], &[Run(2), Act, Run(1), Act, Meet(1)][..]],
-        [&[Run(3), Meet(1), Run(1), Meet(2)], &[Meet(1), Run(1), Away, Meet(2), Act]],
+        [&[Run(1), Act, Run(2), At(Barrier, 1), Act][..], &[Run(2), Act, Run(1), Act, At(Barrier, 1)][..]],
+        [&[Run(3), At(Barrier, 1), Run(1), At(Barrier, 2)], &[At(Barrier, 1), Run(1), Away, At(Barrier, 2), Act]],
         [&[Act, Run(1), Away, Act, Run(1), Act], &[Run(1), Act, Act, Run(1), Stop]],
-        [&[Meet(1), Meet(1), Act], &[Run(1), Meet(1), Run(1), Meet(1)]],
-        [&[Run(1), Meet(1), Act], &[Run(1), Act, Run(1)]],
+        [&[At(Barrier, 1), At(Barrier, 1), Act], &[Run(1), At(Barrier, 1), Run(1), At(Barrier, 1)]],
+        [&[Run(1), At(Barrier, 1), Act], &[Run(1), Act, Run(1)]],
     ] {
         one_outcome(&[one, two]);
     }
@@ -350,11 +426,11 @@ fn all_schedules_of_longer_scripts_of_two_kernels() {
 fn all_schedules_of_three_kernels() {
     for [one, two, three] in [
         [&[Run(1), Act][..], &[Run(1), Act][..], &[Act, Run(2)][..]],
-        [&[Meet(1), Act], &[Run(1), Meet(1)], &[Run(2), Meet(1)]],
-        [&[Meet(1)], &[Run(1), Meet(1)], &[Run(1)]],
-        [&[Meet(1)], &[Run(1), Meet(2)], &[Act, Run(1), Meet(1)]],
-        [&[Run(1), Stop], &[Meet(1)], &[Run(2), Act]],
-        [&[Away, Act], &[Run(1), Act], &[Meet(1)]],
+        [&[At(Barrier, 1), Act], &[Run(1), At(Barrier, 1)], &[Run(2), At(Barrier, 1)]],
+        [&[At(Barrier, 1)], &[Run(1), At(Barrier, 1)], &[Run(1)]],
+        [&[At(Barrier, 1)], &[Run(1), At(Barrier, 2)], &[Act, Run(1), At(Barrier, 1)]],
+        [&[Run(1), Stop], &[At(Barrier, 1)], &[Run(2), Act]],
+        [&[Away, Act], &[Run(1), Act], &[At(Barrier, 1)]],
     ] {
         one_outcome(&[one, two, three]);
     }

@@ -9,7 +9,7 @@ use bytes::Bytes;
 use redb::{Database, ReadTransaction, ReadableDatabase, ReadableTable, TableDefinition, WriteTransaction};
 
 use super::writer::Place;
-use super::{JOB, LOG, MACHINE, REQUEST, blob_refs, parse, retention, schema, storage};
+use super::{JOB, LOG, MACHINE, REQUEST, blob_refs, index, parse, retention, schema, storage, usage};
 use crate::ledger::record::Record;
 use crate::local::store::Store;
 use crate::machines::Definition;
@@ -41,7 +41,7 @@ pub(crate) struct Rows {
     pub(crate) requests: Vec<String>,
     /// Logs whose job is not there.
     pub(crate) logs: Vec<String>,
-    /// The counts of blobs, or the list of ended jobs, do not agree with the rows.
+    /// The counts of blobs, the lists of jobs or what tenants use do not agree with the rows.
     pub(crate) wrong_counts: bool,
 }
 
@@ -106,7 +106,10 @@ impl Checkup {
         }
         let ended = rows.jobs.iter().filter(|record| record.state.ended());
         let ended: BTreeSet<_> = ended.map(|record| (record.ended_ms, record.id.clone())).collect();
-        rows.wrong_counts = stored != counts || retention::listed(&txn)? != ended;
+        rows.wrong_counts = stored != counts
+            || retention::listed(&txn)? != ended
+            || index::listed(&txn)? != index::expected(rows.jobs.iter())
+            || !usage::agree(&txn, &rows.jobs)?;
         Ok(rows)
     }
 
@@ -142,6 +145,8 @@ impl Checkup {
         }
         blob_refs::count_all(&txn)?;
         retention::list_all(&txn, store)?;
+        index::list_all(&txn)?;
+        usage::count_all(&txn)?;
         txn.commit().map_err(storage)
     }
 }
@@ -178,6 +183,8 @@ pub(super) fn copy(from: &ReadTransaction, to: &Path, store: &Store) -> Result<(
     copy_table(from, &txn, LOG)?;
     copy_table(from, &txn, blob_refs::BLOB)?;
     copy_table(from, &txn, retention::ENDED)?;
+    copy_table(from, &txn, index::INDEX)?;
+    copy_table(from, &txn, usage::USAGE)?;
     txn.commit().map_err(storage)
 }
 

@@ -6,8 +6,11 @@
 mod blob_refs;
 pub(crate) mod checkup;
 mod file;
+mod index;
+mod machines;
 pub(crate) mod retention;
 mod schema;
+mod usage;
 mod writer;
 
 use std::sync::{Arc, Mutex, PoisonError, RwLock};
@@ -21,7 +24,7 @@ use uuid::Uuid;
 
 use super::store::Store;
 use crate::ledger::record::Record;
-use crate::ledger::{Accepted, Check, Ended, Keep, Ledger, Submitted, Then};
+use crate::ledger::{Accepted, Check, Ended, Keep, Ledger, Page, Query, Submitted, Then, Usage, time_of};
 use crate::machines::Definition;
 use crate::metrics::Metrics;
 use crate::reason::Refusal;
@@ -38,6 +41,7 @@ const LOG: TableDefinition<'_, &str, &[u8]> = TableDefinition::new("log");
 pub(crate) struct LocalLedger {
     store: Store,
     shared: Arc<Shared>,
+    epoch: u64,
     operations: RwLock<Option<mpsc::Sender<Operation>>>,
     writer: Mutex<Option<JoinHandle<()>>>,
 }
@@ -62,10 +66,10 @@ fn readable<T: serde::de::DeserializeOwned>(row: &str, bytes: &[u8]) -> Option<T
 }
 
 /// The next identity: ascending in the order of acceptance, also when the clock is set back.
-fn next_id(txn: &WriteTransaction) -> Result<String, Refusal> {
+fn next_id(txn: &WriteTransaction, now: Uuid) -> Result<String, Refusal> {
     let table = txn.open_table(JOB).map_err(storage)?;
     let last = table.last().map_err(storage)?.and_then(|(id, _)| Uuid::parse_str(id.value()).ok());
-    Ok(after(last, Uuid::now_v7()).to_string())
+    Ok(after(last, now).to_string())
 }
 
 /// `new`, or the smallest identity after `last` if `new` is not after it.
@@ -79,12 +83,17 @@ fn after(last: Option<Uuid>, new: Uuid) -> Uuid {
 fn put(txn: &WriteTransaction, record: &Record) -> Result<(), Refusal> {
     let bytes = serde_json::to_vec(record).map_err(storage)?;
     txn.open_table(JOB).map_err(storage)?.insert(record.id.as_str(), bytes.as_slice()).map_err(storage)?;
-    if record.state.ended() { retention::list(txn, record) } else { Ok(()) }
+    if !record.state.ended() {
+        return Ok(());
+    }
+    let before = retention::list(txn, record)?;
+    index::end(txn, record)?;
+    usage::ended(txn, record, before)
 }
 
 /// Removes an ended job with all that belongs to it; it may be gone already.
 fn take_out(txn: &WriteTransaction, id: &str, ended_ms: i64) -> Result<(), Refusal> {
-    retention::unlist(txn, id, ended_ms)?;
+    let bytes = retention::unlist(txn, id, ended_ms)?;
     let row = txn.open_table(JOB).map_err(storage)?.remove(id).map_err(storage)?.map(|row| row.value().to_vec());
     txn.open_table(LOG).map_err(storage)?.remove(id).map_err(storage)?;
     let Some(record) = row.and_then(|row| readable::<Record>(id, &row)) else { return Ok(()) };
@@ -92,6 +101,8 @@ fn take_out(txn: &WriteTransaction, id: &str, ended_ms: i64) -> Result<(), Refus
         .map_err(storage)?
         .remove(tenant::key(&record.tenant, &record.request_id).as_str())
         .map_err(storage)?;
+    index::remove(txn, &record)?;
+    usage::removed(txn, &record.tenant, bytes)?;
     blob_refs::subtract(txn, &blob_refs::of_job(&record))
 }
 
@@ -132,6 +143,7 @@ impl LocalLedger {
             Refusal::DataLoss(text) => Refusal::DataLoss(format!("{} {text}", store.ledger().display())),
             other => other,
         })?;
+        let epoch = schema::next_epoch(&txn)?;
         txn.commit().map_err(storage)?;
         if let Some(before) = before.filter(|before| *before < schema::SCHEMA) {
             tracing::info!(before, now = schema::SCHEMA, "the ledger has been brought to the schema of this version");
@@ -144,6 +156,7 @@ impl LocalLedger {
         Ok(Self {
             store: store.clone(),
             shared,
+            epoch,
             operations: RwLock::new(Some(operations)),
             writer: Mutex::new(Some(writer)),
         })
@@ -223,8 +236,10 @@ impl Ledger for LocalLedger {
                 return same(known, &record);
             }
             check(&record)?;
-            record.id = next_id(txn)?;
+            let now = Uuid::now_v7();
+            (record.id, record.submitted_ms) = (next_id(txn, now)?, time_of(now));
             put(txn, &record)?;
+            index::add(txn, &record)?;
             blob_refs::add(txn, &blob_refs::of_job(&record))?;
             requests.insert(request.as_str(), record.id.as_str()).map_err(storage)?;
             Ok(Submitted::New(Box::new(record)))
@@ -313,42 +328,28 @@ impl Ledger for LocalLedger {
         id.map_or(Ok(None), |id| self.job(&id))
     }
 
-    fn jobs(&self, after: &str, count: usize, wanted: &dyn Fn(&Record) -> bool) -> Result<Vec<Record>, Refusal> {
-        let table = self.snapshot()?.open_table(JOB).map_err(storage)?;
-        let mut found = Vec::new();
-        for row in
-            table.range::<&str>((std::ops::Bound::Excluded(after), std::ops::Bound::Unbounded)).map_err(storage)?
-        {
-            if found.len() >= count {
-                break;
-            }
-            let (id, row) = row.map_err(storage)?;
-            let Some(record) = readable::<Record>(id.value(), row.value()) else { continue };
-            if wanted(&record) {
-                found.push(record);
-            }
-        }
-        Ok(found)
+    fn jobs(&self, query: &Query) -> Result<Page, Refusal> {
+        index::page(&self.snapshot()?, query)
+    }
+
+    fn unfinished(&self) -> Result<Vec<Record>, Refusal> {
+        index::unfinished(&self.snapshot()?)
+    }
+
+    fn usage(&self, tenant: &str) -> Result<Usage, Refusal> {
+        usage::of(&self.snapshot()?, tenant)
+    }
+
+    fn epoch(&self) -> u64 {
+        self.epoch
     }
 
     async fn put_machine(&self, definition: Definition, check: Check<Definition>) -> Result<(), Refusal> {
-        self.write(move |txn| {
-            check(&definition)?;
-            let bytes = serde_json::to_vec(&definition).map_err(storage)?;
-            let name = tenant::key(&definition.tenant, &definition.name);
-            let pinned = format!("{name}@{}", definition.revision());
-            let mut table = txn.open_table(MACHINE).map_err(storage)?;
-            let before = table.get(name.as_str()).map_err(storage)?.and_then(|row| readable(&name, row.value()));
-            if !definition.trusted && before.is_some_and(|before: Definition| before.trusted) {
-                let text = format!("the machine '{}' was put by an administrator", definition.name);
-                return Err(Refusal::PermissionDenied(text));
-            }
-            table.insert(name.as_str(), bytes.as_slice()).map_err(storage)?;
-            let known = table.insert(pinned.as_str(), bytes.as_slice()).map_err(storage)?.is_some();
-            drop(table);
-            if known { Ok(()) } else { blob_refs::add(txn, &blob_refs::of_machine(&definition)) }
-        })
-        .await
+        self.write(move |txn| machines::put(txn, &definition, check)).await
+    }
+
+    async fn remove_machine(&self, tenant: String, name: String, trusted: bool) -> Result<bool, Refusal> {
+        self.write(move |txn| machines::remove(txn, &tenant, &name, trusted)).await
     }
 
     fn collect_blocking(
@@ -386,18 +387,7 @@ impl Ledger for LocalLedger {
     }
 
     fn machines(&self, tenant: &str) -> Result<Vec<Definition>, Refusal> {
-        let table = self.snapshot()?.open_table(MACHINE).map_err(storage)?;
-        let mut found = Vec::new();
-        for row in table.iter().map_err(storage)? {
-            let (name, bytes) = row.map_err(storage)?;
-            if name.value().contains('@')
-                || name.value().split_once('/').map_or(tenant::DEFAULT, |(of, _)| of) != tenant
-            {
-                continue;
-            }
-            found.extend(readable::<Definition>(name.value(), bytes.value()));
-        }
-        Ok(found)
+        machines::all(&self.snapshot()?, tenant)
     }
 
     fn serve_backups(&self) {
@@ -444,12 +434,15 @@ pub(crate) fn lost(store: &Store, what: &str) -> Refusal {
 }
 
 fn same(known: Record, asked: &Record) -> Result<Submitted, Refusal> {
-    if known.content == asked.content {
+    if known.asks_the_same(asked) {
         Ok(Submitted::Known(Box::new(known)))
     } else {
         Err(Refusal::RequestIdReused(asked.request_id.clone()))
     }
 }
+
+#[cfg(test)]
+mod model_tests;
 
 #[cfg(test)]
 mod tests {

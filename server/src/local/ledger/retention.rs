@@ -15,16 +15,19 @@ use crate::reason::Refusal;
 /// Time of the end and identity → bytes of log, files and results.
 pub(super) const ENDED: TableDefinition<'_, (i64, &str), u64> = TableDefinition::new("ended");
 
-/// Lists a job that has ended.
-pub(super) fn list(txn: &WriteTransaction, record: &Record) -> Result<(), Refusal> {
+/// Lists a job that has ended; gives the bytes that it was listed with before.
+pub(super) fn list(txn: &WriteTransaction, record: &Record) -> Result<Option<u64>, Refusal> {
     let mut table = txn.open_table(ENDED).map_err(storage)?;
-    table.insert((record.ended_ms, record.id.as_str()), record.runs.stored_bytes).map_err(storage)?;
-    Ok(())
+    let key = (record.ended_ms, record.id.as_str());
+    let before = table.insert(key, record.runs.stored_bytes).map_err(storage)?;
+    Ok(before.map(|bytes| bytes.value()))
 }
 
-/// Takes a job out of the list.
-pub(super) fn unlist(txn: &WriteTransaction, id: &str, ended_ms: i64) -> Result<(), Refusal> {
-    txn.open_table(ENDED).map_err(storage)?.remove((ended_ms, id)).map(drop).map_err(storage)
+/// Takes a job out of the list; gives its bytes.
+pub(super) fn unlist(txn: &WriteTransaction, id: &str, ended_ms: i64) -> Result<u64, Refusal> {
+    let mut table = txn.open_table(ENDED).map_err(storage)?;
+    let before = table.remove((ended_ms, id)).map_err(storage)?;
+    Ok(before.map_or(0, |bytes| bytes.value()))
 }
 
 /// All that are listed: time of the end and identity.

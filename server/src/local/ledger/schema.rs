@@ -5,7 +5,7 @@
 
 use redb::{ReadableTable, TableDefinition, WriteTransaction};
 
-use super::{JOB, LOG, MACHINE, REQUEST, blob_refs, retention, storage};
+use super::{JOB, LOG, MACHINE, REQUEST, blob_refs, index, retention, storage, usage};
 use crate::local::store::Store;
 use crate::reason::Refusal;
 
@@ -15,7 +15,7 @@ pub(super) const META: TableDefinition<'_, &str, u64> = TableDefinition::new("me
 type Step = fn(&WriteTransaction, &Store) -> Result<(), Refusal>;
 
 /// The steps: the first leads from form 1 to form 2, and so on.
-const STEPS: &[Step] = &[small_logs, blob_counts, ended_jobs, tenants];
+const STEPS: &[Step] = &[small_logs, blob_counts, ended_jobs, tenants, terms_and_usage];
 
 /// The form that this server writes.
 pub(super) const SCHEMA: u64 = 1 + STEPS.len() as u64;
@@ -58,4 +58,18 @@ fn ended_jobs(txn: &WriteTransaction, store: &Store) -> Result<(), Refusal> {
 /// 4 → 5: rows belong to tenants; earlier ones to the tenant `default`, which changes nothing in them.
 fn tenants(_txn: &WriteTransaction, _store: &Store) -> Result<(), Refusal> {
     Ok(())
+}
+
+/// 5 → 6: jobs are listed by state, machine and label, and what tenants use is counted.
+fn terms_and_usage(txn: &WriteTransaction, _store: &Store) -> Result<(), Refusal> {
+    index::list_all(txn)?;
+    usage::count_all(txn)
+}
+
+/// The number of this opening.
+pub(super) fn next_epoch(txn: &WriteTransaction) -> Result<u64, Refusal> {
+    let mut table = txn.open_table(META).map_err(storage)?;
+    let epoch = table.get("epoch").map_err(storage)?.map_or(0, |row| row.value()) + 1;
+    table.insert("epoch", epoch).map_err(storage)?;
+    Ok(epoch)
 }

@@ -2,7 +2,7 @@
 //!
 //! Facts: reference control-emulator.md 6.1 (arc rules): centre offsets are radii even on a diameter axis; a block
 //! with only a centre is a full circle. What a code does not tell (direction, centre, radius) is told by codes of its
-//! own. Invariant: a circle that cannot be made is diagnosed and its end reached straight. Decisions: docs/emulation.md,
+//! own. *Invariant:* a circle that cannot be made is diagnosed and its end reached straight. Decisions: docs/emulation.md,
 //! "Circles".
 
 mod define;
@@ -253,7 +253,7 @@ fn take_turns(act: &mut Act<'_, '_>, rises: bool) -> u16 {
     0
 }
 
-/// What the machine allows; the circle is made all the same.
+/// What the machine allows; the circle is made nevertheless.
 fn check_machine(act: &mut Act<'_, '_>, form: Form, made: &geometry::Arc, rises: bool) {
     check_radius(act, made.radius);
     let allowed = match act.env.machine.arcs.helix {
@@ -271,7 +271,7 @@ fn check_machine(act: &mut Act<'_, '_>, form: Form, made: &geometry::Arc, rises:
 fn check_radius(act: &mut Act<'_, '_>, radius: f64) {
     let most = act.env.machine.arcs.max_radius;
     if radius > most {
-        let text = format!("the radius {radius:.3} is above {most}, the largest, in '{}'", act.block_text());
+        let text = format!("the radius {radius:.3} is above the maximum {most} in '{}'", act.block_text());
         act.diagnose(&diag::ARC_RADIUS, text);
     }
 }

@@ -32,7 +32,8 @@ pub(crate) fn through(act: &mut Act<'_, '_>) -> Acted {
     }
     if act.polar().is_some() {
         let done = act.becomes(&diag::ARC_PLANE, STRAIGHT);
-        let text = format!("an arc in space is none under polar interpolation in '{}', {done}", act.block_text());
+        let text =
+            format!("an arc in space is not possible under polar interpolation in '{}', {done}", act.block_text());
         act.diagnose(&diag::ARC_PLANE, text);
         return act.feed_to(coded, target, feed, unit);
     }

@@ -85,13 +85,13 @@ pub(super) fn switched(act: &mut Act<'_, '_>, code: CodeId) -> Acted {
     Ok(())
 }
 
-/// Says that compensation changes nothing: the control would go on the contour as well, the part would be wrong.
+/// Says that compensation changes nothing: the control would continue the contour as well, the part would be wrong.
 fn no_radius(act: &mut Act<'_, '_>, number: u32) {
     let block = act.block_text();
     let text = if number == 0 {
-        format!("no offset number is in force for the compensation of '{block}', the tool goes on the contour")
+        format!("no offset number is active for the compensation of '{block}', the tool moves on the contour")
     } else {
-        format!("offset {number} has no radius for the compensation of '{block}', the tool goes on the contour")
+        format!("offset {number} has no radius for the compensation of '{block}', the tool moves on the contour")
     };
     act.diagnose(&diag::NO_RADIUS, text);
 }
@@ -107,7 +107,7 @@ fn compensated_plane(act: &Act<'_, '_>) -> Option<(CodeId, [usize; 2])> {
     Some((code, [axis(plane.first)?, axis(plane.second)?]))
 }
 
-/// Polar interpolation has been switched: another plane, in which compensation begins anew.
+/// Polar interpolation has been switched: another plane, in which compensation begins again.
 pub(super) fn plane_changed(act: &mut Act<'_, '_>) {
     let number = act.diameter_in_force().unwrap_or(0);
     let made = compensated_plane(act).map(|(code, axes)| (axes, act.nose_tip(number, code)));
@@ -118,7 +118,7 @@ pub(super) fn plane_changed(act: &mut Act<'_, '_>) {
     let text = match made {
         Some((axes, tip)) => {
             (cutter.axes, cutter.tip) = (axes, tip.map(|part| part * cutter.radius));
-            format!("compensation is active where '{}' changes the plane, it begins anew", act.block_text())
+            format!("'{}' changes the plane while compensation is active; compensation starts again", act.block_text())
         }
         None => {
             act.forget_cutter();
@@ -306,7 +306,7 @@ impl Act<'_, '_> {
             return halt;
         }
         if matches!(halt, Halt::End(_) | Halt::Alarm) {
-            // What was programmed before the alarm is carried out.
+            // What was programmed before the alarm is executed.
             self.clear_stop();
             let settled = self.flush_lookahead();
             self.forget_cutter();

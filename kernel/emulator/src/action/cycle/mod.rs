@@ -62,7 +62,7 @@ pub(super) fn cycle(act: &mut Act<'_, '_>, kind: HoleCycle, row: &CodeRow, code:
     holes(act, kind, &words)
 }
 
-/// The code that carries out the cycle that was defined before.
+/// The code that executes the cycle that was defined before.
 pub(super) fn on(act: &mut Act<'_, '_>, row: &CodeRow, code: &PendingCode) -> Acted {
     if code.modal && !has_position(act) {
         return Ok(());
@@ -118,7 +118,8 @@ pub(super) fn meets_motion(act: &mut Act<'_, '_>) -> Acted {
 }
 
 fn not_cancelled(act: &mut Act<'_, '_>) {
-    let text = format!("the cycle is still active in '{}', this control wants it cancelled before", act.block_text());
+    let text =
+        format!("the cycle is still active in '{}'; this control requires its cancellation first", act.block_text());
     act.diagnose(&diag::CYCLE_NOT_CANCELLED, text);
 }
 
@@ -176,7 +177,7 @@ fn heights(act: &mut Act<'_, '_>, kind: HoleCycle, words: &words::Words) -> Opti
     let bottom = state.heights.bottom.map(|height| height.from(base));
     let distance = act.env.machine.cycles.clearance == Heights::Incremental;
     if state.heights.clear.is_none() && !kind.bores_back() && !distance && act.env.machine.cycles.clearance_required {
-        let text = format!("a cycle needs its clearance height, '{}' starts where it stands", act.block_text());
+        let text = format!("a cycle needs its clearance height, '{}' starts at the current position", act.block_text());
         act.diagnose(&diag::DATA_MISSING, text);
     }
     if kind.bores_back() && bottom.is_none() {

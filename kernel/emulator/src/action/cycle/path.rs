@@ -1,6 +1,6 @@
 //! The moves of one hole.
 //!
-//! Invariant: every move goes through the motion actions, so events, limits, times and macros are theirs. Steps are
+//! *Invariant:* every move goes through the motion actions, so events, limits, times and macros are theirs. Steps are
 //! counted from the clearance height. Facts: reference control-emulator.md 6.4.
 
 use crate::act::Act;
@@ -95,7 +95,7 @@ impl Act<'_, '_> {
         let step = drill.cycle.pecks.first.filter(|step| *step > 0.0 && step.is_finite());
         let Some(step) = step.filter(|_| steps != Steps::None) else {
             if steps != Steps::None && self.env.machine.cycles.step_required {
-                let text = format!("a cycle needs its step in '{}', it is drilled in one go", self.block_text());
+                let text = format!("a cycle needs its step in '{}', it is drilled in one step", self.block_text());
                 self.diagnose(&diag::DATA_MISSING, text);
             }
             return self.plunge(drill, depth, 1.0);
@@ -123,7 +123,7 @@ impl Act<'_, '_> {
             step = if less > 0.0 { less } else { step };
         }
         let text = format!(
-            "the cycle of '{}' has more than {MOST_STEPS} steps, the rest is drilled in one go",
+            "the cycle of '{}' has more than {MOST_STEPS} steps, the rest is drilled in one step",
             self.block_text()
         );
         self.diagnose(&diag::CYCLE_STEPS, text);

@@ -2,7 +2,7 @@
 //!
 //! Facts: the moves are those of the emulated system's cycle for several webs. Decisions: the data of further webs are
 //! this project's own, since the annex names none; a distance above a web where feed begins is the way back of the
-//! cycle. Invariant: a web has a start and a depth, or it is left out and told.
+//! cycle. *Invariant:* a web has a start and a depth, or it is left out and told.
 
 use crate::act::Act;
 use crate::state::cycle::{Cycle, FURTHER_WEBS, Height};
@@ -27,7 +27,7 @@ pub(super) fn of_hole(act: &mut Act<'_, '_>, state: &Cycle, base: f64) -> [Optio
             [None, None] => None,
             _ => {
                 let block = act.block_text();
-                let text = format!("web {number} needs its start and its depth in '{block}', it is left out");
+                let text = format!("web {number} needs its start and its depth in '{block}', it is skipped");
                 act.diagnose(&diag::DATA_MISSING, text);
                 None
             }

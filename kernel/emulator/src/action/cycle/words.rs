@@ -1,6 +1,6 @@
 //! Data of a cycle, in the order in which it is taken: feed, depth, clearance, position, and what only some kinds have.
 //!
-//! Invariant: a kind takes what it uses; the rest stays on the block and is told. Facts: reference control-emulator.md
+//! *Invariant:* a kind takes what it uses; the rest stays on the block and is told. Facts: reference control-emulator.md
 //! 6.4 (feed, depth axis, clearance, position axes are documented by a trace).
 
 use crate::act::Act;
@@ -17,7 +17,7 @@ use counterpoint_program::block::Datum;
 /// Most holes of one block.
 const MOST_TIMES: f64 = 9999.0;
 
-/// Position of a block and how often the cycle is carried out.
+/// Position of a block and how often the cycle is executed.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Words {
     pub(super) target: Position,
@@ -63,7 +63,7 @@ pub(super) fn take(act: &mut Act<'_, '_>, kind: HoleCycle) -> (HoleCycle, Words)
     (kind, words)
 }
 
-/// Takes the position of a block that carries out the cycle defined before.
+/// Takes the position of a block that executes the cycle defined before.
 pub(super) fn take_position(act: &mut Act<'_, '_>) -> Words {
     take_feed(act);
     let mut words = position(act);
@@ -208,7 +208,7 @@ fn tap_type(act: &mut Act<'_, '_>, kind: HoleCycle) -> HoleCycle {
     if let Some(datum) = act.take(data::CYCLE_TAP_TYPE) {
         if kind.tap(datum.value).is_none() {
             let text = format!(
-                "{} is no type of a tap in '{}': 0 floating, 1 rigid, 2 deep, 3 breaking chips",
+                "{} is not a valid tap type in '{}': 0 floating, 1 rigid, 2 peck, 3 chip breaking",
                 datum.value,
                 act.block_text()
             );
@@ -242,7 +242,7 @@ fn shifts(act: &mut Act<'_, '_>) {
     }
 }
 
-/// How often the cycle is carried out on this block; 0 only stores its values.
+/// How often the cycle is executed on this block; 0 only stores its values.
 fn times(act: &mut Act<'_, '_>) -> u32 {
     act.take(data::CYCLE_REPEAT).map_or(1, |datum| datum.value.clamp(0.0, MOST_TIMES) as u32)
 }

@@ -1,7 +1,7 @@
 //! Threads cut in one move: feed locked to the spindle.
 //!
 //! Facts: reference control-emulator.md 6.1 (lead = pitch · starts); the lead counts along the axis with the longer
-//! travel as on the real control, unless a word names its axis; cycles made of such moves are in `cycle`. Invariant: the time is integrated exactly, with leads
+//! travel as on the real control, unless a word names its axis; cycles made of such moves are in `cycle`. *Invariant:* the time is integrated exactly, with leads
 //! and speeds that change along the way. Decisions: docs/emulation.md, "Threads".
 
 pub(crate) mod cycle;
@@ -187,7 +187,7 @@ impl Act<'_, '_> {
         }
         let Some(turning) = self.spindle_speed()? else {
             let text =
-                format!("thread while the spindle stands in '{}', the move is timed as rapid", self.block_text());
+                format!("thread while the spindle is stopped in '{}', the move is timed as rapid", self.block_text());
             self.diagnose(&diag::SPINDLE_STANDS, text);
             return Ok(self.rapid_seconds(&from, target));
         };
@@ -203,7 +203,7 @@ impl Act<'_, '_> {
         }
         let steady = minutes(Lead { change: 0.0, ..lead }).unwrap_or(0.0) * 60.0;
         let text = format!(
-            "the lead falls to nothing before the end of the thread in '{}', the move is timed with its first lead",
+            "the lead reaches zero before the end of the thread in '{}', the move is timed with its initial lead",
             self.block_text()
         );
         self.diagnose(&diag::THREAD_LEAD, text);

@@ -2,7 +2,7 @@
 //!
 //! Facts: reference control-emulator.md 5.4. Decisions: G66 calls behind every block that moves, with the arguments of
 //! its own block; G66.1 calls with the words of every block, which does nothing else; inside a macro that was called
-//! with arguments nothing calls, unless it says so itself; subprograms called by M98 go on calling.
+//! with arguments nothing calls, unless it says so itself; subprograms called by M98 continue calling.
 
 use super::code_calls::By;
 use crate::channel::Kernel;

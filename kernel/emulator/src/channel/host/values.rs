@@ -27,7 +27,7 @@ impl Values for Kernel<'_> {
                 false
             }
         })?;
-        if over { Err(self.out_of_memory("variables that all channels share take most of it")) } else { Ok(()) }
+        if over { Err(self.out_of_memory("variables that all channels share use most of it")) } else { Ok(()) }
     }
 
     fn has_own_common(&self) -> bool {

@@ -1,6 +1,6 @@
 //! Variables of coolant: what flows, auxiliary devices, the pump.
 //!
-//! Invariant: what a macro sets makes no event. Facts: reference system-variables.md 6.
+//! *Invariant:* what a macro sets makes no event. Facts: reference system-variables.md 6.
 
 use counterpoint_lang::diag::Number;
 use counterpoint_lang::fault::{Fault, Outcome};
@@ -67,7 +67,7 @@ fn set_name(kernel: &mut Kernel<'_>, _: &[i64], value: &Value) -> Outcome<()> {
     let given = value.as_real().filter(|number| (5.0..=9.0).contains(number) && number.fract() == 0.0);
     match named.map(|(number, _)| number).or(given.map(|number| number as u8)) {
         Some(fluid) => set_fluid(kernel, fluid),
-        None => Err(Fault::new(Number::BAD_VALUE, "there is no coolant of this name")),
+        None => Err(Fault::new(Number::BAD_VALUE, "unknown coolant")),
     }
 }
 

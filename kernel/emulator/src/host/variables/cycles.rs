@@ -1,6 +1,6 @@
 //! Variables of canned cycles: `$CY…` and `$CRMODE`.
 //!
-//! Invariant: a value that is set before the first code of a cycle belongs to that cycle. Facts: reference
+//! *Invariant:* a value that is set before the first code of a cycle belongs to that cycle. Facts: reference
 //! system-variables.md 8.
 
 use counterpoint_lang::fault::Outcome;

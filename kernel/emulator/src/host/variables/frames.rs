@@ -67,7 +67,7 @@ fn changed(kernel: &mut Kernel<'_>, made: Result<(), Refused>) -> Outcome<()> {
     kernel.channel.frames_changed();
     made.map_err(|refused| {
         let why = match refused {
-            Refused::NoWayBack => "the frame leaves no way back to the program",
+            Refused::NoWayBack => "the frame has no inverse",
             Refused::MissingAxis => "the frame would move an axis that the channel does not have",
             Refused::TooMany => "the frame has too many parts",
         };
@@ -76,7 +76,7 @@ fn changed(kernel: &mut Kernel<'_>, made: Result<(), Refused>) -> Outcome<()> {
 }
 
 impl Kernel<'_> {
-    /// `$FMSLCS`: a frame of twelve numbers outside of the programmed one, none without them.
+    /// `$FMSLCS`: a frame of twelve numbers outside the programmed one, none without them.
     pub(in crate::host) fn give_frame(&mut self, arguments: &[Value]) -> Outcome<Value> {
         let given = match arguments.first() {
             None => None,

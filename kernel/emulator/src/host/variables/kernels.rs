@@ -1,7 +1,7 @@
 //! Which input file each kernel gets: `$MCEMCD`, `$MCEINP`, `$MFIKER`, the names of the files, `$MFINAM`, and
 //! the channels of the model that kernels and their files start on, `$MCECHN`, `$MFICHN`, `$VMCHN`.
 //!
-//! Invariant: there is one truth, the program of each kernel; an index of a file is another way to say it, so that the
+//! *Invariant:* there is one truth, the program of each kernel; an index of a file is another way to say it, so that the
 //! later assignment wins. Facts: reference system-variables.md 17.
 
 use counterpoint_lang::diag::Number;
@@ -71,7 +71,7 @@ fn set_program(kernel: &mut Kernel<'_>, at: i64, program: &str) -> Outcome<()> {
 fn whole(value: &Value, what: &str) -> Outcome<i64> {
     match value.as_real().filter(|n| n.fract() == 0.0 && (0.0..=65_535.0).contains(n)) {
         Some(number) => Ok(number as i64),
-        None => Err(Fault::new(Number::OUT_OF_RANGE, format!("there is no {what} of this number"))),
+        None => Err(Fault::new(Number::OUT_OF_RANGE, format!("no {what} with this number"))),
     }
 }
 
@@ -79,7 +79,7 @@ fn set_input(kernel: &mut Kernel<'_>, at: &[i64], value: &Value) -> Outcome<()> 
     let wanted = whole(value, "input file")?;
     let program = file(kernel, wanted).to_owned();
     if wanted > 0 && program.is_empty() {
-        return Err(Fault::new(Number::OUT_OF_RANGE, format!("there is no input file {wanted}")));
+        return Err(Fault::new(Number::OUT_OF_RANGE, format!("input file {wanted} not found")));
     }
     set_program(kernel, index(at), &program)
 }
@@ -88,7 +88,7 @@ fn set_kernel(kernel: &mut Kernel<'_>, at: &[i64], value: &Value) -> Outcome<()>
     let wanted = whole(value, "kernel")?;
     let own = file(kernel, index(at)).to_owned();
     if own.is_empty() || wanted > kernels(kernel) {
-        let text = format!("there is no kernel {wanted} or no input file {}", index(at));
+        let text = format!("kernel {wanted} or input file {} not found", index(at));
         return Err(Fault::new(Number::OUT_OF_RANGE, text));
     }
     match wanted {

@@ -1,6 +1,6 @@
 //! Variables of spindles.
 //!
-//! Invariant: what a macro sets counts from the next action on and makes no event. Facts: reference system-variables.md
+//! *Invariant:* what a macro sets counts from the next action on and makes no event. Facts: reference system-variables.md
 //! 6, 9.
 
 use counterpoint_lang::diag::Number;

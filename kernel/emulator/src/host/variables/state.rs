@@ -47,7 +47,7 @@ fn set_group(kernel: &mut Kernel<'_>, list: &[(CodeId, f64)], value: &Value) -> 
             kernel.activate_code(*code);
             Ok(())
         }
-        None => Err(Fault::new(Number::BAD_VALUE, "there is no mode of this number")),
+        None => Err(Fault::new(Number::BAD_VALUE, "unknown mode number")),
     }
 }
 

@@ -1,6 +1,6 @@
 //! Variables of threads and their cycles: `$PITCH`, `$E`, `$TH…`.
 //!
-//! Invariant: they are those of the last thread; what a macro sets counts for threads without the word. Depth, first step
+//! *Invariant:* they are those of the last thread; what a macro sets counts for threads without the word. Depth, first step
 //! and passes that a macro sets are those of one cycle. Facts: reference system-variables.md 8, 9.
 
 use counterpoint_lang::fault::Outcome;

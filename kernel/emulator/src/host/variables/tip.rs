@@ -17,7 +17,7 @@ fn switch(kernel: &mut Kernel<'_>, _: &[i64], value: &Value) -> Outcome<()> {
     if value.as_logical() != Some(true) {
         kernel.channel.end_tip();
     } else if kernel.channel.tip().is_none() && !kernel.channel.start_tip(false) {
-        return Err(Fault::new(Number::BAD_VALUE, "the axes of this channel cannot follow the tool tip"));
+        return Err(Fault::new(Number::BAD_VALUE, "the axes of this channel do not allow TCP"));
     }
     Ok(())
 }

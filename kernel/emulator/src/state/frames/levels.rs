@@ -1,6 +1,6 @@
 //! The level where a cycle began is a place of the machine, whatever happens to the frames while it is active.
 //!
-//! Invariant: without an active cycle nothing is done.
+//! *Invariant:* without an active cycle nothing is done.
 
 use crate::state::channel::Channel;
 use counterpoint_event::event::Position;

@@ -186,7 +186,7 @@ impl Channel<'_> {
         self.seen(&point)
     }
 
-    /// Carries out what changes the way from the work frame to the axes: they stay where they are, and the contour too.
+    /// Executes what changes the way from the work frame to the axes: they stay where they are, and the contour too.
     pub(crate) fn standing(&mut self, change: impl FnOnce(&mut Self)) {
         let machine = self.machine_point(&self.state.place.position);
         let contour = self.cutter().map(|cutter| cutter.contour).map(|contour| self.machine_point(&contour));

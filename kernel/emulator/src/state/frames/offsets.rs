@@ -1,7 +1,7 @@
 //! Offsets of the control while it runs: those of the machine definition, and what macros have set since.
 //!
 //! Values are by channel axis, as programmed. Base values are added whatever the number, of fixtures even when none is
-//! active. Invariant: an offset that nobody has set is that of the definition; one that does not exist is zero. Facts:
+//! active. *Invariant:* an offset that nobody has set is that of the definition; one that does not exist is zero. Facts:
 //! reference functions.md 12.
 
 use std::collections::BTreeMap;
@@ -93,7 +93,7 @@ impl Channel<'_> {
         position
     }
 
-    /// Stores an offset, which is not in force before the frame is made anew; `false` when there is no room for it or it
+    /// Stores an offset, which is not in force before the frame is made again; `false` when there is no room for it or it
     /// is out of all bounds.
     pub(crate) fn store_offset(&mut self, table: Table, number: u32, values: Position) -> bool {
         if values.iter().any(|value| value.is_nan() || value.abs() > BOUND) {

@@ -3,7 +3,7 @@
 //! The part has coordinates of its own, the first one along the linear axis when the interpolation begins, the second
 //! one across, both as geometry (radii). Positions stay those of the real axes; the program says coordinates
 //! (Cartesian), or radius and angle (polar), and moves are straight or round on the part. Facts: reference
-//! control-emulator.md 6.8. Invariant: the rotary axis never turns further than the move goes round the centre.
+//! control-emulator.md 6.8. *Invariant:* the rotary axis never turns further than the move goes round the centre.
 
 use super::{Frames, NOISE, clean};
 use crate::state::channel::Channel;

@@ -39,7 +39,7 @@ fn a_row_of_the_same_name_is_replaced_as_a_whole_and_in_its_place() {
          [[axes]]\nname = \"X1\"\nrapid = 5\n[[channels]]\nnumber = 1\nname = \"ONLY\"\naxes = [\"X1\"]",
     );
     assert_eq!(machine.codes.len(), 2);
-    assert!(!machine.codes.first().unwrap().enable);
+    assert!(!machine.codes.as_slice()[0].enable);
     assert_eq!(machine.registers.iter().map(|r| r.name.as_str()).collect::<Vec<_>>(), ["G", "M", "X", "P"]);
     assert_eq!(machine.axes[0].rapid, 5.0);
     assert_eq!(machine.channels[0].name, "ONLY");
@@ -73,7 +73,7 @@ fn identity_is_not_inherited() {
     assert_eq!(findings[0].text, "[ce] needs `name`: 1 to 32 characters");
     let family = load(&files, "base");
     assert!(family.machine.is_none());
-    let text = "base is a family (abstract = true): extend it, it is no machine by itself";
+    let text = "base is a family (abstract = true), not a machine; name a machine that extends it";
     assert_eq!(family.findings.iter().map(|f| f.text.as_str()).collect::<Vec<_>>(), [text]);
 }
 
@@ -159,7 +159,7 @@ fn custom_names_follow_the_built_in_ones() {
     assert_eq!((custom.order, custom.group, custom.process), (300, 0, true));
     let ignore = machine.codes.iter().find(|row| machine.code_name(row.id) == "CODE_IGNORE").unwrap();
     assert!(!ignore.process);
-    let data = machine.data.last().unwrap();
+    let data = machine.data.iter().last().unwrap();
     assert_eq!((machine.data_name(data.id), data.dimension), ("REG_CUSTOM_1", Dimension::Length));
     assert_eq!(machine.tables.data(data.id).len(), 1);
 }

@@ -44,7 +44,7 @@ fn words_texts_and_codes() {
     );
     assert_eq!(
         one("[[codes]]\nid = \"CODE_STOP\"\nword = \"M0\"\nwithout = [\"M\"]"),
-        "4:11: error: the row's own register is on every block that it could match: it never does"
+        "4:11: error: the row's own register is on every block that it could match: the row never matches"
     );
 }
 
@@ -83,8 +83,8 @@ fn macros_that_never_run_and_what_they_use() {
         (
             "[[macros.code]]\nmatch = [\"CODE_RAPID\"]\nfile = \"exec.mac\"",
             &[
-                "exec.mac:2:6: error: EXEC needs a value behind REG_AXIS_X: REG_AXIS_X,value",
-                "exec.mac:3:17: error: EXEC needs a value behind REG_AXIS_X: REG_AXIS_X,value",
+                "exec.mac:2:6: error: EXEC needs a value after REG_AXIS_X: REG_AXIS_X,value",
+                "exec.mac:3:17: error: EXEC needs a value after REG_AXIS_X: REG_AXIS_X,value",
             ],
         ),
         (

@@ -63,7 +63,7 @@ file = "none.toml"
         "there is already a dialog \"A\"",
         "a choice needs `choices`",
         "a field needs `variable`",
-        "there is no file m/none.toml",
+        "the file m/none.toml does not exist",
     ] {
         assert!(findings.iter().any(|f| f.contains(part)), "{part}: {findings:#?}");
     }

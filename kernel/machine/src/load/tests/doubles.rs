@@ -37,12 +37,12 @@ fn macros_have_names_of_their_own() {
     let (rapid, clw) = (row("code", "guard", "CODE_RAPID"), row("code", "guard", "CODE_SPINDLE_CLW"));
     assert_eq!(
         with_macro(&format!("{rapid}{clw}")),
-        ["6:8: error: another macro of [[macros.code]] has the name \"guard\"; names tell them apart"]
+        ["6:8: error: another macro of [[macros.code]] has the name \"guard\"; names must differ"]
     );
     let (one, two) = (row("data", "watch", "REG_AXIS_X"), row("data", "watch", "REG_AXIS_X"));
     assert_eq!(
         with_macro(&format!("{one}{two}")),
-        ["6:8: error: another macro of [[macros.data]] has the name \"watch\"; names tell them apart"]
+        ["6:8: error: another macro of [[macros.data]] has the name \"watch\"; names must differ"]
     );
     // A code macro and a data macro are in lists of their own, and names that nobody gave may be equal.
     assert_eq!(with_macro(&format!("{rapid}{}", row("data", "guard", "REG_AXIS_X"))), [""; 0]);
@@ -85,12 +85,12 @@ fn words_that_their_register_cannot_write() {
 #[test]
 fn parts_of_the_format_that_say_nothing() {
     let place =
-        "`rws` says nothing without `rws_at`, the place of the rewind-stop; \"start\" or \"optional\" is expected";
+        "`rws` has no effect without `rws_at`, the place of the rewind-stop; \"start\" or \"optional\" is expected";
     assert_eq!(after("[format]\nrws = \"%\""), [format!("2:7: warning: {place}")]);
     assert_eq!(after("[format]\nrws = \"%\"\nrws_at = \"none\""), [""; 0]);
     assert_eq!(
         after("[format]\nopskip = { default = 2 }"),
-        ["2:22: warning: `default` says nothing without `mark`, the mark of optional skip"]
+        ["2:22: warning: `default` has no effect without `mark`, the mark of optional skip"]
     );
 }
 
@@ -100,7 +100,7 @@ fn registers_that_look_alike() {
                  \"T=\"\nwhole = 4\n";
     assert_eq!(
         after(tools),
-        ["7:10: error: register TOOL has the same texts around its number, so that nobody can tell them apart",]
+        ["7:10: error: register TOOL has the same texts around its number, so that words of both look the same",]
     );
     assert_eq!(after(&tools.replace("\"T=\"\nwhole = 4\n[[", "\"T=\"\nafter = \"T\"\nwhole = 4\n[[")), [""; 0]);
 }
@@ -186,7 +186,7 @@ fn fields_of_dialogs() {
         ),
         (
             "kind = \"number\"\nvariable = \"A\"\nmin = 1.2\nmax = 1.8\nwhole = true",
-            &["8:9: error: no whole number is from 1.2 to 1.8"],
+            &["8:9: error: no whole number lies from 1.2 to 1.8"],
         ),
         (
             "kind = \"number\"\nvariable = \"A\"\nmin = 1\nmax = 3\ndefault = 4",
@@ -213,11 +213,11 @@ fn fields_of_dialogs() {
         ),
         (
             "kind = \"text\"\nvariable = \"A\"\nwhen = \"a\"",
-            &["6:8: error: A is the variable of this field, another one has to decide about it"],
+            &["6:8: error: A is the variable of this field; a different variable must decide about it"],
         ),
         (
             "kind = \"text\"\nvariable = \"A\"\n[[dialogs.fields]]\nkind = \"check\"\nvariable = \"a\"",
-            &["8:12: error: another field of this dialog sets a too, and only one value can stay"],
+            &["8:12: error: another field of this dialog sets a too, but only one of the values can be kept"],
         ),
     ] {
         assert_eq!(field(keys), expected, "{keys}");

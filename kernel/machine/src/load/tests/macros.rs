@@ -68,7 +68,7 @@ file = "own.mac"
         macros.codes.iter().map(|row| (row.id, row.name.as_str(), row.enabled, file(row.code))).collect();
     let (family, child) = ("family/own.mac".to_owned(), "child/own.mac".to_owned());
     assert_eq!(rows, [(9, "guard", false, child), (10, "watch", true, family)]);
-    assert_eq!(macros.data.first().unwrap().name, "REG_AXIS_X");
+    assert_eq!(macros.data.as_slice()[0].name, "REG_AXIS_X");
     let rapid = crate::ident::codes::RAPID;
     assert_eq!(places(macros.of_code(rapid)), [1]);
     assert_eq!(places(macros.of_code(crate::ident::codes::SPINDLE_CLW)), [0]);

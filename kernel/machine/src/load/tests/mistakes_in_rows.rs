@@ -102,7 +102,7 @@ word = "U1""#
 id = "CODE_STOP"
 word = "M""#
         ),
-        [r#"3:8: error: "M" is no code word: it must be a letter and a number (G54.1), or a range (G54-G59)"#]
+        [r#"3:8: error: "M" is not a code word: it must be a letter and a number (G54.1), or a range (G54-G59)"#]
     );
     assert_eq!(
         after(
@@ -110,7 +110,7 @@ word = "M""#
 id = "CODE_STOP"
 word = "M1.25""#
         ),
-        [r#"3:8: error: "M1.25" is no code word: a code number has at most one decimal"#]
+        [r#"3:8: error: "M1.25" is not a code word: a code number has at most one decimal"#]
     );
     assert_eq!(
         after(
@@ -118,7 +118,7 @@ word = "M1.25""#
 id = "CODE_STOP"
 word = "M1000.5""#
         ),
-        [r#"3:8: error: "M1000.5" is no code word: only code numbers below 1000 have a decimal"#]
+        [r#"3:8: error: "M1000.5" is not a code word: only code numbers below 1000 have a decimal"#]
     );
     assert_eq!(
         after(
@@ -126,7 +126,7 @@ word = "M1000.5""#
 id = "CODE_STOP"
 word = "M100000000""#
         ),
-        [r#"3:8: error: "M100000000" is no code word: a code number has at most eight digits"#]
+        [r#"3:8: error: "M100000000" is not a code word: a code number has at most eight digits"#]
     );
     assert_eq!(
         after(
@@ -134,7 +134,7 @@ word = "M100000000""#
 id = "CODE_STOP"
 word = "M5-M2""#
         ),
-        [r#"3:8: error: "M5-M2" is no code word: the range must run upwards"#]
+        [r#"3:8: error: "M5-M2" is not a code word: the range must run upwards"#]
     );
     assert_eq!(
         after(
@@ -142,7 +142,7 @@ word = "M5-M2""#
 id = "CODE_STOP"
 word = "M5-G6""#
         ),
-        [r#"3:8: error: "M5-G6" is no code word: both ends of a range must have the same letter"#]
+        [r#"3:8: error: "M5-G6" is not a code word: both ends of a range must have the same letter"#]
     );
     assert_eq!(
         after(
@@ -379,7 +379,7 @@ number = 2
 axes = ["X2"]
 spindle = 7"#
         ),
-        [r#"3:9: error: no axis has the name "X2"; did you mean "X1"?"#, "4:11: error: there is no spindle 7"]
+        [r#"3:9: error: no axis has the name "X2"; did you mean "X1"?"#, "4:11: error: no spindle has the number 7"]
     );
     assert_eq!(
         after(
@@ -424,7 +424,7 @@ fn mistakes_in_the_rest() {
         ),
         [
             "1:26: error: CODE_INTERP_LINEAR and CODE_RAPID are both of group 1; one can be active",
-            "1:48: error: CODE_STOP belongs to no modal group and cannot be active at program start",
+            "1:48: error: CODE_STOP has no modal group and cannot be active at program start",
             r#"1:61: error: unknown code identifier "CODE_RAPIDD"; did you mean "CODE_RAPID"?"#
         ]
     );

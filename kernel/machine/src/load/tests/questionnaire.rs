@@ -35,7 +35,7 @@ fn values_and_numbers_of_answers() {
     assert!(matches!(work.form, CodeForm::RegisterAsData { min: 54.0, max: 59.0, .. }));
     let data: Vec<&str> = machine.data.iter().map(|r| machine.data_name(r.id)).collect();
     assert_eq!(data, ["REG_AXIS_X", "REG_FEED_UPM", "REG_FEED_UPR", "REG_FEED_1T", "REG_DELAY"]);
-    assert_eq!(machine.data.get(4).unwrap().mul, 0.001);
+    assert_eq!(machine.data.as_slice()[4].mul, 0.001);
     assert_eq!(machine.initial, [ident::codes::RAPID]);
 }
 

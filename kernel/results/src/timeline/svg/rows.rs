@@ -143,7 +143,7 @@ fn many(out: &mut String, runs: &[Run], top: f64, scale: &Scale) {
     }
 }
 
-/// What is to be seen behind the last bar of a channel that did not end well.
+/// The word and mark after the last bar of a channel that did not end well.
 fn ending(out: &mut String, timeline: &Timeline, channel: &Channel, top: f64, scale: &Scale) {
     let (x, middle) = (scale.x(channel.end_ns), top + BAR / 2.0 + 4.5);
     match channel.state {

@@ -79,18 +79,18 @@ fn hint(timeline: &Timeline, point: &SyncPoint) -> String {
 /// Lines far enough from each other, from left to right.
 fn lines<'a>(timeline: &'a Timeline, scale: &Scale) -> Vec<Line<'a>> {
     let count = timeline.channels.len();
-    // By first and last row: where the last line stands.
-    let mut stands = vec![f64::NEG_INFINITY; count * count];
+    // By first and last row: the place of the last line.
+    let mut drawn = vec![f64::NEG_INFINITY; count * count];
     let mut lines: Vec<Line<'a>> = Vec::new();
     for point in timeline.waits.iter() {
         let Some(release) = point.release_ns else { continue };
         let rows = rows_of(timeline, point);
         let (x, Some(&first), Some(&last)) = (scale.x(release), rows.first(), rows.last()) else { continue };
-        let Some(stand) = stands.get_mut(first * count + last) else { continue };
-        if first == last || (x - *stand).abs() < NEAR {
+        let Some(latest) = drawn.get_mut(first * count + last) else { continue };
+        if first == last || (x - *latest).abs() < NEAR {
             continue;
         }
-        *stand = x;
+        *latest = x;
         lines.push(Line { x, rows, point });
     }
     lines.sort_by(|a, b| a.x.total_cmp(&b.x));

@@ -1,6 +1,6 @@
 //! What a pen has already painted, so that lines which would change nothing are not drawn again.
 //!
-//! Invariant: a line is left out only if every place of it is painted within half a pixel, or, for long ones, if the
+//! *Invariant:* a line is left out only if every place of it is painted within half a pixel, or, for long ones, if the
 //! same line has been drawn before.
 
 use rustc_hash::FxHashSet;

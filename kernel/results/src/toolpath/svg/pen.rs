@@ -181,7 +181,7 @@ impl Pen {
         self.way
     }
 
-    /// Gives what was drawn so far; moves go on after [`begin`](Self::begin).
+    /// Gives what was drawn so far; moves continue after [`begin`](Self::begin).
     pub(super) fn cut(&mut self) -> String {
         self.flush();
         (self.written, self.lining, self.way) = (None, false, 0.0);

@@ -1,7 +1,7 @@
 //! The moves of threading cycles.
 //!
 //! Facts: reference control-emulator.md 6.5: rapid to the depth, thread, chamfer (a thread between 30 and 60 degrees,
-//! straight feed otherwise), clear, rapid back. Invariant: every pass begins and ends where the cycle was called.
+//! straight feed otherwise), clear, rapid back. *Invariant:* every pass begins and ends where the cycle was called.
 
 use counterpoint_fault::Acted;
 use counterpoint_motion::thread::Lead;
@@ -40,7 +40,8 @@ impl Act<'_, '_> {
         let (passes, cut_short) = plan.passes();
         self.state.threads.cycle.made = (passes.len() as u32).saturating_sub(plan.finish_cuts);
         if cut_short {
-            let text = format!("the thread of '{}' has too many passes, the rest is cut in one", self.block_text());
+            let text =
+                format!("the thread of '{}' has too many passes, the rest is cut in one pass", self.block_text());
             self.diagnose(&diag::THREAD_PASSES, text);
         }
         let level = self.programmed().get(thread.axes[1]).copied().unwrap_or(0.0) * thread.scales[1];

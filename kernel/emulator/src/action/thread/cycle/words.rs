@@ -1,7 +1,7 @@
 //! Data of threading cycles.
 //!
-//! Invariant: a cycle takes what it uses, across the thread only what belongs to that axis; the rest stays on the block and
-//! is told. A value that makes no sense is diagnosed and passed over. Facts: reference control-emulator.md 6.5.
+//! *Invariant:* a cycle takes what it uses, across the thread only what belongs to that axis; the rest stays on the block and
+//! is told. A value that makes no sense is diagnosed and ignored. Facts: reference control-emulator.md 6.5.
 
 use super::{Thread, ThreadCycle};
 use crate::act::Act;
@@ -84,7 +84,7 @@ pub(super) fn settings(act: &mut Act<'_, '_>, kind: ThreadCycle) {
     chamfer(act);
 }
 
-/// Nose angle and in-feed.
+/// Nose angle and infeed.
 fn angles(act: &mut Act<'_, '_>) {
     if let Some(angle) = take_within(act, data::THREAD_MULTI_ANGLE, 0.0, 170.0) {
         act.state.threads.cycle.nose = angle;

@@ -5,13 +5,13 @@
 
 /// The channels of a job.
 #[derive(Debug, Clone, Default)]
-pub struct Ranks {
+pub struct Channels {
     numbers: Box<[u16]>,
     /// Place in `numbers` by number, plus one; 0: no such channel.
     places: Box<[u16]>,
 }
 
-impl Ranks {
+impl Channels {
     /// Channels with these numbers, ascending.
     pub fn new(numbers: impl IntoIterator<Item = u16>) -> Self {
         let numbers: Box<[u16]> = numbers.into_iter().collect();
@@ -48,11 +48,11 @@ mod tests {
 
     #[test]
     fn numbers_have_dense_places() {
-        let ranks = Ranks::new([1, 3, 99]);
-        assert_eq!([1, 3, 99].map(|n| ranks.index(n)), [0, 1, 2]);
+        let channels = Channels::new([1, 3, 99]);
+        assert_eq!([1, 3, 99].map(|n| channels.index(n)), [0, 1, 2]);
         for absent in [0, 2, 4, 100, u16::MAX] {
-            assert!(ranks.index(absent) >= ranks.count(), "{absent}");
+            assert!(channels.index(absent) >= channels.count(), "{absent}");
         }
-        assert_eq!((ranks.numbers(), ranks.count()), (&[1, 3, 99][..], 3));
+        assert_eq!((channels.numbers(), channels.count()), (&[1, 3, 99][..], 3));
     }
 }

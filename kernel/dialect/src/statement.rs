@@ -1,0 +1,107 @@
+//! Statements that more than one control has: what they do once their operands have values.
+//!
+//! A statement is a constant of this file; each dialect that has it names it in a row of its table of key words, reads the
+//! operands in its own notation and evaluates them. *Invariant:* a statement reaches its kernel only through `Host`.
+
+use counterpoint_fault as diag;
+use counterpoint_fault::Acted;
+
+use crate::host::Host;
+
+/// A statement.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Shared {
+    /// Numbers that it takes.
+    pub(crate) operands: usize,
+    act: fn(&mut dyn Host, &[f64]) -> Acted,
+}
+
+/// Most operands of a statement.
+const OPERANDS: usize = 4;
+
+/// Key words of a dialect, or what stands for them, with their statements.
+pub(crate) type Statements<K> = &'static [(K, &'static Shared)];
+
+/// Returns from the subprogram, or ends the main program.
+pub(crate) static RETURN: Shared = Shared {
+    operands: 0,
+    act: |host, _| {
+        host.return_from();
+        Ok(())
+    },
+};
+
+/// Opens the output of the program.
+pub(crate) static OPEN_OUTPUT: Shared = Shared {
+    operands: 0,
+    act: |host, _| {
+        host.open_output(true);
+        Ok(())
+    },
+};
+
+/// Closes the output of the program.
+pub(crate) static CLOSE_OUTPUT: Shared = Shared {
+    operands: 0,
+    act: |host, _| {
+        host.open_output(false);
+        Ok(())
+    },
+};
+
+/// Understood, and without effect on what is emulated.
+pub(crate) static IDLE: Shared = Shared { operands: 0, act: |_, _| Ok(()) };
+
+/// Raises an alarm by its number.
+pub(crate) static ALARM: Shared = Shared {
+    operands: 1,
+    act: |host, operands| {
+        let number = operands.first().copied().unwrap_or(0.0);
+        let text = format!("alarm {number} raised by the program in '{}'", host.block_text());
+        Err(host.alarm(&diag::MACRO_ALARM, text))
+    },
+};
+
+impl PartialEq for Shared {
+    fn eq(&self, other: &Self) -> bool {
+        std::ptr::eq(self, other)
+    }
+}
+
+impl Shared {
+    /// The statement of a key word.
+    pub(crate) fn of<K: PartialEq>(statements: Statements<K>, key: K) -> Option<&'static Self> {
+        statements.iter().find(|(known, _)| *known == key).map(|(_, statement)| *statement)
+    }
+
+    /// Executes the statement; `value` gives its operands one after the other.
+    ///
+    /// # Errors
+    /// An operand has no value, or the statement stops the channel.
+    pub(crate) fn execute<X, E: From<diag::Halt>>(
+        &self,
+        host: &mut dyn Host,
+        operands: &[X],
+        mut value: impl FnMut(&mut dyn Host, &X) -> Result<f64, E>,
+    ) -> Result<(), E> {
+        let mut values = [0.0; OPERANDS];
+        for (slot, operand) in values.iter_mut().zip(operands) {
+            *slot = value(host, operand)?;
+        }
+        let values = values.get(..operands.len()).unwrap_or(&values);
+        Ok((self.act)(host, values)?)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_statement_is_found_by_its_key_word() {
+        const ROWS: Statements<&str> = &[("RTS", &RETURN), ("ERR", &ALARM)];
+        assert_eq!(Shared::of(ROWS, "ERR").map(|statement| statement.operands), Some(1));
+        assert_eq!(Shared::of(ROWS, "RTX").map(|statement| statement.operands), None);
+        assert!(ROWS.iter().all(|(_, statement)| statement.operands <= OPERANDS));
+    }
+}

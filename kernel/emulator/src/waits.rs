@@ -1,0 +1,171 @@
+//! The waits of a machine: from a word of the program to a wait or an act of `sync`, by the machine's data.
+//!
+//! *Invariant:* the kernels and the coordinator of a job number the rules in the same way. Facts: reference
+//! channel-synchronisation.md 1.0 to 1.9.
+
+mod channels;
+mod fanuc;
+mod siemens;
+
+use counterpoint_event::event::Primitive;
+use counterpoint_machine::model::{self, Machine, WaitAct, WaitRow};
+use counterpoint_machine::rows::{CodeForm, CodeRow};
+use counterpoint_sync::wait::{Absent, Act, Key, Rule, Rules, Set, Wait};
+
+/// The rule of the start by a head; the marks of both heads follow.
+const START: u16 = 0;
+/// Letters of the marks of both heads: on each, at the begin of a stretch, at its end.
+const HEADS: [char; 3] = ['S', 'B', 'E'];
+/// The rule of a waiting code without a letter.
+const BARE: u16 = 4;
+/// The rule of the first register; the others and the rows of `[[waits]]` follow.
+const REGISTERS: u16 = 5;
+
+/// Families of marks: below these a letter, from here on a register or a row.
+const BY_REGISTER: u16 = 0x4000;
+const BY_ROW: u16 = 0x8000;
+
+/// What a word of the program means.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Meaning {
+    /// It waits.
+    Wait(Wait),
+    /// It does something for others, which is shown as this wait would be.
+    Act(Act, Wait),
+}
+
+/// What a block says at a waiting code.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Said {
+    /// Channel of the program.
+    pub(crate) channel: u16,
+    /// Number of the mark.
+    pub(crate) number: u32,
+    /// Value of the list of channels.
+    pub(crate) list: Option<f64>,
+}
+
+/// The rules of all waits of a machine.
+#[must_use]
+pub fn rules(machine: &Machine) -> Rules {
+    let start = std::iter::once(Rule::plain("START"));
+    let heads = HEADS.into_iter().chain(['M']).map(|letter| fanuc::rule(&letter.to_string()));
+    let letters = machine.registers.iter().map(|register| fanuc::rule(&letter(&register.name).to_string()));
+    Rules::new(start.chain(heads).chain(letters).chain(machine.sync.waits.iter().map(rule)))
+}
+
+fn letter(name: &str) -> char {
+    name.chars().next().unwrap_or('M')
+}
+
+/// The rule of a row of `[[waits]]`.
+fn rule(row: &WaitRow) -> Rule {
+    Rule {
+        word: row.word.as_str().into(),
+        numbered: !matches!(row.form, CodeForm::Text(_)),
+        list: " P".into(),
+        mismatch: match row.mismatch {
+            model::Mismatch::Free => None,
+            model::Mismatch::Fanuc => Some(fanuc::MISMATCH),
+            model::Mismatch::Siemens => Some(siemens::MISMATCH),
+        },
+        absent: if row.absent_counts { Absent::Counts } else { Absent::Missed },
+    }
+}
+
+/// All channels of the machine.
+fn all(machine: &Machine) -> Set {
+    machine.channels.iter().map(|channel| channel.number).collect()
+}
+
+/// The first two channels.
+pub(crate) fn heads(machine: &Machine) -> Set {
+    machine.channels.iter().take(2).map(|channel| channel.number).collect()
+}
+
+/// The mark of both heads with one of their letters.
+pub(crate) fn head_mark(letter: char, number: u32, heads: Set) -> Wait {
+    let index = HEADS.iter().position(|head| *head == letter).unwrap_or(0);
+    barrier(letter, number, (None, heads), START + 1 + index as u16)
+}
+
+/// The start of the other head by this one, and the wait of the other head for it.
+pub(crate) fn start(by: u16, heads: Set) -> (Act, Wait) {
+    let key = Key { space: 'S' as u16, number: u32::from(by) };
+    let wait = Wait { primitive: Primitive::Signal, key, named: None, parts: heads, need: 0, rule: START };
+    (Act::Signal { key, to: heads, broadcast: false }, wait)
+}
+
+fn barrier(letter: char, number: u32, (named, parts): (Option<Set>, Set), rule: u16) -> Wait {
+    let key = Key { space: letter as u16, number };
+    Wait { primitive: Primitive::Barrier, key, named, parts, need: 0, rule }
+}
+
+/// What a waiting code of the machine means.
+///
+/// # Errors
+/// Why its list of channels is not possible.
+pub(crate) fn meaning(machine: &Machine, code: &CodeRow, said: Said) -> Result<Meaning, String> {
+    let index = machine.sync.waits.iter().position(|row| row.form == code.form);
+    match index.and_then(|index| Some((index, machine.sync.waits.get(index)?))) {
+        Some((index, row)) => by_row(machine, (index as u16, row), said),
+        None => by_letter(machine, code, said),
+    }
+}
+
+/// Whether waiting codes of this row do something on this machine.
+pub(crate) fn is_on(machine: &Machine, code: &CodeRow) -> bool {
+    machine.sync.dialect != model::SyncDialect::None || machine.sync.waits.iter().any(|row| row.form == code.form)
+}
+
+/// A wait for a signal that no other channel can send.
+pub(crate) fn is_for_nobody(wait: &Wait, own: u16) -> bool {
+    wait.primitive == Primitive::Signal && wait.parts.without(own).is_empty()
+}
+
+/// A waiting code of the Fanuc kind.
+fn by_letter(machine: &Machine, code: &CodeRow, said: Said) -> Result<Meaning, String> {
+    let register = register(&code.form);
+    let name = register.and_then(|index| machine.registers.get(usize::from(index))).map_or("M", |r| r.name.as_str());
+    let rule = register.map_or(BARE, |register| REGISTERS + u16::from(register));
+    let parts = fanuc::participants(said, machine.sync.paths, all(machine))?;
+    Ok(Meaning::Wait(barrier(letter(name), said.number, parts, rule)))
+}
+
+fn register(form: &CodeForm) -> Option<u8> {
+    match form {
+        CodeForm::Register { register, .. } | CodeForm::RegisterAsData { register, .. } => Some(*register),
+        CodeForm::Text(_) | CodeForm::NotApplicable => None,
+    }
+}
+
+/// A word or text of `[[waits]]`.
+fn by_row(machine: &Machine, (index, row): (u16, &WaitRow), said: Said) -> Result<Meaning, String> {
+    let everybody = all(machine);
+    let (named, parts) = match row.mismatch {
+        model::Mismatch::Fanuc => fanuc::participants(said, machine.sync.paths, everybody)?,
+        model::Mismatch::Free | model::Mismatch::Siemens => {
+            let named = said.list.map(|list| channels::named(list, machine.sync.paths, everybody)).transpose()?;
+            (named, named.unwrap_or(everybody).with(said.channel))
+        }
+    };
+    let number = if matches!(row.form, CodeForm::Text(_)) { row.mark } else { said.number };
+    let space = match (row.primitive, register(&row.form)) {
+        // Words that wait for each other have one letter; the others belong together whatever they are called.
+        (Primitive::Barrier | Primitive::Count, Some(register)) => BY_REGISTER + u16::from(register),
+        (Primitive::Barrier | Primitive::Count, None) => BY_ROW + index,
+        _ => 0,
+    };
+    let key = Key { space, number };
+    let broadcast = row.primitive == Primitive::Signal && named.is_none();
+    let need = if broadcast { 1 } else { row.need };
+    let rule = REGISTERS + machine.registers.len() as u16 + index;
+    let wait = Wait { primitive: row.primitive, key, named, parts, need, rule };
+    Ok(match row.act {
+        WaitAct::Wait => Meaning::Wait(wait),
+        WaitAct::Set => Meaning::Act(Act::Set(key), wait),
+        WaitAct::Clear => Meaning::Act(Act::Clear(key), wait),
+        WaitAct::Signal => Meaning::Act(Act::Signal { key, to: parts, broadcast }, wait),
+        WaitAct::Release => Meaning::Act(Act::Release(key), wait),
+    })
+}

@@ -1,0 +1,151 @@
+//! `[[waits]]`: words and texts at which channels wait for each other, whatever the control calls them.
+//!
+//! Invariant: every row has exactly one row of the code table, with `CODE_SYNC_REG`. Facts: reference
+//! channel-synchronisation.md 1.1.
+
+use counterpoint_event::event::Primitive;
+
+use crate::ident::codes;
+use crate::model::{Mismatch, WaitAct, WaitRow};
+use crate::rows::{CodeForm, CodeRow, Register};
+use crate::toml::check::Check;
+use crate::toml::node::{Entry, Node, Place, Table, Value};
+use crate::toml::section::Section;
+
+/// Most rows.
+const MOST: usize = 200;
+
+/// Keys that a row of `[[waits]]` and its row of the code table share.
+const OF_CODES: [&str; 5] = ["word", "text", "with", "without", "ignores"];
+
+/// Adds the rows of the code table that the words and texts of `[[waits]]` need.
+pub(super) fn expand(table: &mut Table) {
+    let Some(Value::Array(waits)) = table.get("waits").map(|node| &node.value) else { return };
+    let made: Vec<Node> = waits.iter().filter_map(code_row).collect();
+    let Some(place) = made.first().map(|row| row.place.clone()) else { return };
+    if table.get("codes").is_none() {
+        table.entries.push(entry("codes", &place, Value::Array(Vec::new())));
+    }
+    let codes = table.entries.iter_mut().find(|entry| entry.key == "codes").map(|entry| &mut entry.node.value);
+    if let Some(Value::Array(rows)) = codes {
+        rows.extend(made);
+    }
+}
+
+fn code_row(wait: &Node) -> Option<Node> {
+    let Value::Table(table) = &wait.value else { return None };
+    if table.get("word").is_none() && table.get("text").is_none() {
+        return None;
+    }
+    let mut entries: Vec<Entry> =
+        table.entries.iter().filter(|entry| OF_CODES.contains(&entry.key.as_str())).cloned().collect();
+    entries.push(entry("id", &wait.place, Value::Text("CODE_SYNC_REG".to_owned())));
+    if table.get("word").is_some() {
+        entries.push(entry("as_data", &wait.place, Value::Text("REG_SYNC".to_owned())));
+    }
+    Some(Node { place: wait.place.clone(), value: Value::Table(Table { entries }) })
+}
+
+fn entry(key: &str, place: &Place, value: Value) -> Entry {
+    Entry { key: key.to_owned(), place: place.clone(), node: Node { place: place.clone(), value } }
+}
+
+/// Reads the rows, which have their rows of the code table by now.
+pub(super) fn read(top: &mut Section<'_>, rows: &[CodeRow], registers: &[Register], check: &Check) -> Vec<WaitRow> {
+    let mut waits = Vec::new();
+    for mut section in top.rows("waits", "[[waits]]", MOST) {
+        for key in OF_CODES {
+            section.node(key);
+        }
+        let row = read_row(&mut section, check);
+        let place = section.place().clone();
+        section.finish();
+        let code = rows.iter().find(|code| code.line == place.line && *code.file == *place.file);
+        let Some((row, code)) = row.zip(code.filter(|code| code.id == codes::SYNC_REG)) else { continue };
+        let word = word(&code.form, registers);
+        waits.push(WaitRow { form: code.form.clone(), word, ..row });
+    }
+    waits
+}
+
+fn read_row(section: &mut Section<'_>, check: &Check) -> Option<WaitRow> {
+    if section.node("word").is_none() && section.node("text").is_none() {
+        check.error(section.place(), "[[waits]] needs a form: `word` (\"M100-M149\") or `text`");
+    }
+    let primitives = [
+        ("barrier", Primitive::Barrier),
+        ("flag", Primitive::Flag),
+        ("order", Primitive::Order),
+        ("count", Primitive::Count),
+        ("signal", Primitive::Signal),
+        ("join", Primitive::Join),
+        ("lease", Primitive::Lease),
+    ];
+    section.require("primitive", "what the word waits for");
+    let primitive = section.choice("primitive", &primitives);
+    let acts = [
+        ("wait", WaitAct::Wait),
+        ("set", WaitAct::Set),
+        ("clear", WaitAct::Clear),
+        ("signal", WaitAct::Signal),
+        ("release", WaitAct::Release),
+    ];
+    let act = section.choice("act", &acts).unwrap_or(WaitAct::Wait);
+    let mark = section.integer("mark", 0..=99_999_999).unwrap_or(0) as u32;
+    let need = section.integer("need", 1..=99).unwrap_or(0) as u16;
+    let absent = section.choice("absent", &[("missed", false), ("counts", true)]);
+    let mismatches = [("free", Mismatch::Free), ("fanuc", Mismatch::Fanuc), ("siemens", Mismatch::Siemens)];
+    let mismatch = section.choice("mismatch", &mismatches).unwrap_or(Mismatch::Free);
+    let primitive = primitive?;
+    check_row(section, check, (primitive, act, mismatch));
+    Some(WaitRow {
+        form: CodeForm::NotApplicable,
+        word: String::new(),
+        primitive,
+        act,
+        mark,
+        need,
+        absent_counts: absent.unwrap_or(primitive == Primitive::Order),
+        mismatch,
+    })
+}
+
+/// Keys that do not go together.
+fn check_row(section: &mut Section<'_>, check: &Check, (primitive, act, mismatch): (Primitive, WaitAct, Mismatch)) {
+    let fits = match act {
+        WaitAct::Wait => true,
+        WaitAct::Set | WaitAct::Clear => primitive == Primitive::Flag,
+        WaitAct::Signal => primitive == Primitive::Signal,
+        WaitAct::Release => primitive == Primitive::Lease,
+    };
+    if !fits {
+        let text = "`act` does not go with this primitive: flags are set and cleared, signals are sent by \"signal\", leases \
+                    are given back by \"release\"";
+        section.error("act", text);
+    }
+    let fits = match mismatch {
+        Mismatch::Free => true,
+        Mismatch::Fanuc => primitive == Primitive::Barrier,
+        Mismatch::Siemens => primitive == Primitive::Flag,
+    };
+    if !fits {
+        section.error("mismatch", "\"fanuc\" is a rule for barriers, \"siemens\" one for flags");
+    }
+    if section.node("need").is_some() && primitive != Primitive::Count {
+        check.warning(section.place_of("need"), "`need` is for a count: this primitive needs all channels of its list");
+    }
+    if section.node("mark").is_some() && section.node("text").is_none() {
+        check.warning(section.place_of("mark"), "`mark` is for a `text`: a word has its mark in its number");
+    }
+}
+
+/// The text, or the letters of the word.
+fn word(form: &CodeForm, registers: &[Register]) -> String {
+    match form {
+        CodeForm::Text(text) => text.clone(),
+        CodeForm::Register { register, .. } | CodeForm::RegisterAsData { register, .. } => {
+            registers.get(usize::from(*register)).map_or_else(String::new, |register| register.name.clone())
+        }
+        CodeForm::NotApplicable => String::new(),
+    }
+}

@@ -1,0 +1,54 @@
+//! Rows of `[[waits]]`: waits and acts as the control of the machine writes them.
+//!
+//! Facts: reference channel-synchronisation.md 1.1 to 1.9.
+
+use counterpoint_event::event::Primitive;
+
+use crate::rows::CodeForm;
+
+/// A word or text at which a channel waits for others, or lets them continue.
+#[derive(Debug, Clone, PartialEq)]
+pub struct WaitRow {
+    /// Form of its row in the code table.
+    pub form: CodeForm,
+    /// The text, or the letters of the word.
+    pub word: String,
+    /// Primitive.
+    pub primitive: Primitive,
+    /// What the word does.
+    pub act: WaitAct,
+    /// Number of the mark of a text.
+    pub mark: u32,
+    /// Channels that a count needs; 0: all.
+    pub need: u16,
+    /// A channel that has ended or has no program counts as arrived.
+    pub absent_counts: bool,
+    /// Which pairs of waits are refused.
+    pub mismatch: Mismatch,
+}
+
+/// What a word of `[[waits]]` does.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum WaitAct {
+    /// Waits.
+    Wait,
+    /// Sets the own flag.
+    Set,
+    /// Deletes the own flag.
+    Clear,
+    /// Sends a signal.
+    Signal,
+    /// Gives back what the channel holds.
+    Release,
+}
+
+/// The control whose rule refuses pairs of waits.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Mismatch {
+    /// None: waits that do not match wait.
+    Free,
+    /// Fanuc: alarms PS0160 and PS0161.
+    Fanuc,
+    /// Siemens: warning 16949.
+    Siemens,
+}

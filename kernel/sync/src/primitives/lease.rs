@@ -1,0 +1,73 @@
+//! Lease: an axis or a spindle belongs to one channel at a time; who asks first gets it first.
+//!
+//! *Invariant:* a queue stands in the order of tags; what nobody holds has no queue once waits are settled. Facts: reference
+//! channel-synchronisation.md 1.9, scenario M11.
+
+use std::collections::BTreeMap;
+
+use super::{MOST, Scene};
+use crate::wait::{Key, Missing, Set, Wait};
+
+/// What can be held.
+#[derive(Debug, Clone, Default)]
+struct Lease {
+    holder: Option<u16>,
+    /// Who waits for it, first come first.
+    queue: Vec<u16>,
+}
+
+/// Leases that somebody holds or waits for.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Leases(BTreeMap<Key, Lease>);
+
+impl Leases {
+    /// Why a channel cannot ask for this.
+    pub(super) fn illegal(&self, key: Key) -> Option<String> {
+        (self.0.len() >= MOST && !self.0.contains_key(&key)).then(|| format!("more than {MOST} leases are held"))
+    }
+
+    pub(super) fn arrive(&mut self, channel: u16, key: Key) {
+        self.0.entry(key).or_default().queue.push(channel);
+    }
+
+    /// The holder, and all who asked before.
+    pub(super) fn missing(&self, channel: u16, wait: &Wait, scene: Scene<'_>) -> Missing {
+        let Some(lease) = self.0.get(&wait.key) else { return Missing::default() };
+        if lease.holder == Some(channel) {
+            return Missing::default();
+        }
+        let before: Set = lease.queue.iter().copied().take_while(|&other| other != channel).collect();
+        let holder = lease.holder.filter(|&holder| !scene.is_excused(holder, wait));
+        Missing::all(holder.map_or(before, |holder| before.with(holder)))
+    }
+
+    pub(super) fn depart(&mut self, channel: u16, key: Key) {
+        let lease = self.0.entry(key).or_default();
+        lease.holder = Some(channel);
+        lease.queue.retain(|&other| other != channel);
+    }
+
+    pub(super) fn abandon(&mut self, channel: u16, key: Key) {
+        if let Some(lease) = self.0.get_mut(&key) {
+            lease.queue.retain(|&other| other != channel);
+            self.forget_if_free(key);
+        }
+    }
+
+    /// Gives back what the channel holds.
+    pub(super) fn release(&mut self, channel: u16, key: Key) -> Result<(), String> {
+        match self.0.get_mut(&key) {
+            Some(lease) if lease.holder == Some(channel) => lease.holder = None,
+            Some(Lease { holder: Some(holder), .. }) => return Err(format!("channel {holder} holds it")),
+            _ => return Err("nobody holds it".to_owned()),
+        }
+        self.forget_if_free(key);
+        Ok(())
+    }
+
+    fn forget_if_free(&mut self, key: Key) {
+        if self.0.get(&key).is_some_and(|lease| lease.holder.is_none() && lease.queue.is_empty()) {
+            self.0.remove(&key);
+        }
+    }
+}

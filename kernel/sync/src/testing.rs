@@ -1,0 +1,73 @@
+//! What tests of this crate share.
+
+use counterpoint_event::info::{Info, Room};
+use counterpoint_event::{Letters, Unit};
+
+use crate::channels::Channels;
+use crate::wait::{Act, Key, Mismatch, Reaction, Rule, Rules, Set, Wait};
+use crate::waits::Waits;
+use counterpoint_event::event::Primitive;
+
+/// A job without files and channels: nothing has a name.
+pub(crate) fn info() -> Info {
+    Info {
+        machine: String::new(),
+        machine_number: 0,
+        machine_revision: 0,
+        machine_created: String::new(),
+        machine_file: String::new(),
+        parameters: String::new(),
+        unit: Unit::Mm,
+        trace: Letters::default(),
+        room: Room { path: 0, bars: 0, waiting: 0 },
+        channels: Vec::new(),
+        files: Vec::new(),
+    }
+}
+
+/// Waits of channels 1 to `channels`, of a control that refuses barriers with different numbers.
+pub(crate) fn waits(channels: u16) -> Waits {
+    let refuses: fn(&Wait, &Wait) -> _ = |wait, other| {
+        let barriers = wait.primitive == Primitive::Barrier && other.primitive == Primitive::Barrier;
+        (barriers && wait.key != other.key).then_some("different numbers")
+    };
+    let mismatch = Mismatch { refuses, title: "no pair", reaction: Reaction::Alarm };
+    let rule = Rule { mismatch: Some(mismatch), ..Rule::plain("M") };
+    Waits::new(Channels::new(1..=channels), Rules::new([rule]), 0)
+}
+
+fn key(number: u32) -> Key {
+    Key { space: 0, number }
+}
+
+/// A wait of channels 1 to `channels`; a count needs two of them.
+pub(crate) fn wait(primitive: Primitive, number: u32, channels: u16) -> Wait {
+    let need = if primitive == Primitive::Count { 2 } else { 0 };
+    Wait { primitive, key: key(number), named: None, parts: Set::up_to(channels), need, rule: 0 }
+}
+
+/// What a channel does for others.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Deed {
+    /// Sets its flag.
+    Set,
+    /// Deletes its flag.
+    Clear,
+    /// Sends a signal of its own to all.
+    Send,
+    /// Gives a lease back.
+    Free,
+}
+
+impl Deed {
+    /// With this mark, of channels 1 to `channels`.
+    pub(crate) fn act(self, number: u32, channels: u16) -> Act {
+        let key = key(number);
+        match self {
+            Self::Set => Act::Set(key),
+            Self::Clear => Act::Clear(key),
+            Self::Send => Act::Signal { key, to: Set::up_to(channels), broadcast: false },
+            Self::Free => Act::Release(key),
+        }
+    }
+}

@@ -1,0 +1,302 @@
+//! A wait as data: what is waited at, who takes part, and the rule of the control that it was written for.
+//!
+//! *Invariant:* nothing here depends on a control. What two waits mean to each other beyond their primitive, and how they are
+//! written, stands in their [`Rule`], which the machine gives. Facts: reference channel-synchronisation.md 1.1.
+
+mod set;
+
+use std::fmt::Write as _;
+use std::sync::Arc;
+
+pub use set::{Set, words};
+
+use crate::channels::Channels;
+use crate::tag::Tag;
+use counterpoint_event::event::{FileId, Primitive};
+
+/// The mark of a wait: equal keys belong together.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Key {
+    /// Which family of marks the number counts in.
+    pub space: u16,
+    /// Number of the mark.
+    pub number: u32,
+}
+
+/// A wait as programmed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub struct Wait {
+    /// Primitive.
+    pub primitive: Primitive,
+    /// Its mark.
+    pub key: Key,
+    /// Channels as written; `None` without a list.
+    pub named: Option<Set>,
+    /// Channels that take part, the own one included.
+    pub parts: Set,
+    /// How many of them must have come; 0: all. [`Primitive::Count`] counts the own one, [`Primitive::Signal`] senders.
+    pub need: u16,
+    /// Its rule, by index.
+    pub rule: u16,
+}
+
+/// What a channel does for others at once, without waiting itself.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Act {
+    /// Sets the own flag of a mark.
+    Set(Key),
+    /// Deletes the own flag of a mark.
+    Clear(Key),
+    /// Sends a signal to each of these channels; each of them uses it up with one wait.
+    Signal {
+        /// Its mark.
+        key: Key,
+        /// Who gets one.
+        to: Set,
+        /// It is for everybody: waits for any sender take it, those for named senders do not.
+        broadcast: bool,
+    },
+    /// Gives back what the channel holds.
+    Release(Key),
+}
+
+/// What a partner that has ended or has no program means for a wait.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Absent {
+    /// The wait never ends.
+    Missed,
+    /// It counts as arrived.
+    Counts,
+}
+
+/// What the control does about two waits that it refuses to pair.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Reaction {
+    /// All of them are alarms.
+    Alarm,
+    /// It shows a warning; the waits go on.
+    Warning,
+}
+
+/// Pairs of waits that a control refuses.
+#[derive(Debug, Clone, Copy)]
+pub struct Mismatch {
+    /// Why these two cannot stand at the same time, if so.
+    pub refuses: fn(&Wait, &Wait) -> Option<&'static str>,
+    /// How the message about that begins.
+    pub title: &'static str,
+    /// What follows from it.
+    pub reaction: Reaction,
+}
+
+/// What a control makes of its waits.
+#[derive(Debug, Clone)]
+pub struct Rule {
+    /// Word in front of the number.
+    pub word: Box<str>,
+    /// The number is written.
+    pub numbered: bool,
+    /// What introduces the list of channels; empty if the list is not shown.
+    pub list: Box<str>,
+    /// Pairs that it refuses; none: waits that do not match wait.
+    pub mismatch: Option<Mismatch>,
+    /// What an absent partner means.
+    pub absent: Absent,
+}
+
+impl Rule {
+    /// Waits of a word that the control pairs freely.
+    #[must_use]
+    pub fn plain(word: &str) -> Self {
+        Self { word: word.into(), numbered: true, list: "".into(), mismatch: None, absent: Absent::Missed }
+    }
+}
+
+/// The rules of a machine, by the index in [`Wait::rule`].
+#[derive(Debug, Clone)]
+pub struct Rules(Arc<[Rule]>);
+
+impl Rules {
+    /// In the order of their indices.
+    pub fn new(rules: impl IntoIterator<Item = Rule>) -> Self {
+        Self(rules.into_iter().collect())
+    }
+
+    /// The rule of a wait.
+    pub fn of(&self, wait: &Wait) -> Option<&Rule> {
+        self.0.get(usize::from(wait.rule))
+    }
+
+    /// Absent partners count as arrived.
+    pub(crate) fn counts_absent(&self, wait: &Wait) -> bool {
+        self.of(wait).is_some_and(|rule| rule.absent == Absent::Counts)
+    }
+
+    /// The mark as the listing names it: `101` of `M101`, else the word with its number.
+    pub fn mark(&self, wait: &Wait) -> String {
+        let number = wait.key.number;
+        match self.of(wait) {
+            None => number.to_string(),
+            Some(rule) if rule.numbered && rule.word.len() == 1 && wait.primitive != Primitive::Signal => {
+                number.to_string()
+            }
+            Some(rule) if rule.numbered => format!("{}{number}", rule.word),
+            Some(rule) => rule.word.to_string(),
+        }
+    }
+
+    /// The wait as people write it: `M101`, `M101 P12`, `START1`.
+    pub fn text(&self, wait: &Wait) -> String {
+        let Some(rule) = self.of(wait) else { return wait.key.number.to_string() };
+        let mut out = rule.word.to_string();
+        if rule.numbered {
+            let _ = write!(out, "{}", wait.key.number);
+        }
+        if let Some(named) = wait.named.filter(|_| !rule.list.is_empty()) {
+            out.push_str(&rule.list);
+            for channel in named.iter() {
+                let _ = write!(out, "{}", if channel == 10 { 0 } else { channel });
+            }
+        }
+        out
+    }
+}
+
+/// A channel that has arrived at a wait.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Waiting {
+    /// What is waited for.
+    pub wait: Wait,
+    /// When the channel arrived.
+    pub tag: Tag,
+    /// File of the block.
+    pub file: FileId,
+    /// Line of the block.
+    pub line: u32,
+}
+
+/// How a channel came to its end.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Terminal {
+    /// Its program ended.
+    Ended,
+    /// An alarm stopped it.
+    Alarmed,
+    /// It has no program.
+    NeverStarted,
+    /// It was stopped.
+    Stopped,
+}
+
+/// The end of a channel.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Finish {
+    /// How it ended.
+    pub how: Terminal,
+    /// File of its last block.
+    pub file: FileId,
+    /// Line of its last block.
+    pub line: u32,
+}
+
+/// Channels that a wait still needs: `need` of `channels`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Missing {
+    /// Who can bring it about.
+    pub channels: Set,
+    /// How many of them must; 0: the wait is over.
+    pub need: u16,
+}
+
+impl Missing {
+    /// All of these.
+    #[must_use]
+    pub fn all(channels: Set) -> Self {
+        Self { channels, need: channels.count() }
+    }
+
+    /// Any one of these. Without any the wait never ends.
+    #[must_use]
+    pub fn any(channels: Set) -> Self {
+        Self { channels, need: 1 }
+    }
+
+    /// Nobody is missing.
+    #[must_use]
+    pub fn is_none(self) -> bool {
+        self.need == 0
+    }
+
+    /// Enough of these channels are missing ones.
+    #[must_use]
+    pub fn is_met_by(self, able: Set) -> bool {
+        self.channels.and(able).count() >= self.need
+    }
+}
+
+/// Where all channels are: at which wait, or at their end.
+#[derive(Debug, Clone)]
+pub struct Places {
+    channels: Channels,
+    waiting: Vec<Option<Waiting>>,
+    finished: Vec<Option<Finish>>,
+}
+
+impl Places {
+    /// No channel waits yet.
+    #[must_use]
+    pub fn new(channels: Channels) -> Self {
+        let count = channels.count();
+        Self { channels, waiting: vec![None; count], finished: vec![None; count] }
+    }
+
+    /// The wait of a channel.
+    pub fn at(&self, channel: u16) -> Option<&Waiting> {
+        self.waiting.get(self.channels.index(channel)).and_then(Option::as_ref)
+    }
+
+    /// How a channel ended.
+    pub fn end(&self, channel: u16) -> Option<Finish> {
+        self.finished.get(self.channels.index(channel)).copied().flatten()
+    }
+
+    /// The channel ended, or never ran: it brings nothing about any more and no alarm holds it.
+    pub fn is_absent(&self, channel: u16) -> bool {
+        self.end(channel).is_some_and(|end| matches!(end.how, Terminal::Ended | Terminal::NeverStarted))
+    }
+
+    /// The channel executes blocks.
+    pub fn runs(&self, channel: u16) -> bool {
+        let index = self.channels.index(channel);
+        matches!((self.waiting.get(index), self.finished.get(index)), (Some(None), Some(None)))
+    }
+
+    /// All channels, ascending.
+    pub fn channels(&self) -> impl Iterator<Item = u16> + use<'_> {
+        self.channels.numbers().iter().copied()
+    }
+
+    /// All that wait, ascending by channel.
+    pub fn waiting(&self) -> impl Iterator<Item = &Waiting> {
+        self.waiting.iter().flatten()
+    }
+
+    /// A channel stands at a wait.
+    pub(crate) fn stand(&mut self, waiting: Waiting) {
+        if let Some(slot) = self.waiting.get_mut(self.channels.index(waiting.tag.channel)) {
+            *slot = Some(waiting);
+        }
+    }
+
+    /// A channel waits no longer.
+    pub(crate) fn leave(&mut self, channel: u16) -> Option<Waiting> {
+        self.waiting.get_mut(self.channels.index(channel)).and_then(Option::take)
+    }
+
+    /// A channel has come to its end.
+    pub(crate) fn finish(&mut self, channel: u16, finish: Finish) {
+        if let Some(slot) = self.finished.get_mut(self.channels.index(channel)) {
+            *slot = Some(finish);
+        }
+    }
+}

@@ -1,0 +1,159 @@
+use redb::{Database, ReadableDatabase};
+
+use super::*;
+use crate::ledger::record::tests::record;
+use crate::machines::Definition;
+
+/// Identity of the job accepted at a millisecond.
+fn id(ms: i64) -> String {
+    Uuid::from_u128((u128::from(ms.unsigned_abs()) << 80) | 0x7000_8000_0000_0000_0000).to_string()
+}
+
+struct Jobs(Database, Vec<Record>);
+
+impl Jobs {
+    fn new(jobs: Vec<Record>) -> Self {
+        let backend = redb::backends::InMemoryBackend::new();
+        let database = Database::builder().create_with_backend(backend).unwrap();
+        let txn = database.begin_write().unwrap();
+        {
+            let mut table = txn.open_table(JOB).unwrap();
+            for job in &jobs {
+                table.insert(job.id.as_str(), serde_json::to_vec(job).unwrap().as_slice()).unwrap();
+            }
+        }
+        list_all(&txn).unwrap();
+        txn.commit().unwrap();
+        Self(database, jobs)
+    }
+
+    fn page(&self, query: &Query) -> Page {
+        page(&self.0.begin_read().unwrap(), query).unwrap()
+    }
+
+    /// All pages of a query.
+    fn all(&self, mut query: Query) -> Vec<String> {
+        let mut found = Vec::new();
+        loop {
+            let page = self.page(&query);
+            assert!(page.jobs.len() <= query.count);
+            found.extend(page.jobs.into_iter().map(|job| job.id));
+            match page.next {
+                Some(next) => query.after = next,
+                None => return found,
+            }
+        }
+    }
+
+    /// What a look at every job finds.
+    fn scanned(&self, query: &Query) -> Vec<String> {
+        let wanted = |job: &&Record| {
+            let state = if query.running.contains(&job.id) { State::Running } else { job.state };
+            let machine = query.machine.as_ref();
+            job.tenant == query.tenant
+                && (query.states.is_empty() || query.states.contains(&state))
+                && machine.is_none_or(|name| {
+                    *name == job.machine.name || *name == format!("{}@{}", job.machine.name, job.machine.revision())
+                })
+                && query.labels.iter().all(|(key, value)| job.asked.labels.get(key) == Some(value))
+                && job.submitted_ms >= query.from_ms
+                && (query.until_ms == 0 || job.submitted_ms < query.until_ms)
+        };
+        let mut found: Vec<_> = self.1.iter().filter(wanted).map(|job| job.id.clone()).collect();
+        if query.newest_first {
+            found.reverse();
+        }
+        found
+    }
+}
+
+fn random(state: &mut u64) -> usize {
+    *state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+    (*state >> 33) as usize
+}
+
+fn some_jobs(seed: &mut u64, count: i64) -> Vec<Record> {
+    let states = [State::Queued, State::Queued, State::Succeeded, State::Failed, State::Cancelled];
+    let job = |ms: i64| {
+        let mut job = Record { state: states[random(seed) % 5], submitted_ms: 1000 + ms, ..record(&id(1000 + ms)) };
+        job.tenant = ["default", "other"][random(seed) % 2].to_owned();
+        job.machine = Definition::shipped(["mill", "lathe"][random(seed) % 2]);
+        if random(seed).is_multiple_of(3) {
+            let digest = ["aa", "bb"][random(seed) % 2];
+            job.machine.files = [("lathe/machine.toml".to_owned(), digest.to_owned())].into();
+        }
+        for key in ["part", "shift"] {
+            if !random(seed).is_multiple_of(4) {
+                job.asked.labels.insert(key.to_owned(), (random(seed) % 3).to_string());
+            }
+        }
+        job
+    };
+    (0..count).map(job).collect()
+}
+
+#[test]
+fn pages_hold_what_a_look_at_every_job_finds() {
+    let mut seed = 5;
+    let jobs = Jobs::new(some_jobs(&mut seed, 300));
+    let open: Vec<_> = jobs.1.iter().filter(|job| job.state == State::Queued).map(|job| job.id.clone()).collect();
+    let all = [State::Queued, State::Running, State::Succeeded, State::Failed, State::Cancelled];
+    let pinned = jobs.1.iter().find(|job| !job.machine.files.is_empty()).unwrap().machine.clone();
+    let pinned = format!("{}@{}", pinned.name, pinned.revision());
+    let mut seen = 0;
+    for round in 0..600 {
+        let r = &mut seed;
+        let query = Query {
+            tenant: ["default", "other", "third"][random(r) % 3].to_owned(),
+            states: all.into_iter().filter(|_| random(r).is_multiple_of(3)).collect(),
+            running: open.iter().filter(|_| random(r).is_multiple_of(10)).cloned().collect(),
+            machine: [None, None, Some("mill"), Some("lathe"), Some("saw"), Some(pinned.as_str())][random(r) % 6]
+                .map(str::to_owned),
+            labels: [("part", "1"), ("shift", "2")]
+                .iter()
+                .filter(|_| random(r).is_multiple_of(3))
+                .map(|(key, value)| ((*key).to_owned(), (*value).to_owned()))
+                .collect(),
+            from_ms: [0, 0, 1100, 1250][random(r) % 4],
+            until_ms: [0, 0, 1200, 1299][random(r) % 4],
+            newest_first: random(r).is_multiple_of(2),
+            after: String::new(),
+            count: 1 + random(r) % 40,
+        };
+        let expected = jobs.scanned(&query);
+        seen += expected.len();
+        assert_eq!(jobs.all(query.clone()), expected, "{round}: {query:?}");
+    }
+    assert!(seen > 4000, "the queries find something: {seen}");
+}
+
+/// Without a bound on its steps the first page would look at all jobs.
+#[test]
+fn a_page_takes_a_bounded_number_of_steps_and_the_next_one_continues() {
+    let job = |ms: i64| {
+        let mut job = record(&id(ms));
+        job.machine = Definition::shipped(if ms % 2 == 0 { "mill" } else { "lathe" });
+        if ms % 2 == 1 || ms == 9000 {
+            job.asked.labels.insert("k".to_owned(), "v".to_owned());
+        }
+        job
+    };
+    let jobs = Jobs::new((1..10_000).map(job).collect());
+    for newest_first in [false, true] {
+        let labels = [("k".to_owned(), "v".to_owned())].into();
+        let (tenant, machine) = ("default".to_owned(), Some("mill".to_owned()));
+        let mut query = Query { tenant, machine, labels, newest_first, count: 5, ..Query::default() };
+        let (mut found, mut pages) = (Vec::new(), 0);
+        loop {
+            let page = jobs.page(&query);
+            pages += 1;
+            found.extend(page.jobs.into_iter().map(|job| job.id));
+            match page.next {
+                Some(next) => query.after = next,
+                None => break,
+            }
+        }
+        assert_eq!(found, [id(9000)]);
+        assert!((5..100).contains(&pages), "{pages}");
+    }
+}

@@ -1,0 +1,75 @@
+//! Machines that were put there, by tenant and name, and by revision.
+//!
+//! Invariant: a machine has a row under its name, with its newest revision, and one for each revision under
+//! `name@revision`; blobs are counted by the latter.
+
+use redb::{ReadTransaction, ReadableTable, WriteTransaction};
+
+use super::{MACHINE, blob_refs, readable, storage};
+use crate::ledger::Check;
+use crate::machines::Definition;
+use crate::reason::Refusal;
+use crate::tenant;
+
+fn of_an_administrator(name: &str) -> Refusal {
+    Refusal::PermissionDenied(format!("the machine '{name}' was put by an administrator"))
+}
+
+/// Stores a machine.
+pub(super) fn put(txn: &WriteTransaction, definition: &Definition, check: Check<Definition>) -> Result<(), Refusal> {
+    check(definition)?;
+    let bytes = serde_json::to_vec(definition).map_err(storage)?;
+    let name = tenant::key(&definition.tenant, &definition.name);
+    let pinned = format!("{name}@{}", definition.revision());
+    let mut table = txn.open_table(MACHINE).map_err(storage)?;
+    let before = table.get(name.as_str()).map_err(storage)?.and_then(|row| readable(&name, row.value()));
+    if !definition.trusted && before.is_some_and(|before: Definition| before.trusted) {
+        return Err(of_an_administrator(&definition.name));
+    }
+    table.insert(name.as_str(), bytes.as_slice()).map_err(storage)?;
+    let known = table.insert(pinned.as_str(), bytes.as_slice()).map_err(storage)?.is_some();
+    drop(table);
+    if known { Ok(()) } else { blob_refs::add(txn, &blob_refs::of_machine(definition)) }
+}
+
+/// Removes a machine with all its revisions.
+pub(super) fn remove(txn: &WriteTransaction, tenant: &str, name: &str, trusted: bool) -> Result<bool, Refusal> {
+    let key = tenant::key(tenant, name);
+    let mut table = txn.open_table(MACHINE).map_err(storage)?;
+    let newest = match table.get(key.as_str()).map_err(storage)? {
+        None => return Ok(false),
+        Some(row) => readable::<Definition>(&key, row.value()),
+    };
+    if !trusted && newest.is_some_and(|newest| newest.trusted) {
+        return Err(of_an_administrator(name));
+    }
+    let mut rows = Vec::new();
+    let (first, end) = (format!("{key}@"), format!("{key}A"));
+    for row in table.range(first.as_str()..end.as_str()).map_err(storage)? {
+        let (name, row) = row.map_err(storage)?;
+        rows.push((name.value().to_owned(), readable::<Definition>(name.value(), row.value())));
+    }
+    table.remove(key.as_str()).map_err(storage)?;
+    for (name, _) in &rows {
+        table.remove(name.as_str()).map_err(storage)?;
+    }
+    drop(table);
+    rows.iter()
+        .filter_map(|(_, definition)| definition.as_ref())
+        .try_for_each(|definition| blob_refs::subtract(txn, &blob_refs::of_machine(definition)))?;
+    Ok(true)
+}
+
+/// All machines of a tenant, newest revision each, by name.
+pub(super) fn all(txn: &ReadTransaction, tenant: &str) -> Result<Vec<Definition>, Refusal> {
+    let table = txn.open_table(MACHINE).map_err(storage)?;
+    let mut found = Vec::new();
+    for row in table.iter().map_err(storage)? {
+        let (name, bytes) = row.map_err(storage)?;
+        if name.value().contains('@') || name.value().split_once('/').map_or(tenant::DEFAULT, |(of, _)| of) != tenant {
+            continue;
+        }
+        found.extend(readable::<Definition>(name.value(), bytes.value()));
+    }
+    Ok(found)
+}

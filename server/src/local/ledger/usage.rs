@@ -1,0 +1,107 @@
+//! What each tenant has used: bytes that are stored for it, and time of its runs on the last day it ran anything.
+//!
+//! Invariant: the bytes are those of the tenant's jobs in the list of ended ones; they change in the same transaction.
+
+use std::collections::BTreeMap;
+
+use redb::{ReadTransaction, ReadableTable, TableDefinition, WriteTransaction};
+
+use super::{JOB, readable, retention, storage};
+use crate::ledger::record::Record;
+use crate::ledger::{Usage, day};
+use crate::reason::Refusal;
+
+/// Tenant → bytes, day, time of runs on that day in ms.
+pub(super) const USAGE: TableDefinition<'_, &str, (u64, u64, u64)> = TableDefinition::new("usage");
+
+fn usage((bytes, day, run_ms): (u64, u64, u64)) -> Usage {
+    Usage { bytes, day, run_ms }
+}
+
+/// What a tenant has used.
+pub(super) fn of(txn: &ReadTransaction, tenant: &str) -> Result<Usage, Refusal> {
+    let row = txn.open_table(USAGE).map_err(storage)?.get(tenant).map_err(storage)?.map(|row| usage(row.value()));
+    Ok(row.unwrap_or_default())
+}
+
+fn change(txn: &WriteTransaction, tenant: &str, change: impl FnOnce(&mut Usage)) -> Result<(), Refusal> {
+    let mut table = txn.open_table(USAGE).map_err(storage)?;
+    let mut now = table.get(tenant).map_err(storage)?.map(|row| usage(row.value())).unwrap_or_default();
+    change(&mut now);
+    table.insert(tenant, (now.bytes, now.day, now.run_ms)).map_err(storage)?;
+    Ok(())
+}
+
+/// A job has ended that took so many bytes in the list before, if it was there.
+pub(super) fn ended(txn: &WriteTransaction, record: &Record, before: Option<u64>) -> Result<(), Refusal> {
+    change(txn, &record.tenant, |usage| {
+        usage.bytes = usage.bytes.saturating_sub(before.unwrap_or(0)).saturating_add(record.runs.stored_bytes);
+        if before.is_none() {
+            let day = day(record.ended_ms);
+            usage.run_ms = usage.run_ms_on(day).saturating_add(record.runs.run_ms);
+            usage.day = day;
+        }
+    })
+}
+
+/// A job that took so many bytes is removed.
+pub(super) fn removed(txn: &WriteTransaction, tenant: &str, bytes: u64) -> Result<(), Refusal> {
+    change(txn, tenant, |usage| usage.bytes = usage.bytes.saturating_sub(bytes))
+}
+
+/// Bytes by tenant, as the list of ended jobs has them.
+fn counted(jobs: impl Iterator<Item = (String, String)>, listed: &BTreeMap<String, u64>) -> BTreeMap<String, u64> {
+    let mut bytes = BTreeMap::new();
+    for (id, tenant) in jobs {
+        if let Some(own) = listed.get(&id) {
+            *bytes.entry(tenant).or_default() += own;
+        }
+    }
+    bytes
+}
+
+/// Counts the bytes of all tenants anew.
+pub(super) fn count_all(txn: &WriteTransaction) -> Result<(), Refusal> {
+    let mut listed = BTreeMap::new();
+    for row in txn.open_table(retention::ENDED).map_err(storage)?.iter().map_err(storage)? {
+        let (key, bytes) = row.map_err(storage)?;
+        listed.insert(key.value().1.to_owned(), bytes.value());
+    }
+    let mut jobs = Vec::new();
+    for row in txn.open_table(JOB).map_err(storage)?.iter().map_err(storage)? {
+        let (id, row) = row.map_err(storage)?;
+        jobs.extend(readable::<Record>(id.value(), row.value()).map(|record| (record.id, record.tenant)));
+    }
+    let bytes = counted(jobs.into_iter(), &listed);
+    let mut table = txn.open_table(USAGE).map_err(storage)?;
+    let mut all: BTreeMap<String, (u64, u64, u64)> = BTreeMap::new();
+    for row in table.iter().map_err(storage)? {
+        let (tenant, row) = row.map_err(storage)?;
+        let (_, day, run_ms) = row.value();
+        all.insert(tenant.value().to_owned(), (0, day, run_ms));
+    }
+    for (tenant, bytes) in bytes {
+        all.entry(tenant).or_default().0 = bytes;
+    }
+    for (tenant, row) in all {
+        table.insert(tenant.as_str(), row).map_err(storage)?;
+    }
+    Ok(())
+}
+
+/// Whether the bytes agree with the list of ended jobs.
+pub(super) fn agree(txn: &ReadTransaction, jobs: &[Record]) -> Result<bool, Refusal> {
+    let mut listed = BTreeMap::new();
+    for row in txn.open_table(retention::ENDED).map_err(storage)?.iter().map_err(storage)? {
+        let (key, bytes) = row.map_err(storage)?;
+        listed.insert(key.value().1.to_owned(), bytes.value());
+    }
+    let mut stored = BTreeMap::new();
+    for row in txn.open_table(USAGE).map_err(storage)?.iter().map_err(storage)? {
+        let (tenant, row) = row.map_err(storage)?;
+        stored.insert(tenant.value().to_owned(), row.value().0);
+    }
+    let counted = counted(jobs.iter().map(|job| (job.id.clone(), job.tenant.clone())), &listed);
+    let nonzero = |bytes: BTreeMap<String, u64>| bytes.into_iter().filter(|(_, bytes)| *bytes > 0).collect::<Vec<_>>();
+    Ok(nonzero(stored) == nonzero(counted))
+}

@@ -1,0 +1,108 @@
+//! The line of one tenant: its jobs that wait, by urgency and age, and what it owes to the others.
+//!
+//! Invariant: `held` counts every job of the tenant that waits anywhere in the queue, `running` those on workers; a line
+//! without both is dropped with its account.
+
+use std::collections::BTreeMap;
+use std::time::{Duration, Instant};
+
+use super::places::Places;
+use crate::ledger::record::Priority;
+
+/// Time after which a job that waits counts as of the next priority.
+const AGEING: Duration = Duration::from_secs(60);
+/// Most that a tenant can owe: so much time of workers goes to others before it gets a turn again.
+const MOST_OWED: i64 = 60_000_000;
+
+/// Where a job stands in a line.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Spot {
+    pub(super) class: usize,
+    pub(super) ordinal: u64,
+}
+
+/// Jobs of one priority, by ordinal, with the time of their acceptance.
+#[derive(Debug, Default)]
+struct Class {
+    waiting: BTreeMap<u64, (String, Instant)>,
+    places: Places,
+}
+
+/// Jobs of one tenant.
+#[derive(Debug, Default)]
+pub(super) struct Line {
+    classes: [Class; 3],
+    /// Jobs of the tenant that wait, also those beside the line.
+    pub(super) held: usize,
+    /// Its jobs on workers.
+    pub(super) running: usize,
+    /// Time of workers that the tenant may use before it is the turn of the next, µs; below zero it owes as much.
+    pub(super) credit: i64,
+    /// What a run of its takes, µs, from the last ones.
+    typical: i64,
+}
+
+/// Index of the class of a priority.
+pub(super) fn class(priority: Priority) -> usize {
+    match priority {
+        Priority::High => 0,
+        Priority::Normal => 1,
+        Priority::Low => 2,
+    }
+}
+
+fn micros(time: Duration) -> i64 {
+    i64::try_from(time.as_micros()).unwrap_or(i64::MAX)
+}
+
+impl Line {
+    /// Jobs in the line.
+    pub(super) fn len(&self) -> usize {
+        self.classes.iter().map(|class| class.waiting.len()).sum()
+    }
+
+    pub(super) fn push(&mut self, spot: Spot, id: String, since: Instant) {
+        if let Some(class) = self.classes.get_mut(spot.class) {
+            class.places.push(spot.ordinal, class.waiting.keys());
+            class.waiting.insert(spot.ordinal, (id, since));
+        }
+    }
+
+    pub(super) fn remove(&mut self, spot: Spot) -> Option<String> {
+        let class = self.classes.get_mut(spot.class)?;
+        let (id, _) = class.waiting.remove(&spot.ordinal)?;
+        class.places.remove(spot.ordinal);
+        Some(id)
+    }
+
+    /// The job that goes first now.
+    pub(super) fn first(&self, now: Instant) -> Option<Spot> {
+        let heads = self.classes.iter().enumerate().filter_map(|(class, jobs)| {
+            let (ordinal, (_, since)) = jobs.waiting.first_key_value()?;
+            let risen = now.saturating_duration_since(*since).as_secs() / AGEING.as_secs();
+            let rank = class as i64 - i64::try_from(risen).unwrap_or(i64::MAX);
+            Some((rank, Spot { class, ordinal: *ordinal }))
+        });
+        heads.min_by_key(|(rank, spot)| (*rank, spot.ordinal)).map(|(_, spot)| spot)
+    }
+
+    /// Jobs of this line before one of its.
+    pub(super) fn before(&self, spot: Spot) -> usize {
+        let urgent: usize = self.classes.iter().take(spot.class).map(|class| class.waiting.len()).sum();
+        urgent + self.classes.get(spot.class).map_or(0, |class| class.places.before(spot.ordinal))
+    }
+
+    /// A run begins: it is paid in advance with what a run of this tenant takes. Gives the price.
+    pub(super) fn pay(&mut self) -> i64 {
+        let price = self.typical.max(1);
+        self.credit = (self.credit - price).max(-MOST_OWED);
+        price
+    }
+
+    /// A run that was paid with `price` is over.
+    pub(super) fn settle(&mut self, price: i64, took: Duration) {
+        let took = micros(took).max(1);
+        self.typical = if self.typical == 0 { took } else { (3 * self.typical + took) / 4 };
+        self.credit = (self.credit + price - took).max(-MOST_OWED);
+    }
+}

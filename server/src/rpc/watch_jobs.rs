@@ -1,0 +1,188 @@
+//! One watcher of many jobs.
+//!
+//! It follows the feed of changes by its cursor and sends the newest state of each job that has changed. Without a cursor
+//! it begins with the jobs that have not ended, page by page; what changes meanwhile follows from the feed. Invariant: a
+//! client that resumes at its cursor misses no job that has changed.
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use bytes::Bytes;
+use counterpoint_proto::v1;
+use prost::Message as _;
+use tokio::sync::mpsc;
+use tokio::time::timeout;
+use tonic::Status;
+
+use super::blocking;
+use super::watch::{SMALLEST, heartbeat};
+use crate::jobs::Core;
+use crate::jobs::describe::status;
+use crate::jobs::feed::Change;
+use crate::jobs::filter::Filter;
+use crate::ledger::Query;
+use crate::ledger::record::State;
+use crate::reason::Refusal;
+
+/// Most changes of a message.
+const GROUP: usize = 100;
+/// Shortest time between two messages with changes: a job that changes often is sent with its newest state.
+const PAUSE: Duration = Duration::from_millis(20);
+
+type Out = mpsc::Sender<Result<v1::WatchJobsResponse, Status>>;
+
+/// A watcher.
+pub(super) struct WatchJobs {
+    core: Arc<Core>,
+    tenant: String,
+    filter: Filter,
+    heartbeat: Duration,
+    /// Where the feed is read from; none: the jobs that have not ended come first.
+    cursor: Option<u64>,
+}
+
+/// Why a watch is over.
+enum Over {
+    /// The client has gone.
+    Gone,
+    /// To be reported to the client.
+    Refused(Refusal),
+}
+
+impl From<Refusal> for Over {
+    fn from(refusal: Refusal) -> Self {
+        Self::Refused(refusal)
+    }
+}
+
+impl WatchJobs {
+    pub(super) fn new(core: Arc<Core>, tenant: &str, request: v1::WatchJobsRequest) -> Result<Self, Refusal> {
+        let cursor = Some(request.after).filter(|after| *after > 0);
+        if let Some(cursor) = cursor {
+            // A cursor that cannot be continued from is refused before the stream begins.
+            core.feed().after(tenant, cursor, 0)?;
+        }
+        Ok(Self {
+            filter: Filter::read(request.filter.unwrap_or_default())?,
+            heartbeat: heartbeat(request.heartbeat_ms)?,
+            tenant: tenant.to_owned(),
+            cursor,
+            core,
+        })
+    }
+
+    /// Serves the client until it has gone or the server drains.
+    pub(super) async fn run(mut self, out: Out) {
+        if let Err(Over::Refused(refusal)) = self.serve(&out).await {
+            let _ = out.send(Err(refusal.into())).await;
+        }
+    }
+
+    async fn serve(&mut self, out: &Out) -> Result<(), Over> {
+        let (mut last, mut drain) = (self.core.feed().follow(), self.core.drain.follow());
+        let mut cursor = match self.cursor {
+            Some(cursor) => cursor,
+            None => {
+                let cursor = *last.borrow_and_update();
+                self.open_jobs(out).await?;
+                cursor
+            }
+        };
+        // At once: the client learns its cursor.
+        send(out, Vec::new(), cursor).await?;
+        loop {
+            last.mark_unchanged();
+            let found = self.core.feed().after(&self.tenant, cursor, GROUP)?;
+            let behind = found.cursor < *last.borrow_and_update();
+            if found.cursor > cursor {
+                cursor = found.cursor;
+                let changes = self.read(found.changes).await?;
+                if !changes.is_empty() {
+                    send(out, changes, cursor).await?;
+                }
+            }
+            if *drain.borrow_and_update() {
+                return Err(Refusal::Draining { cursor }.into());
+            }
+            if behind {
+                continue;
+            }
+            tokio::select! {
+                changed = timeout(self.heartbeat, last.changed()) => match changed {
+                    Ok(_) => tokio::time::sleep(PAUSE).await,
+                    Err(_) => send(out, Vec::new(), cursor).await?,
+                },
+                _ = drain.changed() => {}
+                () = out.closed() => return Err(Over::Gone),
+            }
+        }
+    }
+
+    /// Sends the jobs that have not ended.
+    async fn open_jobs(&self, out: &Out) -> Result<(), Over> {
+        let mut open = self.filter.clone();
+        open.states = [State::Queued, State::Running].into();
+        if !self.filter.states.is_empty() {
+            open.states.retain(|state| self.filter.states.contains(state));
+            if open.states.is_empty() {
+                return Ok(());
+            }
+        }
+        let mut after = String::new();
+        loop {
+            let (core, query) = (self.core.clone(), open.query(&self.tenant, self.core.busy(), GROUP));
+            let query = Query { after, ..query };
+            let filter = self.filter.clone();
+            let (jobs, next) = blocking(move || {
+                let page = core.ledger.jobs(&query)?;
+                let jobs = page.jobs.into_iter().map(|record| core.current(record));
+                let changes: Vec<_> = jobs.filter(|record| filter.takes(record)).map(|r| change(status(r))).collect();
+                Ok((changes, page.next))
+            })
+            .await?;
+            if !jobs.is_empty() {
+                send(out, jobs, 0).await?;
+            }
+            match next {
+                Some(next) => after = next,
+                None => return Ok(()),
+            }
+        }
+    }
+
+    /// The newest states of jobs that have changed.
+    async fn read(&self, changes: Vec<Change>) -> Result<Vec<v1::JobChange>, Refusal> {
+        let (core, filter) = (self.core.clone(), self.filter.clone());
+        blocking(move || {
+            let mut read = Vec::new();
+            for Change { id, removed, .. } in changes {
+                if let Some(removed) = removed {
+                    let status = v1::JobStatus { job_id: id.to_string(), ..Default::default() };
+                    read.extend(filter.took(&removed).then(|| v1::JobChange { status: Some(status), removed: true }));
+                    continue;
+                }
+                match core.job(&id) {
+                    Ok(record) => read.extend(filter.takes(&record).then(|| change(status(record)))),
+                    // Removed since, or lost: its removal follows, or asking for it says what is wrong.
+                    Err(Refusal::UnknownJob(_) | Refusal::DataLoss(_)) => {}
+                    Err(refusal) => return Err(refusal),
+                }
+            }
+            Ok(read)
+        })
+        .await
+    }
+}
+
+fn change(status: v1::JobStatus) -> v1::JobChange {
+    v1::JobChange { status: Some(status), removed: false }
+}
+
+async fn send(out: &Out, changes: Vec<v1::JobChange>, cursor: u64) -> Result<(), Over> {
+    let mut response = v1::WatchJobsResponse { changes, cursor, padding: Bytes::new() };
+    let length = response.encoded_len();
+    if length < SMALLEST {
+        response.padding = Bytes::from_static(&[0; SMALLEST]).slice(..SMALLEST - length);
+    }
+    out.send(Ok(response)).await.map_err(|_| Over::Gone)
+}

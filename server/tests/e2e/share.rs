@@ -1,0 +1,220 @@
+//! Shares of tenants: turns, quotas, places in the queue; priorities and deadlines of jobs.
+
+use std::sync::atomic::Ordering;
+use std::time::{SystemTime, UNIX_EPOCH};
+
+use counterpoint_proto::v1;
+use counterpoint_server::access::Role;
+use counterpoint_server::options::{Options, Quotas};
+use tonic::{Code, Status};
+use tonic_types::StatusExt;
+
+use crate::guarded::*;
+use crate::support::*;
+
+const LATHE: &str = "fanuc-2path-lathe";
+
+/// A server with two tenants.
+async fn two(options: Options) -> (Server, As, As) {
+    let tokens = [grant(&options, "n", "noisy", Role::Submit), grant(&options, "q", "quiet", Role::Submit)];
+    let server = Server::start(options).await;
+    let [noisy, quiet] = tokens.map(|token| As::new(&server, &token));
+    (server, noisy, quiet)
+}
+
+/// Submits this many jobs at once; gives their identities in the order of acceptance.
+async fn many(caller: &As, name: &str, script: &str, count: usize) -> Vec<String> {
+    caller.upload(script.as_bytes()).await.unwrap();
+    let mut calls = tokio::task::JoinSet::new();
+    for number in 0..count {
+        let (caller, request_id) = (caller.clone(), format!("{name}-{number}"));
+        let request = v1::SubmitJobRequest {
+            request_id,
+            machine: LATHE.into(),
+            programs: vec![v1::Program { path: "main.nc".into(), ..Default::default() }],
+            files: vec![v1::FileRef { path: "main.nc".into(), digest: digest(script.as_bytes()) }],
+            ..Default::default()
+        };
+        calls
+            .spawn(async move { caller.jobs().submit_job(request).await.unwrap().into_inner().status.unwrap().job_id });
+    }
+    let mut ids = calls.join_all().await;
+    ids.sort();
+    ids
+}
+
+fn quota(status: &Status) -> String {
+    assert_eq!((status.code(), reason(status).as_str()), (Code::ResourceExhausted, "QUOTA_EXCEEDED"));
+    let details = status.get_error_details();
+    let violation = &details.quota_failure().unwrap().violations[0];
+    assert_eq!(violation.subject, "tenant:noisy");
+    details.error_info().unwrap().metadata["quota"].clone()
+}
+
+#[tokio::test]
+async fn a_queue_of_thousands_of_one_tenant_does_not_delay_the_job_of_another() {
+    let folder = tempfile::tempdir().unwrap();
+    let (server, noisy, quiet) = two(Options { workers: 1, queue: 5000, ..guarded(folder.path()) }).await;
+    let endless = noisy.submit("endless", LATHE, "HANG").await.unwrap().job_id;
+    server_until(&noisy, &endless, v1::JobState::Running).await;
+    let queue = many(&noisy, "n", "EVENTS 1", 2000).await;
+    // The one worker hangs in a job of the other tenant.
+    let own = quiet.submit("q", LATHE, "EVENTS 3").await.unwrap().job_id;
+    assert_eq!(quiet.wait(&own).await.state(), v1::JobState::Succeeded);
+    let waiting = v1::ListJobsRequest { states: vec![v1::JobState::Queued.into()], ..Default::default() };
+    let page = noisy.jobs().list_jobs(waiting).await.unwrap().into_inner();
+    assert_eq!(page.jobs.len(), 50, "none of them had to run before");
+    server.script.hang.store(false, Ordering::SeqCst);
+    // Beside a queue that moves, a job waits for about a turn of each tenant.
+    let own = quiet.submit("q-2", LATHE, "EVENTS 3").await.unwrap().job_id;
+    let own = quiet.wait(&own).await;
+    let last = noisy.wait(&queue[queue.len() - 1]).await;
+    assert!(own.ended_ms <= last.ended_ms, "{} {}", own.ended_ms, last.ended_ms);
+    server.stop().await;
+}
+
+async fn server_until(caller: &As, job: &str, state: v1::JobState) {
+    for _ in 0..1000 {
+        let get = v1::GetJobRequest { job_id: job.into() };
+        if caller.jobs().get_job(get).await.unwrap().into_inner().status.unwrap().state() == state {
+            return;
+        }
+        tokio::time::sleep(std::time::Duration::from_millis(5)).await;
+    }
+    panic!("{job} never became {state:?}");
+}
+
+#[tokio::test]
+async fn a_tenant_that_fills_the_queue_leaves_places_for_others() {
+    let folder = tempfile::tempdir().unwrap();
+    let (server, noisy, quiet) = two(Options { workers: 1, queue: 20, ..guarded(folder.path()) }).await;
+    let running = noisy.submit("endless", LATHE, "HANG").await.unwrap().job_id;
+    server_until(&noisy, &running, v1::JobState::Running).await;
+    many(&noisy, "n", "EVENTS 1", 20).await;
+    let refused = noisy.submit("more", LATHE, "EVENTS 1").await.unwrap_err();
+    assert_eq!(reason(&refused), "QUEUE_FULL");
+    let own = quiet.submit("q", LATHE, "HANG").await.unwrap().job_id;
+    server_until(&quiet, &own, v1::JobState::Running).await;
+    // A tenth of the places, though the queue is full.
+    many(&quiet, "more", "EVENTS 1", 2).await;
+    let refused = quiet.submit("too-many", LATHE, "EVENTS 1").await.unwrap_err();
+    assert_eq!(reason(&refused), "QUEUE_FULL");
+    server.script.hang.store(false, Ordering::SeqCst);
+    server.stop().await;
+}
+
+#[tokio::test]
+async fn quotas_of_a_tenant_are_refused_by_name_and_others_go_on() {
+    let folder = tempfile::tempdir().unwrap();
+    let quotas = Quotas { tenant_queued: 2, tenant_running: 1, ..Quotas::default() };
+    let (server, noisy, quiet) = two(Options { workers: 2, quotas, ..guarded(folder.path()) }).await;
+    let first = noisy.submit("1", LATHE, "HANG").await.unwrap().job_id;
+    server_until(&noisy, &first, v1::JobState::Running).await;
+    let second = noisy.submit("2", LATHE, "EVENTS 1").await.unwrap().job_id;
+    noisy.submit("3", LATHE, "EVENTS 1").await.unwrap();
+    assert_eq!(quota(&noisy.submit("4", LATHE, "EVENTS 1").await.unwrap_err()), "tenant_queued");
+    assert!(noisy.submit("3", LATHE, "EVENTS 1").await.is_ok(), "a known job is answered even then");
+    let own = quiet.submit("q", LATHE, "EVENTS 3").await.unwrap().job_id;
+    assert_eq!(quiet.wait(&own).await.state(), v1::JobState::Succeeded, "the second worker is free for it");
+    let get = v1::GetJobRequest { job_id: second.clone() };
+    let status = noisy.jobs().get_job(get).await.unwrap().into_inner().status.unwrap();
+    assert_eq!(status.state(), v1::JobState::Queued, "one worker is all that its tenant may have");
+    server.script.hang.store(false, Ordering::SeqCst);
+    assert_eq!(noisy.wait(&second).await.state(), v1::JobState::Succeeded);
+    server.stop().await;
+}
+
+#[tokio::test]
+async fn stored_bytes_and_time_of_a_tenant_are_counted_over_restarts() {
+    let folder = tempfile::tempdir().unwrap();
+    let quotas = Quotas { tenant_bytes: 100, ..Quotas::default() };
+    let options = Options { quotas, ..guarded(folder.path()) };
+    let (server, noisy, quiet) = two(options.clone()).await;
+    let job = noisy.submit("1", LATHE, "EVENTS 2000").await.unwrap().job_id;
+    noisy.wait(&job).await;
+    assert_eq!(quota(&noisy.submit("2", LATHE, "EVENTS 2000").await.unwrap_err()), "tenant_bytes");
+    assert!(quiet.submit("q", LATHE, "EVENTS 1").await.is_ok());
+    let tokens = [noisy.bearer, quiet.bearer];
+    server.stop().await;
+    let server = Server::start(options.clone()).await;
+    let [noisy, quiet] = tokens.map(|bearer| As { connection: server.connection.clone(), bearer });
+    assert_eq!(quota(&noisy.upload(b"more").await.unwrap_err()), "tenant_bytes");
+    noisy.jobs().delete_job(v1::DeleteJobRequest { job_id: job }).await.unwrap();
+    let job = noisy.submit("2", LATHE, "EVENTS 1\nHANG").await.unwrap().job_id;
+    server_until(&noisy, &job, v1::JobState::Running).await;
+    tokio::time::sleep(std::time::Duration::from_millis(1100)).await;
+    server.script.hang.store(false, Ordering::SeqCst);
+    noisy.wait(&job).await;
+    let tokens = [noisy.bearer, quiet.bearer];
+    server.stop().await;
+    let quotas = Quotas { tenant_cpu_s: 1, ..Quotas::default() };
+    let server = Server::start(Options { quotas, ..options }).await;
+    let [noisy, quiet] = tokens.map(|bearer| As { connection: server.connection.clone(), bearer });
+    assert_eq!(quota(&noisy.submit("3", LATHE, "EVENTS 1").await.unwrap_err()), "tenant_cpu_s");
+    assert!(quiet.submit("q-2", LATHE, "EVENTS 1").await.is_ok());
+    server.stop().await;
+}
+
+#[tokio::test]
+async fn uploads_of_a_tenant_are_limited_and_others_upload() {
+    let folder = tempfile::tempdir().unwrap();
+    let quotas = Quotas { tenant_uploads: 1, ..Quotas::default() };
+    let (server, noisy, quiet) = two(Options { quotas, ..guarded(folder.path()) }).await;
+    let (send, receive) = tokio::sync::mpsc::channel(1);
+    let content = b"slow";
+    let first = v1::UploadRequest { digest: digest(content), data: "sl".into(), ..Default::default() };
+    let mut blobs = noisy.blobs();
+    let slow = tokio::spawn(async move { blobs.upload(tokio_stream::wrappers::ReceiverStream::new(receive)).await });
+    send.send(first).await.unwrap();
+    // What has come of it lies there.
+    while std::fs::read_dir(folder.path().join("data/tmp")).unwrap().next().is_none() {
+        tokio::time::sleep(std::time::Duration::from_millis(2)).await;
+    }
+    assert_eq!(quota(&noisy.upload(b"other").await.unwrap_err()), "tenant_uploads");
+    quiet.upload(b"other").await.unwrap();
+    send.send(v1::UploadRequest { data: "ow".into(), ..Default::default() }).await.unwrap();
+    drop(send);
+    slow.await.unwrap().unwrap();
+    noisy.upload(b"other").await.unwrap();
+    server.stop().await;
+}
+
+#[tokio::test]
+async fn urgent_jobs_go_first_and_a_deadline_ends_a_job_that_waits_or_runs() {
+    let folder = tempfile::tempdir().unwrap();
+    let server = Server::start(Options { workers: 1, ..options(folder.path()) }).await;
+    let now = || i64::try_from(SystemTime::now().duration_since(UNIX_EPOCH).unwrap().as_millis()).unwrap();
+    let submit = async |name: &str, script: &str, priority: v1::JobPriority, deadline_ms: i64| {
+        let request = server.request(name, script).await;
+        let request = v1::SubmitJobRequest { priority: priority.into(), deadline_ms, ..request };
+        server.jobs().submit_job(request).await.unwrap().into_inner().status.unwrap().job_id
+    };
+    use v1::JobPriority::{High, Low, Normal};
+    let running = submit("running", "HANG", Normal, 0).await;
+    server.until(&running, v1::JobState::Running).await;
+    let low = submit("low", "EVENTS 1", Low, 0).await;
+    let normal = submit("normal", "EVENTS 1", Normal, 0).await;
+    let high = submit("high", "EVENTS 1", High, 0).await;
+    let late = submit("late", "EVENTS 1", High, now() + 100).await;
+    let status = server.wait(&late).await;
+    assert_eq!((status.state(), status.cause(), status.attempt), (v1::JobState::Failed, v1::JobCause::Limit, 0));
+    assert!(status.error.contains("deadline"), "{}", status.error);
+    server.script.hang.store(false, Ordering::SeqCst);
+    let mut started = Vec::new();
+    for job in [&high, &normal, &low] {
+        started.push(server.wait(job).await.started_ms);
+    }
+    assert!(started.is_sorted(), "{started:?}");
+    server.script.hang.store(true, Ordering::SeqCst);
+    let stopped = submit("stopped", "EVENTS 5\nHANG", Normal, now() + 300).await;
+    let status = server.wait(&stopped).await;
+    assert_eq!((status.state(), status.cause()), (v1::JobState::Failed, v1::JobCause::Limit));
+    assert!(status.verdict.contains("deadline_ms") || status.error.contains("deadline_ms"), "{status:?}");
+    let past = submit("past", "EVENTS 5", Normal, 1).await;
+    assert_eq!(server.wait(&past).await.cause(), v1::JobCause::Limit);
+    // The ends are in the ledger.
+    server.stop().await;
+    let server = Server::start(options(folder.path())).await;
+    assert_eq!(server.status(&late).await.cause(), v1::JobCause::Limit);
+    server.stop().await;
+}
