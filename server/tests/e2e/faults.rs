@@ -77,7 +77,7 @@ async fn request(server: &Server, id: &str) -> Option<v1::SubmitJobRequest> {
         machine: "fanuc-2path-lathe".into(),
         programs: vec![v1::Program { path: "main.nc".into(), ..Default::default() }],
         files: vec![v1::FileRef { path: "main.nc".into(), digest }],
-        options: None,
+        ..Default::default()
     })
 }
 
@@ -115,7 +115,7 @@ async fn said(server: &Server, job: &str) -> Said {
     let events = server.events(job, 0).await;
     let summary = text!(results.get_summary(v1::GetSummaryRequest { job_id: id.clone() }));
     let log = text!(results.get_events(v1::GetEventsRequest { job_id: id.clone() }));
-    let listed = results.list_files(v1::ListFilesRequest { job_id: id.clone() }).await;
+    let listed = results.list_files(v1::ListFilesRequest { job_id: id.clone(), ..Default::default() }).await;
     let mut files = Vec::new();
     for file in listed.map_or(Vec::new(), |listed| listed.into_inner().files) {
         let request = v1::GetFileRequest { job_id: id.clone(), path: file.path.clone() };

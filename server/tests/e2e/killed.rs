@@ -84,7 +84,7 @@ async fn load(channel: Channel, accepted: Accepted, asked: Arc<Mutex<Vec<u64>>>,
             machine: "fanuc-2path-lathe".into(),
             programs: vec![v1::Program { path: "main.nc".into(), ..Default::default() }],
             files: vec![v1::FileRef { path: "main.nc".into(), digest: digest(content) }],
-            options: None,
+            ..Default::default()
         };
         let uploaded = blobs.upload(tokio_stream::iter([upload])).await;
         let answer = match uploaded {
@@ -222,7 +222,7 @@ async fn long_queue() {
             machine: "fanuc-2path-lathe".into(),
             programs: vec![v1::Program { path: "main.nc".into(), ..Default::default() }],
             files: vec![v1::FileRef { path: "main.nc".into(), digest: digest(b"HANG") }],
-            options: None,
+            ..Default::default()
         };
         async move { client.submit_job(request).await.unwrap() }
     };

@@ -53,7 +53,7 @@ async fn job(channel: &Channel) -> String {
         machine: "fanuc-mill".into(),
         programs: vec![v1::Program { path: "main.nc".into(), ..Default::default() }],
         files: vec![v1::FileRef { path: "main.nc".into(), digest: name }],
-        options: None,
+        ..Default::default()
     };
     let mut jobs = JobsClient::new(channel.clone());
     let job = jobs.submit_job(request).await.unwrap().into_inner().status.unwrap().job_id;

@@ -67,7 +67,7 @@ async fn a_thousand_jobs_of_two_channels_keep_no_more_threads_busy_than_there_ar
             machine: "fanuc-2path-lathe".into(),
             programs: programs.into(),
             files: files.clone(),
-            options: None,
+            ..Default::default()
         };
         last = jobs.submit_job(request).await.unwrap().into_inner().status.unwrap().job_id;
         look();
