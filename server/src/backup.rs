@@ -61,7 +61,7 @@ fn copy_with_ledger(from: &Path, to: &Path) -> Result<Contents, Refusal> {
             _ => {}
         }
         let has = |file: &str| target.job(&record.id).join(file).is_file();
-        let log = record.log_digest.is_empty() || has("log") || checkup.log(&record.id)?.is_some();
+        let log = record.log_digest.is_empty() || target.logs(&record.id).there() || checkup.log(&record.id)?.is_some();
         if !log || record.runs.has_files && !has(Document::Files.file()) {
             target.remove_job(&record.id)?;
             gone.push(record);

@@ -129,17 +129,15 @@ impl Doctor {
     fn job(&mut self, checkup: &Checkup, record: &Record) -> Result<(), Refusal> {
         let again = "delete the job and submit it again: the same job gives the same log";
         if record.state.ended() && !record.log_digest.is_empty() {
-            let path = self.store.log(&record.id);
-            let kept = if path.is_file() {
-                Some(Kept::File(path.clone()))
-            } else {
-                checkup.log(&record.id)?.map(Kept::Ledger)
-            };
+            let files = self.store.logs(&record.id);
+            let path = if files.segments.is_file() { files.segments.clone() } else { files.plain.clone() };
+            let kept =
+                if files.there() { Some(Kept::Files(files)) } else { checkup.log(&record.id)?.map(Kept::Ledger) };
             match kept {
                 None => self.lasting(path, "the log of an ended job is gone", again),
                 Some(kept) => {
                     if let Some(error) = damage_of_log(&kept, record.events)? {
-                        let path = if matches!(kept, Kept::File(_)) { path } else { self.store.ledger() };
+                        let path = if matches!(kept, Kept::Files(_)) { path } else { self.store.ledger() };
                         self.lasting(path, format!("job '{}': {error}", record.id), again);
                     }
                 }

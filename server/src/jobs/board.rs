@@ -123,9 +123,25 @@ impl Core {
         Ok(Place(self.clone(), tenant.to_owned()))
     }
 
-    /// Puts a job on the board.
+    /// Takes up a job, once.
     pub(super) fn admit(&self, live: Arc<Live>) {
-        self.board.live.insert(live.id.clone(), live.clone());
+        if self.enter(&live) {
+            self.wait_in_queue(&live);
+        }
+    }
+
+    /// Adds a job to those in memory; `false` if it is there.
+    pub(super) fn enter(&self, live: &Arc<Live>) -> bool {
+        let mut new = false;
+        self.board.live.entry(live.id.clone()).or_insert_with(|| {
+            new = true;
+            live.clone()
+        });
+        new
+    }
+
+    /// Lets a job that is in memory wait for its turn.
+    pub(super) fn wait_in_queue(&self, live: &Live) {
         let (suspect, deadline) = {
             let record = live.record();
             (record.runs.suspect, record.asked.deadline_ms)
@@ -134,8 +150,8 @@ impl Core {
             lock(&self.board.deadlines).insert((deadline, live.id.clone()));
         }
         let entry = if suspect { Entry::Suspect } else { Entry::Accepted(Instant::now()) };
-        push(&mut *lock(&self.board.queue).jobs, &live, entry);
-        self.changed(&live);
+        push(&mut *lock(&self.board.queue).jobs, live, entry);
+        self.changed(live);
     }
 
     /// Tells those who follow many jobs that one has changed.
@@ -145,12 +161,15 @@ impl Core {
 
     /// Starts waiting jobs while there are free workers, disk space and a ledger.
     pub(super) fn pump(self: &Arc<Self>) {
-        if lock(&self.board.queue).jobs.len() == 0 || !*self.ledger.writable().borrow() || self.room().is_err() {
-            return;
-        }
-        while let Some(live) = self.next() {
+        while let Some(live) = self.take() {
             worker::start(self.clone(), live);
         }
+    }
+
+    /// The next job, if there is a free worker for it, disk space and a ledger.
+    pub(super) fn take(&self) -> Option<Arc<Live>> {
+        let waits = lock(&self.board.queue).jobs.len() > 0;
+        if waits && *self.ledger.writable().borrow() && self.room().is_ok() { self.next() } else { None }
     }
 
     fn next(&self) -> Option<Arc<Live>> {
@@ -169,10 +188,21 @@ impl Core {
         }
     }
 
+    /// Threads for the kernels of a job whose run begins now, of which as many were `asked` for (0 = all): its share of
+    /// the cores. A job alone gets them all; one thread is enough where more jobs wait than cores are free.
+    pub(super) fn threads(&self, asked: u16) -> u16 {
+        let cores = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
+        let jobs = {
+            let queue = lock(&self.board.queue);
+            queue.jobs.workers() + queue.jobs.len()
+        };
+        let share = u16::try_from(cores / jobs.max(1)).unwrap_or(u16::MAX).max(1);
+        if asked == 0 { share } else { asked.min(share) }
+    }
+
     /// The run is over and only its storage is left, which needs no core: the next job may run meanwhile.
-    pub(super) fn leave(self: &Arc<Self>, live: &Live) {
+    pub(super) fn leave(&self, live: &Live) {
         lock(&self.board.queue).jobs.store(&live.id, Instant::now());
-        self.pump();
     }
 
     /// A worker is free again: the job has ended, or the drain has interrupted it.

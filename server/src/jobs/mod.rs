@@ -6,6 +6,7 @@
 
 mod board;
 pub(crate) mod describe;
+mod ends;
 pub(crate) mod feed;
 mod files;
 pub(crate) mod filter;
@@ -43,6 +44,7 @@ use crate::queue::Queue;
 use crate::reason::Refusal;
 use crate::runner::Runner;
 use board::Board;
+use ends::Ends;
 use feed::{Feed, Removed};
 pub(crate) use files::Sandbox;
 use flusher::Flusher;
@@ -76,6 +78,7 @@ pub(crate) struct Core {
     pub(crate) streams: Arc<Streams>,
     pub(crate) connections: Arc<Connections>,
     flusher: Flusher,
+    ends: Ends,
     board: Board,
     pub(crate) uploads: Uploads,
 }
@@ -125,6 +128,7 @@ impl Core {
         let uploads = Uploads::new(&options);
         Ok(Arc::new(Self {
             flusher: Flusher::start()?,
+            ends: Ends::start()?,
             board: Board::new(queue, ledger.epoch()),
             ledger,
             machines: Machines::new(blobs.clone(), options.maxima.max_machine_bytes),
@@ -152,12 +156,22 @@ impl Core {
         }
         // Marks of jobs that have ended.
         marks.keys().for_each(|id| self.host.unmark(id));
-        let alone = unfinished.iter().filter(|record| record.state == State::Running).count() == 1;
+        let running = unfinished.iter().filter(|record| record.state == State::Running).count();
+        let alone = running == 1;
+        if !unfinished.is_empty() {
+            tracing::info!(jobs = unfinished.len(), running, "jobs that have not ended are taken up again");
+        }
         for record in unfinished {
             let before = record.state;
             let record = recovered(record, alone, self.options.attempts);
-            tracing::info!(job = record.id, state = ?record.state, suspect = record.runs.suspect, "recovered");
+            if before == State::Running {
+                tracing::info!(job = record.id, state = ?record.state, suspect = record.runs.suspect, "recovered");
+            }
             if record.state != before {
+                if record.state.ended() {
+                    // Of a run that did not come to its end.
+                    self.logs.remove_log(&record.id)?;
+                }
                 self.ledger.update_blocking(record.clone())?;
                 self.host.unmark(&record.id);
             }
@@ -169,8 +183,12 @@ impl Core {
         self.pump();
         housekeeping::start(self)?;
         let core = Arc::downgrade(self);
+        let mut writable = self.ledger.writable();
         std::thread::Builder::new().name("tick".to_owned()).spawn(move || {
             while let Some(core) = core.upgrade() {
+                if writable.has_changed().unwrap_or(false) && *writable.borrow_and_update() {
+                    core.find_unanswered();
+                }
                 core.stop_late_jobs();
                 core.pump();
                 core.board.ticked();
@@ -199,6 +217,7 @@ impl Core {
     pub(crate) async fn submit(self: &Arc<Self>, record: Record) -> Result<(Record, bool), Refusal> {
         if let Some(known) = self.ledger.by_request(&record.tenant, &record.request_id)? {
             return if known.asks_the_same(&record) {
+                self.answered(&known)?;
                 Ok((self.current(known), true))
             } else {
                 Err(Refusal::RequestIdReused(record.request_id))
@@ -222,13 +241,51 @@ impl Core {
         };
         let submitted = self.ledger.submit(record, Box::new(check), Box::new(accepted)).await?;
         match submitted {
-            Submitted::Known(known) => Ok((self.current(*known), true)),
+            Submitted::Known(known) => {
+                self.answered(&known)?;
+                Ok((self.current(*known), true))
+            }
             Submitted::New(record) => {
                 self.metrics.jobs.accepted.inc();
                 self.board.tally.accepted(&record);
                 self.pump();
                 Ok((*record, false))
             }
+        }
+    }
+
+    /// Whether a job that is in the ledger is durable there. One that is not in memory may be from a transaction whose
+    /// sync failed: a loss of power takes it back while the ledger cannot be written.
+    fn answered(&self, known: &Record) -> Result<(), Refusal> {
+        if known.state.ended() || self.live(&known.id).is_some() {
+            return Ok(());
+        }
+        if !*self.ledger.writable().borrow() {
+            return Err(Refusal::Storage("it is not known yet whether the job has been accepted".to_owned()));
+        }
+        self.take_up(known.clone());
+        Ok(())
+    }
+
+    /// Takes up jobs that the ledger holds although their submits were refused: the sync of their transaction failed,
+    /// and the ledger was found to hold it when it was opened again.
+    fn find_unanswered(&self) {
+        for record in self.ledger.unfinished().unwrap_or_default() {
+            if self.live(&record.id).is_none() {
+                self.take_up(record);
+            }
+        }
+    }
+
+    fn take_up(&self, record: Record) {
+        let live = Arc::new(Live::new(record));
+        if !self.enter(&live) {
+            return;
+        }
+        // It may have ended since it was looked at.
+        match self.ledger.job(&live.id) {
+            Ok(Some(record)) if !record.state.ended() => self.wait_in_queue(&live),
+            _ => drop(self.board.live.remove(&live.id)),
         }
     }
 

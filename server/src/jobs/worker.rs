@@ -1,4 +1,4 @@
-//! One job on its own thread.
+//! Jobs on worker threads.
 //!
 //! Invariant: whatever happens in a run, the place is given back and the server lives on. The job gets an end state,
 //! unless the host has failed the run (disk, descriptors, threads): then the run is dropped and the job waits for
@@ -18,17 +18,19 @@ use counterpoint_kernel::log::builder::ResultsBuilder;
 use counterpoint_kernel::log::event::VerdictKind;
 use counterpoint_kernel::log::summary;
 use counterpoint_kernel::machine::finding::Finding;
+use counterpoint_kernel::options::Options;
 use prost::Message as _;
 
 use super::Core;
 use super::describe::description;
+use super::ends::End;
 use super::files::Sandbox;
 use super::live::{Live, Run};
 use super::sink::JobSink;
 use super::system::Shell;
 use crate::ledger::record::{Cause, Record, State, now_ms};
 use crate::log::Logs;
-use crate::log::writer::{Small, Writer};
+use crate::log::writer::{Ended, Small, Writer};
 use crate::pace::Pace;
 use crate::reason::Refusal;
 use crate::results::{Document, Finished};
@@ -37,12 +39,17 @@ use crate::runner::{Prepared, Task};
 /// Lines about runs that the host has failed.
 static FAILED_BY_HOST: Pace = Pace::new();
 
-/// Starts the worker thread of a job.
+/// Starts a worker thread for a job, and for others while they wait.
 pub(super) fn start(core: Arc<Core>, live: Arc<Live>) {
-    let tail = live.id.len().saturating_sub(8);
-    let name = format!("job-{}", live.id.get(tail..).unwrap_or_default());
     let (spare_core, spare_live) = (core.clone(), live.clone());
-    let started = std::thread::Builder::new().name(name).spawn(move || work(&core, &live));
+    let work = move || {
+        work(&core, &live);
+        drop(live);
+        while let Some(live) = core.take() {
+            work(&core, &live);
+        }
+    };
+    let started = std::thread::Builder::new().name("job".to_owned()).spawn(work);
     if let Err(error) = started {
         again(&spare_core, spare_live, format!("no thread for the job: {error}"));
     }
@@ -53,10 +60,7 @@ fn work(core: &Arc<Core>, live: &Arc<Live>) {
     let _inside = span.enter();
     let work = || match run(core, live)? {
         Ran::Over(change) => Ok((change, None)),
-        Ran::Through(through) => {
-            core.leave(live);
-            through.store(core, live)
-        }
+        Ran::Through(through) => through.store(core, live),
     };
     let (change, log) = match catch_unwind(AssertUnwindSafe(work)) {
         Ok(Ok(stored)) => stored,
@@ -134,12 +138,11 @@ fn again(core: &Arc<Core>, live: Arc<Live>, trouble: String) {
     core.again(&live, record.runs.host_failures);
 }
 
-/// Time between two attempts to make the end of a job durable, and between two looks at whether it is to end.
+/// Between two looks at whether the run is to end.
 const LOOK: Duration = Duration::from_millis(50);
 
-/// Makes the end durable, then visible. It waits for a ledger that cannot be written, until the server drains: then
-/// the job is run again by the next server.
-fn end(core: &Arc<Core>, live: &Live, change: Change, log: Option<Small>) {
+/// Hands the end over, to be made durable and then visible.
+fn end(core: &Arc<Core>, live: &Arc<Live>, change: Change, log: Option<Small>) {
     let mut record = live.record();
     change(&mut record);
     record.runs.suspect = false;
@@ -147,40 +150,8 @@ fn end(core: &Arc<Core>, live: &Live, change: Change, log: Option<Small>) {
         record.ended_ms = now_ms();
         record.runs.run_ms = u64::try_from(record.ended_ms - record.runs.started_ms).unwrap_or(0);
     }
-    while let Err(error) = core.ledger.end_blocking(record.clone(), log.as_ref().map(|log| log.bytes.clone())) {
-        if core.drain.begun() {
-            tracing::error!(%error, "the end of the job could not be kept; the next server runs it again");
-            record = Record { state: State::Queued, ..live.record() };
-            break;
-        }
-        std::thread::sleep(LOOK);
-    }
-    core.board.tally.ended(&record);
-    count(core, &record);
-    core.host.unmark(&live.id);
-    if let Some(log) = log.filter(|_| record.state.ended()) {
-        live.tail.set(log.bytes.len() as u64, log.last_seq);
-    }
-    live.change(|now| *now = Record { cancel: now.cancel, ..record });
-    core.free(live);
-}
-
-/// Counts the end of a job.
-fn count(core: &Core, record: &Record) {
-    core.metrics.ended(match record.state {
-        State::Queued | State::Running => return,
-        State::Succeeded => "SUCCEEDED",
-        State::Failed => "FAILED",
-        State::Cancelled => "CANCELLED",
-    });
-    for limit in ["wall_ms", "max_job_bytes"] {
-        if record.runs.limit.ends_with(limit) {
-            core.metrics.limit(limit);
-        }
-    }
-    if record.runs.limit.contains("deadline_ms") {
-        core.metrics.limit("deadline");
-    }
+    core.leave(live);
+    End::new(core, live, record, log).keep();
 }
 
 /// What a run leaves to be stored.
@@ -219,7 +190,9 @@ fn run(core: &Core, live: &Arc<Live>) -> Result<Ran, Refusal> {
         stop.ask();
     }
     let files = Sandbox::new(core.blobs.of(&record.tenant), &record.files);
-    let prepared = prepare(core, &record, &files, &stop)?;
+    let threads = core.threads(record.options.threads);
+    let options = Options { threads, ..record.options.clone() };
+    let prepared = prepare_with(core, &record, options, &files, &stop)?;
     files.trouble()?;
     let prepared = match prepared {
         Ok(prepared) => prepared,
@@ -269,12 +242,19 @@ impl Through {
         let Self { outcome, finished, limit, writer } = self;
         let bytes = writer.as_ref().map_or(0, Writer::bytes);
         let has_files = !finished.files.is_empty();
-        let log = match writer {
-            Some(writer) => writer.finish()?,
-            None => None,
+        let (log, mut place) = match writer.map(Writer::finish).transpose()? {
+            Some(Ended::Small(log)) => (Some(log), None),
+            Some(Ended::Placed(place)) => (None, Some(place)),
+            None => (None, None),
         };
+        let packed = place.as_mut().map_or(Ok(bytes), |place| place.pack())?;
         let (finished, stored_bytes) = keep(core, live, finished, bytes)?;
-        if log.is_none() && core.options.log || has_files {
+        let stored_bytes = stored_bytes.saturating_sub(bytes) + packed;
+        if place.is_some() || has_files {
+            // The rest is waiting for the disk.
+            core.leave(live);
+            core.pump();
+            place.map_or(Ok(()), |place| place.seal())?;
             core.logs.sync(&live.id)?;
         }
         let verdict = finished.results.summary.verdict.as_ref();
@@ -314,9 +294,19 @@ pub(crate) fn prepare(
     files: &Sandbox,
     stop: &Stop,
 ) -> Result<Result<Box<dyn Prepared>, Unusable>, Refusal> {
+    prepare_with(core, record, record.options.clone(), files, stop)
+}
+
+fn prepare_with(
+    core: &Core,
+    record: &Record,
+    options: Options,
+    files: &Sandbox,
+    stop: &Stop,
+) -> Result<Result<Box<dyn Prepared>, Unusable>, Refusal> {
     let checked = core.machines.load(&record.machine)?;
     let Some(machine) = checked.machine else { return Ok(Err((Cause::Machine, checked.findings))) };
-    let task = Task { machine, programs: record.programs.clone(), options: record.options.clone() };
+    let task = Task { machine, programs: record.programs.clone(), options };
     Ok(core.runner.prepare(task, files, stop).map_err(|findings| (Cause::Program, findings)))
 }
 
@@ -368,7 +358,7 @@ fn store(logs: &dyn Logs, id: &str, finished: &Finished) -> io::Result<u64> {
     let mut bytes = 0;
     for document in Document::ALL.into_iter().filter(|document| *document != Document::Files) {
         if let Some(text) = finished.document(document) {
-            logs.write(id, document.file(), &text)?;
+            logs.write_spare(id, document.file(), &text)?;
             bytes += text.len() as u64;
         }
     }

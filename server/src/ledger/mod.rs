@@ -23,6 +23,9 @@ pub(crate) type Check<T> = Box<dyn FnOnce(&T) -> Result<(), Refusal> + Send>;
 /// Called when a job is durable, in the order of acceptance.
 pub(crate) type Accepted = Box<dyn FnOnce(&Record) + Send>;
 
+/// Called with how it went.
+pub(crate) type Then = Box<dyn FnOnce(Result<(), Refusal>) + Send>;
+
 /// Answer to a submit.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum Submitted {
@@ -132,8 +135,9 @@ pub(crate) trait Ledger: Send + Sync + Debug {
     /// Keeps what the operator said, unless the job has ended.
     async fn answered(&self, id: String, channel: u16, answer: Option<Answer>) -> Result<(), Refusal>;
 
-    /// Stores the end of a job, with its log if that is small, from a thread that may block.
-    fn end_blocking(&self, record: Record, log: Option<Bytes>) -> Result<(), Refusal>;
+    /// Stores the end of a job, with its log if that is small, from a thread that may block until others have been
+    /// taken; `then` is called when the end is durable or could not be made so, and must not block.
+    fn end(&self, record: Record, log: Option<Bytes>, then: Then);
 
     /// The log of a job, if it is kept here.
     fn log(&self, id: &str) -> Result<Option<Bytes>, Refusal>;

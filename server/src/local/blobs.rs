@@ -105,7 +105,7 @@ impl Blobs for LocalBlobs {
 
     fn has(&self, digest: &str) -> bool {
         match &self.place {
-            Place::Files(store) => is_digest(digest) && store.blob(&self.tenant, digest).is_file(),
+            Place::Files(store) => is_digest(digest) && store.has(&store.blob(&self.tenant, digest)),
             Place::Memory(blobs) => blobs.contains_key(&self.key(digest)),
         }
     }

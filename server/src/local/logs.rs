@@ -1,26 +1,38 @@
 //! Logs and results in the folders of their jobs, and what the data folder says about its machine.
 
 use std::fs::File;
-use std::io::{self, Read, Write as _};
-use std::path::PathBuf;
+use std::io::{self, BufReader, Read, Write as _};
+use std::path::{Path, PathBuf};
 
 use super::disk::{Disk, Written};
+use super::spare;
 use super::store::Store;
 use crate::host::Host;
-use crate::log::Logs;
-use crate::log::kept::Kept;
+use crate::log::kept::{Files, Kept};
 use crate::log::writer::Place;
+use crate::log::{Logs, segments};
+
+/// Bytes from which on a log that has ended is compressed.
+const PACKED_FROM: u64 = 64 * 1024;
+/// Bytes read at once of a log that is compressed.
+const READ: usize = 256 * 1024;
 
 impl Logs for Store {
     fn begin(&self, id: &str) -> io::Result<Box<dyn Place>> {
         // Readers of the log of a run before this one keep that file.
         self.remove_log(id)?;
-        let place = LogFile { disk: self.disk().clone(), path: self.log(id), durable: self.durable(), file: None };
+        let place = LogFile {
+            disk: self.disk().clone(),
+            files: self.logs(id),
+            durable: self.durable(),
+            file: None,
+            packed: None,
+        };
         Ok(Box::new(place))
     }
 
     fn kept(&self, id: &str) -> Option<Kept> {
-        Some(Kept::File(self.log(id))).filter(|_| self.log(id).is_file())
+        Some(self.logs(id)).filter(Files::there).map(Kept::Files)
     }
 
     fn remove_log(&self, id: &str) -> io::Result<()> {
@@ -28,11 +40,15 @@ impl Logs for Store {
     }
 
     fn write(&self, id: &str, name: &str, content: &[u8]) -> io::Result<()> {
-        self.write(&self.job(id).join(name), content)
+        self.write(id, name, content)
+    }
+
+    fn write_spare(&self, id: &str, name: &str, content: &[u8]) -> io::Result<()> {
+        self.write_spare(id, name, content)
     }
 
     fn open(&self, id: &str, name: &str) -> io::Result<Box<dyn Read + Send>> {
-        Ok(Box::new(File::open(self.job(id).join(name))?))
+        Ok(Box::new(spare::whole(File::open(self.job(id).join(name))?)?))
     }
 
     fn sync(&self, id: &str) -> io::Result<()> {
@@ -52,9 +68,27 @@ impl Logs for Store {
 #[derive(Debug)]
 struct LogFile {
     disk: Disk,
-    path: PathBuf,
+    files: Files,
     durable: bool,
     file: Option<Written>,
+    /// Its compressed form.
+    packed: Option<Written>,
+}
+
+impl LogFile {
+    fn pack_to(&self, segments: &Path) -> io::Result<(Written, u64)> {
+        let mut packed = self.disk.create(segments)?;
+        let mut plain = BufReader::with_capacity(READ, self.disk.open(&self.files.plain)?);
+        let bytes = segments::pack(&mut plain, &mut packed)?;
+        Ok((packed, bytes))
+    }
+
+    /// The compressed form cannot be had. While the plain one is there, nobody reads it.
+    fn stay_plain(&mut self, error: &io::Error) {
+        tracing::warn!(%error, "the log stays as it is, without compression");
+        self.packed = None;
+        let _ = std::fs::remove_file(&self.files.segments);
+    }
 }
 
 impl Place for LogFile {
@@ -62,10 +96,10 @@ impl Place for LogFile {
         let file = match &mut self.file {
             Some(file) => file,
             none => {
-                if let Some(folder) = self.path.parent() {
+                if let Some(folder) = self.files.plain.parent() {
                     self.disk.create_folder(folder)?;
                 }
-                none.insert(self.disk.create(&self.path)?)
+                none.insert(self.disk.create(&self.files.plain)?)
             }
         };
         file.write_all(content)
@@ -75,7 +109,29 @@ impl Place for LogFile {
         self.file.is_some()
     }
 
-    fn sync(&self) -> io::Result<()> {
+    fn pack(&mut self) -> io::Result<u64> {
+        let length = self.files.plain.metadata()?.len();
+        if !self.durable || length < PACKED_FROM {
+            return Ok(length);
+        }
+        match self.pack_to(&self.files.segments) {
+            Ok((packed, bytes)) => {
+                self.packed = Some(packed);
+                Ok(bytes)
+            }
+            Err(error) => {
+                self.stay_plain(&error);
+                Ok(length)
+            }
+        }
+    }
+
+    fn seal(mut self: Box<Self>) -> io::Result<()> {
+        match self.packed.as_ref().map(Written::sync) {
+            Some(Ok(())) => return std::fs::remove_file(&self.files.plain),
+            Some(Err(error)) => self.stay_plain(&error),
+            None => {}
+        }
         match &self.file {
             Some(file) if self.durable => file.sync(),
             _ => Ok(()),
@@ -106,5 +162,47 @@ impl Host for Store {
 
     fn release(&self) {
         self.release();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::log::reader::Reader;
+    use crate::log::reader::tests::plain;
+
+    /// Numbers of the events after a cursor, up to the end.
+    fn events(kept: &Kept, after: u64) -> Vec<u64> {
+        let mut reader = Reader::open_ended(kept, after).unwrap();
+        let mut all = Vec::new();
+        while let Some(batch) = reader.next_batch().unwrap() {
+            all.extend(batch.first..=batch.last);
+        }
+        all
+    }
+
+    #[test]
+    fn a_log_reads_the_same_plain_sealed_and_while_both_are_there() {
+        let folder = tempfile::tempdir().unwrap();
+        let store = Store::open(folder.path().to_owned(), true, Disk::default()).unwrap();
+        let (log, files) = (plain(30_000), store.logs("j"));
+        let mut place = Logs::begin(&store, "j").unwrap();
+        place.write(&log).unwrap();
+        // As a server that did not compress has left it.
+        let kept = store.kept("j").unwrap();
+        let cursors = [0, 1, 255, 256, 12_345, 29_999, 30_000];
+        let expected: Vec<_> = cursors.iter().map(|after| (after + 1..=30_000).collect::<Vec<_>>()).collect();
+        let read = || cursors.iter().map(|after| events(&kept, *after)).collect::<Vec<_>>();
+        assert_eq!((read(), kept.length().unwrap()), (expected.clone(), log.len() as u64));
+        let bytes = place.pack().unwrap();
+        assert_eq!(read(), expected, "both are there");
+        place.seal().unwrap();
+        assert!(!files.plain.exists() && bytes == files.segments.metadata().unwrap().len() && bytes < log.len() as u64);
+        assert_eq!((read(), kept.length().unwrap()), (expected.clone(), log.len() as u64));
+        std::fs::write(&files.plain, &log).unwrap();
+        std::fs::write(&files.segments, "half").unwrap();
+        assert_eq!((read(), kept.length().unwrap()), (expected, log.len() as u64));
+        let place = Logs::begin(&store, "j").unwrap();
+        assert!(store.kept("j").is_none() && !place.used(), "a run begins without the log of the run before it");
     }
 }

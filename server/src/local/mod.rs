@@ -9,6 +9,8 @@ pub(crate) mod folder_lock;
 pub(crate) mod ledger;
 mod logs;
 pub(crate) mod queue;
+mod shared;
+mod spare;
 pub(crate) mod store;
 
 use std::sync::Arc;

@@ -1,15 +1,20 @@
 //! The data folder: where each thing lies, and how a file gets there so that a crash leaves the old or the new
 //! content, never half of it.
 //!
-//! Layout: `lock`, `ledger.redb`, `blobs/<2 digits>/<digest>`, `blobs/@<tenant>/<2 digits>/<digest>`, `jobs/<id>/{log, summary.json, …}`, `running/<id>`, `tmp/`.
+//! Layout: `lock`, `ledger.redb`, `blobs/<2 digits>/<digest>`, `blobs/@<tenant>/<2 digits>/<digest>`,
+//! `jobs/<id>/{log or log.segments, summary.json, …}`, `running/<id>`, `tmp/`.
 
+use std::collections::HashSet;
 use std::fs;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use super::disk::{Disk, Temporary};
 use super::folder_lock::FolderLock;
+use super::shared::Shared;
+use super::spare;
+use crate::log::kept::Files;
 use crate::tenant;
 
 /// The data folder.
@@ -19,14 +24,29 @@ pub(crate) struct Store {
     durable: bool,
     disk: Disk,
     lock: Arc<FolderLock>,
+    /// Folders that a loss of power leaves, with the names that were in them when this server first saw them.
+    lasting: Arc<Mutex<HashSet<PathBuf>>>,
+    /// Files that have got their names, which may not be durable yet.
+    unsure: Arc<Mutex<HashSet<PathBuf>>>,
+    /// Syncs of the folder of all jobs.
+    jobs_synced: Arc<Shared>,
 }
 
 impl Store {
     /// Takes the folder for this server, creates what is missing and empties `tmp`.
     pub(crate) fn open(root: PathBuf, durable: bool, disk: Disk) -> io::Result<Self> {
+        let new = !root.is_dir();
         fs::create_dir_all(&root)?;
         let lock = Arc::new(FolderLock::take(&root)?);
-        let store = Self { root, durable, disk, lock };
+        let store = Self {
+            root,
+            durable,
+            disk,
+            lock,
+            lasting: Arc::default(),
+            unsure: Arc::default(),
+            jobs_synced: Arc::default(),
+        };
         for folder in ["blobs", "jobs", "running"] {
             fs::create_dir_all(store.root.join(folder))?;
         }
@@ -34,6 +54,10 @@ impl Store {
             Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
             _ => fs::create_dir_all(store.tmp())?,
         }
+        if new {
+            store.sync_folder_of(&store.root)?;
+        }
+        store.sync_root()?;
         Ok(store)
     }
 
@@ -43,7 +67,15 @@ impl Store {
             return Err(io::Error::new(io::ErrorKind::NotFound, "there is no such folder"));
         }
         let lock = Arc::new(FolderLock::take(&root)?);
-        Ok(Self { root, durable: true, disk: Disk::default(), lock })
+        Ok(Self {
+            root,
+            durable: true,
+            disk: Disk::default(),
+            lock,
+            lasting: Arc::default(),
+            unsure: Arc::default(),
+            jobs_synced: Arc::default(),
+        })
     }
 
     pub(crate) fn durable(&self) -> bool {
@@ -105,16 +137,35 @@ impl Store {
         self.root.join("jobs").join(id)
     }
 
-    /// Event log of a job.
+    /// Event log of a job while it runs.
     pub(crate) fn log(&self, id: &str) -> PathBuf {
         self.job(id).join("log")
     }
 
-    /// Writes a whole file: temporary file, fsync, rename, fsync of the folder.
-    pub(crate) fn write(&self, path: &Path, content: &[u8]) -> io::Result<()> {
+    /// Files of the log of a job.
+    pub(crate) fn logs(&self, id: &str) -> Files {
+        Files { plain: self.log(id), segments: self.job(id).join("log.segments") }
+    }
+
+    /// Writes a whole file into the folder of a job: temporary file, fsync, rename. Its name is made durable by
+    /// [`sync_job`](Self::sync_job).
+    pub(crate) fn write(&self, id: &str, name: &str, content: &[u8]) -> io::Result<()> {
         let mut file = self.temporary()?;
         file.write_all(content)?;
-        self.keep(file, path)
+        if self.durable {
+            file.sync()?;
+        }
+        self.disk.create_folder(&self.job(id))?;
+        file.place(&self.job(id).join(name))
+    }
+
+    /// Same without fsync, for what can be made again: a checksum tells whether it is whole.
+    pub(crate) fn write_spare(&self, id: &str, name: &str, content: &[u8]) -> io::Result<()> {
+        let mut file = self.temporary()?;
+        file.write_all(&spare::head(content))?;
+        file.write_all(content)?;
+        self.disk.create_folder(&self.job(id))?;
+        file.place(&self.job(id).join(name))
     }
 
     /// A temporary file.
@@ -128,10 +179,53 @@ impl Store {
             file.sync()?;
         }
         if let Some(folder) = path.parent() {
-            self.disk.create_folder(folder)?;
+            self.create_lasting(folder)?;
         }
-        file.place(path)?;
-        self.sync_folder_of(path)
+        held(&self.unsure).insert(path.to_owned());
+        let kept = file.place(path).and_then(|()| self.sync_folder_of(path));
+        if kept.is_ok() || !path.exists() {
+            held(&self.unsure).remove(path);
+        }
+        kept
+    }
+
+    /// Whether a file is there and will be after a loss of power. One whose name could not be made durable is as if it
+    /// were not there.
+    pub(crate) fn has(&self, path: &Path) -> bool {
+        let Some(folder) = path.parent().filter(|_| path.is_file()) else { return false };
+        let lasting = self.create_lasting(folder).is_ok();
+        if !held(&self.unsure).contains(path) {
+            return lasting;
+        }
+        let sure = lasting && self.sync_folder_of(path).is_ok();
+        if sure {
+            held(&self.unsure).remove(path);
+        }
+        sure
+    }
+
+    /// Creates a folder inside the data folder and makes its name durable, with those of the folders that it is in.
+    fn create_lasting(&self, folder: &Path) -> io::Result<()> {
+        if !self.durable {
+            return self.disk.create_folder(folder);
+        }
+        if folder == self.root || held(&self.lasting).contains(folder) {
+            return Ok(());
+        }
+        if let Some(outer) = folder.parent() {
+            self.create_lasting(outer)?;
+        }
+        self.disk.create_folder(folder)?;
+        // Also one that is there, with what is in it: it may be from a server that came no further.
+        self.sync_folder_of(folder)?;
+        self.disk.sync_folder(folder)?;
+        held(&self.lasting).insert(folder.to_owned());
+        Ok(())
+    }
+
+    /// Makes the names in the data folder itself durable.
+    pub(crate) fn sync_root(&self) -> io::Result<()> {
+        if self.durable { self.disk.sync_folder(&self.root) } else { Ok(()) }
     }
 
     /// Makes names in the folder of `path` durable where the system has the notion.
@@ -174,19 +268,25 @@ impl Store {
         self.root.join("running").join(id)
     }
 
-    /// Makes the names of a job's folder durable, and its own.
+    /// Makes the names of a job's folder durable, and its own; the latter together with other jobs.
     pub(crate) fn sync_job(&self, id: &str) -> io::Result<()> {
-        let folder = self.job(id);
-        self.sync_folder_of(&folder.join("log"))?;
-        self.sync_folder_of(&folder)
+        if !self.durable {
+            return Ok(());
+        }
+        self.disk.sync_folder(&self.job(id))?;
+        self.jobs_synced.sync(|| self.disk.sync_folder(&self.root.join("jobs")))
     }
 
     /// Removes the log of a job whose run did not come to its end; not being there is fine.
     pub(crate) fn remove_log(&self, id: &str) -> io::Result<()> {
-        match fs::remove_file(self.log(id)) {
-            Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(()),
-            other => other,
+        let files = self.logs(id);
+        for path in [files.plain, files.segments] {
+            match fs::remove_file(path) {
+                Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
+                _ => {}
+            }
         }
+        Ok(())
     }
 
     /// Files with which backups ask for a copy of the ledger.
@@ -220,6 +320,11 @@ impl Store {
     }
 }
 
+/// A set whose holder panicked is used as it is.
+fn held(set: &Mutex<HashSet<PathBuf>>) -> MutexGuard<'_, HashSet<PathBuf>> {
+    set.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
 /// Names in a folder; none if there is no such folder.
 fn names(folder: &Path) -> io::Result<Vec<String>> {
     let entries = match fs::read_dir(folder) {
@@ -241,10 +346,9 @@ mod tests {
     fn a_written_file_is_whole() {
         let folder = tempfile::tempdir().unwrap();
         let store = Store::open(folder.path().join("data"), true, Disk::default()).unwrap();
-        let path = store.job("j").join("summary.json");
-        store.write(&path, b"one").unwrap();
-        store.write(&path, b"two").unwrap();
-        assert_eq!(fs::read(path).unwrap(), b"two");
+        store.write("j", "files.json", b"one").unwrap();
+        store.write("j", "files.json", b"two").unwrap();
+        assert_eq!(fs::read(store.job("j").join("files.json")).unwrap(), b"two");
         assert_eq!(fs::read_dir(store.tmp()).unwrap().count(), 0);
     }
 }

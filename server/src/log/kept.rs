@@ -1,6 +1,7 @@
-//! Where the log of a job is: in its file, or in the ledger if it is small.
+//! Where the log of a job is: in its file, plain or compressed, or in the ledger if it is small.
 //!
-//! Invariant: both hold the same bytes, from the head on.
+//! Invariant: all of them read as the same bytes, from the head on; the plain file is the one to read while both are
+//! there.
 
 use std::fmt::Debug;
 use std::fs::File;
@@ -9,31 +10,84 @@ use std::path::PathBuf;
 
 use bytes::Bytes;
 
+use super::segments::Segments;
+
 /// A log to be read.
 #[derive(Debug, Clone)]
 pub(crate) enum Kept {
-    File(PathBuf),
+    Files(Files),
     Ledger(Bytes),
 }
 
-/// What a log is read from.
-pub(crate) trait Input: Read + Seek + Send + Debug {}
+/// Where the file of a log is.
+#[derive(Debug, Clone)]
+pub(crate) struct Files {
+    pub(crate) plain: PathBuf,
+    pub(crate) segments: PathBuf,
+}
 
-impl<T: Read + Seek + Send + Debug> Input for T {}
+/// What a log is read from.
+pub(crate) trait Input: Read + Seek + Send + Debug {
+    /// A place shortly before the first event after `after`, if one is known.
+    fn place(&mut self, after: u64) -> io::Result<Option<u64>>;
+}
+
+impl Input for File {
+    fn place(&mut self, _after: u64) -> io::Result<Option<u64>> {
+        Ok(None)
+    }
+}
+
+impl Input for Cursor<Bytes> {
+    fn place(&mut self, _after: u64) -> io::Result<Option<u64>> {
+        Ok(None)
+    }
+}
+
+impl Input for Segments {
+    fn place(&mut self, after: u64) -> io::Result<Option<u64>> {
+        self.place(after).map(Some)
+    }
+}
+
+impl Files {
+    /// Whether there is a log.
+    pub(crate) fn there(&self) -> bool {
+        self.plain.is_file() || self.segments.is_file()
+    }
+
+    fn open(&self) -> io::Result<Box<dyn Input>> {
+        match File::open(&self.plain) {
+            Ok(file) => Ok(Box::new(file)),
+            Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(Box::new(Segments::open(&self.segments)?)),
+            Err(error) => Err(error),
+        }
+    }
+
+    fn length(&self) -> io::Result<u64> {
+        match self.plain.metadata() {
+            Ok(meta) => Ok(meta.len()),
+            Err(_) => Ok(Segments::open(&self.segments)?.length()),
+        }
+    }
+}
 
 impl Kept {
     pub(crate) fn open(&self) -> io::Result<Box<dyn Input>> {
-        Ok(match self {
-            Self::File(path) => Box::new(File::open(path)?),
-            Self::Ledger(bytes) => Box::new(Cursor::new(bytes.clone())),
-        })
+        match self {
+            Self::Files(files) => files.open(),
+            Self::Ledger(bytes) => Ok(Box::new(Cursor::new(bytes.clone()))),
+        }
     }
 
-    /// Its length in bytes.
-    pub(crate) fn length(&self) -> u64 {
+    /// Bytes of the plain log.
+    ///
+    /// # Errors
+    /// When its file is damaged or cannot be read.
+    pub(crate) fn length(&self) -> io::Result<u64> {
         match self {
-            Self::File(path) => std::fs::metadata(path).map_or(0, |meta| meta.len()),
-            Self::Ledger(bytes) => bytes.len() as u64,
+            Self::Files(files) => files.length(),
+            Self::Ledger(bytes) => Ok(bytes.len() as u64),
         }
     }
 }

@@ -1,4 +1,5 @@
-//! Event logs: one append-only file per job, in wire encoding. The file of a small log is a row of the ledger.
+//! Event logs: one append-only file per job, in wire encoding. The file of a small log is a row of the ledger; that of a
+//! large one is compressed when its run is over ([`segments`]).
 //!
 //! File: a head (magic, then the job's description), then records. A record is 24 bytes of frame (length, CRC-32,
 //! first and last sequence number, little-endian) and one encoded `EventBatch`. Batches end at 256 events or
@@ -18,6 +19,7 @@ pub mod encode;
 pub(crate) mod filter;
 pub(crate) mod kept;
 pub(crate) mod reader;
+pub(crate) mod segments;
 pub(crate) mod tail;
 pub(crate) mod writer;
 
@@ -35,7 +37,10 @@ pub(crate) trait Logs: Send + Sync + Debug {
     /// Stores a result beside the log, whole or not at all.
     fn write(&self, id: &str, name: &str, content: &[u8]) -> io::Result<()>;
 
-    /// A stored result.
+    /// Same for one that can be made again: a loss of power may take it.
+    fn write_spare(&self, id: &str, name: &str, content: &[u8]) -> io::Result<()>;
+
+    /// A stored result. One that is damaged and can be made again is not there.
     fn open(&self, id: &str, name: &str) -> io::Result<Box<dyn io::Read + Send>>;
 
     /// Makes durable that log and results of a job are there.

@@ -64,7 +64,12 @@ impl Reader {
         file.read_exact(&mut description).map_err(cut)?;
         let description =
             JobDescription::decode(description.as_slice()).map_err(|_| damage("its description cannot be read"))?;
-        let read = (head.len() + frame.length as usize) as u64;
+        let mut read = (head.len() + frame.length as usize) as u64;
+        if after > 0
+            && let Some(place) = file.place(after)?.filter(|place| *place > read)
+        {
+            read = file.seek(SeekFrom::Start(place))?;
+        }
         Ok(Self { file, description, piece: BytesMut::new(), read, limit: read, after })
     }
 
@@ -79,7 +84,7 @@ impl Reader {
     /// Opens an ended log, to be read to the end of the file.
     pub(crate) fn open_ended(log: &Kept, after: u64) -> io::Result<Self> {
         let mut reader = Self::open(log, after)?;
-        reader.limit = log.length();
+        reader.limit = log.length()?;
         Ok(reader)
     }
 
@@ -215,5 +220,33 @@ impl Iterator for Events {
                 }
             }
         }
+    }
+}
+
+#[cfg(test)]
+pub(crate) mod tests {
+    use super::*;
+    use crate::log::codec_tests;
+    use crate::log::{BATCH_EVENTS, encode};
+
+    /// A plain log of so many events.
+    pub(crate) fn plain(events: u64) -> Vec<u8> {
+        let description = JobDescription::default().encode_to_vec();
+        let mut log = MAGIC.to_vec();
+        log.extend(Frame::of(&description, 0, 0).to_bytes());
+        log.extend(&description);
+        let kinds = codec_tests::events();
+        let mut first = 1;
+        while first <= events {
+            let last = events.min(first + BATCH_EVENTS - 1);
+            let mut body = Vec::new();
+            encode::varint_field(&mut body, 1, first);
+            (first..=last).zip(kinds.iter().cycle()).for_each(|(seq, event)| encode::event(&mut body, seq, event, 4));
+            encode::varint_field(&mut body, 2, last);
+            log.extend(Frame::of(&body, first, last).to_bytes());
+            log.extend(&body);
+            first = last + 1;
+        }
+        log
     }
 }

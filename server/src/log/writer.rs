@@ -1,7 +1,7 @@
 //! Writes the log of a running job.
 //!
 //! Records are gathered and written together: after 256 KiB, with the first call later than 10 ms after the last
-//! write, or a few ms after they came when somebody watches. Invariant: readers are told of bytes only after they are in the
+//! write (unless the log is small and nobody watches), or a few ms after they came when somebody watches. Invariant: readers are told of bytes only after they are in the
 //! file.
 
 use std::fmt::Debug;
@@ -30,8 +30,20 @@ pub(crate) trait Place: Send + Debug {
     /// Whether anything has been written.
     fn used(&self) -> bool;
 
-    /// Makes what has been written durable.
-    fn sync(&self) -> io::Result<()>;
+    /// Brings a log that has ended into the form in which it stays; gives its bytes.
+    fn pack(&mut self) -> io::Result<u64>;
+
+    /// Makes it durable but for the names of its files.
+    fn seal(self: Box<Self>) -> io::Result<()>;
+}
+
+/// A log that has ended.
+#[derive(Debug)]
+pub(crate) enum Ended {
+    /// It has no file.
+    Small(Small),
+    /// It is to be sealed.
+    Placed(Box<dyn Place>),
 }
 
 /// A log that has no file.
@@ -102,20 +114,20 @@ impl Writer {
         self.bytes + self.buffer.len() as u64
     }
 
-    /// Writes what has been gathered for long enough.
+    /// Writes what has been gathered for long enough. A small log that nobody follows may come to need no file.
     fn flush_old(&mut self) -> io::Result<()> {
-        if self.written.elapsed() >= WRITE_EVERY && !self.buffer.is_empty() { self.flush() } else { Ok(()) }
+        let small = self.buffer.len() <= SMALL && !self.place.used() && !self.tail.followed();
+        if !small && self.written.elapsed() >= WRITE_EVERY && !self.buffer.is_empty() { self.flush() } else { Ok(()) }
     }
 
-    /// Writes everything and makes it durable; gives back a log that is small and of which nothing has been written.
-    pub(crate) fn finish(mut self) -> io::Result<Option<Small>> {
+    /// Writes everything, unless the log is small and nothing of it has been written.
+    pub(crate) fn finish(mut self) -> io::Result<Ended> {
         self.close_record();
         if !self.place.used() && self.buffer.len() <= SMALL {
-            return Ok(Some(Small { bytes: self.buffer.into(), last_seq: self.last_seq }));
+            return Ok(Ended::Small(Small { bytes: self.buffer.into(), last_seq: self.last_seq }));
         }
         self.write()?;
-        self.place.sync()?;
-        Ok(None)
+        Ok(Ended::Placed(self.place))
     }
 
     /// Whether events have not been written yet.

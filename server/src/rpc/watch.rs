@@ -34,7 +34,8 @@ const PROGRESS_EVERY: Duration = Duration::from_millis(100);
 const HEARTBEAT_MS: u32 = 5_000;
 /// Intervals that it may ask for, ms.
 const HEARTBEATS_MS: RangeInclusive<u32> = 100..=60_000;
-/// Bytes read from the log at once.
+/// Bytes read from the log at once: at first, and for a client that keeps pace.
+const FIRST_PULL: usize = 32 * 1024;
 const PULL: usize = 256 * 1024;
 /// Time after which a client that takes nothing stands still.
 const STALL: Duration = Duration::from_millis(100);
@@ -61,6 +62,8 @@ pub(super) struct Watch {
     heartbeat: Duration,
     cursor: u64,
     reader: Option<Reader>,
+    /// Bytes to be read at once.
+    pull: usize,
     /// Where the log is to be read on after the client stood still.
     resume: Option<u64>,
     described: bool,
@@ -104,6 +107,7 @@ impl Watch {
             heartbeat,
             cursor: request.after_seq,
             reader: None,
+            pull: FIRST_PULL,
             resume: None,
             described: false,
             dropped: 0,
@@ -171,19 +175,27 @@ impl Watch {
         }
         while let Some(mut reader) = self.reader.take() {
             reader.extend(position.bytes);
-            let (reader, batches) = blocking(move || pull(reader)).await?;
+            let most = self.pull;
+            let (reader, batches) = blocking(move || pull(reader, most)).await?;
             if batches.is_empty() {
                 self.reader = Some(reader);
                 break;
             }
-            for batch in batches {
-                if tokio::time::timeout(STALL, out.reserve()).await.is_err() {
-                    self.resume = Some(batch.at);
-                    break;
+            for mut batch in batches {
+                let keeps_pace = out.try_reserve().is_ok();
+                if !keeps_pace {
+                    if tokio::time::timeout(STALL, out.reserve()).await.is_err() {
+                        self.resume = Some(batch.at);
+                        break;
+                    }
+                    // A part of a piece of the log would hold the whole piece for as long as the client takes nothing.
+                    batch.body = Bytes::copy_from_slice(&batch.body);
                 }
                 self.batch(out, batch).await?;
             }
+            self.pull = (2 * self.pull).min(PULL);
             if self.resume.is_some() {
+                self.pull = FIRST_PULL;
                 drop(reader);
                 out.reserve().await.map_err(|_| Over::Gone)?;
                 return Ok(false);
@@ -270,16 +282,17 @@ impl Watch {
 /// An ended job that is no longer in memory, as if it had just ended.
 fn from_ledger(core: &Core, id: &str) -> Result<Arc<Live>, Refusal> {
     let record = core.job(id)?;
-    let bytes = core.kept_log(id)?.map_or(0, |log| log.length());
+    // Of a log that cannot be read there is nothing, which its watch then tells.
+    let bytes = core.kept_log(id)?.map_or(0, |log| log.length().unwrap_or(0));
     let events = record.events;
     let live = Live::new(record);
     live.tail.set(bytes, events);
     Ok(Arc::new(live))
 }
 
-fn pull(mut reader: Reader) -> Result<(Reader, Vec<Batch>), Refusal> {
+fn pull(mut reader: Reader, most: usize) -> Result<(Reader, Vec<Batch>), Refusal> {
     let (mut batches, mut bytes) = (Vec::new(), 0);
-    while bytes < PULL {
+    while bytes < most {
         let Some(batch) = reader.next_batch()? else { break };
         bytes += batch.body.len();
         batches.push(batch);

@@ -77,7 +77,7 @@ async fn a_stopped_server_can_be_backed_up_and_a_damaged_backup_is_restored_only
     std::fs::remove_dir_all(data.join("jobs").join(&lost)).unwrap();
     let (code, text) = command(&["backup"], &copy, &data).await;
     assert!(code == Some(0) && text.starts_with("1 jobs, 1 blobs, 1 jobs left out"), "{code:?} {text}");
-    let log = copy.join("jobs").join(&kept).join("log");
+    let log = log_file(&copy, &kept);
     std::fs::File::options().write(true).open(&log).unwrap().set_len(30_000).unwrap();
     let (code, text) = command(&["restore"], &copy, &back).await;
     assert!(code == Some(3) && text.contains("--damaged") && text.contains(&kept) && !back.exists(), "{text}");

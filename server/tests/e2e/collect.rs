@@ -99,7 +99,7 @@ async fn blobs_of_the_jobs_of_a_migrated_ledger_stay() {
     std::fs::write(place(folder.path(), &name), last()).unwrap();
     age(folder.path());
     let server = collected(folder.path()).await;
-    for script in ["EVENTS 2000", "EVENTS 7"] {
+    for script in ["EVENTS 700", "EVENTS 7"] {
         assert!(place(folder.path(), &digest(script.as_bytes())).exists(), "{script}");
     }
     assert_eq!(server.wait(&jobs["queued"]).await.state(), v1::JobState::Succeeded);
@@ -117,7 +117,7 @@ async fn folders_of_jobs_without_a_row_go_at_the_start() {
     std::fs::create_dir(&orphan).unwrap();
     std::fs::write(orphan.join("log"), "x").unwrap();
     let server = Server::start(options(folder.path())).await;
-    assert!(!orphan.exists() && folder.path().join("jobs").join(&job).join("log").is_file());
+    assert!(!orphan.exists() && log_file(folder.path(), &job).is_file());
     server.stop().await;
 }
 
@@ -163,7 +163,7 @@ async fn ended_jobs_beyond_those_to_be_kept_go_the_oldest_first_and_others_never
     }
     server.stop().await;
     let job = |job: &str| folder.path().join("jobs").join(job);
-    let bytes: u64 = ended.iter().map(|id| std::fs::metadata(job(id).join("log")).unwrap().len()).sum();
+    let bytes: u64 = ended.iter().map(|id| std::fs::metadata(log_file(folder.path(), id)).unwrap().len()).sum();
 
     // By number, while one job runs and one waits.
     let server = Server::start(own(3, 0, 0)).await;
@@ -193,7 +193,7 @@ async fn ended_jobs_beyond_those_to_be_kept_go_the_oldest_first_and_others_never
     };
     let server = Server::start(own(0, bytes / 2, 0)).await;
     let kept = |left: &[String]| -> u64 {
-        left.iter().filter_map(|id| std::fs::metadata(job(id).join("log")).ok()).map(|meta| meta.len()).sum()
+        left.iter().filter_map(|id| std::fs::metadata(log_file(folder.path(), id)).ok()).map(|meta| meta.len()).sum()
     };
     assert!(kept(&left) > 0);
     for _ in 0..2000 {

@@ -34,20 +34,23 @@ async fn a_log_cut_short_emptied_or_gone_is_data_loss() {
     let folder = tempfile::tempdir().unwrap();
     let server = Server::start(options(folder.path())).await;
     let mut jobs = Vec::new();
-    for name in ["cut", "empty", "gone", "flipped"] {
-        let job = server.submit(name, "EVENTS 20000").await;
+    for (name, events) in [("cut", 20_000), ("empty", 20_000), ("gone", 20_000), ("flipped", 20_000), ("plain", 700)] {
+        let job = server.submit(name, &format!("EVENTS {events}")).await;
         server.wait(&job).await;
         jobs.push(job);
     }
     server.stop().await;
-    let log = |job: &str| folder.path().join("jobs").join(job).join("log");
+    let log = |job: &str| log_file(folder.path(), job);
     let length = std::fs::metadata(log(&jobs[0])).unwrap().len();
     std::fs::File::options().write(true).open(log(&jobs[0])).unwrap().set_len(length / 2).unwrap();
     std::fs::File::create(log(&jobs[1])).unwrap();
     std::fs::remove_file(log(&jobs[2])).unwrap();
     let mut bytes = std::fs::read(log(&jobs[3])).unwrap();
-    *bytes.iter_mut().rev().nth(1000).unwrap() ^= 0x55;
+    let middle = bytes.len() / 2;
+    bytes[middle] ^= 0x55;
     std::fs::write(log(&jobs[3]), bytes).unwrap();
+    let length = std::fs::metadata(folder.path().join("jobs").join(&jobs[4]).join("log")).unwrap().len();
+    std::fs::File::options().write(true).open(log(&jobs[4])).unwrap().set_len(length / 2).unwrap();
     let server = Server::start(options(folder.path())).await;
     for job in &jobs {
         let status = end_of_watch(&server, job, v1::WatchLevel::Everything).await.expect("damage is reported");

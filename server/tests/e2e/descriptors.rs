@@ -10,9 +10,9 @@ use rustix::process::{Pid, Resource, Rlimit, prlimit};
 use tokio::net::TcpStream;
 use tonic::transport::Endpoint;
 
-struct Process {
-    child: Child,
-    address: String,
+pub struct Process {
+    pub child: Child,
+    pub address: String,
     log: std::path::PathBuf,
 }
 
@@ -24,7 +24,7 @@ impl Drop for Process {
 }
 
 impl Process {
-    fn start(folder: &std::path::Path) -> Self {
+    pub fn start(folder: &std::path::Path) -> Self {
         let log = folder.join("stderr");
         let mut child = Command::new(env!("CARGO_BIN_EXE_counterpointd"))
             .args(["--listen", "127.0.0.1:0", "--preface-s", "600", "--data"])

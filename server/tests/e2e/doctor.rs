@@ -103,7 +103,7 @@ async fn every_damage_is_found_with_its_place_and_a_repair_leaves_only_what_nobo
     }
     server.stop().await;
     let data = folder.path();
-    let log = |n: usize| data.join("jobs").join(&jobs[n]).join("log");
+    let log = |n: usize| log_file(data, &jobs[n]);
     std::fs::File::options().write(true).open(log(0)).unwrap().set_len(30_000).unwrap();
     std::fs::remove_file(log(1)).unwrap();
     let files = data.join("jobs").join(&jobs[3]).join("files.json");

@@ -6,21 +6,28 @@
     clippy::unwrap_used,
     clippy::expect_used,
     clippy::panic,
-    clippy::indexing_slicing
+    clippy::indexing_slicing,
+    clippy::print_stdout
 )]
 
 mod admin;
 mod backup;
+#[cfg(target_os = "linux")]
+mod bad_disk;
 mod collect;
 mod connections;
 mod damage;
 #[cfg(target_os = "linux")]
 mod descriptors;
 mod doctor;
+#[cfg(target_os = "linux")]
+mod faults;
 mod find;
 mod folder;
 mod guard;
 mod guarded;
+#[cfg(target_os = "linux")]
+mod killed;
 mod life;
 mod limits;
 mod metrics;
@@ -30,10 +37,14 @@ mod refusals;
 mod rerun;
 mod share;
 mod signed;
+#[cfg(target_os = "linux")]
+mod stalled;
 mod storage;
 mod submit;
 mod support;
 mod tenants;
+#[cfg(target_os = "linux")]
+mod threads;
 mod tls;
 mod traces;
 mod trouble;

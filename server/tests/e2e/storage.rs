@@ -32,7 +32,7 @@ impl Faults for Counting {
         if step == Step::Sync {
             let count = if path.ends_with("ledger.redb") { &self.ledger } else { &self.others };
             count.fetch_add(1, Ordering::SeqCst);
-            if path.ends_with("log") {
+            if path.ends_with("log.segments") {
                 let held = self.held.lock().unwrap();
                 drop(self.released.wait_while(held, |held| *held).unwrap());
             }
@@ -61,6 +61,41 @@ async fn the_end_of_a_tiny_job_costs_one_commit_that_it_shares() {
     assert!(commits <= 2 * count, "{commits} commits for {count} jobs, one after the other");
     assert_eq!(std::fs::read_dir(folder.path().join("jobs")).unwrap().count(), 0);
     assert_eq!(std::fs::read_dir(folder.path().join("running")).unwrap().count(), 0);
+    server.stop().await;
+}
+
+/// Its log, its folder and the folder of all jobs, which those that end at the same time share; results can be made again.
+#[tokio::test]
+async fn the_end_of_a_large_job_costs_two_syncs_of_its_own() {
+    let (folder, disk) = (tempfile::tempdir().unwrap(), Arc::new(Counting::default()));
+    let settings = Options { workers: 1, ..options(folder.path()) };
+    let server = Server::start_on(settings, Disk::faulty(disk.clone())).await;
+    let count = 6;
+    let mut requests = Vec::new();
+    for n in 0..count {
+        requests.push(server.request(&format!("r-{n}"), "EVENTS 40000").await);
+    }
+    disk.ledger.store(0, Ordering::SeqCst);
+    disk.others.store(0, Ordering::SeqCst);
+    let mut jobs = Vec::new();
+    disk.hold(true);
+    for request in requests {
+        jobs.push(server.jobs().submit_job(request).await.unwrap().into_inner().status.unwrap().job_id);
+    }
+    // All of them stand before the sync of their logs.
+    while disk.others.load(Ordering::SeqCst) < count {
+        tokio::time::sleep(std::time::Duration::from_millis(2)).await;
+    }
+    disk.hold(false);
+    for job in &jobs {
+        assert_eq!(server.wait(job).await.state(), v1::JobState::Succeeded);
+        let results = ["summary.json", "timeline.json", "timeline.svg", "toolpath.json", "toolpath.svg"];
+        assert!(results.iter().all(|name| folder.path().join("jobs").join(job).join(name).is_file()));
+    }
+    let (others, commits) = (disk.others.load(Ordering::SeqCst), disk.ledger.load(Ordering::SeqCst));
+    println!("{count} large jobs: {others} syncs of files and folders, {commits} of the ledger");
+    assert!(others <= 3 * count, "{others} syncs for {count} jobs");
+    assert!(commits <= 2 * count, "{commits} commits for {count} jobs");
     server.stop().await;
 }
 

@@ -4,7 +4,7 @@
 //! it is stopped), `ALARM`, `ASK name` (a dialog; what
 //! is pressed becomes a diagnostic), `SYSTEM` (whether commands are allowed becomes one), `WRITE path` (a file with that path as its text), one per line.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
@@ -83,7 +83,7 @@ impl Runner for Script {
             axes: vec![axis("X"), axis("Z")],
         };
         let file = File { name: program.file.clone(), stored: false, text: Default::default() };
-        let text = Text::new(files.read(&program.file).unwrap(), || false);
+        let text = Text::new(bytes, || false);
         file.text.set(Some(Arc::new(text))).unwrap();
         let info = Arc::new(Info {
             machine: task.machine.name.clone(),
@@ -354,6 +354,13 @@ impl Server {
         let request = v1::WatchJobRequest { job_id: job.into(), after_seq, level: level.into(), heartbeat_ms: 0 };
         self.jobs().watch_job(request).await.unwrap().into_inner()
     }
+}
+
+/// The file of the log of a job that has ended.
+pub fn log_file(data: &Path, job: &str) -> PathBuf {
+    let folder = data.join("jobs").join(job);
+    let compressed = folder.join("log.segments");
+    if compressed.is_file() { compressed } else { folder.join("log") }
 }
 
 pub fn digest(content: &[u8]) -> String {

@@ -256,8 +256,8 @@ async fn after_an_unclean_stop_suspects_run_one_at_a_time_and_innocents_are_not_
     let server = Server::start(Options { workers: 3, ..options(first.path()) }).await;
     let mut jobs = Vec::new();
     for name in ["a", "b", "c"] {
-        let job = server.submit(name, "EVENTS 2\nHANG").await;
-        server.until(&job, v1::JobState::Running).await;
+        let job = server.submit(name, "EVENTS 2000\nHANG").await;
+        server.until_events(&job, 2000).await;
         jobs.push(job);
     }
     let other = server.submit("other", "EVENTS 3").await;
@@ -267,7 +267,7 @@ async fn after_an_unclean_stop_suspects_run_one_at_a_time_and_innocents_are_not_
     server.stop().await;
     let strict = |data: &Path| Options { workers: 3, attempts: 1, ..options(data) };
     let server = Server::start(strict(&data)).await;
-    server.until(&jobs[0], v1::JobState::Running).await;
+    server.until_events(&jobs[0], 2000).await;
     assert_eq!(in_state(&server, v1::JobState::Running).await, jobs[..1]);
     assert_eq!(in_state(&server, v1::JobState::Failed).await, [""; 0]);
     // Killed with one of them alone: it did it.
@@ -277,6 +277,7 @@ async fn after_an_unclean_stop_suspects_run_one_at_a_time_and_innocents_are_not_
     let server = Server::start(strict(&data)).await;
     let given_up = server.wait(&jobs[0]).await;
     assert!(given_up.state() == v1::JobState::Failed && given_up.error.starts_with("poison"), "{given_up:?}");
+    assert!(server.events(&jobs[0], 0).await.is_empty(), "what its run had logged is no log");
     server.script.hang.store(false, Ordering::SeqCst);
     for job in jobs[1..].iter().chain([&other]) {
         assert_eq!(server.wait(job).await.state(), v1::JobState::Succeeded);

@@ -65,12 +65,12 @@ fn schema(folder: &Path) -> u64 {
 /// A folder as a server of schema 1 left it: a job that has ended, one that was running, one that waited.
 pub async fn folder_1(folder: &Path) -> BTreeMap<&'static str, String> {
     let server = Server::start(options(folder)).await;
-    let ended = server.submit("ended", "EVENTS 2000").await;
+    let ended = server.submit("ended", "EVENTS 700").await;
     let status = server.wait(&ended).await;
     server.upload(b"EVENTS 7").await;
     server.stop().await;
     assert!(folder.join("jobs").join(&ended).join("log").is_file(), "schema 1 has logs in files");
-    let mut done = row_1(&ended, "ended", "SUCCEEDED", "EVENTS 2000");
+    let mut done = row_1(&ended, "ended", "SUCCEEDED", "EVENTS 700");
     done["events"] = status.events.into();
     done["makespan_ns"] = status.makespan_ns.into();
     done["log_digest"] = status.log_digest.into();
@@ -78,7 +78,7 @@ pub async fn folder_1(folder: &Path) -> BTreeMap<&'static str, String> {
     write_ledger(
         folder,
         1,
-        &[done, row_1(&id(1), "running", "RUNNING", "EVENTS 2000"), row_1(&id(2), "queued", "QUEUED", "EVENTS 7")],
+        &[done, row_1(&id(1), "running", "RUNNING", "EVENTS 700"), row_1(&id(2), "queued", "QUEUED", "EVENTS 7")],
     );
     BTreeMap::from([("ended", ended), ("running", id(1)), ("queued", id(2))])
 }
@@ -91,7 +91,7 @@ async fn a_ledger_of_schema_1_is_opened_and_its_jobs_are_listed_watched_and_fini
     let listed = server.jobs().list_jobs(v1::ListJobsRequest::default()).await.unwrap().into_inner().jobs;
     let listed: Vec<_> = listed.into_iter().map(|job| job.job_id).collect();
     assert_eq!(listed, [&jobs["ended"], &jobs["running"], &jobs["queued"]].map(Clone::clone));
-    for (name, events, attempt) in [("ended", 2000, 1), ("running", 2000, 2), ("queued", 7, 1)] {
+    for (name, events, attempt) in [("ended", 700, 1), ("running", 700, 2), ("queued", 7, 1)] {
         let status = server.wait(&jobs[name]).await;
         assert_eq!((status.state(), status.events), (v1::JobState::Succeeded, events), "{name}: {status:?}");
         assert_eq!(status.attempt, attempt, "{name}");

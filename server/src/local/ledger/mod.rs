@@ -24,7 +24,7 @@ use uuid::Uuid;
 
 use super::store::Store;
 use crate::ledger::record::Record;
-use crate::ledger::{Accepted, Check, Ended, Keep, Ledger, Page, Query, Submitted, Usage, time_of};
+use crate::ledger::{Accepted, Check, Ended, Keep, Ledger, Page, Query, Submitted, Then, Usage, time_of};
 use crate::machines::Definition;
 use crate::metrics::Metrics;
 use crate::reason::Refusal;
@@ -112,12 +112,32 @@ fn get(txn: &WriteTransaction, id: &str) -> Result<Option<Record>, Refusal> {
     row.map(|row| parse(id, row.value())).transpose()
 }
 
+/// An answer that is given in any case.
+struct Reply(Option<Then>);
+
+impl Reply {
+    fn give(mut self, result: Result<(), Refusal>) {
+        if let Some(then) = self.0.take() {
+            then(result);
+        }
+    }
+}
+
+impl Drop for Reply {
+    fn drop(&mut self) {
+        if let Some(then) = self.0.take() {
+            then(Err(closed()));
+        }
+    }
+}
+
 impl LocalLedger {
     /// Opens or creates the ledger.
     pub(crate) fn open(store: &Store, metrics: Arc<Metrics>) -> Result<Self, Refusal> {
         let place = if store.durable() { Place::File(store.ledger(), store.disk().clone()) } else { Place::Memory };
         not_lost(store)?;
         let database = place.open().map_err(|error| lost(store, &format!("cannot be opened ({error})")))?;
+        store.sync_root()?;
         let txn = database.begin_write().map_err(storage)?;
         let before = schema::migrate(&txn, store).map_err(|refusal| match refusal {
             Refusal::DataLoss(text) => Refusal::DataLoss(format!("{} {text}", store.ledger().display())),
@@ -260,13 +280,22 @@ impl Ledger for LocalLedger {
         self.write_blocking(move |txn| put(txn, &record))
     }
 
-    fn end_blocking(&self, record: Record, log: Option<Bytes>) -> Result<(), Refusal> {
-        self.write_blocking(move |txn| {
-            if let Some(log) = log {
-                txn.open_table(LOG).map_err(storage)?.insert(record.id.as_str(), &*log).map_err(storage)?;
-            }
-            put(txn, &record)
-        })
+    fn end(&self, record: Record, log: Option<Bytes>, then: Then) {
+        let then = Reply(Some(then));
+        let operation: Operation = Box::new(move |txn| {
+            let keep = || {
+                if let Some(log) = log {
+                    txn.open_table(LOG).map_err(storage)?.insert(record.id.as_str(), &*log).map_err(storage)?;
+                }
+                put(txn, &record)
+            };
+            let kept = keep();
+            Box::new(move |committed| then.give(committed.and(kept)))
+        });
+        // An operation that is not done answers when it is dropped.
+        if let Ok(operations) = self.operations() {
+            let _ = operations.blocking_send(operation);
+        }
     }
 
     fn log(&self, id: &str) -> Result<Option<Bytes>, Refusal> {

@@ -221,7 +221,11 @@ impl Bench {
             }
             Operation::Cancel(id) => run.block_on(ledger.flag_cancel(id))?,
             Operation::Answer(id) => run.block_on(ledger.answered(id, 1, None))?,
-            Operation::End(record, log) => ledger.end_blocking(*record, log)?,
+            Operation::End(record, log) => {
+                let (answer, answered) = std::sync::mpsc::channel();
+                ledger.end(*record, log, Box::new(move |kept| answer.send(kept).unwrap()));
+                answered.recv().unwrap()?;
+            }
             Operation::Remove(record) => run.block_on(ledger.remove(*record))?,
             Operation::RemoveMany(jobs) => ledger.remove_blocking(jobs)?,
             Operation::Put(definition) => run.block_on(ledger.put_machine(definition, Box::new(|_| Ok(()))))?,

@@ -19,6 +19,8 @@ use crate::metrics::Metrics;
 use crate::reason::Refusal;
 
 const GROUP: usize = 256;
+/// Most bytes of the ledger that are kept in memory; the system keeps more of them.
+const CACHE: usize = 32 << 20;
 /// First and longest pause between attempts to open the file again.
 const FIRST_PAUSE: Duration = Duration::from_millis(100);
 const LONGEST_PAUSE: Duration = Duration::from_secs(5);
@@ -46,7 +48,7 @@ impl Place {
                 .map_err(|error| text(&error)),
             Self::File(path, disk) => {
                 let file = LedgerFile::open(disk, path).map_err(|error| text(&error))?;
-                Database::builder().create_with_backend(file).map_err(|error| text(&error))
+                Database::builder().set_cache_size(CACHE).create_with_backend(file).map_err(|error| text(&error))
             }
         }
     }

@@ -1,0 +1,117 @@
+//! The ends of jobs: made durable together, then visible.
+//!
+//! A worker hands the end of its job over and is done; the ledger keeps many ends in one transaction, and one thread
+//! makes them visible. Invariant: an end is visible only when it is durable. While the ledger cannot be written an end
+//! waits, until the server drains: then the job is run again by the next server.
+
+use std::io;
+use std::sync::Arc;
+use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
+use std::time::{Duration, Instant};
+
+use super::Core;
+use super::live::Live;
+use crate::ledger::record::{Record, State};
+use crate::log::writer::Small;
+use crate::reason::Refusal;
+
+/// Time between two attempts to make the end of a job durable.
+const PAUSE: Duration = Duration::from_millis(50);
+
+/// The end of a job.
+pub(super) struct End {
+    core: Arc<Core>,
+    live: Arc<Live>,
+    record: Record,
+    /// Its log, if that is small.
+    log: Option<Small>,
+}
+
+/// Ends that the ledger has answered.
+#[derive(Debug)]
+pub(crate) struct Ends(Sender<(End, Result<(), Refusal>)>);
+
+impl Ends {
+    /// Starts the thread; it ends with the last handle.
+    pub(super) fn start() -> io::Result<Self> {
+        let (send, receive) = channel();
+        std::thread::Builder::new().name("ends".to_owned()).spawn(move || finish(&receive))?;
+        Ok(Self(send))
+    }
+}
+
+impl End {
+    pub(super) fn new(core: &Arc<Core>, live: &Arc<Live>, record: Record, log: Option<Small>) -> Self {
+        Self { core: core.clone(), live: live.clone(), record, log }
+    }
+
+    /// Hands it over to the ledger.
+    pub(super) fn keep(self) {
+        let (ends, core) = (self.core.ends.0.clone(), self.core.clone());
+        let (record, log) = (self.record.clone(), self.log.as_ref().map(|log| log.bytes.clone()));
+        let then = move |kept| {
+            // Without the thread the server is ending.
+            let _ = ends.send((self, kept));
+        };
+        core.ledger.end(record, log, Box::new(then));
+    }
+
+    /// Makes it visible and gives the place of the job free.
+    fn show(self) {
+        let Self { core, live, record, log } = self;
+        core.board.tally.ended(&record);
+        count(&core, &record);
+        core.host.unmark(&live.id);
+        if let Some(log) = log.filter(|_| record.state.ended()) {
+            live.tail.set(log.bytes.len() as u64, log.last_seq);
+        }
+        live.change(|now| *now = Record { cancel: now.cancel, ..record });
+        core.free(&live);
+    }
+}
+
+fn finish(ends: &Receiver<(End, Result<(), Refusal>)>) {
+    let mut waiting: Vec<End> = Vec::new();
+    let mut due = Instant::now();
+    loop {
+        let next = match waiting.is_empty() {
+            true => ends.recv().map_err(|_| RecvTimeoutError::Disconnected),
+            false if due <= Instant::now() => Err(RecvTimeoutError::Timeout),
+            false => ends.recv_timeout(due.saturating_duration_since(Instant::now())),
+        };
+        match next {
+            Ok((end, Ok(()))) => end.show(),
+            Ok((end, Err(error))) if end.core.drain.begun() => {
+                tracing::error!(%error, "the end of the job could not be kept; the next server runs it again");
+                let record = Record { state: State::Queued, ..end.live.record() };
+                End { record, log: None, ..end }.show();
+            }
+            Ok((end, Err(_))) => {
+                if waiting.is_empty() {
+                    due = Instant::now() + PAUSE;
+                }
+                waiting.push(end);
+            }
+            Err(RecvTimeoutError::Timeout) => waiting.drain(..).for_each(End::keep),
+            Err(RecvTimeoutError::Disconnected) => return,
+        }
+    }
+}
+
+/// Counts the end of a job.
+fn count(core: &Core, record: &Record) {
+    core.metrics.ended(match record.state {
+        State::Queued | State::Running => return,
+        State::Succeeded => "SUCCEEDED",
+        State::Failed => "FAILED",
+        State::Cancelled => "CANCELLED",
+    });
+    for limit in ["wall_ms", "max_job_bytes"] {
+        if record.runs.limit.ends_with(limit) {
+            core.metrics.limit(limit);
+        }
+    }
+    if record.runs.limit.contains("deadline_ms") {
+        core.metrics.limit("deadline");
+    }
+}

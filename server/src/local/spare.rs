@@ -1,0 +1,80 @@
+//! Files that can be made again and are not worth an fsync: a head with length and checksum tells whether they are whole.
+//!
+//! Invariant: a file is read whole or not at all. One without such a head is from an earlier version, which synced it.
+
+use std::fs::File;
+use std::io::{self, Read, Seek as _, SeekFrom};
+
+const MAGIC: &[u8; 8] = b"CPRES\0\0\x01";
+/// Magic, length, CRC-32.
+const HEAD: usize = 20;
+
+/// The head of a content.
+pub(super) fn head(content: &[u8]) -> [u8; HEAD] {
+    let mut head = [0; HEAD];
+    let length = (content.len() as u64).to_le_bytes();
+    let parts = [&MAGIC[..], &length, &crc32fast::hash(content).to_le_bytes()].concat();
+    head.iter_mut().zip(parts).for_each(|(slot, byte)| *slot = byte);
+    head
+}
+
+/// The file at the beginning of its content, if that is whole.
+pub(super) fn whole(mut file: File) -> io::Result<File> {
+    let mut head = Vec::new();
+    (&mut file).take(HEAD as u64).read_to_end(&mut head)?;
+    let Some((length, crc)) = head.strip_prefix(MAGIC).and_then(|rest| rest.split_first_chunk::<8>()) else {
+        file.seek(SeekFrom::Start(0))?;
+        // JSON or SVG. A loss of power leaves an empty file, one of zeros or a part of the head.
+        let plain = head.first().is_some_and(|byte| b"{[<".contains(byte));
+        return if plain { Ok(file) } else { Err(damaged()) };
+    };
+    let (mut hash, mut read, mut buffer) = (crc32fast::Hasher::new(), 0, vec![0; 64 * 1024]);
+    loop {
+        let got = file.read(&mut buffer)?;
+        if got == 0 {
+            break;
+        }
+        hash.update(buffer.get(..got).unwrap_or_default());
+        read += got as u64;
+    }
+    if read != u64::from_le_bytes(*length) || hash.finalize().to_le_bytes() != crc {
+        return Err(damaged());
+    }
+    file.seek(SeekFrom::Start(HEAD as u64))?;
+    Ok(file)
+}
+
+fn damaged() -> io::Error {
+    io::Error::new(io::ErrorKind::NotFound, "the stored result is not whole")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_what_is_whole_is_read() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("file");
+        let read = |bytes: &[u8]| {
+            std::fs::write(&path, bytes).unwrap();
+            let mut text = Vec::new();
+            whole(File::open(&path).unwrap()).and_then(|mut file| file.read_to_end(&mut text)).ok().map(|_| text)
+        };
+        let content = b"{\"makespan\":7}\n";
+        let stored = [&head(content)[..], content].concat();
+        assert_eq!(read(&stored).unwrap(), content);
+        assert_eq!(read(content).unwrap(), content, "of an earlier version");
+        for cut in 8..stored.len() {
+            assert_eq!(read(&stored[..cut]), None, "{cut}");
+        }
+        for at in 8..stored.len() {
+            let mut bad = stored.clone();
+            bad[at] ^= 1;
+            assert_eq!(read(&bad), None, "{at}");
+        }
+        assert_eq!(read(b""), None);
+        assert_eq!(read(&vec![0; stored.len()]), None);
+        assert_eq!(read(&[&head(b"")[..], b""].concat()).unwrap(), b"");
+    }
+}

@@ -1,0 +1,88 @@
+//! Threads of a server with many jobs, as a process of its own.
+
+use std::collections::BTreeSet;
+use std::time::Duration;
+
+use counterpoint_proto::v1;
+use counterpoint_proto::v1::blobs_client::BlobsClient;
+use counterpoint_proto::v1::jobs_client::JobsClient;
+use tonic::transport::Endpoint;
+
+use crate::descriptors::Process;
+use crate::support::digest;
+
+const JOBS: usize = 1000;
+
+/// Two channels that meet.
+const PROGRAMS: [(&str, &str); 2] = [
+    ("c1.nc", "%\nO1\nG0 X50. Z5.\nM101\nG1 Z-20. F0.2\nG1 Z-40.\nM102\nG0 X60.\nM30\n%\n"),
+    ("c2.nc", "%\nO2\nG0 X50. Z5.\nM101\nG1 Z-20. F0.3\nM102\nG1 Z-40.\nG0 X60.\nM30\n%\n"),
+];
+
+/// Names of the threads that run jobs, and numbers of those that run at this moment or wait for a core.
+fn threads(process: u32) -> (Vec<String>, BTreeSet<String>) {
+    let (mut names, mut busy) = (Vec::new(), BTreeSet::new());
+    for task in std::fs::read_dir(format!("/proc/{process}/task")).unwrap() {
+        // A thread may end meanwhile.
+        let Ok(stat) = std::fs::read_to_string(task.unwrap().path().join("stat")) else { continue };
+        let (head, tail) = stat.rsplit_once(')').unwrap();
+        let (number, name) = head.split_once(" (").unwrap();
+        if name.starts_with("kernel-") || name.starts_with("job") {
+            names.push(name.to_owned());
+            if tail.trim_start().starts_with('R') {
+                busy.insert(number.to_owned());
+            }
+        }
+    }
+    (names, busy)
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_thousand_jobs_of_two_channels_keep_no_more_threads_busy_than_there_are_cores() {
+    let folder = tempfile::tempdir().unwrap();
+    let server = Process::start(folder.path());
+    let channel = Endpoint::from_shared(format!("http://{}", server.address)).unwrap().connect().await.unwrap();
+    let (mut blobs, mut jobs) = (BlobsClient::new(channel.clone()), JobsClient::new(channel));
+    let mut files = Vec::new();
+    for (path, text) in PROGRAMS {
+        let name = digest(text.as_bytes());
+        let upload = v1::UploadRequest { digest: name.clone(), data: text.into(), size: None };
+        blobs.upload(tokio_stream::iter([upload])).await.unwrap();
+        files.push(v1::FileRef { path: path.into(), digest: name });
+    }
+    let cores = std::thread::available_parallelism().unwrap().get();
+    let (mut kernels, mut busy, mut last) = (0, 0, String::new());
+    let mut before = BTreeSet::new();
+    let mut look = || {
+        let (names, now) = threads(server.child.id());
+        kernels = names.iter().filter(|name| name.starts_with("kernel-")).count().max(kernels);
+        // The threads are looked at one after the other: busy are those that are so twice.
+        busy = now.intersection(&before).count().max(busy);
+        before = now;
+    };
+    for number in 0..JOBS {
+        let programs = PROGRAMS.map(|(path, _)| v1::Program { path: path.into(), ..Default::default() });
+        let request = v1::SubmitJobRequest {
+            request_id: number.to_string(),
+            machine: "fanuc-2path-lathe".into(),
+            programs: programs.into(),
+            files: files.clone(),
+            ..Default::default()
+        };
+        last = jobs.submit_job(request).await.unwrap().into_inner().status.unwrap().job_id;
+        look();
+    }
+    loop {
+        let request = v1::GetJobRequest { job_id: last.clone() };
+        let status = jobs.get_job(request).await.unwrap().into_inner().status.unwrap();
+        look();
+        if status.ended_ms > 0 {
+            assert!(status.events > 0, "{status:?}");
+            break;
+        }
+        tokio::time::sleep(Duration::from_millis(1)).await;
+    }
+    println!("at most {kernels} threads of kernels, {busy} threads busy with jobs, {cores} cores");
+    assert!(kernels <= cores, "{kernels} threads of kernels: only a job that is alone has more than one");
+    assert!(busy <= 2 * cores, "{busy} threads busy with jobs");
+}
