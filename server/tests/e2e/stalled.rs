@@ -74,7 +74,9 @@ async fn last(mut stream: Streaming<v1::WatchJobResponse>) -> u64 {
     last
 }
 
+/// `cargo test --release -p counterpoint-server --test e2e -- --ignored stands_still --nocapture`
 #[tokio::test(flavor = "multi_thread")]
+#[ignore = "measures a process on a machine with nothing else to do: 114 to 137 kB were seen on a shared connection"]
 async fn a_watcher_that_stands_still_holds_little_on_a_shared_connection_and_on_its_own() {
     let folder = tempfile::tempdir().unwrap();
     let server = Process::start(folder.path());
