@@ -319,7 +319,7 @@ fn jobs_on_a_server_are_labelled_found_followed_and_run_again() {
     let names =
         |jobs: &[serde_json::Value]| jobs.iter().map(|job| job["job"].as_str().unwrap().to_owned()).collect::<Vec<_>>();
     let labelled = listed(&["--label", "part=17", "--state", "succeeded", "--since", "1h"]);
-    assert_eq!(names(&labelled), [first.clone()]);
+    assert_eq!(names(&labelled), std::slice::from_ref(&first));
     assert_eq!(labelled[0]["labels"]["shift"], "early");
     assert_eq!((&labelled[0]["priority"], labelled[0]["deadline_ms"].is_i64()), (&"HIGH".into(), true));
     assert_eq!(names(&listed(&["--newest", "--limit", "2", "--machine", "fanuc-mill"])), [again.clone(), second]);

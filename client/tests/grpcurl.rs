@@ -92,6 +92,9 @@ impl Reflection {
     }
 }
 
+/// The call whose stream ends with its caller only.
+const ENDLESS: &str = "WatchJobs";
+
 /// Calls a method with messages in JSON; gives the answers in JSON.
 async fn call(channel: &Channel, method: &MethodDescriptor, json: &str) -> Result<Vec<Value>, Status> {
     let objects = serde_json::Deserializer::from_str(json).into_iter::<Value>();
@@ -109,6 +112,9 @@ async fn call(channel: &Channel, method: &MethodDescriptor, json: &str) -> Resul
     let (mut stream, mut answers) = (answer.into_inner(), Vec::new());
     while let Some(message) = stream.message().await? {
         answers.push(serde_json::to_value(&message).unwrap());
+        if method.name() == ENDLESS {
+            break;
+        }
     }
     Ok(answers)
 }

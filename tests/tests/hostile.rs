@@ -84,7 +84,7 @@ fn lone_carriage_returns_end_blocks_and_nul_bytes_are_told() {
 #[test]
 fn a_program_beyond_the_machine_is_refused() {
     let mut work = Work::texts(machine("fanuc-mill", ""), &["M30\n", "M30\n"], limited());
-    assert!(work.run(None).unwrap_err().findings[0].text.contains("there are more programs"));
+    assert!(work.run(None).unwrap_err().findings[0].text.contains("has more programs"));
     work.programs = vec![Program { file: "p1.nc".into(), number: Some(77), channel: None }];
     assert!(work.run(None).unwrap_err().findings[0].text.contains("no program O0077"));
     work.programs = vec![Program { file: "none.nc".into(), number: None, channel: None }];

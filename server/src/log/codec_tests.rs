@@ -72,7 +72,7 @@ fn kinds() -> Vec<Kind> {
             since_ns: 5,
             meeting: 3,
             mark: "".into(),
-            by: 1,
+            by: 0,
         }),
         Kind::Diagnostic(Box::new(Diagnostic {
             number: 1201,
@@ -142,7 +142,7 @@ fn kinds() -> Vec<Kind> {
             since_ns: -1,
             meeting: 1 << 40,
             mark: "".into(),
-            by: 1,
+            by: 0,
         }),
         Kind::Release(Release {
             key: "".into(),
@@ -150,7 +150,7 @@ fn kinds() -> Vec<Kind> {
             since_ns: -1,
             meeting: 1 << 40,
             mark: "".into(),
-            by: 1,
+            by: 0,
         }),
         Kind::Release(Release {
             key: "".into(),
@@ -158,7 +158,7 @@ fn kinds() -> Vec<Kind> {
             since_ns: -1,
             meeting: 1 << 40,
             mark: "".into(),
-            by: 1,
+            by: 0,
         }),
         Kind::Release(Release {
             key: "".into(),
@@ -166,7 +166,7 @@ fn kinds() -> Vec<Kind> {
             since_ns: -1,
             meeting: 1 << 40,
             mark: "".into(),
-            by: 1,
+            by: 0,
         }),
         Kind::Release(Release {
             key: "".into(),
@@ -174,7 +174,7 @@ fn kinds() -> Vec<Kind> {
             since_ns: -1,
             meeting: 1 << 40,
             mark: "".into(),
-            by: 1,
+            by: 0,
         }),
         verdict(VerdictKind::Cycle),
         verdict(VerdictKind::Mismatch),
@@ -214,12 +214,20 @@ fn kinds() -> Vec<Kind> {
             since_ns: 5,
             meeting: 3,
             mark: "101".into(),
-            by: 1,
+            by: 0,
         }),
         Kind::Diagnostic(Box::new(Diagnostic {
             unrecognised: Some(Box::new(Unrecognised { text: "Q7".into(), place: "'G1 Q7'".into() })),
             ..Diagnostic::default()
         })),
+        Kind::Release(Release {
+            key: "M101".into(),
+            primitive: Primitive::Flag,
+            since_ns: 5,
+            meeting: 3,
+            mark: "101".into(),
+            by: 2,
+        }),
     ]
 }
 
