@@ -155,7 +155,7 @@ pub struct Record {
     pub tenant: String,
     /// Identity given by the client.
     pub request_id: String,
-    /// Digest of what was submitted, without the request id, after [`CONTENT`].
+    /// Digest of what was submitted, without the request id, after `CONTENT`.
     #[serde(default)]
     pub content: String,
     /// Machine as the client named it.
