@@ -86,7 +86,7 @@ fn a_program_beyond_the_machine_is_refused() {
     let mut work = Work::texts(machine("fanuc-mill", ""), &["M30\n", "M30\n"], limited());
     assert!(work.run(None).unwrap_err().findings[0].text.contains("has more programs"));
     work.programs = vec![Program { file: "p1.nc".into(), number: Some(77), channel: None }];
-    assert!(work.run(None).unwrap_err().findings[0].text.contains("no program O0077"));
+    assert!(work.run(None).unwrap_err().findings[0].text.contains("program O0077 not found"));
     work.programs = vec![Program { file: "none.nc".into(), number: None, channel: None }];
     assert!(work.run(None).unwrap_err().findings[0].text.contains("no file 'none.nc'"));
     work.programs = vec![Program { file: "p1.nc".into(), number: None, channel: Some(9) }];
