@@ -255,7 +255,7 @@ fn explain_knows_numbers_and_names() {
     assert!(explained("$FMSGPOS").1.contains("needs a machine model, and there is none here"));
     assert!(explained("$FPAUSE").1.contains("runs in the background"));
     assert!(!explained("$FMSGLCV").1.contains("2910070"));
-    assert!(explained("$VMXFER").1.ends_with("There is no machine model here: only macros change this variable.\n"));
+    assert!(explained("$VMXFER").1.ends_with("Machine models are not emulated: only macros change this variable.\n"));
     assert!(explained("#{").1.contains("before the pre-processor"));
     assert!(explained("and").1.contains("`condition`"));
     assert!(explained("DATA_AXIS_X").1.starts_with("REG_AXIS_X\n"));

@@ -126,7 +126,7 @@ impl Watch {
         }
     }
 
-    /// A message of the stream, which is made if there is none.
+    /// The next message of the stream; opens a stream first if none is open.
     async fn message(&mut self) -> Result<Option<Content>, Error> {
         let patience = self.heartbeat * 2 + SILENCE;
         let silent = |_| Error::from(tonic::Status::unavailable("the watch was silent for too long"));

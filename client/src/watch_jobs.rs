@@ -95,7 +95,7 @@ impl WatchJobs {
         }
     }
 
-    /// A message of the stream, which is made if there is none.
+    /// The next message of the stream; opens a stream first if none is open.
     async fn message(&mut self) -> Result<v1::WatchJobsResponse, Error> {
         let silent = |_| Error::from(tonic::Status::unavailable("the watch was silent for too long"));
         let stream = match &mut self.stream {

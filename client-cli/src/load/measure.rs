@@ -39,7 +39,7 @@ impl Stretch {
     }
 }
 
-/// Longest time that is told apart, µs: a day.
+/// Longest time that is counted exactly, µs: a day. Longer ones count as this long.
 const LONGEST: u64 = 86_400_000_000;
 
 /// Times of a stretch. `None` never comes up: the bounds are ones that the type takes.

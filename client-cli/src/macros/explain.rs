@@ -162,7 +162,7 @@ fn variable(name: &str) -> Option<String> {
     };
     let category = variable.category;
     let model =
-        if category == "model" { "\nThere is no machine model here: only macros change this variable.\n" } else { "" };
+        if category == "model" { "\nMachine models are not emulated: only macros change this variable.\n" } else { "" };
     Some(format!("{}\n{kind}{range}, {access} ({category})\n\n{}\n{model}", variable.form(), variable.about))
 }
 

@@ -76,11 +76,11 @@ pub(super) struct Watch {
     sent_at: Instant,
 }
 
-/// Why a watch is over.
-enum Over {
+/// Why a watch is over, of one job or of many.
+pub(super) enum Over {
     /// The client has gone.
     Gone,
-    /// To be told to the client.
+    /// To be reported to the client.
     Refused(Refusal),
 }
 

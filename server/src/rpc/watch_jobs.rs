@@ -15,7 +15,7 @@ use tokio::time::timeout;
 use tonic::Status;
 
 use super::blocking;
-use super::watch::{SMALLEST, heartbeat};
+use super::watch::{Over, SMALLEST, heartbeat};
 use crate::jobs::Core;
 use crate::jobs::describe::status;
 use crate::jobs::feed::Change;
@@ -39,20 +39,6 @@ pub(super) struct WatchJobs {
     heartbeat: Duration,
     /// Where the feed is read from; none: the jobs that have not ended come first.
     cursor: Option<u64>,
-}
-
-/// Why a watch is over.
-enum Over {
-    /// The client has gone.
-    Gone,
-    /// To be reported to the client.
-    Refused(Refusal),
-}
-
-impl From<Refusal> for Over {
-    fn from(refusal: Refusal) -> Self {
-        Self::Refused(refusal)
-    }
 }
 
 impl WatchJobs {
