@@ -98,6 +98,8 @@ pub struct Rule {
     pub numbered: bool,
     /// What introduces the list of channels; empty if the list is not shown.
     pub list: Box<str>,
+    /// It is written as a statement, with number and channels in parentheses.
+    pub statement: bool,
     /// Pairs that it refuses; none: waits that do not match wait.
     pub mismatch: Option<Mismatch>,
     /// What an absent partner means.
@@ -108,7 +110,14 @@ impl Rule {
     /// Waits of a word that the control pairs freely.
     #[must_use]
     pub fn plain(word: &str) -> Self {
-        Self { word: word.into(), numbered: true, list: "".into(), mismatch: None, absent: Absent::Missed }
+        Self {
+            word: word.into(),
+            numbered: true,
+            list: "".into(),
+            statement: false,
+            mismatch: None,
+            absent: Absent::Missed,
+        }
     }
 }
 
@@ -145,9 +154,15 @@ impl Rules {
         }
     }
 
-    /// The wait as people write it: `M101`, `M101 P12`, `START1`.
+    /// The wait as people write it: `M101`, `M101 P12`, `START1`, `WAITM(10,1,2)`.
     pub fn text(&self, wait: &Wait) -> String {
         let Some(rule) = self.of(wait) else { return wait.key.number.to_string() };
+        if rule.statement {
+            let number = rule.numbered.then_some(wait.key.number);
+            let channels = wait.named.into_iter().flat_map(Set::iter).map(u32::from);
+            let arguments: Vec<String> = number.into_iter().chain(channels).map(|number| number.to_string()).collect();
+            return format!("{}({})", rule.word, arguments.join(","));
+        }
         let mut out = rule.word.to_string();
         if rule.numbered {
             let _ = write!(out, "{}", wait.key.number);
