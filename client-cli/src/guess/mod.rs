@@ -226,7 +226,10 @@ mod tests {
         let two = guess(&[("a.nc", "O1\nM101\nM30\n"), ("b.nc", "O2\nT0202\nM101\nM30\n")]).unwrap();
         assert_eq!((two.machine, two.why.as_str()), ("fanuc-2path-lathe", "2 programs, T0202 (b.nc line 2)"));
         let marks = guess(&[("a.nc", "WAITM(1,1,2)\nM30\n"), ("b.nc", "WAITM(1,1,2)\nG96 S200\n")]).unwrap();
-        assert_eq!((marks.machine, marks.why.as_str()), ("siemens-2channel", "WAITM (a.nc line 1), G96 (b.nc line 2)"));
+        assert_eq!(
+            (marks.machine, marks.why.as_str()),
+            ("siemens-2channel", "WAITM (a.nc line 1), G96 S200 (b.nc line 2)")
+        );
         let one = guess(&[("p.nc", "O1\r\nT1 M6\r\nN10 G43 H1\r\nM30\r\n")]).unwrap();
         assert_eq!(one.why, "T1 M6 (line 2), G43 H1 (line 3)");
     }

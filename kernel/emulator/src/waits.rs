@@ -8,7 +8,7 @@ mod fanuc;
 mod siemens;
 mod statements;
 
-pub(crate) use statements::{by_statement, operands};
+pub(crate) use statements::{Statement, by_statement, known_channel, operands};
 
 use counterpoint_event::event::Primitive;
 use counterpoint_machine::model::{self, Machine, WaitAct, WaitRow};
@@ -174,7 +174,8 @@ fn of_row(machine: &Machine, (index, row): (u16, &WaitRow), key: Key, (named, pa
     let rule = REGISTERS + machine.registers.len() as u16 + index;
     let wait = Wait { primitive: row.primitive, key, named, parts, need, rule };
     match row.act {
-        WaitAct::Wait => Meaning::Wait(wait),
+        // A word neither selects nor starts: the loader refuses that.
+        WaitAct::Wait | WaitAct::Select | WaitAct::Start => Meaning::Wait(wait),
         WaitAct::Set => Meaning::Act(Act::Set(key), wait),
         WaitAct::Clear => Meaning::Act(Act::Clear(key), wait),
         WaitAct::Signal => Meaning::Act(Act::Signal { key, to: parts, broadcast }, wait),

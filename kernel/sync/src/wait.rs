@@ -255,6 +255,8 @@ pub struct Places {
     channels: Channels,
     waiting: Vec<Option<Waiting>>,
     finished: Vec<Option<Finish>>,
+    /// Channels without a program that runs, which others may start.
+    idle: Set,
 }
 
 impl Places {
@@ -262,7 +264,7 @@ impl Places {
     #[must_use]
     pub fn new(channels: Channels) -> Self {
         let count = channels.count();
-        Self { channels, waiting: vec![None; count], finished: vec![None; count] }
+        Self { channels, waiting: vec![None; count], finished: vec![None; count], idle: Set::default() }
     }
 
     /// The wait of a channel.
@@ -306,6 +308,24 @@ impl Places {
     /// A channel waits no longer.
     pub(crate) fn leave(&mut self, channel: u16) -> Option<Waiting> {
         self.waiting.get_mut(self.channels.index(channel)).and_then(Option::take)
+    }
+
+    /// Channels without a program that runs, which others may start.
+    pub(crate) fn idle(&self) -> Set {
+        self.idle
+    }
+
+    /// A channel that has ended, or never ran, may be started.
+    pub(crate) fn rest(&mut self, channel: u16) {
+        self.idle = self.idle.with(channel);
+    }
+
+    /// An idle channel executes blocks again.
+    pub(crate) fn start(&mut self, channel: u16) {
+        self.idle = self.idle.without(channel);
+        if let Some(slot) = self.finished.get_mut(self.channels.index(channel)) {
+            *slot = None;
+        }
     }
 
     /// A channel has come to its end.

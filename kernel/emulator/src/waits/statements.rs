@@ -10,6 +10,14 @@ use counterpoint_sync::wait::{Key, Set};
 
 use super::{Meaning, all, of_row};
 
+/// What a statement does.
+pub(crate) enum Statement {
+    /// It waits, or lets others continue.
+    Meaning(Meaning),
+    /// It starts these channels.
+    Start(Set),
+}
+
 /// Waits of this primitive have a mark.
 pub(super) fn has_mark(primitive: Primitive) -> bool {
     !matches!(primitive, Primitive::Join)
@@ -24,8 +32,9 @@ fn find<'m>(machine: &'m Machine, name: &str) -> Option<(u16, &'m WaitRow)> {
 pub(crate) fn operands(machine: &Machine, name: &str) -> Option<Operands> {
     let (_, row) = find(machine, name)?;
     Some(match (row.primitive, row.act) {
+        (_, WaitAct::Select) => Operands::Program,
         (Primitive::Join, _) => Operands::Channels,
-        (_, WaitAct::Wait | WaitAct::Signal) => Operands::MarkAndChannels,
+        (_, WaitAct::Wait | WaitAct::Signal | WaitAct::Start) => Operands::MarkAndChannels,
         (_, WaitAct::Set | WaitAct::Clear | WaitAct::Release) => Operands::Marks,
     })
 }
@@ -40,17 +49,28 @@ pub(crate) fn by_statement(
     channel: u16,
     mark: i64,
     channels: &[i64],
-) -> Result<Meaning, String> {
+) -> Result<Statement, String> {
     let (index, row) = find(machine, name).ok_or_else(|| format!("{name} is not known"))?;
     let number = u32::try_from(mark).ok().filter(|mark| *mark <= row.highest);
     let number = number.ok_or_else(|| format!("mark {mark} is not possible, only 0 to {}", row.highest))?;
     let everybody = all(machine);
     let mut named = Set::default();
     for &number in channels {
-        let known = u16::try_from(number).ok().filter(|number| everybody.has(*number));
-        named = named.with(known.ok_or_else(|| format!("the machine has no channel {number}"))?);
+        named = named.with(known_channel(machine, number)?);
+    }
+    if row.act == WaitAct::Start {
+        return Ok(Statement::Start(named));
     }
     let parts = if channels.is_empty() { everybody } else { named.with(channel) };
     let named = (!channels.is_empty()).then_some(named);
-    Ok(of_row(machine, (index, row), Key { space: 0, number }, (named, parts)))
+    Ok(Statement::Meaning(of_row(machine, (index, row), Key { space: 0, number }, (named, parts))))
+}
+
+/// A channel of the machine by its number.
+///
+/// # Errors
+/// There is no such channel.
+pub(crate) fn known_channel(machine: &Machine, number: i64) -> Result<u16, String> {
+    let known = u16::try_from(number).ok().filter(|number| all(machine).has(*number));
+    known.ok_or_else(|| format!("the machine has no channel {number}"))
 }

@@ -117,6 +117,8 @@ fn read_row(section: &mut Section<'_>, check: &Check) -> Option<WaitRow> {
         ("clear", WaitAct::Clear),
         ("signal", WaitAct::Signal),
         ("release", WaitAct::Release),
+        ("select", WaitAct::Select),
+        ("start", WaitAct::Start),
     ];
     let act = section.choice("act", &acts).unwrap_or(WaitAct::Wait);
     let mark = section.integer("mark", 0..=i64::from(HIGHEST)).unwrap_or(0) as u32;
@@ -147,10 +149,11 @@ fn check_row(section: &mut Section<'_>, check: &Check, (primitive, act, mismatch
         WaitAct::Set | WaitAct::Clear => primitive == Primitive::Flag,
         WaitAct::Signal => primitive == Primitive::Signal,
         WaitAct::Release => primitive == Primitive::Lease,
+        WaitAct::Select | WaitAct::Start => primitive == Primitive::Join && section.node("statement").is_some(),
     };
     if !fits {
         let text = "`act` does not go with this primitive: flags are set and cleared, signals are sent by \"signal\", leases \
-                    are given back by \"release\"";
+                    are given back by \"release\", and statements \"select\" and \"start\" the programs of a join";
         section.error("act", text);
     }
     let fits = match mismatch {

@@ -50,6 +50,10 @@ pub enum WaitAct {
     Signal,
     /// Gives back what the channel holds.
     Release,
+    /// Selects the program of a channel.
+    Select,
+    /// Starts the selected programs of channels.
+    Start,
 }
 
 /// The control whose rule refuses pairs of waits.
