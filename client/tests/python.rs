@@ -39,7 +39,19 @@ fn the_python_package_submits_watches_and_draws() {
     let address = service.handle().address().to_string();
     runtime.spawn(service.run(std::future::pending()));
     let mut test = Command::new(&python);
-    test.arg(package.join("tests/test_client.py")).env("PYTHONPATH", &out).env("COUNTERPOINT_TEST_SERVER", address);
+    test.arg(package.join("tests/test_client.py")).env("PYTHONPATH", &out).env("COUNTERPOINT_TEST_SERVER", &address);
     let output = test.env("PYTHONDONTWRITEBYTECODE", "1").output().unwrap();
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+
+    let examples = package.join("../../examples");
+    let drawing = folder.path().join("timeline.svg");
+    let mut example = Command::new(&python);
+    example.arg(examples.join("python/submit_and_watch.py")).args(["--server", &address]);
+    example.args(["--machine", "fanuc-2path-lathe", "--timeline"]).arg(&drawing);
+    example.args(["upper.nc", "lower.nc"].map(|name| examples.join("two-turret").join(name)));
+    let output = example.env("PYTHONPATH", &out).env("PYTHONDONTWRITEBYTECODE", "1").output().unwrap();
+    let printed = String::from_utf8_lossy(&output.stdout);
+    assert!(output.status.success(), "{printed}{}", String::from_utf8_lossy(&output.stderr));
+    assert!(printed.contains("SUCCEEDED after"), "{printed}");
+    assert!(std::fs::read_to_string(drawing).unwrap().starts_with("<svg"));
 }

@@ -20,7 +20,7 @@ HEARTBEAT_S = 5.0
 
 
 class Progress(NamedTuple):
-    """Where a channel stands."""
+    """How far a channel is."""
 
     channel: str
     state: str
@@ -46,6 +46,7 @@ class JobFailed(Exception):
 
 
 Show = Callable[[List[Progress]], None]
+Programs = Union[Sequence[Union[str, pathlib.Path]], Mapping[str, bytes]]
 
 
 def print_progress(channels: Sequence[Progress]) -> None:
@@ -59,7 +60,7 @@ class Client:
     """A connection to a server.
 
     address: HOST:PORT. token: sent with every call. credentials: for a server with TLS
-    (grpc.ssl_channel_credentials). patience: seconds to go on trying when nothing succeeds.
+    (grpc.ssl_channel_credentials). patience: seconds after which a call that always fails gives up.
     """
 
     def __init__(
@@ -93,25 +94,28 @@ class Client:
     def submit(
         self,
         machine: str,
-        programs: Union[Sequence[Union[str, pathlib.Path]], Mapping[str, bytes]],
+        programs: Programs,
         options: Optional[jobs_pb2.JobOptions] = None,
         request_id: Optional[str] = None,
     ) -> str:
-        """Submits programs, left to right onto the channels; gives the id of the job.
+        """Submits programs, left to right onto the channels; returns the id of the job.
 
-        programs: paths, or contents by name. When this returns, the job is on the disk of the server. The request
-        is repeated with its id after a lost connection, so the job is accepted once.
+        programs: paths, or contents by name; a path may be given for several channels. Raises ValueError if two
+        files of one name differ. When this returns, the job is on the disk of the server. The request is repeated
+        with its id after a lost connection, so the job is accepted once.
         """
-        named: Dict[str, bytes]
-        if isinstance(programs, Mapping):
-            named = dict(programs)
-        else:
-            named = {pathlib.Path(path).name: pathlib.Path(path).read_bytes() for path in programs}
+        named = _named(programs)
         request = jobs_pb2.SubmitJobRequest(request_id=request_id or str(uuid.uuid4()), machine=machine, options=options)
-        contents = {hashlib.sha256(data).hexdigest(): data for data in named.values()}
-        for name, data in named.items():
+        contents: Dict[str, bytes] = {}
+        digests: Dict[str, str] = {}
+        for name, data in named:
+            digest = hashlib.sha256(data).hexdigest()
+            if digests.setdefault(name, digest) != digest:
+                raise ValueError(f"two programs are named {name} and differ: rename one of them")
+            contents[digest] = data
             request.programs.add(path=name)
-            request.files.add(path=name, digest=hashlib.sha256(data).hexdigest())
+        for name, digest in digests.items():
+            request.files.add(path=name, digest=digest)
         self._upload(contents)
         answer = self._again(lambda: self._jobs.SubmitJob(request, metadata=self._metadata))
         return str(answer.status.job_id)
@@ -159,7 +163,7 @@ class Client:
     def watch(
         self, job: str, progress: Optional[Show] = None, event: Optional[Callable[[Event], None]] = None
     ) -> jobs_pb2.JobStatus:
-        """Follows a job to its end. progress and event are called as things come."""
+        """Follows a job to its end; calls progress and event with what arrives."""
         for message in self.events(job):
             content = message.WhichOneof("content")
             if content == "progress" and progress and message.progress.channels:
@@ -171,7 +175,7 @@ class Client:
                 if message.ended.error:
                     raise JobFailed(message.ended.error)
                 return message.ended
-        raise AssertionError("a watch ends with the end of its job")
+        raise JobFailed("the server ended the watch before the job ended")
 
     def summary(self, job: str) -> Dict[str, Any]:
         """summary.json of an ended job."""
@@ -204,6 +208,13 @@ class Client:
                     raise
                 time.sleep(_pause(failures))
                 failures += 1
+
+
+def _named(programs: Programs) -> List[Tuple[str, bytes]]:
+    if isinstance(programs, Mapping):
+        return list(programs.items())
+    paths = [pathlib.Path(path) for path in programs]
+    return [(path.name, path.read_bytes()) for path in paths]
 
 
 def _pause(failures: int) -> float:

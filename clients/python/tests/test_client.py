@@ -2,6 +2,7 @@
 
 import os
 import pathlib
+import tempfile
 import unittest
 import xml.dom.minidom
 
@@ -39,6 +40,17 @@ class Against(unittest.TestCase):
         self.assertEqual(self.client.submit("fanuc-mill", programs, request_id="once"), first)
         with self.assertRaises(JobFailed):
             self.client.watch(self.client.submit("fanuc-2path-lathe", {"b.nc": b"", "c.nc": b"", "d.nc": b""}))
+
+    def test_a_file_serves_several_channels_and_names_are_unique(self) -> None:
+        program = EXAMPLES / "upper.nc"
+        job = self.client.submit("fanuc-2path-lathe", [program, program])
+        self.client.watch(job)
+        self.assertEqual(len(self.client.timeline(job).channels), 2)
+        with tempfile.TemporaryDirectory() as folder:
+            other = pathlib.Path(folder) / "upper.nc"
+            other.write_bytes(b"O1\nM30\n")
+            with self.assertRaisesRegex(ValueError, "upper.nc"):
+                self.client.submit("fanuc-2path-lathe", [program, other])
 
 
 if __name__ == "__main__":

@@ -12,6 +12,10 @@ use prost::Message as _;
 
 use super::{decode, encode};
 
+fn release(key: &str, primitive: Primitive, since_ns: i64, meeting: u64, mark: &str, by: u16) -> Kind {
+    Kind::Release(Release { key: key.into(), primitive, since_ns, meeting, mark: mark.into(), by })
+}
+
 fn kinds() -> Vec<Kind> {
     let mut from = [0.0; MAX_AXES];
     from[0] = -0.0;
@@ -66,14 +70,7 @@ fn kinds() -> Vec<Kind> {
             participants: [1, 2, 300].into(),
             mark: "".into(),
         })),
-        Kind::Release(Release {
-            key: "M101".into(),
-            primitive: Primitive::Barrier,
-            since_ns: 5,
-            meeting: 3,
-            mark: "".into(),
-            by: 0,
-        }),
+        release("M101", Primitive::Barrier, 5, 3, "", 0),
         Kind::Diagnostic(Box::new(Diagnostic {
             number: 1201,
             severity: 9,
@@ -136,46 +133,11 @@ fn kinds() -> Vec<Kind> {
         Kind::Motion(Motion { kind: MotionKind::ArcCw, feed_unit: FeedUnit::Rapid, ..plain }),
         Kind::Motion(Motion { kind: MotionKind::ArcCw, plane_axes: [0, 1], ..plain }),
         Kind::Motion(Motion { length: f64::NAN, feed: f64::INFINITY, ..motion }),
-        Kind::Release(Release {
-            key: "".into(),
-            primitive: Primitive::Flag,
-            since_ns: -1,
-            meeting: 1 << 40,
-            mark: "".into(),
-            by: 0,
-        }),
-        Kind::Release(Release {
-            key: "".into(),
-            primitive: Primitive::Order,
-            since_ns: -1,
-            meeting: 1 << 40,
-            mark: "".into(),
-            by: 0,
-        }),
-        Kind::Release(Release {
-            key: "".into(),
-            primitive: Primitive::Count,
-            since_ns: -1,
-            meeting: 1 << 40,
-            mark: "".into(),
-            by: 0,
-        }),
-        Kind::Release(Release {
-            key: "".into(),
-            primitive: Primitive::Signal,
-            since_ns: -1,
-            meeting: 1 << 40,
-            mark: "".into(),
-            by: 0,
-        }),
-        Kind::Release(Release {
-            key: "".into(),
-            primitive: Primitive::Join,
-            since_ns: -1,
-            meeting: 1 << 40,
-            mark: "".into(),
-            by: 0,
-        }),
+        release("", Primitive::Flag, -1, 1 << 40, "", 0),
+        release("", Primitive::Order, -1, 1 << 40, "", 0),
+        release("", Primitive::Count, -1, 1 << 40, "", 0),
+        release("", Primitive::Signal, -1, 1 << 40, "", 0),
+        release("", Primitive::Join, -1, 1 << 40, "", 0),
         verdict(VerdictKind::Cycle),
         verdict(VerdictKind::Mismatch),
         verdict(VerdictKind::PartnerAlarmed),
@@ -208,26 +170,12 @@ fn kinds() -> Vec<Kind> {
             participants: [1, 2].into(),
             mark: "101".into(),
         })),
-        Kind::Release(Release {
-            key: "M101".into(),
-            primitive: Primitive::Barrier,
-            since_ns: 5,
-            meeting: 3,
-            mark: "101".into(),
-            by: 0,
-        }),
+        release("M101", Primitive::Barrier, 5, 3, "101", 0),
         Kind::Diagnostic(Box::new(Diagnostic {
             unrecognised: Some(Box::new(Unrecognised { text: "Q7".into(), place: "'G1 Q7'".into() })),
             ..Diagnostic::default()
         })),
-        Kind::Release(Release {
-            key: "M101".into(),
-            primitive: Primitive::Flag,
-            since_ns: 5,
-            meeting: 3,
-            mark: "101".into(),
-            by: 2,
-        }),
+        release("M101", Primitive::Flag, 5, 3, "101", 2),
     ]
 }
 
