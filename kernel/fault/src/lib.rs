@@ -149,6 +149,8 @@ diagnostics! {
     NO_LEAD 2900383 "no-thread-lead" 8 false "thread without a lead";
     WAIT_IMPOSSIBLE 2900385 "wait-impossible" 12 true "wait, signal or release not possible";
     WAIT_LISTS 2900386 "wait-lists" 4 false "channels name different partners at one mark (16949)";
+    STATEMENT_ARGUMENTS 2900387 "illegal-mark-or-channel" 12 true "mark or channel of a statement not possible";
+    CHANNEL_NOT_STARTED 2900388 "channel-not-started" 12 true "program of a channel cannot be selected or started";
     ARC_INCOMPLETE 2900384 "arc-incomplete" 8 false "arc without a centre or radius";
     OKUMA_NO_MODAL 2900182 "no-modal-call" 4 false "no modal call active (Okuma)";
     GROUP_TWICE 2900350 "group-twice" 4 false "G code overridden by a later one of the same group";

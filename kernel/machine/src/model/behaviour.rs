@@ -147,6 +147,14 @@ pub struct Sync {
     pub waits: Vec<super::WaitRow>,
 }
 
+impl Sync {
+    /// Programs can start the programs of other channels.
+    #[must_use]
+    pub fn starts_channels(&self) -> bool {
+        self.waits.iter().any(|row| row.act == super::WaitAct::Start)
+    }
+}
+
 /// Dialect of the meeting codes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SyncDialect {

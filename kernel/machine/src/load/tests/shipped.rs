@@ -33,6 +33,7 @@ fn all_machines_load_without_a_finding() {
             "fanuc-mill",
             "haas-mill-turn",
             "heidenhain-mill",
+            "siemens-2channel",
             "siemens-lathe",
             "siemens-mill",
             "tern-bar-lathe",
