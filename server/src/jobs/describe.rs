@@ -96,6 +96,7 @@ pub(crate) fn status(record: Record) -> v1::JobStatus {
         }
         .into(),
         rerun_of: record.asked.rerun_of,
+        paused: record.paused,
     }
 }
 

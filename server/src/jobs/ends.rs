@@ -65,7 +65,11 @@ impl End {
         if let Some(log) = log.filter(|_| record.state.ended()) {
             live.tail.set(log.bytes.len() as u64, log.last_seq);
         }
-        live.change(|now| *now = Record { cancel: now.cancel, ..record });
+        live.change(|now| *now = Record {
+            cancel: now.cancel,
+            paused: now.paused && !record.state.ended(),
+            ..record
+        });
         core.free(&live);
     }
 }

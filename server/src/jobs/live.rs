@@ -57,6 +57,8 @@ pub(crate) struct Live {
     /// Where dialogs wait for the operator.
     pub(crate) desk: Arc<Desk>,
     limits: Mutex<RunLimits>,
+    /// Held while the job is paused or resumed, so that ledger and memory agree.
+    pub(super) holding: tokio::sync::Mutex<()>,
 }
 
 /// A lock whose holder panicked is used as it is: records are replaced whole.
@@ -79,6 +81,7 @@ impl Live {
             writer: Mutex::new(None),
             limits: Mutex::default(),
             promised: AtomicBool::new(false),
+            holding: tokio::sync::Mutex::default(),
         }
     }
 
@@ -119,13 +122,23 @@ impl Live {
         lock(&self.run).clone()
     }
 
-    /// Forgets a run that the host failed; the job will be run again, and watchers stay at their cursors.
+    /// Forgets a run that the host failed or a pause has stopped; the job will be run again, and watchers stay at their cursors.
     pub(crate) fn forget_run(&self) {
         drop(self.end_log());
         self.tail.begin_again();
         *lock(&self.run) = None;
+        self.renew();
+    }
+
+    /// Whatever was to end the last run does not end the next one.
+    pub(super) fn renew(&self) {
         *lock(&self.stop) = Stop::default();
         self.desk.begin_again(&self.record().answers);
+    }
+
+    /// Whether the job is held back.
+    pub(super) fn paused(&self) -> bool {
+        lock(&self.record).paused
     }
 
     /// Sets what a run has; the job may have been cancelled by then.

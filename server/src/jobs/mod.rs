@@ -11,6 +11,7 @@ pub(crate) mod feed;
 mod files;
 pub(crate) mod filter;
 mod flusher;
+mod hold;
 mod housekeeping;
 pub(crate) mod live;
 mod observe;
@@ -346,22 +347,30 @@ impl Core {
             return Ok(record);
         }
         if waiting {
-            let ended = Record { state: State::Cancelled, ended_ms: now_ms(), ..record };
-            if let Err(refusal) = self.ledger.update(ended.clone()).await {
+            return self.end_cancelled(&live, record).await.inspect_err(|_| {
                 live.change(|record| record.cancel = false);
                 self.put_back(&live);
-                return Err(refusal);
-            }
-            live.change(|record| record.clone_from(&ended));
-            self.metrics.ended("CANCELLED");
-            self.changed(&live);
-            self.board.live.remove(id);
-            return Ok(ended);
+            });
         }
         self.ledger.flag_cancel(id.to_owned()).await?;
         live.cancel();
+        if self.withdraw(id) {
+            // A pause has taken it from its worker meanwhile.
+            return self.end_cancelled(&live, live.record()).await.inspect_err(|_| self.put_back(&live));
+        }
         self.changed(&live);
         Ok(live.record())
+    }
+
+    /// Ends a job that was withdrawn, because it was cancelled.
+    async fn end_cancelled(&self, live: &Live, record: Record) -> Result<Record, Refusal> {
+        let ended = Record { state: State::Cancelled, ended_ms: now_ms(), paused: false, ..record };
+        self.ledger.update(ended.clone()).await?;
+        live.change(|record| record.clone_from(&ended));
+        self.metrics.ended("CANCELLED");
+        self.changed(live);
+        self.board.live.remove(&live.id);
+        Ok(ended)
     }
 
     /// Deletes an ended job.

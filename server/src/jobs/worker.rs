@@ -59,11 +59,13 @@ fn work(core: &Arc<Core>, live: &Arc<Live>) {
     let span = live.span();
     let _inside = span.enter();
     let work = || match run(core, live)? {
-        Ran::Over(change) => Ok((change, None)),
-        Ran::Through(through) => through.store(core, live),
+        Ran::Over(change) => Ok(Some((change, None))),
+        Ran::Through(through) => through.store(core, live).map(Some),
+        Ran::Paused => Ok(None),
     };
     let (change, log) = match catch_unwind(AssertUnwindSafe(work)) {
-        Ok(Ok(stored)) => stored,
+        Ok(Ok(Some(stored))) => stored,
+        Ok(Ok(None)) => return paused(core, live),
         Ok(Err(Refusal::Storage(trouble))) => return again(core, live.clone(), trouble),
         Ok(Err(refusal)) => (failed(refusal.to_string()), None),
         Err(panic) => (failed(format!("internal error: {}", panic_text(&*panic))), None),
@@ -123,6 +125,21 @@ fn again(core: &Arc<Core>, live: Arc<Live>, trouble: String) {
     if let Some(left_out) = FAILED_BY_HOST.pass() {
         tracing::warn!(trouble, left_out, "the host has failed the run; the job waits for another");
     }
+    let record = drop_run(core, &live, |record| {
+        record.runs.host_failures = record.runs.host_failures.saturating_add(1);
+        record.runs.host_failure = trouble;
+    });
+    core.again(&live, record.runs.host_failures);
+}
+
+/// Drops a run that a pause has stopped; the ledger holds the job as queued and paused.
+fn paused(core: &Arc<Core>, live: &Arc<Live>) {
+    drop_run(core, live, |_| {});
+    core.aside(live);
+}
+
+/// Drops a run that does not count as an attempt.
+fn drop_run(core: &Core, live: &Live, change: impl FnOnce(&mut Record)) -> Record {
     live.forget_run();
     if let Err(error) = core.logs.remove_log(&live.id) {
         tracing::warn!(%error, "the unfinished log stays until the next run");
@@ -131,11 +148,10 @@ fn again(core: &Arc<Core>, live: Arc<Live>, trouble: String) {
         if std::mem::replace(&mut record.state, State::Queued) == State::Running {
             record.runs.attempt = record.runs.attempt.saturating_sub(1);
         }
-        record.runs.host_failures = record.runs.host_failures.saturating_add(1);
-        record.runs.host_failure = trouble;
+        change(record);
     });
     core.host.unmark(&live.id);
-    core.again(&live, record.runs.host_failures);
+    record
 }
 
 /// Between two looks at whether the run is to end.
@@ -147,6 +163,7 @@ fn end(core: &Arc<Core>, live: &Arc<Live>, change: Change, log: Option<Small>) {
     change(&mut record);
     record.runs.suspect = false;
     if record.state.ended() {
+        record.paused = false;
         record.ended_ms = now_ms();
         record.runs.run_ms = u64::try_from(record.ended_ms - record.runs.started_ms).unwrap_or(0);
     }
@@ -167,6 +184,8 @@ enum Ran {
     /// Nothing is to be stored but the state.
     Over(Change),
     Through(Box<Through>),
+    /// The job is held back.
+    Paused,
 }
 
 fn run(core: &Core, live: &Arc<Live>) -> Result<Ran, Refusal> {
@@ -198,7 +217,7 @@ fn run(core: &Core, live: &Arc<Live>) -> Result<Ran, Refusal> {
         Ok(prepared) => prepared,
         Err(_) if live.cancelled() => return Ok(Ran::Over(Box::new(|record| record.state = State::Cancelled))),
         Err(_) if live.reached().is_some() => return Ok(Ran::Over(late(live.reached().unwrap_or_default()))),
-        Err(_) if stop.asked() => return Ok(Ran::Over(queued_again())),
+        Err(_) if stop.asked() => return Ok(interrupted(core)),
         Err(findings) => return Ok(Ran::Over(refused(findings))),
     };
     let info = prepared.info().clone();
@@ -228,12 +247,17 @@ fn run(core: &Core, live: &Arc<Live>) -> Result<Ran, Refusal> {
     }
     files.trouble()?;
     let limit = live.reached().filter(|_| outcome.cancelled || dropped).filter(|_| !live.cancelled());
-    if outcome.cancelled && limit.is_none() && !live.cancelled() && core.drain.begun() {
-        return Ok(Ran::Over(queued_again()));
+    if outcome.cancelled && limit.is_none() && !live.cancelled() {
+        return Ok(interrupted(core));
     }
     let limit = limit.unwrap_or_default();
     let finished = Finished::new(builder.finish(&outcome), written, &limit);
     Ok(Ran::Through(Box::new(Through { outcome, finished, limit, writer })))
+}
+
+/// The run was stopped although its job has not ended: by a drain or a pause.
+fn interrupted(core: &Core) -> Ran {
+    if core.drain.begun() { Ran::Over(queued_again()) } else { Ran::Paused }
 }
 
 impl Through {

@@ -132,6 +132,9 @@ pub(crate) trait Ledger: Send + Sync + Debug {
     /// Notes that a job is to be cancelled, unless it has ended.
     async fn flag_cancel(&self, id: String) -> Result<(), Refusal>;
 
+    /// Notes whether a job is held back, unless it has ended.
+    async fn flag_paused(&self, id: String, paused: bool) -> Result<(), Refusal>;
+
     /// Keeps what the operator said, unless the job has ended.
     async fn answered(&self, id: String, channel: u16, answer: Option<Answer>) -> Result<(), Refusal>;
 

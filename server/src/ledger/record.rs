@@ -183,6 +183,9 @@ pub struct Record {
     /// A cancel was accepted.
     #[serde(default)]
     pub cancel: bool,
+    /// It is held back: no run begins.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub paused: bool,
     /// Milliseconds since 1970.
     #[serde(default)]
     pub submitted_ms: i64,
@@ -230,6 +233,7 @@ impl Record {
             state: State::Queued,
             runs: Runs::default(),
             cancel: false,
+            paused: false,
             submitted_ms: 0,
             ended_ms: 0,
             events: 0,
