@@ -15,7 +15,7 @@ use super::live::{Live, lock};
 use super::recent::Recent;
 use super::tally::Tally;
 use super::{Core, worker};
-use crate::ledger::record::{Cause, Record, State, now_ms};
+use crate::ledger::record::{Cause, Reached, Record, State, now_ms};
 use crate::queue::{Entry, Queue, Ticket};
 use crate::reason::Refusal;
 
@@ -309,7 +309,7 @@ impl Core {
     fn end_late(self: &Arc<Self>, live: &Arc<Live>, deadline: i64) {
         let mut ended = Record { state: State::Failed, ended_ms: now_ms(), paused: false, ..live.record() };
         ended.runs.limit = late(deadline);
-        ended.runs.cause = Some(Cause::Limit);
+        (ended.runs.cause, ended.runs.reached) = (Some(Cause::Limit), Some(Reached::Deadline));
         ended.error.clone_from(&ended.runs.limit);
         if let Err(error) = self.ledger.update_blocking(ended.clone()) {
             tracing::debug!(%error, "a job beyond its deadline is ended later");
@@ -319,7 +319,7 @@ impl Core {
         }
         live.change(|record| *record = ended);
         self.metrics.ended("FAILED");
-        self.metrics.limit("deadline");
+        self.metrics.limit(Reached::Deadline.name());
         self.changed(live);
         self.board.live.remove(&live.id);
     }

@@ -300,9 +300,13 @@ impl Core {
         if quotas.tenant_bytes > 0 && usage.bytes >= quotas.tenant_bytes {
             return Err(Refusal::quota(tenant, "tenant_bytes", format!("{} bytes are stored", usage.bytes)));
         }
-        let seconds = usage.run_ms_on(day(now_ms())) / 1000;
+        let seconds = usage.cpu_us_on(day(now_ms())) / 1_000_000;
         if quotas.tenant_cpu_s > 0 && seconds >= quotas.tenant_cpu_s {
-            return Err(Refusal::quota(tenant, "tenant_cpu_s", format!("its jobs have run for {seconds} s today")));
+            return Err(Refusal::quota(
+                tenant,
+                "tenant_cpu_s",
+                format!("its jobs have taken {seconds} s of processor time today"),
+            ));
         }
         Ok(())
     }
