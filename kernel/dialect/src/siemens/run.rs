@@ -414,6 +414,9 @@ fn skipped<'a>(host: &dyn Host, text: &'a str) -> Option<&'a str> {
 
 /// TRANS replaces the whole translation: axes that it does not name are not moved any more.
 fn whole_translation(host: &dyn Host, left: &mut Left) {
+    if left.words.is_empty() {
+        return;
+    }
     let mut words = left.words.split(' ');
     if !words.any(|word| word == "TRANS") || !host.is_code_text("TRANS") {
         return;

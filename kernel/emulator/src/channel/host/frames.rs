@@ -41,6 +41,13 @@ impl Frames for Kernel<'_> {
         places.collect()
     }
 
+    fn axis_letter(&self, name: &str) -> Option<&str> {
+        let machine = &self.channel.env.machine.axes;
+        let mut axes = self.channel.state.place.layout.axes.iter().filter_map(|axis| machine.get(axis.machine));
+        let is = |text: &str| text.eq_ignore_ascii_case(name);
+        axes.find(|axis| is(&axis.letter) || is(&axis.name)).map(|axis| &*axis.letter)
+    }
+
     fn positions(&self) -> Vec<(String, f64, f64)> {
         let programmed = self.channel.programmed();
         let machine = self.channel.machine_point(&self.channel.state.place.position);
