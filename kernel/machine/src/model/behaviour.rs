@@ -244,6 +244,17 @@ pub struct Compensation {
     pub corner_angle: f64,
 }
 
+/// Words that make corners and directions of lines.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Corners {
+    /// Blocks without a move in the plane that may come between the two lines of a corner.
+    pub between: u32,
+    /// A corner that is too large for its lines is made smaller.
+    pub reduces: bool,
+    /// Rapid moves have corners too.
+    pub rapid: bool,
+}
+
 /// The file that printing statements of the program write, and how numbers stand in it.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Output {
