@@ -7,7 +7,7 @@ use crate::state::modal::Modal;
 use counterpoint_event::event::{Diagnostic, Event, FileId, Kind, Member, Phase, Verdict, VerdictKind};
 use counterpoint_fault::{self as diag, Facts};
 use counterpoint_fault::{Acted, Halt};
-use counterpoint_ports::control::State;
+use counterpoint_ports::control::{Limit, State};
 use counterpoint_program::shape::Range;
 use counterpoint_sync::order::Wake;
 use counterpoint_sync::tag::Tag;
@@ -210,28 +210,30 @@ impl Kernel<'_> {
     #[inline(never)]
     fn check_each_limit(&mut self) -> Acted {
         let limits = &self.channel.env.options.limits;
-        let reason = if self.channel.at.clock > limits.simulated_ns {
-            format!("the simulated time passed {:.3} s", limits.simulated_ns as f64 / 1e9)
+        let (limit, reason) = if self.channel.at.clock > limits.simulated_ns {
+            let reason = format!("the simulated time passed {:.3} s", limits.simulated_ns as f64 / 1e9);
+            (Limit::SimulatedTime, reason)
         } else if self.channel.at.blocks + self.channel.burden.blocks() > limits.blocks {
-            format!("more than {} blocks", limits.blocks)
+            (Limit::Blocks, format!("more than {} blocks", limits.blocks))
         } else if self.ports.emitter.count() > limits.events {
-            format!("more than {} events in its log", limits.events)
+            (Limit::Events, format!("more than {} events in its log", limits.events))
         } else if self.channel.at.idle_blocks > limits.zero_time_blocks {
-            format!("{} blocks in a row took no time", limits.zero_time_blocks)
+            (Limit::ZeroTimeBlocks, format!("{} blocks in a row took no time", limits.zero_time_blocks))
         } else if self.channel.burden.steps > limits.macro_steps {
-            format!("more than {} steps of macros", limits.macro_steps)
+            (Limit::MacroSteps, format!("more than {} steps of macros", limits.macro_steps))
         } else if let Some(reason) =
             self.channel.at.blocks.is_multiple_of(WEIGHED_EVERY).then(|| self.overburdened()).flatten()
         {
-            format!("the memory of the job is exhausted: {reason}")
+            (Limit::Memory, format!("the memory of the job is exhausted: {reason}"))
         } else {
             return Ok(());
         };
-        Err(self.limit(&reason, VerdictKind::Limit))
+        Err(self.limit(&reason, Some(limit)))
     }
 
-    /// Stops the whole job here and says who was doing what.
-    pub(crate) fn limit(&mut self, reason: &str, kind: VerdictKind) -> Halt {
+    /// Stops the whole job here, at a limit or because it can never continue, and says who was doing what.
+    pub(crate) fn limit(&mut self, reason: &str, limit: Option<Limit>) -> Halt {
+        let kind = limit.map_or(VerdictKind::PartnerSpinning, |_| VerdictKind::Limit);
         let (own_channel, tag, info) = (self.channel.at.channel, self.tag(), self.channel.env.info);
         let own = self.what_it_did(reason);
         let (file, line) = (self.channel.at.file, self.channel.at.line);
@@ -251,6 +253,10 @@ impl Kernel<'_> {
         });
         match verdict {
             Ok(verdict) => {
+                // Only the one that stops the others gets here.
+                if let Some(limit) = limit {
+                    self.ports.control.reach(limit);
+                }
                 self.emit_verdict(verdict);
                 Halt::Stopped
             }
@@ -286,6 +292,6 @@ impl Kernel<'_> {
     pub(crate) fn spinning(&mut self, line: u32) -> Halt {
         let place = verdict::place(self.channel.env.info, self.channel.at.file, line);
         let reason = format!("polls at {place} for a variable that nobody is left to change");
-        self.limit(&reason, VerdictKind::PartnerSpinning)
+        self.limit(&reason, None)
     }
 }

@@ -279,8 +279,10 @@ impl<'a> Shop<'a> {
             for (start, (backlog, feeder)) in work {
                 let number = start.channel.number;
                 let work = move || {
-                    let (kernel, at, reset) = self.started(start, Stream::new(backlog, feeder), Switch::Thread);
-                    guarded(kernel, at, reset, coordinator)
+                    control.measured(|| {
+                        let (kernel, at, reset) = self.started(start, Stream::new(backlog, feeder), Switch::Thread);
+                        guarded(kernel, at, reset, coordinator)
+                    })
                 };
                 let mut thread = std::thread::Builder::new().name(format!("kernel-{number}"));
                 if self.job.macros().is_some() {
