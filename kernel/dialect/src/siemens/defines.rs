@@ -3,18 +3,39 @@
 //! Facts: reference control-emulator.md 5.4. A name is a whole one, as `M5` or `START`; texts in quotation marks and the
 //! text that a name stands for are left alone. Invariant: no block grows without bound.
 
+use rustc_hash::FxHashMap;
+
 use super::Siemens;
 use super::cursor::{begins_name, in_name};
 
 /// Largest text that DEFINE may make of a block.
 const LONGEST_BLOCK: usize = 20_000;
 
+/// Texts by the names that they are defined for.
+#[derive(Debug, Default)]
+pub(super) struct Defines {
+    texts: FxHashMap<String, String>,
+    /// Bytes of the texts.
+    text_bytes: usize,
+}
+
+impl Defines {
+    pub(super) fn is_empty(&self) -> bool {
+        self.texts.is_empty()
+    }
+
+    /// Memory of names and texts.
+    pub(super) fn bytes(&self) -> usize {
+        self.texts.len() * 100 + self.text_bytes
+    }
+}
+
 impl Siemens {
     /// DEFINE: the name stands for the text from now on.
     pub(super) fn define(&mut self, name: &str, text: &str) {
-        self.define_bytes += text.len();
-        if let Some(before) = self.defines.insert(name.to_owned(), text.to_owned()) {
-            self.define_bytes -= before.len();
+        self.defines.text_bytes += text.len();
+        if let Some(before) = self.defines.texts.insert(name.to_owned(), text.to_owned()) {
+            self.defines.text_bytes -= before.len();
         }
     }
 
@@ -35,7 +56,8 @@ impl Siemens {
             if !quoted && begins_name(byte) && !behind_name {
                 length = 1 + rest.bytes().skip(1).take_while(|byte| in_name(*byte)).count();
                 let name = rest.get(..length).unwrap_or_default().to_ascii_uppercase();
-                if let Some(text) = self.defines.get(&name).filter(|text| out.len() + text.len() < LONGEST_BLOCK) {
+                let defined = self.defines.texts.get(&name);
+                if let Some(text) = defined.filter(|text| out.len() + text.len() < LONGEST_BLOCK) {
                     out.push_str(text);
                     rest = rest.get(length..).unwrap_or_default();
                     continue;

@@ -85,11 +85,9 @@ pub(crate) struct Siemens {
     /// Frames that the program has assigned.
     frames: frames::Assigned,
     /// DEFINE: texts for names.
-    defines: FxHashMap<String, String>,
+    defines: defines::Defines,
     /// Blocks that were read.
     read: Kept<Result<line::Line, String>>,
-    /// Bytes of those texts.
-    define_bytes: usize,
     /// Labels and loops of files.
     places: Tables<FileId, jumps::Places>,
     /// Where subprograms are, by calling file and name.
@@ -187,7 +185,7 @@ impl Interpreter for Siemens {
         if !reset {
             self.variables = before.variables.for_next_program();
             self.timers = before.timers;
-            (self.defines, self.define_bytes) = (before.defines, before.define_bytes);
+            self.defines = before.defines;
             self.settings = before.settings;
         }
     }
@@ -229,7 +227,6 @@ impl Interpreter for Siemens {
 
     fn memory(&self) -> u64 {
         let names = self.externals.len() + self.found.len() + self.timers.len() + self.spellings.len();
-        let defines = self.defines.len() * 100 + self.define_bytes;
-        (self.variables.bytes() + names * 100 + defines + self.places.bytes() + self.read.bytes()) as u64
+        (self.variables.bytes() + names * 100 + self.defines.bytes() + self.places.bytes() + self.read.bytes()) as u64
     }
 }
