@@ -79,6 +79,8 @@ ids! {
     DataMacroId(u16) < WORD;
     /// An axis of the machine.
     AxisId(u16) < WORD;
+    /// A spindle of the machine.
+    SpindleId(u16) < WORD;
     /// An axis of a channel: its place in the channel's list.
     AxisSlot(u8) < MAX_AXES;
 }

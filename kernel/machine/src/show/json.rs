@@ -5,7 +5,7 @@
 use serde_json::{Value, json};
 
 use super::{Show, register, sorted_codes, word, written};
-use crate::index::{AxisId, Table};
+use crate::index::{AxisId, SpindleId, Table};
 use crate::model::{Axis, Channel, Heights, Machine, WaitRow};
 use crate::rows::{CodeForm, CodeRow, DataRow, NumberFormat, Register};
 
@@ -177,13 +177,14 @@ fn axis_json(machine: &Machine, axis: &Axis) -> Value {
 }
 
 fn channel(machine: &Machine, channel: &Channel) -> Value {
+    let number = |spindle: Option<SpindleId>| spindle.map(|spindle| machine.spindles[spindle].number);
     json!({
         "number": channel.number,
         "name": channel.name,
         "axes": channel.axes.iter().map(|axis| machine.axes[*axis].name.as_str()).collect::<Vec<_>>(),
-        "spindle": channel.spindle,
-        "rear": channel.rear,
-        "milling": channel.milling,
+        "spindle": number(channel.spindle),
+        "rear": number(channel.rear),
+        "milling": number(channel.milling),
         "side": if channel.lower { "lower" } else { "upper" },
     })
 }

@@ -292,7 +292,7 @@ pub(super) fn channels(machine: &Machine) -> String {
             channel.number.to_string(),
             channel.name.clone(),
             dash(axes.join(" ")),
-            channel.spindle.map_or_else(|| "-".to_owned(), |number| number.to_string()),
+            channel.spindle.map_or_else(|| "-".to_owned(), |spindle| machine.spindles[spindle].number.to_string()),
         ]);
     }
     let mut spindles = Grid::new(&["spindle", "name", "max rev/min", "min rev/min", "run-up s"]);

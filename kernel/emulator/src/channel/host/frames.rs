@@ -42,7 +42,7 @@ impl Frames for Kernel<'_> {
 
     fn axis_letter(&self, name: &str) -> Option<&str> {
         let machine = &self.channel.env.machine.axes;
-        let mut axes = self.channel.state.place.layout.axes.iter().filter_map(|axis| machine.get(axis.machine));
+        let mut axes = self.channel.state.place.layout.axes.iter().map(|axis| &machine[axis.machine]);
         let is = |text: &str| text.eq_ignore_ascii_case(name);
         axes.find(|axis| is(&axis.letter) || is(&axis.name)).map(|axis| &*axis.letter)
     }
