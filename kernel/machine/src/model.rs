@@ -8,7 +8,7 @@ pub use behaviour::*;
 pub use waits::*;
 
 use super::ident::{CodeId, DataId, Name};
-use super::index::{AxisId, AxisSlot, CodeRowId, DataRowId, SpindleId, Table};
+use super::index::{AxisId, AxisSlot, CodeRowId, DataRowId, RegisterId, SpindleId, Table};
 use super::macros::environment::MachineEnvironment;
 use super::preprocessor::Preprocessor;
 use super::rows::{CodeRow, DataRow, Register};
@@ -42,8 +42,8 @@ pub struct Machine {
     pub preprocessor: Preprocessor,
     /// Shape of program text.
     pub format: Format,
-    /// Registers in list order; `Word::register` of the kernel is an index into this list.
-    pub registers: Vec<Register>,
+    /// Registers in list order.
+    pub registers: Table<RegisterId, Register>,
     /// Code rows in file order.
     pub codes: Table<CodeRowId, CodeRow>,
     /// Data rows in file order.

@@ -5,7 +5,7 @@
 use serde_json::{Value, json};
 
 use super::{Show, register, sorted_codes, word, written};
-use crate::index::{AxisId, SpindleId, Table};
+use crate::index::{AxisId, RegisterId, SpindleId, Table};
 use crate::model::{Axis, Channel, Heights, Machine, WaitRow};
 use crate::rows::{CodeForm, CodeRow, DataRow, NumberFormat, Register};
 
@@ -118,7 +118,7 @@ fn register_json(register: &Register) -> Value {
 }
 
 fn code(machine: &Machine, row: &CodeRow) -> Value {
-    let names = |list: &[u8]| list.iter().map(|index| register(machine, *index)).collect::<Vec<_>>();
+    let names = |list: &[RegisterId]| list.iter().map(|index| register(machine, *index)).collect::<Vec<_>>();
     let as_data = match &row.form {
         CodeForm::RegisterAsData { data, .. } => Some(machine.data_name(*data)),
         _ => None,
