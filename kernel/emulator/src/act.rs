@@ -76,6 +76,11 @@ impl Act<'_, '_> {
         self.has_any(self.kernel.plan.registers.motion)
     }
 
+    /// Registers of corners and of directions of lines.
+    pub(crate) fn contour_registers(&self) -> crate::channel::plan::Contour {
+        self.kernel.plan.registers.contour
+    }
+
     /// Where the values of an identifier come from.
     pub(crate) fn sources(&self, id: DataId) -> &[Source] {
         self.kernel.plan.sources_of(id)

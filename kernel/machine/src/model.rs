@@ -82,6 +82,8 @@ pub struct Machine {
     pub output: Output,
     /// Cutter and nose radius compensation.
     pub compensation: Compensation,
+    /// Corners between lines.
+    pub corners: Corners,
     /// Program variables of the pre-processor.
     pub variables: Variables,
     /// Tool word and tool offsets.

@@ -113,6 +113,7 @@ impl Act<'_, '_> {
     #[cold]
     fn targets_in_frames(&mut self) -> (u8, Position) {
         let (coded, target) = self.framed_targets();
+        let (coded, target) = self.by_angle(coded, target);
         (coded, self.work_point(&target))
     }
 
@@ -289,7 +290,7 @@ impl Act<'_, '_> {
         if self.is_compensated() {
             // Without a coordinate nothing moves, though the tool is not where the program is.
             let step = Step { shape: Shape::Linear, coded, to: target, feed, unit };
-            return if coded == 0 { Ok(()) } else { self.compensate(step) };
+            return if coded == 0 && !self.opens_line() { Ok(()) } else { self.compensate(step) };
         }
         let from = self.state.place.position;
         if target == from {

@@ -8,6 +8,8 @@ use counterpoint_motion::arc::Arc as MotionArc;
 use super::channel::Channel;
 use counterpoint_event::event::{Event, FeedUnit, FileId, Position};
 use counterpoint_motion::contour::element::{Element, Spot};
+
+use super::corner::{Asked, Corner, Open};
 use counterpoint_sync::tag::Tag;
 
 /// Where compensation is.
@@ -59,6 +61,10 @@ pub(crate) struct Waiting {
     pub(crate) step: Step,
     /// Its piece of the contour; none for a move beside the plane.
     pub(crate) element: Option<Element>,
+    /// The corner at its end, until the next piece is known.
+    pub(crate) corner: Option<Corner>,
+    /// A line whose end the next one gives.
+    pub(crate) open: Option<Open>,
     pub(crate) file: FileId,
     pub(crate) line: u32,
     pub(crate) block: u64,
@@ -99,6 +105,17 @@ pub(crate) struct Cutter {
     pub(crate) seen: u64,
     /// An action goes without compensation.
     pub(crate) suspended: bool,
+    /// The tool stays on the contour: only corners make moves wait.
+    pub(crate) plain: bool,
+    /// What the words of the block ask of the contour, until its move is known.
+    pub(crate) asked: Asked,
+}
+
+impl Cutter {
+    /// A corner or the end of a line waits for the next move.
+    pub(crate) fn is_due(&self) -> bool {
+        self.waiting.iter().any(|waiting| waiting.corner.is_some() || waiting.open.is_some())
+    }
 }
 
 impl Cutter {

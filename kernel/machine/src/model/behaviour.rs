@@ -147,6 +147,14 @@ pub struct Sync {
     pub waits: Vec<super::WaitRow>,
 }
 
+impl Sync {
+    /// Programs can start the programs of other channels.
+    #[must_use]
+    pub fn starts_channels(&self) -> bool {
+        self.waits.iter().any(|row| row.act == super::WaitAct::Start)
+    }
+}
+
 /// Dialect of the meeting codes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SyncDialect {
@@ -234,6 +242,17 @@ pub struct Compensation {
     pub corner: OutsideCorner,
     /// Largest turn, degrees, that corners by angle make sharp.
     pub corner_angle: f64,
+}
+
+/// Words that make corners and directions of lines.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Corners {
+    /// Blocks without a move in the plane that may come between the two lines of a corner.
+    pub between: u32,
+    /// A corner that is too large for its lines is made smaller.
+    pub reduces: bool,
+    /// Rapid moves have corners too.
+    pub rapid: bool,
 }
 
 /// The file that printing statements of the program write, and how numbers stand in it.

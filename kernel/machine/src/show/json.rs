@@ -44,6 +44,11 @@ pub fn json(machine: &Machine) -> Value {
             "corner": word(machine.compensation.corner),
             "corner_angle": machine.compensation.corner_angle,
         },
+        "corners": {
+            "between": machine.corners.between,
+            "too_long": if machine.corners.reduces { "reduce" } else { "error" },
+            "rapid": machine.corners.rapid,
+        },
         "output": {
             "file": machine.output.file,
             "leading_zeros": if machine.output.padded { "spaces" } else { "none" },

@@ -126,19 +126,24 @@ impl Act<'_, '_> {
         let Some(cutter) = self.cutter().filter(|cutter| !cutter.waiting.is_empty()) else { return Ok(()) };
         let waiting = std::mem::take(&mut cutter.waiting);
         cutter.idle = 0;
-        let begun = cutter.stage;
+        let mut begun = cutter.stage;
         let now = (self.at.clock, self.at.micro, self.at.file, self.at.line, self.block.flags.exact_stop);
         let edited = self.text.edited.clone();
         let mut events = self.release_events().into_iter();
         let (mut late, mut out) = (0_i64, 0_usize);
         let mut result = Ok(());
-        for waits in &waiting {
+        for (at, waits) in waiting.iter().enumerate() {
+            let next = waiting.iter().skip(at + 1).find_map(|later| later.element.as_ref()).or(next);
             self.put_back_events(&mut events, waits.events.saturating_sub(out), late);
             out = out.max(waits.events);
             self.go_to(waits, late);
             let before = self.at.clock;
             if result.is_ok() {
+                result = self.check_due(waits);
+            }
+            if result.is_ok() {
                 result = self.make(waits, begun, next);
+                begun = if waits.element.is_some() { Stage::On } else { begun };
             }
             late = late.saturating_add(self.at.clock.saturating_sub(before));
         }
@@ -194,7 +199,7 @@ impl Act<'_, '_> {
     }
 
     /// Along the offset of a piece to a spot of it.
-    fn along(&mut self, step: &Step, cutter: &Cutter, element: &Element, end: Spot) -> Acted {
+    pub(super) fn along(&mut self, step: &Step, cutter: &Cutter, element: &Element, end: Spot) -> Acted {
         let to = self.position_at(cutter, &step.to, end);
         let (Some(arc), Shape::Circle { axes, turns, .. }) = (&element.arc, step.shape) else {
             return self.straight(step, to);

@@ -53,6 +53,8 @@ pub(crate) struct Frames {
     pub(crate) tip: Option<Box<tip::Tip>>,
     /// Compensation of the cutter radius.
     pub(crate) cutter: Option<Box<super::cutter::Cutter>>,
+    /// All corners are rounded, with this radius.
+    pub(crate) rounding: Option<f64>,
     /// What incremental words travel beside their distance, by axis.
     pub(crate) ways: Option<Box<Position>>,
     /// The last point that the program reached: in the work frame, and as programmed.
@@ -66,6 +68,7 @@ impl Frames {
             && self.polar.is_none()
             && self.tip.is_none()
             && self.cutter.is_none()
+            && self.rounding.is_none()
             && self.ways.is_none()
     }
 
