@@ -57,12 +57,12 @@ pub(crate) struct State {
 impl State {
     /// The state of a channel at the start of its program.
     pub(crate) fn new(machine: &Machine, channel: &Channel) -> Self {
-        let index = channel.spindle.and_then(|number| machine.spindles.iter().position(|s| s.number == number));
-        let shared = index.is_some_and(|index| spindle::is_shared(machine, index));
+        let id = channel.spindle;
+        let shared = id.is_some_and(|id| spindle::is_shared(machine, id));
         Self {
             modal: Modal::new(machine),
             place: Place::new(machine, channel),
-            spindle: SpindleState { index, shared, ..SpindleState::default() },
+            spindle: SpindleState { id, shared, ..SpindleState::default() },
             secondary: false,
             cycle: cycle::Cycle::new(machine),
             arcs: arc::Arcs::default(),

@@ -243,8 +243,11 @@ fn the_two_path_lathe_has_these_data() {
 fn the_two_path_lathe_is_set_up_like_this() {
     let lathe = shipped("fanuc-2path-lathe");
     assert_eq!((lathe.kind, lathe.unit, lathe.preprocessor.row().name), (MachineKind::Lathe, Unit::Mm, "fanuc"));
-    let channels: Vec<_> =
-        lathe.channels.iter().map(|c| (c.number, c.name.as_str(), places(c.axes.as_slice()), c.spindle)).collect();
+    let channels: Vec<_> = lathe
+        .channels
+        .iter()
+        .map(|c| (c.number, c.name.as_str(), places(c.axes.as_slice()), c.spindle.map(|id| lathe.spindles[id].number)))
+        .collect();
     assert_eq!(channels, [(1, "UPPER", vec![0, 1, 2], Some(1)), (2, "LOWER", vec![3, 4], Some(1))]);
     assert_eq!((lathe.sync.dialect, lathe.sync.paths), (SyncDialect::Fanuc, PathsForm::Either));
     assert_eq!((lathe.sync.alarm_scope, lathe.sync.release_ns, lathe.sync.poll_ns), (AlarmScope::Own, 0, 1_000_000));
