@@ -3,6 +3,7 @@
 //! *Invariant:* a word is asked once: by the move of its block, or it is reported as one that cannot act.
 
 use counterpoint_event::event::Position;
+use counterpoint_machine::index::AxisSlot;
 use counterpoint_motion::contour::blend::Cut;
 use counterpoint_motion::contour::element::Spot;
 
@@ -22,7 +23,7 @@ pub(crate) struct Corner {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Side {
     /// Channel axis of the second line, where the word says it.
-    pub(crate) axis: Option<usize>,
+    pub(crate) axis: Option<AxisSlot>,
     /// The second line goes to larger coordinates.
     pub(crate) positive: bool,
 }

@@ -1,5 +1,6 @@
 //! What compensation remembers between moves.
 
+use counterpoint_machine::index::{AxisSlot, BySlot};
 use std::sync::Arc;
 
 use counterpoint_motion::arc::Arc as MotionArc;
@@ -49,7 +50,7 @@ pub(crate) enum Shape {
     Circle {
         /// With full turns.
         made: MotionArc,
-        axes: [usize; 2],
+        axes: [AxisSlot; 2],
         turns: u16,
     },
 }
@@ -92,7 +93,7 @@ pub(crate) struct Cutter {
     /// From the imaginary tip to the centre of the nose.
     pub(crate) tip: Spot,
     /// Channel axes of the plane.
-    pub(crate) axes: [usize; 2],
+    pub(crate) axes: [AxisSlot; 2],
     /// End of the last programmed move, in the work frame.
     pub(crate) contour: Position,
     pub(crate) stage: Stage,
@@ -122,9 +123,7 @@ impl Cutter {
     pub(crate) fn lifted(&self, to: &Position, stands: &Position) -> Position {
         let mut lifted = *to;
         for axis in self.axes {
-            if let (Some(slot), Some(at)) = (lifted.get_mut(axis), stands.get(axis)) {
-                *slot = *at;
-            }
+            *lifted.at_mut(axis) = stands.at(axis);
         }
         lifted
     }

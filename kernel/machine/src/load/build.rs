@@ -50,7 +50,7 @@ pub(super) fn machine(merged: &Merged, files: &dyn Files, check: &Check) -> Mach
     let compensation = compensation::read(&mut top);
     overlap::check_codes(&codes, &names.registers, check);
     let initial = initial::read(&mut top, &names, &codes);
-    let waits = waits::read(&mut top, &codes, &names.registers, check);
+    let waits = waits::read(&mut top, (&codes, &names.registers), head.preprocessor, check);
     let sync = sync::read(&mut top, &channels, (&codes, waits), check);
     let variables = variables::read(&mut top, check);
     let around = calls::Around {

@@ -6,6 +6,7 @@
 use counterpoint_event::event::Position;
 use counterpoint_fault as diag;
 use counterpoint_machine::ident::codes;
+use counterpoint_machine::index::{AxisSlot, BySlot as _};
 use counterpoint_motion::contour::element::{Element, Spot, cross, plus};
 
 use super::words::polar;
@@ -46,7 +47,7 @@ impl Act<'_, '_> {
         if angle.is_none() && open.is_none() {
             return (coded, target);
         }
-        let bits = axes.map(|axis| 1_u8 << axis);
+        let bits = axes.map(AxisSlot::bit);
         let [first, second] = bits.map(|bit| coded & bit != 0);
         let from = self.programmed();
         let (start, end) = (self.flat(&from, axes), self.flat(&target, axes));
@@ -133,7 +134,7 @@ impl Act<'_, '_> {
     }
 
     /// Ends the line that waits where it meets another one.
-    fn cross(&mut self, open: Open, (end, along): (Spot, Spot), axes: [usize; 2]) {
+    fn cross(&mut self, open: Open, (end, along): (Spot, Spot), axes: [AxisSlot; 2]) {
         let relative = self.state.modal.code(group::POSITION) == Some(codes::POSITION_RELATIVE)
             || self.block.words.iter().any(|word| word.incremental);
         let start = self.flat(&open.from, axes);
@@ -163,17 +164,16 @@ impl Act<'_, '_> {
     }
 
     /// A programmed point in the plane, as geometry.
-    fn flat(&self, of: &Position, axes: [usize; 2]) -> Spot {
+    fn flat(&self, of: &Position, axes: [AxisSlot; 2]) -> Spot {
         axes.map(|axis| self.radial(of, axis))
     }
 
     /// Sets one coordinate of a programmed point to that of a spot.
-    fn put_flat(&self, position: &mut Position, (axes, at): ([usize; 2], usize), spot: Spot) {
+    fn put_flat(&self, position: &mut Position, (axes, at): ([AxisSlot; 2], usize), spot: Spot) {
         let (Some(axis), Some(value)) = (axes.get(at).copied(), spot.get(at)) else { return };
-        let scale = self.state.place.layout.axes.get(axis).map_or(1.0, |axis| axis.scale);
-        if let Some(slot) = position.get_mut(axis) {
-            *slot = crate::state::frames::clean(value / scale, *slot);
-        }
+        let scale = self.state.place.layout.axes[axis].scale;
+        let slot = position.at_mut(axis);
+        *slot = crate::state::frames::clean(value / scale, *slot);
     }
 
     /// A line without an end waits for the next one.

@@ -20,6 +20,7 @@ use counterpoint_event::event::{FeedUnit, Position};
 use counterpoint_fault as diag;
 use counterpoint_fault::{Acted, Halt};
 use counterpoint_machine::ident::{CodeId, codes, data};
+use counterpoint_machine::index::{AxisSlot, BySlot};
 
 use crate::state::arc::LastMove;
 use crate::state::corner::{Asked, Corner};
@@ -106,13 +107,13 @@ fn no_radius(act: &mut Act<'_, '_>, number: u32) {
 }
 
 /// The active plane and its axes; under polar interpolation that of the part.
-fn compensated_plane(act: &Act<'_, '_>) -> Option<(CodeId, [usize; 2])> {
+fn compensated_plane(act: &Act<'_, '_>) -> Option<(CodeId, [AxisSlot; 2])> {
     if let Some(polar) = act.polar() {
         return Some((codes::PLANE_XY, [polar.linear, polar.rotary]));
     }
     let code = act.state.modal.code(group::PLANE)?;
     let plane = plane(code)?;
-    let axis = |role: usize| act.state.place.layout.cartesian.get(role).copied().flatten().map(usize::from);
+    let axis = |role: usize| act.state.place.layout.cartesian.get(role).copied().flatten();
     Some((code, [axis(plane.first)?, axis(plane.second)?]))
 }
 
@@ -294,7 +295,7 @@ impl Act<'_, '_> {
     }
 
     /// The piece of the contour that a move makes in the plane; none if it stays on its spot.
-    fn element(&mut self, step: &Step, from: &Position, axes: [usize; 2]) -> Option<Element> {
+    fn element(&mut self, step: &Step, from: &Position, axes: [AxisSlot; 2]) -> Option<Element> {
         let [start, end] = [from, &step.to].map(|of| self.plane_spot(of, axes));
         match step.shape {
             Shape::Circle { made, axes: own, .. } if own == axes => {
@@ -339,9 +340,9 @@ impl Act<'_, '_> {
         let ending = cutter.stage == Stage::Ending;
         let radius = if length.is_normal() && !ending { cutter.radius / length } else { 0.0 };
         for (role, part) in vector.into_iter().enumerate() {
-            let axis = self.state.place.layout.cartesian.get(role).copied().flatten().map(usize::from);
-            if let Some(slot) = axis.and_then(|axis| to.get_mut(axis)) {
-                *slot += part * radius / self.state.place.scale_of(role);
+            let axis = self.state.place.layout.cartesian.get(role).copied().flatten();
+            if let Some(axis) = axis {
+                *to.at_mut(axis) += part * radius / self.state.place.scale_of(role);
             }
         }
         if ending {

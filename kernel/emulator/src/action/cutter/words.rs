@@ -75,7 +75,7 @@ fn take(act: &mut Act<'_, '_>, code: CodeId) -> Asked {
     }
     // Polar interpolation has words of its own.
     if straight && act.polar().is_none() {
-        let [x, _, z] = act.state.place.layout.cartesian.map(|axis| axis.map(usize::from));
+        let [x, _, z] = act.state.place.layout.cartesian;
         for (id, axis, cut) in [
             (data::CORNER_SIDE, None, Cut::Legs as fn(f64) -> Cut),
             (data::CORNER_SIDE_X, x, Cut::Legs),

@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::ident::{codes, data};
+use crate::index::places;
 use crate::model::{AlarmScope, CallForm, Machine, MachineKind, MainReturn, PathsForm};
 use crate::model::{RewindStop, SyncDialect};
 use crate::package;
@@ -32,6 +33,7 @@ fn all_machines_load_without_a_finding() {
             "fanuc-mill",
             "haas-mill-turn",
             "heidenhain-mill",
+            "siemens-2channel",
             "siemens-lathe",
             "siemens-mill",
             "tern-bar-lathe",
@@ -242,8 +244,8 @@ fn the_two_path_lathe_is_set_up_like_this() {
     let lathe = shipped("fanuc-2path-lathe");
     assert_eq!((lathe.kind, lathe.unit, lathe.preprocessor.row().name), (MachineKind::Lathe, Unit::Mm, "fanuc"));
     let channels: Vec<_> =
-        lathe.channels.iter().map(|c| (c.number, c.name.as_str(), c.axes.as_slice(), c.spindle)).collect();
-    assert_eq!(channels, [(1, "UPPER", &[0, 1, 2][..], Some(1)), (2, "LOWER", &[3, 4][..], Some(1))]);
+        lathe.channels.iter().map(|c| (c.number, c.name.as_str(), places(c.axes.as_slice()), c.spindle)).collect();
+    assert_eq!(channels, [(1, "UPPER", vec![0, 1, 2], Some(1)), (2, "LOWER", vec![3, 4], Some(1))]);
     assert_eq!((lathe.sync.dialect, lathe.sync.paths), (SyncDialect::Fanuc, PathsForm::Either));
     assert_eq!((lathe.sync.alarm_scope, lathe.sync.release_ns, lathe.sync.poll_ns), (AlarmScope::Own, 0, 1_000_000));
     assert_eq!((lathe.format.rws.as_str(), lathe.format.rws_at), ("%", RewindStop::Optional));
