@@ -21,6 +21,7 @@ mod mode;
 mod motion;
 mod offsets;
 mod polar;
+mod pole;
 mod rates;
 mod skip;
 mod spindle;
@@ -57,6 +58,7 @@ static ENTRIES: &[&[Entry]] = &[
     motion::ENTRIES,
     offsets::ENTRIES,
     polar::ENTRIES,
+    pole::ENTRIES,
     skip::ENTRIES,
     spindle::ENTRIES,
     spindles::ENTRIES,

@@ -9,6 +9,8 @@ use super::Kernel;
 use counterpoint_event::event::{Kind, Motion, MotionKind, Position};
 use counterpoint_fault as diag;
 
+use crate::state::arc::LastMove;
+
 impl Kernel<'_> {
     /// Executes a motion, by way of its macro if the machine has one.
     #[inline]
@@ -32,6 +34,9 @@ impl Kernel<'_> {
         }
         self.channel.block.flags.moved = true;
         self.flow.pass.effects = true;
+        if self.plan.rules.keeps_last_move {
+            self.channel.state.arcs.last = Some(last_move(motion));
+        }
         self.channel.state.place.position = motion.to;
         let ns = crate::state::channel::nanoseconds(seconds);
         self.emit_as(ns, |kind| match kind {
@@ -96,4 +101,19 @@ impl Kernel<'_> {
             self.diagnose(&diag::CLAMPED, text);
         }
     }
+}
+
+/// What a circle in the direction of this move needs of it.
+fn last_move(motion: &Motion) -> LastMove {
+    let turn = match motion.kind {
+        MotionKind::ArcCw => -1.0,
+        MotionKind::ArcCcw => 1.0,
+        _ => {
+            let mut by = motion.to;
+            by.iter_mut().zip(&motion.from).for_each(|(to, from)| *to -= from);
+            return LastMove::By(by);
+        }
+    };
+    let axes = motion.plane_axes.map(usize::from);
+    LastMove::Round { axes, center: motion.center, turn }
 }

@@ -179,6 +179,8 @@ pub(crate) struct Rules {
     pub(crate) steps: Option<Table<RegisterId, [f64; 2]>>,
     /// The lead of a thread and the feed per revolution are one word that stays in force (F of Fanuc controls).
     pub(crate) lead_is_feed: bool,
+    /// Circles may continue in the direction of the last move, which is kept for them.
+    pub(crate) keeps_last_move: bool,
     /// Rules by which the control refuses blocks.
     pub(crate) refusals: Option<Box<Refusals>>,
 }
@@ -189,6 +191,7 @@ impl Rules {
             exclusive: exclusive(machine, g),
             steps: steps(machine),
             lead_is_feed: lead_is_feed(machine),
+            keeps_last_move: machine.codes.iter().any(|row| row.enable && row.id == codes::INTERP_ARC_TANGENT),
             refusals: Refusals::new(machine),
         }
     }

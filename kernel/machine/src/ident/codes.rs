@@ -476,5 +476,9 @@ codes! {
     GOHOME_NTH 0 450 true true Plain => ": return to the 2nd, 3rd or 4th reference point (Fanuc G30)";
     FUNCTION 0 300 true true Plain => ": machine function that only takes time (M codes of the machine's own table)";
     POSITION_MACHINE 0 100 true true Plain => ": this block's positions are in the machine frame (Fanuc G53)";
+    INTERP_ARC_TANGENT 1 500 true true Plain => ": circle that continues in the direction of the last move (Siemens CT)";
+    POLE_TOOL 0 450 true true Plain => ": pole of polar coordinates, from where the tool is (Siemens G110)";
+    POLE_ZERO 0 450 true true Plain => ": pole of polar coordinates, from the zero of the program (Siemens G111)";
+    POLE_LAST 0 450 true true Plain => ": pole of polar coordinates, from the last pole (Siemens G112)";
     OFFSET_SET 0 100 true true Plain => ": sets an offset of the control (Fanuc G10)";
 }

@@ -262,5 +262,7 @@ data! {
     CORNER_SIDE_ROUND true true Contour, Length => "rounding between two axis-parallel lines with such a sign (Fanuc R)";
     CORNER_FEED true true Contour, Feed => "feed of this corner (Siemens FRC)";
     CORNER_FEED_MODAL true true Contour, Feed => "feed of all corners from here on, 0 for that of their lines (Siemens FRCM)";
+    POLE_ANGLE true true Contour, Angle => "angle of a point seen from the pole, from the first axis of the plane (Siemens AP)";
+    POLE_RADIUS true true Contour, Length => "distance of a point from the pole (Siemens RP)";
     LINE_ANGLE true true Contour, Angle => "direction of the line from the first axis of the plane (Fanuc ,A, Siemens ANG)";
 }
