@@ -225,6 +225,8 @@ mod tests {
         }
         let two = guess(&[("a.nc", "O1\nM101\nM30\n"), ("b.nc", "O2\nT0202\nM101\nM30\n")]).unwrap();
         assert_eq!((two.machine, two.why.as_str()), ("fanuc-2path-lathe", "2 programs, T0202 (b.nc line 2)"));
+        let archive = guess(&[("a.arc", "%_N_A_1_MPF\nDIAMON\nM30\n%_N_A_2_MPF\nM30\n%_N_B_SPF\nM17\n")]).unwrap();
+        assert_eq!(archive.machine, "siemens-2channel");
         let marks = guess(&[("a.nc", "WAITM(1,1,2)\nM30\n"), ("b.nc", "WAITM(1,1,2)\nG96 S200\n")]).unwrap();
         assert_eq!(
             (marks.machine, marks.why.as_str()),
