@@ -9,6 +9,7 @@ use super::hook_points::HookPoints;
 use super::refusals::Refusals;
 use counterpoint_machine::Machine;
 use counterpoint_machine::ident::dimension::Dimension;
+use counterpoint_machine::ident::kind::CodeKind;
 use counterpoint_machine::ident::kind::data::DataKind;
 use counterpoint_machine::ident::{CodeId, DataId, codes, data};
 use counterpoint_machine::index::{CodeRowId, DataRowId, Table};
@@ -37,6 +38,8 @@ pub struct Plan {
     pub(crate) edits: Edits,
     /// What the control makes of its blocks beyond their words.
     pub(crate) rules: Rules,
+    /// The plan by which contour blocks are read; none on machines without cycles that read them.
+    pub(crate) reading: Option<Box<Plan>>,
 }
 
 /// Registers that a block is looked through for.
@@ -345,6 +348,8 @@ impl Plan {
         actions: &'static Actions,
         hooks: Option<&'static HookPoints>,
     ) -> Self {
+        let reads = |row: &CodeRow| row.enable && matches!(row.id.kind(), CodeKind::Turning(_));
+        let reading = actions.reading.filter(|_| machine.codes.iter().any(reads));
         let registers = Registers::new(machine);
         let syntax = counterpoint_dialect::of(machine).syntax();
         Self {
@@ -359,6 +364,7 @@ impl Plan {
             registers,
             data: DataPlan::new(machine),
             edits: Edits::new(machine),
+            reading: reading.map(|actions| Box::new(Self::new(machine, opskip, actions, None))),
         }
     }
 }

@@ -19,6 +19,8 @@ pub struct Settings {
     pub retract: f64,
     /// What is left on the contour, along Z and X.
     pub allowance: Spot,
+    /// What the levels leave besides, along Z and X; the last pass takes it.
+    pub semi: Spot,
     /// Pockets are cut level by level, not by the last pass alone.
     pub pockets: bool,
 }
@@ -86,10 +88,11 @@ impl<'c> Rough<'c> {
         let toward = sign(last[0] - start[0], -1.0);
         let stock = sign(start[1] - first[1], sign(start[1] - last[1], 1.0));
         let view = View { signs: [toward, stock], ..plain };
-        let elements: Vec<_> = contour.elements.iter().map(|element| moved(element, settings.allowance)).collect();
+        let left = [settings.allowance[0] + settings.semi[0], settings.allowance[1] + settings.semi[1]];
+        let elements: Vec<_> = contour.elements.iter().map(|element| moved(element, left)).collect();
         let parts = Parts::of(&elements, &view);
         let [z, x] = contour.start;
-        let origin = view.see([z + settings.allowance[0], x + settings.allowance[1]]);
+        let origin = view.see([z + left[0], x + left[1]]);
         parts.check(origin)?;
         Ok(Self { contour, settings, view, parts, origin })
     }

@@ -69,7 +69,7 @@ fn contour((x, z): (f64, f64), points: &[(f64, f64, f64)]) -> Contour {
 }
 
 fn settings(depth: f64, retract: f64, u: f64, w: f64) -> Settings {
-    Settings { face: false, depth, retract, allowance: [w, u / 2.0], pockets: false }
+    Settings { face: false, depth, retract, allowance: [w, u / 2.0], semi: [0.0; 2], pockets: false }
 }
 
 fn rough(contour: &Contour, settings: Settings) -> String {

@@ -21,7 +21,7 @@ use crate::state::cutter::{Shape, Step};
 use crate::state::modal::{Plane, group, plane};
 use counterpoint_event::event::{FeedUnit, Motion, MotionKind, Position};
 use counterpoint_fault as diag;
-use counterpoint_fault::Acted;
+use counterpoint_fault::{Acted, Halt};
 use counterpoint_machine::ident::codes;
 use counterpoint_machine::ident::data;
 use counterpoint_machine::ident::kind::CodeKind;
@@ -78,6 +78,25 @@ pub(super) fn arc(act: &mut Act<'_, '_>, form: Form, code: &PendingCode) -> Acte
     {
         return super::polar::arc(act, polar, clockwise);
     }
+    match programmed(act, form, code)? {
+        None => Ok(()),
+        Some(Way::Straight { coded, to, feed, unit }) => act.feed_to_point(coded, to, feed, unit),
+        Some(Way::Circle(plane, circle)) if act.state.place.frames.is_some() => turned::circle(act, plane, &circle),
+        Some(Way::Circle(_, circle)) => act.circle_to(&circle),
+    }
+}
+
+/// What a block of a circle makes.
+pub(super) enum Way {
+    /// A straight move in place of a circle that is not one.
+    Straight { coded: u8, to: Position, feed: Option<f64>, unit: FeedUnit },
+    /// A circle in a plane.
+    Circle(Plane, Circle),
+}
+
+/// Takes the words of a circle; nothing moves.
+#[inline(always)]
+pub(super) fn programmed(act: &mut Act<'_, '_>, form: Form, code: &PendingCode) -> Result<Option<Way>, Halt> {
     let (feed, unit) = act.feed();
     let (coded, target) = act.programmed_targets();
     let Some((plane, flat)) = active_plane(act) else {
@@ -87,17 +106,17 @@ pub(super) fn arc(act: &mut Act<'_, '_>, form: Form, code: &PendingCode) -> Acte
         let text =
             format!("no plane with both axes in channel {} is active for '{}'", act.at.channel, act.block_text());
         act.diagnose(&diag::ARC_PLANE, text);
-        return Ok(());
+        return Ok(None);
     };
     let words = take_words(act, form, &plane, &flat, (coded, code.modal));
     if coded == 0 && words.radius.is_none() && words.center.is_none() && words.angle.is_none() {
-        return Ok(());
+        return Ok(None);
     }
     let Some(clockwise) = define::direction(act, form) else {
         let done = act.becomes(&diag::ARC_DIRECTION, STRAIGHT);
         let text = format!("the circle of '{}' has no direction, {done}", act.block_text());
         act.diagnose(&diag::ARC_DIRECTION, text);
-        return act.feed_to_point(coded, target, feed, unit);
+        return Ok(Some(Way::Straight { coded, to: target, feed, unit }));
     };
     let incomplete = words.radius.is_none() && words.center.is_none() && words.angle.is_none();
     if incomplete {
@@ -108,7 +127,7 @@ pub(super) fn arc(act: &mut Act<'_, '_>, form: Form, code: &PendingCode) -> Acte
         let text = format!("the circle has neither a centre nor a radius in '{}', nothing is moved", act.block_text());
         return Err(act.alarm(&diag::ARC_INCOMPLETE, text));
     }
-    cut(act, &words, (form, clockwise), (plane, &flat), (coded, target), (feed, unit))
+    Ok(Some(made(act, &words, (form, clockwise), (plane, &flat), (coded, target), (feed, unit))))
 }
 
 /// The active plane, if the channel has its axes.
@@ -158,15 +177,16 @@ fn take_words(act: &mut Act<'_, '_>, form: Form, plane: &Plane, flat: &Flat, (co
     Words { radius, center, angle }
 }
 
-/// Makes the circle and travels along it.
-fn cut(
+/// Makes the circle.
+#[inline(always)]
+fn made(
     act: &mut Act<'_, '_>,
     words: &Words,
     (form, clockwise): (Form, bool),
     (plane, flat): (Plane, &Flat),
     (coded, mut target): (u8, Position),
     (feed, unit): (Option<f64>, FeedUnit),
-) -> Acted {
+) -> Way {
     let from = act.programmed();
     let (start, end) = (flat.point(&from), flat.point(&target));
     let tolerance = act.env.machine.arcs.tolerance;
@@ -185,7 +205,7 @@ fn cut(
         Ok(made) => made,
         Err(error) => {
             not_made(act, error);
-            return act.feed_to_point(coded, target, feed, unit);
+            return Way::Straight { coded, to: target, feed, unit };
         }
     };
     let by_angle = words.angle.is_some() && words.center.is_some();
@@ -206,7 +226,7 @@ fn cut(
     }
     check_machine(act, form, &made, rises);
     let circle = Circle { made, coded, from, to: target, axes: flat.axes, turns, feed, unit };
-    if act.state.place.frames.is_some() { turned::circle(act, plane, &circle) } else { act.circle_to(&circle) }
+    Way::Circle(plane, circle)
 }
 
 /// Reports a circle that cannot be made and whose end is reached straight. On some controls one to its own start by a

@@ -29,7 +29,9 @@ fn all_machines_load_without_a_finding() {
         [
             "fanuc-2path-lathe",
             "fanuc-3path-lathe",
+            "fanuc-lathe",
             "fanuc-mill",
+            "haas-lathe",
             "haas-mill-turn",
             "heidenhain-mill",
             "siemens-lathe",
