@@ -82,10 +82,12 @@ impl Kernel<'_> {
 
     /// The contour has been run: the tool goes back, as a move of the cycle.
     pub(crate) fn end_contour(&mut self, back: &Position) -> Acted {
-        if let Some((file, line)) = self.frame().map(|frame| (frame.file, frame.next, frame.offset)).map(|at| match at {
-            (file, line, 0) => (file, line.saturating_sub(1)),
-            (file, line, _) => (file, line),
-        }) {
+        if let Some((file, line)) =
+            self.frame().map(|frame| (frame.file, frame.next, frame.offset)).map(|at| match at {
+                (file, line, 0) => (file, line.saturating_sub(1)),
+                (file, line, _) => (file, line),
+            })
+        {
             (self.channel.at.file, self.channel.at.line) = (file, line);
             self.channel.text.edited = None;
         }

@@ -93,7 +93,19 @@ impl Kernel<'_> {
         let next = range.first;
         let repeats = passes.saturating_sub(1);
         let by = by.map(|by| by.kind);
-        self.enter(Frame { file, range, next, offset: 0, repeats, closes: false, own_variables, called, by, name, back: None });
+        self.enter(Frame {
+            file,
+            range,
+            next,
+            offset: 0,
+            repeats,
+            closes: false,
+            own_variables,
+            called,
+            by,
+            name,
+            back: None,
+        });
         Ok(())
     }
 

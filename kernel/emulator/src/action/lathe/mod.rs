@@ -62,7 +62,8 @@ fn cycle(act: &mut Act<'_, '_>, kind: TurningCycle, code: &PendingCode) -> Acted
 /// The numbers of the contour blocks; both are needed.
 fn contour_blocks(act: &mut Act<'_, '_>, first: Option<u32>, last: Option<u32>) -> Result<(u32, u32), diag::Halt> {
     first.zip(last).ok_or_else(|| {
-        let text = format!("the cycle needs the first and the last block of its contour (P and Q) in '{}'", act.block_text());
+        let text =
+            format!("the cycle needs the first and the last block of its contour (P and Q) in '{}'", act.block_text());
         act.alarm(&diag::CONTOUR_RANGE, text)
     })
 }
@@ -92,7 +93,8 @@ fn repeating(act: &mut Act<'_, '_>, plane: &LathePlane) -> Acted {
     let blocks = contour_blocks(act, first, last)?;
     let (allowance, repeats) = words::pattern(act, plane);
     if !(1.0..=999_999.0).contains(&repeats) {
-        let text = format!("the contour of '{}' is repeated {repeats} times, it must be at least once", act.block_text());
+        let text =
+            format!("the contour of '{}' is repeated {repeats} times, it must be at least once", act.block_text());
         return Err(act.alarm(&diag::CONTOUR_REPEATS, text));
     }
     let relief = act.state.others.turning.relief;
