@@ -76,6 +76,10 @@ pub(crate) enum Command {
     Rerun(Rerun),
     /// Ask a job to stop
     Cancel(JobArgs),
+    /// Hold a job back until it is resumed; a run under way is stopped
+    Pause(JobArgs),
+    /// Let a paused job run, from its start
+    Resume(JobArgs),
     /// Remove an ended job with its results
     Delete(JobArgs),
     /// Read a result of an ended job

@@ -27,6 +27,8 @@ pub(crate) async fn dispatch(command: Command) -> Result<u8, Error> {
         Command::Jobs(arguments) => jobs::list(arguments).await,
         Command::Rerun(arguments) => jobs::rerun(arguments).await,
         Command::Cancel(arguments) => cancel(arguments).await,
+        Command::Pause(arguments) => pause(arguments).await,
+        Command::Resume(arguments) => resume(arguments).await,
         Command::Delete(arguments) => delete(arguments).await,
         Command::Result(arguments) => result(arguments).await,
         Command::Admin(command) => admin::dispatch(command).await,
@@ -102,6 +104,18 @@ async fn wait(Follow { of: arguments, strict }: Follow) -> Result<u8, Error> {
 async fn cancel(arguments: JobArgs) -> Result<u8, Error> {
     let client = Client::connect(&arguments.remote.server).await?;
     client.jobs().cancel_job(v1::CancelJobRequest { job_id: arguments.job }).await?;
+    Ok(0)
+}
+
+async fn pause(arguments: JobArgs) -> Result<u8, Error> {
+    let client = Client::connect(&arguments.remote.server).await?;
+    client.jobs().pause_job(v1::PauseJobRequest { job_id: arguments.job }).await?;
+    Ok(0)
+}
+
+async fn resume(arguments: JobArgs) -> Result<u8, Error> {
+    let client = Client::connect(&arguments.remote.server).await?;
+    client.jobs().resume_job(v1::ResumeJobRequest { job_id: arguments.job }).await?;
     Ok(0)
 }
 

@@ -134,7 +134,8 @@ pub(crate) async fn watch(arguments: Watch) -> Result<u8, Error> {
 }
 
 fn state_name(job: &v1::JobStatus) -> String {
-    job.state().as_str_name().trim_start_matches("JOB_STATE_").to_owned()
+    let state = if job.paused { "PAUSED" } else { job.state().as_str_name().trim_start_matches("JOB_STATE_") };
+    state.to_owned()
 }
 
 fn programs(job: &v1::JobStatus) -> String {
@@ -145,7 +146,7 @@ fn as_json(job: &v1::JobStatus) -> serde_json::Value {
     let mut json = serde_json::json!({
         "job": job.job_id,
         "request_id": job.request_id,
-        "state": state_name(job),
+        "state": job.state().as_str_name().trim_start_matches("JOB_STATE_"),
         "machine": job.machine,
         "programs": job.programs.iter().map(|p| p.path.as_str()).collect::<Vec<_>>(),
         "makespan_ns": job.makespan_ns,
@@ -168,6 +169,9 @@ fn as_json(job: &v1::JobStatus) -> serde_json::Value {
     }
     if job.deadline_ms > 0 {
         add("deadline_ms", job.deadline_ms.into());
+    }
+    if job.paused {
+        add("paused", true.into());
     }
     if !job.rerun_of.is_empty() {
         add("rerun_of", job.rerun_of.clone().into());

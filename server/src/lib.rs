@@ -9,6 +9,7 @@ pub mod access;
 pub mod backup;
 mod blobs;
 mod connections;
+mod cpu;
 pub mod doctor;
 mod drain;
 mod host;

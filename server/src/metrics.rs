@@ -22,13 +22,14 @@ pub(crate) const TABLE: &[(&str, &str, &str)] = &[
     (
         "counterpoint_limits_reached_total",
         "counter",
-        "Jobs stopped by a limit, by `limit`: wall_ms, max_job_bytes, deadline, or job for those of the emulator",
+        "Jobs stopped by a limit, by `limit`: wall_ms, max_job_bytes, deadline, simulated_ns, blocks, zero_time_blocks, events, memory, macro_steps",
     ),
-    ("counterpoint_jobs_queued", "gauge", "Jobs that wait, by `tenant`"),
+    ("counterpoint_jobs_queued", "gauge", "Jobs that wait for a worker, by `tenant` and `priority`"),
+    ("counterpoint_jobs_paused", "gauge", "Jobs that are held back, by `tenant`"),
     (
         "counterpoint_queue_age_seconds",
         "gauge",
-        "Time since the acceptance of the job that has waited longest, by `tenant`",
+        "Time since the acceptance of the job that has waited longest, by `tenant` and `priority`",
     ),
     ("counterpoint_jobs_running", "gauge", "Jobs that run or whose end is being stored"),
     ("counterpoint_events_total", "counter", "Events of all runs"),
@@ -44,6 +45,16 @@ pub(crate) const TABLE: &[(&str, &str, &str)] = &[
 type One = [(&'static str, &'static str); 1];
 type Two = [(&'static str, &'static str); 2];
 type ByTenant = [(&'static str, String); 1];
+type ByClass = [(&'static str, String); 2];
+
+/// What waits of one tenant and priority: jobs, and the age of the oldest in seconds.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct Waiting {
+    pub(crate) tenant: String,
+    pub(crate) priority: &'static str,
+    pub(crate) jobs: i64,
+    pub(crate) age_s: i64,
+}
 
 /// Calls of the contract.
 #[derive(Debug)]
@@ -59,8 +70,9 @@ pub(crate) struct Jobs {
     ended: Family<One, Counter>,
     pub(crate) failed_by_host: Counter,
     limits: Family<One, Counter>,
-    queued: Family<ByTenant, Gauge>,
-    age: Family<ByTenant, Gauge>,
+    queued: Family<ByClass, Gauge>,
+    age: Family<ByClass, Gauge>,
+    paused: Family<ByTenant, Gauge>,
     pub(crate) running: Gauge,
     pub(crate) events: Counter,
     pub(crate) blocks: Counter,
@@ -118,6 +130,7 @@ impl Metrics {
         register(all, "counterpoint_runs_failed_by_host_total", jobs.failed_by_host.clone());
         register(all, "counterpoint_limits_reached_total", jobs.limits.clone());
         register(all, "counterpoint_jobs_queued", jobs.queued.clone());
+        register(all, "counterpoint_jobs_paused", jobs.paused.clone());
         register(all, "counterpoint_queue_age_seconds", jobs.age.clone());
         register(all, "counterpoint_jobs_running", jobs.running.clone());
         register(all, "counterpoint_events_total", jobs.events.clone());
@@ -152,13 +165,18 @@ impl Metrics {
         self.storage.commit_seconds.observe(time.as_secs_f64());
     }
 
-    /// Sets what waits: tenant, jobs, age of the oldest in seconds. A tenant without jobs is shown no longer.
-    pub(crate) fn queue(&self, tenants: impl Iterator<Item = (String, i64, i64)>) {
+    /// Sets what waits and how many jobs of each tenant are held back. A tenant without jobs is shown no longer.
+    pub(crate) fn queue(&self, waiting: impl Iterator<Item = Waiting>, paused: impl Iterator<Item = (String, i64)>) {
         self.jobs.queued.clear();
         self.jobs.age.clear();
-        for (tenant, jobs, age_s) in tenants {
-            self.jobs.queued.get_or_create(&[("tenant", tenant.clone())]).set(jobs);
-            self.jobs.age.get_or_create(&[("tenant", tenant)]).set(age_s);
+        self.jobs.paused.clear();
+        for Waiting { tenant, priority, jobs, age_s } in waiting {
+            let labels = [("tenant", tenant), ("priority", priority.to_owned())];
+            self.jobs.queued.get_or_create(&labels).set(jobs);
+            self.jobs.age.get_or_create(&labels).set(age_s);
+        }
+        for (tenant, jobs) in paused {
+            self.jobs.paused.get_or_create(&[("tenant", tenant)]).set(jobs);
         }
     }
 
@@ -193,7 +211,8 @@ mod tests {
         metrics.call("GetJob", "Ok", Duration::from_millis(3));
         metrics.ended("SUCCEEDED");
         metrics.limit("wall_ms");
-        metrics.queue([("a".to_owned(), 3, 7)].into_iter());
+        let waiting = Waiting { tenant: "a".to_owned(), priority: "low", jobs: 3, age_s: 7 };
+        metrics.queue([waiting].into_iter(), [("b".to_owned(), 2)].into_iter());
         let text = metrics.text();
         let shown: BTreeSet<(&str, &str)> =
             text.lines().filter_map(|line| line.strip_prefix("# TYPE ")?.split_once(' ')).collect();
@@ -201,8 +220,9 @@ mod tests {
             |(name, kind, _): &(&'static str, &'static str, &str)| (name.strip_suffix("_total").unwrap_or(name), *kind);
         let table: BTreeSet<_> = TABLE.iter().map(row).collect();
         assert_eq!(shown, table);
-        assert!(text.contains("counterpoint_jobs_queued{tenant=\"a\"} 3"), "{text}");
-        metrics.queue(std::iter::empty());
+        assert!(text.contains("counterpoint_jobs_queued{tenant=\"a\",priority=\"low\"} 3"), "{text}");
+        assert!(text.contains("counterpoint_jobs_paused{tenant=\"b\"} 2"), "{text}");
+        metrics.queue(std::iter::empty(), std::iter::empty());
         assert!(!metrics.text().contains("tenant=\"a\""), "tenants whose jobs have gone are not shown");
     }
 }

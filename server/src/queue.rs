@@ -3,7 +3,8 @@
 //! [`Queue`] is the seam; the one in memory is in `local`. Tenants that have jobs waiting take turns, and a turn is worth
 //! the same time of workers for each. Of one tenant, urgent jobs go first and others in the order of acceptance; a job
 //! that has waited long counts as more urgent. Two kinds go before all of them: jobs whose run the host failed, when
-//! their time has come, and, one at a time, jobs that were running when the server before this one died. Invariant: a
+//! their time has come, and, one at a time, jobs that were running when the server before this one died. A job that is held back keeps its place among the jobs that a
+//! tenant may let wait, but takes no turn. Invariant: a
 //! job is waiting, running or being stored, and never two of these.
 
 use std::collections::BTreeSet;
@@ -21,6 +22,8 @@ pub(crate) enum Entry {
     Suspect,
     /// It waits for another run until then, and goes first.
     Again(Instant),
+    /// It is held back until it is taken out.
+    Paused,
 }
 
 /// A job that is to wait.
@@ -33,8 +36,14 @@ pub(crate) struct Ticket<'a> {
 
 /// Jobs that wait, and who has a place. Calls do not block.
 pub(crate) trait Queue: Send + Debug {
-    /// Jobs that wait.
+    /// Jobs that wait, also those held back.
     fn len(&self) -> usize;
+
+    /// Jobs that wait for a worker.
+    fn waiting(&self) -> usize;
+
+    /// Whether a job is held back.
+    fn is_paused(&self, id: &str) -> bool;
 
     /// Jobs of a tenant that wait.
     fn waiting_of(&self, tenant: &str) -> usize;

@@ -18,7 +18,7 @@ impl Job {
         // Macros nest deeper than the stack of any thread that asks for a job.
         let (shown, thread) = (&mut *sink, std::thread::Builder::new().name("job".to_owned()));
         let ended = std::thread::scope(|scope| {
-            let work = move || crate::multi::run(self, files, control, shown);
+            let work = move || control.measured(|| crate::multi::run(self, files, control, shown));
             let handle = thread.stack_size(counterpoint_emulator::macros::STACK).spawn_scoped(scope, work).ok()?;
             Some(handle.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)))
         });

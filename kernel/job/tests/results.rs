@@ -4,7 +4,7 @@
 
 use std::sync::Arc;
 
-use counterpoint_kernel::control::Control;
+use counterpoint_kernel::control::{Control, Limit};
 use counterpoint_kernel::files::Memory;
 use counterpoint_kernel::job::{Job, Outcome, Program, Sink, Spec};
 use counterpoint_kernel::log::builder::ResultsBuilder;
@@ -13,7 +13,7 @@ use counterpoint_kernel::log::info::Info;
 use counterpoint_kernel::log::listing;
 use counterpoint_kernel::log::summary::{Channel, ChannelState, State, Summary};
 use counterpoint_kernel::machine::{load, package};
-use counterpoint_kernel::options::Options;
+use counterpoint_kernel::options::{Limits, Options};
 
 const S: i64 = 1_000_000_000;
 
@@ -101,4 +101,58 @@ fn a_real_job_lists_every_block() {
     let listing = listing(&info, &events, &outcome);
     assert!(listing.contains("\n1! M101\nwait mark=101 until 000:02.000\n2! G4P3000\n3! M30\n\nTOOLING"), "{listing}");
     assert!(listing.contains("MISC       00:00:03       60.000\nIDLE       00:00:02       40.000\n"), "{listing}");
+}
+
+/// A job of two channels that loop, with a limit.
+fn looping(limits: Limits) -> (Job, Memory) {
+    let machine = load(&package::shipped(), "fanuc-2path-lathe").machine.expect("shipped machine");
+    let mut files = Memory::default();
+    let mut programs = Vec::new();
+    for (file, number) in [("a.nc", 1), ("b.nc", 2)] {
+        files.insert(
+            file.to_owned(),
+            format!("O{number}\nG0 X50. Z5.\nWHILE[1 EQ 1]DO1\nG4 X1.\nEND1\nM30\n").as_bytes(),
+        );
+        programs.push(Program { file: file.to_owned(), number: None, channel: None });
+    }
+    let options = Options { limits, ..Options::default() };
+    (Job::prepare(Spec { machine: machine.into(), programs, options }, &files).expect("a job that can run"), files)
+}
+
+#[test]
+fn the_limit_that_ended_a_run_is_known_and_nobody_else_claims_one() {
+    let run = |limits| {
+        let (job, files) = looping(limits);
+        let control = Control::new(2);
+        job.run(&files, &control, &mut Log::default());
+        control.reached()
+    };
+    let limits = Limits::default();
+    assert_eq!(run(Limits { blocks: 100, ..limits.clone() }), Some(Limit::Blocks));
+    assert_eq!(run(Limits { simulated_ns: 100 * S, ..limits.clone() }), Some(Limit::SimulatedTime));
+    assert_eq!(run(Limits { events: 100, ..limits }), Some(Limit::Events));
+    let control = Control::new(2);
+    let (job, files) = looping(Limits::default());
+    control.cancel();
+    job.run(&files, &control, &mut Log::default());
+    assert_eq!(control.reached(), None, "a cancel is no limit");
+}
+
+/// A clock that goes on by a second whenever its own thread looks at it.
+fn ticking() -> std::time::Duration {
+    thread_local!(static SECONDS: std::cell::Cell<u64> = const { std::cell::Cell::new(0) });
+    SECONDS.set(SECONDS.get() + 1);
+    std::time::Duration::from_secs(SECONDS.get())
+}
+
+#[test]
+fn the_processor_time_of_every_kernel_thread_is_counted() {
+    let (job, files) = looping(Limits { blocks: 100, ..Limits::default() });
+    let control = Control::new(2).with_cpu_clock(ticking);
+    job.run(&files, &control, &mut Log::default());
+    assert!(control.cpu().as_secs() >= 2, "a thread for each channel: {:?}", control.cpu());
+    let (job, files) = looping(Limits { blocks: 100, ..Limits::default() });
+    let control = Control::new(2);
+    job.run(&files, &control, &mut Log::default());
+    assert_eq!(control.cpu().as_secs(), 0, "nothing is measured without a clock");
 }

@@ -1,7 +1,9 @@
-//! The control handle of a running job: cancel, live progress, who answers dialogs, and the test hook that disturbs scheduling.
+//! The control handle of a running job: cancel, live progress, who answers dialogs, what the job has used and reached, and
+//! the test hook that disturbs scheduling.
 
 use std::sync::atomic::{AtomicI64, AtomicU8, AtomicU32, AtomicU64, Ordering};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+use std::time::Duration;
 
 pub use crate::Stop;
 use crate::dialog::operator::Operator;
@@ -19,6 +21,43 @@ pub struct Control {
     jitter: Option<Box<dyn Fn(u16) + Send + Sync>>,
     operator: Option<Arc<dyn Operator>>,
     system: Option<Arc<dyn System>>,
+    used: Used,
+    reached: OnceLock<Limit>,
+}
+
+/// Processor time of the threads that a run has started.
+#[derive(Default)]
+struct Used {
+    clock: Option<fn() -> Duration>,
+    ns: AtomicU64,
+}
+
+/// A limit of the job that ended its run.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Limit {
+    /// Simulated time.
+    SimulatedTime,
+    /// Blocks of a channel.
+    Blocks,
+    /// Consecutive blocks of a channel that take no time.
+    ZeroTimeBlocks,
+    /// Events of a channel.
+    Events,
+    /// Memory of the job.
+    Memory,
+    /// Steps of the macros of a channel.
+    MacroSteps,
+}
+
+/// Adds the processor time of its life when it is dropped.
+struct Meter<'a>(&'a AtomicU64, fn() -> Duration, Duration);
+
+impl Drop for Meter<'_> {
+    fn drop(&mut self) {
+        let Self(ns, clock, begin) = self;
+        let used = clock().saturating_sub(*begin).as_nanos();
+        ns.fetch_add(u64::try_from(used).unwrap_or(u64::MAX), Ordering::Relaxed);
+    }
 }
 
 impl Control {
@@ -66,6 +105,36 @@ impl Control {
     #[must_use]
     pub fn system(&self) -> Option<&dyn System> {
         self.system.as_deref()
+    }
+
+    /// Measures the threads of the run with a clock of the processor time of the thread that asks.
+    #[must_use]
+    pub fn with_cpu_clock(mut self, clock: fn() -> Duration) -> Self {
+        self.used.clock = Some(clock);
+        self
+    }
+
+    /// Does the work of a thread that the run has started, and measures it.
+    pub fn measured<T>(&self, work: impl FnOnce() -> T) -> T {
+        let _meter = self.used.clock.map(|clock| Meter(&self.used.ns, clock, clock()));
+        work()
+    }
+
+    /// Processor time of the threads that the run has started and that have ended; zero without a clock.
+    #[must_use]
+    pub fn cpu(&self) -> Duration {
+        Duration::from_nanos(self.used.ns.load(Ordering::Relaxed))
+    }
+
+    /// A limit has ended the run.
+    pub fn reach(&self, limit: Limit) {
+        let _ = self.reached.set(limit);
+    }
+
+    /// The limit that has ended the run.
+    #[must_use]
+    pub fn reached(&self) -> Option<Limit> {
+        self.reached.get().copied()
     }
 
     /// Asks the job to stop; it ends soon after with its channels `STOPPED`.

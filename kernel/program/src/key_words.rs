@@ -4,7 +4,7 @@
 //! Facts: reference control-emulator.md 5.4 (key words may be cut to two letters). *Invariant:* scanner and compiler ask
 //! the same question, so a line that one of them takes for words is never a statement for the other.
 
-use super::prefix_registers::{PrefixRegister, stands};
+use super::prefix_registers::{LiteralFirst, stands};
 use counterpoint_machine::index::CodeRowId;
 
 /// Key words of the statements of a control.
@@ -19,10 +19,8 @@ pub struct KeyWords {
 /// What a machine has besides words of one letter.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Names<'a> {
-    /// Literal texts that look like words, with their rows, longest first.
-    pub like_words: &'a [(Vec<u8>, CodeRowId)],
-    /// Special registers, longest first.
-    pub registers: &'a [PrefixRegister],
+    /// Literal texts that look like words, and special registers.
+    pub literal_first: Option<&'a LiteralFirst>,
     /// All literal texts with their rows, longest first.
     pub texts: &'a [(Vec<u8>, CodeRowId)],
     /// Most levels of brackets in an expression.

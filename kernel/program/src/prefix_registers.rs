@@ -3,7 +3,8 @@
 //!
 //! Facts: reference control-emulator.md 1.2 (ALT string), 1.4 (special registers). Lines with expressions look for the
 //! same (`dialect`). Invariant: longer texts are tried
-//! first, so that `C1=` is not hidden by a register `C`; a machine with neither has nothing here.
+//! first, so that `C1=` is not hidden by a register `C`; only those that begin with the byte in question are tried; a machine
+//! with neither has nothing here.
 
 use counterpoint_machine::Machine;
 use counterpoint_machine::index::CodeRowId;
@@ -13,13 +14,36 @@ use counterpoint_machine::rows::CodeForm;
 #[derive(Debug)]
 pub struct LiteralFirst {
     /// Literal texts that a register would read as a word, with their rows.
-    pub texts: Vec<(Vec<u8>, CodeRowId)>,
-    /// Special registers.
-    pub registers: Vec<PrefixRegister>,
+    texts: ByFirst<(Vec<u8>, CodeRowId)>,
+    /// Special registers with a text before the number.
+    registers: ByFirst<PrefixRegister>,
+    /// Those without.
+    bare: Vec<PrefixRegister>,
     /// Tools by name, in capital letters.
     tools: Vec<(Vec<u8>, u32)>,
     /// Bytes that any of them begins with.
     first: [u64; 4],
+}
+
+/// Texts by their first byte, in their order.
+#[derive(Debug)]
+struct ByFirst<T> {
+    all: Vec<T>,
+    /// Where those of a byte begin; one more at the end.
+    starts: Vec<u16>,
+}
+
+impl<T> ByFirst<T> {
+    fn new(mut all: Vec<T>, first: impl Fn(&T) -> u8) -> Self {
+        all.sort_by_key(|one| first(one));
+        let starts = (0..=256).map(|byte| all.partition_point(|one| u16::from(first(one)) < byte) as u16).collect();
+        Self { all, starts }
+    }
+
+    fn of(&self, byte: u8) -> &[T] {
+        let bounds = self.starts.get(usize::from(byte)).zip(self.starts.get(usize::from(byte) + 1));
+        bounds.and_then(|(&from, &to)| self.all.get(usize::from(from)..usize::from(to))).unwrap_or_default()
+    }
 }
 
 /// A register with text around its number.
@@ -102,7 +126,37 @@ impl LiteralFirst {
             }
         }
         let tools = machine.tool.names.iter().map(|(name, number)| (name.clone().into_bytes(), *number)).collect();
-        Some(Box::new(Self { texts, registers, tools, first }))
+        let (bare, registers) = registers.into_iter().partition(|prefix: &PrefixRegister| prefix.before.is_empty());
+        let initial = |text: &[u8]| text.first().copied().unwrap_or_default();
+        Some(Box::new(Self {
+            texts: ByFirst::new(texts, |(text, _)| initial(text)),
+            registers: ByFirst::new(registers, |prefix| initial(&prefix.before)),
+            bare,
+            tools,
+            first,
+        }))
+    }
+
+    /// A literal text at a place, with its row.
+    pub fn text(&self, line: &[u8], at: usize) -> Option<(&[u8], CodeRowId)> {
+        let found = self.texts(*line.get(at)?).iter().find(|(text, _)| stands(text, line, at));
+        found.map(|(text, row)| (text.as_slice(), *row))
+    }
+
+    /// Special registers at a place, each with something after its text that may have a value.
+    pub fn registers_at<'a>(&'a self, line: &'a [u8], at: usize) -> impl Iterator<Item = &'a PrefixRegister> {
+        let byte = line.get(at).copied().unwrap_or_default();
+        self.registers(byte).filter(move |prefix| prefix.has_value(line, at))
+    }
+
+    /// Literal texts that begin with a byte, with their rows.
+    fn texts(&self, byte: u8) -> &[(Vec<u8>, CodeRowId)] {
+        self.texts.of(byte)
+    }
+
+    /// Special registers whose text before the number begins with a byte, then those without such a text.
+    pub(crate) fn registers(&self, byte: u8) -> impl Iterator<Item = &PrefixRegister> {
+        self.registers.of(byte).iter().chain(&self.bare)
     }
 
     /// A special register with a variable or an expression in place of its number stands at a place.
@@ -110,8 +164,7 @@ impl LiteralFirst {
         let Some(&byte) = line.get(at) else { return false };
         self.may_start(byte)
             && self
-                .registers
-                .iter()
+                .registers(byte)
                 .any(|prefix| starts_expression(line, at + prefix.before.len()) && prefix.has_value(line, at))
     }
 

@@ -143,10 +143,8 @@ impl Scanner {
 
     /// What words of lines with expressions may be called besides letters.
     pub fn names(&self) -> Names<'_> {
-        let literal_first = self.literal_first.as_deref();
         Names {
-            like_words: literal_first.map_or(&[], |literal_first| &literal_first.texts),
-            registers: literal_first.map_or(&[], |literal_first| &literal_first.registers),
+            literal_first: self.literal_first.as_deref(),
             texts: &self.texts,
             brackets: self.brackets,
             key_words: self.syntax.key_words.unwrap_or_default(),
@@ -263,17 +261,16 @@ impl Scanner {
         secondary: bool,
         block: &mut Block,
     ) -> Option<usize> {
-        if !literal_first.may_start(*line.get(at)?) {
+        let byte = *line.get(at)?;
+        if !literal_first.may_start(byte) {
             return None;
         }
-        for (text, row) in &literal_first.texts {
-            if prefix_registers::stands(text, line, at) {
-                let end = at + text.len();
-                block.push_text(*row, (at as u32, end as u32));
-                return Some(end);
-            }
+        if let Some((text, row)) = literal_first.text(line, at) {
+            let end = at + text.len();
+            block.push_text(row, (at as u32, end as u32));
+            return Some(end);
         }
-        for prefix in &literal_first.registers {
+        for prefix in literal_first.registers(byte) {
             if !line.get(at..)?.starts_with(&prefix.before) {
                 continue;
             }

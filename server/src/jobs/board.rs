@@ -15,7 +15,7 @@ use super::live::{Live, lock};
 use super::recent::Recent;
 use super::tally::Tally;
 use super::{Core, worker};
-use crate::ledger::record::{Cause, Record, State, now_ms};
+use crate::ledger::record::{Cause, Reached, Record, State, now_ms};
 use crate::queue::{Entry, Queue, Ticket};
 use crate::reason::Refusal;
 
@@ -82,6 +82,17 @@ fn has_place(most: usize, all: usize, own: usize) -> bool {
     all < most || own < all && own < (most / 10).max(1) && all < most.saturating_mul(2)
 }
 
+/// Why and with that where a job waits that no worker has had.
+fn entry(live: &Live) -> Entry {
+    let mut entry = Entry::Accepted(Instant::now());
+    live.peek(|record| match (record.paused, record.runs.suspect) {
+        (true, _) => entry = Entry::Paused,
+        (false, true) => entry = Entry::Suspect,
+        (false, false) => {}
+    });
+    entry
+}
+
 fn push(queue: &mut dyn Queue, live: &Live, entry: Entry) {
     live.peek(|record| {
         let (tenant, priority) = (record.tenant.as_str(), record.asked.priority);
@@ -142,16 +153,40 @@ impl Core {
 
     /// Lets a job that is in memory wait for its turn.
     pub(super) fn wait_in_queue(&self, live: &Live) {
-        let (suspect, deadline) = {
-            let record = live.record();
-            (record.runs.suspect, record.asked.deadline_ms)
-        };
-        if deadline > 0 {
-            lock(&self.board.deadlines).insert((deadline, live.id.clone()));
-        }
-        let entry = if suspect { Entry::Suspect } else { Entry::Accepted(Instant::now()) };
-        push(&mut *lock(&self.board.queue).jobs, live, entry);
+        self.mind_deadline(live);
+        push(&mut *lock(&self.board.queue).jobs, live, entry(live));
         self.changed(live);
+    }
+
+    /// Has the job ended at its deadline if it has one and waits then.
+    fn mind_deadline(&self, live: &Live) {
+        live.peek(|record| {
+            if record.asked.deadline_ms > 0 {
+                lock(&self.board.deadlines).insert((record.asked.deadline_ms, live.id.clone()));
+            }
+        });
+    }
+
+    /// Holds a job back that waits; `false` if it does not wait, or is to be cancelled.
+    pub(super) fn hold(&self, live: &Live) -> bool {
+        let mut queue = lock(&self.board.queue);
+        let held = !live.cancelled() && queue.jobs.remove(&live.id);
+        if held {
+            push(&mut *queue.jobs, live, Entry::Paused);
+        }
+        held
+    }
+
+    /// Lets a job that is held back wait for a worker.
+    pub(super) fn release(self: &Arc<Self>, live: &Live) {
+        {
+            let mut queue = lock(&self.board.queue);
+            if queue.jobs.is_paused(&live.id) && queue.jobs.remove(&live.id) {
+                live.renew();
+                push(&mut *queue.jobs, live, entry(live));
+            }
+        }
+        self.pump();
     }
 
     /// Tells those who follow many jobs that one has changed.
@@ -168,7 +203,7 @@ impl Core {
 
     /// The next job, if there is a free worker for it, disk space and a ledger.
     pub(super) fn take(&self) -> Option<Arc<Live>> {
-        let waits = lock(&self.board.queue).jobs.len() > 0;
+        let waits = lock(&self.board.queue).jobs.waiting() > 0;
         if waits && *self.ledger.writable().borrow() && self.room().is_ok() { self.next() } else { None }
     }
 
@@ -194,7 +229,7 @@ impl Core {
         let cores = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
         let jobs = {
             let queue = lock(&self.board.queue);
-            queue.jobs.workers() + queue.jobs.len()
+            queue.jobs.workers() + queue.jobs.waiting()
         };
         let share = u16::try_from(cores / jobs.max(1)).unwrap_or(u16::MAX).max(1);
         if asked == 0 { share } else { asked.min(share) }
@@ -223,11 +258,24 @@ impl Core {
 
     /// A worker is free again: the host has failed the run for the `failures`th time, and the job waits for the next.
     pub(super) fn again(&self, live: &Live, failures: u32) {
-        let pause = FIRST_PAUSE.saturating_mul(1 << failures.saturating_sub(1).min(16)).min(LONGEST_PAUSE);
+        self.back(live, FIRST_PAUSE.saturating_mul(1 << failures.saturating_sub(1).min(16)).min(LONGEST_PAUSE));
+    }
+
+    /// A worker is free again: the run was dropped and its job is held back, if it still is to be.
+    pub(super) fn aside(self: &Arc<Self>, live: &Live) {
+        self.mind_deadline(live);
+        self.back(live, Duration::ZERO);
+        self.pump();
+    }
+
+    /// Takes a job from its worker and lets it wait for the next run until the pause is over, or held back.
+    fn back(&self, live: &Live, pause: Duration) {
         {
             let (mut queue, now) = (lock(&self.board.queue), Instant::now());
             queue.jobs.free(&live.id, now);
-            push(&mut *queue.jobs, live, Entry::Again(now + pause));
+            // A cancel comes after the job left the queue, or finds it there.
+            let entry = if live.paused() && !live.cancelled() { Entry::Paused } else { Entry::Again(now + pause) };
+            push(&mut *queue.jobs, live, entry);
             self.board.running.send_replace(queue.jobs.busy().len());
         }
         self.changed(live);
@@ -259,9 +307,9 @@ impl Core {
 
     /// Ends a job that has been withdrawn, because its deadline is over.
     fn end_late(self: &Arc<Self>, live: &Arc<Live>, deadline: i64) {
-        let mut ended = Record { state: State::Failed, ended_ms: now_ms(), ..live.record() };
+        let mut ended = Record { state: State::Failed, ended_ms: now_ms(), paused: false, ..live.record() };
         ended.runs.limit = late(deadline);
-        ended.runs.cause = Some(Cause::Limit);
+        (ended.runs.cause, ended.runs.reached) = (Some(Cause::Limit), Some(Reached::Deadline));
         ended.error.clone_from(&ended.runs.limit);
         if let Err(error) = self.ledger.update_blocking(ended.clone()) {
             tracing::debug!(%error, "a job beyond its deadline is ended later");
@@ -271,7 +319,7 @@ impl Core {
         }
         live.change(|record| *record = ended);
         self.metrics.ended("FAILED");
-        self.metrics.limit("deadline");
+        self.metrics.limit(Reached::Deadline.name());
         self.changed(live);
         self.board.live.remove(&live.id);
     }
@@ -318,7 +366,8 @@ impl Core {
 
     /// Lets a job wait again that was withdrawn.
     pub(super) fn put_back(&self, live: &Live) {
-        push(&mut *lock(&self.board.queue).jobs, live, Entry::Again(Instant::now()));
+        let entry = if live.paused() { Entry::Paused } else { Entry::Again(Instant::now()) };
+        push(&mut *lock(&self.board.queue).jobs, live, entry);
     }
 }
 

@@ -5,7 +5,7 @@ use counterpoint_kernel::log::info::{Info, Unit};
 use counterpoint_kernel::options::{Limits, Options};
 use counterpoint_proto::v1;
 
-use crate::ledger::record::{CONTENT, Cause, Priority, Reason, Record, State};
+use crate::ledger::record::{CONTENT, Cause, Priority, Reached, Reason, Record, State};
 
 /// The description that stands at the head of a log and of a watch.
 pub(crate) fn description(info: &Info) -> v1::JobDescription {
@@ -96,6 +96,24 @@ pub(crate) fn status(record: Record) -> v1::JobStatus {
         }
         .into(),
         rerun_of: record.asked.rerun_of,
+        paused: record.paused,
+        limit: limit(record.runs.reached).into(),
+        cpu_us: record.runs.cpu_us,
+    }
+}
+
+fn limit(reached: Option<Reached>) -> v1::JobLimit {
+    match reached {
+        None => v1::JobLimit::Unspecified,
+        Some(Reached::WallMs) => v1::JobLimit::WallMs,
+        Some(Reached::MaxJobBytes) => v1::JobLimit::MaxJobBytes,
+        Some(Reached::Deadline) => v1::JobLimit::Deadline,
+        Some(Reached::SimulatedNs) => v1::JobLimit::SimulatedNs,
+        Some(Reached::Blocks) => v1::JobLimit::Blocks,
+        Some(Reached::ZeroTimeBlocks) => v1::JobLimit::ZeroTimeBlocks,
+        Some(Reached::Events) => v1::JobLimit::Events,
+        Some(Reached::Memory) => v1::JobLimit::Memory,
+        Some(Reached::MacroSteps) => v1::JobLimit::MacroSteps,
     }
 }
 

@@ -65,7 +65,7 @@ impl End {
         if let Some(log) = log.filter(|_| record.state.ended()) {
             live.tail.set(log.bytes.len() as u64, log.last_seq);
         }
-        live.change(|now| *now = Record { cancel: now.cancel, ..record });
+        live.change(|now| *now = Record { cancel: now.cancel, paused: now.paused && !record.state.ended(), ..record });
         core.free(&live);
     }
 }
@@ -106,12 +106,7 @@ fn count(core: &Core, record: &Record) {
         State::Failed => "FAILED",
         State::Cancelled => "CANCELLED",
     });
-    for limit in ["wall_ms", "max_job_bytes"] {
-        if record.runs.limit.ends_with(limit) {
-            core.metrics.limit(limit);
-        }
-    }
-    if record.runs.limit.contains("deadline_ms") {
-        core.metrics.limit("deadline");
+    if let Some(reached) = record.runs.reached {
+        core.metrics.limit(reached.name());
     }
 }

@@ -61,7 +61,13 @@ pub(super) fn start(core: &Arc<Core>) -> Result<(), Refusal> {
 fn keep(options: &Retention) -> Keep {
     let limit = |value: u64| Some(value).filter(|value| *value > 0);
     let age_ms = limit(options.keep_s).map(|s| i64::try_from(s.saturating_mul(1000)).unwrap_or(i64::MAX));
-    Keep { age_ms, jobs: limit(options.keep_jobs), bytes: limit(options.keep_bytes) }
+    Keep {
+        age_ms,
+        jobs: limit(options.keep_jobs),
+        bytes: limit(options.keep_bytes),
+        tenant_jobs: limit(options.tenant_keep_jobs),
+        tenant_bytes: limit(options.tenant_keep_bytes),
+    }
 }
 
 impl Core {
@@ -76,7 +82,7 @@ impl Core {
 /// Removes ended jobs beyond what is to be kept; gives how many.
 fn remove_expired(core: &Core, keep: &Keep) -> Result<u64, Refusal> {
     let mut removed = 0;
-    if keep.age_ms.is_none() && keep.jobs.is_none() && keep.bytes.is_none() {
+    if keep.everything() {
         return Ok(removed);
     }
     loop {

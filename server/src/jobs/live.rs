@@ -15,7 +15,7 @@ use tokio::sync::watch;
 
 use super::board::late;
 use super::operator::Desk;
-use crate::ledger::record::{Record, State, now_ms};
+use crate::ledger::record::{Reached, Record, State, now_ms};
 use crate::log::tail::Tail;
 use crate::log::writer::Writer;
 use crate::results::Finished;
@@ -28,14 +28,17 @@ pub(crate) struct Run {
     pub(crate) control: Arc<Control>,
 }
 
+/// The limit that has stopped a run, and what it did.
+pub(crate) type Stopped = (Reached, String);
+
 /// What may stop a run besides its program and the client.
 #[derive(Debug, Default)]
 struct RunLimits {
     /// When the run is stopped, and as what.
-    until: Option<(Instant, String)>,
+    until: Option<(Instant, Stopped)>,
     bytes: Option<u64>,
     /// The limit that was reached.
-    reached: Option<String>,
+    reached: Option<Stopped>,
 }
 
 /// A job in memory.
@@ -57,6 +60,8 @@ pub(crate) struct Live {
     /// Where dialogs wait for the operator.
     pub(crate) desk: Arc<Desk>,
     limits: Mutex<RunLimits>,
+    /// Held while the job is paused or resumed, so that ledger and memory agree.
+    pub(super) holding: tokio::sync::Mutex<()>,
 }
 
 /// A lock whose holder panicked is used as it is: records are replaced whole.
@@ -79,6 +84,7 @@ impl Live {
             writer: Mutex::new(None),
             limits: Mutex::default(),
             promised: AtomicBool::new(false),
+            holding: tokio::sync::Mutex::default(),
         }
     }
 
@@ -119,13 +125,28 @@ impl Live {
         lock(&self.run).clone()
     }
 
-    /// Forgets a run that the host failed; the job will be run again, and watchers stay at their cursors.
+    /// Forgets a run that the host failed or a pause has stopped; the job will be run again, and watchers stay at their cursors.
     pub(crate) fn forget_run(&self) {
         drop(self.end_log());
         self.tail.begin_again();
         *lock(&self.run) = None;
+        self.renew();
+    }
+
+    /// Whatever was to end the last run does not end the next one.
+    pub(super) fn renew(&self) {
         *lock(&self.stop) = Stop::default();
         self.desk.begin_again(&self.record().answers);
+    }
+
+    /// Processor time of the threads of the run.
+    pub(super) fn cpu(&self) -> Duration {
+        self.run().map_or(Duration::ZERO, |run| run.control.cpu())
+    }
+
+    /// Whether the job is held back.
+    pub(super) fn paused(&self) -> bool {
+        lock(&self.record).paused
     }
 
     /// Sets what a run has; the job may have been cancelled by then.
@@ -145,24 +166,27 @@ impl Live {
     /// of the job, ms since 1970, 0 = none.
     pub(crate) fn set_limits(&self, wall_ms: u64, bytes: u64, deadline_ms: i64) {
         let left = u64::try_from(deadline_ms.saturating_sub(now_ms())).unwrap_or(0);
-        let (ms, text) = match deadline_ms > 0 && left < wall_ms {
-            true => (left, late(deadline_ms)),
-            false => (wall_ms, format!("the run was stopped after {wall_ms} ms by the clock, its limit wall_ms")),
+        let (ms, stopped) = match deadline_ms > 0 && left < wall_ms {
+            true => (left, (Reached::Deadline, late(deadline_ms))),
+            false => {
+                let text = format!("the run was stopped after {wall_ms} ms by the clock, its limit wall_ms");
+                (wall_ms, (Reached::WallMs, text))
+            }
         };
-        let until = Instant::now().checked_add(Duration::from_millis(ms)).map(|at| (at, text));
+        let until = Instant::now().checked_add(Duration::from_millis(ms)).map(|at| (at, stopped));
         *lock(&self.limits) = RunLimits { until, bytes: Some(bytes), reached: None };
     }
 
     /// The limit that has stopped the run.
-    pub(crate) fn reached(&self) -> Option<String> {
+    pub(crate) fn reached(&self) -> Option<Stopped> {
         lock(&self.limits).reached.clone()
     }
 
     /// Stops the run if its time is over.
     pub(crate) fn check_clock(&self, now: Instant) {
-        let over = lock(&self.limits).until.as_ref().filter(|(until, _)| *until <= now).map(|(_, text)| text.clone());
-        if let Some(text) = over {
-            self.reach(text);
+        let over = lock(&self.limits).until.as_ref().filter(|(until, _)| *until <= now).map(|(_, by)| by.clone());
+        if let Some(stopped) = over {
+            self.reach(stopped);
         }
     }
 
@@ -170,12 +194,13 @@ impl Live {
     pub(crate) fn check_bytes(&self, bytes: u64) -> bool {
         let most = lock(&self.limits).bytes.unwrap_or(u64::MAX);
         if bytes > most {
-            self.reach(format!("the run was stopped after {most} bytes of log and files, its limit max_job_bytes"));
+            let text = format!("the run was stopped after {most} bytes of log and files, its limit max_job_bytes");
+            self.reach((Reached::MaxJobBytes, text));
         }
         bytes <= most
     }
 
-    fn reach(&self, limit: String) {
+    fn reach(&self, limit: Stopped) {
         let first = {
             let mut limits = lock(&self.limits);
             let first = limits.reached.is_none();

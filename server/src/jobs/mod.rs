@@ -11,6 +11,7 @@ pub(crate) mod feed;
 mod files;
 pub(crate) mod filter;
 mod flusher;
+mod hold;
 mod housekeeping;
 pub(crate) mod live;
 mod observe;
@@ -299,9 +300,13 @@ impl Core {
         if quotas.tenant_bytes > 0 && usage.bytes >= quotas.tenant_bytes {
             return Err(Refusal::quota(tenant, "tenant_bytes", format!("{} bytes are stored", usage.bytes)));
         }
-        let seconds = usage.run_ms_on(day(now_ms())) / 1000;
+        let seconds = usage.cpu_us_on(day(now_ms())) / 1_000_000;
         if quotas.tenant_cpu_s > 0 && seconds >= quotas.tenant_cpu_s {
-            return Err(Refusal::quota(tenant, "tenant_cpu_s", format!("its jobs have run for {seconds} s today")));
+            return Err(Refusal::quota(
+                tenant,
+                "tenant_cpu_s",
+                format!("its jobs have taken {seconds} s of processor time today"),
+            ));
         }
         Ok(())
     }
@@ -346,22 +351,30 @@ impl Core {
             return Ok(record);
         }
         if waiting {
-            let ended = Record { state: State::Cancelled, ended_ms: now_ms(), ..record };
-            if let Err(refusal) = self.ledger.update(ended.clone()).await {
+            return self.end_cancelled(&live, record).await.inspect_err(|_| {
                 live.change(|record| record.cancel = false);
                 self.put_back(&live);
-                return Err(refusal);
-            }
-            live.change(|record| record.clone_from(&ended));
-            self.metrics.ended("CANCELLED");
-            self.changed(&live);
-            self.board.live.remove(id);
-            return Ok(ended);
+            });
         }
         self.ledger.flag_cancel(id.to_owned()).await?;
         live.cancel();
+        if self.withdraw(id) {
+            // A pause has taken it from its worker meanwhile.
+            return self.end_cancelled(&live, live.record()).await.inspect_err(|_| self.put_back(&live));
+        }
         self.changed(&live);
         Ok(live.record())
+    }
+
+    /// Ends a job that was withdrawn, because it was cancelled.
+    async fn end_cancelled(&self, live: &Live, record: Record) -> Result<Record, Refusal> {
+        let ended = Record { state: State::Cancelled, ended_ms: now_ms(), paused: false, ..record };
+        self.ledger.update(ended.clone()).await?;
+        live.change(|record| record.clone_from(&ended));
+        self.metrics.ended("CANCELLED");
+        self.changed(live);
+        self.board.live.remove(&live.id);
+        Ok(ended)
     }
 
     /// Deletes an ended job.

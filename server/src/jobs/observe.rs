@@ -5,24 +5,36 @@
 use std::collections::BTreeMap;
 
 use super::Core;
-use crate::ledger::record::{State, now_ms};
+use crate::ledger::record::{Priority, State, now_ms};
+use crate::metrics::Waiting;
 
 impl Core {
     /// Sets the gauges.
     pub(crate) fn observe(&self) {
-        let mut waiting: BTreeMap<String, (i64, i64)> = BTreeMap::new();
+        let mut waiting: BTreeMap<(String, Priority), (i64, i64)> = BTreeMap::new();
+        let mut paused: BTreeMap<String, i64> = BTreeMap::new();
         for live in &self.board.live {
             if live.state() == State::Queued {
                 live.peek(|record| {
-                    let (jobs, oldest) = waiting.entry(record.tenant.clone()).or_insert((0, i64::MAX));
+                    if record.paused {
+                        *paused.entry(record.tenant.clone()).or_default() += 1;
+                        return;
+                    }
+                    let class = (record.tenant.clone(), record.asked.priority);
+                    let (jobs, oldest) = waiting.entry(class).or_insert((0, i64::MAX));
                     *jobs += 1;
                     *oldest = (*oldest).min(record.submitted_ms);
                 });
             }
         }
         let now = now_ms();
-        let age = |oldest: i64| now.saturating_sub(oldest).max(0) / 1000;
-        self.metrics.queue(waiting.into_iter().map(|(tenant, (jobs, oldest))| (tenant, jobs, age(oldest))));
+        let waiting = waiting.into_iter().map(|((tenant, priority), (jobs, oldest))| Waiting {
+            tenant,
+            priority: priority.name(),
+            jobs,
+            age_s: now.saturating_sub(oldest).max(0) / 1000,
+        });
+        self.metrics.queue(waiting, paused.into_iter());
         let count = |value: usize| i64::try_from(value).unwrap_or(i64::MAX);
         self.metrics.jobs.running.set(count(*self.running().borrow()));
         let (watchers, lag) = self.streams.count();

@@ -25,10 +25,11 @@ use super::Core;
 use super::describe::description;
 use super::ends::End;
 use super::files::Sandbox;
-use super::live::{Live, Run};
+use super::live::{Live, Run, Stopped};
 use super::sink::JobSink;
 use super::system::Shell;
-use crate::ledger::record::{Cause, Record, State, now_ms};
+use crate::cpu;
+use crate::ledger::record::{Cause, Reached, Record, State, now_ms};
 use crate::log::Logs;
 use crate::log::writer::{Ended, Small, Writer};
 use crate::pace::Pace;
@@ -51,24 +52,28 @@ pub(super) fn start(core: Arc<Core>, live: Arc<Live>) {
     };
     let started = std::thread::Builder::new().name("job".to_owned()).spawn(work);
     if let Err(error) = started {
-        again(&spare_core, spare_live, format!("no thread for the job: {error}"));
+        again(&spare_core, spare_live, format!("no thread for the job: {error}"), Duration::ZERO);
     }
 }
 
 fn work(core: &Arc<Core>, live: &Arc<Live>) {
     let span = live.span();
     let _inside = span.enter();
+    let begin = cpu::of_this_thread();
+    let used = || cpu::of_this_thread().saturating_sub(begin) + live.cpu();
     let work = || match run(core, live)? {
-        Ran::Over(change) => Ok((change, None)),
-        Ran::Through(through) => through.store(core, live),
+        Ran::Over(change) => Ok(Some((change, None))),
+        Ran::Through(through) => through.store(core, live).map(Some),
+        Ran::Paused => Ok(None),
     };
     let (change, log) = match catch_unwind(AssertUnwindSafe(work)) {
-        Ok(Ok(stored)) => stored,
-        Ok(Err(Refusal::Storage(trouble))) => return again(core, live.clone(), trouble),
+        Ok(Ok(Some(stored))) => stored,
+        Ok(Ok(None)) => return paused(core, live, used()),
+        Ok(Err(Refusal::Storage(trouble))) => return again(core, live.clone(), trouble, used()),
         Ok(Err(refusal)) => (failed(refusal.to_string()), None),
         Err(panic) => (failed(format!("internal error: {}", panic_text(&*panic))), None),
     };
-    end(core, live, change, log);
+    end(core, live, change, log, used());
 }
 
 /// Change of a record at the end of a run.
@@ -102,10 +107,10 @@ fn queued_again() -> Change {
 }
 
 /// The run has reached a limit of the server before it was prepared.
-fn late(limit: String) -> Change {
-    Box::new(|record| {
+fn late((reached, limit): Stopped) -> Change {
+    Box::new(move |record| {
         record.state = State::Failed;
-        record.runs.cause = Some(Cause::Limit);
+        (record.runs.cause, record.runs.reached) = (Some(Cause::Limit), Some(reached));
         record.verdict.clone_from(&limit);
         record.runs.limit = limit;
     })
@@ -118,11 +123,26 @@ fn panic_text(panic: &(dyn Any + Send)) -> &str {
 
 /// Drops a run that the host has failed and lets the job wait for another. Nothing has to be durable for that: the
 /// ledger holds the job as queued all the time.
-fn again(core: &Arc<Core>, live: Arc<Live>, trouble: String) {
+fn again(core: &Arc<Core>, live: Arc<Live>, trouble: String, used: Duration) {
     core.metrics.jobs.failed_by_host.inc();
     if let Some(left_out) = FAILED_BY_HOST.pass() {
         tracing::warn!(trouble, left_out, "the host has failed the run; the job waits for another");
     }
+    let record = drop_run(core, &live, used, |record| {
+        record.runs.host_failures = record.runs.host_failures.saturating_add(1);
+        record.runs.host_failure = trouble;
+    });
+    core.again(&live, record.runs.host_failures);
+}
+
+/// Drops a run that a pause has stopped; the ledger holds the job as queued and paused.
+fn paused(core: &Arc<Core>, live: &Arc<Live>, used: Duration) {
+    drop_run(core, live, used, |_| {});
+    core.aside(live);
+}
+
+/// Drops a run that does not count as an attempt.
+fn drop_run(core: &Core, live: &Live, used: Duration, change: impl FnOnce(&mut Record)) -> Record {
     live.forget_run();
     if let Err(error) = core.logs.remove_log(&live.id) {
         tracing::warn!(%error, "the unfinished log stays until the next run");
@@ -131,24 +151,25 @@ fn again(core: &Arc<Core>, live: Arc<Live>, trouble: String) {
         if std::mem::replace(&mut record.state, State::Queued) == State::Running {
             record.runs.attempt = record.runs.attempt.saturating_sub(1);
         }
-        record.runs.host_failures = record.runs.host_failures.saturating_add(1);
-        record.runs.host_failure = trouble;
+        record.runs.cpu_us = record.runs.cpu_us.saturating_add(cpu::micros(used));
+        change(record);
     });
     core.host.unmark(&live.id);
-    core.again(&live, record.runs.host_failures);
+    record
 }
 
 /// Between two looks at whether the run is to end.
 const LOOK: Duration = Duration::from_millis(50);
 
 /// Hands the end over, to be made durable and then visible.
-fn end(core: &Arc<Core>, live: &Arc<Live>, change: Change, log: Option<Small>) {
+fn end(core: &Arc<Core>, live: &Arc<Live>, change: Change, log: Option<Small>, used: Duration) {
     let mut record = live.record();
     change(&mut record);
+    record.runs.cpu_us = record.runs.cpu_us.saturating_add(cpu::micros(used));
     record.runs.suspect = false;
     if record.state.ended() {
+        record.paused = false;
         record.ended_ms = now_ms();
-        record.runs.run_ms = u64::try_from(record.ended_ms - record.runs.started_ms).unwrap_or(0);
     }
     core.leave(live);
     End::new(core, live, record, log).keep();
@@ -159,6 +180,7 @@ struct Through {
     outcome: Outcome,
     finished: Finished,
     limit: String,
+    reached: Option<Reached>,
     writer: Option<Writer>,
 }
 
@@ -167,6 +189,8 @@ enum Ran {
     /// Nothing is to be stored but the state.
     Over(Change),
     Through(Box<Through>),
+    /// The job is held back.
+    Paused,
 }
 
 fn run(core: &Core, live: &Arc<Live>) -> Result<Ran, Refusal> {
@@ -197,12 +221,12 @@ fn run(core: &Core, live: &Arc<Live>) -> Result<Ran, Refusal> {
     let prepared = match prepared {
         Ok(prepared) => prepared,
         Err(_) if live.cancelled() => return Ok(Ran::Over(Box::new(|record| record.state = State::Cancelled))),
-        Err(_) if live.reached().is_some() => return Ok(Ran::Over(late(live.reached().unwrap_or_default()))),
-        Err(_) if stop.asked() => return Ok(Ran::Over(queued_again())),
+        Err(_) if let Some(stopped) = live.reached() => return Ok(Ran::Over(late(stopped))),
+        Err(_) if stop.asked() => return Ok(interrupted(core)),
         Err(findings) => return Ok(Ran::Over(refused(findings))),
     };
     let info = prepared.info().clone();
-    let mut control = Control::new(info.channels.len()).with_stop(stop);
+    let mut control = Control::new(info.channels.len()).with_stop(stop).with_cpu_clock(cpu::of_this_thread);
     if record.options.attended {
         live.desk.set_patience(Duration::from_secs(core.options.system.operator_wait_s));
         control = control.with_operator(live.desk.clone());
@@ -228,18 +252,26 @@ fn run(core: &Core, live: &Arc<Live>) -> Result<Ran, Refusal> {
     }
     files.trouble()?;
     let limit = live.reached().filter(|_| outcome.cancelled || dropped).filter(|_| !live.cancelled());
-    if outcome.cancelled && limit.is_none() && !live.cancelled() && core.drain.begun() {
-        return Ok(Ran::Over(queued_again()));
+    if outcome.cancelled && limit.is_none() && !live.cancelled() {
+        return Ok(interrupted(core));
     }
-    let limit = limit.unwrap_or_default();
+    let (reached, limit) = match limit {
+        Some((reached, limit)) => (Some(reached), limit),
+        None => (control.reached().map(Reached::from), String::new()),
+    };
     let finished = Finished::new(builder.finish(&outcome), written, &limit);
-    Ok(Ran::Through(Box::new(Through { outcome, finished, limit, writer })))
+    Ok(Ran::Through(Box::new(Through { outcome, finished, limit, reached, writer })))
+}
+
+/// The run was stopped although its job has not ended: by a drain or a pause.
+fn interrupted(core: &Core) -> Ran {
+    if core.drain.begun() { Ran::Over(queued_again()) } else { Ran::Paused }
 }
 
 impl Through {
     /// Stores log and results; a log that is small goes into the ledger with the end of the job.
     fn store(self, core: &Arc<Core>, live: &Live) -> Result<(Change, Option<Small>), Refusal> {
-        let Self { outcome, finished, limit, writer } = self;
+        let Self { outcome, finished, limit, reached, writer } = self;
         let bytes = writer.as_ref().map_or(0, Writer::bytes);
         let has_files = !finished.files.is_empty();
         let (log, mut place) = match writer.map(Writer::finish).transpose()? {
@@ -259,10 +291,7 @@ impl Through {
         }
         let verdict = finished.results.summary.verdict.as_ref();
         let own_limit = verdict.is_some_and(|verdict| verdict.kind == VerdictKind::Limit);
-        if limit.is_empty() && own_limit {
-            core.metrics.limit("job");
-        }
-        let cause = if limit.is_empty() && !own_limit { Cause::Program } else { Cause::Limit };
+        let cause = if reached.is_some() || own_limit { Cause::Limit } else { Cause::Program };
         let change: Change = Box::new(move |record| {
             let summary = &finished.results.summary;
             record.state = match summary.state {
@@ -271,6 +300,7 @@ impl Through {
                 summary::State::Succeeded => State::Succeeded,
             };
             record.runs.cause = (record.state == State::Failed).then_some(cause);
+            record.runs.reached = reached.filter(|_| record.state == State::Failed);
             record.events = outcome.events;
             record.runs.limit = limit;
             record.runs.has_files = has_files;
@@ -338,7 +368,12 @@ fn keep(core: &Arc<Core>, live: &Live, mut finished: Finished, bytes: u64) -> Re
 /// continues by itself after the end of the job. Results that cannot be stored are made from the log when asked for.
 fn store_results(live: &Live, work: impl FnOnce() -> io::Result<u64> + Send + 'static) -> u64 {
     let (done, stored) = channel();
-    let work = move || match work() {
+    let run = live.run();
+    let measured = move || match run {
+        Some(run) => run.control.measured(work),
+        None => work(),
+    };
+    let work = move || match measured() {
         Ok(bytes) => drop(done.send(bytes)),
         Err(error) => tracing::warn!(%error, "results are not stored; they will be made from the log"),
     };

@@ -44,6 +44,17 @@ pub(crate) struct Keep {
     pub(crate) jobs: Option<u64>,
     /// How many bytes.
     pub(crate) bytes: Option<u64>,
+    /// How many of one tenant, and how many bytes.
+    pub(crate) tenant_jobs: Option<u64>,
+    pub(crate) tenant_bytes: Option<u64>,
+}
+
+impl Keep {
+    /// Whether everything is kept.
+    pub(crate) fn everything(&self) -> bool {
+        let limits = [self.jobs, self.bytes, self.tenant_jobs, self.tenant_bytes];
+        self.age_ms.is_none() && limits.iter().all(Option::is_none)
+    }
 }
 
 /// An ended job.
@@ -91,9 +102,9 @@ pub(crate) fn time_of(id: Uuid) -> i64 {
 pub(crate) struct Usage {
     /// Bytes of logs, files and results of its ended jobs.
     pub(crate) bytes: u64,
-    /// Day of the last run, since 1970 UTC, and the time of its runs, ms.
+    /// Day on which the last job ended, since 1970 UTC, and the processor time of the jobs of that day, µs.
     pub(crate) day: u64,
-    pub(crate) run_ms: u64,
+    pub(crate) cpu_us: u64,
 }
 
 /// A day, ms.
@@ -105,9 +116,9 @@ pub(crate) fn day(ms: i64) -> u64 {
 }
 
 impl Usage {
-    /// Time of the runs of a day, ms.
-    pub(crate) fn run_ms_on(&self, day: u64) -> u64 {
-        if self.day == day { self.run_ms } else { 0 }
+    /// Processor time of the jobs of a day, µs.
+    pub(crate) fn cpu_us_on(&self, day: u64) -> u64 {
+        if self.day == day { self.cpu_us } else { 0 }
     }
 }
 
@@ -131,6 +142,9 @@ pub(crate) trait Ledger: Send + Sync + Debug {
 
     /// Notes that a job is to be cancelled, unless it has ended.
     async fn flag_cancel(&self, id: String) -> Result<(), Refusal>;
+
+    /// Notes whether a job is held back, unless it has ended.
+    async fn flag_paused(&self, id: String, paused: bool) -> Result<(), Refusal>;
 
     /// Keeps what the operator said, unless the job has ended.
     async fn answered(&self, id: String, channel: u16, answer: Option<Answer>) -> Result<(), Refusal>;

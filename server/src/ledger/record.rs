@@ -5,6 +5,7 @@
 
 use std::collections::BTreeMap;
 
+use counterpoint_kernel::control::Limit;
 use counterpoint_kernel::dialog::answers::Answer;
 use counterpoint_kernel::job::Program;
 use counterpoint_kernel::machine::finding::Finding;
@@ -51,6 +52,17 @@ pub enum Priority {
     Low,
 }
 
+impl Priority {
+    /// Its name.
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::High => "high",
+            Self::Normal => "normal",
+            Self::Low => "low",
+        }
+    }
+}
+
 /// What made a job fail.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "UPPERCASE")]
@@ -63,6 +75,60 @@ pub enum Cause {
     Limit,
     /// The server or its host.
     Host,
+}
+
+/// A limit that stopped a job.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Reached {
+    /// Time of the run by the clock.
+    WallMs,
+    /// Bytes of log and files.
+    MaxJobBytes,
+    /// The deadline of the job.
+    Deadline,
+    /// Simulated time.
+    SimulatedNs,
+    /// Blocks of a channel.
+    Blocks,
+    /// Consecutive blocks that take no time.
+    ZeroTimeBlocks,
+    /// Events of a channel.
+    Events,
+    /// Memory.
+    Memory,
+    /// Steps of macros.
+    MacroSteps,
+}
+
+impl Reached {
+    /// Its name, that of the option of the job.
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::WallMs => "wall_ms",
+            Self::MaxJobBytes => "max_job_bytes",
+            Self::Deadline => "deadline",
+            Self::SimulatedNs => "simulated_ns",
+            Self::Blocks => "blocks",
+            Self::ZeroTimeBlocks => "zero_time_blocks",
+            Self::Events => "events",
+            Self::Memory => "memory",
+            Self::MacroSteps => "macro_steps",
+        }
+    }
+}
+
+impl From<Limit> for Reached {
+    fn from(limit: Limit) -> Self {
+        match limit {
+            Limit::SimulatedTime => Self::SimulatedNs,
+            Limit::Blocks => Self::Blocks,
+            Limit::ZeroTimeBlocks => Self::ZeroTimeBlocks,
+            Limit::Events => Self::Events,
+            Limit::Memory => Self::Memory,
+            Limit::MacroSteps => Self::MacroSteps,
+        }
+    }
 }
 
 /// A reason why a job could not be run.
@@ -106,14 +172,17 @@ pub struct Runs {
     pub wall_ms: u64,
     /// Most bytes of log and files that were asked for; 0 = the server's.
     pub max_job_bytes: u64,
-    /// Which of the two stopped the job, as a text; empty = neither.
+    /// What a limit of the server or the deadline did, as a text; empty = neither stopped the job.
     pub limit: String,
     /// Its macros have written files.
     pub has_files: bool,
     /// Bytes of its log, files and results.
     pub stored_bytes: u64,
-    /// Time of the run that has ended it, ms by the clock.
-    pub run_ms: u64,
+    /// Processor time of its runs, µs.
+    pub cpu_us: u64,
+    /// The limit that stopped the job.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub reached: Option<Reached>,
     /// What made the job fail.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub cause: Option<Cause>,
@@ -183,6 +252,9 @@ pub struct Record {
     /// A cancel was accepted.
     #[serde(default)]
     pub cancel: bool,
+    /// It is held back: no run begins.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub paused: bool,
     /// Milliseconds since 1970.
     #[serde(default)]
     pub submitted_ms: i64,
@@ -230,6 +302,7 @@ impl Record {
             state: State::Queued,
             runs: Runs::default(),
             cancel: false,
+            paused: false,
             submitted_ms: 0,
             ended_ms: 0,
             events: 0,

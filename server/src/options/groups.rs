@@ -108,7 +108,8 @@ group! {
         tenant_bytes: u64 = 0, "COUNTERPOINT_TENANT_BYTES", "BYTES";
         /// Most uploads of one tenant at the same time; 0 = without limit
         tenant_uploads: usize = 0, "COUNTERPOINT_TENANT_UPLOADS", "N";
-        /// Seconds that jobs of one tenant may run on a day (UTC) until no more are accepted; 0 = without limit
+        /// Seconds of processor time that jobs of one tenant may take on a day (UTC) until no more are accepted;
+        /// 0 = without limit
         tenant_cpu_s: u64 = 0, "COUNTERPOINT_TENANT_CPU_S", "SECONDS";
     }
 }
@@ -124,6 +125,10 @@ group! {
         keep_jobs: u64 = 0, "COUNTERPOINT_KEEP_JOBS", "N";
         /// Most bytes of logs, files and results of ended jobs that are kept; 0 = without limit
         keep_bytes: u64 = 0, "COUNTERPOINT_KEEP_BYTES", "BYTES";
+        /// Most ended jobs of one tenant that are kept; 0 = without limit
+        tenant_keep_jobs: u64 = 0, "COUNTERPOINT_TENANT_KEEP_JOBS", "N";
+        /// Most bytes of logs, files and results of the ended jobs of one tenant that are kept; 0 = without limit
+        tenant_keep_bytes: u64 = 0, "COUNTERPOINT_TENANT_KEEP_BYTES", "BYTES";
     }
 }
 

@@ -131,6 +131,23 @@ impl Service for Jobs {
         Ok(Response::new(v1::CancelJobResponse { status: Some(status(record)) }))
     }
 
+    async fn pause_job(&self, request: Request<v1::PauseJobRequest>) -> Result<Response<v1::PauseJobResponse>, Status> {
+        let (caller, id) = (Caller::of(&request)?, request.into_inner().job_id);
+        job(&self.0, &caller, &id)?;
+        let record = self.0.pause(&id).await?;
+        Ok(Response::new(v1::PauseJobResponse { status: Some(status(record)) }))
+    }
+
+    async fn resume_job(
+        &self,
+        request: Request<v1::ResumeJobRequest>,
+    ) -> Result<Response<v1::ResumeJobResponse>, Status> {
+        let (caller, id) = (Caller::of(&request)?, request.into_inner().job_id);
+        job(&self.0, &caller, &id)?;
+        let record = self.0.resume(&id).await?;
+        Ok(Response::new(v1::ResumeJobResponse { status: Some(status(record)) }))
+    }
+
     async fn delete_job(
         &self,
         request: Request<v1::DeleteJobRequest>,

@@ -4,8 +4,10 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, SystemTime};
 
 use counterpoint_proto::v1;
+use counterpoint_server::access::Role;
 use counterpoint_server::options::{Options, Retention};
 
+use crate::guarded::*;
 use crate::support::*;
 use crate::upgrade::folder_1;
 
@@ -218,5 +220,33 @@ async fn ended_jobs_beyond_those_to_be_kept_go_the_oldest_first_and_others_never
         tokio::time::sleep(Duration::from_millis(5)).await;
     }
     assert_eq!(folders(), 0);
+    server.stop().await;
+}
+
+/// A tenant beyond what may be kept of one loses its own oldest jobs; the older ones of another stay.
+#[tokio::test]
+async fn a_tenant_with_many_ended_jobs_loses_its_own_oldest() {
+    let folder = tempfile::tempdir().unwrap();
+    let retention = Retention { tenant_keep_jobs: 2, ..Retention::default() };
+    let options = Options { retention, workers: 1, ..guarded(folder.path()) };
+    let tokens = ["few", "many"].map(|tenant| grant(&options, tenant, tenant, Role::Submit));
+    let server = Server::start(options).await;
+    let [few, many] = tokens.map(|token| As::new(&server, &token));
+    let mut jobs = Vec::new();
+    for (caller, name) in [(&few, "f-1"), (&many, "m-1"), (&few, "f-2"), (&many, "m-2"), (&many, "m-3"), (&many, "m-4")]
+    {
+        let job = caller.submit(name, "fanuc-2path-lathe", "EVENTS 5").await.unwrap().job_id;
+        caller.wait(&job).await;
+        jobs.push(job);
+    }
+    let kept = [jobs[4].clone(), jobs[5].clone()];
+    for _ in 0..2000 {
+        if many.list().await == kept {
+            break;
+        }
+        tokio::time::sleep(Duration::from_millis(5)).await;
+    }
+    assert_eq!(many.list().await, kept);
+    assert_eq!(few.list().await, [jobs[0].clone(), jobs[2].clone()]);
     server.stop().await;
 }

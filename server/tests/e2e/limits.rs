@@ -44,6 +44,7 @@ async fn a_job_without_end_is_stopped_by_the_clock_whatever_it_asked_for() {
         assert_eq!((status.state(), status.error.as_str()), (v1::JobState::Failed, ""));
         assert!(status.verdict.contains("wall_ms") && status.verdict.contains(reached), "{}", status.verdict);
         assert!(!status.cancel_requested);
+        assert_eq!((status.cause(), status.limit()), (v1::JobCause::Limit, v1::JobLimit::WallMs));
     }
     let before = summary(&server, &jobs[0].0).await;
     assert_eq!((&before["state"], &before["verdict"]["kind"]), (&"FAILED".into(), &"LIMIT".into()));
@@ -141,5 +142,42 @@ async fn one_large_blob_under_many_names_is_no_machine() {
     assert_eq!((refused.code(), reason(&refused).as_str()), (Code::InvalidArgument, "MACHINE_TOO_LARGE"));
     let put = v1::PutMachineRequest { name: "mine".into(), files: files(26) };
     assert_eq!(reason(&server.machines().put_machine(put).await.unwrap_err()), "MACHINE_TOO_LARGE");
+    server.stop().await;
+}
+
+/// On the real emulator: a macro that keeps ever more texts ends its job, while another job runs as if it were alone.
+#[tokio::test]
+async fn a_job_that_takes_more_memory_than_its_budget_fails_alone() {
+    const HOARD: &str = "DECLAR/OBJECT,SEQUENCE,HOARD\nT='0123456789'\nDO/I=1,10\nT=T//T\nENDOF/DO\n\
+        WHILE/1.EQ.1\nHOARD+=T//'x'\nENDOF/WHILE\n";
+    let folder = tempfile::tempdir().unwrap();
+    let service = counterpoint_server::service::build(options(folder.path())).await.unwrap();
+    let handle = service.handle();
+    let task = tokio::spawn(async { service.run(std::future::pending()).await.unwrap() });
+    let connection = tonic::transport::Channel::from_shared(handle.url()).unwrap().connect().await.unwrap();
+    let server = Server { handle, task, script: Script::default(), connection };
+    let mut files = Vec::new();
+    for (path, text) in [
+        ("own/machine.toml", "extends = \"fanuc-mill\"\n[ce]\nname = \"own\"\n[macros]\ntool = \"t.mac\"\n"),
+        ("own/t.mac", HOARD),
+    ] {
+        files.push(v1::MachineFile { path: path.into(), digest: server.upload(text.as_bytes()).await });
+    }
+    let put = v1::PutMachineRequest { name: "own".into(), files };
+    server.machines().put_machine(put).await.unwrap();
+    let submit = async |name: &str, machine: &str| {
+        let mut request = server.request(name, "O1\nG90 G94 F100\nT3 M06\nG1 X1.\nM30\n").await;
+        let limits = v1::JobLimits { memory: 8 << 20, ..Default::default() };
+        request.options = Some(v1::JobOptions { limits: Some(limits), ..Default::default() });
+        request.machine = machine.into();
+        server.jobs().submit_job(request).await.unwrap().into_inner().status.unwrap().job_id
+    };
+    let (greedy, modest) = (submit("greedy", "own").await, submit("modest", "fanuc-mill").await);
+    let greedy = server.wait(&greedy).await;
+    let modest = server.wait(&modest).await;
+    let expected = (v1::JobState::Failed, v1::JobCause::Limit, v1::JobLimit::Memory);
+    assert_eq!((greedy.state(), greedy.cause(), greedy.limit()), expected, "{greedy:?}");
+    assert!(greedy.verdict.contains("HOARD"), "{}", greedy.verdict);
+    assert_eq!((modest.state(), modest.limit()), (v1::JobState::Succeeded, v1::JobLimit::Unspecified), "{modest:?}");
     server.stop().await;
 }

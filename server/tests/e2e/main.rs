@@ -32,6 +32,7 @@ mod life;
 mod limits;
 mod metrics;
 mod operator;
+mod pause;
 mod rate;
 mod refusals;
 mod rerun;

@@ -46,7 +46,7 @@ async fn metrics_follow_jobs_calls_and_watches() {
     for (name, expected) in [
         ("counterpoint_jobs_accepted_total", 3.0),
         ("counterpoint_jobs_ended_total{state=\"SUCCEEDED\"}", 1.0),
-        ("counterpoint_jobs_queued{tenant=\"default\"}", 1.0),
+        ("counterpoint_jobs_queued{tenant=\"default\",priority=\"normal\"}", 1.0),
         ("counterpoint_jobs_running", 1.0),
         ("counterpoint_calls_total{call=\"SubmitJob\",code=\"Ok\"}", 3.0),
         ("counterpoint_call_seconds_count{call=\"SubmitJob\"}", 3.0),
@@ -62,7 +62,7 @@ async fn metrics_follow_jobs_calls_and_watches() {
     drop(watch);
     server.script.hang.store(false, Ordering::SeqCst);
     server.wait(&waiting).await;
-    assert_eq!(value(&server, "counterpoint_jobs_queued{tenant=\"default\"}").await, None);
+    assert_eq!(value(&server, "counterpoint_jobs_queued{tenant=\"default\",priority=\"normal\"}").await, None);
     server.jobs().get_job(counterpoint_proto::v1::GetJobRequest { job_id: "none".into() }).await.unwrap_err();
     assert_eq!(value(&server, "counterpoint_calls_total{call=\"GetJob\",code=\"NotFound\"}").await, Some(1.0));
     server.stop().await;

@@ -4,6 +4,7 @@ use std::sync::atomic::Ordering;
 use std::time::{SystemTime, UNIX_EPOCH};
 
 use counterpoint_proto::v1;
+use counterpoint_proto::v1::watch_job_response::Content;
 use counterpoint_server::access::Role;
 use counterpoint_server::options::{Options, Quotas};
 use tonic::{Code, Status};
@@ -73,6 +74,62 @@ async fn a_queue_of_thousands_of_one_tenant_does_not_delay_the_job_of_another() 
     server.stop().await;
 }
 
+/// Jobs of a caller that wait, up to a page of them.
+async fn waiting(caller: &As) -> usize {
+    let states = vec![v1::JobState::Queued.into()];
+    let request = v1::ListJobsRequest { states, page_size: 500, ..Default::default() };
+    caller.jobs().list_jobs(request).await.unwrap().into_inner().jobs.len()
+}
+
+/// One identity has endless jobs on all workers, ten thousand in the queue, its quota full and its calls limited; the
+/// other one does its work beside that, sees nothing of it and stops nothing.
+#[tokio::test]
+async fn neither_of_two_identities_slows_sees_or_stops_the_other_under_load() {
+    const QUEUE: usize = 10_000;
+    let folder = tempfile::tempdir().unwrap();
+    let quotas = Quotas { tenant_queued: QUEUE, ..Quotas::default() };
+    let (server, noisy, quiet) = two(Options { queue: QUEUE + 100, quotas, ..guarded(folder.path()) }).await;
+    let mut endless = Vec::new();
+    for number in 0..2 {
+        let job = noisy.submit(&format!("endless-{number}"), LATHE, "EVENTS 1\nHANG").await.unwrap().job_id;
+        server_until(&noisy, &job, v1::JobState::Running).await;
+        endless.push(job);
+    }
+    let queue = many(&noisy, "n", "EVENTS 1", QUEUE).await;
+    assert_eq!(quota(&noisy.submit("more", LATHE, "EVENTS 1").await.unwrap_err()), "tenant_queued");
+    // No job of the queue takes a turn, and every worker is taken: those of the other one run all the same.
+    for number in 0..10 {
+        let own = quiet.submit(&format!("q-{number}"), LATHE, "EVENTS 3").await.unwrap().job_id;
+        assert_eq!(quiet.wait(&own).await.state(), v1::JobState::Succeeded);
+    }
+    let first = v1::GetJobRequest { job_id: queue[0].clone() };
+    let first = noisy.jobs().get_job(first).await.unwrap().into_inner().status.unwrap();
+    assert_eq!((first.state(), first.attempt), (v1::JobState::Queued, 0));
+    assert_eq!((quiet.list().await.len(), waiting(&quiet).await), (10, 0), "it sees its own jobs only");
+    for job in [&endless[0], &queue[0]] {
+        let cancel = v1::CancelJobRequest { job_id: job.clone() };
+        let pause = v1::PauseJobRequest { job_id: job.clone() };
+        assert_eq!(quiet.jobs().cancel_job(cancel).await.unwrap_err().code(), Code::NotFound);
+        assert_eq!(quiet.jobs().pause_job(pause).await.unwrap_err().code(), Code::NotFound);
+    }
+    // Now the queue moves. In the order of acceptance alone, the first of these would end after all of it.
+    server.script.hang.store(false, Ordering::SeqCst);
+    for number in 10..20 {
+        let own = quiet.submit(&format!("q-{number}"), LATHE, "EVENTS 3").await.unwrap().job_id;
+        assert_eq!(quiet.wait(&own).await.state(), v1::JobState::Succeeded);
+    }
+    assert!(waiting(&noisy).await > 0, "ten turns of the one take fewer than the queue of the other");
+    // And the other way round: the jobs of the first go on while the second waits for something.
+    server.script.hang.store(true, Ordering::SeqCst);
+    for number in 0..2 {
+        let own = quiet.submit(&format!("hang-{number}"), LATHE, "HANG").await.unwrap().job_id;
+        server_until(&quiet, &own, v1::JobState::Running).await;
+    }
+    assert_eq!(noisy.wait(&queue[QUEUE / 2]).await.state(), v1::JobState::Succeeded);
+    server.script.hang.store(false, Ordering::SeqCst);
+    server.stop().await;
+}
+
 async fn server_until(caller: &As, job: &str, state: v1::JobState) {
     for _ in 0..1000 {
         let get = v1::GetJobRequest { job_id: job.into() };
@@ -125,7 +182,7 @@ async fn quotas_of_a_tenant_are_refused_by_name_and_others_go_on() {
 }
 
 #[tokio::test]
-async fn stored_bytes_and_time_of_a_tenant_are_counted_over_restarts() {
+async fn stored_bytes_of_a_tenant_are_counted_over_restarts() {
     let folder = tempfile::tempdir().unwrap();
     let quotas = Quotas { tenant_bytes: 100, ..Quotas::default() };
     let options = Options { quotas, ..guarded(folder.path()) };
@@ -137,22 +194,49 @@ async fn stored_bytes_and_time_of_a_tenant_are_counted_over_restarts() {
     let tokens = [noisy.bearer, quiet.bearer];
     server.stop().await;
     let server = Server::start(options.clone()).await;
-    let [noisy, quiet] = tokens.map(|bearer| As { connection: server.connection.clone(), bearer });
+    let [noisy, _] = tokens.map(|bearer| As { connection: server.connection.clone(), bearer });
     assert_eq!(quota(&noisy.upload(b"more").await.unwrap_err()), "tenant_bytes");
     noisy.jobs().delete_job(v1::DeleteJobRequest { job_id: job }).await.unwrap();
-    let job = noisy.submit("2", LATHE, "EVENTS 1\nHANG").await.unwrap().job_id;
+    noisy.upload(b"more").await.unwrap();
+    server.stop().await;
+}
+
+/// What counts is the time of processors, not that of the clock, and every run counts.
+#[tokio::test]
+async fn processor_time_of_a_tenant_is_counted_and_a_job_that_waits_takes_none() {
+    let folder = tempfile::tempdir().unwrap();
+    let quotas = Quotas { tenant_cpu_s: 1, ..Quotas::default() };
+    let options = Options { quotas, ..guarded(folder.path()) };
+    let (server, noisy, quiet) = two(options.clone()).await;
+    let job = noisy.submit("waits", LATHE, "EVENTS 1\nHANG").await.unwrap().job_id;
     server_until(&noisy, &job, v1::JobState::Running).await;
     tokio::time::sleep(std::time::Duration::from_millis(1100)).await;
     server.script.hang.store(false, Ordering::SeqCst);
-    noisy.wait(&job).await;
+    let status = noisy.wait(&job).await;
+    assert!(status.ended_ms - status.started_ms >= 1000, "it was there for more than a second");
+    assert!((1..700_000).contains(&status.cpu_us), "{} µs", status.cpu_us);
+    // Twice 600 ms in one run each, the first of them stopped by a pause.
+    server.script.hang.store(true, Ordering::SeqCst);
+    let job = noisy.submit("burns", LATHE, "BURN 600\nEVENTS 1\nHANG").await.unwrap().job_id;
+    let mut watch = noisy.jobs().watch_job(watch_all(&job)).await.unwrap().into_inner();
+    while !matches!(watch.message().await.unwrap().unwrap().content, Some(Content::Batch(_))) {}
+    noisy.jobs().pause_job(v1::PauseJobRequest { job_id: job.clone() }).await.unwrap();
+    server_until(&noisy, &job, v1::JobState::Queued).await;
+    server.script.hang.store(false, Ordering::SeqCst);
+    noisy.jobs().resume_job(v1::ResumeJobRequest { job_id: job.clone() }).await.unwrap();
+    assert!(noisy.wait(&job).await.cpu_us >= 1_200_000);
+    assert_eq!(quota(&noisy.submit("3", LATHE, "EVENTS 1").await.unwrap_err()), "tenant_cpu_s");
     let tokens = [noisy.bearer, quiet.bearer];
     server.stop().await;
-    let quotas = Quotas { tenant_cpu_s: 1, ..Quotas::default() };
-    let server = Server::start(Options { quotas, ..options }).await;
+    let server = Server::start(options).await;
     let [noisy, quiet] = tokens.map(|bearer| As { connection: server.connection.clone(), bearer });
     assert_eq!(quota(&noisy.submit("3", LATHE, "EVENTS 1").await.unwrap_err()), "tenant_cpu_s");
     assert!(quiet.submit("q-2", LATHE, "EVENTS 1").await.is_ok());
     server.stop().await;
+}
+
+fn watch_all(job: &str) -> v1::WatchJobRequest {
+    v1::WatchJobRequest { job_id: job.into(), level: v1::WatchLevel::Everything.into(), ..Default::default() }
 }
 
 #[tokio::test]

@@ -155,6 +155,18 @@ fn send(sink: &mut dyn Sink, seq: u64, batch: &[Event]) -> bool {
     sink.events(seq, batch)
 }
 
+/// Takes so much processor time.
+fn burn(time: Duration) {
+    let now = || {
+        let now = rustix::time::clock_gettime(rustix::time::ClockId::ThreadCPUTime);
+        Duration::new(now.tv_sec.unsigned_abs(), now.tv_nsec as u32)
+    };
+    let begin = now();
+    while now() - begin < time {
+        std::hint::spin_loop();
+    }
+}
+
 impl Prepared for Ready {
     fn info(&self) -> &Arc<Info> {
         &self.info
@@ -181,6 +193,7 @@ impl Prepared for Ready {
                         std::thread::sleep(Duration::from_millis(2));
                     }
                 }
+                ("BURN", ms) => burn(Duration::from_millis(ms.parse().unwrap())),
                 ("PANIC", _) => panic!("scripted"),
                 ("ASK", name) => {
                     let dialog = Dialog { name: name.into(), title: name.into(), fields: vec![], buttons: vec![] };

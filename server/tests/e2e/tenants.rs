@@ -46,6 +46,8 @@ async fn a_job_of_another_tenant_is_not_there_for_any_call() {
         unknown(other.jobs().watch_job(watch).await);
         unknown(other.jobs().wait_job(v1::WaitJobRequest { job_id: job_id.clone(), timeout_ms: 1 }).await);
         unknown(other.jobs().cancel_job(v1::CancelJobRequest { job_id: job_id.clone() }).await);
+        unknown(other.jobs().pause_job(v1::PauseJobRequest { job_id: job_id.clone() }).await);
+        unknown(other.jobs().resume_job(v1::ResumeJobRequest { job_id: job_id.clone() }).await);
         unknown(other.jobs().delete_job(v1::DeleteJobRequest { job_id: job_id.clone() }).await);
         let results = || other.results();
         let listing = v1::GetListingRequest { job_id: job_id.clone(), ..Default::default() };

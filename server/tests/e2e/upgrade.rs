@@ -6,8 +6,9 @@ use std::sync::atomic::Ordering;
 
 use counterpoint_proto::v1;
 use counterpoint_proto::v1::watch_job_response::Content;
+use counterpoint_server::options::{Options, Quotas};
 use counterpoint_server::service;
-use redb::{ReadableDatabase, TableDefinition};
+use redb::{ReadableDatabase, ReadableTable, TableDefinition};
 use serde_json::{Value, json};
 
 use crate::support::*;
@@ -119,14 +120,23 @@ async fn a_ledger_of_schema_1_is_opened_and_its_jobs_are_listed_watched_and_fini
 const LOG: TableDefinition<'_, &str, &[u8]> = TableDefinition::new("log");
 const BLOB: TableDefinition<'_, &str, u64> = TableDefinition::new("blob");
 const ENDED: TableDefinition<'_, (i64, &str), u64> = TableDefinition::new("ended");
+const ENDED_7: TableDefinition<'_, (i64, &str), (u64, &str)> = TableDefinition::new("ended_jobs");
+const USAGE: TableDefinition<'_, &str, (u64, u64, u64)> = TableDefinition::new("usage");
 
 /// A folder as a server of a schema left it: two jobs that have ended, one of them with a small log, one that was running,
 /// one that waited. Gives their identities by request id.
+const SCRIPTS: [(&str, &str, u64); 4] = [
+    ("ended", "EVENTS 2000", 2000),
+    ("small", "EVENTS 9", 9),
+    ("running", "EVENTS 1990\nHANG", 1990),
+    ("queued", "EVENTS 7", 7),
+];
+
 async fn folder_of(folder: &Path, schema: u64) -> BTreeMap<&'static str, String> {
-    let server = Server::start(options(folder)).await;
+    let server = Server::start(Options { workers: 1, ..options(folder) }).await;
     let mut jobs = BTreeMap::new();
     let mut rows = Vec::new();
-    for (name, script) in [("ended", "EVENTS 2000"), ("small", "EVENTS 9")] {
+    for (name, script, _) in SCRIPTS[..2].iter().copied() {
         let job = server.submit(name, script).await;
         let status = server.wait(&job).await;
         let mut row = row_1(&job, name, "SUCCEEDED", script);
@@ -136,7 +146,18 @@ async fn folder_of(folder: &Path, schema: u64) -> BTreeMap<&'static str, String>
         rows.push(row);
         jobs.insert(name, job);
     }
-    server.upload(b"EVENTS 7").await;
+    if schema >= 6 {
+        for (name, script, _) in &SCRIPTS[2..] {
+            jobs.insert(*name, server.submit(name, script).await);
+        }
+        server.until_events(&jobs["running"], 1990).await;
+        server.stop().await;
+        back_to_6(folder);
+        return jobs;
+    }
+    for (_, script, _) in &SCRIPTS[2..] {
+        server.upload(script.as_bytes()).await;
+    }
     server.stop().await;
     let small = jobs["small"].clone();
     let small = small.as_str();
@@ -145,9 +166,8 @@ async fn folder_of(folder: &Path, schema: u64) -> BTreeMap<&'static str, String>
         let logs = database.begin_read().unwrap().open_table(LOG).unwrap();
         logs.get(small).unwrap().unwrap().value().to_vec()
     };
-    for (name, number, state, script) in [("running", 1, "RUNNING", "EVENTS 2000"), ("queued", 2, "QUEUED", "EVENTS 7")]
-    {
-        let id = format!("ffffffff-ffff-7fff-bfff-0000000000{number:02}");
+    for ((name, script, _), state) in SCRIPTS[2..].iter().copied().zip(["RUNNING", "QUEUED"]) {
+        let id = format!("ffffffff-ffff-7fff-bfff-0000000000{:02}", rows.len());
         rows.push(row_1(&id, name, state, script));
         jobs.insert(name, id);
     }
@@ -175,8 +195,8 @@ async fn folder_of(folder: &Path, schema: u64) -> BTreeMap<&'static str, String>
     }
     if schema >= 3 {
         let mut counts = txn.open_table(BLOB).unwrap();
-        for (script, count) in [("EVENTS 2000", 2), ("EVENTS 9", 1), ("EVENTS 7", 1)] {
-            counts.insert(digest(script.as_bytes()).as_str(), count).unwrap();
+        for (_, script, _) in SCRIPTS {
+            counts.insert(digest(script.as_bytes()).as_str(), 1).unwrap();
         }
     }
     if schema >= 4 {
@@ -188,14 +208,49 @@ async fn folder_of(folder: &Path, schema: u64) -> BTreeMap<&'static str, String>
     jobs
 }
 
+/// Gives a ledger of schema 7 the form of schema 6: ended jobs without tenants, times of tenants in ms.
+fn back_to_6(folder: &Path) {
+    let database = redb::Database::open(folder.join("ledger.redb")).unwrap();
+    let txn = database.begin_write().unwrap();
+    {
+        let (now, mut before) = (txn.open_table(ENDED_7).unwrap(), txn.open_table(ENDED).unwrap());
+        for row in now.iter().unwrap() {
+            let (key, row) = row.unwrap();
+            before.insert(key.value(), row.value().0).unwrap();
+        }
+        let mut usage = txn.open_table(USAGE).unwrap();
+        let (bytes, day, _) = usage.get("default").unwrap().unwrap().value();
+        usage.insert("default", (bytes, day, 5_000)).unwrap();
+    }
+    txn.delete_table(ENDED_7).unwrap();
+    txn.open_table(META).unwrap().insert("schema", 6).unwrap();
+    txn.commit().unwrap();
+}
+
+/// Five seconds of a tenant that a ledger of schema 6 has in ms count as five.
+#[tokio::test]
+async fn the_time_that_tenants_have_used_keeps_its_unit() {
+    let folder = tempfile::tempdir().unwrap();
+    folder_of(folder.path(), 6).await;
+    let quota =
+        |tenant_cpu_s| Options { quotas: Quotas { tenant_cpu_s, ..Quotas::default() }, ..options(folder.path()) };
+    let server = Server::start(quota(6)).await;
+    let request = server.request("above", "EVENTS 1").await;
+    server.submit("below", "EVENTS 1").await;
+    server.stop().await;
+    let server = Server::start(quota(5)).await;
+    assert_eq!(reason(&server.jobs().submit_job(request).await.unwrap_err()), "QUOTA_EXCEEDED");
+    server.stop().await;
+}
+
 #[tokio::test]
 async fn ledgers_of_all_earlier_schemas_are_opened_and_their_jobs_found_finished_and_run_again() {
-    for schema in 1..=5 {
+    for schema in 1..=6 {
         let folder = tempfile::tempdir().unwrap();
         let jobs = folder_of(folder.path(), schema).await;
         let server = Server::start(options(folder.path())).await;
-        let events = [("ended", 2000), ("small", 9), ("running", 2000), ("queued", 7)];
-        for (name, count) in events {
+        server.script.hang.store(false, Ordering::SeqCst);
+        for (name, _, count) in SCRIPTS {
             let status = server.wait(&jobs[name]).await;
             let expected = (v1::JobState::Succeeded, count, "default");
             assert_eq!((status.state(), status.events, status.tenant.as_str()), expected, "{schema}: {name}");
@@ -211,8 +266,8 @@ async fn ledgers_of_all_earlier_schemas_are_opened_and_their_jobs_found_finished
         let succeeded = v1::JobFilter { states: vec![v1::JobState::Succeeded.into()], ..Default::default() };
         assert_eq!(list(succeeded).await, "queued running small ended", "{schema}");
         // The request ids of the jobs are known, and mean the same.
-        for (name, count) in events {
-            let request = server.request(name, &format!("EVENTS {count}")).await;
+        for (name, script, _) in SCRIPTS {
+            let request = server.request(name, script).await;
             let again = server.jobs().submit_job(request.clone()).await.unwrap().into_inner();
             assert!(again.duplicate && again.status.unwrap().job_id == jobs[name], "{schema}: {name}");
             let other = v1::SubmitJobRequest { machine: "fanuc-mill".into(), ..request };

@@ -2,6 +2,8 @@
 //!
 //! *Invariant:* evaluating allocates nothing but for values of more than [`INLINE`] pending operands.
 
+use smallvec::SmallVec;
+
 use super::code::{Code, Op};
 use crate::numeric::{Function, Operator};
 
@@ -10,34 +12,22 @@ const INLINE: usize = 8;
 
 /// Values that wait for their operator.
 #[derive(Debug)]
-pub(crate) struct Stack<V> {
-    inline: [V; INLINE],
-    count: usize,
-    rest: Vec<V>,
-}
+pub(crate) struct Stack<V>(SmallVec<[V; INLINE]>);
 
 impl<V: Default> Stack<V> {
     fn new() -> Self {
-        Self { inline: std::array::from_fn(|_| V::default()), count: 0, rest: Vec::new() }
+        Self(SmallVec::new())
     }
 
     #[inline]
     fn push(&mut self, value: V) {
-        match self.inline.get_mut(self.count) {
-            Some(slot) => *slot = value,
-            None => self.rest.push(value),
-        }
-        self.count += 1;
+        self.0.push(value);
     }
 
     /// Takes the value on top.
     #[inline]
     pub(crate) fn pop(&mut self) -> V {
-        self.count = self.count.saturating_sub(1);
-        match self.inline.get_mut(self.count) {
-            Some(slot) => std::mem::take(slot),
-            None => self.rest.pop().unwrap_or_default(),
-        }
+        self.0.pop().unwrap_or_default()
     }
 }
 

@@ -14,8 +14,9 @@ use counterpoint_program::shape::program_name;
 impl Parser<'_> {
     /// A special register with a value, or a text that looks like a word, begins here.
     pub(super) fn stands_long_name(&self) -> bool {
-        self.names.like_words.iter().any(|(text, _)| stands(text, self.text, self.at))
-            || self.names.registers.iter().any(|prefix| prefix.has_value(self.text, self.at))
+        self.names.literal_first.is_some_and(|first| {
+            first.text(self.text, self.at).is_some() || first.registers_at(self.text, self.at).next().is_some()
+        })
     }
 
     pub(super) fn words(&mut self) -> Result<Statement, Error> {
@@ -45,11 +46,11 @@ impl Parser<'_> {
     /// A word that is more than a letter and a value.
     fn long_name(&mut self) -> Option<(Name, Expr)> {
         let (names, text, start) = (self.names, self.text, self.at);
-        if let Some((like_word, row)) = names.like_words.iter().find(|(name, _)| stands(name, text, start)) {
+        if let Some((like_word, row)) = names.literal_first.and_then(|first| first.text(text, start)) {
             self.at += like_word.len();
-            return Some((Name::Text(*row), Expr::constant(0.0)));
+            return Some((Name::Text(row), Expr::constant(0.0)));
         }
-        for prefix in names.registers.iter().filter(|prefix| prefix.has_value(text, start)) {
+        for prefix in names.literal_first.into_iter().flat_map(|first| first.registers_at(text, start)) {
             self.at = start + prefix.before.len();
             // Text after the number encloses an expression like brackets.
             let value = if prefix.after.is_empty() { self.word_value() } else { self.enclosed() };

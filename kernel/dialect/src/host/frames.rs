@@ -20,6 +20,13 @@ pub struct AxisPlace {
     pub machine: f64,
 }
 
+impl AxisPlace {
+    /// It has this name or letter, letter case ignored.
+    pub fn is(&self, name: &str) -> bool {
+        self.letter.eq_ignore_ascii_case(name) || self.name.eq_ignore_ascii_case(name)
+    }
+}
+
 /// The active codes of all groups.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Modes(pub Vec<(u16, CodeId, Option<CodeRowId>)>);
@@ -28,6 +35,9 @@ pub struct Modes(pub Vec<(u16, CodeId, Option<CodeRowId>)>);
 pub trait Frames {
     /// Axes of the channel, in its order.
     fn axes(&self) -> Vec<AxisPlace>;
+
+    /// By which letter the programs of the channel name an axis that is given by its name or letter, letter case ignored.
+    fn axis_letter(&self, name: &str) -> Option<&str>;
 
     /// Positions of the channel's axes by name: in the work frame as programmed, in the machine frame.
     fn positions(&self) -> Vec<(String, f64, f64)>;

@@ -68,7 +68,9 @@ pub(super) fn bare(text: &str) -> &str {
 
 /// The head of a program of an archive; `%` alone is none.
 pub(super) fn is_head(text: &str) -> bool {
-    text.trim().strip_prefix('%').is_some_and(|name| name.starts_with(|c: char| c.is_ascii_alphanumeric() || c == '_'))
+    text.trim_start()
+        .strip_prefix('%')
+        .is_some_and(|name| name.starts_with(|c: char| c.is_ascii_alphanumeric() || c == '_'))
 }
 
 fn step(text: &str, cursor: &Cursor<'_>) -> Option<Step> {

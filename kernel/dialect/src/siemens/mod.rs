@@ -8,6 +8,7 @@
 mod branches;
 mod calls;
 mod control;
+mod coordination;
 mod cursor;
 mod declare;
 mod define;
@@ -92,6 +93,8 @@ pub(crate) struct Siemens {
     places: Tables<FileId, jumps::Places>,
     /// Where subprograms are, by calling file and name.
     found: FxHashMap<(FileId, String), Option<(FileId, Range)>>,
+    /// How the machine spells addresses.
+    spellings: FxHashMap<String, words::Spelling>,
     /// Subprograms that were declared by EXTERN.
     externals: FxHashSet<String>,
     /// Subprogram that the block calls.
@@ -169,7 +172,10 @@ impl Interpreter for Siemens {
         }
         self.calling = None;
         let outcome = match self.definition_files(host) {
-            Ok(()) => self.carry_out(host, &String::from_utf8_lossy(text)),
+            Ok(()) => match std::str::from_utf8(text) {
+                Ok(text) => self.carry_out(host, text),
+                Err(_) => self.carry_out(host, &String::from_utf8_lossy(text)),
+            },
             Err(fault) => Err(fault),
         };
         Ok(self.reported(host, outcome)?.into())
@@ -221,7 +227,7 @@ impl Interpreter for Siemens {
     }
 
     fn memory(&self) -> u64 {
-        let names = self.externals.len() + self.found.len() + self.timers.len();
+        let names = self.externals.len() + self.found.len() + self.timers.len() + self.spellings.len();
         let defines = self.defines.len() * 100 + self.define_bytes;
         (self.variables.bytes() + names * 100 + defines + self.places.bytes() + self.read.bytes()) as u64
     }

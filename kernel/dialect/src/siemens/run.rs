@@ -276,6 +276,9 @@ impl Siemens {
         if name == "SETAL" {
             return self.set_alarm(host, arguments);
         }
+        if self.coordination(host, name, arguments)? {
+            return Ok(());
+        }
         let is_text = host.is_code_text(name) || host.is_register(&format!("{name}("));
         if !is_text && let Some(found) = self.known_program(host, name)? {
             left.call = Some(self.prepare_call(host, name, found, arguments)?);
@@ -414,6 +417,9 @@ fn skipped<'a>(host: &dyn Host, text: &'a str) -> Option<&'a str> {
 
 /// TRANS replaces the whole translation: axes that it does not name are not moved any more.
 fn whole_translation(host: &dyn Host, left: &mut Left) {
+    if left.words.is_empty() {
+        return;
+    }
     let mut words = left.words.split(' ');
     if !words.any(|word| word == "TRANS") || !host.is_code_text("TRANS") {
         return;

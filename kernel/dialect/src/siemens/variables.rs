@@ -232,7 +232,10 @@ impl Siemens {
     /// Number of an R parameter; none if it is another name.
     pub(super) fn r_parameter(&mut self, host: &mut dyn Host, name: &Name) -> Outcome<Option<u32>> {
         let ("R", [index]) = (name.name.as_str(), name.index.as_slice()) else { return Ok(None) };
-        let number = self.whole_number(host, index)?;
+        let number = match index.as_constant() {
+            Some(Data::Int(number)) => *number,
+            _ => self.whole_number(host, index)?,
+        };
         match u32::try_from(number) {
             Ok(found) if number <= MOST_PARAMETERS => Ok(Some(found)),
             _ => missing(format!("parameter R{number} does not exist")),

@@ -15,6 +15,24 @@ use crate::host::{AxisPlace, Host};
 
 /// Largest value of a word.
 const BOUND: f64 = 1e12;
+/// Most addresses whose spelling is remembered.
+const MOST_SPELLINGS: usize = 500;
+
+/// How the registers of the machine spell an address.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Spelling {
+    /// `X`.
+    plain: bool,
+    /// `X=`.
+    equals: bool,
+}
+
+impl Spelling {
+    /// A register has it.
+    fn is_word(self) -> bool {
+        self.plain || self.equals
+    }
+}
 
 impl Siemens {
     /// `ADDRESS=value` as a word.
@@ -24,15 +42,13 @@ impl Siemens {
             (_, []) => name.name.clone(),
             _ => self.written(host, name)?,
         };
-        let axes = host.axes();
-        let is = |text: &str| text.eq_ignore_ascii_case(&address);
-        let axis = axes.iter().find(|axis| is(&axis.letter) || is(&axis.name));
-        left.moves |= axis.is_some();
-        let has_word = host.is_register(&address) || host.is_register(&format!("{address}="));
-        let address = match axis {
+        let letter = host.axis_letter(&address).map(str::to_owned);
+        left.moves |= letter.is_some();
+        let has_word = self.spelling(host, &address).is_word();
+        let (address, named) = match letter {
             // The name of an axis stands for the letter by which the channel programs it.
-            Some(axis) if !has_word => axis.letter.clone(),
-            _ => address,
+            Some(letter) if !has_word => (letter, Some(address)),
+            _ => (address, None),
         };
         let text = match value {
             Assigned::One(_, text) if is_number(text) => text.clone(),
@@ -47,6 +63,8 @@ impl Siemens {
                     return super::wrong_type("the position is out of range");
                 };
                 let relative = left.relative.unwrap_or_else(|| host.relative());
+                let axes = host.axes();
+                let axis = axes.iter().find(|axis| axis.is(named.as_deref().unwrap_or(&address)));
                 match placed(&axes, axis, &address, *way, value, relative) {
                     Placed::Value(value) => Data::Real(value).word(),
                     Placed::Step(value) => match host.second(&address) {
@@ -63,7 +81,7 @@ impl Siemens {
                 }
             }
         };
-        let word = format!("{address}{}{text}", self.sign(host, &address));
+        let word = [address.as_str(), self.sign(host, &address), text.as_str()].concat();
         if address.len() > 1 && splits(&address) && !has_word && !host.is_code_text(&word) {
             // The scanner would read a word of the letter and its extension.
             host.report_unrecognised(&word);
@@ -74,13 +92,25 @@ impl Siemens {
     }
 
     /// `=`, or nothing, between an address and its value.
-    fn sign(&self, host: &dyn Host, address: &str) -> &'static str {
+    fn sign(&mut self, host: &dyn Host, address: &str) -> &'static str {
         let one = address.len() == 1;
         let collapses = match self.settings.collapse {
             Some(collapse) => collapse && one,
-            None => one && host.is_register(address) && !host.is_register(&format!("{address}=")),
+            None => one && self.spelling(host, address) == Spelling { plain: true, equals: false },
         };
         if collapses { "" } else { "=" }
+    }
+
+    /// How the registers of the machine spell an address.
+    fn spelling(&mut self, host: &dyn Host, address: &str) -> Spelling {
+        if let Some(known) = self.spellings.get(address) {
+            return *known;
+        }
+        let spelling = Spelling { plain: host.is_register(address), equals: host.is_register(&format!("{address}=")) };
+        if self.spellings.len() < MOST_SPELLINGS {
+            self.spellings.insert(address.to_owned(), spelling);
+        }
+        spelling
     }
 
     /// Arguments of what stays on the block: values where there are some, else as they are written.

@@ -75,7 +75,12 @@ static ENTRIES: &[&[Entry]] = &[
 pub static ACTIONS: Actions = Actions { reading: Some(&READING), ..BASE };
 
 /// The actions by which contour blocks are read.
-static READING: Actions = Actions { of: lathe::reading, speed_word: |_| Ok(()), ..BASE };
+static READING: Actions = Actions {
+    of: lathe::reading,
+    speed_word: |_| Ok(()),
+    record: Some(|kernel, _, motion| lathe::record(&mut Act::new(kernel), motion)),
+    ..BASE
+};
 
 const BASE: Actions = Actions {
     of: find,
@@ -86,6 +91,7 @@ const BASE: Actions = Actions {
     speed_word: |kernel| spindle::speed_word(&mut Act::new(kernel)),
     make_hole: |kernel, hole| Act::new(kernel).make_hole(hole),
     reading: None,
+    record: None,
     cut_contour: |kernel, cycle, reading| lathe::cut(&mut Act::new(kernel), cycle, reading),
     go_back: |kernel, to| lathe::go_back(&mut Act::new(kernel), to),
     change_straight: |kernel, motion, rapid, to| Act::new(kernel).straight_again(motion, rapid, to),

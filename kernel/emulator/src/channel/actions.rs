@@ -39,6 +39,8 @@ pub struct Actions {
     pub(crate) make_hole: fn(&mut Kernel<'_>, &Hole) -> Acted,
     /// Actions by which contour blocks are read; none among them.
     pub(crate) reading: Option<&'static Actions>,
+    /// Records a motion in place of making it; none where motions are made.
+    pub(crate) record: Option<fn(&mut Kernel<'_>, f64, &Motion) -> Acted>,
     /// Cuts along a contour that was read.
     pub(crate) cut_contour: fn(&mut Kernel<'_>, &ContourCycle, Reading) -> Acted,
     /// Goes to a programmed point at rapid.

@@ -2,8 +2,8 @@
 
 use super::Kernel;
 use crate::state::burden::{BAR, BLOCK, EVENT, LOOK_EVERY, PATH, PER_BLOCK};
-use counterpoint_event::event::VerdictKind;
 use counterpoint_fault::{Acted, Halt};
+use counterpoint_ports::control::Limit;
 
 impl Kernel<'_> {
     /// Counts work within a block, in elements, and looks whether the job is to end.
@@ -52,7 +52,7 @@ impl Kernel<'_> {
 
     /// Ends the job: its memory is used up.
     pub(crate) fn out_of_memory(&mut self, what: &str) -> Halt {
-        self.limit(&format!("the memory of the job is exhausted: {what}"), VerdictKind::Limit)
+        self.limit(&format!("the memory of the job is exhausted: {what}"), Some(Limit::Memory))
     }
 
     /// Between two holes of a block: others see how far this kernel is, and the limits of the job count: a hole is

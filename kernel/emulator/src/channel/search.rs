@@ -25,32 +25,51 @@ use counterpoint_program::shape::Range;
 /// Lines of a file by label, ascending.
 pub(crate) type Labels = FxHashMap<u32, Vec<u32>>;
 
-/// A place to look in.
+/// A place to look in. The names of files are made when their turn comes.
+#[derive(Debug, Clone, Copy)]
 enum Look {
-    /// A file that is loaded: by definition word.
-    Definition(FileId),
-    /// A file by name: by definition word, else a file without definitions as a whole.
-    Named(String),
-    /// A file by name, from its top.
-    Top(String),
+    /// The file of the program that calls, by definition word.
+    Current,
+    /// The file of the main program, by definition word.
+    Main,
+    /// Files stored with the machine, from their top.
+    Stored,
+    /// The file of all subprograms: by definition word, else a file without definitions as a whole.
+    One,
+    /// The file of this subprogram alone, likewise.
+    Each,
+    /// The file of this subprogram alone, from its top.
+    EachFromTop,
+    /// Files beside the main program, as the file of all.
+    Beside,
+}
+
+impl Look {
+    /// The order of a machine.
+    fn order(placement: Placement) -> [Self; 6] {
+        match placement {
+            Placement::SameFile => [Self::Current, Self::Main, Self::Stored, Self::One, Self::Each, Self::Beside],
+            Placement::OneFile => [Self::One, Self::Stored, Self::Current, Self::Main, Self::Each, Self::Beside],
+            Placement::FileEach => {
+                [Self::EachFromTop, Self::Stored, Self::Current, Self::Main, Self::One, Self::Beside]
+            }
+        }
+    }
 }
 
 impl Kernel<'_> {
     /// Looks a program up.
     pub(crate) fn find_program(&mut self, what: &Callee) -> Result<Option<(FileId, Range)>, Halt> {
         self.work(self.channel.env.info.files.len())?;
-        for look in self.looks(what) {
-            let searched = match look {
-                Look::Definition(file) => {
-                    self.channel.env.sources.get(file).map_or(0, |source| source.programs().len())
-                }
-                Look::Named(_) | Look::Top(_) => 0,
-            };
-            self.work(searched / 16)?;
+        for look in Look::order(self.channel.env.machine.subprograms.placement) {
             let found = match look {
-                Look::Definition(file) => self.in_file(file, what).map(|range| (file, range)),
-                Look::Named(name) => self.named(&name, what, false)?,
-                Look::Top(name) => self.named(&name, what, true)?,
+                Look::Current => self.defined_in(self.flow.frames.last().map(|frame| frame.file), what)?,
+                Look::Main => self.defined_in(self.flow.frames.first().map(|frame| frame.file), what)?,
+                Look::Stored => self.first_of(self.stored(what), what, true)?,
+                Look::One => self.named(&self.subprogram_files(what).1, what, false)?,
+                Look::Each => self.named(&self.subprogram_files(what).0, what, false)?,
+                Look::EachFromTop => self.named(&self.subprogram_files(what).0, what, true)?,
+                Look::Beside => self.first_of(self.beside(what), what, false)?,
             };
             if found.is_some() {
                 return Ok(found);
@@ -59,34 +78,22 @@ impl Kernel<'_> {
         Ok(None)
     }
 
-    fn looks(&self, what: &Callee) -> Vec<Look> {
-        let (each, one) = self.subprogram_files(what);
-        let main = self.flow.frames.first().map(|f| f.file);
-        let current = self.flow.frames.last().map(|f| f.file);
-        let same = || [current, main].into_iter().flatten().map(Look::Definition);
-        let stored = || self.stored(what).into_iter().map(Look::Top);
-        let mut looks: Vec<Look> = Vec::new();
-        match self.channel.env.machine.subprograms.placement {
-            Placement::SameFile => {
-                looks.extend(same());
-                looks.extend(stored());
-                looks.extend([Look::Named(one), Look::Named(each)]);
-            }
-            Placement::OneFile => {
-                looks.push(Look::Named(one));
-                looks.extend(stored());
-                looks.extend(same());
-                looks.push(Look::Named(each));
-            }
-            Placement::FileEach => {
-                looks.push(Look::Top(each));
-                looks.extend(stored());
-                looks.extend(same());
-                looks.push(Look::Named(one));
+    /// By definition word in a file that is loaded.
+    fn defined_in(&mut self, file: Option<FileId>, what: &Callee) -> Result<Option<(FileId, Range)>, Halt> {
+        let Some(file) = file else { return Ok(None) };
+        let searched = self.channel.env.sources.get(file).map_or(0, |source| source.programs().len());
+        self.work(searched / 16)?;
+        Ok(self.in_file(file, what).map(|range| (file, range)))
+    }
+
+    /// The first of these files that has the program.
+    fn first_of(&mut self, files: Vec<String>, what: &Callee, from_top: bool) -> Result<Option<(FileId, Range)>, Halt> {
+        for name in files {
+            if let Some(found) = self.named(&name, what, from_top)? {
+                return Ok(Some(found));
             }
         }
-        looks.extend(self.beside(what).into_iter().map(Look::Named));
-        looks
+        Ok(None)
     }
 
     /// The blocks of a range in the current file.

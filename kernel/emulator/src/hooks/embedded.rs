@@ -56,7 +56,7 @@ impl Kernel<'_> {
     pub(crate) fn has_embedded(&self, kind: usize) -> bool {
         let runtime = &*self.macros;
         let open = runtime.variables.store.embedding.get(kind).map_or("", String::as_str);
-        !open.is_empty() && memchr::memmem::find(&self.text_bytes(), open.as_bytes()).is_some()
+        !open.is_empty() && contains(&self.text_bytes(), open.as_bytes())
     }
 
     /// Runs embedded code and puts its values in its place; true if there was any.
@@ -142,6 +142,13 @@ impl Kernel<'_> {
         }
         index
     }
+}
+
+/// A short text is part of another one. Few blocks have its first byte.
+#[inline]
+fn contains(text: &[u8], part: &[u8]) -> bool {
+    let Some(at) = part.first().and_then(|first| memchr::memchr(*first, text)) else { return false };
+    text.get(at..).is_some_and(|rest| memchr::memmem::find(rest, part).is_some())
 }
 
 /// Embedded statements on lines of their own: a semicolon outside a text ends one.

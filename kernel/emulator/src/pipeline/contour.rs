@@ -7,10 +7,12 @@
 
 use crate::channel::Kernel;
 use crate::channel::flow::{Called, Callee, Frame};
+use crate::state::modal::group;
 use crate::state::turning::{ContourCycle, Reading, Task};
 use counterpoint_event::event::Position;
 use counterpoint_fault as diag;
 use counterpoint_fault::{Acted, Halt};
+use counterpoint_machine::ident::{codes, data};
 use counterpoint_program::shape::Range;
 use counterpoint_program::spot::Spot;
 
@@ -109,7 +111,11 @@ impl Kernel<'_> {
         let block = self.macros.block.enter();
 
         self.channel.state.others.turning.reading = Reading { start: self.channel.flat(&start), ..Reading::default() };
-        let done = self.read_blocks(first, last);
+        // A feed per minute needs no spindle; what moves is only recorded.
+        self.channel.state.modal.activate(group::FEED, codes::FEED_UPM, None);
+        self.channel.state.modal.remember(data::FEED_UPM, 1.0);
+        let done = self.read_blocks(first, last).and_then(|()| self.flush_lookahead());
+        let done = done.map_err(|halt| self.end_compensation(halt));
 
         self.macros.block = block;
         if let (Some(frame), Some(next)) = (self.frame(), next) {

@@ -112,7 +112,11 @@ impl Kernel<'_> {
     /// What is called, as events name it.
     fn name_of(what: &Callee) -> Box<str> {
         match what {
-            Callee::Program(number) => format!("O{number:04}").into(),
+            Callee::Program(number) => {
+                // Without the machinery of formats: programs call often.
+                let digits = number.to_string();
+                ["O", "000".get(digits.len().min(4) - 1..).unwrap_or_default(), &digits].concat().into()
+            }
             Callee::Named(name) => format!("<{name}>").into(),
             Callee::Labels(first, last) => format!("label {first}-{last}").into(),
             Callee::Blocks(first, last) => format!("N{first}-N{last}").into(),

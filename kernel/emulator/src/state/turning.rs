@@ -5,6 +5,7 @@
 use super::channel::Channel;
 use counterpoint_event::event::{FeedUnit, Position};
 use counterpoint_machine::Machine;
+use counterpoint_machine::index::{AxisSlot, BySlot};
 use counterpoint_motion::contour::element::{Element, Spot};
 use counterpoint_motion::turning::{pattern, rough};
 
@@ -91,32 +92,31 @@ pub(crate) enum Task {
 /// The plane of turning: channel axes of Z and X, with their factors to geometry.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct LathePlane {
-    pub(crate) axes: [usize; 2],
+    pub(crate) axes: [AxisSlot; 2],
     pub(crate) scales: [f64; 2],
 }
 
 impl LathePlane {
     /// The point of the plane at a position.
     pub(crate) fn point(&self, position: &Position) -> Spot {
-        let [z, x] = self.axes.map(|axis| position.get(axis).copied().unwrap_or(0.0));
+        let [z, x] = self.axes.map(|axis| position.at(axis));
         [z * self.scales[0], x * self.scales[1]]
     }
 
     /// A position moved to a point of the plane. What sums leave after the ninth digit is nothing that was programmed.
     pub(crate) fn position(&self, mut from: Position, point: Spot) -> Position {
         for ((axis, scale), value) in self.axes.into_iter().zip(self.scales).zip(point) {
-            if let Some(slot) = from.get_mut(axis) {
-                let wanted = (value / scale * 1e9).round() / 1e9 + 0.0;
-                *slot = if (wanted - *slot).abs() < 1e-9 { *slot } else { wanted };
-            }
+            let wanted = (value / scale * 1e9).round() / 1e9 + 0.0;
+            let slot = from.at_mut(axis);
+            *slot = if (wanted - *slot).abs() < 1e-9 { *slot } else { wanted };
         }
         from
     }
 
     /// Bits of its axes in which two positions differ.
     pub(crate) fn moved(&self, from: &Position, to: &Position) -> u8 {
-        let moves = |axis: &usize| from.get(*axis) != to.get(*axis);
-        self.axes.into_iter().filter(moves).fold(0, |bits, axis| bits | 1 << axis)
+        let moves = |axis: &AxisSlot| from.at(*axis) != to.at(*axis);
+        self.axes.into_iter().filter(moves).fold(0, |bits, axis| bits | axis.bit())
     }
 }
 
@@ -124,9 +124,9 @@ impl Channel<'_> {
     /// The plane of turning; none without X and Z.
     pub(crate) fn lathe_plane(&self) -> Option<LathePlane> {
         let layout = &self.state.place.layout;
-        let axis = |role: usize| layout.cartesian.get(role).copied().flatten().map(usize::from);
+        let axis = |role: usize| layout.cartesian.get(role).copied().flatten();
         let axes = [axis(2)?, axis(0)?];
-        Some(LathePlane { axes, scales: axes.map(|axis| layout.axes.get(axis).map_or(1.0, |axis| axis.scale)) })
+        Some(LathePlane { axes, scales: axes.map(|axis| layout.axes[axis].scale) })
     }
 
     /// The point of the plane of turning at a position.

@@ -265,6 +265,14 @@ impl Ledger for LocalLedger {
         .await
     }
 
+    async fn flag_paused(&self, id: String, paused: bool) -> Result<(), Refusal> {
+        self.write(move |txn| match get(txn, &id)? {
+            Some(record) if !record.state.ended() => put(txn, &Record { paused, ..record }),
+            _ => Ok(()),
+        })
+        .await
+    }
+
     async fn answered(&self, id: String, channel: u16, answer: Option<Answer>) -> Result<(), Refusal> {
         self.write(move |txn| match get(txn, &id)? {
             Some(mut record) if !record.state.ended() => {

@@ -93,7 +93,7 @@ impl Twin {
                 let day = day(record.ended_ms);
                 let run = self.runs.entry(record.tenant.clone()).or_default();
                 let before = if run.0 == day { run.1 } else { 0 };
-                *run = (day, before + record.runs.run_ms);
+                *run = (day, before + record.runs.cpu_us);
                 self.jobs.insert(record.id.clone(), (**record).clone());
                 log.iter().for_each(|log| drop(self.logs.insert(record.id.clone(), log.clone())));
             }
@@ -154,7 +154,7 @@ fn operation(random: &mut Random, twin: &Twin, step: usize) -> Operation {
                 let state = [State::Succeeded, State::Failed, State::Cancelled][random.below(3)];
                 let mut record = Record { state, ended_ms: 86_400_000 + step as i64, ..(*job).clone() };
                 record.runs.stored_bytes = random.below(1000) as u64;
-                record.runs.run_ms = random.below(50) as u64;
+                record.runs.cpu_us = random.below(50) as u64;
                 let log = (random.below(2) == 0).then(|| Bytes::from(vec![7; random.below(3000)]));
                 return Operation::End(Box::new(record), log);
             }
@@ -273,8 +273,8 @@ impl Bench {
             same("label", ledger.jobs(&labelled).unwrap().jobs.iter().eq(expected))?;
             let usage = ledger.usage(tenant).unwrap();
             let bytes: u64 = own().filter(|job| job.state.ended()).map(|job| job.runs.stored_bytes).sum();
-            let (day, run_ms) = twin.runs.get(tenant).copied().unwrap_or_default();
-            same("usage", usage == Usage { bytes, day, run_ms })?;
+            let (day, cpu_us) = twin.runs.get(tenant).copied().unwrap_or_default();
+            same("usage", usage == Usage { bytes, day, cpu_us })?;
             let mut machines: Vec<_> = twin
                 .machines
                 .iter()

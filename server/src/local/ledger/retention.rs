@@ -2,7 +2,7 @@
 //!
 //! Invariant: exactly the jobs that have ended are listed; those that wait or run never are.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use redb::{ReadTransaction, ReadableTable, ReadableTableMetadata, TableDefinition, WriteTransaction};
 
@@ -12,22 +12,24 @@ use crate::ledger::{Ended, Keep};
 use crate::local::store::Store;
 use crate::reason::Refusal;
 
-/// Time of the end and identity → bytes of log, files and results.
-pub(super) const ENDED: TableDefinition<'_, (i64, &str), u64> = TableDefinition::new("ended");
+/// Time of the end and identity → bytes of log, files and results, and tenant.
+pub(super) const ENDED: TableDefinition<'_, (i64, &str), (u64, &str)> = TableDefinition::new("ended_jobs");
+/// The same without tenants, as ledgers before schema 7 have it.
+const EARLIER: TableDefinition<'_, (i64, &str), u64> = TableDefinition::new("ended");
 
 /// Lists a job that has ended; gives the bytes that it was listed with before.
 pub(super) fn list(txn: &WriteTransaction, record: &Record) -> Result<Option<u64>, Refusal> {
     let mut table = txn.open_table(ENDED).map_err(storage)?;
     let key = (record.ended_ms, record.id.as_str());
-    let before = table.insert(key, record.runs.stored_bytes).map_err(storage)?;
-    Ok(before.map(|bytes| bytes.value()))
+    let before = table.insert(key, (record.runs.stored_bytes, record.tenant.as_str())).map_err(storage)?;
+    Ok(before.map(|row| row.value().0))
 }
 
 /// Takes a job out of the list; gives its bytes.
 pub(super) fn unlist(txn: &WriteTransaction, id: &str, ended_ms: i64) -> Result<u64, Refusal> {
     let mut table = txn.open_table(ENDED).map_err(storage)?;
     let before = table.remove((ended_ms, id)).map_err(storage)?;
-    Ok(before.map_or(0, |bytes| bytes.value()))
+    Ok(before.map_or(0, |row| row.value().0))
 }
 
 /// All that are listed: time of the end and identity.
@@ -49,36 +51,88 @@ pub(super) fn list_all(txn: &WriteTransaction, store: &Store) -> Result<(), Refu
     for row in jobs.iter().map_err(storage)? {
         let (id, row) = row.map_err(storage)?;
         if let Some(record) = readable::<Record>(id.value(), row.value()).filter(|record| record.state.ended()) {
-            ended
-                .insert((record.ended_ms, id.value()), store.job_bytes(id.value()).max(record.runs.stored_bytes))
-                .map_err(storage)?;
+            let bytes = store.job_bytes(id.value()).max(record.runs.stored_bytes);
+            ended.insert((record.ended_ms, id.value()), (bytes, record.tenant.as_str())).map_err(storage)?;
         }
     }
     Ok(())
 }
 
+/// Lists the jobs of an earlier list with their tenants; those whose rows are gone or cannot be read are left out.
+pub(super) fn with_tenants(txn: &WriteTransaction) -> Result<(), Refusal> {
+    {
+        let (earlier, jobs) = (txn.open_table(EARLIER).map_err(storage)?, txn.open_table(JOB).map_err(storage)?);
+        let mut ended = txn.open_table(ENDED).map_err(storage)?;
+        for row in earlier.iter().map_err(storage)? {
+            let (key, bytes) = row.map_err(storage)?;
+            let row = jobs.get(key.value().1).map_err(storage)?;
+            if let Some(record) = row.and_then(|row| readable::<Record>(key.value().1, row.value())) {
+                ended.insert(key.value(), (bytes.value(), record.tenant.as_str())).map_err(storage)?;
+            }
+        }
+    }
+    txn.delete_table(EARLIER).map(drop).map_err(storage)
+}
+
+/// Jobs and their bytes.
+#[derive(Default)]
+struct Sum {
+    jobs: u64,
+    bytes: u64,
+}
+
+impl Sum {
+    fn add(&mut self, bytes: u64) {
+        (self.jobs, self.bytes) = (self.jobs + 1, self.bytes.saturating_add(bytes));
+    }
+
+    fn subtract(&mut self, bytes: u64) {
+        (self.jobs, self.bytes) = (self.jobs.saturating_sub(1), self.bytes.saturating_sub(bytes));
+    }
+
+    fn over(&self, jobs: Option<u64>, bytes: Option<u64>) -> bool {
+        jobs.is_some_and(|most| self.jobs > most) || bytes.is_some_and(|most| self.bytes > most)
+    }
+}
+
 /// Up to `most` ended jobs beyond what is to be kept, oldest first.
 pub(super) fn expired(txn: &ReadTransaction, keep: &Keep, now_ms: i64, most: usize) -> Result<Vec<Ended>, Refusal> {
     let table = txn.open_table(ENDED).map_err(storage)?;
-    let mut jobs = table.len().map_err(storage)?;
-    let mut bytes = 0u64;
-    if keep.bytes.is_some() {
+    let mut all = Sum { jobs: table.len().map_err(storage)?, bytes: 0 };
+    let mut tenants: BTreeMap<String, Sum> = BTreeMap::new();
+    let by_tenant = keep.tenant_jobs.is_some() || keep.tenant_bytes.is_some();
+    if keep.bytes.is_some() || by_tenant {
         for row in table.iter().map_err(storage)? {
-            bytes = bytes.saturating_add(row.map_err(storage)?.1.value());
+            let row = row.map_err(storage)?.1;
+            let (bytes, tenant) = row.value();
+            all.bytes = all.bytes.saturating_add(bytes);
+            match tenants.get_mut(tenant) {
+                Some(own) => own.add(bytes),
+                None if by_tenant => drop(tenants.insert(tenant.to_owned(), Sum { jobs: 1, bytes })),
+                None => {}
+            }
         }
     }
+    let mut crowded = tenants.values().filter(|own| own.over(keep.tenant_jobs, keep.tenant_bytes)).count();
     let mut found = Vec::new();
     for row in table.iter().map_err(storage)? {
-        let (key, size) = row.map_err(storage)?;
-        let (ended_ms, id) = key.value();
-        let over = keep.age_ms.is_some_and(|age| ended_ms < now_ms.saturating_sub(age))
-            || keep.jobs.is_some_and(|most| jobs > most)
-            || keep.bytes.is_some_and(|most| bytes > most);
-        if !over || found.len() >= most {
+        let (key, row) = row.map_err(storage)?;
+        let ((ended_ms, id), (bytes, tenant)) = (key.value(), row.value());
+        let over =
+            keep.age_ms.is_some_and(|age| ended_ms < now_ms.saturating_sub(age)) || all.over(keep.jobs, keep.bytes);
+        if found.len() >= most || !over && crowded == 0 {
             break;
         }
-        jobs -= 1;
-        bytes = bytes.saturating_sub(size.value());
+        let own = tenants.get_mut(tenant);
+        let own_over = own.as_ref().is_some_and(|own| own.over(keep.tenant_jobs, keep.tenant_bytes));
+        if !over && !own_over {
+            continue;
+        }
+        all.subtract(bytes);
+        if let Some(own) = own {
+            own.subtract(bytes);
+            crowded -= usize::from(own_over && !own.over(keep.tenant_jobs, keep.tenant_bytes));
+        }
         found.push(Ended { id: id.to_owned(), ended_ms });
     }
     Ok(found)
@@ -117,10 +171,42 @@ mod tests {
         assert_eq!(expired(Keep { bytes: Some(80), ..keep() }, 9), "b");
         assert_eq!(expired(Keep { bytes: Some(79), ..keep() }, 9), "bc");
         assert_eq!(expired(Keep { bytes: Some(0), age_ms: Some(1), ..keep() }, 9), "bcad");
-        assert_eq!(expired(Keep { jobs: Some(3), age_ms: Some(750), bytes: Some(49) }, 9), "bca");
+        assert_eq!(expired(Keep { jobs: Some(3), age_ms: Some(750), bytes: Some(49), ..keep() }, 9), "bca");
         let txn = database.begin_write().unwrap();
         unlist(&txn, "b", 100).unwrap();
         txn.commit().unwrap();
         assert_eq!(expired(Keep { jobs: Some(2), ..keep() }, 9), "c");
+    }
+
+    #[test]
+    fn each_tenant_loses_its_own_oldest_jobs_and_no_other() {
+        let backend = redb::backends::InMemoryBackend::new();
+        let database = Database::builder().create_with_backend(backend).unwrap();
+        let txn = database.begin_write().unwrap();
+        for (id, tenant, ended_ms, bytes) in [
+            ("a", "one", 100, 10),
+            ("b", "two", 200, 10),
+            ("c", "one", 300, 10),
+            ("d", "one", 400, 70),
+            ("e", "two", 500, 20),
+        ] {
+            let mut ended = Record { state: State::Succeeded, ended_ms, tenant: tenant.to_owned(), ..record(id) };
+            ended.runs.stored_bytes = bytes;
+            list(&txn, &ended).unwrap();
+        }
+        txn.commit().unwrap();
+        let expired = |keep: Keep, most| -> String {
+            let txn = database.begin_read().unwrap();
+            expired(&txn, &keep, 1000, most).unwrap().into_iter().map(|job| job.id).collect()
+        };
+        let keep = Keep::default;
+        assert_eq!(expired(Keep { tenant_jobs: Some(2), ..keep() }, 9), "a");
+        assert_eq!(expired(Keep { tenant_jobs: Some(1), ..keep() }, 9), "abc");
+        assert_eq!(expired(Keep { tenant_jobs: Some(1), ..keep() }, 2), "ab");
+        assert_eq!(expired(Keep { tenant_jobs: Some(3), ..keep() }, 9), "");
+        assert_eq!(expired(Keep { tenant_bytes: Some(85), ..keep() }, 9), "a");
+        assert_eq!(expired(Keep { tenant_bytes: Some(30), ..keep() }, 9), "acd");
+        assert_eq!(expired(Keep { tenant_jobs: Some(2), jobs: Some(3), ..keep() }, 9), "ab", "what goes counts once");
+        assert_eq!(expired(Keep { tenant_bytes: Some(75), age_ms: Some(750), ..keep() }, 9), "abc");
     }
 }

@@ -15,7 +15,7 @@ pub(super) const META: TableDefinition<'_, &str, u64> = TableDefinition::new("me
 type Step = fn(&WriteTransaction, &Store) -> Result<(), Refusal>;
 
 /// The steps: the first leads from form 1 to form 2, and so on.
-const STEPS: &[Step] = &[small_logs, blob_counts, ended_jobs, tenants, terms_and_usage];
+const STEPS: &[Step] = &[small_logs, blob_counts, ended_jobs, tenants, terms_and_usage, ended_of_tenants];
 
 /// The form that this server writes.
 pub(super) const SCHEMA: u64 = 1 + STEPS.len() as u64;
@@ -64,6 +64,14 @@ fn tenants(_txn: &WriteTransaction, _store: &Store) -> Result<(), Refusal> {
 fn terms_and_usage(txn: &WriteTransaction, _store: &Store) -> Result<(), Refusal> {
     index::list_all(txn)?;
     usage::count_all(txn)
+}
+
+/// 6 → 7: ended jobs are listed with their tenants, and the time that tenants have used is processor time in µs. The time by
+/// the clock of the last day counts as such.
+fn ended_of_tenants(txn: &WriteTransaction, _store: &Store) -> Result<(), Refusal> {
+    retention::with_tenants(txn)?;
+    usage::count_all(txn)?;
+    usage::in_micros(txn)
 }
 
 /// The number of this opening.

@@ -1,4 +1,5 @@
-//! What each tenant has used: bytes that are stored for it, and time of its runs on the last day it ran anything.
+//! What each tenant has used: bytes that are stored for it, and the processor time of its jobs on the last day that one
+//! of them ended.
 //!
 //! Invariant: the bytes are those of the tenant's jobs in the list of ended ones; they change in the same transaction.
 
@@ -11,11 +12,11 @@ use crate::ledger::record::Record;
 use crate::ledger::{Usage, day};
 use crate::reason::Refusal;
 
-/// Tenant → bytes, day, time of runs on that day in ms.
+/// Tenant → bytes, day, processor time of the jobs that ended on that day in µs.
 pub(super) const USAGE: TableDefinition<'_, &str, (u64, u64, u64)> = TableDefinition::new("usage");
 
-fn usage((bytes, day, run_ms): (u64, u64, u64)) -> Usage {
-    Usage { bytes, day, run_ms }
+fn usage((bytes, day, cpu_us): (u64, u64, u64)) -> Usage {
+    Usage { bytes, day, cpu_us }
 }
 
 /// What a tenant has used.
@@ -28,7 +29,7 @@ fn change(txn: &WriteTransaction, tenant: &str, change: impl FnOnce(&mut Usage))
     let mut table = txn.open_table(USAGE).map_err(storage)?;
     let mut now = table.get(tenant).map_err(storage)?.map(|row| usage(row.value())).unwrap_or_default();
     change(&mut now);
-    table.insert(tenant, (now.bytes, now.day, now.run_ms)).map_err(storage)?;
+    table.insert(tenant, (now.bytes, now.day, now.cpu_us)).map_err(storage)?;
     Ok(())
 }
 
@@ -38,7 +39,7 @@ pub(super) fn ended(txn: &WriteTransaction, record: &Record, before: Option<u64>
         usage.bytes = usage.bytes.saturating_sub(before.unwrap_or(0)).saturating_add(record.runs.stored_bytes);
         if before.is_none() {
             let day = day(record.ended_ms);
-            usage.run_ms = usage.run_ms_on(day).saturating_add(record.runs.run_ms);
+            usage.cpu_us = usage.cpu_us_on(day).saturating_add(record.runs.cpu_us);
             usage.day = day;
         }
     })
@@ -64,8 +65,8 @@ fn counted(jobs: impl Iterator<Item = (String, String)>, listed: &BTreeMap<Strin
 pub(super) fn count_all(txn: &WriteTransaction) -> Result<(), Refusal> {
     let mut listed = BTreeMap::new();
     for row in txn.open_table(retention::ENDED).map_err(storage)?.iter().map_err(storage)? {
-        let (key, bytes) = row.map_err(storage)?;
-        listed.insert(key.value().1.to_owned(), bytes.value());
+        let (key, row) = row.map_err(storage)?;
+        listed.insert(key.value().1.to_owned(), row.value().0);
     }
     let mut jobs = Vec::new();
     for row in txn.open_table(JOB).map_err(storage)?.iter().map_err(storage)? {
@@ -77,8 +78,8 @@ pub(super) fn count_all(txn: &WriteTransaction) -> Result<(), Refusal> {
     let mut all: BTreeMap<String, (u64, u64, u64)> = BTreeMap::new();
     for row in table.iter().map_err(storage)? {
         let (tenant, row) = row.map_err(storage)?;
-        let (_, day, run_ms) = row.value();
-        all.insert(tenant.value().to_owned(), (0, day, run_ms));
+        let (_, day, cpu_us) = row.value();
+        all.insert(tenant.value().to_owned(), (0, day, cpu_us));
     }
     for (tenant, bytes) in bytes {
         all.entry(tenant).or_default().0 = bytes;
@@ -89,12 +90,26 @@ pub(super) fn count_all(txn: &WriteTransaction) -> Result<(), Refusal> {
     Ok(())
 }
 
+/// Earlier ledgers have the time in ms.
+pub(super) fn in_micros(txn: &WriteTransaction) -> Result<(), Refusal> {
+    let mut table = txn.open_table(USAGE).map_err(storage)?;
+    let mut rows = Vec::new();
+    for row in table.iter().map_err(storage)? {
+        let (tenant, row) = row.map_err(storage)?;
+        rows.push((tenant.value().to_owned(), row.value()));
+    }
+    for (tenant, (bytes, day, ms)) in rows {
+        table.insert(tenant.as_str(), (bytes, day, ms.saturating_mul(1000))).map_err(storage)?;
+    }
+    Ok(())
+}
+
 /// Whether the bytes agree with the list of ended jobs.
 pub(super) fn agree(txn: &ReadTransaction, jobs: &[Record]) -> Result<bool, Refusal> {
     let mut listed = BTreeMap::new();
     for row in txn.open_table(retention::ENDED).map_err(storage)?.iter().map_err(storage)? {
-        let (key, bytes) = row.map_err(storage)?;
-        listed.insert(key.value().1.to_owned(), bytes.value());
+        let (key, row) = row.map_err(storage)?;
+        listed.insert(key.value().1.to_owned(), row.value().0);
     }
     let mut stored = BTreeMap::new();
     for row in txn.open_table(USAGE).map_err(storage)?.iter().map_err(storage)? {

@@ -7,7 +7,7 @@
 mod line;
 mod places;
 
-use std::collections::{BTreeSet, HashMap, VecDeque};
+use std::collections::{BTreeMap, BTreeSet, HashMap, VecDeque};
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -36,6 +36,8 @@ pub(crate) struct LocalQueue {
     suspects: VecDeque<(String, Arc<str>)>,
     /// Jobs whose run the host failed, and when they may be run again.
     again: Vec<(Instant, String, Arc<str>)>,
+    /// Jobs that are held back.
+    paused: BTreeMap<String, Arc<str>>,
     lines: HashMap<Arc<str>, Line>,
     /// Tenants with jobs in their lines, in the order of their turns; the first has its turn.
     ring: VecDeque<Arc<str>>,
@@ -128,7 +130,15 @@ impl LocalQueue {
 
 impl Queue for LocalQueue {
     fn len(&self) -> usize {
+        self.waiting() + self.paused.len()
+    }
+
+    fn waiting(&self) -> usize {
         self.suspects.len() + self.again.len() + self.spots.len()
+    }
+
+    fn is_paused(&self, id: &str) -> bool {
+        self.paused.contains_key(id)
     }
 
     fn waiting_of(&self, tenant: &str) -> usize {
@@ -141,6 +151,7 @@ impl Queue for LocalQueue {
         match entry {
             Entry::Suspect => self.suspects.push_back((id, tenant)),
             Entry::Again(at) => self.again.push((at, id, tenant)),
+            Entry::Paused => drop(self.paused.insert(id, tenant)),
             Entry::Accepted(since) => {
                 self.last_ordinal += 1;
                 let spot = Spot { class: class(ticket.priority), ordinal: self.last_ordinal };
@@ -209,6 +220,8 @@ impl Queue for LocalQueue {
             tenant
         } else if let Some(at) = self.again.iter().position(|(_, waiting, _)| waiting == id) {
             self.again.remove(at).2
+        } else if let Some(tenant) = self.paused.remove(id) {
+            tenant
         } else {
             return false;
         };

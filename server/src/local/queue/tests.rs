@@ -202,7 +202,11 @@ fn the_books_of_the_queue_agree_after_anything() {
             0..=2 => {
                 let (id, tenant) = (id(step), format!("t{}", pick % 5));
                 let priority = [Priority::High, Priority::Normal, Priority::Low][pick / 5 % 3];
-                let entry = if pick.is_multiple_of(7) { Entry::Again(now) } else { Entry::Accepted(now) };
+                let entry = match pick % 14 {
+                    0 | 7 => Entry::Again(now),
+                    3 => Entry::Paused,
+                    _ => Entry::Accepted(now),
+                };
                 queue.push(Ticket { id: &id, tenant: &tenant, priority }, entry);
                 waiting.push((id, tenant));
             }
@@ -217,6 +221,7 @@ fn the_books_of_the_queue_agree_after_anything() {
             }
             _ => {
                 if let Some(id) = queue.next(4, now) {
+                    assert!(!queue.is_paused(&id));
                     let at = waiting.iter().position(|(waiting, _)| *waiting == id).expect("it was waiting");
                     waiting.swap_remove(at);
                     running.push(id);

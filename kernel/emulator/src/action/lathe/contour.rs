@@ -1,16 +1,18 @@
-//! Actions by which contour blocks are read: moves are recorded, everything else is skipped or refused.
+//! Actions by which contour blocks are read: moves are recorded with their corners, everything else is skipped or refused.
 //!
-//! Facts: reference turning-cycles.md 1.3. *Invariant:* nothing here moves, takes time or reaches another channel.
+//! Facts: reference turning-cycles.md 1.3. The actions of moves are those of the control; what they would move is
+//! recorded. *Invariant:* nothing moves, takes time or reaches another channel.
 
-use counterpoint_motion::arc::Arc;
+use counterpoint_motion::arc as geometry;
 use counterpoint_motion::contour::element::{Element, NOISE, distance};
 
 use crate::act::Act;
-use crate::action::arc::{Way, programmed};
-use crate::action::entry::{Entry, entry_of_kind};
+use crate::action::entry::{Contour, Entry};
+use crate::action::find;
+use crate::channel::Kernel;
 use crate::channel::actions::Action;
 use crate::state::turning::First;
-use counterpoint_event::event::Position;
+use counterpoint_event::event::{Motion, MotionKind};
 use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
 use counterpoint_machine::ident::kind::CodeKind;
@@ -18,26 +20,43 @@ use counterpoint_machine::ident::{CodeId, codes, data};
 use counterpoint_machine::rows::CodeRow;
 use counterpoint_program::block::PendingCode;
 
-/// Codes that say something about the contour.
-static READERS: &[Entry] = &[
-    Entry::of(&[codes::RAPID, codes::INTERP_LINEAR], |act, row, _| straight(act, row.id == codes::RAPID)),
-    entry_of_kind!(CodeKind::Arc(form) => |act, _row, code| match programmed(act, form, code)? {
-        None => Ok(()),
-        Some(Way::Straight { coded, to, .. }) => record(act, coded, to, None),
-        Some(Way::Circle(_, circle)) => {
-            let flat = act.lathe_plane().is_some_and(|plane| plane.axes == circle.axes);
-            if flat { record(act, circle.coded, circle.to, Some(circle.made)) } else { refuse(act) }
-        }
-    }),
-    Entry::of(&[codes::UNITS_PRIMARY, codes::UNITS_SECONDARY], |act, _, _| refuse(act)),
-];
+/// A move of the contour.
+#[derive(Debug)]
+struct Shaping;
 
 /// All other codes.
-static OTHERS: Entry = Entry::of(&[], other);
+static OTHERS: Entry = Entry::of(&[], other).contour(Contour::Waits);
 
 /// What a code does while contour blocks are read.
 pub(in crate::action) fn reading(id: CodeId) -> Option<&'static dyn Action> {
-    READERS.iter().find(|entry| entry.takes(id)).or(Some(&OTHERS)).map(|entry| entry as &dyn Action)
+    let shapes = matches!(id, codes::RAPID | codes::INTERP_LINEAR) || matches!(id.kind(), CodeKind::Arc(_));
+    Some(if shapes { &Shaping } else { &OTHERS })
+}
+
+impl Action for Shaping {
+    fn run(&self, kernel: &mut Kernel<'_>, row: &CodeRow, code: &PendingCode) -> Acted {
+        let act = &mut Act::new(kernel);
+        if act.state.others.turning.reading.first.is_none() {
+            return first(act, row.id);
+        }
+        find(row.id).map_or(Ok(()), |action| action.run(kernel, row, code))
+    }
+}
+
+/// The first move: it tells where the contour begins, and how the cycle works.
+fn first(act: &mut Act<'_, '_>, id: CodeId) -> Acted {
+    let (coded, target) = act.programmed_targets();
+    if coded == 0 {
+        return Ok(());
+    }
+    if !matches!(id, codes::RAPID | codes::INTERP_LINEAR) {
+        let text = format!("the first block of a contour is a straight move, not '{}'", act.block_text());
+        return Err(act.alarm(&diag::CONTOUR_FIRST, text));
+    }
+    act.feed();
+    act.state.others.turning.reading.first = Some(First { rapid: id == codes::RAPID, coded });
+    act.state.place.position = target;
+    Ok(())
 }
 
 /// G codes that a contour may have besides its moves.
@@ -77,31 +96,24 @@ fn refuse(act: &mut Act<'_, '_>) -> Acted {
     Err(act.alarm(&diag::CONTOUR_CODE, text))
 }
 
-/// A straight move.
-fn straight(act: &mut Act<'_, '_>, rapid: bool) -> Acted {
-    act.feed();
-    let (coded, target) = act.programmed_targets();
-    if coded == 0 {
-        return Ok(());
-    }
-    if act.state.others.turning.reading.first.is_none() {
-        act.state.others.turning.reading.first = Some(First { rapid, coded });
-        act.state.place.position = target;
-        return Ok(());
-    }
-    record(act, coded, target, None)
-}
-
-/// A piece of the contour.
-fn record(act: &mut Act<'_, '_>, coded: u8, target: Position, arc: Option<Arc>) -> Acted {
-    if act.state.others.turning.reading.first.is_none() {
-        let text = format!("the first block of a contour is a straight move, not '{}'", act.block_text());
-        return Err(act.alarm(&diag::CONTOUR_FIRST, text));
-    }
-    let (from, to) = (act.flat(&act.state.place.position), act.flat(&target));
-    if coded != 0 && (arc.is_some() || distance(from, to) > NOISE) {
+/// Records a motion as a piece of the contour.
+pub(in crate::action) fn record(act: &mut Act<'_, '_>, motion: &Motion) -> Acted {
+    let Some(plane) = act.lathe_plane() else { return Ok(()) };
+    let (from, to) = (plane.point(&motion.from), plane.point(&motion.to));
+    let arc = match motion.kind {
+        MotionKind::ArcCw | MotionKind::ArcCcw => {
+            if motion.plane_axes.map(usize::from) != plane.axes.map(|axis| axis.index()) {
+                return refuse(act);
+            }
+            let center = [motion.center[0] * plane.scales[0], motion.center[1] * plane.scales[1]];
+            geometry::by_center(from, to, center, motion.kind == MotionKind::ArcCw).ok()
+        }
+        _ => None,
+    };
+    if arc.is_some() || distance(from, to) > NOISE {
         act.state.others.turning.reading.elements.push(Element { from, to, arc });
     }
-    act.state.place.position = target;
+    act.state.place.position = motion.to;
+    act.block.flags.moved = true;
     Ok(())
 }

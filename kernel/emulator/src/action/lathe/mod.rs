@@ -8,7 +8,7 @@ mod contour;
 mod moves;
 mod words;
 
-pub(super) use contour::reading;
+pub(super) use contour::{reading, record};
 pub(super) use moves::go_back;
 
 use counterpoint_motion::turning::{Contour as Shape, Refusal, pattern, peck, rough};
@@ -20,6 +20,7 @@ use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
 use counterpoint_machine::ident::kind::CodeKind;
 use counterpoint_machine::ident::kind::turning::TurningCycle;
+use counterpoint_machine::index::BySlot;
 use counterpoint_program::block::PendingCode;
 use moves::Cutting;
 
@@ -140,15 +141,15 @@ fn single(act: &mut Act<'_, '_>, plane: &LathePlane, face: bool, implied: bool) 
     let (feed, unit) = act.feed();
     let from = act.programmed();
     let (coded, target) = act.programmed_targets();
-    let mine = plane.axes.iter().fold(0, |bits, axis| bits | 1 << axis);
+    let mine = plane.axes.iter().fold(0, |bits, axis| bits | axis.bit());
     if coded & mine == 0 && taper.is_none() {
         return Ok(());
     }
     let turning = &mut act.state.others.turning;
     turning.taper = taper.unwrap_or(turning.taper);
     for (slot, axis) in turning.end.iter_mut().zip(plane.axes) {
-        if coded & 1 << axis != 0 {
-            *slot = target.get(axis).copied();
+        if coded & axis.bit() != 0 {
+            *slot = Some(target.at(axis));
         }
     }
     if implied {
@@ -183,7 +184,7 @@ pub(super) fn cut(act: &mut Act<'_, '_>, cycle: &ContourCycle, reading: Reading)
     let refused = match cycle.task {
         Task::Finish => None,
         Task::Rough(settings, pockets) => {
-            let both = plane.axes.iter().all(|axis| first.coded & 1 << axis != 0);
+            let both = plane.axes.iter().all(|axis| first.coded & axis.bit() != 0);
             let pockets = pockets.unwrap_or(both && act.env.machine.turning.pockets);
             match rough::Rough::new(&shape, rough::Settings { pockets, ..settings }) {
                 Ok(rough) => {
