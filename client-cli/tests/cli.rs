@@ -237,10 +237,7 @@ fn a_machine_is_guessed_with_a_reason_or_asked_for() {
     let output = counterpoint(&["run", &lathe]);
     let status = String::from_utf8_lossy(&output.stderr);
     assert_eq!(code(&output), 0, "{status}");
-    assert!(
-        status.contains("machine fanuc-2path-lathe, guessed from G50 S2500 (line 2), G96 S200 (line 4)"),
-        "{status}"
-    );
+    assert!(status.contains("machine fanuc-lathe, guessed from G50 S2500 (line 2), G96 S200 (line 4)"), "{status}");
     for (name, text, reason) in [
         ("bare.nc", "O1\nG0 X1.\nM30\n", "shows which machine it is for"),
         ("part.i", "%PART G71 *\nN10 G00 X+10*\nN99999 %PART G71 *\n", "a Heidenhain control"),
