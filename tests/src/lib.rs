@@ -51,12 +51,15 @@ pub fn cases(usual: u32) -> u32 {
     std::env::var("MIXED_CASES").ok().and_then(|cases| cases.parse().ok()).unwrap_or(usual)
 }
 
-/// A shipped machine, with `overlay` (TOML) on top if it is not empty.
+/// A shipped machine or one of `tests/machines`, with `overlay` (TOML) on top if it is not empty.
 ///
 /// # Panics
 /// When the machine does not load.
 pub fn machine(name: &str, overlay: &str) -> Arc<Machine> {
     let mut user = Memory::default();
+    for (path, text) in test_machines() {
+        user.insert(path, text);
+    }
     let folder = if overlay.is_empty() {
         name
     } else {
@@ -66,6 +69,18 @@ pub fn machine(name: &str, overlay: &str) -> Arc<Machine> {
     let loaded = load(&Overlay::new(user, shipped()), folder);
     let findings: Vec<String> = loaded.findings.iter().map(ToString::to_string).collect();
     loaded.machine.map(Arc::new).unwrap_or_else(|| panic!("machine {name}: {findings:#?}"))
+}
+
+/// The definitions of `tests/machines`: path below that folder, and text.
+fn test_machines() -> Vec<(String, Vec<u8>)> {
+    let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("machines");
+    let folders = std::fs::read_dir(root).unwrap().map(|folder| folder.unwrap());
+    folders
+        .map(|folder| {
+            let name = folder.file_name().to_string_lossy().into_owned();
+            (format!("{name}/machine.toml"), std::fs::read(folder.path().join("machine.toml")).unwrap())
+        })
+        .collect()
 }
 
 impl Work {

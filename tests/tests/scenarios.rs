@@ -14,6 +14,9 @@ struct Scenario {
     #[serde(default)]
     overlay: String,
     programs: Vec<String>,
+    /// Further files that programs may call or start, by name.
+    #[serde(default)]
+    files: std::collections::BTreeMap<String, String>,
     #[serde(default)]
     options: Options,
     expect: Expect,
@@ -119,6 +122,7 @@ fn every_scenario_ends_as_the_control_would() {
             toml::from_str(&std::fs::read_to_string(path).unwrap()).unwrap_or_else(|e| panic!("{name}: {e}"));
         let mut work =
             Work::texts(machine(&scenario.machine, &scenario.overlay), &scenario.programs, scenario.options.clone());
+        scenario.files.iter().for_each(|(name, text)| work.files.insert(name.clone(), text));
         let parallel = work.run(None).unwrap();
         check(&name, &scenario, &parallel);
         work.options.threads = 1;

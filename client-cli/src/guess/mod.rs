@@ -103,6 +103,10 @@ impl Evidence {
         let (mill, lathe) = (self.weight(Kind::Mill), self.weight(Kind::Lathe));
         let iso = self.of(Kind::Heidenhain).any(|(_, sign)| sign.text.ends_with('*'));
         let machine = match kind {
+            Kind::Siemens if channels == 2 && mill > lathe => {
+                Err("no such milling machine with two channels is shipped")
+            }
+            Kind::Siemens if channels == 2 => Ok(("siemens-2channel", Some(Kind::Lathe))),
             Kind::Siemens if lathe > mill => Ok(("siemens-lathe", Some(Kind::Lathe))),
             Kind::Siemens if mill > lathe => Ok(("siemens-mill", Some(Kind::Mill))),
             Kind::Siemens => Err("siemens-mill and siemens-lathe are shipped, and nothing shows which one it is for"),
@@ -110,11 +114,16 @@ impl Evidence {
             Kind::Heidenhain => Err("the shipped machine has no ISO words; describe yours (docs/tutorial-control.md)"),
             _ => Err("no machine of this kind is shipped; describe yours (docs/tutorial-control.md)"),
         };
-        let machine =
-            if channels > 1 { machine.and(Err("no such machine with several channels is shipped")) } else { machine };
+        let machine = match machine {
+            Ok((name, _)) if channels > 1 && name != "siemens-2channel" => {
+                Err("no such machine with as many channels is shipped")
+            }
+            machine => machine,
+        };
         match machine {
             Ok((machine, shows)) => {
-                let also = shows.map(|shows| format!(", {}", self.named(shows))).unwrap_or_default();
+                let shown = shows.map(|shows| self.named(shows)).filter(|shown| !shown.is_empty());
+                let also = shown.map(|shown| format!(", {shown}")).unwrap_or_default();
                 Ok(Guess { machine, why: format!("{}{also}", self.named(kind)) })
             }
             Err(why) => Err(Error::Usage(format!(
@@ -216,6 +225,11 @@ mod tests {
         }
         let two = guess(&[("a.nc", "O1\nM101\nM30\n"), ("b.nc", "O2\nT0202\nM101\nM30\n")]).unwrap();
         assert_eq!((two.machine, two.why.as_str()), ("fanuc-2path-lathe", "2 programs, T0202 (b.nc line 2)"));
+        let marks = guess(&[("a.nc", "WAITM(1,1,2)\nM30\n"), ("b.nc", "WAITM(1,1,2)\nG96 S200\n")]).unwrap();
+        assert_eq!(
+            (marks.machine, marks.why.as_str()),
+            ("siemens-2channel", "WAITM (a.nc line 1), G96 S200 (b.nc line 2)")
+        );
         let one = guess(&[("p.nc", "O1\r\nT1 M6\r\nN10 G43 H1\r\nM30\r\n")]).unwrap();
         assert_eq!(one.why, "T1 M6 (line 2), G43 H1 (line 3)");
     }
@@ -231,7 +245,8 @@ mod tests {
         refused(&[("p.nc", "T1 M6\nG43 H1\nG50 S1000\nG96 S100\n")], "as well as turning (G50 S1000 (line 3)");
         refused(&[("p.nc", "%_N_PART_MPF\nG0 X1\n")], "the program is for a Siemens control, judging by %_N_ (line 1)");
         refused(&[("p.nc", "%PART G71 *\nN10 G00 X1*\n")], "has no ISO words");
-        refused(&[("a.mpf", "WAITM(1,1,2)\nG96 S200\n"), ("b.mpf", "M30\n")], "several channels");
+        refused(&[("a.mpf", "G96 S200\n"), ("b.mpf", "M30\n"), ("c.mpf", "M30\n")], "as many channels");
+        refused(&[("a.mpf", "T1 M6\nWAITM(1,1,2)\n"), ("b.mpf", "M30\n")], "milling machine with two channels");
         refused(&[("p.MIN", "G50 S2500\n")], "Okuma");
         refused(&[("p.nc", "$PART.MIN%\nG50 S2500\n")], "Okuma");
         refused(&[("p.nc", "$1\nG50 S2500\nM30\n$2\nM30\n")], "$1 (line 1)");

@@ -162,10 +162,12 @@ impl Signs {
         } else if matches!(line.as_bytes(), [b'$', b'0'..=b'9']) {
             self.add(Kind::Sections, line, 3);
         } else {
-            const NAMES: [(&str, Kind); 14] = [
+            const NAMES: [(&str, Kind); 16] = [
                 ("WAITM(", Kind::Siemens),
                 ("WAITMC(", Kind::Siemens),
+                ("WAITE(", Kind::Siemens),
                 ("SETM(", Kind::Siemens),
+                ("CLEARM(", Kind::Siemens),
                 ("MSG(", Kind::Siemens),
                 ("CYCLE", Kind::Siemens),
                 ("DIAMON", Kind::Siemens),

@@ -26,7 +26,8 @@ mod text;
 pub use call_stack::CallStack;
 pub use definition::{Dialect, Unknown};
 pub use host::{
-    Answer, AxisPlace, Call, Flow, Frames, Loops, MadeWord, Modes, NotThere, Place, Programs, Report, Values, Words,
+    Answer, AxisPlace, Call, Coordination, Flow, Frames, Loops, MadeWord, Modes, NotThere, Operands, Place, Programs,
+    Report, Values, Words,
 };
 pub use interpreter::{Interpreter, MacroCall, Remaining, Setting};
 pub use numeric::{VACANT, is_vacant};

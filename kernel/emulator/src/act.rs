@@ -18,6 +18,7 @@ use crate::state::frames::offsets::Table;
 use crate::state::spindle::Turning;
 use counterpoint_event::event::{Event, Kind, Motion, ToolAction};
 use counterpoint_machine::ident::{CodeId, DataId};
+use counterpoint_machine::index::AxisSlot;
 use counterpoint_machine::rows::CodeRow;
 use counterpoint_program::block::{Datum, PendingCode};
 use counterpoint_sync::shared::Command;
@@ -75,6 +76,11 @@ impl Act<'_, '_> {
         self.has_any(self.kernel.plan.registers.motion)
     }
 
+    /// Registers of corners and of directions of lines.
+    pub(crate) fn contour_registers(&self) -> crate::channel::plan::Contour {
+        self.kernel.plan.registers.contour
+    }
+
     /// Where the values of an identifier come from.
     pub(crate) fn sources(&self, id: DataId) -> &[Source] {
         self.kernel.plan.sources_of(id)
@@ -86,7 +92,7 @@ impl Act<'_, '_> {
     }
 
     /// Factor from programmed positions of an axis to its own, where programs choose between diameter and radius.
-    pub(crate) fn factor_across(&self, axis: usize) -> f64 {
+    pub(crate) fn factor_across(&self, axis: AxisSlot) -> f64 {
         self.kernel.factor_across(axis)
     }
 
@@ -252,7 +258,7 @@ impl Act<'_, '_> {
     }
 
     /// Takes whole turns off the position of an axis; nothing moves.
-    pub(crate) fn unwind_axis(&mut self, axis: usize, modulo: crate::state::clamps::Modulo) {
+    pub(crate) fn unwind_axis(&mut self, axis: AxisSlot, modulo: crate::state::clamps::Modulo) {
         self.kernel.unwind_axis(axis, modulo);
     }
 }

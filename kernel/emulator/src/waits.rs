@@ -1,4 +1,4 @@
-//! The waits of a machine: from a word of the program to a wait or an act of `sync`, by the machine's data.
+//! The waits of a machine: from a word or a statement of the program to a wait or an act of `sync`, by the machine's data.
 //!
 //! *Invariant:* the kernels and the coordinator of a job number the rules in the same way. Facts: reference
 //! channel-synchronisation.md 1.0 to 1.9.
@@ -6,6 +6,9 @@
 mod channels;
 mod fanuc;
 mod siemens;
+mod statements;
+
+pub(crate) use statements::{Statement, by_statement, known_channel, operands};
 
 use counterpoint_event::event::Primitive;
 use counterpoint_machine::model::{self, Machine, WaitAct, WaitRow};
@@ -62,8 +65,12 @@ fn letter(name: &str) -> char {
 fn rule(row: &WaitRow) -> Rule {
     Rule {
         word: row.word.as_str().into(),
-        numbered: !matches!(row.form, CodeForm::Text(_)),
+        numbered: match &row.form {
+            Some(form) => !matches!(form, CodeForm::Text(_)),
+            None => statements::has_mark(row.primitive),
+        },
         list: " P".into(),
+        statement: row.form.is_none(),
         mismatch: match row.mismatch {
             model::Mismatch::Free => None,
             model::Mismatch::Fanuc => Some(fanuc::MISMATCH),
@@ -106,7 +113,7 @@ fn barrier(letter: char, number: u32, (named, parts): (Option<Set>, Set), rule: 
 /// # Errors
 /// Why its list of channels is not possible.
 pub(crate) fn meaning(machine: &Machine, code: &CodeRow, said: Said) -> Result<Meaning, String> {
-    let index = machine.sync.waits.iter().position(|row| row.form == code.form);
+    let index = machine.sync.waits.iter().position(|row| row.is_of(&code.form));
     match index.and_then(|index| Some((index, machine.sync.waits.get(index)?))) {
         Some((index, row)) => by_row(machine, (index as u16, row), said),
         None => by_letter(machine, code, said),
@@ -115,7 +122,7 @@ pub(crate) fn meaning(machine: &Machine, code: &CodeRow, said: Said) -> Result<M
 
 /// Whether waiting codes of this row do something on this machine.
 pub(crate) fn is_on(machine: &Machine, code: &CodeRow) -> bool {
-    machine.sync.dialect != model::SyncDialect::None || machine.sync.waits.iter().any(|row| row.form == code.form)
+    machine.sync.dialect != model::SyncDialect::None || machine.sync.waits.iter().any(|row| row.is_of(&code.form))
 }
 
 /// A wait for a signal that no other channel can send.
@@ -149,23 +156,29 @@ fn by_row(machine: &Machine, (index, row): (u16, &WaitRow), said: Said) -> Resul
             (named, named.unwrap_or(everybody).with(said.channel))
         }
     };
-    let number = if matches!(row.form, CodeForm::Text(_)) { row.mark } else { said.number };
-    let space = match (row.primitive, register(&row.form)) {
+    let number = if matches!(row.form, Some(CodeForm::Text(_))) { row.mark } else { said.number };
+    let space = match (row.primitive, row.form.as_ref().and_then(register)) {
         // Words that wait for each other have one letter; the others belong together whatever they are called.
         (Primitive::Barrier | Primitive::Count, Some(register)) => BY_REGISTER + u16::from(register),
         (Primitive::Barrier | Primitive::Count, None) => BY_ROW + index,
         _ => 0,
     };
     let key = Key { space, number };
+    Ok(of_row(machine, (index, row), key, (named, parts)))
+}
+
+/// What a row means for a mark and channels.
+fn of_row(machine: &Machine, (index, row): (u16, &WaitRow), key: Key, (named, parts): (Option<Set>, Set)) -> Meaning {
     let broadcast = row.primitive == Primitive::Signal && named.is_none();
     let need = if broadcast { 1 } else { row.need };
     let rule = REGISTERS + machine.registers.len() as u16 + index;
     let wait = Wait { primitive: row.primitive, key, named, parts, need, rule };
-    Ok(match row.act {
-        WaitAct::Wait => Meaning::Wait(wait),
+    match row.act {
+        // A word neither selects nor starts: the loader refuses that.
+        WaitAct::Wait | WaitAct::Select | WaitAct::Start => Meaning::Wait(wait),
         WaitAct::Set => Meaning::Act(Act::Set(key), wait),
         WaitAct::Clear => Meaning::Act(Act::Clear(key), wait),
         WaitAct::Signal => Meaning::Act(Act::Signal { key, to: parts, broadcast }, wait),
         WaitAct::Release => Meaning::Act(Act::Release(key), wait),
-    })
+    }
 }

@@ -149,6 +149,18 @@ diagnostics! {
     NO_LEAD 2900383 "no-thread-lead" 8 false "thread without a lead";
     WAIT_IMPOSSIBLE 2900385 "wait-impossible" 12 true "wait, signal or release not possible";
     WAIT_LISTS 2900386 "wait-lists" 4 false "channels name different partners at one mark (16949)";
+    STATEMENT_ARGUMENTS 2900387 "illegal-mark-or-channel" 12 true "mark or channel of a statement not possible";
+    CHANNEL_NOT_STARTED 2900388 "channel-not-started" 12 true "program of a channel cannot be selected or started";
+    CORNER_ALONE 2900395 "corner-without-next-line" 8 false "corner without a line after it";
+    CORNER_NEXT 2900396 "corner-before-other-move" 8 false "corner before a move that has none";
+    CORNER_TWICE 2900397 "corner-twice" 8 false "two corners in one block";
+    CORNER_TAPER 2900398 "corner-of-taper" 8 false "corner of axis-parallel lines at a taper";
+    CORNER_TOO_LONG 2900399 "corner-too-large" 8 false "corner larger than its lines";
+    LINE_WITHOUT_END 2900400 "line-without-end" 8 false "line by its angle without an end point";
+    LINE_NOT_COMPUTED 2900401 "line-not-computed" 8 false "end of a line not given by its angle";
+    CORNER_AT_COMPENSATION 2900402 "corner-at-compensation-switch" 8 false "corner where compensation starts or ends";
+    TANGENT_IMPOSSIBLE 2900403 "tangent-impossible" 8 false "circle in the direction of the last move not possible";
+    CORNER_REFUSED 2900404 "corner-not-possible" 8 false "corner or angle word that cannot act";
     ARC_INCOMPLETE 2900384 "arc-incomplete" 8 false "arc without a centre or radius";
     OKUMA_NO_MODAL 2900182 "no-modal-call" 4 false "no modal call active (Okuma)";
     GROUP_TWICE 2900350 "group-twice" 4 false "G code overridden by a later one of the same group";

@@ -7,11 +7,19 @@
 use std::marker::PhantomData;
 use std::ops::{Index, IndexMut};
 
+use counterpoint_event::MAX_AXES;
+
 mod sealed {
     /// Making ids is a matter of this module.
     pub trait Make: Copy {
+        /// How many ids there are.
+        const MOST: usize;
+        /// The id of a position below `MOST`.
+        fn nth(at: usize) -> Self;
         /// The id of a position, none if there can be no such.
-        fn make(at: usize) -> Option<Self>;
+        fn make(at: usize) -> Option<Self> {
+            (at < Self::MOST).then(|| Self::nth(at))
+        }
         /// The position.
         fn at(self) -> usize;
     }
@@ -21,7 +29,7 @@ mod sealed {
 pub trait Id: sealed::Make + PartialEq {}
 
 macro_rules! ids {
-    ($($(#[$doc:meta])* $name:ident($number:ty);)*) => { $(
+    ($($(#[$doc:meta])* $name:ident($number:ty) < $most:expr;)*) => { $(
         $(#[$doc])*
         #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
         pub struct $name($number);
@@ -36,8 +44,11 @@ macro_rules! ids {
         }
 
         impl sealed::Make for $name {
-            fn make(at: usize) -> Option<Self> {
-                <$number>::try_from(at).ok().map(Self)
+            const MOST: usize = $most;
+
+            #[inline]
+            fn nth(at: usize) -> Self {
+                Self(at as $number)
             }
 
             #[inline]
@@ -50,19 +61,26 @@ macro_rules! ids {
     )* };
 }
 
+/// Ids of 16 bits.
+const WORD: usize = 1 << u16::BITS;
+
 ids! {
     /// A code identifier: what fires an action.
-    CodeId(u16);
+    CodeId(u16) < WORD;
     /// A data identifier: what supplies a value to an action.
-    DataId(u16);
+    DataId(u16) < WORD;
     /// A row of the code table.
-    CodeRowId(u16);
+    CodeRowId(u16) < WORD;
     /// A row of the data table.
-    DataRowId(u16);
+    DataRowId(u16) < WORD;
     /// A macro of codes.
-    CodeMacroId(u16);
+    CodeMacroId(u16) < WORD;
     /// A macro of data.
-    DataMacroId(u16);
+    DataMacroId(u16) < WORD;
+    /// An axis of the machine.
+    AxisId(u16) < WORD;
+    /// An axis of a channel: its place in the channel's list.
+    AxisSlot(u8) < MAX_AXES;
 }
 
 impl CodeId {
@@ -80,7 +98,7 @@ impl DataId {
 }
 
 /// A list with an entry for every id of its kind.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Table<I, T> {
     entries: Vec<T>,
     ids: PhantomData<fn(I)>,
@@ -108,17 +126,17 @@ impl<I: Id, T> Table<I, T> {
 
     /// All ids.
     pub fn ids(&self) -> impl DoubleEndedIterator<Item = I> + Clone + use<I, T> {
-        (0..self.entries.len()).filter_map(I::make)
+        (0..self.entries.len()).map(I::nth)
     }
 
     /// All entries with their ids.
     pub fn entries(&self) -> impl DoubleEndedIterator<Item = (I, &T)> + Clone {
-        self.entries.iter().enumerate().filter_map(|(at, entry)| Some((I::make(at)?, entry)))
+        self.entries.iter().enumerate().map(|(at, entry)| (I::nth(at), entry))
     }
 
     /// The first entry that is meant.
     pub fn find(&self, is: impl FnMut(&T) -> bool) -> Option<I> {
-        self.entries.iter().position(is).and_then(I::make)
+        self.entries.iter().position(is).map(I::nth)
     }
 
     /// A table for the same ids.
@@ -130,7 +148,7 @@ impl<I: Id, T> Table<I, T> {
 /// Entries beyond the last id are dropped.
 impl<I: Id, T> FromIterator<T> for Table<I, T> {
     fn from_iter<L: IntoIterator<Item = T>>(list: L) -> Self {
-        let entries = (0..).map_while(I::make).zip(list).map(|(_, entry)| entry).collect();
+        let entries = list.into_iter().take(I::MOST).collect();
         Self { entries, ids: PhantomData }
     }
 }
@@ -156,6 +174,40 @@ impl<I: Id, T> IndexMut<I> for Table<I, T> {
     )]
     fn index_mut(&mut self, id: I) -> &mut T {
         &mut self.entries[id.at()]
+    }
+}
+
+/// What a channel has for each of its axes, with a place for the most that there can be. A position is one; it is a plain
+/// array because events carry it.
+pub trait BySlot<T> {
+    /// The value of an axis.
+    fn at(&self, slot: AxisSlot) -> T;
+    /// The value of an axis, to be changed.
+    fn at_mut(&mut self, slot: AxisSlot) -> &mut T;
+}
+
+impl<T: Copy> BySlot<T> for [T; MAX_AXES] {
+    #[inline]
+    #[expect(clippy::indexing_slicing, reason = "a slot is below MAX_AXES")]
+    fn at(&self, slot: AxisSlot) -> T {
+        self[slot.index() & (MAX_AXES - 1)]
+    }
+
+    #[inline]
+    #[expect(clippy::indexing_slicing, reason = "a slot is below MAX_AXES")]
+    fn at_mut(&mut self, slot: AxisSlot) -> &mut T {
+        &mut self[slot.index() & (MAX_AXES - 1)]
+    }
+}
+
+const _: () = assert!(MAX_AXES.is_power_of_two(), "slots are masked, so that the compiler leaves out the check");
+
+impl AxisSlot {
+    /// Its bit in a set of axes.
+    #[must_use]
+    #[inline]
+    pub const fn bit(self) -> u8 {
+        1 << self.0
     }
 }
 
@@ -215,6 +267,17 @@ mod tests {
         assert_eq!(lengths[second], (second, 1));
         assert_eq!((rows.id(1), rows.id(2)), (Some(second), None));
         assert_eq!(rows.iter().copied().collect::<Table<CodeRowId, _>>(), rows);
+    }
+
+    #[test]
+    fn a_channel_has_no_more_axes_than_a_position_has_places() {
+        let axes: Table<AxisSlot, ()> = std::iter::repeat_n((), MAX_AXES + 1).collect();
+        assert_eq!(axes.len(), MAX_AXES);
+        let mut position = [0.0; MAX_AXES];
+        for slot in axes.ids() {
+            *position.at_mut(slot) = f64::from(slot.bit());
+        }
+        assert_eq!(position, [1.0, 2.0, 4.0, 8.0, 16.0, 32.0, 64.0, 128.0]);
     }
 
     #[test]

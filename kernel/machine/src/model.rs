@@ -8,7 +8,7 @@ pub use behaviour::*;
 pub use waits::*;
 
 use super::ident::{CodeId, DataId, Name};
-use super::index::{CodeRowId, DataRowId, Table};
+use super::index::{AxisId, AxisSlot, CodeRowId, DataRowId, Table};
 use super::macros::environment::MachineEnvironment;
 use super::preprocessor::Preprocessor;
 use super::rows::{CodeRow, DataRow, Register};
@@ -53,7 +53,7 @@ pub struct Machine {
     /// Names of all data identifiers, likewise.
     pub data_names: Table<DataId, Name>,
     /// All axes of the machine.
-    pub axes: Vec<Axis>,
+    pub axes: Table<AxisId, Axis>,
     /// Channels in ascending number.
     pub channels: Vec<Channel>,
     /// Spindles.
@@ -82,12 +82,14 @@ pub struct Machine {
     pub output: Output,
     /// Cutter and nose radius compensation.
     pub compensation: Compensation,
+    /// Corners between lines.
+    pub corners: Corners,
     /// Program variables of the pre-processor.
     pub variables: Variables,
     /// Tool word and tool offsets.
     pub tool: Tool,
-    /// Work offsets 1 (G54) to n: per machine axis (index into `axes`), axis units.
-    pub work_offsets: Vec<Vec<f64>>,
+    /// Work offsets 1 (G54) to n: per machine axis, axis units.
+    pub work_offsets: Vec<Table<AxisId, f64>>,
     /// Macros, none if the machine has none.
     pub macros: Option<std::sync::Arc<crate::macros::model::Macros>>,
     /// Rules that change the text of every block before anything else, in order.
@@ -262,16 +264,16 @@ pub struct Channel {
     pub number: u16,
     /// Name (`UPPER`).
     pub name: String,
-    /// Axes (index into `Machine::axes`) in display order, at most [`MAX_AXES`].
-    pub axes: Vec<usize>,
+    /// Its axes, in display order.
+    pub axes: Table<AxisSlot, AxisId>,
     /// Spindle number its feed per revolution and S word mean.
     pub spindle: Option<u16>,
     /// Sub-spindle, for `CODE_SPINDLE_REAR`.
     pub rear: Option<u16>,
     /// Spindle of the milling mode.
     pub milling: Option<u16>,
-    /// Linear and rotary axis of polar interpolation (index into `Machine::axes`).
-    pub polar: Option<[usize; 2]>,
+    /// Linear and rotary axis of polar interpolation.
+    pub polar: Option<[AxisSlot; 2]>,
     /// Its tools work from below the turning axis: toolpath pictures show it there.
     pub lower: bool,
 }
@@ -297,7 +299,7 @@ impl Machine {
     pub fn home(&self, channel: &Channel) -> Position {
         let mut position = [0.0; MAX_AXES];
         for (slot, &axis) in position.iter_mut().zip(&channel.axes) {
-            *slot = self.axes.get(axis).map_or(0.0, |a| a.home);
+            *slot = self.axes[axis].home;
         }
         position
     }

@@ -15,16 +15,24 @@ pub struct Row {
     pub frame_increments: bool,
     /// A semicolon starts a comment, so it does not end a block.
     pub semicolon_comments: bool,
+    /// Statements of its own may be rows of `[[waits]]`.
+    pub wait_statements: bool,
 }
 
 /// A row for plain words only, and the defaults of the others.
-const PLAIN: Row = Row { name: "none", calls_by_word: false, frame_increments: false, semicolon_comments: false };
+const PLAIN: Row = Row {
+    name: "none",
+    calls_by_word: false,
+    frame_increments: false,
+    semicolon_comments: false,
+    wait_statements: false,
+};
 
 static ROWS: [Row; 5] = [
     PLAIN,
     Row { name: "fanuc", calls_by_word: true, ..PLAIN },
     Row { name: "okuma", ..PLAIN },
-    Row { name: "siemens", frame_increments: true, semicolon_comments: true, ..PLAIN },
+    Row { name: "siemens", frame_increments: true, semicolon_comments: true, wait_statements: true, ..PLAIN },
     Row { name: "heidenhain", semicolon_comments: true, ..PLAIN },
 ];
 

@@ -98,11 +98,6 @@ fn register(machine: &Machine, index: u8) -> &str {
     machine.registers.get(usize::from(index)).map_or("?", |register| register.name.as_str())
 }
 
-/// Name of an axis by index.
-fn axis(machine: &Machine, index: usize) -> &str {
-    machine.axes.get(index).map_or("?", |axis| axis.name.as_str())
-}
-
 /// How a code is written (`G1`, `G54-G59`, `"TEXT"`, `-`).
 fn written(machine: &Machine, form: &super::rows::CodeForm) -> String {
     use super::rows::CodeForm;

@@ -67,7 +67,6 @@ pub fn assign(
 }
 
 fn channels(machine: &Machine) -> Vec<Channel> {
-    let axis = |i: &usize| machine.axes.get(*i);
     machine
         .channels
         .iter()
@@ -81,7 +80,7 @@ fn channels(machine: &Machine) -> Vec<Channel> {
             axes: c
                 .axes
                 .iter()
-                .filter_map(axis)
+                .map(|axis| &machine.axes[*axis])
                 .map(|a| Axis { name: a.letter.clone(), rotary: a.role.is_rotary(), diameter: a.diameter })
                 .collect(),
         })

@@ -10,6 +10,7 @@
 pub mod arrive;
 #[cfg(test)]
 mod explore;
+pub mod idle;
 
 use crate::channels::Channels;
 use crate::shared::Shared;
@@ -60,6 +61,13 @@ pub enum Wake {
         /// Text of the alarm.
         text: String,
     },
+    /// The kernel was idle; it runs this program from this tag on.
+    Started {
+        /// Where to begin.
+        tag: Tag,
+        /// What to run.
+        program: idle::Program,
+    },
     /// No kernel is left that could end this wait.
     Over,
     /// The job was stopped.
@@ -90,6 +98,8 @@ struct Seat {
     /// The arrival that it asks for.
     arriving: Option<Waiting>,
     wake: Option<Wake>,
+    /// What it runs when it is started.
+    program: Option<idle::Program>,
 }
 
 /// The kernels of a job and what they share.
@@ -114,7 +124,7 @@ pub struct Order {
 impl Order {
     /// The order of a run that begins.
     pub fn new(channels: Channels, shared: Shared, waits: Waits) -> Self {
-        let seat = || Seat { status: Status::Running, bound: 0, since: 0, arriving: None, wake: None };
+        let seat = || Seat { status: Status::Running, bound: 0, since: 0, arriving: None, wake: None, program: None };
         let seats = (0..channels.count()).map(|_| seat()).collect();
         let (acting, stop, effects) = (None, None, Vec::new());
         Self { channels, seats, acting, stop, sync_points: 0, judged: false, shared, waits, effects }
@@ -281,7 +291,7 @@ impl Order {
     pub fn resume(&mut self, channel: u16, wake: Wake) {
         if let Some(seat) = self.seat(channel) {
             let t = match &wake {
-                Wake::Released { tag, .. } | Wake::Alarm { tag, .. } => tag.t,
+                Wake::Released { tag, .. } | Wake::Alarm { tag, .. } | Wake::Started { tag, .. } => tag.t,
                 // What it does at its end has its place in the order too.
                 Wake::Turn | Wake::Over | Wake::Stopped if seat.status == Status::Blocked => seat.since,
                 Wake::Turn | Wake::Over | Wake::Stopped => seat.bound,
@@ -294,7 +304,7 @@ impl Order {
 
     fn wake(&mut self, channel: u16, wake: Wake) {
         let tag = match &wake {
-            Wake::Released { tag, .. } | Wake::Alarm { tag, .. } => Some(*tag),
+            Wake::Released { tag, .. } | Wake::Alarm { tag, .. } | Wake::Started { tag, .. } => Some(*tag),
             Wake::Turn | Wake::Over | Wake::Stopped => None,
         };
         if let Some(seat) = self.seat(channel) {

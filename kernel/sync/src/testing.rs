@@ -4,6 +4,7 @@ use counterpoint_event::info::{Info, Room};
 use counterpoint_event::{Letters, Unit};
 
 use crate::channels::Channels;
+use crate::order::idle::Program;
 use crate::wait::{Act, Key, Mismatch, Reaction, Rule, Rules, Set, Wait};
 use crate::waits::Waits;
 use counterpoint_event::event::Primitive;
@@ -44,6 +45,11 @@ fn key(number: u32) -> Key {
 pub(crate) fn wait(primitive: Primitive, number: u32, channels: u16) -> Wait {
     let need = if primitive == Primitive::Count { 2 } else { 0 };
     Wait { primitive, key: key(number), named: None, parts: Set::up_to(channels), need, rule: 0 }
+}
+
+/// A program that a channel can be started with.
+pub(crate) fn program() -> Program {
+    Program { file: 0, lines: (1, 1), name: "P".into() }
 }
 
 /// What a channel does for others.

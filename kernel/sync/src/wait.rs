@@ -98,6 +98,8 @@ pub struct Rule {
     pub numbered: bool,
     /// What introduces the list of channels; empty if the list is not shown.
     pub list: Box<str>,
+    /// It is written as a statement, with number and channels in parentheses.
+    pub statement: bool,
     /// Pairs that it refuses; none: waits that do not match wait.
     pub mismatch: Option<Mismatch>,
     /// What an absent partner means.
@@ -108,7 +110,14 @@ impl Rule {
     /// Waits of a word that the control pairs freely.
     #[must_use]
     pub fn plain(word: &str) -> Self {
-        Self { word: word.into(), numbered: true, list: "".into(), mismatch: None, absent: Absent::Missed }
+        Self {
+            word: word.into(),
+            numbered: true,
+            list: "".into(),
+            statement: false,
+            mismatch: None,
+            absent: Absent::Missed,
+        }
     }
 }
 
@@ -145,9 +154,15 @@ impl Rules {
         }
     }
 
-    /// The wait as people write it: `M101`, `M101 P12`, `START1`.
+    /// The wait as people write it: `M101`, `M101 P12`, `START1`, `WAITM(10,1,2)`.
     pub fn text(&self, wait: &Wait) -> String {
         let Some(rule) = self.of(wait) else { return wait.key.number.to_string() };
+        if rule.statement {
+            let number = rule.numbered.then_some(wait.key.number);
+            let channels = wait.named.into_iter().flat_map(Set::iter).map(u32::from);
+            let arguments: Vec<String> = number.into_iter().chain(channels).map(|number| number.to_string()).collect();
+            return format!("{}({})", rule.word, arguments.join(","));
+        }
         let mut out = rule.word.to_string();
         if rule.numbered {
             let _ = write!(out, "{}", wait.key.number);
@@ -240,6 +255,8 @@ pub struct Places {
     channels: Channels,
     waiting: Vec<Option<Waiting>>,
     finished: Vec<Option<Finish>>,
+    /// Channels without a program that runs, which others may start.
+    idle: Set,
 }
 
 impl Places {
@@ -247,7 +264,7 @@ impl Places {
     #[must_use]
     pub fn new(channels: Channels) -> Self {
         let count = channels.count();
-        Self { channels, waiting: vec![None; count], finished: vec![None; count] }
+        Self { channels, waiting: vec![None; count], finished: vec![None; count], idle: Set::default() }
     }
 
     /// The wait of a channel.
@@ -291,6 +308,24 @@ impl Places {
     /// A channel waits no longer.
     pub(crate) fn leave(&mut self, channel: u16) -> Option<Waiting> {
         self.waiting.get_mut(self.channels.index(channel)).and_then(Option::take)
+    }
+
+    /// Channels without a program that runs, which others may start.
+    pub(crate) fn idle(&self) -> Set {
+        self.idle
+    }
+
+    /// A channel that has ended, or never ran, may be started.
+    pub(crate) fn rest(&mut self, channel: u16) {
+        self.idle = self.idle.with(channel);
+    }
+
+    /// An idle channel executes blocks again.
+    pub(crate) fn start(&mut self, channel: u16) {
+        self.idle = self.idle.without(channel);
+        if let Some(slot) = self.finished.get_mut(self.channels.index(channel)) {
+            *slot = None;
+        }
     }
 
     /// A channel has come to its end.

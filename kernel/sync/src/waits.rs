@@ -235,6 +235,10 @@ impl Waits {
     /// Channels that wait and can never continue: the complement of the fix-point over what can still come.
     pub fn dead(&self) -> Set {
         let mut live: Set = self.places.channels().filter(|&channel| self.places.runs(channel)).collect();
+        if !live.is_empty() {
+            // Whoever runs may start those that are idle.
+            live = Set(live.0 | self.places.idle().0);
+        }
         let waiting: Set = self.places.waiting().map(|waiting| waiting.tag.channel).collect();
         loop {
             let before = live;

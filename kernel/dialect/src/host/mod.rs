@@ -4,6 +4,7 @@
 //! through [`Values`], in order of simulated time; a jump back and a call are counted by the kernel, so that endless
 //! loops come to a limit; nothing here reads a clock or a file system.
 
+mod coordination;
 mod flow;
 mod frames;
 mod programs;
@@ -11,6 +12,7 @@ mod report;
 mod values;
 mod words;
 
+pub use coordination::{Coordination, Operands};
 pub use flow::{Call, Flow, Loops};
 pub use frames::{AxisPlace, Frames, Modes};
 pub use programs::{Place, Programs};
@@ -19,6 +21,6 @@ pub use values::{Answer, NotThere, Values};
 pub use words::{MadeWord, Words};
 
 /// All that an interpreter can ask of its kernel.
-pub trait Host: Programs + Flow + Values + Words + Frames + Report {}
+pub trait Host: Programs + Flow + Values + Words + Frames + Report + Coordination {}
 
-impl<T: Programs + Flow + Values + Words + Frames + Report> Host for T {}
+impl<T: Programs + Flow + Values + Words + Frames + Report + Coordination> Host for T {}

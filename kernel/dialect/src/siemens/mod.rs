@@ -8,6 +8,7 @@
 mod branches;
 mod calls;
 mod control;
+mod coordination;
 mod cursor;
 mod declare;
 mod define;

@@ -276,6 +276,9 @@ impl Siemens {
         if name == "SETAL" {
             return self.set_alarm(host, arguments);
         }
+        if self.coordination(host, name, arguments)? {
+            return Ok(());
+        }
         let is_text = host.is_code_text(name) || host.is_register(&format!("{name}("));
         if !is_text && let Some(found) = self.known_program(host, name)? {
             left.call = Some(self.prepare_call(host, name, found, arguments)?);

@@ -45,7 +45,7 @@ fn to_point(act: &mut Act<'_, '_>, coded: u8) -> Acted {
         if coded != 0 && coded & 1 << at == 0 {
             continue;
         }
-        match point.get(axis.machine).copied().flatten() {
+        match point[axis.machine] {
             Some(value) => {
                 *slot = value;
                 moving |= 1 << at;

@@ -30,14 +30,14 @@ pub(super) fn clamp(act: &mut Act<'_, '_>, id: DataId, on: bool) -> Acted {
 /// Takes whole turns off one rotary axis, or off all.
 pub(super) fn unwind(act: &mut Act<'_, '_>, id: Option<DataId>) -> Acted {
     let Some(id) = id else {
-        for axis in 0..act.state.place.layout.axes.len() {
-            if act.state.place.layout.axes.get(axis).is_some_and(|axis| axis.rotary) {
+        for axis in act.state.place.layout.axes.ids() {
+            if act.state.place.layout.axes[axis].rotary {
                 act.unwind_axis(axis, Modulo::Normal);
             }
         }
         return Ok(());
     };
-    match act.axis_of_data(id).filter(|axis| act.state.place.layout.axes.get(*axis).is_some_and(|axis| axis.rotary)) {
+    match act.axis_of_data(id).filter(|axis| act.state.place.layout.axes[*axis].rotary) {
         Some(axis) => act.unwind_axis(axis, Modulo::Normal),
         None => return no_axis(act, id),
     }

@@ -88,6 +88,9 @@ impl Action for Entry {
         if act.state.place.frames.is_some() {
             cutter::before(act, self.contour)?;
         }
+        if self.moves && self.contour == Contour::Follows && cutter::has_words(act, row.id) {
+            return cutter::with_words(act, row.id, |act| (self.act)(act, row, code));
+        }
         (self.act)(act, row, code)
     }
 }

@@ -13,6 +13,7 @@ use counterpoint_fault::Acted;
 use counterpoint_machine::habits::Home;
 use counterpoint_machine::ident::codes;
 use counterpoint_machine::ident::data;
+use counterpoint_machine::index::BySlot;
 
 /// Codes and what they do.
 pub(crate) const ENTRIES: &[Entry] = &[
@@ -50,8 +51,8 @@ fn reference(axis: &Axis, number: usize) -> Option<f64> {
 
 /// Reports a reference point that the machine does not have for all axes that go there.
 fn check_reference(act: &mut Act<'_, '_>, coded: u8, number: usize) -> Acted {
-    let mut axes = act.state.place.layout.axes.iter().enumerate().filter(|(index, _)| coded & (1 << index) != 0);
-    if axes.any(|(_, axis)| reference(axis, number).is_none()) {
+    let lacks = |axis: &Axis| reference(axis, number).is_none();
+    if act.state.place.layout.axes.entries().any(|(slot, axis)| coded & slot.bit() != 0 && lacks(axis)) {
         let text = format!("reference point {number} is not defined for every axis of '{}'", act.block_text());
         act.diagnose(&diag::NO_REFERENCE, text);
     }
@@ -72,7 +73,7 @@ fn straight(act: &mut Act<'_, '_>, number: usize) -> Acted {
 
 /// All axes of the channel, bit by axis.
 fn every_axis(act: &Act<'_, '_>) -> u8 {
-    ((1_u16 << act.state.place.layout.axes.len().min(8)) - 1) as u8
+    act.state.place.layout.axes.ids().fold(0, |bits, slot| bits | slot.bit())
 }
 
 /// Takes the axis words as positions of the machine frame.
@@ -85,12 +86,9 @@ pub(super) fn machine_targets(act: &mut Act<'_, '_>) -> (u8, Position) {
 
 fn to_reference(act: &mut Act<'_, '_>, coded: u8, number: usize) -> Acted {
     let mut target = act.machine_point(&act.state.place.position);
-    for (index, (slot, axis)) in target.iter_mut().zip(&act.state.place.layout.axes).enumerate() {
-        if coded & (1 << index) == 0 {
-            continue;
-        }
+    for (slot, axis) in act.state.place.layout.axes.entries().filter(|(slot, _)| coded & slot.bit() != 0) {
         if let Some(point) = reference(axis, number) {
-            *slot = point;
+            *target.at_mut(slot) = point;
         }
     }
     let target = act.way_of_machine(&target);
@@ -99,7 +97,7 @@ fn to_reference(act: &mut Act<'_, '_>, coded: u8, number: usize) -> Acted {
 
 /// `home x, z`, the axes that move; `n=2` for a further reference point.
 fn home_text(channel: &Channel<'_>, coded: u8, number: usize) -> String {
-    let axes = (0..channel.state.place.layout.axes.len()).filter(|axis| coded & (1 << axis) != 0);
+    let axes = channel.state.place.layout.axes.ids().filter(|axis| coded & axis.bit() != 0);
     let mut items: Vec<String> = axes.map(|axis| channel.axis_name(axis)).collect();
     if number > 1 {
         items.push(format!("n={number}"));

@@ -190,8 +190,8 @@ fn scale(act: &mut Act<'_, '_>, change: Change) -> Option<Given> {
 fn mirrors(act: &mut Act<'_, '_>) -> [Option<f64>; 3] {
     let mut words = [None; 3];
     for (role, slot) in words.iter_mut().enumerate() {
-        let axis = act.state.place.layout.cartesian.get(role).copied().flatten().map(usize::from);
-        let Some(axis) = axis.and_then(|axis| act.state.place.layout.axes.get(axis)) else { continue };
+        let axis = act.state.place.layout.cartesian.get(role).copied().flatten();
+        let Some(axis) = axis.map(|axis| &act.state.place.layout.axes[axis]) else { continue };
         let (id, scale) = (axis.data, axis.scale);
         *slot = act.take(id).map(|datum| datum.value * scale);
     }

@@ -11,6 +11,7 @@ use counterpoint_event::event::{FeedUnit, Motion, MotionKind, Position};
 use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
 use counterpoint_machine::ident::{codes, data};
+use counterpoint_machine::index::{AxisSlot, BySlot};
 use counterpoint_program::block::Datum;
 
 /// Codes and what they do.
@@ -106,16 +107,13 @@ impl Act<'_, '_> {
     /// Where programmed points are points of the work frame.
     #[inline(never)]
     fn plain_targets(&mut self) -> (u8, Position) {
-        self.axis_words(
-            self.state.place.position,
-            |act, axis| act.state.place.shift.get(axis).copied(),
-            Self::take_axis,
-        )
+        self.axis_words(self.state.place.position, |act, axis| Some(act.state.place.shift.at(axis)), Self::take_axis)
     }
 
     #[cold]
     fn targets_in_frames(&mut self) -> (u8, Position) {
         let (coded, target) = self.framed_targets();
+        let (coded, target) = self.by_angle(coded, target);
         (coded, self.work_point(&target))
     }
 
@@ -135,7 +133,7 @@ impl Act<'_, '_> {
         }
         let from = self.programmed();
         let counted = self.counted();
-        let shift = |act: &Self, axis: usize| act.state.place.shift.get(axis).copied();
+        let shift = |act: &Self, axis: AxisSlot| Some(act.state.place.shift.at(axis));
         let (coded, mut target) = match self.polar() {
             Some(polar) => self.axis_words(counted, shift, |act, axis| act.take_polar(polar, axis)),
             None => self.axis_words(counted, shift, Self::take_axis),
@@ -153,9 +151,8 @@ impl Act<'_, '_> {
 
     /// Takes the word of an axis.
     #[inline(always)]
-    fn take_axis(&mut self, axis: usize) -> Option<Datum> {
-        let id = self.state.place.layout.axes.get(axis).map(|a| a.data)?;
-        self.take(id)
+    fn take_axis(&mut self, axis: AxisSlot) -> Option<Datum> {
+        self.take(self.state.place.layout.axes[axis].data)
     }
 
     /// Takes the axis words onto a point; `shift` tells how far away its machine coordinates are.
@@ -163,8 +160,8 @@ impl Act<'_, '_> {
     fn axis_words(
         &mut self,
         from: Position,
-        shift: impl Fn(&Self, usize) -> Option<f64>,
-        take: impl Fn(&mut Self, usize) -> Option<Datum>,
+        shift: impl Fn(&Self, AxisSlot) -> Option<f64>,
+        take: impl Fn(&mut Self, AxisSlot) -> Option<Datum>,
     ) -> (u8, Position) {
         let relative = match self.state.modal.code(group::POSITION) {
             Some(codes::POSITION_RELATIVE) => Some(true),
@@ -174,8 +171,8 @@ impl Act<'_, '_> {
         let mut target = from;
         let mut coded = 0_u8;
         let as_written = self.state.place.layout.angles == 0 && !self.block.flags.machine_frame;
-        for index in 0..self.state.place.layout.axes.len() {
-            let Some(datum) = take(self, index) else { continue };
+        for axis in self.state.place.layout.axes.ids() {
+            let Some(datum) = take(self, axis) else { continue };
             if relative.is_none() && !datum.incremental {
                 let text = format!(
                     "neither absolute nor incremental is active in '{}', absolute is assumed",
@@ -183,19 +180,19 @@ impl Act<'_, '_> {
                 );
                 self.diagnose(&diag::POSITION_MODE_UNKNOWN, text);
             }
-            let Some(slot) = target.get_mut(index) else { break };
+            let slot = target.at_mut(axis);
             *slot = if datum.incremental || relative == Some(true) && !datum.absolute {
                 *slot + datum.value
             } else if as_written {
                 datum.value
             } else {
-                let away = if self.block.flags.machine_frame { shift(self, index).unwrap_or(0.0) } else { 0.0 };
-                match self.state.place.layout.angles & 1 << index {
+                let away = if self.block.flags.machine_frame { shift(self, axis).unwrap_or(0.0) } else { 0.0 };
+                match self.state.place.layout.angles & axis.bit() {
                     0 => datum.value - away,
-                    _ => self.turned_to(index, *slot, datum.value, away),
+                    _ => self.turned_to(axis, *slot, datum.value, away),
                 }
             };
-            coded |= 1 << index;
+            coded |= axis.bit();
         }
         (coded, target)
     }
@@ -293,7 +290,7 @@ impl Act<'_, '_> {
         if self.is_compensated() {
             // Without a coordinate nothing moves, though the tool is not where the program is.
             let step = Step { shape: Shape::Linear, coded, to: target, feed, unit };
-            return if coded == 0 { Ok(()) } else { self.compensate(step) };
+            return if coded == 0 && !self.opens_line() { Ok(()) } else { self.compensate(step) };
         }
         let from = self.state.place.position;
         if target == from {

@@ -11,6 +11,7 @@ use counterpoint_event::event::Kind;
 use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
 use counterpoint_machine::ident::{codes, data};
+use counterpoint_machine::index::BySlot;
 
 /// Codes and what they do.
 pub(crate) const ENTRIES: &[Entry] = &[Entry::of(&[codes::OFFSET_SET], |act, _, _| set(act))];
@@ -83,23 +84,21 @@ fn is_relative(act: &Act<'_, '_>) -> bool {
 fn axes(act: &mut Act<'_, '_>, table: Table, number: u32) -> bool {
     let mut values = act.offset_values(table, number);
     let relative = is_relative(act);
-    for index in 0..act.state.place.layout.axes.len() {
-        let Some(id) = act.state.place.layout.axes.get(index).map(|axis| axis.data) else { break };
+    for axis in act.state.place.layout.axes.ids() {
+        let id = act.state.place.layout.axes[axis].data;
         let Some(datum) = act.take(id).filter(|datum| datum.value.is_finite()) else { continue };
-        if let Some(slot) = values.get_mut(index) {
-            *slot = if relative || datum.incremental { *slot + datum.value } else { datum.value };
-        }
+        *values.at_mut(axis) = if relative || datum.incremental { values.at(axis) + datum.value } else { datum.value };
     }
     act.set_offset(table, number, values)
 }
 
 fn length(act: &mut Act<'_, '_>, table: Table, number: u32) -> bool {
     let mut values = act.offset_values(table, number);
-    let along = act.state.place.layout.cartesian.get(2).copied().flatten().map(usize::from);
+    let along = act.state.place.layout.cartesian.get(2).copied().flatten();
     let relative = is_relative(act);
     let Some(value) = act.take(data::OFFSET_VALUE).map(|datum| datum.value) else { return false };
-    let Some(slot) = along.and_then(|axis| values.get_mut(axis)).filter(|_| value.is_finite()) else { return false };
-    *slot = if relative { *slot + value } else { value };
+    let Some(axis) = along.filter(|_| value.is_finite()) else { return false };
+    *values.at_mut(axis) = if relative { values.at(axis) + value } else { value };
     act.set_offset(table, number, values)
 }
 

@@ -13,12 +13,14 @@ use crate::act::Act;
 use crate::action::entry::Entry;
 use crate::state::alarms::STRAIGHT;
 use crate::state::frames::polar::{Polar, round_the_centre};
+use crate::state::position::Axis;
 use counterpoint_event::event::{Kind, Motion, MotionKind, Position};
 use counterpoint_event::info::Unit;
 use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
 use counterpoint_machine::ident::codes;
 use counterpoint_machine::ident::{DataId, data};
+use counterpoint_machine::index::{AxisSlot, BySlot};
 use counterpoint_program::block::Datum;
 
 /// Codes and what they do.
@@ -68,15 +70,14 @@ fn form(cartesian: bool) -> &'static str {
 }
 
 /// The axes that the machine names for it, else X and the first rotary axis of the workpiece.
-fn axes(act: &Act<'_, '_>) -> Option<(usize, usize)> {
+fn axes(act: &Act<'_, '_>) -> Option<(AxisSlot, AxisSlot)> {
     let channel = act.env.machine.channels.iter().find(|channel| channel.number == act.at.channel)?;
-    let own = |machine: usize| act.state.place.layout.axes.iter().position(|axis| axis.machine == machine);
     if let Some([linear, rotary]) = channel.polar {
-        return own(linear).zip(own(rotary));
+        return Some((linear, rotary));
     }
     let tables = [data::AXIS_CT, data::AXIS_CT2, data::AXIS_BT, data::AXIS_AT];
     let rotary = tables.into_iter().find_map(|id| act.axis_of_data(id))?;
-    Some((usize::from(act.state.place.layout.cartesian.first().copied().flatten()?), rotary))
+    Some((act.state.place.layout.cartesian.first().copied().flatten()?, rotary))
 }
 
 /// A circle on the part. Its plane is that of the part, whatever plane is active.
@@ -157,20 +158,20 @@ impl Act<'_, '_> {
     pub(super) fn circle_of_part(&mut self, polar: Polar, circle: &Circle) -> Acted {
         let Circle { made, coded, from, to, feed, unit, .. } = *circle;
         let changes = self.feed_changes(&from, &to);
-        let others = changes.iter().enumerate().filter(|(axis, _)| *axis != polar.linear && *axis != polar.rotary);
-        let rise = others.map(|(_, change)| change * change).sum::<f64>();
+        let others = self.state.place.layout.axes.ids().filter(|axis| *axis != polar.linear && *axis != polar.rotary);
+        let rise = others.map(|axis| changes.at(axis) * changes.at(axis)).sum::<f64>();
         let length = (made.length() * made.length() + rise).sqrt();
         let path = Path { from: &from, to: &to, length: made.length(), arc: None };
         let seconds = self.feed_seconds(&path, feed, unit)?;
         let seconds = self.at_rates(seconds, &from, &to, Some(&made));
-        let moving = self.moving(coded, &self.changes(&from, &to)) | 1 << polar.linear | 1 << polar.rotary;
+        let moving = self.moving(coded, &self.changes(&from, &to)) | polar.linear.bit() | polar.rotary.bit();
         let feed = (feed.unwrap_or(0.0), unit);
         self.travel(seconds, &Motion::straight(MotionKind::Linear, moving, [from, to], feed, length))
     }
 
     /// Takes the word of an axis of the interpolation, in the axis's own unit.
-    pub(super) fn take_polar(&mut self, polar: Polar, axis: usize) -> Option<Datum> {
-        let (id, scale) = self.state.place.layout.axes.get(axis).map(|axis| (axis.data, axis.scale))?;
+    pub(super) fn take_polar(&mut self, polar: Polar, axis: AxisSlot) -> Option<Datum> {
+        let Axis { data: id, scale, .. } = self.state.place.layout.axes[axis];
         let registers = |id: DataId| self.registers_of(id);
         if polar.cartesian && axis != polar.rotary && registers(id) & registers(data::C2P_INTERP_Y) != 0 {
             // A word across is none of the axis that has its letter.

@@ -5,6 +5,7 @@
 //! a decision: docs/emulation.md, "Polar interpolation" and "Tool tip control". Invariants: a time never becomes shorter;
 //! it is exact for lines and circles of the part, with the rotary axis at its rate where the feed would ask for more.
 
+use counterpoint_machine::index::BySlot;
 use std::f64::consts::TAU;
 
 use counterpoint_motion::arc::Arc;
@@ -91,10 +92,10 @@ impl Act<'_, '_> {
                 .fold(seconds, f64::max);
         }
         let Some(polar) = self.polar() else { return seconds };
-        let rate = self.state.place.layout.axes.get(polar.rotary).map_or(0.0, |axis| axis.rapid);
+        let rate = self.state.place.layout.axes[polar.rotary].rapid;
         let [start, end] = [from, to].map(|point| polar.part(&self.state.place, point));
         let length = made.map_or_else(|| (end[0] - start[0]).hypot(end[1] - start[1]), Arc::length);
-        let turned = (to.get(polar.rotary).unwrap_or(&0.0) - from.get(polar.rotary).unwrap_or(&0.0)).abs();
+        let turned = (to.at(polar.rotary) - from.at(polar.rotary)).abs();
         if !(rate > 0.0 && seconds > 0.0 && seconds.is_finite() && turned.is_finite()) {
             return seconds;
         }

@@ -10,6 +10,7 @@ use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
 use counterpoint_machine::ident::kind::CodeKind;
 use counterpoint_machine::ident::{DataId, codes, data};
+use counterpoint_machine::index::{AxisSlot, BySlot};
 use counterpoint_motion::frame::affine::{Affine, Point};
 use counterpoint_motion::frame::kinematics::Angles;
 
@@ -131,18 +132,18 @@ impl Act<'_, '_> {
         };
         let mut coded = coded;
         for (axis, angle) in solution {
-            if let (Some(slot), Some(angle)) = (target.get_mut(axis), angle) {
-                *slot = angle;
-                coded |= 1_u8.checked_shl(axis as u32).unwrap_or(0);
+            if let Some(angle) = angle {
+                *target.at_mut(axis) = angle;
+                coded |= axis.bit();
             }
         }
         (coded, target)
     }
 
     /// The solution with the least turning that stays within the limits, near where the axes stand.
-    pub(crate) fn shortest(&self, direction: Point) -> Option<Angles> {
-        let all: Vec<Angles> = self.chain().solve(direction).iter().map(|one| self.near(one)).collect();
-        let inside: Vec<&Angles> = all.iter().filter(|one| self.within(one)).collect();
+    pub(crate) fn shortest(&self, direction: Point) -> Option<Angles<AxisSlot>> {
+        let all: Vec<Angles<AxisSlot>> = self.chain().solve(direction).iter().map(|one| self.near(one)).collect();
+        let inside: Vec<&Angles<AxisSlot>> = all.iter().filter(|one| self.within(one)).collect();
         let pick = if inside.is_empty() { all.iter().collect() } else { inside };
         pick.into_iter().min_by(|a, b| self.turned(a).total_cmp(&self.turned(b))).cloned()
     }

@@ -4,6 +4,7 @@
 //! that leans between the axes goes in straight pieces. Facts: reference control-emulator.md 6.7. Decision: unequal
 //! scales in the plane make no circle; it is told, and the end is reached straight.
 
+use counterpoint_machine::index::BySlot;
 use counterpoint_motion::arc as geometry;
 use nalgebra::Vector3;
 
@@ -96,7 +97,7 @@ fn flat(
     (circle, scale): (&Circle, f64),
     from: Position,
 ) -> Acted {
-    let axes = roles.map(|role| act.state.place.layout.cartesian.get(role).copied().flatten().map(usize::from));
+    let axes = roles.map(|role| act.state.place.layout.cartesian.get(role).copied().flatten());
     let [Some(first), Some(second)] = axes else { return Ok(()) };
     let to = act.work_point(&circle.to);
     let mut middle = act.state.place.geometry(&circle.from);
@@ -142,9 +143,7 @@ fn leaning(act: &mut Act<'_, '_>, plane: Plane, circle: &Circle, scale: f64) -> 
         let angle = made.start_angle + made.sweep * share;
         let at = [made.center[0] + made.radius * libm::cos(angle), made.center[1] + made.radius * libm::sin(angle)];
         for ((axis, value), role) in circle.axes.into_iter().zip(at).zip([plane.first, plane.second]) {
-            if let Some(slot) = target.get_mut(axis) {
-                *slot = value / act.state.place.scale_of(role);
-            }
+            *target.at_mut(axis) = value / act.state.place.scale_of(role);
         }
         act.feed_to_point(circle.coded, target, feed, circle.unit)?;
     }

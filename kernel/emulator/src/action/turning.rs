@@ -5,6 +5,7 @@
 //! beyond 360 degrees, codes that unwind bring them back.
 
 use crate::act::Act;
+use counterpoint_machine::index::AxisSlot;
 use counterpoint_machine::model::Turn;
 
 impl Act<'_, '_> {
@@ -12,9 +13,8 @@ impl Act<'_, '_> {
     /// position.
     #[cold]
     #[inline(never)]
-    pub(super) fn turned_to(&self, axis: usize, from: f64, word: f64, away: f64) -> f64 {
-        let of = self.state.place.layout.axes.get(axis).and_then(|axis| self.env.machine.axes.get(axis.machine));
-        let turn = of.map_or(Turn::Position, |axis| axis.turn);
+    pub(super) fn turned_to(&self, axis: AxisSlot, from: f64, word: f64, away: f64) -> f64 {
+        let turn = self.env.machine.axes[self.state.place.layout.axes[axis].machine].turn;
         // Polar interpolation takes the word as a length.
         if turn == Turn::Position || self.polar().is_some() {
             return word - away;

@@ -4,6 +4,7 @@
 
 use counterpoint_fault::Acted;
 use counterpoint_lang::value::Value;
+use counterpoint_machine::index::BySlot;
 
 use super::Kernel;
 use crate::macros::calls::Task;
@@ -15,7 +16,7 @@ impl Kernel<'_> {
     /// Makes a hole, by way of its macro if there is one.
     pub(crate) fn cycle_event(&mut self, hole: &Hole) -> Acted {
         let Some(code) = self.hook(Hook::Cycle) else { return (self.plan.actions.make_hole)(self, hole) };
-        let preset = self.channel.state.place.preset.get(hole.axis).copied().unwrap_or(0.0);
+        let preset = self.channel.state.place.preset.at(hole.axis);
         let height = |value: Option<f64>| value.map_or(Value::Null, |value| Value::Real(value + preset));
         let reference = self.channel.state.cycle.activator.then_some(self.channel.state.cycle.heights.reference);
         let mut arguments = [
@@ -31,7 +32,7 @@ impl Kernel<'_> {
 
     /// OUTPUT of the cycle macro: clearance, return, depth and lower clearance as they are now.
     pub(crate) fn output_cycle(&mut self, hole: Hole, heights: [Option<f64>; 4]) -> Acted {
-        let preset = self.channel.state.place.preset.get(hole.axis).copied().unwrap_or(0.0);
+        let preset = self.channel.state.place.preset.at(hole.axis);
         let [clear, back, depth, bottom] =
             heights.map(|height| height.filter(|value| value.is_finite()).map(|value| value - preset));
         let hole = Hole {

@@ -5,6 +5,7 @@
 use super::Kernel;
 use counterpoint_fault as diag;
 use counterpoint_machine::ident::DataId;
+use counterpoint_machine::index::AxisSlot;
 use counterpoint_machine::index::DataRowId;
 use counterpoint_program::block::Datum;
 
@@ -98,8 +99,8 @@ impl Kernel<'_> {
     }
 
     /// The same for the positions of an axis that have words of their own.
-    pub(crate) fn factor_across(&self, axis: usize) -> f64 {
-        let is_x = self.channel.state.place.layout.cartesian.first().copied().flatten().map(usize::from) == Some(axis);
+    pub(crate) fn factor_across(&self, axis: AxisSlot) -> f64 {
+        let is_x = self.channel.state.place.layout.cartesian.first().copied().flatten() == Some(axis);
         if is_x && !self.plan.data.diameter_x.is_empty() { self.channel.across_factor() } else { 1.0 }
     }
 

@@ -6,6 +6,7 @@ use super::Kernel;
 use crate::state::clamps::Modulo;
 use crate::state::frames::offsets::Table;
 use counterpoint_event::event::{Frame, Kind, MAX_AXES, Position};
+use counterpoint_machine::index::{AxisSlot, BySlot};
 
 impl Kernel<'_> {
     /// Frame at program start.
@@ -72,18 +73,18 @@ impl Kernel<'_> {
     }
 
     /// Takes whole turns off the position of an axis; nothing moves.
-    pub(crate) fn unwind_axis(&mut self, axis: usize, modulo: Modulo) {
+    pub(crate) fn unwind_axis(&mut self, axis: AxisSlot, modulo: Modulo) {
         self.flush_for_macro();
         let mut machine = self.channel.machine_point(&self.channel.state.place.position);
-        let Some(slot) = machine.get_mut(axis) else { return };
+        let slot = machine.at_mut(axis);
         let (before, after) = (*slot, modulo.of(*slot));
         if before == after {
             return;
         }
         *slot = after;
         self.channel.state.place.position = self.channel.way_of_machine(&machine);
-        if let Some(slot) = self.channel.cutter().and_then(|cutter| cutter.contour.get_mut(axis)) {
-            *slot += after - before;
+        if let Some(cutter) = self.channel.cutter() {
+            *cutter.contour.at_mut(axis) += after - before;
         }
         self.channel.frames_changed();
         let text =

@@ -3,11 +3,13 @@
 use super::Kernel;
 use super::carried::Lived;
 use super::flow::Frame;
+use crate::state::modal::Modal;
 use counterpoint_event::event::{Diagnostic, Event, FileId, Kind, Member, Phase, Verdict, VerdictKind};
 use counterpoint_fault::{self as diag, Facts};
 use counterpoint_fault::{Acted, Halt};
 use counterpoint_ports::control::{Limit, State};
 use counterpoint_program::shape::Range;
+use counterpoint_sync::order::Wake;
 use counterpoint_sync::tag::Tag;
 use counterpoint_sync::verdict;
 use counterpoint_sync::wait::{Finish, Terminal};
@@ -15,12 +17,48 @@ use counterpoint_sync::wait::{Finish, Terminal};
 /// Blocks after which a kernel looks at the memory that it takes.
 const WEIGHED_EVERY: u64 = 64;
 
+/// How a program has come to its end.
+struct Ending {
+    halt: Halt,
+    /// Tag of the end in the log, if the program has ended.
+    ended: Option<Tag>,
+    /// Another channel may start the next one.
+    idle: bool,
+}
+
+fn terminal(halt: Halt) -> (Terminal, Phase, State) {
+    match halt {
+        Halt::ProgramEnd(_) => (Terminal::Ended, Phase::ProgramEnd, State::Ended),
+        Halt::Alarm | Halt::Dropped => (Terminal::Alarmed, Phase::Alarmed, State::Alarmed),
+        Halt::Stopped => (Terminal::Stopped, Phase::Stopped, State::Stopped),
+        Halt::Blocked => (Terminal::Stopped, Phase::Blocked, State::Blocked),
+    }
+}
+
 impl Kernel<'_> {
-    /// Runs the channel until its program ends. `again` restarts it with another file, with (`true`) or without resetting
-    /// modal state.
-    pub fn live(mut self, start: (u16, Range, Box<str>), again: Option<bool>) -> Lived {
-        let (file, range, name) = start;
+    /// Runs the channel until its program has ended and nobody can start it any more. `again` restarts it with another file,
+    /// with (`true`) or without resetting modal state. Without a program it waits for a start.
+    pub fn live(mut self, start: Option<(FileId, Range, Box<str>)>, again: Option<bool>) -> Lived {
         self.ports.coordinator.begin(self.channel.at.channel);
+        let mut ending = Ending { halt: Halt::ProgramEnd(None), ended: Some(self.tag()), idle: start.is_none() };
+        let (mut next, mut again) = (start, again);
+        loop {
+            if let Some(start) = next.take() {
+                ending = self.run(start, again);
+            }
+            next = if ending.idle { self.wait_for_start() } else { None };
+            if next.is_none() {
+                break;
+            }
+            again = (!self.flow.frames.is_empty()).then_some(false);
+        }
+        self.leave(ending.halt);
+        self.lived(ending.halt, ending.ended)
+    }
+
+    /// Runs a program.
+    fn run(&mut self, start: (FileId, Range, Box<str>), again: Option<bool>) -> Ending {
+        let (file, range, name) = start;
         self.ports.progress.set_state(State::Running);
         (self.channel.at.file, self.channel.at.line) = (file, 0);
         self.emit(0, Kind::Lifecycle(Phase::ProgramStart));
@@ -37,8 +75,27 @@ impl Kernel<'_> {
             halt = self.end_macros(next);
         }
         self.close_files(halt);
-        let ended = self.finish(halt);
-        self.lived(halt, ended)
+        self.finish(halt)
+    }
+
+    /// Waits until another channel starts a program here; none if nobody can any more.
+    fn wait_for_start(&mut self) -> Option<(FileId, Range, Box<str>)> {
+        let (coordinator, channel) = (self.ports.coordinator, self.channel.at.channel);
+        let wake = coordinator.wait(channel, self, |kernel| kernel.flush());
+        self.ports.control.disturb(channel);
+        let Wake::Started { tag, program } = wake else { return None };
+        if tag.t > self.channel.at.clock {
+            self.channel.at.idle_blocks = 0;
+            self.macros.variables.store.idle += tag.t - self.channel.at.clock;
+        }
+        (self.channel.at.clock, self.channel.at.micro) = (tag.t, tag.micro);
+        if !self.flow.frames.is_empty() {
+            // A start begins with the codes of a reset, whatever was active at the end of the program before.
+            self.channel.state.modal = Modal::new(self.channel.env.machine);
+            self.initial_codes();
+        }
+        let range = Range { number: None, first: program.lines.0, last: program.lines.1 };
+        Some((program.file, range, (*program.name).into()))
     }
 
     fn begin(&mut self, file: FileId, range: Range, name: Box<str>) -> Acted {
@@ -51,14 +108,11 @@ impl Kernel<'_> {
         self.plan.hooks.map_or(Ok(()), |hooks| (hooks.program.start)(self))
     }
 
-    /// Logs the end state and publishes it to the other channels. The tag of the end in the log, if the program has ended.
-    fn finish(&mut self, halt: Halt) -> Option<Tag> {
-        let (how, phase, state) = match halt {
-            Halt::ProgramEnd(_) => (Terminal::Ended, Phase::ProgramEnd, State::Ended),
-            Halt::Alarm | Halt::Dropped => (Terminal::Alarmed, Phase::Alarmed, State::Alarmed),
-            Halt::Stopped => (Terminal::Stopped, Phase::Stopped, State::Stopped),
-            Halt::Blocked => (Terminal::Stopped, Phase::Blocked, State::Blocked),
-        };
+    /// Logs the end state and publishes it to the other channels.
+    fn finish(&mut self, halt: Halt) -> Ending {
+        let (how, phase, state) = terminal(halt);
+        let can_start = matches!(halt, Halt::ProgramEnd(_)) && self.channel.env.machine.sync.starts_channels();
+        let mut idle = can_start && self.channel.env.machine.channels.len() > 1;
         if matches!(halt, Halt::ProgramEnd(_) | Halt::Alarm) {
             self.report_order();
         }
@@ -80,14 +134,25 @@ impl Kernel<'_> {
                     order.stop(tag);
                     return None;
                 }
+                if idle {
+                    // Whoever waits for this channel may still hope for a start.
+                    order.rest_idle(tag.channel);
+                }
                 order.judge(tag.t, info)
             });
+            idle &= verdict.is_ok();
             if let Ok(Some(verdict)) = verdict {
                 self.emit_verdict(verdict);
             }
         }
         self.ports.progress.t_ns.store(self.channel.at.clock, std::sync::atomic::Ordering::Relaxed);
         self.ports.progress.set_state(state);
+        Ending { halt, ended, idle: idle && ended.is_some() }
+    }
+
+    /// Leaves the other channels for good.
+    fn leave(&mut self, halt: Halt) {
+        let (how, ..) = terminal(halt);
         self.flush();
         let (channel, finish) =
             (self.channel.at.channel, Finish { how, file: self.channel.at.file, line: self.channel.at.line });
@@ -96,7 +161,6 @@ impl Kernel<'_> {
                 order.waits.finish(channel, finish);
             }
         });
-        ended
     }
 
     /// Logs a verdict as an event of the master.

@@ -3,6 +3,7 @@
 //! *Invariant:* after an alarm of its block nothing moves; a motion of a clamped axis is reported and made nevertheless.
 
 use counterpoint_fault::Acted;
+use counterpoint_machine::index::BySlot;
 
 use super::Kernel;
 use counterpoint_event::event::{Kind, Motion, MotionKind, Position};
@@ -71,7 +72,7 @@ impl Kernel<'_> {
             }
         }
         if let Some((axis, at, low, high)) = over {
-            let name = self.channel.env.machine.axes.get(axis).map_or("?", |a| a.name.as_str());
+            let name = &self.channel.env.machine.axes[axis].name;
             let text = format!(
                 "axis {name} at {at:.3} in the machine frame is beyond its limits {low} to {high} in '{}'",
                 self.block_text()
@@ -86,9 +87,9 @@ impl Kernel<'_> {
     pub(crate) fn check_clamps(&mut self, motion: &Motion) {
         let round = matches!(motion.kind, MotionKind::ArcCw | MotionKind::ArcCcw);
         let clamped = self.channel.state.place.clamped;
-        for axis in (0..self.channel.state.place.layout.axes.len()).filter(|axis| clamped >> axis & 1 != 0) {
-            let turns = round && motion.plane_axes.map(usize::from).contains(&axis);
-            if !turns && motion.from.get(axis) == motion.to.get(axis) {
+        for axis in self.channel.state.place.layout.axes.ids().filter(|axis| clamped & axis.bit() != 0) {
+            let turns = round && motion.plane_axes.map(usize::from).contains(&axis.index());
+            if !turns && motion.from.at(axis) == motion.to.at(axis) {
                 continue;
             }
             let text = format!("axis {} is clamped and moves in '{}'", self.channel.axis_name(axis), self.block_text());

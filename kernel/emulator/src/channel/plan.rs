@@ -50,10 +50,32 @@ pub(crate) struct Registers {
     pub(crate) head_sequences: [Option<u8>; 2],
     /// Those whose words can move an axis or shape an arc, bit by register.
     pub(crate) motion: u128,
+    /// Those whose words make corners and directions of lines, bit by register; in blocks with an arc those of arcs do not.
+    pub(crate) contour: Contour,
     /// Those whose words are data whatever their value, bit by register.
     pub(crate) only_data: u128,
     /// Those that carry the spindle speed, bit by register.
     pub(crate) speed: u128,
+}
+
+/// Registers of corners and of directions of lines.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Contour {
+    /// On blocks with a straight move.
+    pub(crate) line: u128,
+    /// On blocks with an arc: those that arcs have no other use for.
+    pub(crate) arc: u128,
+}
+
+impl Contour {
+    fn new(machine: &Machine) -> Self {
+        let of = |kind: DataKind| {
+            let rows = machine.data.iter().filter(|row| row.enable && row.id.kind() == kind);
+            rows.filter_map(|row| row.register).filter(|&r| r < 127).fold(0_u128, |bits, r| bits | 1 << r)
+        };
+        let line = of(DataKind::Contour);
+        Self { line, arc: line & !of(DataKind::Arc) }
+    }
 }
 
 /// Where data come from.
@@ -119,7 +141,10 @@ impl Registers {
         let (mut motion, mut speed) = (0_u128, 0_u128);
         for row in machine.data.iter().filter(|r| r.enable) {
             let Some(register) = row.register.filter(|&r| r < 128) else { continue };
-            if matches!(row.id.kind(), DataKind::Axis(_) | DataKind::Arc | DataKind::Polar | DataKind::Orientation) {
+            if matches!(
+                row.id.kind(),
+                DataKind::Axis(_) | DataKind::Arc | DataKind::Polar | DataKind::Contour | DataKind::Orientation
+            ) {
                 motion |= 1 << register;
             }
             if row.id == data::SPINDLE_RPM || row.id == data::SPINDLE_CSS {
@@ -138,6 +163,7 @@ impl Registers {
             g,
             definition,
             motion,
+            contour: Contour::new(machine),
             speed,
         }
     }

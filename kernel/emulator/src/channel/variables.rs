@@ -10,6 +10,7 @@ use crate::state::frames::offsets::EXTENDED;
 use crate::state::modal::group;
 use counterpoint_dialect::{CallStack, NotThere, VACANT, is_vacant};
 use counterpoint_machine::ident::codes;
+use counterpoint_machine::index::{AxisSlot, BySlot};
 
 /// Local variables #1–#33 of one level.
 type Locals = [f64; 34];
@@ -155,11 +156,9 @@ impl Kernel<'_> {
 
     /// System variables that can be read: positions, modal codes, clock, tool.
     fn system(&self, index: u32) -> Option<f64> {
-        let axis = |base: u32| {
-            self.channel.state.place.layout.axes.get((index - base) as usize).map(|_| (index - base) as usize)
-        };
-        let at = |i: usize| self.channel.programmed().get(i).copied();
-        let machine = |i: usize| self.channel.machine_point(&self.channel.state.place.position).get(i).copied();
+        let axis = |base: u32| self.channel.state.place.layout.axes.id((index - base) as usize);
+        let at = |axis: AxisSlot| self.channel.programmed().at(axis);
+        let machine = |axis: AxisSlot| self.channel.machine_point(&self.channel.state.place.position).at(axis);
         match index {
             3001 => Some((self.channel.at.clock / 1_000_000) as f64),
             3002 => Some(self.channel.at.clock as f64 / 3.6e12),
@@ -181,10 +180,10 @@ impl Kernel<'_> {
             ),
             4119 => Some(self.channel.state.spindle.command.rpm),
             4120 => Some(f64::from(self.channel.state.place.tools.current)),
-            5001..=5008 => axis(5001).and_then(at),
-            5021..=5028 => axis(5021).and_then(machine),
-            5041..=5048 => axis(5041).and_then(at),
-            5061..=5068 => axis(5061).and_then(|i| self.channel.state.skip.end.get(i).copied()),
+            5001..=5008 => axis(5001).map(at),
+            5021..=5028 => axis(5021).map(machine),
+            5041..=5048 => axis(5041).map(at),
+            5061..=5068 => axis(5061).map(|axis| self.channel.state.skip.end.at(axis)),
             _ => None,
         }
     }

@@ -14,9 +14,23 @@ use counterpoint_ports::control::State;
 use counterpoint_sync::coordinator::turn::Met;
 use counterpoint_sync::order::Wake;
 use counterpoint_sync::order::arrive::After;
+use counterpoint_sync::order::idle::Program;
 use counterpoint_sync::wait::{self, Finish, Terminal, Waiting};
 
 impl Kernel<'_> {
+    /// Selects the program of another channel, or none.
+    pub(crate) fn select(&mut self, channel: u16, program: Option<Program>) -> Acted {
+        self.flow.pass.effects = true;
+        self.shared(|order| order.select(channel, program))?.map_err(|reason| not_startable(self, &reason))
+    }
+
+    /// Starts the selected programs of other channels.
+    pub(crate) fn start(&mut self, channels: wait::Set) -> Acted {
+        self.flow.pass.effects = true;
+        let tag = self.tag();
+        self.shared(|order| order.start(tag, channels))?.map_err(|reason| not_startable(self, &reason))
+    }
+
     /// Waits for other channels.
     pub(crate) fn wait(&mut self, wait: wait::Wait) -> Acted {
         self.flow.pass.effects = true;
@@ -38,6 +52,12 @@ impl Kernel<'_> {
         let tag = self.tag();
         self.shared(|order| order.act(tag, act))?.map_err(|reason| impossible(self, &reason))
     }
+}
+
+/// A program of another channel cannot be selected or started.
+fn not_startable(kernel: &mut Kernel<'_>, reason: &str) -> Halt {
+    let text = format!("{reason}, in '{}'", kernel.block_text());
+    kernel.alarm(&diag::CHANNEL_NOT_STARTED, text)
 }
 
 /// What the channel does at its wait is not possible.
@@ -162,7 +182,7 @@ fn woken(kernel: &mut Kernel<'_>, wake: Wake, logged: &Logged) -> Acted {
         }
         Wake::Over if kernel.ports.control.cancelled() => Err(Halt::Stopped),
         Wake::Over => Err(Halt::Blocked),
-        Wake::Stopped | Wake::Turn => Err(Halt::Stopped),
+        Wake::Stopped | Wake::Turn | Wake::Started { .. } => Err(Halt::Stopped),
     }
 }
 

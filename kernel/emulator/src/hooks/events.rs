@@ -12,6 +12,7 @@ use crate::macros::store::column;
 use crate::macros::store::names;
 use counterpoint_event::event::{Kind, Motion, MotionKind, Position, ToolAction, ToolChange};
 use counterpoint_fault as diag;
+use counterpoint_machine::index::{AxisSlot, BySlot};
 use counterpoint_machine::macros::model::Hook;
 use counterpoint_results::geometry::Loop;
 
@@ -59,10 +60,7 @@ impl Kernel<'_> {
         let slots = runtime.arguments.slots;
         Value::Sequence(runtime.arguments.positions.with(|values| {
             values.clear();
-            values.extend(slots.map(|axis| {
-                let at = |of: &Position| axis.and_then(|axis| of.get(axis)).copied().unwrap_or(0.0);
-                Value::Real(at(&motion.to) + at(&preset))
-            }));
+            values.extend(slots.map(|axis| Value::Real(axis.map_or(0.0, |axis| motion.to.at(axis) + preset.at(axis)))));
         }))
     }
 
@@ -76,7 +74,7 @@ impl Kernel<'_> {
         Value::Sequence(runtime.arguments.flags.with(|values| {
             values.clear();
             values.extend(slots.map(|axis| {
-                let coded = axis.is_some_and(|axis| axis < 8 && motion.moving & 1 << axis != 0);
+                let coded = axis.is_some_and(|axis| motion.moving & axis.bit() != 0);
                 Value::Real(f64::from(u8::from(coded)))
             }));
         }))
@@ -84,20 +82,20 @@ impl Kernel<'_> {
 
     /// Centre, plane normal and number of the plane of a circle.
     fn circle(&self, motion: &Motion) -> [Value; 3] {
-        let [first, second] = motion.plane_axes.map(usize::from);
-        let cartesian = self.channel.state.place.layout.cartesian.map(|axis| axis.map(usize::from));
-        let preset = |axis: usize| self.channel.state.place.preset.get(axis).copied().unwrap_or(0.0);
+        let [first, second] = motion.plane_axes.map(|axis| self.channel.state.place.layout.axes.id(usize::from(axis)));
+        let cartesian = self.channel.state.place.layout.cartesian;
+        let preset = |axis: AxisSlot| self.channel.state.place.preset.at(axis);
         let center: Vec<f64> = cartesian
             .iter()
             .map(|axis| match *axis {
-                Some(axis) if axis == first => motion.center[0] + preset(axis),
-                Some(axis) if axis == second => motion.center[1] + preset(axis),
-                Some(axis) => motion.to.get(axis).copied().unwrap_or(0.0) + preset(axis),
+                Some(slot) if *axis == first => motion.center[0] + preset(slot),
+                Some(slot) if *axis == second => motion.center[1] + preset(slot),
+                Some(axis) => motion.to.at(axis) + preset(axis),
                 None => 0.0,
             })
             .collect();
         let [x, y, z] = cartesian;
-        let has = |axis: Option<usize>| axis.is_some_and(|axis| axis == first || axis == second);
+        let has = |axis: Option<AxisSlot>| axis.is_some() && (axis == first || axis == second);
         let (normal, plane) = match (has(x), has(y), has(z)) {
             (true, true, _) => ([0.0, 0.0, 1.0], 1.0),
             (true, _, true) => ([0.0, 1.0, 0.0], 2.0),
@@ -114,8 +112,9 @@ impl Kernel<'_> {
         let programmed = |point: [f64; 3]| {
             let mut values = [0.0; 3];
             for (axis, value) in space.seen.values(point) {
-                if let Some(slot) = space.seen.coordinate(axis).and_then(|side| values.get_mut(side)) {
-                    *slot = value + self.channel.state.place.preset.get(axis).copied().unwrap_or(0.0);
+                let slot = space.seen.coordinate(axis).and_then(|side| values.get_mut(side));
+                if let Some((slot, axis)) = slot.zip(self.channel.state.place.layout.axes.id(axis)) {
+                    *slot = value + self.channel.state.place.preset.at(axis);
                 }
             }
             Value::numbers(&values)
@@ -161,12 +160,9 @@ impl Kernel<'_> {
         };
         for (axis, value) in slots.into_iter().zip(values.iter()) {
             let (Some(axis), Value::Real(value)) = (axis, value) else { continue };
-            let shift = preset.get(axis).copied().unwrap_or(0.0);
-            if let Some(slot) = to.get_mut(axis)
-                && *slot + shift != *value
-                && value.is_finite()
-            {
-                *slot = value - shift;
+            let shift = preset.at(axis);
+            if to.at(axis) + shift != *value && value.is_finite() {
+                *to.at_mut(axis) = value - shift;
             }
         }
         to

@@ -6,6 +6,7 @@
 use counterpoint_lang::diag::Number;
 use counterpoint_lang::fault::{Fault, Outcome};
 use counterpoint_lang::value::Value;
+use counterpoint_machine::index::{AxisSlot, BySlot};
 
 use super::rotary::{Named, is};
 use crate::channel::Kernel;
@@ -58,7 +59,7 @@ impl Kernel<'_> {
     }
 
     fn by_elements(&self, of: &Position) -> Six {
-        self.six_axes().map(|axis| axis.and_then(|axis| of.get(axis)).copied().unwrap_or(0.0))
+        self.six_axes().map(|axis| axis.map_or(0.0, |axis| of.at(axis)))
     }
 
     fn programmed_units(&self, point: Point) -> Point {
@@ -75,15 +76,15 @@ impl Kernel<'_> {
         let fixture = self.fixture();
         let mut joints = self.machine_now();
         for (axis, value) in self.six_axes().into_iter().zip(given) {
-            if let Some(slot) = axis.and_then(|axis| joints.get_mut(axis)) {
-                *slot = value;
+            if let Some(axis) = axis {
+                *joints.at_mut(axis) = value;
             }
         }
         for (slot, fixture) in joints.iter_mut().zip(fixture) {
             *slot += fixture;
         }
         let chain = self.channel.chain();
-        let angle = |axis: usize| joints.get(axis).copied().unwrap_or(0.0);
+        let angle = |axis: AxisSlot| joints.at(axis);
         let tip = chain.tip(self.channel.state.place.geometry(&joints), [0.0; 3], angle);
         let (Some(tip), Some(direction)) = (tip, chain.direction(angle)) else { return Ok(Value::Null) };
         let base = self.channel.state.place.geometry(&fixture);
@@ -112,7 +113,7 @@ impl Kernel<'_> {
             return Err(Fault::new(Number::OUT_OF_RANGE, format!("a solution is 0, 1 or 2, not {number}")));
         }
         let chain = self.channel.chain();
-        let all: Vec<Angles> = if chain.tables.is_empty() && chain.heads.is_empty() {
+        let all: Vec<Angles<AxisSlot>> = if chain.tables.is_empty() && chain.heads.is_empty() {
             vec![Vec::new()]
         } else {
             chain.solve(direction).iter().map(|one| self.channel.near(one)).collect()
@@ -123,19 +124,19 @@ impl Kernel<'_> {
     }
 
     /// Machine positions of a solution, by the elements of `$AXES`.
-    fn machine_positions(&self, chain: &Chain, solution: &Angles, point: Point) -> Six {
+    fn machine_positions(&self, chain: &Chain<AxisSlot>, solution: &Angles<AxisSlot>, point: Point) -> Six {
         let fixture = self.fixture();
         let mut joints = self.machine_now();
         for (slot, fixture) in joints.iter_mut().zip(fixture) {
             *slot += fixture;
         }
         for (axis, angle) in solution {
-            let shift = self.channel.state.place.shift.get(*axis).copied().unwrap_or(0.0);
-            if let (Some(slot), Some(angle)) = (joints.get_mut(*axis), angle) {
-                *slot = angle + shift;
+            let shift = self.channel.state.place.shift.at(*axis);
+            if let Some(angle) = angle {
+                *joints.at_mut(*axis) = angle + shift;
             }
         }
-        let angle = |axis: usize| joints.get(axis).copied().unwrap_or(0.0);
+        let angle = |axis: AxisSlot| joints.at(axis);
         let base = self.channel.state.place.geometry(&fixture);
         let mut part = point;
         for (role, (slot, base)) in part.iter_mut().zip(base).enumerate() {
@@ -158,7 +159,7 @@ impl Kernel<'_> {
 
     /// The solution that a number asks for: 0 the first one within the limits, 1 the one with the least turning, of
     /// equals the one with the shortest way of the linear axes, 2 the other one.
-    fn chosen(&self, all: &[Angles], reached: &[Six], number: f64) -> Option<usize> {
+    fn chosen(&self, all: &[Angles<AxisSlot>], reached: &[Six], number: f64) -> Option<usize> {
         if number != 1.0 && number != 2.0 {
             return all.iter().position(|one| self.channel.within(one)).or((!all.is_empty()).then_some(0));
         }
@@ -219,9 +220,7 @@ impl Kernel<'_> {
         let valid = rest.len() == 6 && unit(vector).is_some() && center.iter().all(|value| value.is_finite());
         Some(match named {
             Named::Tool if valid => self.change_kinematics(|settings| settings.direction = Some(vector)),
-            Named::Axis(axis)
-                if valid && self.channel.state.place.layout.axes.get(axis).is_some_and(|axis| axis.rotary) =>
-            {
+            Named::Axis(axis) if valid && self.channel.state.place.layout.axes[axis].rotary => {
                 self.change_kinematics(|settings| {
                     settings.changed.retain(|joint| joint.axis != axis);
                     settings.changed.push(Joint { axis, vector, center });
@@ -236,9 +235,7 @@ impl Kernel<'_> {
         let (mut at, mut chosen) = (0, Vec::new());
         while at < arguments.len() {
             match self.named_axis(arguments, at) {
-                Some((Named::Axis(axis), count))
-                    if self.channel.state.place.layout.axes.get(axis).is_some_and(|axis| axis.rotary) =>
-                {
+                Some((Named::Axis(axis), count)) if self.channel.state.place.layout.axes[axis].rotary => {
                     if chosen.contains(&axis) {
                         return Value::Real(0.0);
                     }

@@ -50,7 +50,7 @@ impl Kernel<'_> {
     /// Notes the offsets in force while the axes of a motion move.
     pub(crate) fn note_offsets(&mut self, moving: u8) {
         let lathe = self.channel.env.machine.tool.offset_digits > 0;
-        let moves = |letter: char| self.axis_of(letter).is_some_and(|axis| moving & 1 << axis != 0);
+        let moves = |letter: char| self.axis_of(letter).is_some_and(|axis| moving & axis.bit() != 0);
         // A lathe's tool word shifts X, Y and Z, a mill's length offset Z.
         let compensated = moves('Z') || lathe && (moves('X') || moves('Y'));
         let length = if lathe {

@@ -9,6 +9,7 @@ use counterpoint_lang::value::Value;
 use crate::channel::Kernel;
 use crate::state::clamps::Modulo;
 use counterpoint_machine::ident::{DataId, data};
+use counterpoint_machine::index::AxisSlot;
 
 /// What a function names.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -16,7 +17,7 @@ pub(crate) enum Named {
     /// The tool axis.
     Tool,
     /// An axis of the channel.
-    Axis(usize),
+    Axis(AxisSlot),
     /// An axis that the channel does not have.
     Missing,
 }
@@ -87,7 +88,7 @@ impl Kernel<'_> {
             let given = words.iter().find(|(word, _)| is(arguments.get(at), word)).map(|(_, modulo)| *modulo);
             at += usize::from(given.is_some());
             match named {
-                Named::Axis(axis) if self.channel.state.place.layout.axes.get(axis).is_some_and(|axis| axis.rotary) => {
+                Named::Axis(axis) if self.channel.state.place.layout.axes[axis].rotary => {
                     self.unwind_axis(axis, given.unwrap_or(Modulo::Normal));
                 }
                 _ => done = false,

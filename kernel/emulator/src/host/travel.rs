@@ -7,6 +7,7 @@ use crate::channel::Kernel;
 use crate::macros::books::travel::COLUMNS;
 use counterpoint_event::event::{MAX_AXES, Motion};
 use counterpoint_machine::ident::{DataId, data};
+use counterpoint_machine::index::{AxisSlot, BySlot};
 use counterpoint_results::geometry::Round;
 
 /// Data of the axes of the columns.
@@ -47,15 +48,15 @@ impl Kernel<'_> {
         let mut columns = [None; MAX_AXES];
         for (column, id) in AXES.into_iter().enumerate() {
             let axis = self.channel.axis_of_data(id).or_else(|| self.second_table(id));
-            if let Some(slot) = axis.and_then(|axis| columns.get_mut(axis)) {
-                *slot = Some(column);
+            if let Some(axis) = axis {
+                *columns.at_mut(axis) = Some(column);
             }
         }
         columns
     }
 
     /// A second table about Z takes the place of the first one where that is missing.
-    fn second_table(&self, id: DataId) -> Option<usize> {
+    fn second_table(&self, id: DataId) -> Option<AxisSlot> {
         self.channel.axis_of_data(data::AXIS_CT2).filter(|_| id == data::AXIS_CT)
     }
 

@@ -1,5 +1,6 @@
 //! Smaller parts of what the macros of a kernel remember.
 
+use counterpoint_machine::index::AxisSlot;
 use counterpoint_machine::index::CodeRowId;
 use std::sync::Arc;
 
@@ -77,7 +78,7 @@ pub(crate) struct Arguments {
     /// Flags of event macros.
     pub(crate) flags: Reused<Elements>,
     /// Channel axis of each of the six elements of `$AXES`.
-    pub(crate) slots: [Option<usize>; 6],
+    pub(crate) slots: [Option<AxisSlot>; 6],
     /// Start of the last motion.
     pub(crate) before: Position,
 }

@@ -5,6 +5,7 @@
 use super::channel::Channel;
 use counterpoint_machine::ident::kind::CodeKind;
 use counterpoint_machine::ident::{CodeId, DataId, code_facts};
+use counterpoint_machine::index::AxisSlot;
 
 /// How whole turns are taken off.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -36,26 +37,24 @@ impl Modulo {
 
 impl Channel<'_> {
     /// Channel axis that these data move.
-    pub(crate) fn axis_of_data(&self, id: DataId) -> Option<usize> {
-        self.state.place.layout.axes.iter().position(|axis| axis.data == id)
+    pub(crate) fn axis_of_data(&self, id: DataId) -> Option<AxisSlot> {
+        self.state.place.layout.axes.find(|axis| axis.data == id)
     }
 
     /// Name of a channel axis for listings.
-    pub(crate) fn axis_name(&self, axis: usize) -> String {
-        let own = self.state.place.layout.axes.get(axis).and_then(|axis| self.env.machine.axes.get(axis.machine));
-        own.map_or_else(String::new, |own| own.letter.to_lowercase())
+    pub(crate) fn axis_name(&self, axis: AxisSlot) -> String {
+        self.env.machine.axes[self.state.place.layout.axes[axis].machine].letter.to_lowercase()
     }
 
-    pub(crate) fn set_clamp(&mut self, axis: usize, on: bool) {
-        let bit = 1_u8.checked_shl(axis as u32).unwrap_or(0);
-        self.state.place.clamped = if on { self.state.place.clamped | bit } else { self.state.place.clamped & !bit };
+    pub(crate) fn set_clamp(&mut self, axis: AxisSlot, on: bool) {
+        let clamped = self.state.place.clamped;
+        self.state.place.clamped = if on { clamped | axis.bit() } else { clamped & !axis.bit() };
     }
 
     /// Follows the groups of clamps after a macro has changed active codes.
     pub(crate) fn follow_clamps(&mut self) {
-        for axis in 0..self.state.place.layout.axes.len() {
-            let Some(id) = self.state.place.layout.axes.get(axis).map(|axis| axis.data) else { break };
-            let code = CodeId::of_kind(CodeKind::Clamp(id, true));
+        for axis in self.state.place.layout.axes.ids() {
+            let code = CodeId::of_kind(CodeKind::Clamp(self.state.place.layout.axes[axis].data, true));
             let group = code.and_then(code_facts).map_or(0, |facts| facts.group);
             let active = self.state.modal.code(group).filter(|_| group != 0);
             if let Some(CodeKind::Clamp(_, on)) = active.map(CodeId::kind) {

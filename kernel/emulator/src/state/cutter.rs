@@ -1,5 +1,6 @@
 //! What compensation remembers between moves.
 
+use counterpoint_machine::index::{AxisSlot, BySlot};
 use std::sync::Arc;
 
 use counterpoint_motion::arc::Arc as MotionArc;
@@ -7,6 +8,8 @@ use counterpoint_motion::arc::Arc as MotionArc;
 use super::channel::Channel;
 use counterpoint_event::event::{Event, FeedUnit, FileId, Position};
 use counterpoint_motion::contour::element::{Element, Spot};
+
+use super::corner::{Asked, Corner, Open};
 use counterpoint_sync::tag::Tag;
 
 /// Where compensation is.
@@ -47,7 +50,7 @@ pub(crate) enum Shape {
     Circle {
         /// With full turns.
         made: MotionArc,
-        axes: [usize; 2],
+        axes: [AxisSlot; 2],
         turns: u16,
     },
 }
@@ -58,6 +61,10 @@ pub(crate) struct Waiting {
     pub(crate) step: Step,
     /// Its piece of the contour; none for a move beside the plane.
     pub(crate) element: Option<Element>,
+    /// The corner at its end, until the next piece is known.
+    pub(crate) corner: Option<Corner>,
+    /// A line whose end the next one gives.
+    pub(crate) open: Option<Open>,
     pub(crate) file: FileId,
     pub(crate) line: u32,
     pub(crate) block: u64,
@@ -86,7 +93,7 @@ pub(crate) struct Cutter {
     /// From the imaginary tip to the centre of the nose.
     pub(crate) tip: Spot,
     /// Channel axes of the plane.
-    pub(crate) axes: [usize; 2],
+    pub(crate) axes: [AxisSlot; 2],
     /// End of the last programmed move, in the work frame.
     pub(crate) contour: Position,
     pub(crate) stage: Stage,
@@ -98,6 +105,17 @@ pub(crate) struct Cutter {
     pub(crate) seen: u64,
     /// An action goes without compensation.
     pub(crate) suspended: bool,
+    /// The tool stays on the contour: only corners make moves wait.
+    pub(crate) plain: bool,
+    /// What the words of the block ask of the contour, until its move is known.
+    pub(crate) asked: Asked,
+}
+
+impl Cutter {
+    /// A corner or the end of a line waits for the next move.
+    pub(crate) fn is_due(&self) -> bool {
+        self.waiting.iter().any(|waiting| waiting.corner.is_some() || waiting.open.is_some())
+    }
 }
 
 impl Cutter {
@@ -105,9 +123,7 @@ impl Cutter {
     pub(crate) fn lifted(&self, to: &Position, stands: &Position) -> Position {
         let mut lifted = *to;
         for axis in self.axes {
-            if let (Some(slot), Some(at)) = (lifted.get_mut(axis), stands.get(axis)) {
-                *slot = *at;
-            }
+            *lifted.at_mut(axis) = stands.at(axis);
         }
         lifted
     }

@@ -11,6 +11,7 @@ use counterpoint_machine::ident::kind::CodeKind;
 use counterpoint_machine::ident::kind::cycle::HoleCycle;
 use counterpoint_machine::ident::{CodeId, codes};
 use counterpoint_machine::index::CodeRowId;
+use counterpoint_machine::index::{AxisSlot, BySlot};
 
 /// A height: a position, or a distance from another height, as programmed.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -37,7 +38,7 @@ pub(crate) struct Hole {
     /// Axes that were coded, bit by axis.
     pub(crate) coded: u8,
     /// Axis of the cycle in channel order.
-    pub(crate) axis: usize,
+    pub(crate) axis: AxisSlot,
     /// Height where feeding begins.
     pub(crate) clear: f64,
     /// Height where the tool is left.
@@ -117,7 +118,7 @@ pub(crate) struct Cycle {
     pub(crate) number: f64,
     pub(crate) code: Option<CodeId>,
     /// Role and channel axis that it works along.
-    pub(crate) axis: Option<(usize, usize)>,
+    pub(crate) axis: Option<(usize, AxisSlot)>,
     pub(crate) heights: CycleHeights,
     /// Type of a tap as programmed.
     pub(crate) tap: Option<f64>,
@@ -179,7 +180,7 @@ impl Cycle {
         machine: &Machine,
         kind: HoleCycle,
         code: CodeId,
-        (axis, level): ((usize, usize), f64),
+        (axis, level): ((usize, AxisSlot), f64),
     ) {
         self.running &= !self.activator;
         self.prepare(machine);
@@ -195,8 +196,8 @@ impl Cycle {
 
     /// The work frame has changed: levels where the tool has been stay where they are.
     pub(crate) fn reframed(&mut self, old: &Position, new: &Position) {
-        let change = |axis: usize| Some(old.get(axis)? - new.get(axis)?);
-        if let Some(change) = self.axis.and_then(|(_, axis)| change(axis)) {
+        if let Some((_, axis)) = self.axis {
+            let change = old.at(axis) - new.at(axis);
             self.heights.initial += change;
             self.heights.reference += change;
         }

@@ -10,6 +10,7 @@ pub mod channel;
 pub(crate) mod clamps;
 pub(crate) mod compensation;
 pub(crate) mod coolant;
+pub(crate) mod corner;
 pub(crate) mod cutter;
 pub(crate) mod cycle;
 pub(crate) mod frames;

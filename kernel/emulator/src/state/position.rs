@@ -4,13 +4,14 @@ use counterpoint_event::event::{MAX_AXES, Position};
 use counterpoint_fault as diag;
 use counterpoint_machine::ident::DataId;
 use counterpoint_machine::ident::kind::data::DataKind;
+use counterpoint_machine::index::{AxisId, AxisSlot, Table};
 use counterpoint_machine::model::{AxisRole, Machine, Turn};
 
 /// An axis of the channel as the motion actions use it.
 #[derive(Debug, Clone)]
 pub(crate) struct Axis {
-    /// Index in the machine's axis list.
-    pub(crate) machine: usize,
+    /// Which axis of the machine it is.
+    pub(crate) machine: AxisId,
     /// Identifier of its words.
     pub(crate) data: DataId,
     pub(crate) role: AxisRole,
@@ -41,7 +42,7 @@ pub(crate) struct Bounds {
 #[derive(Debug)]
 pub(crate) struct Layout {
     /// Axes in channel order.
-    pub(crate) axes: Vec<Axis>,
+    pub(crate) axes: Table<AxisSlot, Axis>,
     /// One of them turns.
     pub(crate) rotary: bool,
     /// What the axes do not allow.
@@ -49,7 +50,7 @@ pub(crate) struct Layout {
     /// Axes whose absolute words are angles, not positions, bit by axis.
     pub(crate) angles: u8,
     /// Channel axis of the X, Y and Z roles.
-    pub(crate) cartesian: [Option<u8>; 3],
+    pub(crate) cartesian: [Option<AxisSlot>; 3],
 }
 
 /// Numbers of the offsets in force.
@@ -114,29 +115,23 @@ pub(crate) struct Place {
 impl Place {
     /// A channel at home, work offset 1 active if the machine has it.
     pub(crate) fn new(machine: &Machine, channel: &counterpoint_machine::model::Channel) -> Self {
-        let axes: Vec<Axis> = channel
-            .axes
-            .iter()
-            .take(MAX_AXES)
-            .filter_map(|&index| {
-                machine.axes.get(index).map(|a| {
-                    let scale = if a.diameter { 0.5 } else { 1.0 };
-                    Axis {
-                        machine: index,
-                        data: a.data,
-                        role: a.role,
-                        rotary: a.role.is_rotary(),
-                        scale,
-                        rapid: a.rapid / 60.0,
-                        acceleration: a.acceleration,
-                        home: a.home,
-                        references: a.references,
-                        limits: a.limits,
-                    }
-                })
-            })
-            .collect();
-        let find = |role: AxisRole| axes.iter().position(|a| a.role == role).map(|i| i as u8);
+        let axes = channel.axes.map(|_, &id| {
+            let a = &machine.axes[id];
+            let scale = if a.diameter { 0.5 } else { 1.0 };
+            Axis {
+                machine: id,
+                data: a.data,
+                role: a.role,
+                rotary: a.role.is_rotary(),
+                scale,
+                rapid: a.rapid / 60.0,
+                acceleration: a.acceleration,
+                home: a.home,
+                references: a.references,
+                limits: a.limits,
+            }
+        });
+        let find = |role: AxisRole| axes.find(|axis| axis.role == role);
         let cartesian = [find(AxisRole::X), find(AxisRole::Y), find(AxisRole::Z)];
         let bounds = Bounds {
             limited: axes.iter().any(|axis| axis.limits.is_some()),
@@ -166,7 +161,7 @@ impl Place {
 }
 
 /// Registers that only move axes which the channel does not have; none where such words are no alarms.
-fn foreign(machine: &Machine, axes: &[Axis]) -> u128 {
+fn foreign(machine: &Machine, axes: &Table<AxisSlot, Axis>) -> u128 {
     if !machine.stops_at(&diag::AXIS_NOT_IN_CHANNEL) {
         return 0;
     }
@@ -182,7 +177,7 @@ fn foreign(machine: &Machine, axes: &[Axis]) -> u128 {
 }
 
 /// Axes of a channel whose absolute words are angles, bit by axis.
-fn angles(machine: &Machine, axes: &[Axis]) -> u8 {
-    let is = |axis: &Axis| machine.axes.get(axis.machine).is_some_and(|axis| axis.turn != Turn::Position);
-    axes.iter().enumerate().filter(|(_, axis)| is(axis)).fold(0, |bits, (at, _)| bits | 1 << at)
+fn angles(machine: &Machine, axes: &Table<AxisSlot, Axis>) -> u8 {
+    let is = |axis: &Axis| machine.axes[axis.machine].turn != Turn::Position;
+    axes.entries().filter(|(_, axis)| is(axis)).fold(0, |bits, (slot, _)| bits | slot.bit())
 }

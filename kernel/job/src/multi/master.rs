@@ -14,6 +14,7 @@ use counterpoint_emulator::macros::runtime::Runtime;
 use counterpoint_emulator::macros::store::names;
 use counterpoint_event::event::{Event, FileId};
 use counterpoint_fault as diag;
+use counterpoint_machine::index::Table;
 use counterpoint_machine::macros::model::Hook;
 use counterpoint_machine::model::Channel;
 use counterpoint_program::layout::first_main;
@@ -42,7 +43,7 @@ impl<'a> Shop<'a> {
         if machine.macros.is_none() || machine.channels.len() < 2 {
             return None;
         }
-        let (name, axes) = ("MASTER".to_owned(), Vec::new());
+        let (name, axes) = ("MASTER".to_owned(), Table::default());
         let channel =
             Channel { number: 0, name, axes, spindle: None, rear: None, milling: None, polar: None, lower: false };
         let mut kept = Vec::new();

@@ -26,11 +26,12 @@ use counterpoint_emulator::channel::parts::{Ports, Setup};
 use counterpoint_emulator::channel::plan::Plan;
 use counterpoint_emulator::state::channel::Environment;
 use counterpoint_event::Outcome;
-use counterpoint_event::event::{Event, FileId, Kind, Phase};
+use counterpoint_event::event::{Event, Kind, Phase};
 use counterpoint_machine::model::Channel;
 use counterpoint_ports::control::{Control, Progress, State};
 use counterpoint_ports::files::Files;
 use counterpoint_program::shape::Range;
+use counterpoint_sync::order::idle::Program;
 use counterpoint_sync::sink::{Sink, WrittenFiles};
 use counterpoint_sync::tag::Tag;
 
@@ -142,7 +143,8 @@ impl<'s> Log<'s> {
 struct Start<'a> {
     channel: &'a Channel,
     progress: &'a Progress,
-    at: (FileId, Range, Box<str>),
+    /// Its program; without one it waits until another channel starts it.
+    at: Option<At>,
     /// When the machine is started again: time and microstep, and what the kernel was before.
     before: Option<((i64, u32), Option<Carried>)>,
     /// The kernel goes on with another file, as if it were the first one or not.
@@ -165,7 +167,7 @@ struct Shop<'a> {
 }
 
 impl<'a> Shop<'a> {
-    /// The kernels that have a program; logs those that have none.
+    /// The kernels that have a program or may be started; logs those that have none.
     fn starting(self, kernel_0: Option<&Master>, log: &mut dyn FnMut(&Event) -> bool) -> Vec<Start<'a>> {
         let Self { job, coordinator, control, .. } = self;
         let mut starting = Vec::new();
@@ -178,15 +180,25 @@ impl<'a> Shop<'a> {
             let given =
                 kernel_0.and_then(|master| master.programs.iter().find(|(number, _)| *number == channel.number));
             let at = given.map_or(own, |(_, at)| at.clone()).filter(|_| kernel_0.is_none_or(|master| master.good));
-            match at {
-                Some(at) => starting.push(Start { channel, progress, at, before: None, reset: None }),
-                None => {
-                    progress.set_state(State::NotStarted);
-                    log(&Event { channel: channel.number, ..master(0, Kind::Lifecycle(Phase::NotStarted)) });
-                    coordinator.never_started(channel.number);
-                }
+            if let Some((file, range, name)) = &at {
+                let (lines, name) = ((range.first, range.last), (**name).into());
+                coordinator.unordered(|order| order.preselect(channel.number, Program { file: *file, lines, name }));
+            } else {
+                progress.set_state(State::NotStarted);
+                log(&Event { channel: channel.number, ..master(0, Kind::Lifecycle(Phase::NotStarted)) });
             }
+            starting.push(Start { channel, progress, at, before: None, reset: None });
         }
+        // Others start those that have no program, if the control can do so and somebody runs.
+        let can_start = job.spec().machine.sync.starts_channels() && starting.iter().any(|start| start.at.is_some());
+        starting.retain(|start| {
+            match &start.at {
+                None if can_start => coordinator.idle(start.channel.number),
+                None => coordinator.never_started(start.channel.number),
+                Some(_) => {}
+            }
+            can_start || start.at.is_some()
+        });
         starting
     }
 
@@ -239,7 +251,12 @@ impl<'a> Shop<'a> {
     }
 
     /// A kernel as it starts, with its program.
-    fn started<'k>(self, start: Start<'k>, stream: Stream<'k>, switch: Switch<'k>) -> (Kernel<'k>, At, Option<bool>)
+    fn started<'k>(
+        self,
+        start: Start<'k>,
+        stream: Stream<'k>,
+        switch: Switch<'k>,
+    ) -> (Kernel<'k>, Option<At>, Option<bool>)
     where
         'a: 'k,
     {
@@ -292,7 +309,7 @@ impl<'a> Shop<'a> {
 }
 
 /// Runs a kernel; if it panics, all others are stopped and the panic goes on to whoever joins.
-fn guarded(kernel: Kernel<'_>, at: At, reset: Option<bool>, coordinator: &Coordinator) -> Lived {
+fn guarded(kernel: Kernel<'_>, at: Option<At>, reset: Option<bool>, coordinator: &Coordinator) -> Lived {
     let channel = kernel.channel.at.channel;
     std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| kernel.live(at, reset))).unwrap_or_else(|panic| {
         coordinator.abort();

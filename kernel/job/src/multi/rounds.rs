@@ -83,7 +83,7 @@ impl<'a> Shop<'a> {
                 Some((_, at)) => {
                     let reset = carried.is_some().then_some(again.reset);
                     let before = Some((round.at, carried));
-                    starting.push(Start { channel, progress, at: at.clone(), before, reset });
+                    starting.push(Start { channel, progress, at: Some(at.clone()), before, reset });
                 }
                 None => {
                     // It may get a program the next time.

@@ -252,4 +252,15 @@ data! {
     OFFSET_KIND true true Plain, None => "which table an offset is set in (Fanuc G10 L)";
     OFFSET_NUMBER true true Plain, None => "which offset is set (Fanuc G10 P)";
     OFFSET_VALUE true true Plain, None => "length or radius that is set (Fanuc G10 R)";
+    CORNER_LEGS true true Contour, Length => "chamfer at the end of the line, by what it takes of both lines (Fanuc ,C, Siemens CHR)";
+    CORNER_FACE true true Contour, Length => "chamfer at the end of the line, by its own length (Siemens CHF)";
+    CORNER_ROUND true true Contour, Length => "rounding at the end of the line, radius (Fanuc ,R, Siemens RND)";
+    CORNER_ROUND_MODAL true true Contour, Length => "rounding of all corners from here on, radius, 0 for none (Siemens RNDM)";
+    CORNER_SIDE true true Contour, Length => "chamfer between two axis-parallel lines; its sign is the direction of the second one (Fanuc C)";
+    CORNER_SIDE_X true true Contour, Length => "the same where the second line is along X (Fanuc I)";
+    CORNER_SIDE_Z true true Contour, Length => "the same where the second line is along Z (Fanuc K)";
+    CORNER_SIDE_ROUND true true Contour, Length => "rounding between two axis-parallel lines with such a sign (Fanuc R)";
+    CORNER_FEED true true Contour, Feed => "feed of this corner (Siemens FRC)";
+    CORNER_FEED_MODAL true true Contour, Feed => "feed of all corners from here on, 0 for that of their lines (Siemens FRCM)";
+    LINE_ANGLE true true Contour, Angle => "direction of the line from the first axis of the plane (Fanuc ,A, Siemens ANG)";
 }

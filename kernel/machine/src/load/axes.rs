@@ -5,6 +5,7 @@
 use super::defaults;
 use super::names::Names;
 use crate::ident::{self, DataId};
+use crate::index::{AxisId, Table};
 use crate::model::{Axis, AxisRole, Turn};
 use crate::rows::DataRow;
 use crate::toml::section::Section;
@@ -13,7 +14,7 @@ use crate::toml::section::Section;
 const MOST: usize = 99;
 
 /// Reads the rows in file order.
-pub(super) fn read(top: &mut Section<'_>, names: &Names<'_>, data: &[DataRow]) -> Vec<Axis> {
+pub(super) fn read(top: &mut Section<'_>, names: &Names<'_>, data: &[DataRow]) -> Table<AxisId, Axis> {
     top.require("axes", "the axes of the machine");
     let mut axes: Vec<Axis> = Vec::new();
     for mut row in top.rows("axes", "[[axes]]", MOST) {
@@ -30,7 +31,7 @@ pub(super) fn read(top: &mut Section<'_>, names: &Names<'_>, data: &[DataRow]) -
         }
         row.finish();
     }
-    axes
+    axes.into_iter().collect()
 }
 
 fn read_row(row: &mut Section<'_>, names: &Names<'_>) -> Option<Axis> {

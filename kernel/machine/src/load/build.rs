@@ -46,10 +46,11 @@ pub(super) fn machine(merged: &Merged, files: &dyn Files, check: &Check) -> Mach
     let habits = habits::read(&mut top, head.preprocessor);
     let output = output::read(&mut top);
     let tool_direction = kinematics::read(&mut top, &axes, &channels, &codes, check);
+    let corners = compensation::corners(&mut top);
     let compensation = compensation::read(&mut top);
     overlap::check_codes(&codes, &names.registers, check);
     let initial = initial::read(&mut top, &names, &codes);
-    let waits = waits::read(&mut top, &codes, &names.registers, check);
+    let waits = waits::read(&mut top, (&codes, &names.registers), head.preprocessor, check);
     let sync = sync::read(&mut top, &channels, (&codes, waits), check);
     let variables = variables::read(&mut top, check);
     let around = calls::Around {
@@ -105,6 +106,7 @@ pub(super) fn machine(merged: &Merged, files: &dyn Files, check: &Check) -> Mach
         habits,
         output,
         compensation,
+        corners,
         variables,
         tool,
         work_offsets,

@@ -119,7 +119,7 @@ pub(super) fn row_name(path: &str, row: &Table) -> Option<String> {
             let form = form.or_else(|| row.text("text").map(|text| format!("text {text}")));
             Some(format!("{} {}", identifier(row)?, form.unwrap_or_default()))
         }
-        "waits" => row.text("word").or_else(|| row.text("text")).map(str::to_owned),
+        "waits" => ["word", "text", "statement"].iter().find_map(|form| row.text(form)).map(str::to_owned),
         "subprograms.calls" => row.text("word").map(str::to_owned),
         "refusals" => row.text("name").or_else(|| row.text("alarm")).map(str::to_owned),
         "data" => Some(format!("{} {}", identifier(row)?, row.text("register").unwrap_or_default())),

@@ -2,6 +2,7 @@
 //!
 //! Invariant: an axis belongs to one channel, and no two axes of a channel answer to the same word.
 
+use crate::index::{AxisId, AxisSlot, Table};
 use crate::model::{Axis, Channel, Spindle};
 use crate::toml::check::Check;
 use crate::toml::node::{Node, Value};
@@ -13,7 +14,12 @@ use counterpoint_event::MAX_AXES;
 const MOST: usize = 99;
 
 /// Reads the rows and sorts them by number.
-pub(super) fn read(top: &mut Section<'_>, axes: &[Axis], spindles: &[Spindle], check: &Check) -> Vec<Channel> {
+pub(super) fn read(
+    top: &mut Section<'_>,
+    axes: &Table<AxisId, Axis>,
+    spindles: &[Spindle],
+    check: &Check,
+) -> Vec<Channel> {
     top.require("channels", "at least one channel");
     let mut channels: Vec<Channel> = Vec::new();
     for mut row in top.rows("channels", "[[channels]]", MOST) {
@@ -31,7 +37,7 @@ pub(super) fn read(top: &mut Section<'_>, axes: &[Axis], spindles: &[Spindle], c
     channels
 }
 
-fn read_row(row: &mut Section<'_>, axes: &[Axis], spindles: &[Spindle], check: &Check) -> Option<Channel> {
+fn read_row(row: &mut Section<'_>, axes: &Table<AxisId, Axis>, spindles: &[Spindle], check: &Check) -> Option<Channel> {
     row.require("number", "a whole number from 1 to 99");
     let number = row.integer("number", 1..=99).map(|number| number as u16);
     let name = row.name("name", 32).map(str::to_owned);
@@ -53,19 +59,24 @@ fn read_row(row: &mut Section<'_>, axes: &[Axis], spindles: &[Spindle], check: &
 }
 
 /// `polar = ["X1", "C1"]`: a linear and a rotary axis of the channel.
-fn polar_axes(row: &mut Section<'_>, axes: &[Axis], own: &[usize], check: &Check) -> Option<[usize; 2]> {
+fn polar_axes(
+    row: &mut Section<'_>,
+    axes: &Table<AxisId, Axis>,
+    own: &Table<AxisSlot, AxisId>,
+    check: &Check,
+) -> Option<[AxisSlot; 2]> {
     let names = row.texts("polar")?;
-    let found: Vec<usize> = names
+    let found: Vec<AxisSlot> = names
         .iter()
         .filter_map(|(name, place)| {
-            let index = own.iter().copied().find(|index| axes.get(*index).is_some_and(|axis| axis.name == *name));
-            if index.is_none() {
+            let slot = own.find(|axis| axes[*axis].name == *name);
+            if slot.is_none() {
                 check.missing(place, format!("the channel has no axis \"{}\"", name.escape_debug()));
             }
-            index
+            slot
         })
         .collect();
-    let rotary = |index: usize| axes.get(index).is_some_and(|axis| axis.role.is_rotary());
+    let rotary = |slot: AxisSlot| axes[own[slot]].role.is_rotary();
     match found.as_slice() {
         [linear, turning] if !rotary(*linear) && rotary(*turning) => Some([*linear, *turning]),
         _ if found.len() < names.len() => None,
@@ -76,38 +87,37 @@ fn polar_axes(row: &mut Section<'_>, axes: &[Axis], own: &[usize], check: &Check
     }
 }
 
-fn channel_axes(row: &mut Section<'_>, axes: &[Axis], check: &Check) -> Vec<usize> {
+fn channel_axes(row: &mut Section<'_>, axes: &Table<AxisId, Axis>, check: &Check) -> Table<AxisSlot, AxisId> {
     let names = row.texts("axes").unwrap_or_default();
     if names.len() > MAX_AXES {
         row.error("axes", format!("a channel has at most {MAX_AXES} axes, not {}", names.len()));
     }
-    let mut own: Vec<usize> = Vec::new();
+    let mut own: Vec<AxisId> = Vec::new();
     for (name, place) in names {
-        let Some(index) = axes.iter().position(|axis| axis.name == name) else {
+        let Some(axis) = axes.find(|axis| axis.name == name) else {
             let near = did_you_mean(name, axes.iter().map(|axis| axis.name.as_str()));
             check.missing(place, format!("no axis has the name \"{}\"{near}", name.escape_debug()));
             continue;
         };
-        let word = |index: usize| axes.get(index).map(|axis| axis.data);
-        if own.contains(&index) {
+        if own.contains(&axis) {
             check.error(place, format!("axis {name} is listed twice"));
-        } else if let Some(twin) = own.iter().find(|other| word(**other) == word(index)).and_then(|i| axes.get(*i)) {
+        } else if let Some(twin) = own.iter().map(|other| &axes[*other]).find(|other| other.data == axes[axis].data) {
             check.error(place, format!("axes {} and {name} of one channel have the same `data`", twin.name));
         } else {
-            own.push(index);
+            own.push(axis);
         }
     }
-    own
+    own.into_iter().collect()
 }
 
 /// Warns about axes that no channel has, unless a mistake may be the reason; those of a family cannot be taken away.
-fn check_idle(top: &mut Section<'_>, channels: &[Channel], axes: &[Axis], check: &Check) {
+fn check_idle(top: &mut Section<'_>, channels: &[Channel], axes: &Table<AxisId, Axis>, check: &Check) {
     if check.has_errors() {
         return;
     }
     let Some(Value::Array(rows)) = top.node("axes").map(|node| &node.value) else { return };
-    for (index, axis) in axes.iter().enumerate() {
-        if channels.is_empty() || channels.iter().any(|channel| channel.axes.contains(&index)) {
+    for (id, axis) in axes.entries() {
+        if channels.is_empty() || channels.iter().any(|channel| channel.axes.as_slice().contains(&id)) {
             continue;
         }
         let of_axis = |row: &&Node| matches!(&row.value, Value::Table(row) if row.text("name") == Some(&axis.name));
@@ -118,15 +128,15 @@ fn check_idle(top: &mut Section<'_>, channels: &[Channel], axes: &[Axis], check:
     }
 }
 
-fn check_twins(row: &Section<'_>, channel: &Channel, others: &[Channel], axes: &[Axis]) {
+fn check_twins(row: &Section<'_>, channel: &Channel, others: &[Channel], axes: &Table<AxisId, Axis>) {
     for other in others {
         if other.number == channel.number {
             row.error("number", format!("there is already a channel {}", channel.number));
         } else if other.name == channel.name {
             row.error("name", format!("there is already a channel with the name \"{}\"", channel.name));
         }
-        for axis in channel.axes.iter().filter(|axis| other.axes.contains(axis)) {
-            let name = axes.get(*axis).map_or("?", |axis| axis.name.as_str());
+        for axis in channel.axes.iter().filter(|axis| other.axes.as_slice().contains(axis)) {
+            let name = &axes[*axis].name;
             row.error("axes", format!("axis {name} already belongs to channel {}", other.number));
         }
     }

@@ -1,8 +1,9 @@
-//! `[compensation]`: how cutter and nose radius compensation begins, ends and goes around corners.
+//! `[compensation]`: how cutter and nose radius compensation begins, ends and goes around corners; `[corners]`: what
+//! corner words of the program may do.
 //!
 //! Invariant: the angle is one of 0 to 180 degrees.
 
-use crate::model::{Compensation, OutsideCorner};
+use crate::model::{Compensation, Corners, OutsideCorner};
 use crate::toml::section::Section;
 
 /// Reads `[compensation]`.
@@ -19,6 +20,19 @@ pub(super) fn read(top: &mut Section<'_>) -> Compensation {
         }
         made.corner_angle = angle.min(180.0);
     }
+    section.finish();
+    made
+}
+
+/// Reads `[corners]`.
+pub(super) fn corners(top: &mut Section<'_>) -> Corners {
+    let mut made = Corners { between: 1, reduces: false, rapid: false };
+    let Some(mut section) = top.table("corners", "[corners]") else { return made };
+    if let Some(between) = section.integer("between", 0..=100) {
+        made.between = between as u32;
+    }
+    made.reduces = section.choice("too_long", &[("error", false), ("reduce", true)]).unwrap_or(made.reduces);
+    made.rapid = section.flag("rapid").unwrap_or(made.rapid);
     section.finish();
     made
 }

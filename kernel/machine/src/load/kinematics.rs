@@ -5,6 +5,7 @@
 use crate::ident::DataId;
 use crate::ident::kind::CodeKind;
 use crate::ident::kind::data::DataKind;
+use crate::index::{AxisId, Table};
 use crate::model::{Axis, AxisRole, Channel};
 use crate::rows::CodeRow;
 use crate::toml::check::Check;
@@ -51,7 +52,7 @@ pub(super) fn read_axis(row: &mut Section<'_>, data: Option<DataId>, role: AxisR
 /// Reads `[kinematics]`, and checks that tool tip control is possible where a code can switch it on.
 pub(super) fn read(
     top: &mut Section<'_>,
-    axes: &[Axis],
+    axes: &Table<AxisId, Axis>,
     channels: &[Channel],
     codes: &[CodeRow],
     check: &Check,
@@ -72,7 +73,7 @@ pub(super) fn read(
     // A machine that says nothing about its axes in space has no use for tool tip control.
     let described = |axis: &&Axis| axis.vector != usual(Some(axis.data)) || axis.center != [0.0; 3];
     for channel in channels {
-        let own = channel.axes.iter().filter_map(|axis| axes.get(*axis));
+        let own = channel.axes.iter().map(|axis| &axes[*axis]);
         let rotary: Vec<&Axis> = own.filter(|axis| axis.role.is_rotary()).take(2).collect();
         if !asked && !rotary.iter().any(described) {
             continue;

@@ -77,7 +77,7 @@ fn check_form(section: &Section<'_>, form: PathsForm, channels: &[Channel]) {
 fn check_words(section: &Section<'_>, sync: &Sync, channels: &[Channel], rows: &[CodeRow], check: &Check) {
     let marks =
         [codes::SYNC_REG, codes::SYNC_REG_MAIN, codes::SYNC_REG_SIDE, codes::SYNC_REG_START, codes::SYNC_REG_STOP];
-    let own = |row: &CodeRow| sync.waits.iter().any(|wait| wait.form == row.form);
+    let own = |row: &CodeRow| sync.waits.iter().any(|wait| wait.is_of(&row.form));
     let words = rows.iter().any(|row| marks.contains(&row.id) && row.enable && !own(row));
     if sync.dialect == SyncDialect::Fanuc && !words && sync.waits.is_empty() && channels.len() > 1 {
         let text = "the channels of this machine cannot meet: no row of [[codes]] has CODE_SYNC_REG";

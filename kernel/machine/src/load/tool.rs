@@ -3,6 +3,7 @@
 //! Invariant: every offset has one value per axis of the machine; tools and tool offsets stand in ascending number.
 
 use super::values::{by_axis, some_by_axis};
+use crate::index::{AxisId, Table};
 use crate::model::{Axis, Tool, ToolFacts, ToolOffset};
 use crate::toml::check::Check;
 use crate::toml::section::Section;
@@ -17,8 +18,8 @@ const LONGEST_NAME: usize = 80;
 const STANDARD: usize = 6;
 
 /// Reads `[tool]`.
-pub(super) fn read(top: &mut Section<'_>, axes: &[Axis], check: &Check) -> Tool {
-    let mut tool = Tool::default();
+pub(super) fn read(top: &mut Section<'_>, axes: &Table<AxisId, Axis>, check: &Check) -> Tool {
+    let mut tool = Tool { change_point: axes.map(|_, _| None), ..Tool::default() };
     let Some(mut section) = top.table("tool", "[tool]") else { return tool };
     tool.offset_digits = section.integer("offset_digits", 0..=4).unwrap_or(0) as u8;
     tool.change_point = some_by_axis(&mut section, "change_position", axes, check);
@@ -72,7 +73,7 @@ fn read_data(row: &mut Section<'_>) -> Option<ToolFacts> {
     Some(ToolFacts { number: number?, name, diameter, radius, length, offset })
 }
 
-fn read_offset(row: &mut Section<'_>, axes: &[Axis], check: &Check) -> Option<ToolOffset> {
+fn read_offset(row: &mut Section<'_>, axes: &Table<AxisId, Axis>, check: &Check) -> Option<ToolOffset> {
     row.require("number", "a whole number from 1 to 9999");
     let number = row.integer("number", 1..=9999).map(|number| number as u32);
     let radius = row.at_least_zero("radius").unwrap_or(0.0);
@@ -82,8 +83,8 @@ fn read_offset(row: &mut Section<'_>, axes: &[Axis], check: &Check) -> Option<To
 }
 
 /// Reads `[[work_offsets]]`: G54 first, zeros where the file says nothing.
-pub(super) fn read_work(top: &mut Section<'_>, axes: &[Axis], check: &Check) -> Vec<Vec<f64>> {
-    let mut offsets = vec![vec![0.0; axes.len()]; STANDARD];
+pub(super) fn read_work(top: &mut Section<'_>, axes: &Table<AxisId, Axis>, check: &Check) -> Vec<Table<AxisId, f64>> {
+    let mut offsets = vec![axes.map(|_, _| 0.0); STANDARD];
     let mut seen: Vec<i64> = Vec::new();
     for mut row in top.rows("work_offsets", "[[work_offsets]]", MOST) {
         row.require("number", "a whole number from 1 (G54) to 999");
@@ -95,7 +96,7 @@ pub(super) fn read_work(top: &mut Section<'_>, axes: &[Axis], check: &Check) -> 
             }
             seen.push(number);
             let index = number as usize - 1;
-            offsets.resize(offsets.len().max(index + 1), vec![0.0; axes.len()]);
+            offsets.resize(offsets.len().max(index + 1), axes.map(|_, _| 0.0));
             if let Some(slot) = offsets.get_mut(index) {
                 *slot = values;
             }

@@ -2,6 +2,7 @@
 //!
 //! Invariant: a list of values by axis has one number per axis of the machine.
 
+use crate::index::{AxisId, Table};
 use crate::model::Axis;
 use crate::toml::check::Check;
 use crate::toml::section::{Section, number};
@@ -18,27 +19,23 @@ pub(super) fn factor(section: &mut Section<'_>) -> f64 {
 }
 
 /// `values = { X1 = …, Z1 = … }`: one value per axis of the machine, 0 where none is given.
-pub(super) fn by_axis(section: &mut Section<'_>, axes: &[Axis], check: &Check) -> Vec<f64> {
-    some_by_axis(section, "values", axes, check).into_iter().map(Option::unwrap_or_default).collect()
+pub(super) fn by_axis(section: &mut Section<'_>, axes: &Table<AxisId, Axis>, check: &Check) -> Table<AxisId, f64> {
+    some_by_axis(section, "values", axes, check).map(|_, value| value.unwrap_or_default())
 }
 
 /// The values of a key by axis name, none where none is given.
 pub(super) fn some_by_axis(
     section: &mut Section<'_>,
     key: &'static str,
-    axes: &[Axis],
+    axes: &Table<AxisId, Axis>,
     check: &Check,
-) -> Vec<Option<f64>> {
-    let mut values = vec![None; axes.len()];
+) -> Table<AxisId, Option<f64>> {
+    let mut values = axes.map(|_, _| None);
     let Some(table) = section.free_table(key) else { return values };
     for entry in &table.entries {
         let value = number(&entry.node, &entry.key, check);
-        match axes.iter().position(|axis| axis.name == entry.key) {
-            Some(index) => {
-                if let Some(slot) = values.get_mut(index) {
-                    *slot = value;
-                }
-            }
+        match axes.find(|axis| axis.name == entry.key) {
+            Some(axis) => values[axis] = value,
             None => {
                 let near = did_you_mean(&entry.key, axes.iter().map(|axis| axis.name.as_str()));
                 check.missing(&entry.place, format!("no axis has the name \"{}\"{near}", entry.key.escape_debug()));

@@ -1,12 +1,13 @@
-//! `[[waits]]`: words and texts at which channels wait for each other, whatever the control calls them.
+//! `[[waits]]`: words, texts and statements at which channels wait for each other, whatever the control calls them.
 //!
-//! Invariant: every row has exactly one row of the code table, with `CODE_SYNC_REG`. Facts: reference
+//! Invariant: every word and every text has exactly one row of the code table, with `CODE_SYNC_REG`; a statement has none. Facts: reference
 //! channel-synchronisation.md 1.1.
 
 use counterpoint_event::event::Primitive;
 
 use crate::ident::codes;
 use crate::model::{Mismatch, WaitAct, WaitRow};
+use crate::preprocessor::Preprocessor;
 use crate::rows::{CodeForm, CodeRow, Register};
 use crate::toml::check::Check;
 use crate::toml::node::{Entry, Node, Place, Table, Value};
@@ -14,6 +15,9 @@ use crate::toml::section::Section;
 
 /// Most rows.
 const MOST: usize = 200;
+
+/// Highest mark.
+const HIGHEST: u32 = 99_999_999;
 
 /// Keys that a row of `[[waits]]` and its row of the code table share.
 const OF_CODES: [&str; 5] = ["word", "text", "with", "without", "ignores"];
@@ -51,26 +55,50 @@ fn entry(key: &str, place: &Place, value: Value) -> Entry {
 }
 
 /// Reads the rows, which have their rows of the code table by now.
-pub(super) fn read(top: &mut Section<'_>, rows: &[CodeRow], registers: &[Register], check: &Check) -> Vec<WaitRow> {
+pub(super) fn read(
+    top: &mut Section<'_>,
+    (rows, registers): (&[CodeRow], &[Register]),
+    preprocessor: Preprocessor,
+    check: &Check,
+) -> Vec<WaitRow> {
     let mut waits = Vec::new();
     for mut section in top.rows("waits", "[[waits]]", MOST) {
         for key in OF_CODES {
             section.node(key);
         }
         let row = read_row(&mut section, check);
+        let statement = statement(&mut section, preprocessor);
         let place = section.place().clone();
         section.finish();
+        if let Some((row, word)) = row.as_ref().zip(statement) {
+            waits.push(WaitRow { word, ..row.clone() });
+            continue;
+        }
         let code = rows.iter().find(|code| code.line == place.line && *code.file == *place.file);
         let Some((row, code)) = row.zip(code.filter(|code| code.id == codes::SYNC_REG)) else { continue };
         let word = word(&code.form, registers);
-        waits.push(WaitRow { form: code.form.clone(), word, ..row });
+        waits.push(WaitRow { form: Some(code.form.clone()), word, ..row });
     }
     waits
 }
 
+/// Name of a statement of the pre-processor, in capitals.
+fn statement(section: &mut Section<'_>, preprocessor: Preprocessor) -> Option<String> {
+    let name = section.name("statement", 32)?.to_ascii_uppercase();
+    if OF_CODES.iter().any(|key| section.node(key).is_some()) {
+        section.error("statement", "a statement is no word and no text, and has none of their conditions");
+    } else if !preprocessor.row().wait_statements {
+        let name = preprocessor.row().name;
+        section.error("statement", format!("the pre-processor \"{name}\" has no statements between channels"));
+    } else if name.len() < 2 || !name.bytes().all(|byte| byte.is_ascii_alphanumeric() || byte == b'_') {
+        section.error("statement", "a statement has a name of letters, digits and underscores, at least two");
+    }
+    Some(name)
+}
+
 fn read_row(section: &mut Section<'_>, check: &Check) -> Option<WaitRow> {
-    if section.node("word").is_none() && section.node("text").is_none() {
-        check.error(section.place(), "[[waits]] needs a form: `word` (\"M100-M149\") or `text`");
+    if ["word", "text", "statement"].iter().all(|form| section.node(form).is_none()) {
+        check.error(section.place(), "[[waits]] needs a form: `word` (\"M100-M149\"), `text` or `statement`");
     }
     let primitives = [
         ("barrier", Primitive::Barrier),
@@ -89,9 +117,12 @@ fn read_row(section: &mut Section<'_>, check: &Check) -> Option<WaitRow> {
         ("clear", WaitAct::Clear),
         ("signal", WaitAct::Signal),
         ("release", WaitAct::Release),
+        ("select", WaitAct::Select),
+        ("start", WaitAct::Start),
     ];
     let act = section.choice("act", &acts).unwrap_or(WaitAct::Wait);
-    let mark = section.integer("mark", 0..=99_999_999).unwrap_or(0) as u32;
+    let mark = section.integer("mark", 0..=i64::from(HIGHEST)).unwrap_or(0) as u32;
+    let highest = section.integer("highest", 0..=i64::from(HIGHEST)).map_or(HIGHEST, |highest| highest as u32);
     let need = section.integer("need", 1..=99).unwrap_or(0) as u16;
     let absent = section.choice("absent", &[("missed", false), ("counts", true)]);
     let mismatches = [("free", Mismatch::Free), ("fanuc", Mismatch::Fanuc), ("siemens", Mismatch::Siemens)];
@@ -99,11 +130,12 @@ fn read_row(section: &mut Section<'_>, check: &Check) -> Option<WaitRow> {
     let primitive = primitive?;
     check_row(section, check, (primitive, act, mismatch));
     Some(WaitRow {
-        form: CodeForm::NotApplicable,
+        form: None,
         word: String::new(),
         primitive,
         act,
         mark,
+        highest,
         need,
         absent_counts: absent.unwrap_or(primitive == Primitive::Order),
         mismatch,
@@ -117,10 +149,11 @@ fn check_row(section: &mut Section<'_>, check: &Check, (primitive, act, mismatch
         WaitAct::Set | WaitAct::Clear => primitive == Primitive::Flag,
         WaitAct::Signal => primitive == Primitive::Signal,
         WaitAct::Release => primitive == Primitive::Lease,
+        WaitAct::Select | WaitAct::Start => primitive == Primitive::Join && section.node("statement").is_some(),
     };
     if !fits {
         let text = "`act` does not go with this primitive: flags are set and cleared, signals are sent by \"signal\", leases \
-                    are given back by \"release\"";
+                    are given back by \"release\", and statements \"select\" and \"start\" the programs of a join";
         section.error("act", text);
     }
     let fits = match mismatch {
@@ -133,6 +166,9 @@ fn check_row(section: &mut Section<'_>, check: &Check, (primitive, act, mismatch
     }
     if section.node("need").is_some() && primitive != Primitive::Count {
         check.warning(section.place_of("need"), "`need` is for a count: this primitive needs all channels of its list");
+    }
+    if section.node("highest").is_some() && section.node("statement").is_none() {
+        check.warning(section.place_of("highest"), "`highest` is for a `statement`: a word has a range of numbers");
     }
     if section.node("mark").is_some() && section.node("text").is_none() {
         check.warning(section.place_of("mark"), "`mark` is for a `text`: a word has its mark in its number");

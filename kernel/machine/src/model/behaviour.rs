@@ -1,5 +1,7 @@
 //! How a control behaves: subprograms, meetings, times, cycles, compensation, variables, tools.
 
+use crate::index::{AxisId, Table};
+
 /// Subprogram calls.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Subprograms {
@@ -145,6 +147,14 @@ pub struct Sync {
     pub waits: Vec<super::WaitRow>,
 }
 
+impl Sync {
+    /// Programs can start the programs of other channels.
+    #[must_use]
+    pub fn starts_channels(&self) -> bool {
+        self.waits.iter().any(|row| row.act == super::WaitAct::Start)
+    }
+}
+
 /// Dialect of the meeting codes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SyncDialect {
@@ -234,6 +244,17 @@ pub struct Compensation {
     pub corner_angle: f64,
 }
 
+/// Words that make corners and directions of lines.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Corners {
+    /// Blocks without a move in the plane that may come between the two lines of a corner.
+    pub between: u32,
+    /// A corner that is too large for its lines is made smaller.
+    pub reduces: bool,
+    /// Rapid moves have corners too.
+    pub rapid: bool,
+}
+
 /// The file that printing statements of the program write, and how numbers stand in it.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Output {
@@ -310,7 +331,7 @@ pub struct Tool {
     /// What is known about tools, ascending by number.
     pub data: Vec<ToolFacts>,
     /// Tool-change position in the machine frame, per machine axis, as programmed.
-    pub change_point: Vec<Option<f64>>,
+    pub change_point: Table<AxisId, Option<f64>>,
     /// The axes go there before a tool is loaded.
     pub change_motion: bool,
     /// Tools by name, in capital letters.
@@ -348,8 +369,8 @@ impl Tool {
 pub struct ToolOffset {
     /// Number.
     pub number: u32,
-    /// Value per machine axis (index into `axes`), as programmed (diameter on a diameter axis).
-    pub values: Vec<f64>,
+    /// Value per machine axis, as programmed (diameter on a diameter axis).
+    pub values: Table<AxisId, f64>,
     /// Nose or cutter radius.
     pub radius: f64,
     /// Imaginary tip direction 0–9.

@@ -6,12 +6,12 @@ use counterpoint_event::event::Primitive;
 
 use crate::rows::CodeForm;
 
-/// A word or text at which a channel waits for others, or lets them continue.
+/// A word, a text or a statement at which a channel waits for others, or lets them continue.
 #[derive(Debug, Clone, PartialEq)]
 pub struct WaitRow {
-    /// Form of its row in the code table.
-    pub form: CodeForm,
-    /// The text, or the letters of the word.
+    /// Form of its row in the code table; none of a statement of the pre-processor.
+    pub form: Option<CodeForm>,
+    /// The text, the letters of the word, or the name of the statement.
     pub word: String,
     /// Primitive.
     pub primitive: Primitive,
@@ -19,12 +19,22 @@ pub struct WaitRow {
     pub act: WaitAct,
     /// Number of the mark of a text.
     pub mark: u32,
+    /// Highest mark of a statement.
+    pub highest: u32,
     /// Channels that a count needs; 0: all.
     pub need: u16,
     /// A channel that has ended or has no program counts as arrived.
     pub absent_counts: bool,
     /// Which pairs of waits are refused.
     pub mismatch: Mismatch,
+}
+
+impl WaitRow {
+    /// Its row in the code table has this form.
+    #[must_use]
+    pub fn is_of(&self, form: &CodeForm) -> bool {
+        self.form.as_ref() == Some(form)
+    }
 }
 
 /// What a word of `[[waits]]` does.
@@ -40,6 +50,10 @@ pub enum WaitAct {
     Signal,
     /// Gives back what the channel holds.
     Release,
+    /// Selects the program of a channel.
+    Select,
+    /// Starts the selected programs of channels.
+    Start,
 }
 
 /// The control whose rule refuses pairs of waits.

@@ -4,7 +4,8 @@
 
 use serde_json::{Value, json};
 
-use super::{Show, axis, register, sorted_codes, word, written};
+use super::{Show, register, sorted_codes, word, written};
+use crate::index::{AxisId, Table};
 use crate::model::{Axis, Channel, Heights, Machine, WaitRow};
 use crate::rows::{CodeForm, CodeRow, DataRow, NumberFormat, Register};
 
@@ -42,6 +43,11 @@ pub fn json(machine: &Machine) -> Value {
             "arcs": machine.compensation.arcs,
             "corner": word(machine.compensation.corner),
             "corner_angle": machine.compensation.corner_angle,
+        },
+        "corners": {
+            "between": machine.corners.between,
+            "too_long": if machine.corners.reduces { "reduce" } else { "error" },
+            "rapid": machine.corners.rapid,
         },
         "output": {
             "file": machine.output.file,
@@ -179,7 +185,7 @@ fn channel(machine: &Machine, channel: &Channel) -> Value {
     json!({
         "number": channel.number,
         "name": channel.name,
-        "axes": channel.axes.iter().map(|index| axis(machine, *index)).collect::<Vec<_>>(),
+        "axes": channel.axes.iter().map(|axis| machine.axes[*axis].name.as_str()).collect::<Vec<_>>(),
         "spindle": channel.spindle,
         "rear": channel.rear,
         "milling": channel.milling,
@@ -326,7 +332,7 @@ fn tool_data(machine: &Machine) -> Vec<Value> {
 }
 
 /// Values with the names of their axes.
-fn by_axis(machine: &Machine, values: &[f64]) -> Value {
+fn by_axis(machine: &Machine, values: &Table<AxisId, f64>) -> Value {
     let named = machine.axes.iter().zip(values).map(|(axis, value)| (axis.name.clone(), json!(value)));
     Value::Object(named.collect())
 }

@@ -2,7 +2,7 @@
 //!
 //! Invariant: columns are separated by two blanks and lines have none at their end.
 
-use super::{axis, register, word, written};
+use super::{register, word, written};
 use crate::ident::codes;
 use crate::ident::kind::CodeKind;
 use crate::model::paths::Threads;
@@ -287,7 +287,7 @@ pub(super) fn axes(machine: &Machine) -> String {
 pub(super) fn channels(machine: &Machine) -> String {
     let mut grid = Grid::new(&["channel", "name", "axes", "spindle"]);
     for channel in &machine.channels {
-        let axes: Vec<&str> = channel.axes.iter().map(|index| axis(machine, *index)).collect();
+        let axes: Vec<&str> = channel.axes.iter().map(|axis| machine.axes[*axis].name.as_str()).collect();
         grid.row([
             channel.number.to_string(),
             channel.name.clone(),

@@ -90,7 +90,7 @@ impl Offset {
     }
 
     /// Where the offsets of two pieces meet.
-    fn crossings(&self, first: &Element, second: &Element) -> [Option<Spot>; 2] {
+    pub(super) fn crossings(&self, first: &Element, second: &Element) -> [Option<Spot>; 2] {
         let round = |element: &Element| {
             let arc = element.arc.as_ref()?;
             Some((arc.center, element.offset_radius(self.side, self.radius)?))

@@ -85,6 +85,20 @@ impl Element {
         self.arc.is_some() && self.offset_radius(side, radius).is_none()
     }
 
+    /// The part of the element between two of its spots.
+    #[must_use]
+    pub fn between(&self, from: Spot, to: Spot) -> Self {
+        let arc = self.arc.map(|arc| {
+            let (start_angle, turn) = (angle(arc.center, from), arc.sweep.signum());
+            let way = ((angle(arc.center, to) - start_angle) * turn).rem_euclid(TAU);
+            // Nothing of it, not almost a whole turn.
+            let way = if TAU - way < 1e-9 && arc.sweep.abs() < TAU - 1e-9 { 0.0 } else { way };
+            let turns = ((arc.sweep.abs() - way) / TAU + 1e-9).floor().max(0.0);
+            Arc { start_angle, sweep: turn * (way + turns * TAU), ..arc }
+        });
+        Self { from, to, arc }
+    }
+
     /// Share of the element that is done at a spot of its offset.
     pub fn share(&self, spot: Spot) -> f64 {
         let Some(arc) = &self.arc else {

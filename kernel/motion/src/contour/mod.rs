@@ -1,4 +1,5 @@
 //! Contours in a plane and paths beside them.
 
+pub mod blend;
 pub mod corner;
 pub mod element;

@@ -16,11 +16,11 @@ const FLAT: f64 = 1e-9;
 /// Directions that differ by less are the same.
 const SAME: f64 = 1e-7;
 
-/// A rotary axis.
+/// A rotary axis; `A` says which.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Joint {
-    /// Channel axis.
-    pub axis: usize,
+pub struct Joint<A> {
+    /// Which axis it is.
+    pub axis: A,
     /// Its direction, any length but zero.
     pub vector: Point,
     /// A point on it.
@@ -29,11 +29,11 @@ pub struct Joint {
 
 /// The rotary axes of a channel.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Chain {
+pub struct Chain<A> {
     /// Rotary axes of the table, from the machine to the part.
-    pub tables: Vec<Joint>,
+    pub tables: Vec<Joint<A>>,
     /// Rotary axes of the head, from the machine to the tool.
-    pub heads: Vec<Joint>,
+    pub heads: Vec<Joint<A>>,
     /// From the tip to the spindle, all heads at zero.
     pub tool: Point,
 }
@@ -64,10 +64,10 @@ fn turn_between(axis: &Vector3<f64>, from: &Vector3<f64>, to: &Vector3<f64>) -> 
 }
 
 /// Angles of the axes by solution: one for each axis, none where any angle does.
-pub type Angles = Vec<(usize, Option<f64>)>;
+pub type Angles<A> = Vec<(A, Option<f64>)>;
 
-impl Chain {
-    fn map(joints: &[Joint], sign: f64, angle: impl Fn(usize) -> f64) -> Affine {
+impl<A: Copy> Chain<A> {
+    fn map(joints: &[Joint<A>], sign: f64, angle: impl Fn(A) -> f64) -> Affine {
         let mut map = Affine::SAME;
         for joint in joints {
             let turned = Affine::rotation(joint.vector, sign * angle(joint.axis)).unwrap_or(Affine::SAME);
@@ -77,30 +77,30 @@ impl Chain {
     }
 
     /// Where tables bring points of the part.
-    pub fn part(&self, angle: impl Fn(usize) -> f64) -> Affine {
+    pub fn part(&self, angle: impl Fn(A) -> f64) -> Affine {
         Self::map(&self.tables, -1.0, angle)
     }
 
     /// Where heads bring points of the tool.
-    pub fn head(&self, angle: impl Fn(usize) -> f64) -> Affine {
+    pub fn head(&self, angle: impl Fn(A) -> f64) -> Affine {
         Self::map(&self.heads, 1.0, angle)
     }
 
     /// Where the linear axes stand when the tip is at a point of the part. `length`: from the tip to the gauge point.
-    pub fn linear(&self, part: Point, length: Point, angle: impl Fn(usize) -> f64 + Copy) -> Point {
+    pub fn linear(&self, part: Point, length: Point, angle: impl Fn(A) -> f64 + Copy) -> Point {
         let tip = Vector3::from(self.part(angle).point(part));
         let tool = Vector3::from(self.head(angle).point(length.map(|value| -value)));
         (tip - tool).into()
     }
 
     /// The point of the part where the tip is.
-    pub fn tip(&self, linear: Point, length: Point, angle: impl Fn(usize) -> f64 + Copy) -> Option<Point> {
+    pub fn tip(&self, linear: Point, length: Point, angle: impl Fn(A) -> f64 + Copy) -> Option<Point> {
         let tool = Vector3::from(self.head(angle).point(length.map(|value| -value)));
         self.part(angle).inverse().map(|back| back.point(Into::into(Vector3::from(linear) + tool)))
     }
 
     /// Direction of the tool on the part.
-    pub fn direction(&self, angle: impl Fn(usize) -> f64 + Copy) -> Option<Point> {
+    pub fn direction(&self, angle: impl Fn(A) -> f64 + Copy) -> Option<Point> {
         let turned = self.head(angle).direction(self.tool);
         self.part(angle).inverse().and_then(|back| unit(back.direction(turned)))
     }
@@ -118,7 +118,7 @@ impl Chain {
     }
 
     /// The angles that bring the tool into a direction of the part: up to two solutions.
-    pub fn solve(&self, direction: Point) -> Vec<Angles> {
+    pub fn solve(&self, direction: Point) -> Vec<Angles<A>> {
         let (Some(wanted), Some(tool)) = (unit_vector(direction), unit_vector(self.tool)) else { return Vec::new() };
         // Each case is: the first axis turns `x`, the second one `y`, and both come to the same direction.
         let (first, second, x, y, signs) = match (self.tables.as_slice(), self.heads.as_slice()) {
@@ -153,7 +153,7 @@ impl Chain {
         heights.iter().filter_map(|height| solve(*height)).collect()
     }
 
-    fn single(joint: &Joint, from: &Vector3<f64>, to: &Vector3<f64>, sign: f64) -> Vec<Angles> {
+    fn single(joint: &Joint<A>, from: &Vector3<f64>, to: &Vector3<f64>, sign: f64) -> Vec<Angles<A>> {
         let angle = unit_vector(joint.vector).and_then(|axis| turn_between(&axis, from, to));
         angle.map(|angle| vec![(joint.axis, angle.map(|angle| sign * angle))]).into_iter().collect()
     }
@@ -167,12 +167,12 @@ mod tests {
     const Y: Point = [0.0, 1.0, 0.0];
     const Z: Point = [0.0, 0.0, 1.0];
 
-    fn joint(axis: usize, vector: Point) -> Joint {
+    fn joint(axis: usize, vector: Point) -> Joint<usize> {
         Joint { axis, vector, center: [0.0; 3] }
     }
 
-    fn chains() -> Vec<Chain> {
-        let chain = |tables: Vec<Joint>, heads: Vec<Joint>| Chain { tables, heads, tool: Z };
+    fn chains() -> Vec<Chain<usize>> {
+        let chain = |tables: Vec<Joint<usize>>, heads: Vec<Joint<usize>>| Chain { tables, heads, tool: Z };
         vec![
             chain(vec![joint(0, X), joint(1, Z)], vec![]),
             chain(vec![], vec![joint(0, Z), joint(1, Y)]),
@@ -206,9 +206,9 @@ mod tests {
     #[test]
     fn what_cannot_be_reached_has_no_solution() {
         let chain = Chain { tables: vec![joint(0, Z)], heads: vec![], tool: Z };
-        assert_eq!(chain.solve(X), Vec::<Angles>::new());
+        assert_eq!(chain.solve(X), Vec::<Angles<usize>>::new());
         assert_eq!(chain.solve(Z), vec![vec![(0, None)]]);
-        assert_eq!(chain.solve([f64::NAN; 3]), Vec::<Angles>::new());
+        assert_eq!(chain.solve([f64::NAN; 3]), Vec::<Angles<usize>>::new());
         let parallel = Chain { tables: vec![joint(0, Z)], heads: vec![joint(1, Z)], tool: Z };
         assert!(!parallel.is_possible() && parallel.solve(X).is_empty());
     }

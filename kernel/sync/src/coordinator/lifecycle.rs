@@ -15,6 +15,14 @@ impl Coordinator {
         inner.send(Message::Done(channel));
     }
 
+    /// A channel without a program, which others may start; its kernel has not begun yet.
+    pub fn idle(&self, channel: u16) {
+        let mut inner = self.lock();
+        inner.order.waits.finish(channel, Finish { how: Terminal::NeverStarted, file: 0, line: 0 });
+        inner.order.rest_idle(channel);
+        self.apply(&mut inner);
+    }
+
     /// The kernel is finished, and all its events are sent. `last` is done before: its end may concern others.
     pub fn done(&self, channel: u16, last: impl FnOnce(&mut Order)) {
         let mut inner = self.lock();

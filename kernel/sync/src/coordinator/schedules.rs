@@ -12,7 +12,7 @@ use crate::order::Wake;
 use crate::order::arrive::After;
 use crate::shared::Shared;
 use crate::tag::Tag;
-use crate::testing::{Deed, info, wait, waits};
+use crate::testing::{Deed, info, program, wait, waits};
 use crate::wait::{Finish, Terminal, Waiting};
 use counterpoint_event::event::Primitive::{self, Barrier, Count, Flag, Join, Lease, Signal};
 
@@ -30,6 +30,10 @@ enum Op {
     At(Primitive, u32),
     /// Something done for others.
     Do(Deed, u32),
+    /// The end of a program; the script continues when another kernel starts the next one.
+    Rest,
+    /// Starts this kernel.
+    Begin(u16),
     /// A wait for the merger.
     Away,
     /// The end of the job.
@@ -37,7 +41,7 @@ enum Op {
 }
 
 use Deed::{Free, Send, Set};
-use Op::{Act, At, Away, Do, Run, Stop};
+use Op::{Act, At, Away, Begin, Do, Rest, Run, Stop};
 
 /// Runs a kernel; its operations go into the list of variables, in their order.
 fn kernel(core: &Coordinator, channel: u16, kernels: u16, script: &[Op]) {
@@ -75,6 +79,26 @@ fn kernel(core: &Coordinator, channel: u16, kernels: u16, script: &[Op]) {
                 }
                 Err(_) => break,
             },
+            Begin(other) => match port.enter(tag, &mut (), |()| ()) {
+                Ok(mut turn) => {
+                    assert_eq!(turn.start(tag, crate::wait::Set::default().with(*other)), Ok(()));
+                    micro += 1;
+                }
+                Err(_) => break,
+            },
+            Rest => {
+                match port.enter(tag, &mut (), |()| ()) {
+                    Ok(mut turn) => {
+                        turn.finish(tag, Finish { how: Terminal::Ended, file: 0, line: 0 });
+                        turn.rest_idle(channel);
+                    }
+                    Err(_) => break,
+                }
+                match port.wait(channel, &mut (), |()| ()) {
+                    Wake::Started { tag, .. } => (t, micro) = (tag.t, tag.micro),
+                    _ => return core.done(channel, |_| ()),
+                }
+            }
             At(primitive, number) => {
                 let waiting = Waiting { wait: wait(*primitive, *number, kernels), tag, file: 0, line: 0 };
                 let mut wake = match port.meet(waiting, &mut (), |()| (), |(), _| false) {
@@ -113,6 +137,7 @@ fn kernel(core: &Coordinator, channel: u16, kernels: u16, script: &[Op]) {
 fn run(scripts: &'static [&'static [Op]], threads: usize) -> Vec<f64> {
     let channels = Channels::new(1..=scripts.len() as u16);
     let core = Arc::new(Coordinator::new(channels, threads, Shared::default(), waits(scripts.len() as u16), None));
+    core.unordered(|order| (1..=scripts.len() as u16).for_each(|channel| order.preselect(channel, program())));
     let handles: Vec<_> = (1..)
         .zip(scripts)
         .map(|(channel, script)| {
@@ -217,5 +242,17 @@ fn a_lease_of_three_kernels() {
             &[Run(1), At(Lease, 1), Act, Run(1), Do(Free, 1)],
         ],
         &[211.0, 212.0, 233.0],
+    );
+}
+
+#[test]
+fn a_kernel_is_started_twice() {
+    tried(
+        &[
+            &[Run(1), Begin(2), Run(3), Act, Begin(2), Begin(3)],
+            &[Rest, Act, Run(1), Rest, Act],
+            &[Run(1), Rest, Run(1), Act],
+        ],
+        &[112.0, 401.0, 422.0, 503.0],
     );
 }

@@ -9,7 +9,7 @@ use std::fmt::Write as _;
 
 use super::arrive::After;
 use super::*;
-use crate::testing::{Deed, info, wait, waits};
+use crate::testing::{Deed, info, program, wait, waits};
 use crate::wait::{Finish, Terminal};
 use counterpoint_event::event::Primitive::{self, Barrier, Count, Flag, Join, Lease, Signal};
 use counterpoint_event::event::Verdict;
@@ -25,6 +25,10 @@ enum Op {
     At(Primitive, u32),
     /// Something done for others, with this number.
     Do(Deed, u32),
+    /// The end of a program; the script continues when another kernel starts the next one.
+    Rest,
+    /// Starts this kernel.
+    Begin(u16),
     /// A wait for the merger.
     Away,
     /// An alarm that stops the job.
@@ -34,7 +38,7 @@ enum Op {
 }
 
 use Deed::{Clear, Free, Send, Set};
-use Op::{Act, At, Away, Do, End, Run, Stop};
+use Op::{Act, At, Away, Begin, Do, End, Rest, Run, Stop};
 
 /// What a kernel does next.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -96,8 +100,10 @@ impl World {
             need: i64::MAX,
             fate: "",
         };
+        let mut order = Order::new(channels, Shared::default(), waits(count));
+        (1..=count).for_each(|channel| order.preselect(channel, program()));
         Self {
-            order: Order::new(channels, Shared::default(), waits(count)),
+            order,
             players: scripts.iter().map(player).collect(),
             heard: vec![0; scripts.len()],
             locked: None,
@@ -221,7 +227,9 @@ impl World {
                 player.next = Next::Script;
                 match self.order.take_wake(channel).unwrap() {
                     Wake::Turn => self.act(index, op),
-                    Wake::Released { tag, .. } => self.players[index].clock = (tag.t, tag.micro),
+                    Wake::Released { tag, .. } | Wake::Started { tag, .. } => {
+                        self.players[index].clock = (tag.t, tag.micro);
+                    }
                     Wake::Over => self.end(index, "over", None),
                     Wake::Alarm { .. } => self.end(index, "alarm", None),
                     Wake::Stopped => self.end(index, "stopped", None),
@@ -245,6 +253,19 @@ impl World {
                     return self.end(index, "alarm", Some(Terminal::Alarmed));
                 }
                 self.players[index].clock.1 += 1;
+            }
+            Begin(other) => {
+                if self.order.start(tag, crate::wait::Set::default().with(other)).is_err() {
+                    return self.end(index, "alarm", Some(Terminal::Alarmed));
+                }
+                self.players[index].clock.1 += 1;
+            }
+            Rest => {
+                self.order.finish(tag, Finish { how: Terminal::Ended, file: 0, line: 0 });
+                self.order.rest_idle(channel);
+                let verdict = self.order.judge(tag.t, &info());
+                self.players[index].next = Next::Answer(op);
+                self.judged(verdict);
             }
             At(what, number) => {
                 let own = Finish { how: Terminal::Alarmed, file: 0, line: 0 };
@@ -386,6 +407,24 @@ fn all_schedules_with_joins() {
 #[test]
 fn all_schedules_with_leases() {
     pairs([Run(1), At(Lease, 1), At(Lease, 2), Do(Free, 1)]);
+}
+
+#[test]
+fn all_schedules_with_starts() {
+    pairs([Run(1), Act, Rest, Begin(1), Begin(2)]);
+    pairs([Run(1), Rest, Begin(2), At(Join, 0), At(Flag, 1)]);
+}
+
+#[test]
+fn all_schedules_of_starts_of_three_kernels() {
+    for [one, two, three] in [
+        [&[Run(1), Begin(2), At(Barrier, 1)][..], &[Rest, Act, At(Barrier, 1)][..], &[Run(2), At(Barrier, 1)][..]],
+        [&[Run(1), Begin(2), Begin(3)], &[Rest, Run(1), Begin(3)], &[Rest, Act, Rest, Act]],
+        [&[At(Flag, 1)], &[Rest, Do(Set, 1)], &[Run(1), Begin(2), Do(Set, 1)]],
+        [&[Rest, At(Join, 0)], &[Rest, Begin(1), Rest], &[Begin(2), Run(1), Begin(2)]],
+    ] {
+        one_outcome(&[one, two, three]);
+    }
 }
 
 #[test]

@@ -6,10 +6,12 @@
 
 use crate::act::Act;
 use crate::state::modal::group;
+use counterpoint_event::event::Position;
 use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
 use counterpoint_machine::ident::kind::arc::{By, Form};
 use counterpoint_machine::ident::{DataId, codes, data};
+use counterpoint_machine::index::{AxisSlot, BySlot};
 use counterpoint_machine::model::Heights;
 
 /// Direction of a circle: that of its code, of another code on the block, or the last one.
@@ -29,7 +31,7 @@ pub(super) fn direction(act: &mut Act<'_, '_>, form: Form) -> Option<bool> {
 }
 
 /// Takes a coordinate of a centre, as a radius value in the work frame.
-pub(super) fn coordinate(act: &mut Act<'_, '_>, id: DataId, axis: usize) -> Option<f64> {
+pub(super) fn coordinate(act: &mut Act<'_, '_>, id: DataId, axis: AxisSlot) -> Option<f64> {
     let datum = act.take(id)?;
     let relative = datum.incremental
         || !datum.absolute
@@ -38,8 +40,8 @@ pub(super) fn coordinate(act: &mut Act<'_, '_>, id: DataId, axis: usize) -> Opti
                 Heights::Absolute => false,
                 Heights::Mode => act.state.modal.code(group::POSITION) == Some(codes::POSITION_RELATIVE),
             };
-    let scale = act.state.place.layout.axes.get(axis).map_or(1.0, |a| a.scale);
-    let of = |list: &[f64]| list.get(axis).copied().unwrap_or(0.0);
+    let scale = act.state.place.layout.axes[axis].scale;
+    let of = |list: &Position| list.at(axis);
     Some(match relative {
         true => of(&act.programmed()) * scale + datum.value,
         false => {
@@ -56,7 +58,7 @@ pub(crate) fn define_center(act: &mut Act<'_, '_>) -> Acted {
     for (role, id) in [data::ARC_CENTER_X, data::ARC_CENTER_Y, data::ARC_CENTER_Z].into_iter().enumerate() {
         let axis = act.state.place.layout.cartesian.get(role).copied().flatten();
         let value = match axis {
-            Some(axis) => coordinate(act, id, usize::from(axis)),
+            Some(axis) => coordinate(act, id, axis),
             None => not_here(act, id),
         };
         if let Some(slot) = center.get_mut(role) {

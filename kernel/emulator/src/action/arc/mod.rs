@@ -26,6 +26,7 @@ use counterpoint_machine::ident::codes;
 use counterpoint_machine::ident::data;
 use counterpoint_machine::ident::kind::CodeKind;
 use counterpoint_machine::ident::kind::arc::{By, Form};
+use counterpoint_machine::index::{AxisSlot, BySlot};
 use counterpoint_machine::model::paths::{Helix, Turns};
 use counterpoint_program::block::PendingCode;
 
@@ -42,22 +43,20 @@ pub(crate) const ENTRIES: &[Entry] = &[
 /// The plane of a circle by its axes in the channel, with their factors to radius values.
 #[derive(Clone, Copy)]
 struct Flat {
-    axes: [usize; 2],
+    axes: [AxisSlot; 2],
     scales: [f64; 2],
 }
 
 impl Flat {
     fn point(&self, position: &Position) -> [f64; 2] {
-        let at = |side: usize| -> Option<f64> { Some(position.get(*self.axes.get(side)?)? * self.scales.get(side)?) };
-        [at(0).unwrap_or(0.0), at(1).unwrap_or(0.0)]
+        let ([first, second], [a, b]) = (self.axes, self.scales);
+        [position.at(first) * a, position.at(second) * b]
     }
 
     /// Moves a position to a point of the plane.
     fn set(&self, position: &mut Position, point: [f64; 2]) {
         for ((axis, scale), value) in self.axes.iter().zip(self.scales).zip(point) {
-            if let Some(slot) = position.get_mut(*axis) {
-                *slot = value / scale;
-            }
+            *position.at_mut(*axis) = value / scale;
         }
     }
 }
@@ -114,9 +113,9 @@ pub(super) fn arc(act: &mut Act<'_, '_>, form: Form, code: &PendingCode) -> Acte
 /// The active plane, if the channel has its axes.
 fn active_plane(act: &Act<'_, '_>) -> Option<(Plane, Flat)> {
     let plane = plane(act.state.modal.code(group::PLANE)?)?;
-    let index = |role: usize| act.state.place.layout.cartesian.get(role).copied().flatten().map(usize::from);
+    let index = |role: usize| act.state.place.layout.cartesian.get(role).copied().flatten();
     let axes = [index(plane.first)?, index(plane.second)?];
-    let scales = axes.map(|axis| act.state.place.layout.axes.get(axis).map_or(1.0, |a| a.scale));
+    let scales = axes.map(|axis| act.state.place.layout.axes[axis].scale);
     Some((plane, Flat { axes, scales }))
 }
 
@@ -189,7 +188,7 @@ fn cut(
         }
     };
     let by_angle = words.angle.is_some() && words.center.is_some();
-    let flat_coded = coded & (1 << flat.axes[0] | 1 << flat.axes[1]) != 0;
+    let flat_coded = coded & (flat.axes[0].bit() | flat.axes[1].bit()) != 0;
     if words.radius.is_none() && (!by_angle || flat_coded) {
         check_end(act, made.end_error(end).max(if by_angle { distance(reached, end) } else { 0.0 }));
     }
@@ -226,8 +225,8 @@ fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {
 
 /// A linear axis out of the plane moves too.
 fn rises(act: &Act<'_, '_>, flat: &Flat, from: &Position, to: &Position) -> bool {
-    let axes = act.state.place.layout.axes.iter().zip(from).zip(to).enumerate();
-    axes.filter(|(at, ((axis, _), _))| !flat.axes.contains(at) && !axis.rotary).any(|(_, ((_, a), b))| a != b)
+    let axes = act.state.place.layout.axes.entries();
+    axes.filter(|(slot, axis)| !flat.axes.contains(slot) && !axis.rotary).any(|(slot, _)| from.at(slot) != to.at(slot))
 }
 
 fn check_end(act: &mut Act<'_, '_>, off: f64) {
@@ -285,7 +284,7 @@ pub(super) struct Circle {
     pub(super) from: Position,
     pub(super) to: Position,
     /// Channel axes of its plane.
-    pub(super) axes: [usize; 2],
+    pub(super) axes: [AxisSlot; 2],
     pub(super) turns: u16,
     pub(super) feed: Option<f64>,
     pub(super) unit: FeedUnit,
@@ -304,25 +303,22 @@ impl Act<'_, '_> {
         }
         let Circle { made, coded, from, to, axes: [first, second], turns, feed, unit } = *circle;
         let changes = self.changes(&from, &to);
-        let rise = changes
-            .iter()
-            .enumerate()
-            .filter(|&(i, _)| {
-                i != first && i != second && self.state.place.layout.axes.get(i).is_some_and(|a| !a.rotary)
-            })
-            .map(|(_, c)| c * c)
+        let axes = self.state.place.layout.axes.entries();
+        let rise = axes
+            .filter(|(slot, axis)| *slot != first && *slot != second && !axis.rotary)
+            .map(|(slot, _)| changes.at(slot) * changes.at(slot))
             .sum::<f64>();
         let length = (made.length() * made.length() + rise).sqrt();
-        let x = self.state.place.layout.cartesian.first().copied().flatten().map(usize::from);
+        let x = self.state.place.layout.cartesian.first().copied().flatten();
         let radial = [first, second].iter().position(|&axis| Some(axis) == x);
-        let scale = |axis: usize| self.state.place.layout.axes.get(axis).map_or(1.0, |a| a.scale);
+        let scale = |axis: AxisSlot| self.state.place.layout.axes[axis].scale;
         let center = [made.center[0] / scale(first), made.center[1] / scale(second)];
         let path = Path { from: &from, to: &to, length: made.length(), arc: Some((&made, radial)) };
         let mut seconds = self.feed_seconds(&path, feed, unit)?;
         if self.state.place.frames.is_some() {
             seconds = self.at_rates(seconds, &from, &to, None);
         }
-        let moving = self.moving(coded, &changes) | 1 << first | 1 << second;
+        let moving = self.moving(coded, &changes) | first.bit() | second.bit();
         self.travel(
             seconds,
             &Motion {
@@ -331,7 +327,7 @@ impl Act<'_, '_> {
                 from,
                 to,
                 center,
-                plane_axes: [first as u8, second as u8],
+                plane_axes: [first, second].map(|slot| slot.index() as u8),
                 turns,
                 feed: feed.unwrap_or(0.0),
                 feed_unit: unit,

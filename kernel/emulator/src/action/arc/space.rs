@@ -3,6 +3,7 @@
 //! Facts: reference control-emulator.md 6.1 (through-point arc). Decision: the point is read as the end is: by position
 //! mode, diameters on a diameter axis; a coordinate that is not said is that of the start.
 
+use counterpoint_machine::index::BySlot;
 use counterpoint_motion::arc::Arc;
 use counterpoint_motion::space::Circle;
 
@@ -88,13 +89,13 @@ fn way_point(act: &mut Act<'_, '_>) -> (u8, Position) {
     let (mut said, mut via) = (0, act.programmed());
     for (role, id) in [data::ARC_3D_POINT_X, data::ARC_3D_POINT_Y, data::ARC_3D_POINT_Z].into_iter().enumerate() {
         let Some(datum) = act.take(id) else { continue };
-        let Some(axis) = act.state.place.layout.cartesian.get(role).copied().flatten().map(usize::from) else {
+        let Some(axis) = act.state.place.layout.cartesian.get(role).copied().flatten() else {
             let text = format!("channel {} has no axis for a word of '{}'", act.at.channel, act.block_text());
             act.diagnose(&diag::AXIS_NOT_IN_CHANNEL, text);
             continue;
         };
-        let shift = act.state.place.shift.get(axis).copied().unwrap_or(0.0);
-        let Some(slot) = via.get_mut(axis) else { continue };
+        let shift = act.state.place.shift.at(axis);
+        let slot = via.at_mut(axis);
         *slot = if datum.incremental || relative && !datum.absolute {
             *slot + datum.value
         } else if act.block.flags.machine_frame {

@@ -5,8 +5,13 @@
 //! other channels may see; every way out of compensation finishes the move that waits. Facts: reference
 //! control-emulator.md 6.6. Decisions: docs/emulation.md, "Cutter radius".
 
+mod angle;
+mod corner;
 mod held;
 mod moves;
+mod words;
+
+pub(super) use words::{has_words, with_words};
 
 use super::entry::Contour;
 use crate::act::Act;
@@ -15,9 +20,11 @@ use counterpoint_event::event::{FeedUnit, Position};
 use counterpoint_fault as diag;
 use counterpoint_fault::{Acted, Halt};
 use counterpoint_machine::ident::{CodeId, codes, data};
+use counterpoint_machine::index::{AxisSlot, BySlot};
 
+use crate::state::corner::{Asked, Corner};
 use crate::state::cutter::{Cutter, Shape, Stage, Step, Waiting};
-use counterpoint_motion::contour::element::Element;
+use counterpoint_motion::contour::element::{Element, NOISE, distance};
 
 /// Blocks without motion in the plane that are looked through.
 const LOOKED_THROUGH: u32 = 2;
@@ -47,7 +54,7 @@ pub(super) fn switched(act: &mut Act<'_, '_>, code: CodeId) -> Acted {
         codes::COMP_DIAM_RIGHT => -1.0,
         codes::COMP_3D_VECTOR => 0.0,
         _ => {
-            if let Some(cutter) = act.cutter() {
+            if let Some(cutter) = act.cutter().filter(|cutter| !cutter.plain) {
                 cutter.stage = Stage::Ending;
             }
             return Ok(());
@@ -58,7 +65,7 @@ pub(super) fn switched(act: &mut Act<'_, '_>, code: CodeId) -> Acted {
     if radius == 0.0 {
         no_radius(act, number);
     }
-    if act.cutter().is_none() && radius == 0.0 {
+    if act.cutter().is_none_or(|cutter| cutter.plain) && radius == 0.0 {
         return Ok(());
     }
     let Some((plane_code, axes)) = compensated_plane(act) else {
@@ -68,7 +75,7 @@ pub(super) fn switched(act: &mut Act<'_, '_>, code: CodeId) -> Acted {
     };
     let tip = act.nose_tip(number, plane_code);
     let contour = act.contour();
-    let kept = act.cutter().filter(|cutter| cutter.stage != Stage::Ending).map(|_| Stage::Turned);
+    let kept = act.cutter().filter(|cutter| cutter.stage != Stage::Ending && !cutter.plain).map(|_| Stage::Turned);
     let new = Cutter {
         side: if radius < 0.0 { -side } else { side },
         radius: radius.abs(),
@@ -80,6 +87,8 @@ pub(super) fn switched(act: &mut Act<'_, '_>, code: CodeId) -> Acted {
         idle: 0,
         seen: act.at.blocks,
         suspended: false,
+        plain: false,
+        asked: Asked::default(),
     };
     act.frames().cutter = Some(Box::new(new));
     Ok(())
@@ -97,13 +106,13 @@ fn no_radius(act: &mut Act<'_, '_>, number: u32) {
 }
 
 /// The active plane and its axes; under polar interpolation that of the part.
-fn compensated_plane(act: &Act<'_, '_>) -> Option<(CodeId, [usize; 2])> {
+fn compensated_plane(act: &Act<'_, '_>) -> Option<(CodeId, [AxisSlot; 2])> {
     if let Some(polar) = act.polar() {
         return Some((codes::PLANE_XY, [polar.linear, polar.rotary]));
     }
     let code = act.state.modal.code(group::PLANE)?;
     let plane = plane(code)?;
-    let axis = |role: usize| act.state.place.layout.cartesian.get(role).copied().flatten().map(usize::from);
+    let axis = |role: usize| act.state.place.layout.cartesian.get(role).copied().flatten();
     Some((code, [axis(plane.first)?, axis(plane.second)?]))
 }
 
@@ -141,13 +150,15 @@ pub(super) fn to_contour(act: &mut Act<'_, '_>, feed: Option<f64>, unit: FeedUni
 
 /// What an action means for a move that waits.
 pub(super) fn before(act: &mut Act<'_, '_>, contour: Contour) -> Acted {
+    corner::follow(act, contour)?;
     let (blocks, in_machine) = (act.at.blocks, act.block.flags.machine_frame);
+    let most = act.env.machine.corners.between;
     let Some(cutter) = act.cutter() else { return Ok(()) };
     if cutter.seen != blocks {
         cutter.idle += u32::from(cutter.waiting.first().is_some_and(|first| first.block != cutter.seen));
         cutter.seen = blocks;
     }
-    let long = cutter.idle > LOOKED_THROUGH;
+    let long = cutter.idle > if cutter.is_due() { most } else { LOOKED_THROUGH };
     match contour {
         Contour::Follows if !in_machine => cutter.suspended = false,
         Contour::Follows | Contour::Waits => {}
@@ -201,6 +212,10 @@ impl Act<'_, '_> {
         let from = self.contour();
         let Some(cutter) = self.cutter() else { return Ok(()) };
         let (axes, stage, first) = (cutter.axes, cutter.stage, cutter.waiting.is_empty());
+        if cutter.asked.open.is_some() && stage != Stage::Ending && !cutter.suspended {
+            self.wait_for_end(step);
+            return Ok(());
+        }
         if cutter.suspended {
             cutter.stage = Stage::Start;
             cutter.contour = step.to;
@@ -214,16 +229,32 @@ impl Act<'_, '_> {
         match stage {
             Stage::Ending => {
                 self.report_switch(&step, "off", (rapid && !rules.rapid, round && !rules.arcs));
+                self.corner_at_switch("off");
+                self.check_stop()?;
                 self.forget_cutter();
                 return self.on_contour(&step);
             }
-            Stage::Start if first => self.report_switch(&step, "on", (rapid && !rules.rapid, round && !rules.arcs)),
+            Stage::Start if first => {
+                self.report_switch(&step, "on", (rapid && !rules.rapid, round && !rules.arcs));
+                if self.is_alarm(&diag::CORNER_AT_COMPENSATION) {
+                    self.corner_at_switch("on");
+                }
+            }
             Stage::Start | Stage::On | Stage::Turned | Stage::Settled { .. } => {}
         }
         self.check_stop()?;
+        let mut element = element;
+        self.cut_corners(&step, &mut element)?;
+        if element.length() < NOISE {
+            return self.used_up(step, &element);
+        }
         self.next_element(Some(&element))?;
         self.come_to(&step, &element)?;
-        self.wait(step, Some(element));
+        let corner = self.corner_of(&step);
+        if corner.is_none() && self.cutter().is_some_and(|cutter| cutter.plain) {
+            return self.without_waiting(&step, &element);
+        }
+        self.wait(step, Some(element), corner);
         Ok(())
     }
 
@@ -242,7 +273,7 @@ impl Act<'_, '_> {
     }
 
     /// The piece of the contour that a move makes in the plane; none if it stays on its spot.
-    fn element(&mut self, step: &Step, from: &Position, axes: [usize; 2]) -> Option<Element> {
+    fn element(&mut self, step: &Step, from: &Position, axes: [AxisSlot; 2]) -> Option<Element> {
         let [start, end] = [from, &step.to].map(|of| self.plane_spot(of, axes));
         match step.shape {
             Shape::Circle { made, axes: own, .. } if own == axes => {
@@ -251,13 +282,9 @@ impl Act<'_, '_> {
             Shape::Circle { .. } => {
                 let text = format!("the circle of '{}' is in another plane than its compensation", self.block_text());
                 self.diagnose(&diag::CUTTER_PLANE, text);
-                (counterpoint_motion::contour::element::distance(start, end)
-                    > counterpoint_motion::contour::element::NOISE)
-                    .then_some(Element { from: start, to: end, arc: None })
+                (distance(start, end) > NOISE).then_some(Element { from: start, to: end, arc: None })
             }
-            _ => (counterpoint_motion::contour::element::distance(start, end)
-                > counterpoint_motion::contour::element::NOISE)
-                .then_some(Element { from: start, to: end, arc: None }),
+            _ => (distance(start, end) > NOISE).then_some(Element { from: start, to: end, arc: None }),
         }
     }
 
@@ -267,11 +294,13 @@ impl Act<'_, '_> {
         let Some(cutter) = self.cutter() else { return Ok(()) };
         cutter.contour = step.to;
         if !cutter.waiting.is_empty() {
-            self.wait(step, None);
+            self.wait(step, None, None);
             return Ok(());
         }
         let to = cutter.lifted(&step.to, &stands);
-        self.straight(&step, to)
+        self.straight(&step, to)?;
+        corner::end(self);
+        Ok(())
     }
 
     /// The vector form: every straight move ends beside its point, in the direction of the vector.
@@ -289,9 +318,9 @@ impl Act<'_, '_> {
         let ending = cutter.stage == Stage::Ending;
         let radius = if length.is_normal() && !ending { cutter.radius / length } else { 0.0 };
         for (role, part) in vector.into_iter().enumerate() {
-            let axis = self.state.place.layout.cartesian.get(role).copied().flatten().map(usize::from);
-            if let Some(slot) = axis.and_then(|axis| to.get_mut(axis)) {
-                *slot += part * radius / self.state.place.scale_of(role);
+            let axis = self.state.place.layout.cartesian.get(role).copied().flatten();
+            if let Some(axis) = axis {
+                *to.at_mut(axis) += part * radius / self.state.place.scale_of(role);
             }
         }
         if ending {
@@ -308,6 +337,9 @@ impl Act<'_, '_> {
         if matches!(halt, Halt::ProgramEnd(_) | Halt::Alarm) {
             // What was programmed before the alarm is executed.
             self.clear_stop();
+            if halt == Halt::Alarm {
+                self.forget_corners();
+            }
             let settled = self.flush_lookahead();
             self.forget_cutter();
             return settled.err().unwrap_or(halt);
@@ -334,12 +366,13 @@ impl Act<'_, '_> {
     }
 
     /// Keeps a move back, and from here on what happens after it.
-    fn wait(&mut self, step: Step, element: Option<Element>) {
+    fn wait(&mut self, step: Step, element: Option<Element>, corner: Option<Corner>) {
         let (file, line, block, clock, micro) =
             (self.at.file, self.at.line, self.at.blocks, self.at.clock, self.at.micro);
         let exact = self.block.flags.exact_stop;
         let text = self.text.edited.clone();
-        let first = element.is_some();
+        let open = self.cutter().and_then(|cutter| cutter.asked.open.take());
+        let first = element.is_some() || open.is_some();
         if first {
             self.buffer_events();
         }
@@ -349,7 +382,8 @@ impl Act<'_, '_> {
         if first {
             cutter.idle = 0;
         }
-        cutter.waiting.push(Waiting { step, element, file, line, block, clock, micro, exact, text, events });
+        let waiting = Waiting { step, element, corner, open, file, line, block, clock, micro, exact, text, events };
+        cutter.waiting.push(waiting);
         self.block.flags.moved = true;
         self.note_effect();
     }

@@ -4,6 +4,7 @@
 //! centre (on a lathe of the imaginary tip). The feed is that of this point.
 
 use counterpoint_fault::Acted;
+use counterpoint_machine::index::{AxisSlot, BySlot};
 use counterpoint_motion::arc::Arc;
 use std::f64::consts::TAU;
 
@@ -18,13 +19,13 @@ use counterpoint_motion::contour::element::{Element, NOISE, Spot, angle, distanc
 
 impl Act<'_, '_> {
     /// Coordinate of a position as geometry.
-    pub(super) fn radial(&self, of: &Position, axis: usize) -> f64 {
-        let scale = self.state.place.layout.axes.get(axis).map_or(1.0, |axis| axis.scale);
-        of.get(axis).copied().unwrap_or(0.0) * scale
+    pub(super) fn radial(&self, of: &Position, axis: AxisSlot) -> f64 {
+        let scale = self.state.place.layout.axes[axis].scale;
+        of.at(axis) * scale
     }
 
     /// A position in the plane of compensation: that of the part under polar interpolation.
-    pub(super) fn plane_spot(&self, of: &Position, axes: [usize; 2]) -> Spot {
+    pub(super) fn plane_spot(&self, of: &Position, axes: [AxisSlot; 2]) -> Spot {
         match self.polar() {
             Some(polar) => polar.part(&self.state.place, of),
             None => axes.map(|axis| self.radial(of, axis)),
@@ -45,10 +46,8 @@ impl Act<'_, '_> {
             return position;
         }
         for (axis, value) in cutter.axes.into_iter().zip(plus(spot, cutter.tip, -1.0)) {
-            let scale = self.state.place.layout.axes.get(axis).map_or(1.0, |axis| axis.scale);
-            if let Some(slot) = position.get_mut(axis) {
-                *slot = crate::state::frames::clean(value / scale, *slot);
-            }
+            let scale = self.state.place.layout.axes[axis].scale;
+            *position.at_mut(axis) = crate::state::frames::clean(value / scale, position.at(axis));
         }
         position
     }
@@ -127,19 +126,24 @@ impl Act<'_, '_> {
         let Some(cutter) = self.cutter().filter(|cutter| !cutter.waiting.is_empty()) else { return Ok(()) };
         let waiting = std::mem::take(&mut cutter.waiting);
         cutter.idle = 0;
-        let begun = cutter.stage;
+        let mut begun = cutter.stage;
         let now = (self.at.clock, self.at.micro, self.at.file, self.at.line, self.block.flags.exact_stop);
         let edited = self.text.edited.clone();
         let mut events = self.release_events().into_iter();
         let (mut late, mut out) = (0_i64, 0_usize);
         let mut result = Ok(());
-        for waits in &waiting {
+        for (at, waits) in waiting.iter().enumerate() {
+            let next = waiting.iter().skip(at + 1).find_map(|later| later.element.as_ref()).or(next);
             self.put_back_events(&mut events, waits.events.saturating_sub(out), late);
             out = out.max(waits.events);
             self.go_to(waits, late);
             let before = self.at.clock;
             if result.is_ok() {
+                result = self.check_due(waits);
+            }
+            if result.is_ok() {
                 result = self.make(waits, begun, next);
+                begun = if waits.element.is_some() { Stage::On } else { begun };
             }
             late = late.saturating_add(self.at.clock.saturating_sub(before));
         }
@@ -195,7 +199,7 @@ impl Act<'_, '_> {
     }
 
     /// Along the offset of a piece to a spot of it.
-    fn along(&mut self, step: &Step, cutter: &Cutter, element: &Element, end: Spot) -> Acted {
+    pub(super) fn along(&mut self, step: &Step, cutter: &Cutter, element: &Element, end: Spot) -> Acted {
         let to = self.position_at(cutter, &step.to, end);
         let (Some(arc), Shape::Circle { axes, turns, .. }) = (&element.arc, step.shape) else {
             return self.straight(step, to);
@@ -255,7 +259,7 @@ impl Act<'_, '_> {
 
     /// A move around a corner has the feed of its block; under inverse time the speed that the block has on the
     /// contour.
-    fn link(&mut self, step: &Step, length: f64, to: Position, round: Option<(Arc, [usize; 2])>) -> Acted {
+    fn link(&mut self, step: &Step, length: f64, to: Position, round: Option<(Arc, [AxisSlot; 2])>) -> Acted {
         let (feed, unit) = match step.unit {
             FeedUnit::InverseTime => (step.feed.map(|feed| feed * length), FeedUnit::PerMinute),
             unit => (step.feed, unit),

@@ -13,12 +13,13 @@ use crate::act::Act;
 use crate::action::entry::{Contour, Entry, entry_of_kind};
 use crate::state::cycle::Hole;
 use crate::state::modal::group;
-use counterpoint_event::event::{Kind as EventKind, Position};
+use counterpoint_event::event::Kind as EventKind;
 use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
 use counterpoint_machine::ident::codes;
 use counterpoint_machine::ident::kind::CodeKind;
 use counterpoint_machine::ident::kind::cycle::HoleCycle;
+use counterpoint_machine::index::{AxisSlot, BySlot};
 use counterpoint_machine::model::{Heights, MachineKind};
 use counterpoint_machine::rows::CodeRow;
 use counterpoint_program::block::PendingCode;
@@ -51,7 +52,7 @@ pub(super) fn cycle(act: &mut Act<'_, '_>, kind: HoleCycle, row: &CodeRow, code:
         // Its clearance is the level where it stands unless it says so itself.
         act.state.cycle.heights.clear = None;
     }
-    let level = act.programmed().get(axis).copied().unwrap_or(0.0);
+    let level = act.programmed().at(axis);
     let machine = act.env.machine;
     act.state.cycle.begin(machine, kind, row.id, ((role, axis), level));
     act.state.cycle.block = act.at.blocks;
@@ -73,14 +74,14 @@ pub(super) fn on(act: &mut Act<'_, '_>, row: &CodeRow, code: &PendingCode) -> Ac
         return Ok(());
     };
     if !act.state.cycle.running {
-        act.state.cycle.heights.initial = act.programmed().get(axis).copied().unwrap_or(0.0);
+        act.state.cycle.heights.initial = act.programmed().at(axis);
     }
     act.state.cycle.block = act.at.blocks;
     act.state.cycle.running = true;
     act.state.cycle.code = act.state.cycle.code.or(Some(row.id));
     let words = words::take_position(act);
-    if words.coded & 1 << axis != 0 {
-        act.state.cycle.heights.reference = words.target.get(axis).copied().unwrap_or(0.0);
+    if words.coded & axis.bit() != 0 {
+        act.state.cycle.heights.reference = words.target.at(axis);
     }
     holes(act, kind, &words)
 }
@@ -129,10 +130,8 @@ fn has_position(act: &Act<'_, '_>) -> bool {
 }
 
 /// Role and channel axis that a cycle works along: that of its row, else the one that the plane leaves; Z on a lathe.
-fn axis_of(act: &Act<'_, '_>, row: &CodeRow) -> Option<(usize, usize)> {
-    let axis = |role: usize| {
-        act.state.place.layout.cartesian.get(role).copied().flatten().map(|axis| (role, usize::from(axis)))
-    };
+fn axis_of(act: &Act<'_, '_>, row: &CodeRow) -> Option<(usize, AxisSlot)> {
+    let axis = |role: usize| act.state.place.layout.cartesian.get(role).copied().flatten().map(|axis| (role, axis));
     if let Some(role) = row.axis {
         return axis(usize::from(role));
     }
@@ -157,10 +156,10 @@ fn holes(act: &mut Act<'_, '_>, kind: HoleCycle, words: &words::Words) -> Acted 
     for pass in 0..words.times {
         if pass > 0 {
             act.count_as_block()?;
-            for (index, slot) in hole.target.iter_mut().enumerate() {
+            for (index, (slot, (target, from))) in hole.target.iter_mut().zip(words.target.iter().zip(from)).enumerate()
+            {
                 if words.relative & 1 << index != 0 {
-                    let change = |of: &Position| of.get(index).copied().unwrap_or(0.0);
-                    *slot += change(&words.target) - change(&from);
+                    *slot += target - from;
                 }
             }
         }

@@ -11,6 +11,7 @@ use counterpoint_event::event::{Direction, Position};
 use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
 use counterpoint_machine::ident::kind::cycle::{HoleCycle, Out, Steps};
+use counterpoint_machine::index::{AxisSlot, BySlot};
 use counterpoint_machine::model::Approach;
 
 /// Most steps of a hole.
@@ -48,39 +49,33 @@ impl Act<'_, '_> {
 
     /// To the position at the clearance height.
     fn approach(&mut self, hole: &Hole) -> Acted {
-        let along = 1 << hole.axis;
+        let along = hole.axis.bit();
         let mut target = hole.target;
         if self.env.machine.cycles.approach == Approach::PositionFirst {
-            if let (Some(slot), Some(level)) = (target.get_mut(hole.axis), self.programmed().get(hole.axis).copied()) {
-                *slot = level;
-            }
+            *target.at_mut(hole.axis) = self.programmed().at(hole.axis);
             self.rapid_to_point(hole.coded & !along, target)?;
             return self.rapid_to_point(along, self.level(hole.axis, hole.clear));
         }
-        if let Some(slot) = target.get_mut(hole.axis) {
-            *slot = hole.clear;
-        }
+        *target.at_mut(hole.axis) = hole.clear;
         self.rapid_to_point(hole.coded | along, target)
     }
 
-    fn level(&self, axis: usize, level: f64) -> Position {
+    fn level(&self, axis: AxisSlot, level: f64) -> Position {
         let mut target = self.programmed();
-        if let Some(slot) = target.get_mut(axis) {
-            *slot = level;
-        }
+        *target.at_mut(axis) = level;
         target
     }
 
     /// Along the axis of the cycle at rapid.
     pub(super) fn lift(&mut self, drill: &Drill<'_>, level: f64) -> Acted {
-        self.rapid_to_point(1 << drill.hole.axis, self.level(drill.hole.axis, level))
+        self.rapid_to_point(drill.hole.axis.bit(), self.level(drill.hole.axis, level))
     }
 
     /// Along the axis of the cycle at feed.
     pub(super) fn plunge(&mut self, drill: &Drill<'_>, level: f64, ratio: f64) -> Acted {
         let (feed, unit) = drill.cycle.rates.feed;
         let target = self.level(drill.hole.axis, level);
-        self.feed_to_point(1 << drill.hole.axis, target, feed.map(|feed| feed * ratio), unit)
+        self.feed_to_point(drill.hole.axis.bit(), target, feed.map(|feed| feed * ratio), unit)
     }
 
     /// Dwell at depth (0), per step (1), at the top (2).
@@ -105,7 +100,7 @@ impl Act<'_, '_> {
 
     fn in_steps(&mut self, drill: &Drill<'_>, depth: f64, first: f64) -> Acted {
         let (hole, cycle) = (drill.hole, &drill.cycle);
-        let scale = self.state.place.layout.axes.get(hole.axis).map_or(1.0, |axis| axis.scale);
+        let scale = self.state.place.layout.axes[hole.axis].scale;
         let (whole, down) = ((depth - hole.clear).abs() * scale, (depth - hole.clear).signum());
         let at = |reached: f64| hole.clear + down * reached / scale;
         let (mut reached, mut step) = (0.0, first);
@@ -206,12 +201,10 @@ impl Act<'_, '_> {
                 None if !given && Some(role) == first => cycle.boring.shift,
                 None => 0.0,
             };
-            let Some(axis) = axis.map(usize::from).filter(|_| part != 0.0) else { continue };
-            let scale = self.state.place.layout.axes.get(axis).map_or(1.0, |axis| axis.scale);
-            if let Some(slot) = target.get_mut(axis) {
-                *slot += way * part / scale;
-                coded |= 1 << axis;
-            }
+            let Some(axis) = axis.filter(|_| part != 0.0) else { continue };
+            let scale = self.state.place.layout.axes[axis].scale;
+            *target.at_mut(axis) += way * part / scale;
+            coded |= axis.bit();
         }
         self.rapid_to_point(coded, target)
     }

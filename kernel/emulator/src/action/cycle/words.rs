@@ -11,6 +11,7 @@ use counterpoint_fault as diag;
 use counterpoint_machine::ident::dimension::Dimension;
 use counterpoint_machine::ident::kind::cycle::HoleCycle;
 use counterpoint_machine::ident::{DataId, codes, data};
+use counterpoint_machine::index::{AxisSlot, BySlot};
 use counterpoint_machine::model::Heights;
 use counterpoint_program::block::Datum;
 
@@ -32,7 +33,7 @@ pub(super) struct Words {
 pub(super) fn take(act: &mut Act<'_, '_>, kind: HoleCycle) -> (HoleCycle, Words) {
     take_feed(act);
     let Some((role, axis)) = act.state.cycle.axis else { return (kind, position(act)) };
-    let scale = act.state.place.layout.axes.get(axis).map_or(1.0, |axis| axis.scale);
+    let scale = act.state.place.layout.axes[axis].scale;
     let rules = (act.env.machine.cycles.clearance, act.env.machine.cycles.depth);
     depth(act, (role, axis), scale, rules.1);
     if kind.bores_back()
@@ -102,13 +103,10 @@ fn take_feed(act: &mut Act<'_, '_>) {
 }
 
 /// The depth: data of its own, else the word of the axis.
-fn depth(act: &mut Act<'_, '_>, (role, axis): (usize, usize), scale: f64, rule: Heights) {
+fn depth(act: &mut Act<'_, '_>, (role, axis): (usize, AxisSlot), scale: f64, rule: Heights) {
     let id = [data::CYCLE_DEPTH_X, data::CYCLE_DEPTH_Y, data::CYCLE_DEPTH_Z].get(role).copied();
     let own = id.and_then(|id| height(act, id, rule, scale));
-    let depth = own.or_else(|| {
-        let id = act.state.place.layout.axes.get(axis).map(|axis| axis.data)?;
-        height(act, id, rule, 1.0)
-    });
+    let depth = own.or_else(|| height(act, act.state.place.layout.axes[axis].data, rule, 1.0));
     if depth.is_some() {
         act.state.cycle.heights.depth = depth;
     }
@@ -123,10 +121,10 @@ fn height(act: &mut Act<'_, '_>, id: DataId, rule: Heights, scale: f64) -> Optio
     }
     let axis = act.state.cycle.axis.map(|(_, axis)| axis);
     // The word of the axis itself has been taken as its axis counts.
-    let own = axis.filter(|axis| act.state.place.layout.axes.get(*axis).is_some_and(|axis| axis.data != id));
+    let own = axis.filter(|axis| act.state.place.layout.axes[*axis].data != id);
     let factor = own.map_or(1.0, |axis| act.factor_across(axis));
-    let shift = axis.filter(|_| act.block.flags.machine_frame).and_then(|axis| act.state.place.shift.get(axis));
-    Some(Height { value: datum.value * factor - shift.copied().unwrap_or(0.0), relative })
+    let shift = axis.filter(|_| act.block.flags.machine_frame).map_or(0.0, |axis| act.state.place.shift.at(axis));
+    Some(Height { value: datum.value * factor - shift, relative })
 }
 
 fn is_relative(act: &Act<'_, '_>, rule: Heights, datum: &Datum) -> bool {

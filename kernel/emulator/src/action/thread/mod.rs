@@ -19,6 +19,7 @@ use counterpoint_machine::ident::codes;
 use counterpoint_machine::ident::kind::CodeKind;
 use counterpoint_machine::ident::kind::thread::LeadChange;
 use counterpoint_machine::ident::{DataId, data};
+use counterpoint_machine::index::{AxisSlot, BySlot};
 use counterpoint_program::block::PendingCode;
 
 /// Codes and what they do.
@@ -37,7 +38,7 @@ pub(super) struct Screw {
     /// Change of the lead with each revolution.
     pub(super) change: f64,
     /// Axis that the lead counts along; none for the one with the longer travel.
-    pub(super) along: Option<usize>,
+    pub(super) along: Option<AxisSlot>,
 }
 
 /// Cuts one pass.
@@ -80,10 +81,10 @@ fn take_pitch(act: &mut Act<'_, '_>) -> (Option<f64>, [Option<f64>; 2]) {
 }
 
 /// The pitch along X or Z: of two that of the longer travel; one whose axis stands counts along the longer one.
-fn by_axis(act: &Act<'_, '_>, sides: [Option<f64>; 2], target: &Position) -> (Option<f64>, Option<usize>) {
+fn by_axis(act: &Act<'_, '_>, sides: [Option<f64>; 2], target: &Position) -> (Option<f64>, Option<AxisSlot>) {
     let changes = act.changes(&act.state.place.position, target);
-    let axes = [0, 2].map(|role| act.state.place.layout.cartesian.get(role).copied().flatten().map(usize::from));
-    let way = |axis: Option<usize>| axis.and_then(|axis| changes.get(axis)).map_or(0.0, |change| change.abs());
+    let axes = [0, 2].map(|role| act.state.place.layout.cartesian.get(role).copied().flatten());
+    let way = |axis: Option<AxisSlot>| axis.map_or(0.0, |axis| changes.at(axis).abs());
     let [x, z] = axes.map(way);
     let (pitch, axis, way) = match sides {
         [Some(pitch), None] => (pitch, axes[0], x),
@@ -192,7 +193,7 @@ impl Act<'_, '_> {
             return Ok(self.rapid_seconds(&from, target));
         };
         let longest = || changes.iter().fold(0.0_f64, |most, change| most.max(change.abs()));
-        let way = screw.along.and_then(|axis| changes.get(axis)).map_or_else(longest, |change| change.abs());
+        let way = screw.along.map_or_else(longest, |axis| changes.at(axis).abs());
         let minutes = |lead: Lead| match turning {
             Turning::Fixed(rpm) => lead.minutes(way, rpm),
             Turning::Surface(speed) => lead.surface_minutes(way, &speed, self.radius(&from), self.radius(target)),

@@ -15,6 +15,7 @@ use crate::state::frames::offsets::{BASE, Radii, Table};
 use crate::state::frames::shift::DIAMETERS;
 use crate::state::modal::group;
 use counterpoint_machine::ident::{CodeId, codes};
+use counterpoint_machine::index::{AxisSlot, BySlot};
 
 const FIXTURES: [CodeId; 3] = [codes::COMP_WORKP_ON, codes::COMP_EXTFIXT, codes::COMP_EXTFIXT_RANGE];
 const LENGTHS: [CodeId; 5] = [
@@ -174,7 +175,7 @@ enum Which {
     /// All sixteen.
     All,
     /// One, if the channel has the axis.
-    One(Option<usize>),
+    One(Option<AxisSlot>),
 }
 
 fn number_argument(arguments: &[Value], at: usize) -> Outcome<u32> {
@@ -219,7 +220,7 @@ impl Kernel<'_> {
     }
 
     /// Channel axes of a sequence.
-    fn axes_of(&self, which: &Which) -> Vec<Option<usize>> {
+    fn axes_of(&self, which: &Which) -> Vec<Option<AxisSlot>> {
         match which {
             Which::Six => self.six_axes().to_vec(),
             Which::All => (0..ALL_AXES).map(|at| LETTERS.get(at).and_then(|letter| self.axis_of(*letter))).collect(),
@@ -232,8 +233,7 @@ impl Kernel<'_> {
         let values = self.channel.offset_values(table, offset_number(arguments, table == Table::Work)?);
         let which = self.which(arguments.get(2))?;
         let axes = self.axes_of(&which);
-        let numbers: Vec<f64> =
-            axes.iter().map(|axis| axis.and_then(|axis| values.get(axis)).copied().unwrap_or(0.0)).collect();
+        let numbers: Vec<f64> = axes.iter().map(|axis| axis.map_or(0.0, |axis| values.at(axis))).collect();
         Ok(match (which, numbers.as_slice()) {
             (Which::One(_), [one, ..]) => Value::Real(*one),
             _ => Value::numbers(&numbers),
@@ -245,7 +245,7 @@ impl Kernel<'_> {
         let number = offset_number(arguments, table == Table::Work)?;
         let mut values = self.channel.offset_values(table, number);
         let given = |at: usize| arguments.get(at).and_then(Value::as_real);
-        let (axes, numbers): (Vec<Option<usize>>, Vec<f64>) = match arguments.get(2) {
+        let (axes, numbers): (Vec<Option<AxisSlot>>, Vec<f64>) = match arguments.get(2) {
             Some(Value::Sequence(given)) => {
                 let axes = self.axes_of(&self.which(arguments.get(3))?);
                 if given.len() != axes.len() {
@@ -256,14 +256,12 @@ impl Kernel<'_> {
                 (axes, given.iter().map(number).collect::<Outcome<_>>()?)
             }
             _ => match (given(2), given(3), given(4)) {
-                (Some(x), Some(y), Some(z)) if table == Table::Length => (
-                    self.channel.state.place.layout.cartesian.map(|axis| axis.map(usize::from)).to_vec(),
-                    vec![x, y, z],
-                ),
-                (Some(z), None, _) if table == Table::Length && arguments.len() == 3 => (
-                    self.channel.state.place.layout.cartesian.map(|axis| axis.map(usize::from)).to_vec(),
-                    vec![0.0, 0.0, z],
-                ),
+                (Some(x), Some(y), Some(z)) if table == Table::Length => {
+                    (self.channel.state.place.layout.cartesian.to_vec(), vec![x, y, z])
+                }
+                (Some(z), None, _) if table == Table::Length && arguments.len() == 3 => {
+                    (self.channel.state.place.layout.cartesian.to_vec(), vec![0.0, 0.0, z])
+                }
                 (Some(value), ..) if arguments.len() > 3 => (self.axes_of(&self.which(arguments.get(3))?), vec![value]),
                 _ => {
                     return Err(Fault::new(
@@ -278,8 +276,8 @@ impl Kernel<'_> {
         }
         let mut known = false;
         for (axis, number) in axes.into_iter().zip(numbers) {
-            if let Some(slot) = axis.and_then(|axis| values.get_mut(axis)) {
-                (*slot, known) = (number, true);
+            if let Some(axis) = axis {
+                (*values.at_mut(axis), known) = (number, true);
             }
         }
         Ok(real(u8::from(known && self.set_offset(table, number, values))))

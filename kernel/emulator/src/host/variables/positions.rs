@@ -6,6 +6,7 @@
 use crate::channel::Kernel;
 use counterpoint_machine::ident::kind::data::DataKind;
 use counterpoint_machine::ident::{DataId, data};
+use counterpoint_machine::index::{AxisSlot, BySlot};
 
 /// Which value of which axis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -41,19 +42,19 @@ pub(crate) fn place(name: &str) -> Option<Place> {
 
 impl Kernel<'_> {
     /// Channel axis with this letter.
-    pub(crate) fn axis_of(&self, letter: char) -> Option<usize> {
+    pub(crate) fn axis_of(&self, letter: char) -> Option<AxisSlot> {
         let role =
             "XYZ".find(letter).and_then(|at| self.channel.state.place.layout.cartesian.get(at).copied().flatten());
-        role.map(usize::from).or_else(|| {
-            self.channel.state.place.layout.axes.iter().position(|axis| {
-                let own = self.channel.env.machine.axes.get(axis.machine);
-                own.is_some_and(|own| own.letter.len() == 1 && own.letter.starts_with(letter))
+        role.or_else(|| {
+            self.channel.state.place.layout.axes.find(|axis| {
+                let own = &self.channel.env.machine.axes[axis.machine].letter;
+                own.len() == 1 && own.starts_with(letter)
             })
         })
     }
 
     /// Channel axis of a name.
-    fn axis_at(&self, place: Place) -> Option<usize> {
+    fn axis_at(&self, place: Place) -> Option<AxisSlot> {
         let find = |ids: &[DataId]| ids.iter().find_map(|id| self.channel.axis_of_data(*id));
         let of = |table: DataId, head: DataId| match place.side {
             'T' => find(&[table]),
@@ -74,10 +75,10 @@ impl Kernel<'_> {
     pub(crate) fn position_of(&self, place: Place) -> f64 {
         let Some(axis) = self.axis_at(place) else { return 0.0 };
         if place.kind == 'W' && !place.before {
-            return self.channel.programmed().get(axis).copied().unwrap_or(0.0);
+            return self.channel.programmed().at(axis);
         }
         let at = if place.before { &self.macros.arguments.before } else { &self.channel.state.place.position };
-        let value = |of: &counterpoint_event::event::Position| of.get(axis).copied().unwrap_or(0.0);
+        let value = |of: &counterpoint_event::event::Position| of.at(axis);
         match place.kind {
             'M' if self.channel.tip().is_some() => {
                 value(&self.channel.machine_point(at)) - value(&self.channel.state.place.shift)
@@ -90,21 +91,21 @@ impl Kernel<'_> {
     }
 
     /// Channel axes of the six elements of `$AXES`: X Y Z, two rotary ones, and one more.
-    pub(crate) fn six_axes(&self) -> [Option<usize>; 6] {
+    pub(crate) fn six_axes(&self) -> [Option<AxisSlot>; 6] {
         let mut rotary =
-            self.channel.state.place.layout.axes.iter().enumerate().filter(|(_, axis)| axis.rotary).map(|(at, _)| at);
-        let cartesian = self.channel.state.place.layout.cartesian.map(|at| at.map(usize::from));
+            self.channel.state.place.layout.axes.entries().filter(|(_, axis)| axis.rotary).map(|(at, _)| at);
+        let cartesian = self.channel.state.place.layout.cartesian;
         let [x, y, z] = cartesian;
         let (fourth, fifth) = (rotary.next(), rotary.next());
         let mut others =
-            self.channel.state.place.layout.axes.iter().enumerate().filter(|(_, axis)| !axis.rotary).map(|(at, _)| at);
+            self.channel.state.place.layout.axes.entries().filter(|(_, axis)| !axis.rotary).map(|(at, _)| at);
         let sixth = others.find(|at| !cartesian.contains(&Some(*at))).or_else(|| rotary.next());
         [x, y, z, fourth, fifth, sixth]
     }
 
     /// Letter of a channel axis in `$AXES`.
-    pub(crate) fn axis_letter(&self, axis: Option<usize>) -> char {
-        let axis = axis.and_then(|at| self.channel.state.place.layout.axes.get(at));
+    pub(crate) fn axis_letter(&self, axis: Option<AxisSlot>) -> char {
+        let axis = axis.map(|axis| &self.channel.state.place.layout.axes[axis]);
         match axis.map(|axis| axis.data.kind()) {
             Some(DataKind::Axis(letter)) => letter,
             _ => '*',

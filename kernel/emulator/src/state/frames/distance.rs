@@ -2,6 +2,7 @@
 
 use crate::state::channel::Channel;
 use counterpoint_event::event::{MAX_AXES, Position};
+use counterpoint_machine::index::BySlot;
 
 impl Channel<'_> {
     /// Change of each axis in geometry units (radius on a diameter axis).
@@ -15,7 +16,7 @@ impl Channel<'_> {
 
     /// Distance from the spindle axis at a position.
     pub(crate) fn radius(&self, position: &Position) -> f64 {
-        let x = self.state.place.layout.cartesian.first().copied().flatten().map(usize::from);
-        x.and_then(|i| Some(position.get(i)? * self.state.place.layout.axes.get(i)?.scale)).unwrap_or(0.0)
+        let x = self.state.place.layout.cartesian.first().copied().flatten();
+        x.map_or(0.0, |x| position.at(x) * self.state.place.layout.axes[x].scale)
     }
 }

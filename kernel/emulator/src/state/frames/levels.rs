@@ -4,11 +4,12 @@
 
 use crate::state::channel::Channel;
 use counterpoint_event::event::Position;
+use counterpoint_machine::index::{AxisSlot, BySlot};
 
 /// Where the levels of an active cycle are in the machine.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Levels {
-    axis: usize,
+    axis: AxisSlot,
     initial: Position,
     reference: Position,
 }
@@ -20,9 +21,7 @@ impl Channel<'_> {
         let [initial, reference] =
             [self.state.cycle.heights.initial, self.state.cycle.heights.reference].map(|level| {
                 let mut at = self.programmed();
-                if let Some(slot) = at.get_mut(axis) {
-                    *slot = level;
-                }
+                *at.at_mut(axis) = level;
                 let work = self.work_point(&at);
                 self.machine_point(&work)
             });
@@ -34,7 +33,7 @@ impl Channel<'_> {
         let Some(Levels { axis, initial, reference }) = levels else { return };
         let [initial, reference] = [initial, reference].map(|machine| {
             let work = self.point_of_machine(&machine);
-            self.program_point(&work).get(axis).copied().filter(|level| level.is_finite())
+            Some(self.program_point(&work).at(axis)).filter(|level| level.is_finite())
         });
         self.state.cycle.heights.initial = initial.unwrap_or(self.state.cycle.heights.initial);
         self.state.cycle.heights.reference = reference.unwrap_or(self.state.cycle.heights.reference);

@@ -27,6 +27,7 @@ pub(crate) mod tip;
 mod travel;
 mod values;
 
+use counterpoint_machine::index::{AxisSlot, BySlot};
 use counterpoint_motion::frame::affine::Point;
 use counterpoint_motion::frame::local::Local;
 
@@ -52,6 +53,8 @@ pub(crate) struct Frames {
     pub(crate) tip: Option<Box<tip::Tip>>,
     /// Compensation of the cutter radius.
     pub(crate) cutter: Option<Box<super::cutter::Cutter>>,
+    /// All corners are rounded, with this radius.
+    pub(crate) rounding: Option<f64>,
     /// What incremental words travel beside their distance, by axis.
     pub(crate) ways: Option<Box<Position>>,
     /// The last point that the program reached: in the work frame, and as programmed.
@@ -65,28 +68,29 @@ impl Frames {
             && self.polar.is_none()
             && self.tip.is_none()
             && self.cutter.is_none()
+            && self.rounding.is_none()
             && self.ways.is_none()
     }
 
     /// Axis that says the distance across while words are coordinates of the part.
-    fn across(&self, place: &Place) -> Option<usize> {
-        let x = place.layout.cartesian.first().copied().flatten().map(usize::from);
+    fn across(&self, place: &Place) -> Option<AxisSlot> {
+        let x = place.layout.cartesian.first().copied().flatten();
         self.polar.filter(|polar| polar.cartesian && Some(polar.linear) == x).map(|polar| polar.rotary)
     }
 
     /// A programmed point as the local frame sees it; the distance across counts as Y.
     pub(crate) fn seen(&self, place: &Place, programmed: &Position) -> Point {
         let mut point = place.geometry(programmed);
-        if let Some(across) = self.across(place).and_then(|axis| programmed.get(axis)) {
-            point[1] = *across;
+        if let Some(across) = self.across(place) {
+            point[1] = programmed.at(across);
         }
         point
     }
 
     /// Puts what the local frame makes of a point back.
     fn put(&self, place: &Place, position: &mut Position, mut point: Point) {
-        if let Some(slot) = self.across(place).and_then(|axis| position.get_mut(axis)) {
-            *slot = clean(point[1], *slot);
+        if let Some(across) = self.across(place) {
+            *position.at_mut(across) = clean(point[1], position.at(across));
             point[1] = place.geometry(position)[1];
         }
         place.put(position, point);
@@ -96,10 +100,7 @@ impl Frames {
 impl Place {
     /// X, Y, Z of a position as geometry; 0 for an axis that the channel does not have.
     pub(crate) fn geometry(&self, position: &Position) -> Point {
-        self.layout.cartesian.map(|axis| {
-            let at = axis.map(usize::from).and_then(|axis| Some((position.get(axis)?, self.layout.axes.get(axis)?)));
-            at.map_or(0.0, |(value, axis)| value * axis.scale)
-        })
+        self.layout.cartesian.map(|axis| axis.map_or(0.0, |axis| position.at(axis) * self.layout.axes[axis].scale))
     }
 
     /// Which of the X, Y and Z axes the channel has.
@@ -109,18 +110,15 @@ impl Place {
 
     /// Factor from programmed values to geometry of the X, Y or Z axis.
     pub(crate) fn scale_of(&self, role: usize) -> f64 {
-        let axis = self.layout.cartesian.get(role).copied().flatten().map(usize::from);
-        axis.and_then(|axis| self.layout.axes.get(axis)).map_or(1.0, |axis| axis.scale)
+        let axis = self.layout.cartesian.get(role).copied().flatten();
+        axis.map_or(1.0, |axis| self.layout.axes[axis].scale)
     }
 
     /// Puts geometry into a position.
     fn put(&self, position: &mut Position, point: Point) {
         for (axis, value) in self.layout.cartesian.iter().zip(point) {
-            let axis = axis.map(usize::from);
-            if let Some((slot, axis)) =
-                axis.and_then(|axis| Some((position.get_mut(axis)?, self.layout.axes.get(axis)?)))
-            {
-                *slot = clean(value / axis.scale, *slot);
+            if let Some(axis) = *axis {
+                *position.at_mut(axis) = clean(value / self.layout.axes[axis].scale, position.at(axis));
             }
         }
     }

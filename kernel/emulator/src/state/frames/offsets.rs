@@ -4,6 +4,7 @@
 //! active. *Invariant:* an offset that nobody has set is that of the definition; one that does not exist is zero. Facts:
 //! reference functions.md 12.
 
+use counterpoint_machine::index::BySlot;
 use std::collections::BTreeMap;
 
 use crate::state::channel::Channel;
@@ -87,8 +88,10 @@ impl Channel<'_> {
             Table::Wear => None,
         };
         let mut position = [0.0; MAX_AXES];
-        for (slot, axis) in position.iter_mut().zip(&self.state.place.layout.axes) {
-            *slot = values.and_then(|values| values.get(axis.machine)).copied().unwrap_or(0.0);
+        if let Some(values) = values {
+            for (slot, axis) in self.state.place.layout.axes.entries() {
+                *position.at_mut(slot) = values[axis.machine];
+            }
         }
         position
     }

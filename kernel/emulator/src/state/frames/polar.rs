@@ -9,6 +9,7 @@ use super::{Frames, NOISE, clean};
 use crate::state::channel::Channel;
 use crate::state::position::Place;
 use counterpoint_event::event::Position;
+use counterpoint_machine::index::{AxisSlot, BySlot};
 use counterpoint_motion::frame::affine::turn;
 
 /// Distances from the centre below this have no direction.
@@ -18,9 +19,9 @@ const CENTRE: f64 = 1e-9;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Polar {
     /// Channel axis that goes to the centre and away.
-    pub(crate) linear: usize,
+    pub(crate) linear: AxisSlot,
     /// Channel axis that turns.
-    pub(crate) rotary: usize,
+    pub(crate) rotary: AxisSlot,
     /// Words are coordinates.
     pub(crate) cartesian: bool,
     /// Angle of the rotary axis in the machine frame where the first coordinate points along the linear axis.
@@ -62,8 +63,8 @@ pub(crate) fn round_the_centre(points: impl Iterator<Item = [f64; 2]>) -> f64 {
 
 impl Polar {
     /// Interpolation that begins where the axes stand.
-    pub(crate) fn new(place: &Place, linear: usize, rotary: usize, cartesian: bool) -> Self {
-        let at = |of: &Position, axis: usize| of.get(axis).copied().unwrap_or(0.0);
+    pub(crate) fn new(place: &Place, linear: AxisSlot, rotary: AxisSlot, cartesian: bool) -> Self {
+        let at = |of: &Position, axis: AxisSlot| of.at(axis);
         let zero = at(&place.position, rotary) + at(&place.shift, rotary);
         let side = if at(&place.position, linear) < 0.0 { -1.0 } else { 1.0 };
         Self { linear, rotary, cartesian, zero, side }
@@ -71,16 +72,16 @@ impl Polar {
 
     /// The angle of the rotary axis in the work frame where the first coordinate points along the linear axis.
     fn zero(&self, place: &Place) -> f64 {
-        if self.cartesian { self.zero - place.shift.get(self.rotary).copied().unwrap_or(0.0) } else { 0.0 }
+        if self.cartesian { self.zero - place.shift.at(self.rotary) } else { 0.0 }
     }
 
     fn scale(&self, place: &Place) -> f64 {
-        place.layout.axes.get(self.linear).map_or(1.0, |axis| axis.scale)
+        place.layout.axes[self.linear].scale
     }
 
     /// The point of the part that the axes reach.
     pub(crate) fn part(&self, place: &Place, real: &Position) -> [f64; 2] {
-        let at = |axis: usize| real.get(axis).copied().unwrap_or(0.0);
+        let at = |axis: AxisSlot| real.at(axis);
         let radius = at(self.linear) * self.scale(place);
         let (sine, cosine) = turn(at(self.rotary) - self.zero(place));
         [radius * cosine, radius * sine]
@@ -88,12 +89,10 @@ impl Polar {
 
     /// Puts the axes to a point of the part. `round`: degrees of the way round the centre from where they stand.
     pub(crate) fn reach(&self, place: &Place, real: &mut Position, [x, y]: [f64; 2], round: f64) {
-        let stands = place.position.get(self.rotary).copied().unwrap_or(0.0);
+        let stands = place.position.at(self.rotary);
         let distance = x.hypot(y);
-        if let Some(slot) = real.get_mut(self.linear) {
-            *slot = fine(self.side * distance / self.scale(place), *slot);
-        }
-        let Some(slot) = real.get_mut(self.rotary) else { return };
+        *real.at_mut(self.linear) = fine(self.side * distance / self.scale(place), real.at(self.linear));
+        let slot = real.at_mut(self.rotary);
         if distance < CENTRE {
             *slot = stands;
             return;
@@ -115,12 +114,8 @@ impl Polar {
             return;
         }
         let [x, y] = self.part(place, point);
-        if let Some(slot) = point.get_mut(self.linear) {
-            *slot = clean(x / self.scale(place), *slot);
-        }
-        if let Some(slot) = point.get_mut(self.rotary) {
-            *slot = clean(y, 0.0);
-        }
+        *point.at_mut(self.linear) = clean(x / self.scale(place), point.at(self.linear));
+        *point.at_mut(self.rotary) = clean(y, 0.0);
     }
 
     /// The axes instead of coordinates.
@@ -128,7 +123,7 @@ impl Polar {
         if !self.cartesian {
             return;
         }
-        let at = |axis: usize| point.get(axis).copied().unwrap_or(0.0);
+        let at = |axis: AxisSlot| point.at(axis);
         let to = [at(self.linear) * self.scale(place), at(self.rotary)];
         self.reach_straight(place, point, to);
     }
@@ -162,9 +157,7 @@ impl Channel<'_> {
         let Some(polar) = self.polar() else { return changes };
         let [before, after] = [from, to].map(|point| polar.part(&self.state.place, point));
         for (axis, (a, b)) in [polar.linear, polar.rotary].into_iter().zip(before.into_iter().zip(after)) {
-            if let Some(slot) = changes.get_mut(axis) {
-                *slot = b - a;
-            }
+            *changes.at_mut(axis) = b - a;
         }
         changes
     }

@@ -5,6 +5,7 @@ use crate::state::channel::Channel;
 use crate::state::modal::group;
 use counterpoint_event::event::{MAX_AXES, Position};
 use counterpoint_machine::ident::{CodeId, codes};
+use counterpoint_machine::index::BySlot;
 
 pub(crate) const DIAMETERS: [CodeId; 3] = [codes::COMP_DIAM_LEFT, codes::COMP_DIAM_RIGHT, codes::COMP_3D_VECTOR];
 
@@ -53,12 +54,12 @@ impl Channel<'_> {
         if direction == 0 {
             return values;
         }
-        let axis = |role: usize| self.state.place.layout.cartesian.get(role).copied().flatten().map(usize::from);
-        let amount = axis(2).and_then(|z| values.get(z)).copied().unwrap_or(0.0);
+        let axis = |role: usize| self.state.place.layout.cartesian.get(role).copied().flatten();
+        let amount = axis(2).map_or(0.0, |z| values.at(z));
         let mut turned = [0.0; counterpoint_event::event::MAX_AXES];
         let role = usize::from((direction - 1) % 3);
-        if let Some(slot) = axis(role).and_then(|axis| turned.get_mut(axis)) {
-            *slot = if direction > 3 { -amount } else { amount } / self.state.place.scale_of(role);
+        if let Some(axis) = axis(role) {
+            *turned.at_mut(axis) = if direction > 3 { -amount } else { amount } / self.state.place.scale_of(role);
         }
         turned
     }

@@ -7,13 +7,14 @@ use crate::state::channel::Channel;
 use crate::state::position::Place;
 use counterpoint_event::event::{MAX_AXES, Position};
 use counterpoint_machine::ident::{DataId, data};
+use counterpoint_machine::index::{AxisSlot, BySlot};
 use counterpoint_motion::frame::affine::Point;
 use counterpoint_motion::frame::kinematics::{Angles, Chain, Joint, unit};
 
 /// Active tool tip control.
 #[derive(Debug, Clone)]
 pub(crate) struct Tip {
-    pub(crate) chain: Chain,
+    pub(crate) chain: Chain<AxisSlot>,
     /// Part of the shift that is the tool, by channel axis.
     tool: Position,
     /// It began with a length offset of its own and ends with it.
@@ -28,9 +29,9 @@ pub(crate) struct Settings {
     /// `$TCPSET`
     pub(crate) method: u8,
     /// Rotary axes that a macro has chosen.
-    pub(crate) chosen: Vec<usize>,
+    pub(crate) chosen: Vec<AxisSlot>,
     /// Rotary axes as a macro has changed them.
-    pub(crate) changed: Vec<Joint>,
+    pub(crate) changed: Vec<Joint<AxisSlot>>,
     /// Tool direction that a macro has given.
     pub(crate) direction: Option<Point>,
     /// Words of the orientation that came last, by format.
@@ -48,8 +49,8 @@ fn is_table(id: DataId) -> bool {
     [data::AXIS_AT, data::AXIS_BT, data::AXIS_CT, data::AXIS_CT2].contains(&id)
 }
 
-fn at(position: &Position, axis: usize) -> f64 {
-    position.get(axis).copied().unwrap_or(0.0)
+fn at(position: &Position, axis: AxisSlot) -> f64 {
+    position.at(axis)
 }
 
 /// Nearest whole number of turns; between two of them the smaller one, whatever the noise.
@@ -95,17 +96,17 @@ fn plus([a, b, c]: Point, [x, y, z]: Point) -> Point {
 
 impl Channel<'_> {
     /// The rotary axes of the channel as tool tip control uses them: those that a macro has chosen, else the first two.
-    pub(crate) fn chain(&self) -> Chain {
+    pub(crate) fn chain(&self) -> Chain<AxisSlot> {
         let settings = &self.state.others.tip;
-        let joint = |(index, axis): (usize, &crate::state::position::Axis)| {
-            let own = self.env.machine.axes.get(axis.machine)?;
-            let made = Joint { axis: index, vector: own.vector, center: own.center };
-            let chosen = settings.chosen.is_empty() || settings.chosen.contains(&index);
-            let changed = settings.changed.iter().find(|changed| changed.axis == index).copied();
+        let joint = |(slot, axis): (AxisSlot, &crate::state::position::Axis)| {
+            let own = &self.env.machine.axes[axis.machine];
+            let made = Joint { axis: slot, vector: own.vector, center: own.center };
+            let chosen = settings.chosen.is_empty() || settings.chosen.contains(&slot);
+            let changed = settings.changed.iter().find(|changed| changed.axis == slot).copied();
             (axis.rotary && chosen).then(|| (axis.data, changed.unwrap_or(made)))
         };
-        let joints: Vec<(DataId, Joint)> =
-            self.state.place.layout.axes.iter().enumerate().filter_map(joint).take(2).collect();
+        let joints: Vec<(DataId, Joint<AxisSlot>)> =
+            self.state.place.layout.axes.entries().filter_map(joint).take(2).collect();
         let side = |table: bool| joints.iter().filter(|(id, _)| is_table(*id) == table).map(|(_, j)| *j).collect();
         let tool = settings.direction.unwrap_or(self.env.machine.tool_direction);
         Chain { tables: side(true), heads: side(false), tool }
@@ -170,8 +171,8 @@ impl Channel<'_> {
     }
 
     /// Puts the angles of a solution next to where the axes stand, in the work frame.
-    pub(crate) fn near(&self, solution: &Angles) -> Angles {
-        let near = |(axis, angle): &(usize, Option<f64>)| {
+    pub(crate) fn near(&self, solution: &Angles<AxisSlot>) -> Angles<AxisSlot> {
+        let near = |(axis, angle): &(AxisSlot, Option<f64>)| {
             let stands = at(&self.state.place.position, *axis);
             let angle = angle.map_or(stands, |angle| {
                 let angle = angle - at(&self.state.place.shift, *axis);
@@ -183,15 +184,15 @@ impl Channel<'_> {
     }
 
     /// How far the axes would have to turn.
-    pub(crate) fn turned(&self, solution: &Angles) -> f64 {
+    pub(crate) fn turned(&self, solution: &Angles<AxisSlot>) -> f64 {
         solution.iter().map(|(axis, angle)| (angle.unwrap_or(0.0) - at(&self.state.place.position, *axis)).abs()).sum()
     }
 
     /// The axes stay within their limits.
-    pub(crate) fn within(&self, solution: &Angles) -> bool {
+    pub(crate) fn within(&self, solution: &Angles<AxisSlot>) -> bool {
         solution.iter().all(|(axis, angle)| {
             let machine = angle.unwrap_or(0.0) + at(&self.state.place.shift, *axis);
-            let limits = self.state.place.layout.axes.get(*axis).and_then(|axis| axis.limits);
+            let limits = self.state.place.layout.axes[*axis].limits;
             limits.is_none_or(|(low, high)| (low..=high).contains(&machine))
         })
     }

@@ -12,6 +12,8 @@ pub enum DataKind {
     Arc,
     /// Position in polar interpolation.
     Polar,
+    /// Corner at the end of a line, direction of a line.
+    Contour,
     /// Orientation of the tool.
     Orientation,
     /// A point of a local frame: its shift, the centre of a rotation or of a scale.
@@ -59,6 +61,7 @@ mod tests {
                 }
                 () if starts(&["ARC_"]) => DataKind::Arc,
                 () if starts(&["C2P_INTERP_"]) => DataKind::Polar,
+                () if starts(&["CORNER_", "LINE_ANGLE"]) => DataKind::Contour,
                 () if starts(&["RTCP_"]) => DataKind::Orientation,
                 () if starts(&["LCS_TRANS_", "LCS_ROT_CENTER_", "LCS_SCALE_CENTER_"]) => DataKind::FramePoint,
                 () if starts(&["SPINDLE_"]) => DataKind::Spindle,

@@ -41,7 +41,7 @@ fn a_row_of_the_same_name_is_replaced_as_a_whole_and_in_its_place() {
     assert_eq!(machine.codes.len(), 2);
     assert!(!machine.codes.as_slice()[0].enable);
     assert_eq!(machine.registers.iter().map(|r| r.name.as_str()).collect::<Vec<_>>(), ["G", "M", "X", "P"]);
-    assert_eq!(machine.axes[0].rapid, 5.0);
+    assert_eq!(machine.axes.as_slice()[0].rapid, 5.0);
     assert_eq!(machine.channels[0].name, "ONLY");
 }
 
@@ -172,8 +172,8 @@ fn offsets_have_a_value_per_axis_of_the_machine() {
     );
     let offsets = &machine.tool.offsets;
     assert_eq!(offsets.iter().map(|o| (o.number, o.radius, o.tip)).collect::<Vec<_>>(), [(1, 0.4, 3), (2, 0.0, 0)]);
-    assert_eq!(offsets[1].values, [0.0, -1.5]);
+    assert_eq!(offsets[1].values.as_slice(), [0.0, -1.5]);
     assert_eq!(machine.work_offsets.len(), 8);
-    assert_eq!(machine.work_offsets[7], [7.0, 0.0]);
-    assert_eq!(machine.work_offsets[0], [0.0, 0.0]);
+    assert_eq!(machine.work_offsets[7].as_slice(), [7.0, 0.0]);
+    assert_eq!(machine.work_offsets[0].as_slice(), [0.0, 0.0]);
 }

@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::ident::{codes, data};
+use crate::index::places;
 use crate::model::{AlarmScope, CallForm, Machine, MachineKind, MainReturn, PathsForm};
 use crate::model::{RewindStop, SyncDialect};
 use crate::package;
@@ -32,6 +33,7 @@ fn all_machines_load_without_a_finding() {
             "fanuc-mill",
             "haas-mill-turn",
             "heidenhain-mill",
+            "siemens-2channel",
             "siemens-lathe",
             "siemens-mill",
             "tern-bar-lathe",
@@ -185,9 +187,11 @@ fn the_two_path_lathe_has_these_data() {
         "A REG_THREAD_MULTI_ANGLE - - angle",
         "C REG_AXIS_CT yes - angle",
         "C REG_C2P_INTERP_Y - - length",
+        "C REG_CORNER_SIDE - - length",
         "I REG_ARC_CENTER_X - - length",
         "I REG_THREAD_MULTI_TAPER_X - - length",
         "I REG_LCS_ROT_ANGLE_X - - angle",
+        "I REG_CORNER_SIDE_X - - length",
         "J REG_ARC_CENTER_Y - - length",
         "J REG_LCS_ROT_ANGLE_Y - - angle",
         "K REG_ARC_CENTER_Z - - length",
@@ -195,6 +199,7 @@ fn the_two_path_lathe_has_these_data() {
         "K REG_THREAD_MULTI_HEIGHT_X - - length",
         "K REG_CYCLE_REPEAT - - none",
         "K REG_LCS_ROT_ANGLE_Z - - angle",
+        "K REG_CORNER_SIDE_Z - - length",
         "R REG_ARC_RADIUS - - length",
         "R REG_OFFSET_VALUE - - length",
         "R REG_THREAD_SINGLE_TAPER_X - - length",
@@ -202,6 +207,7 @@ fn the_two_path_lathe_has_these_data() {
         "R REG_THREAD_MULTI_TAPER_X - - length",
         "R REG_CYCLE_CLEAR - - length",
         "R REG_LCS_ROT_ANGLE - - angle",
+        "R REG_CORNER_SIDE_ROUND - - length",
         "P REG_DELAY - *0.001 time",
         "P REG_GOHOME_NTH - - none",
         "P REG_CALSUB_ID - - none",
@@ -226,6 +232,9 @@ fn the_two_path_lathe_has_these_data() {
         "S REG_SPINDLE_CSS yes - surface-speed",
         "S REG_SPINDLE_RPM_MAX yes - none",
         "D REG_THREAD_MULTI_STEP_X - - length",
+        ",C REG_CORNER_LEGS - - length",
+        ",R REG_CORNER_ROUND - - length",
+        ",A REG_LINE_ANGLE - - angle",
     ];
     assert_eq!(rows, expected);
 }
@@ -235,8 +244,8 @@ fn the_two_path_lathe_is_set_up_like_this() {
     let lathe = shipped("fanuc-2path-lathe");
     assert_eq!((lathe.kind, lathe.unit, lathe.preprocessor.row().name), (MachineKind::Lathe, Unit::Mm, "fanuc"));
     let channels: Vec<_> =
-        lathe.channels.iter().map(|c| (c.number, c.name.as_str(), c.axes.as_slice(), c.spindle)).collect();
-    assert_eq!(channels, [(1, "UPPER", &[0, 1, 2][..], Some(1)), (2, "LOWER", &[3, 4][..], Some(1))]);
+        lathe.channels.iter().map(|c| (c.number, c.name.as_str(), places(c.axes.as_slice()), c.spindle)).collect();
+    assert_eq!(channels, [(1, "UPPER", vec![0, 1, 2], Some(1)), (2, "LOWER", vec![3, 4], Some(1))]);
     assert_eq!((lathe.sync.dialect, lathe.sync.paths), (SyncDialect::Fanuc, PathsForm::Either));
     assert_eq!((lathe.sync.alarm_scope, lathe.sync.release_ns, lathe.sync.poll_ns), (AlarmScope::Own, 0, 1_000_000));
     assert_eq!((lathe.format.rws.as_str(), lathe.format.rws_at), ("%", RewindStop::Optional));
@@ -285,7 +294,7 @@ fn the_other_machines_differ_where_they_should() {
     assert_eq!(meaning(&mill, 'M', 6.0), ["CODE_TOOL_LOAD"]);
     assert_eq!(mill.tables.letter[usize::from(b'U')], None);
     let letters: String = mill.registers.iter().map(|register| register.name.as_str()).collect();
-    assert_eq!(letters, "ONGXYZABCIJKRPQLFSTMHD");
+    assert_eq!(letters, "ONGXYZABCIJKRPQLFSTMHD,C,R,A");
     let axes: Vec<&str> = mill.axes.iter().map(|axis| axis.letter.as_str()).collect();
     assert_eq!(axes, ["X", "Y", "Z"]);
 }

@@ -16,6 +16,7 @@ use counterpoint_fault::Acted;
 use counterpoint_machine::ident::data;
 use counterpoint_machine::ident::kind::CodeKind;
 use counterpoint_machine::ident::kind::thread::{Setting, ThreadCycle};
+use counterpoint_machine::index::AxisSlot;
 use passes::Plan;
 
 /// Codes and what they do.
@@ -28,7 +29,7 @@ pub(crate) const ENTRIES: &[Entry] = &[
 #[derive(Debug, Clone, Copy)]
 struct Thread {
     /// Axes of the channel along the thread and across it, and their factors to geometry.
-    axes: [usize; 2],
+    axes: [AxisSlot; 2],
     scales: [f64; 2],
     /// Where it begins and ends along its axis.
     begin: f64,
@@ -61,7 +62,7 @@ pub(crate) fn set(act: &mut Act<'_, '_>, setting: Setting) -> Acted {
 
 /// A code of a cycle: takes its data, and cuts if the block has a position.
 pub(crate) fn cycle(act: &mut Act<'_, '_>, kind: ThreadCycle) -> Acted {
-    let axis = |role: usize| act.state.place.layout.cartesian.get(role).copied().flatten().map(usize::from);
+    let axis = |role: usize| act.state.place.layout.cartesian.get(role).copied().flatten();
     let (Some(x), Some(z)) = (axis(0), axis(2)) else {
         let text = format!("channel {} has no X and Z for the thread of '{}'", act.at.channel, act.block_text());
         act.diagnose(&diag::CYCLE_AXIS, text);
@@ -79,7 +80,7 @@ pub(crate) fn cycle(act: &mut Act<'_, '_>, kind: ThreadCycle) -> Acted {
 }
 
 /// One pass and back.
-fn single(act: &mut Act<'_, '_>, kind: ThreadCycle, axes: [usize; 2]) -> Acted {
+fn single(act: &mut Act<'_, '_>, kind: ThreadCycle, axes: [AxisSlot; 2]) -> Acted {
     if act.acting.mode_changed {
         (act.state.threads.cycle.end, act.state.threads.cycle.taper) = ([None; 2], 0.0);
     }
@@ -109,7 +110,7 @@ fn single(act: &mut Act<'_, '_>, kind: ThreadCycle, axes: [usize; 2]) -> Acted {
 }
 
 /// All passes of a thread.
-fn multi(act: &mut Act<'_, '_>, kind: ThreadCycle, axes: [usize; 2]) -> Acted {
+fn multi(act: &mut Act<'_, '_>, kind: ThreadCycle, axes: [AxisSlot; 2]) -> Acted {
     if act.env.machine.threads.two_lines && !words::positioned(act) {
         words::settings(act, kind);
         return Ok(());

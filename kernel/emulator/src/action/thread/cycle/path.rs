@@ -4,6 +4,7 @@
 //! straight feed otherwise), clear, rapid back. *Invariant:* every pass begins and ends where the cycle was called.
 
 use counterpoint_fault::Acted;
+use counterpoint_machine::index::{AxisSlot, BySlot};
 use counterpoint_motion::thread::Lead;
 
 use super::{Thread, plan};
@@ -44,7 +45,7 @@ impl Act<'_, '_> {
                 format!("the thread of '{}' has too many passes, the rest is cut in one pass", self.block_text());
             self.diagnose(&diag::THREAD_PASSES, text);
         }
-        let level = self.programmed().get(thread.axes[1]).copied().unwrap_or(0.0) * thread.scales[1];
+        let level = self.programmed().at(thread.axes[1]) * thread.scales[1];
         let outward = thread.outward(level);
         let flank = libm::tan(self.state.threads.cycle.nose.to_radians() / 2.0);
         let mut first = true;
@@ -70,7 +71,7 @@ impl Act<'_, '_> {
     pub(super) fn pass(&mut self, thread: &Thread, root: f64, shift: f64) -> Acted {
         let [along, across] = thread.axes;
         let home = self.programmed();
-        let of = |axis: usize| home.get(axis).copied().unwrap_or(0.0);
+        let of = |axis: AxisSlot| home.at(axis);
         let level = of(across) * thread.scales[1];
         let way = thread.end - thread.begin;
         let begin = thread.begin + way.signum() * shift.min(way.abs());
@@ -78,34 +79,30 @@ impl Act<'_, '_> {
         let chamfer = self.pull_out(thread, root, level, begin);
         let last = chamfer.as_ref().map_or(thread.end, |chamfer| chamfer.from);
         let target = self.place_of(thread, [last, thread.across(root, last)]);
-        self.cut_to_point(1 << along | self.moved(across, &target), target, &thread.screw)?;
+        self.cut_to_point(along.bit() | self.moved(across, &target), target, &thread.screw)?;
         if let Some(chamfer) = chamfer {
             self.chamfer(thread, &chamfer, (last - begin).abs())?;
         }
         let mut clear = self.programmed();
-        if let Some(slot) = clear.get_mut(across) {
-            *slot = of(across);
-        }
-        self.rapid_to_point(1 << across, clear)?;
-        self.rapid_to_point(1 << along, home)
+        *clear.at_mut(across) = of(across);
+        self.rapid_to_point(across.bit(), clear)?;
+        self.rapid_to_point(along.bit(), home)
     }
 
     /// A position with these places along and across the thread.
     fn place_of(&self, thread: &Thread, places: [f64; 2]) -> Position {
         let mut target = self.programmed();
         for ((axis, scale), value) in thread.axes.iter().zip(thread.scales).zip(places) {
-            if let Some(slot) = target.get_mut(*axis) {
-                let wanted = value / scale;
-                // What sums leave behind the ninth digit is nothing that was programmed.
-                *slot = if (wanted - *slot).abs() < 1e-9 { *slot } else { wanted };
-            }
+            let (slot, wanted) = (target.at_mut(*axis), value / scale);
+            // What sums leave after the ninth digit is nothing that was programmed.
+            *slot = if (wanted - *slot).abs() < 1e-9 { *slot } else { wanted };
         }
         target
     }
 
     /// Bit of an axis if it moves to the target.
-    fn moved(&self, axis: usize, target: &Position) -> u8 {
-        if self.programmed().get(axis) == target.get(axis) { 0 } else { 1 << axis }
+    fn moved(&self, axis: AxisSlot, target: &Position) -> u8 {
+        if self.programmed().at(axis) == target.at(axis) { 0 } else { axis.bit() }
     }
 
     fn rapid_aside(&mut self, thread: &Thread, places: [f64; 2]) -> Acted {
@@ -149,7 +146,7 @@ impl Act<'_, '_> {
 
     fn chamfer(&mut self, thread: &Thread, chamfer: &Chamfer, way: f64) -> Acted {
         let target = self.place_of(thread, chamfer.to);
-        let coded = 1 << thread.axes[0] | 1 << thread.axes[1];
+        let coded = thread.axes[0].bit() | thread.axes[1].bit();
         let lead = Lead { start: thread.screw.lead, change: thread.screw.change }.after(way);
         if chamfer.locked {
             return self.cut_to_point(coded, target, &Screw { lead, ..thread.screw });

@@ -7,8 +7,10 @@ use super::{Thread, ThreadCycle};
 use crate::act::Act;
 use crate::action::thread::Screw;
 use crate::state::modal::group;
+use counterpoint_event::event::Position;
 use counterpoint_fault as diag;
 use counterpoint_machine::ident::{DataId, codes, data};
+use counterpoint_machine::index::{AxisSlot, BySlot};
 
 /// Starts of a thread at most.
 const MOST_STARTS: f64 = 99.0;
@@ -23,7 +25,7 @@ pub(super) type Said = ([Option<f64>; 2], [Option<f64>; 2], [Option<f64>; 2], f6
 pub(super) fn positioned(act: &Act<'_, '_>) -> bool {
     let own = [data::THREAD_MULTI_END_X, data::THREAD_MULTI_END_Z];
     let axes = AXES.into_iter().filter_map(|role| act.state.place.layout.cartesian.get(role).copied().flatten());
-    let axes = axes.filter_map(|axis| act.state.place.layout.axes.get(usize::from(axis)).map(|axis| axis.data));
+    let axes = axes.map(|axis| act.state.place.layout.axes[axis].data);
     own.into_iter().chain(axes).any(|id| act.block_has(id))
 }
 
@@ -32,12 +34,12 @@ pub(super) fn points(act: &mut Act<'_, '_>, ids: [DataId; 2], axes: bool) -> [Op
     let relative = act.state.modal.code(group::POSITION) == Some(codes::POSITION_RELATIVE);
     let mut points = [None; 2];
     for (slot, (id, role)) in points.iter_mut().zip(ids.into_iter().zip(AXES)) {
-        let Some(axis) = act.state.place.layout.cartesian.get(role).copied().flatten().map(usize::from) else {
+        let Some(axis) = act.state.place.layout.cartesian.get(role).copied().flatten() else {
             continue;
         };
-        let word = act.state.place.layout.axes.get(axis).map(|axis| axis.data).filter(|_| axes);
+        let word = Some(act.state.place.layout.axes[axis].data).filter(|_| axes);
         let datum = act.take(id).or_else(|| word.and_then(|word| act.take(word)));
-        let of = |list: &[f64]| list.get(axis).copied().unwrap_or(0.0);
+        let of = |list: &Position| list.at(axis);
         *slot = datum.map(|datum| {
             if datum.incremental || relative && !datum.absolute {
                 of(&act.programmed()) + datum.value
@@ -153,7 +155,7 @@ pub(super) fn screw(
     act: &mut Act<'_, '_>,
     pitch: DataId,
     change: DataId,
-    along: usize,
+    along: AxisSlot,
     starts: Option<DataId>,
 ) -> Screw {
     let own = act.take(pitch).or_else(|| act.take(data::INTERP_THREAD_PITCH)).map(|datum| datum.value);
@@ -175,15 +177,15 @@ pub(super) fn screw(
 pub(super) fn thread(
     act: &mut Act<'_, '_>,
     kind: ThreadCycle,
-    axes: [usize; 2],
+    axes: [AxisSlot; 2],
     (start, end, offset, taper): Said,
     screw: Screw,
 ) -> Option<Thread> {
     let order = |[x, z]: [Option<f64>; 2]| if kind.face { [x, z] } else { [z, x] };
     let (start, end, offset) = (order(start), order(end), order(offset));
-    let scales = axes.map(|axis| act.state.place.layout.axes.get(axis).map_or(1.0, |a| a.scale));
+    let scales = axes.map(|axis| act.state.place.layout.axes[axis].scale);
     let place = act.programmed();
-    let here = axes.map(|axis| place.get(axis).copied().unwrap_or(0.0));
+    let here = axes.map(|axis| place.at(axis));
     if end.iter().any(Option::is_none) {
         let text = format!("a thread needs its end along X and Z in '{}'", act.block_text());
         act.diagnose(&diag::DATA_MISSING, text);

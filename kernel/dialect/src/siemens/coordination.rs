@@ -1,0 +1,97 @@
+//! Statements between channels: `WAITM(mark, channels)`, `SETM(marks)`, `WAITE(channels)`, `INIT(channel, program)` and the like.
+//!
+//! Facts: reference channel-synchronisation.md 1.4, scenario M06. Which statements there are, what they wait for and which marks they take is
+//! data of the machine; here their arguments are read. A channel may be given by its name, unless a variable has that name.
+
+use super::expression::{Argument, as_name};
+use super::value::Data;
+use super::{Fault, Outcome, Siemens};
+use crate::host::{Host, Operands};
+use counterpoint_fault as diag;
+
+fn wrong<T>(text: String) -> Outcome<T> {
+    Err(Fault::Alarm(&diag::STATEMENT_ARGUMENTS, text))
+}
+
+impl Siemens {
+    /// Executes a statement between channels; whether it is one.
+    pub(super) fn coordination(&mut self, host: &mut dyn Host, name: &str, arguments: &[Argument]) -> Outcome<bool> {
+        let Some(operands) = host.coordinates(name) else { return Ok(false) };
+        if operands == Operands::Program {
+            return self.select(host, name, arguments).map(|()| true);
+        }
+        let mut numbers = Vec::with_capacity(arguments.len());
+        for (at, argument) in arguments.iter().enumerate() {
+            let is_channel = match operands {
+                Operands::MarkAndChannels => at > 0,
+                Operands::Channels => true,
+                Operands::Marks | Operands::Program => false,
+            };
+            numbers.push(self.mark_or_channel(host, (name, argument), is_channel)?);
+        }
+        match (operands, numbers.as_slice()) {
+            (Operands::MarkAndChannels, [mark, channels @ ..]) if !channels.is_empty() => {
+                host.coordinate(name, *mark, channels)?;
+            }
+            (Operands::Channels, channels) if !channels.is_empty() => host.coordinate(name, 0, channels)?,
+            (Operands::Marks, marks) if !marks.is_empty() => {
+                for mark in marks {
+                    host.coordinate(name, *mark, &[])?;
+                }
+            }
+            (Operands::MarkAndChannels, _) => return wrong(format!("{name} needs a mark and channels")),
+            (Operands::Channels, _) => return wrong(format!("{name} needs a channel")),
+            (Operands::Marks | Operands::Program, _) => return wrong(format!("{name} needs a mark")),
+        }
+        Ok(true)
+    }
+
+    /// INIT: a channel, the path of its program, and whether a program that is missing is reported here (`"S"`, as without) or
+    /// at the start (`"N"`).
+    fn select(&mut self, host: &mut dyn Host, statement: &str, arguments: &[Argument]) -> Outcome<()> {
+        let ([channel, path] | [channel, path, _]) = arguments else {
+            return wrong(format!("{statement} needs a channel and a program"));
+        };
+        let channel = self.mark_or_channel(host, (statement, channel), true)?;
+        let path = match self.argument(host, path)? {
+            Some(Data::Text(path)) if !path.trim().is_empty() => path.trim().to_owned(),
+            _ => return wrong(format!("{statement} needs the name of a program as a text")),
+        };
+        let waits = match arguments.get(2) {
+            Some(mode) => self.argument(host, mode)?.is_none_or(|mode| !mode.text().eq_ignore_ascii_case("N")),
+            None => true,
+        };
+        let found = self.program_by_path(host, &path)?;
+        if found.is_none() && waits {
+            let text = format!("program {path} for channel {channel} not found");
+            return Err(Fault::Alarm(&diag::CHANNEL_NOT_STARTED, text));
+        }
+        Ok(host.select(channel, &path, found)?)
+    }
+
+    /// An argument as a number; a channel may have a name.
+    fn mark_or_channel(
+        &mut self,
+        host: &mut dyn Host,
+        (statement, argument): (&str, &Argument),
+        is_channel: bool,
+    ) -> Outcome<i64> {
+        if let Ok(Some(expression)) = &argument.value
+            && is_channel
+            && let Some(name) = as_name(expression)
+            && name.index.is_empty()
+            && !self.variables.knows(&name.name)
+            && let Some(channel) = host.channel_named(&name.name)
+        {
+            return Ok(channel.into());
+        }
+        let Some(value) = self.argument(host, argument)? else {
+            return wrong(format!("an argument of {statement} is missing"));
+        };
+        let number = super::evaluate::number(&value)?;
+        if number.fract() != 0.0 || number.abs() > 1e9 {
+            return wrong(format!("{} is not a valid mark or channel of {statement}", argument.text));
+        }
+        Ok(number as i64)
+    }
+}

@@ -1,0 +1,148 @@
+//! Lines by their direction: a missing coordinate, or the crossing of two lines.
+//!
+//! Points are those of the program, in its own frame. *Invariant:* a coordinate that the angle does not determine is
+//! reported, never guessed. Facts: reference turning-cycles.md 7.2, siemens-cycles.md (ANG).
+
+use counterpoint_event::event::Position;
+use counterpoint_fault as diag;
+use counterpoint_machine::ident::codes;
+use counterpoint_machine::index::{AxisSlot, BySlot as _};
+use counterpoint_motion::contour::element::{Element, Spot, cross, plus};
+
+use super::Step;
+use crate::act::Act;
+use crate::state::corner::Open;
+use crate::state::modal::group;
+
+/// Sine of the angle below which lines count as parallel: one degree.
+const PARALLEL: f64 = 0.017_452;
+
+/// Largest distance of a programmed end from the line of its angle.
+const OFF: f64 = 0.01;
+
+/// Direction of an angle in degrees; exact at multiples of 90.
+fn direction(degrees: f64) -> Spot {
+    let turn = degrees.rem_euclid(360.0);
+    match () {
+        () if turn == 0.0 => [1.0, 0.0],
+        () if turn == 90.0 => [0.0, 1.0],
+        () if turn == 180.0 => [-1.0, 0.0],
+        () if turn == 270.0 => [0.0, -1.0],
+        () => [libm::cos(turn.to_radians()), libm::sin(turn.to_radians())],
+    }
+}
+
+impl Act<'_, '_> {
+    /// The line of this block gets its end from the next one.
+    pub(in crate::action) fn opens_line(&mut self) -> bool {
+        self.cutter().is_some_and(|cutter| cutter.asked.open.is_some())
+    }
+
+    /// The programmed end of a line with an angle: coded axes and target.
+    pub(in crate::action) fn by_angle(&mut self, coded: u8, mut target: Position) -> (u8, Position) {
+        let Some(cutter) = self.cutter() else { return (coded, target) };
+        let (axes, angle) = (cutter.axes, cutter.asked.angle.take());
+        let open = cutter.waiting.last().and_then(|waiting| waiting.open);
+        if angle.is_none() && open.is_none() {
+            return (coded, target);
+        }
+        let bits = axes.map(AxisSlot::bit);
+        let [first, second] = bits.map(|bit| coded & bit != 0);
+        let from = self.programmed();
+        let (start, end) = (self.flat(&from, axes), self.flat(&target, axes));
+        match (open, angle) {
+            (Some(open), Some(angle)) if first && second => {
+                self.cross(open, (end, direction(angle)), axes);
+            }
+            (Some(_), _) => {
+                let text = format!(
+                    "the line before '{}' has no end: this block needs an angle and both coordinates of its end",
+                    self.block_text()
+                );
+                self.diagnose(&diag::LINE_WITHOUT_END, text);
+                self.forget_corners();
+            }
+            (None, Some(angle)) => {
+                let along = direction(angle);
+                let way = plus(end, start, -1.0);
+                let solved = match (first, second) {
+                    (false, false) => {
+                        let open = Open { from, along };
+                        if let Some(cutter) = self.cutter() {
+                            cutter.asked.open = Some(open);
+                        }
+                        return (coded, target);
+                    }
+                    (true, true) => (cross(along, way).abs() <= OFF).then_some(end),
+                    (true, false) => (along[0].abs() > PARALLEL).then(|| plus(start, along, way[0] / along[0])),
+                    (false, true) => (along[1].abs() > PARALLEL).then(|| plus(start, along, way[1] / along[1])),
+                };
+                match solved {
+                    Some(_) if first && second => {}
+                    Some(spot) => {
+                        let missing = usize::from(first);
+                        self.put_flat(&mut target, (axes, missing), spot);
+                        return (coded | bits[0] | bits[1], target);
+                    }
+                    None => self.not_computed("the angle and the coordinates do not give its end"),
+                }
+            }
+            (None, None) => {}
+        }
+        (coded, target)
+    }
+
+    fn not_computed(&mut self, why: &str) {
+        let text = format!("the line of '{}' is not computed: {why}", self.block_text());
+        self.diagnose(&diag::LINE_NOT_COMPUTED, text);
+    }
+
+    /// Ends the line that waits where it meets another one.
+    fn cross(&mut self, open: Open, (end, along): (Spot, Spot), axes: [AxisSlot; 2]) {
+        let relative = self.state.modal.code(group::POSITION) == Some(codes::POSITION_RELATIVE)
+            || self.block.words.iter().any(|word| word.incremental);
+        let start = self.flat(&open.from, axes);
+        let by = cross(open.along, along);
+        if relative || by.abs() < PARALLEL {
+            let why = if relative { "its end is incremental" } else { "it is parallel to the line before it" };
+            self.not_computed(why);
+            self.forget_corners();
+            return;
+        }
+        let meets = plus(start, open.along, cross(plus(end, start, -1.0), along) / by);
+        let mut point = open.from;
+        for at in [0, 1] {
+            self.put_flat(&mut point, (axes, at), meets);
+        }
+        let [from, to] = [open.from, point].map(|programmed| self.work_point(&programmed));
+        let [first, last] = [from, to].map(|work| self.plane_spot(&work, axes));
+        let Some(cutter) = self.cutter() else { return };
+        let Some(waiting) = cutter.waiting.last_mut() else { return };
+        waiting.open = None;
+        for (slot, value) in waiting.step.to.iter_mut().zip(&to) {
+            *slot = *value;
+        }
+        let element = Element { from: first, to: last, arc: None };
+        waiting.element = Some(element).filter(|element| element.length() > 1e-7);
+        cutter.contour = to;
+    }
+
+    /// A programmed point in the plane, as geometry.
+    fn flat(&self, of: &Position, axes: [AxisSlot; 2]) -> Spot {
+        axes.map(|axis| self.radial(of, axis))
+    }
+
+    /// Sets one coordinate of a programmed point to that of a spot.
+    fn put_flat(&self, position: &mut Position, (axes, at): ([AxisSlot; 2], usize), spot: Spot) {
+        let (Some(axis), Some(value)) = (axes.get(at).copied(), spot.get(at)) else { return };
+        let scale = self.state.place.layout.axes[axis].scale;
+        let slot = position.at_mut(axis);
+        *slot = crate::state::frames::clean(value / scale, *slot);
+    }
+
+    /// A line without an end waits for the next one.
+    pub(super) fn wait_for_end(&mut self, step: Step) {
+        let corner = self.cutter().and_then(|cutter| cutter.asked.corner.take());
+        self.wait(step, None, corner);
+    }
+}

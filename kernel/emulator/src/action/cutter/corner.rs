@@ -1,0 +1,268 @@
+//! Corners between the moves of a contour, with compensation and without.
+//!
+//! A move with a corner waits until the next one is known, as under compensation; without compensation the waiting is that
+//! of a tool that stays on the contour. *Invariant:* the moves of a corner belong to the block that asked for it, and come
+//! right after the move of that block. Facts: reference turning-cycles.md 7, siemens-cycles.md.
+
+use counterpoint_fault as diag;
+use counterpoint_fault::Acted;
+use counterpoint_motion::contour::blend::{TooLong, blend, blend_reduced};
+use counterpoint_motion::contour::element::{Element, NOISE, Spot, plus};
+
+use super::{Cutter, Shape, Stage, Step, Waiting, compensated_plane, words};
+use crate::act::Act;
+use crate::action::entry::Contour;
+use crate::state::corner::{Asked, Corner, Side};
+use counterpoint_event::event::FeedUnit;
+
+/// Moves of the plane wait from here on, where compensation does not make them wait; whether there is a plane.
+pub(super) fn take_part(act: &mut Act<'_, '_>) -> bool {
+    if act.is_compensated() {
+        return true;
+    }
+    let Some((_, axes)) = compensated_plane(act) else {
+        let text = format!("no plane with both axes is active for the corner or angle of '{}'", act.block_text());
+        act.diagnose(&diag::CORNER_REFUSED, text);
+        return false;
+    };
+    let new = Cutter {
+        side: 0.0,
+        radius: 0.0,
+        tip: [0.0; 2],
+        axes,
+        contour: act.state.place.position,
+        stage: Stage::On,
+        waiting: Vec::new(),
+        idle: 0,
+        seen: act.at.blocks,
+        suspended: false,
+        plain: true,
+        asked: Asked::default(),
+    };
+    act.frames().cutter = Some(Box::new(new));
+    true
+}
+
+/// What an action means for corners: moves along the contour may wait, any other action ends the waiting.
+pub(super) fn follow(act: &mut Act<'_, '_>, contour: Contour) -> Acted {
+    let rounds = act.state.place.frames.as_deref().is_some_and(|frames| frames.rounding.is_some());
+    if let Some(cutter) = act.cutter().filter(|cutter| cutter.plain) {
+        let axes = cutter.axes;
+        let stays = match contour {
+            Contour::Waits => true,
+            Contour::Follows => {
+                !act.block.flags.machine_frame && compensated_plane(act).is_some_and(|(_, active)| active == axes)
+            }
+            Contour::Leaves | Contour::Ends => false,
+        };
+        if !stays {
+            act.flush_lookahead()?;
+            act.forget_cutter();
+        }
+    }
+    if rounds && contour == Contour::Follows && !act.is_compensated() && !act.block.flags.machine_frame {
+        take_part(act);
+    }
+    Ok(())
+}
+
+/// Nothing waits any more: without compensation and modal rounding moves are plain again.
+pub(super) fn end(act: &mut Act<'_, '_>) {
+    let rounds = act.state.place.frames.as_deref().is_some_and(|frames| frames.rounding.is_some());
+    if !rounds && act.cutter().is_some_and(|cutter| cutter.plain && cutter.waiting.is_empty()) {
+        act.forget_cutter();
+    }
+}
+
+impl Act<'_, '_> {
+    /// Puts corners between the moves that wait and between the last of them and a new one, which becomes shorter.
+    pub(super) fn cut_corners(&mut self, step: &Step, element: &mut Element) -> Acted {
+        let Some(cutter) = self.cutter().filter(|cutter| cutter.is_due()) else { return Ok(()) };
+        let waiting = std::mem::take(&mut cutter.waiting);
+        let mut made: Vec<Waiting> = Vec::with_capacity(waiting.len() + 2);
+        let mut due: Option<(usize, Corner)> = None;
+        for mut next in waiting {
+            if let Some(second) = &mut next.element
+                && let Some((at, corner)) = due.take()
+            {
+                self.cut_corner(&mut made, (at, corner), (&next.step, second));
+            }
+            if let Some(corner) = next.corner.take_if(|_| next.element.is_some()) {
+                due = Some((made.len(), corner));
+            }
+            made.push(next);
+        }
+        if let Some((at, corner)) = due {
+            self.cut_corner(&mut made, (at, corner), (step, element));
+        }
+        if let Some(cutter) = self.cutter() {
+            cutter.waiting = made;
+        }
+        self.check_stop()
+    }
+
+    /// Puts a corner after a move that waits.
+    fn cut_corner(&mut self, made: &mut Vec<Waiting>, (at, corner): (usize, Corner), next: (&Step, &mut Element)) {
+        let Some(before) = made.get_mut(at) else { return };
+        let Some(mut first) = before.element else { return };
+        let Some(between) = self.corner_element(corner, (&before.step, &mut first), next) else { return };
+        let mut step = before.step.clone();
+        if step.unit == FeedUnit::InverseTime {
+            let feed = step.feed.map(|feed| feed * first.length());
+            (step.feed, step.unit) = (feed, FeedUnit::PerMinute);
+        }
+        step.feed = corner.feed.or(step.feed);
+        step.shape = match (between.arc, self.cutter()) {
+            (Some(made), Some(cutter)) => Shape::Circle { made, axes: cutter.axes, turns: 0 },
+            _ if matches!(step.shape, Shape::Rapid) => Shape::Rapid,
+            _ => Shape::Linear,
+        };
+        // A corner may take the whole move.
+        before.element = Some(first).filter(|first| first.length() >= NOISE);
+        let after = Waiting { step, element: Some(between), ..before.clone() };
+        made.insert(at + 1, after);
+    }
+
+    /// The element of a corner; none if there is no corner or it cannot be made, which is reported.
+    fn corner_element(
+        &mut self,
+        corner: Corner,
+        (before, first): (&Step, &mut Element),
+        (after, second): (&Step, &mut Element),
+    ) -> Option<Element> {
+        let rules = self.env.machine.corners;
+        let block = self.block_text();
+        if matches!(after.shape, Shape::Rapid) && !rules.rapid {
+            if !corner.modal {
+                let text = format!("the corner before '{block}' needs a move at feed after it");
+                self.diagnose(&diag::CORNER_NEXT, text);
+            }
+            return None;
+        }
+        if let Some(side) = corner.side {
+            self.check_side(side, (before, first), (after, second))?;
+        }
+        let made = match rules.reduces {
+            true => Ok(blend_reduced(first, second, corner.cut)),
+            false => blend(first, second, corner.cut).map(|made| (made, false)),
+        };
+        match made {
+            Ok((made, false)) => made,
+            Ok((made, true)) => {
+                let text = format!("the corner before '{block}' is larger than its lines; it is made smaller");
+                if !corner.modal {
+                    self.diagnose(&diag::CORNER_TOO_LONG, text);
+                }
+                made
+            }
+            Err(TooLong) => {
+                let text = format!(
+                    "a corner of {} does not fit between the move before '{block}' and this one",
+                    counterpoint_lang::format::wildcard_text(corner.cut.size())
+                );
+                self.diagnose(&diag::CORNER_TOO_LONG, text);
+                None
+            }
+        }
+    }
+
+    /// A corner with a direction is between lines parallel to axes, and the second one goes in that direction.
+    fn check_side(
+        &mut self,
+        side: Side,
+        (before, first): (&Step, &Element),
+        (after, second): (&Step, &Element),
+    ) -> Option<()> {
+        let axes = self.cutter().map(|cutter| cutter.axes)?;
+        let block = self.block_text();
+        let round = |step: &Step| matches!(step.shape, Shape::Circle { .. });
+        if round(before) || round(after) {
+            let text = format!("the corner before '{block}' is between straight moves only");
+            self.diagnose(&diag::CORNER_NEXT, text);
+            return None;
+        }
+        let along = |way: Spot| way.iter().position(|part| part.abs() > 1.0 - 1e-9);
+        let (Some(one), Some(other)) = (along(first.end()), along(second.start())) else {
+            let text = format!("the corner before '{block}' is between lines parallel to axes only");
+            self.diagnose(&diag::CORNER_TAPER, text);
+            return None;
+        };
+        let axis = axes.get(other).copied();
+        let goes = second.start().get(other).is_some_and(|part| *part > 0.0);
+        if one == other || goes != side.positive || side.axis.is_some() && side.axis != axis {
+            let text = format!("'{block}' does not go where the corner before it goes");
+            self.diagnose(&diag::CORNER_ALONE, text);
+            return None;
+        }
+        Some(())
+    }
+
+    /// The corner at the end of the move of this block.
+    pub(super) fn corner_of(&mut self, step: &Step) -> Option<Corner> {
+        words::corner_of(self, matches!(step.shape, Shape::Rapid))
+    }
+
+    /// A move without a corner at its end, where only corners make moves wait.
+    pub(super) fn without_waiting(&mut self, step: &Step, element: &Element) -> Acted {
+        let Some(cutter) = self.cutter() else { return Ok(()) };
+        cutter.contour = step.to;
+        let cutter = cutter.clone();
+        self.along(step, &cutter, element, element.to)?;
+        end(self);
+        Ok(())
+    }
+
+    /// A move that the corner before it has taken whole: its direction is that of the corner's end.
+    pub(super) fn used_up(&mut self, step: Step, element: &Element) -> Acted {
+        let along = self.cutter().and_then(|cutter| {
+            let last = cutter.waiting.iter().rev().find_map(|waiting| waiting.element)?;
+            Some(last.end())
+        });
+        let along = along.unwrap_or([1.0, 0.0]);
+        let next = Element { from: element.to, to: plus(element.to, along, 1.0), arc: None };
+        self.next_element(Some(&next))?;
+        let corner = self.corner_of(&step);
+        if corner.is_some_and(|corner| !corner.modal) {
+            let text = format!("the corner of '{}' has no line left before it", self.block_text());
+            self.diagnose(&diag::CORNER_TOO_LONG, text);
+        }
+        if let Some(cutter) = self.cutter() {
+            cutter.contour = step.to;
+            cutter.stage = if cutter.plain { Stage::On } else { Stage::Settled { corner: element.to, along } };
+        }
+        end(self);
+        self.check_stop()
+    }
+
+    /// A corner or the end of a line is due, and no move of the plane has come.
+    pub(super) fn check_due(&mut self, waits: &Waiting) -> Acted {
+        if waits.open.is_some() {
+            let text =
+                format!("the line of '{}' has no end: no line with an end and an angle follows", self.block_text());
+            self.diagnose(&diag::LINE_WITHOUT_END, text);
+        }
+        if waits.corner.is_some_and(|corner| !corner.modal) {
+            let text = format!("no move of the plane follows the corner of '{}'", self.block_text());
+            self.diagnose(&diag::CORNER_ALONE, text);
+        }
+        self.check_stop()
+    }
+
+    /// A corner where compensation starts or ends.
+    pub(super) fn corner_at_switch(&mut self, what: &str) {
+        let Some(asked) = self.cutter().map(|cutter| std::mem::take(&mut cutter.asked)) else { return };
+        if !asked.is_empty() {
+            let text = format!("'{}' switches compensation {what} and has a corner or an angle", self.block_text());
+            self.diagnose(&diag::CORNER_AT_COMPENSATION, text);
+        }
+    }
+
+    /// After an alarm the corners that wait are not made.
+    pub(super) fn forget_corners(&mut self) {
+        if let Some(cutter) = self.cutter() {
+            for waiting in &mut cutter.waiting {
+                (waiting.corner, waiting.open) = (None, None);
+            }
+        }
+    }
+}

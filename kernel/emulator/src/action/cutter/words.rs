@@ -1,0 +1,150 @@
+//! Corner words and angle words of a block: what they ask of the contour.
+//!
+//! They are taken before the move of their block. *Invariant:* a word that the move has no use for is reported.
+
+use counterpoint_fault as diag;
+use counterpoint_fault::Acted;
+use counterpoint_machine::ident::{CodeId, DataId, codes, data};
+use counterpoint_motion::contour::blend::Cut;
+
+use super::corner;
+use crate::act::Act;
+use crate::state::corner::{Asked, Corner, Side};
+use crate::state::modal::group;
+
+/// A move has words of corners or angles on its block.
+#[inline(always)]
+pub(in crate::action) fn has_words(act: &Act<'_, '_>, code: CodeId) -> bool {
+    let registers = act.contour_registers();
+    let straight = matches!(code, codes::INTERP_LINEAR | codes::RAPID);
+    act.has_any(if straight { registers.line } else { registers.arc })
+}
+
+/// Executes a move with what the words of its block ask.
+#[cold]
+pub(in crate::action) fn with_words<'a, 'k>(
+    act: &mut Act<'a, 'k>,
+    code: CodeId,
+    moves: impl FnOnce(&mut Act<'a, 'k>) -> Acted,
+) -> Acted {
+    let asked = take(act, code);
+    act.check_stop()?;
+    if asked.is_empty() {
+        return moves(act);
+    }
+    if !corner::take_part(act) {
+        return moves(act);
+    }
+    if let Some(cutter) = act.cutter() {
+        cutter.asked = asked;
+    }
+    moves(act)?;
+    let left = act.cutter().map(|cutter| std::mem::take(&mut cutter.asked));
+    if left.is_some_and(|left| !left.is_empty()) {
+        refused(act, "the block has no move in the plane that it could act on");
+    }
+    corner::end(act);
+    act.check_stop()
+}
+
+/// A word that cannot act.
+fn refused(act: &mut Act<'_, '_>, why: &str) {
+    let text = format!("a corner or angle word cannot act in '{}': {why}", act.block_text());
+    act.diagnose(&diag::CORNER_REFUSED, text);
+}
+
+/// Takes the words of a block with a move.
+fn take(act: &mut Act<'_, '_>, code: CodeId) -> Asked {
+    let straight = matches!(code, codes::INTERP_LINEAR | codes::RAPID);
+    let mut found: Vec<(f64, Corner)> = Vec::new();
+    let feed = own_feed(act);
+    let mut add = |value: f64, cut: fn(f64) -> Cut, side: Option<Side>| {
+        found.push((value, Corner { cut: cut(value.abs()), side, feed, modal: false }));
+    };
+    for (id, cut) in [
+        (data::CORNER_LEGS, Cut::Legs as fn(f64) -> Cut),
+        (data::CORNER_FACE, Cut::Face),
+        (data::CORNER_ROUND, Cut::Round),
+    ] {
+        if let Some(value) = act.take(id).map(|datum| datum.value) {
+            add(value, cut, None);
+        }
+    }
+    // Polar interpolation has words of its own.
+    if straight && act.polar().is_none() {
+        let [x, _, z] = act.state.place.layout.cartesian;
+        for (id, axis, cut) in [
+            (data::CORNER_SIDE, None, Cut::Legs as fn(f64) -> Cut),
+            (data::CORNER_SIDE_X, x, Cut::Legs),
+            (data::CORNER_SIDE_Z, z, Cut::Legs),
+            (data::CORNER_SIDE_ROUND, None, Cut::Round),
+        ] {
+            if let Some(value) = take_beside_axes(act, id) {
+                add(value.abs(), cut, Some(Side { axis, positive: value > 0.0 }));
+            }
+        }
+    }
+    modal_rounding(act);
+    let mut asked = Asked::default();
+    if straight {
+        asked.angle = take_beside_axes(act, data::LINE_ANGLE);
+    }
+    if found.len() > 1 {
+        let text = format!("'{}' has more than one corner", act.block_text());
+        act.diagnose(&diag::CORNER_TWICE, text);
+    }
+    match found.first() {
+        // Siemens programs switch a corner off by 0.
+        Some((value, _)) if *value == 0.0 => {}
+        Some((value, _)) if !(*value > 0.0 && value.is_finite()) => refused(act, "its length or radius is not above 0"),
+        Some((_, corner)) => asked.corner = Some(*corner),
+        None => {}
+    }
+    if code == codes::RAPID && !asked.is_empty() && !act.env.machine.corners.rapid {
+        refused(act, "a rapid move has no corner");
+        return Asked::default();
+    }
+    asked
+}
+
+/// A word of a register that no axis of the channel has.
+fn take_beside_axes(act: &mut Act<'_, '_>, id: DataId) -> Option<f64> {
+    let axes = act.state.place.layout.axes.iter().fold(0, |bits, axis| bits | act.registers_of(axis.data));
+    if act.registers_of(id) & axes & act.block.present != 0 {
+        return None;
+    }
+    act.take(id).map(|datum| datum.value)
+}
+
+/// Feed of the corners of a block.
+fn own_feed(act: &mut Act<'_, '_>) -> Option<f64> {
+    if let Some(feed) = act.take(data::CORNER_FEED_MODAL).map(|datum| datum.value) {
+        act.state.modal.remember(data::CORNER_FEED_MODAL, feed);
+    }
+    let own = act.take(data::CORNER_FEED).map(|datum| datum.value);
+    own.or_else(|| act.state.modal.value(data::CORNER_FEED_MODAL)).filter(|feed| *feed > 0.0)
+}
+
+/// Rounding of all corners from this block on.
+fn modal_rounding(act: &mut Act<'_, '_>) {
+    let Some(radius) = act.take(data::CORNER_ROUND_MODAL).map(|datum| datum.value) else { return };
+    if radius < 0.0 || !radius.is_finite() {
+        refused(act, "its radius is negative");
+        return;
+    }
+    act.frames().rounding = (radius > 0.0).then_some(radius);
+    if radius > 0.0 {
+        corner::take_part(act);
+    } else {
+        act.frames_changed();
+    }
+}
+
+/// The corner at the end of a move: its own, or the one that all moves have.
+pub(super) fn corner_of(act: &mut Act<'_, '_>, rapid: bool) -> Option<Corner> {
+    let own = act.cutter().and_then(|cutter| std::mem::take(&mut cutter.asked).corner);
+    let rounding = act.state.place.frames.as_deref().and_then(|frames| frames.rounding);
+    let feed = act.state.modal.value(data::CORNER_FEED_MODAL).filter(|feed| *feed > 0.0);
+    let all = rounding.map(|radius| Corner { cut: Cut::Round(radius), side: None, feed, modal: true });
+    own.or_else(|| all.filter(|_| !rapid && act.state.modal.code(group::MOTION) != Some(codes::RAPID)))
+}

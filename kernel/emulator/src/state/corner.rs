@@ -1,0 +1,54 @@
+//! What corner words and angle words of the program ask of the contour.
+//!
+//! *Invariant:* a word is asked once: by the move of its block, or it is reported as one that cannot act.
+
+use counterpoint_event::event::Position;
+use counterpoint_machine::index::AxisSlot;
+use counterpoint_motion::contour::blend::Cut;
+use counterpoint_motion::contour::element::Spot;
+
+/// A corner at the end of a move.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Corner {
+    pub(crate) cut: Cut,
+    /// Direction of the move after it, where both are parallel to axes.
+    pub(crate) side: Option<Side>,
+    /// Feed of its own.
+    pub(crate) feed: Option<f64>,
+    /// All corners are rounded: where there is none, nothing is missing.
+    pub(crate) modal: bool,
+}
+
+/// Where a corner of axis-parallel lines goes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Side {
+    /// Channel axis of the second line, where the word says it.
+    pub(crate) axis: Option<AxisSlot>,
+    /// The second line goes to larger coordinates.
+    pub(crate) positive: bool,
+}
+
+/// A line whose end the next one gives: both in the frame of the program.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Open {
+    pub(crate) from: Position,
+    /// Direction in the plane, of length one.
+    pub(crate) along: Spot,
+}
+
+/// What the words of a block ask.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Asked {
+    pub(crate) corner: Option<Corner>,
+    /// Direction of the line, degrees from the first axis of the plane.
+    pub(crate) angle: Option<f64>,
+    /// The line has no end of its own.
+    pub(crate) open: Option<Open>,
+}
+
+impl Asked {
+    /// Nothing is asked.
+    pub(crate) fn is_empty(&self) -> bool {
+        self.corner.is_none() && self.angle.is_none() && self.open.is_none()
+    }
+}

@@ -1,0 +1,76 @@
+//! Statements of a pre-processor at which channels wait for each other: rows of `[[waits]]` by the name of the statement.
+//!
+//! *Invariant:* which arguments a statement takes follows from its row, so the pre-processor needs to know none of them. Facts:
+//! reference channel-synchronisation.md 1.4.
+
+use counterpoint_dialect::Operands;
+use counterpoint_event::event::Primitive;
+use counterpoint_machine::model::{Machine, WaitAct, WaitRow};
+use counterpoint_sync::wait::{Key, Set};
+
+use super::{Meaning, all, of_row};
+
+/// What a statement does.
+pub(crate) enum Statement {
+    /// It waits, or lets others continue.
+    Meaning(Meaning),
+    /// It starts these channels.
+    Start(Set),
+}
+
+/// Waits of this primitive have a mark.
+pub(super) fn has_mark(primitive: Primitive) -> bool {
+    !matches!(primitive, Primitive::Join)
+}
+
+fn find<'m>(machine: &'m Machine, name: &str) -> Option<(u16, &'m WaitRow)> {
+    let rows = (0..).zip(&machine.sync.waits);
+    rows.into_iter().find(|(_, row)| row.form.is_none() && row.word.eq_ignore_ascii_case(name))
+}
+
+/// What a statement takes; `None` if it is not one of `[[waits]]`.
+pub(crate) fn operands(machine: &Machine, name: &str) -> Option<Operands> {
+    let (_, row) = find(machine, name)?;
+    Some(match (row.primitive, row.act) {
+        (_, WaitAct::Select) => Operands::Program,
+        (Primitive::Join, _) => Operands::Channels,
+        (_, WaitAct::Wait | WaitAct::Signal | WaitAct::Start) => Operands::MarkAndChannels,
+        (_, WaitAct::Set | WaitAct::Clear | WaitAct::Release) => Operands::Marks,
+    })
+}
+
+/// What a statement of `[[waits]]` means in this channel; `mark` is 0 where there is none.
+///
+/// # Errors
+/// Why its arguments are not possible.
+pub(crate) fn by_statement(
+    machine: &Machine,
+    name: &str,
+    channel: u16,
+    mark: i64,
+    channels: &[i64],
+) -> Result<Statement, String> {
+    let (index, row) = find(machine, name).ok_or_else(|| format!("{name} is not known"))?;
+    let number = u32::try_from(mark).ok().filter(|mark| *mark <= row.highest);
+    let number = number.ok_or_else(|| format!("mark {mark} is not possible, only 0 to {}", row.highest))?;
+    let everybody = all(machine);
+    let mut named = Set::default();
+    for &number in channels {
+        named = named.with(known_channel(machine, number)?);
+    }
+    if row.act == WaitAct::Start {
+        return Ok(Statement::Start(named));
+    }
+    let parts = if channels.is_empty() { everybody } else { named.with(channel) };
+    let named = (!channels.is_empty()).then_some(named);
+    Ok(Statement::Meaning(of_row(machine, (index, row), Key { space: 0, number }, (named, parts))))
+}
+
+/// A channel of the machine by its number.
+///
+/// # Errors
+/// There is no such channel.
+pub(crate) fn known_channel(machine: &Machine, number: i64) -> Result<u16, String> {
+    let known = u16::try_from(number).ok().filter(|number| all(machine).has(*number));
+    known.ok_or_else(|| format!("the machine has no channel {number}"))
+}
