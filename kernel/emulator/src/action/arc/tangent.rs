@@ -3,6 +3,7 @@
 //! Facts: reference siemens-cycles.md (CT). *Invariant:* a circle that does not exist is reported, and its end reached
 //! straight unless the channel stops.
 
+use counterpoint_machine::index::{AxisSlot, BySlot as _};
 use counterpoint_motion::arc as geometry;
 use counterpoint_motion::contour::tangent::{Tangent, tangent as leads};
 
@@ -59,13 +60,13 @@ fn heading(act: &Act<'_, '_>, flat: &Flat) -> Option<[f64; 2]> {
     match act.state.arcs.last? {
         LastMove::By(by) => ahead.iter_mut().zip(by).for_each(|(slot, by)| *slot += by),
         LastMove::Round { axes, center, turn } => {
-            let scale = |axis: usize| act.state.place.layout.axes.get(axis).map_or(1.0, |axis| axis.scale);
+            let scale = |axis: AxisSlot| act.state.place.layout.axes[axis].scale;
             let [first, second] = axes;
             let [c, d] = center;
-            let x = (here.get(first)? - c) * scale(first);
-            let y = (here.get(second)? - d) * scale(second);
-            *ahead.get_mut(first)? -= y * turn / scale(first);
-            *ahead.get_mut(second)? += x * turn / scale(second);
+            let x = (here.at(first) - c) * scale(first);
+            let y = (here.at(second) - d) * scale(second);
+            *ahead.at_mut(first) -= y * turn / scale(first);
+            *ahead.at_mut(second) += x * turn / scale(second);
         }
     }
     let [from, to] = [here, ahead].map(|work| flat.point(&act.program_point(&work)));

@@ -216,7 +216,7 @@ impl Act<'_, '_> {
             by.iter_mut().zip(self.contour()).for_each(|(to, from)| *to -= from);
             return Some(LastMove::By(by));
         };
-        let scale = |axis: usize| self.state.place.layout.axes.get(axis).map_or(1.0, |axis| axis.scale);
+        let scale = |axis: AxisSlot| self.state.place.layout.axes[axis].scale;
         let [first, second] = axes;
         let center = [made.center[0] / scale(first), made.center[1] / scale(second)];
         Some(LastMove::Round { axes, center, turn: made.sweep.signum() })
