@@ -72,6 +72,8 @@ pub struct Machine {
     pub arcs: paths::Arcs,
     /// Threading cycles.
     pub threads: paths::Threads,
+    /// Turning cycles.
+    pub turning: paths::Turning,
     /// Direction of the tool, from its tip to the spindle, with all rotary axes at zero.
     pub tool_direction: [f64; 3],
     /// Pump of the coolant.

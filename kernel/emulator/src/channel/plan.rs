@@ -2,13 +2,17 @@
 
 use std::sync::Arc;
 
+use super::Kernel;
 use super::actions::{Action, Actions};
 use super::custom_macro::CodeCalls;
 use super::data::RECALLED;
 use super::hook_points::HookPoints;
 use super::refusals::Refusals;
+use counterpoint_event::event::Motion;
+use counterpoint_fault::Acted;
 use counterpoint_machine::Machine;
 use counterpoint_machine::ident::dimension::Dimension;
+use counterpoint_machine::ident::kind::CodeKind;
 use counterpoint_machine::ident::kind::data::DataKind;
 use counterpoint_machine::ident::{CodeId, DataId, codes, data};
 use counterpoint_machine::index::{CodeRowId, DataRowId, RegisterId, Table};
@@ -37,6 +41,10 @@ pub struct Plan {
     pub(crate) edits: Edits,
     /// What the control makes of its blocks beyond their words.
     pub(crate) rules: Rules,
+    /// What becomes of motions where they are not simply made: the macros of the machine see them, or they are recorded.
+    pub(crate) motion: Option<fn(&mut Kernel<'_>, f64, &Motion) -> Acted>,
+    /// The plan by which contour blocks are read; none on machines without cycles that read them.
+    pub(crate) reading: Option<Box<Plan>>,
 }
 
 /// Registers that a block is looked through for.
@@ -179,6 +187,8 @@ pub(crate) struct Rules {
     pub(crate) steps: Option<Table<RegisterId, [f64; 2]>>,
     /// The lead of a thread and the feed per revolution are one word that stays in force (F of Fanuc controls).
     pub(crate) lead_is_feed: bool,
+    /// Circles may continue in the direction of the last move, which is kept for them.
+    pub(crate) keeps_last_move: bool,
     /// Rules by which the control refuses blocks.
     pub(crate) refusals: Option<Box<Refusals>>,
 }
@@ -189,6 +199,7 @@ impl Rules {
             exclusive: exclusive(machine, g),
             steps: steps(machine),
             lead_is_feed: lead_is_feed(machine),
+            keeps_last_move: machine.codes.iter().any(|row| row.enable && row.id == codes::INTERP_ARC_TANGENT),
             refusals: Refusals::new(machine),
         }
     }
@@ -368,6 +379,8 @@ impl Plan {
         actions: &'static Actions,
         hooks: Option<&'static HookPoints>,
     ) -> Self {
+        let reads = |row: &CodeRow| row.enable && matches!(row.id.kind(), CodeKind::Turning(_));
+        let reading = actions.reading.filter(|_| machine.codes.iter().any(reads));
         let registers = Registers::new(machine);
         let syntax = counterpoint_dialect::of(machine).syntax();
         Self {
@@ -382,6 +395,8 @@ impl Plan {
             registers,
             data: DataPlan::new(machine),
             edits: Edits::new(machine),
+            motion: hooks.map(|hooks| hooks.motion).or(actions.record),
+            reading: reading.map(|actions| Box::new(Self::new(machine, opskip, actions, None))),
         }
     }
 }

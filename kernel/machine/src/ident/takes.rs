@@ -12,10 +12,10 @@ use super::kind::thread::{Setting, ThreadCycle};
 use super::{CodeId, codes};
 
 /// Words of axes and feed.
-const MOVE: &str = "REG_FEED_UPM REG_FEED_UPR REG_FEED_1T REG_AXIS_*";
+const MOVE: &str = "REG_FEED_UPM REG_FEED_UPR REG_FEED_1T REG_AXIS_* REG_CORNER_* REG_LINE_ANGLE REG_POLE_*";
 
 /// Words of circles.
-const ARC: &str = "REG_FEED_UPM REG_FEED_UPR REG_AXIS_* REG_ARC_CENTER_* REG_ARC_RADIUS REG_ARC_ANGLE REG_ARC_TURNS";
+const ARC: &str = "REG_FEED_UPM REG_FEED_UPR REG_AXIS_* REG_ARC_CENTER_* REG_ARC_RADIUS REG_ARC_ANGLE REG_ARC_TURNS REG_CORNER_* REG_POLE_*";
 
 /// Words that define a circle to come.
 const DEFINITION: &str = "REG_ARC_CENTER_* REG_ARC_RADIUS";
@@ -28,7 +28,7 @@ const WAIT: &str = "REG_SYNC REG_SYNC_*";
 
 /// Codes whose kind does not say what they take.
 const OWN: &[(&[CodeId], &str)] = &[
-    (&[codes::RAPID], "REG_RAPID_FEED REG_AXIS_*"),
+    (&[codes::RAPID], "REG_RAPID_FEED REG_AXIS_* REG_CORNER_* REG_LINE_ANGLE REG_POLE_*"),
     (
         &[
             codes::INTERP_LINEAR,
@@ -36,11 +36,13 @@ const OWN: &[(&[CodeId], &str)] = &[
             codes::INTERP_LINEAR_X100,
             codes::INTERP_SKIP,
             codes::INTERP_THREAD_OFF,
+            codes::INTERP_ARC_TANGENT,
         ],
         MOVE,
     ),
     (&[codes::INTERP_DEF_CLW, codes::INTERP_DEF_CCLW, codes::INTERP_DEF_CENTER, codes::INTERP_DEF_RADIUS], DEFINITION),
     (&[codes::INTERP_ARC_3D], "REG_FEED_UPM REG_FEED_UPR REG_AXIS_* REG_ARC_3D_POINT_*"),
+    (&[codes::POLE_TOOL, codes::POLE_ZERO, codes::POLE_LAST], "REG_AXIS_* REG_POLE_*"),
     (&[codes::DELAY], "REG_DELAY"),
     (&[codes::DELAY_REV], "REG_DELAY_REV"),
     (&[codes::GOHOME, codes::GOHOME_RETURN], "REG_AXIS_*"),
@@ -80,6 +82,7 @@ fn taken(id: CodeId) -> &'static str {
         CodeKind::ThreadCycle(ThreadCycle { multi: true, .. }) => "REG_THREAD_MULTI_*",
         CodeKind::ThreadSetting(Setting::Chamfer(_)) => "REG_THREAD_CHAMFER_*",
         CodeKind::Cycle(_) => CYCLE,
+        CodeKind::Turning(_) => "REG_TURN_* REG_FEED_UPM REG_FEED_UPR REG_AXIS_*",
         CodeKind::Local(Part::Mirror, _) => "REG_AXIS_*",
         CodeKind::Local(Part::Translate, Change::On | Change::Add) => "REG_LCS_TRANS_*",
         CodeKind::Local(Part::Rotate, Change::On | Change::Add) => "REG_LCS_ROT_*",
