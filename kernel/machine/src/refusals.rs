@@ -1,5 +1,5 @@
-//! Blocks that a control refuses with an alarm of its own: what may not stand together, what is missing, what is out of
-//! its range, what may not come while something else is active.
+//! Blocks that a control refuses with an alarm of its own: what may not be on one block, what is missing, what is out
+//! of range, what is not allowed while something else is active.
 //!
 //! Facts: reference fanuc-variables-and-alarms.md 3. Invariant: a row has a code or a register that it looks for, so a
 //! block that has neither costs nothing.

@@ -181,7 +181,7 @@ Z2    Z       REG_AXIS_Z   Z       -         24000  -             500   -
             "{groups}"
         );
         assert!(lines.iter().any(|line| line.starts_with("motion") || line.contains("  motion")), "{groups}");
-        assert!(!groups.contains("CODE_DELAY"), "group 0 is no group");
+        assert!(!groups.contains("CODE_DELAY"), "group 0 is not a modal group");
     }
 
     #[test]

@@ -1,8 +1,8 @@
 //! The programs of the heads in one file: codes of heads divide it.
 //!
 //! Facts: reference control-emulator.md 1.5 (Output Format #9, HEAD #10), 8.1: the side program is appended to the main
-//! one; programs are told apart by codes (`CODE_HEAD_MAIN`, `CODE_HEAD_SIDE`) or by values (`CODE_HEAD_ID` with
-//! `REG_HEAD_ID`). Decisions: lines before the first head belong to its program, a head whose code comes again goes on;
+//! one; programs are distinguished by codes (`CODE_HEAD_MAIN`, `CODE_HEAD_SIDE`) or by values (`CODE_HEAD_ID` with
+//! `REG_HEAD_ID`). Decisions: lines before the first head belong to its program, a head whose code comes again continues;
 //! coming back to an earlier head is refused, since a channel runs one stretch of lines. Only the text up to the second
 //! definition word is divided, so subprograms may follow.
 

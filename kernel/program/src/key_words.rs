@@ -1,4 +1,4 @@
-//! Where a statement starts among words: key words, told from literal texts and unknown words that start with the same
+//! Where a statement starts among words: key words, as opposed to literal texts and unknown words that start with the same
 //! letters.
 //!
 //! Facts: reference control-emulator.md 5.4 (key words may be cut to two letters). *Invariant:* scanner and compiler ask

@@ -1,4 +1,4 @@
-//! How a machine tells programs in a text apart: from a definition (`O2101`, `:2101`, `<NAME>`, `ONAME` on Okuma controls)
+//! How a machine separates the programs of a text: from a definition (`O2101`, `:2101`, `<NAME>`, `ONAME` on Okuma controls)
 //! to the next one.
 //!
 //! Facts: reference control-emulator.md 5.4 (`<name>`), 5.7. Invariant: a shape looks at one line at a time.

@@ -1,6 +1,6 @@
 //! Codes of the local frame: translation, rotation, scale and mirror of the program.
 //!
-//! Facts: reference control-emulator.md 6.7. *Invariant:* the machine stands still; the programmed point is what changes.
+//! Facts: reference control-emulator.md 6.7. *Invariant:* the machine does not move; the programmed point changes.
 //! Decisions: docs/emulation.md, "Local frame".
 
 use counterpoint_lang::format::wildcard_text;

@@ -1,7 +1,7 @@
 //! Offsets that the program itself sets.
 //!
-//! Facts: general CNC practice (Fanuc G10); the annex of the emulated system has no identifier for it. *Invariant:* what
-//! is not kept is told and nothing changes; the machine stands still.
+//! Facts: general CNC practice (Fanuc G10); the annex of the emulated system has no identifier for it. *Invariant:* an
+//! offset that cannot be kept is reported and nothing changes; the machine does not move.
 
 use crate::act::Act;
 use crate::action::entry::Entry;

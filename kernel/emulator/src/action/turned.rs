@@ -2,7 +2,7 @@
 //!
 //! A circle that stays one in a plane of two axes is made as such, with the direction and radius that it has there; one
 //! that leans between the axes goes in straight pieces. Facts: reference control-emulator.md 6.7. Decision: unequal
-//! scales in the plane make no circle; it is told, and the end is reached straight.
+//! scales in the plane do not give a circle: that is reported, and the end is reached straight.
 
 use counterpoint_machine::index::BySlot;
 use counterpoint_motion::arc as geometry;

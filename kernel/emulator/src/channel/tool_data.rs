@@ -1,9 +1,9 @@
-//! What is known about the tools, told whenever it changes.
+//! What is known about the tools, reported whenever it changes.
 //!
 //! Facts: reference listing-and-trace.md 7.1, system-variables.md 13. The first that knows counts: the tool table as
 //! macros have written it, the machine's tools, the offset in force while the tool was in use. Invariants: an event
 //! says all that is known about its tool, and is made only when that has changed; the tables of a run that comes to
-//! its end are told in the order of `$TLSORT`.
+//! its end are reported in the order of `$TLSORT`.
 
 use counterpoint_lang::value::Value;
 

@@ -1,9 +1,9 @@
-//! Words and text of a block that nothing knows.
+//! Words and text of a block that nothing recognises.
 //!
 //! Facts: reference control-emulator.md 2.2 step 12 (the emulated system diagnoses what is left and continues);
 //! fanuc-variables-and-alarms.md 3 (PS0009, PS0010: no part of the block acts); siemens-cycles.md 6 (12470, 12550).
-//! Decision: `[control] unknown_code` says which of both a machine does. *Invariant:* where they are alarms, nothing of the
-//! block has acted, unless a macro behind the block may still know its text.
+//! Decision: `[control] unknown_code` says which of the two a machine does. *Invariant:* where they are alarms, no part of the
+//! block has acted, unless a macro after the block may still recognise its text.
 
 use super::Kernel;
 use super::letter_zero::letter_for_zero;

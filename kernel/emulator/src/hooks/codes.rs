@@ -1,7 +1,7 @@
 //! Hooks around the codes of a block: code macros before built-in actions, data macros on every value taken.
 //!
-//! Facts: reference control-emulator.md 2.3, 4.2. Invariants: a macro that runs is no candidate; a code counts as fired
-//! (and modal) before its macro runs; codes that macros add act on this block, by their order.
+//! Facts: reference control-emulator.md 2.3, 4.2. Invariants: a macro that runs cannot be selected again; a code counts as
+//! acting (and modal) before its macro runs; codes that macros add act on this block, by their order.
 
 use counterpoint_lang::value::Value;
 use counterpoint_machine::ident::kind::data::DataKind;
@@ -101,7 +101,7 @@ impl Kernel<'_> {
     }
 
     /// Data by which `$FCEDAC` fires the code of a group are on the block.
-    pub(crate) fn has_firing_data(&self, group: u16) -> bool {
+    pub(crate) fn has_calling_data(&self, group: u16) -> bool {
         let pairs = self.macros.modes.data_codes.as_slice();
         pairs.iter().any(|(id, of)| *of == group && self.has_data(*id))
     }
@@ -132,9 +132,9 @@ impl Kernel<'_> {
 
     /// A code that has been taken off the block: its macro, else its action.
     #[inline(never)]
-    pub(crate) fn act_with_macros(&mut self, firing: PendingCode, id: CodeId) -> Acted {
+    pub(crate) fn act_with_macros(&mut self, pending: PendingCode, id: CodeId) -> Acted {
         let outer = self.set_code(Some(id));
-        let done = self.run_code(firing, id);
+        let done = self.run_code(pending, id);
         self.set_code(outer);
         done
     }
@@ -143,25 +143,25 @@ impl Kernel<'_> {
         std::mem::replace(&mut self.macros.block.code, id)
     }
 
-    fn run_code(&mut self, firing: PendingCode, id: CodeId) -> Acted {
+    fn run_code(&mut self, pending: PendingCode, id: CodeId) -> Acted {
         let Some(code) = self.matching_code_macro(id) else {
             let machine = self.channel.env.machine;
-            return self.perform(&machine.codes[firing.row], firing);
+            return self.perform(&machine.codes[pending.row], pending);
         };
-        let mut arguments = [code_value(Some(id)), self.value_of_code(firing)];
-        self.run_macro(code, Task::Code(firing, id), &mut arguments).map(|_| ())
+        let mut arguments = [code_value(Some(id)), self.value_of_code(pending)];
+        self.run_macro(code, Task::Code(pending, id), &mut arguments).map(|_| ())
     }
 
     /// `$P2` of a code macro.
-    fn value_of_code(&self, firing: PendingCode) -> Value {
-        match &self.channel.env.machine.codes[firing.row].form {
+    fn value_of_code(&self, pending: PendingCode) -> Value {
+        match &self.channel.env.machine.codes[pending.row].form {
             CodeForm::Text(text) => Value::text(text.as_str()),
-            _ => Value::Real(self.code_number(firing)),
+            _ => Value::Real(self.code_number(pending)),
         }
     }
 
     /// OUTPUT of a code macro: the code that `$P1` holds now continues to the next macro or to its action.
-    pub(crate) fn output_code(&mut self, firing: PendingCode, id: CodeId, wanted: Option<&Value>) -> Acted {
+    pub(crate) fn output_code(&mut self, pending: PendingCode, id: CodeId, wanted: Option<&Value>) -> Acted {
         let target = match wanted {
             None => id,
             Some(value @ Value::Code(_)) => match self.code_id(value) {
@@ -174,20 +174,20 @@ impl Kernel<'_> {
                 return Ok(());
             }
         };
-        let row = if target == id { Some(firing.row) } else { self.row_of_code(target) };
+        let row = if target == id { Some(pending.row) } else { self.row_of_code(target) };
         let Some(row) = row else {
             self.no_such_code(target);
             return Ok(());
         };
         let machine = self.channel.env.machine;
-        let own = Self::data_of_firing(&machine.codes[firing.row], firing);
-        let firing = PendingCode { row, ..firing };
+        let own = Self::data_of_code(&machine.codes[pending.row], pending);
+        let pending = PendingCode { row, ..pending };
         self.channel.acting.as_data = own;
         if target != id {
-            self.set_firing(&machine.codes[row], firing);
+            self.enter_code(&machine.codes[row], pending);
             self.channel.acting.as_data = self.channel.acting.as_data.or(own);
         }
-        let done = self.act_with_macros(firing, target);
+        let done = self.act_with_macros(pending, target);
         self.channel.acting.as_data = None;
         done
     }

@@ -1,6 +1,6 @@
 //! The tool table as macros see it: `$TLTAB`, `$TLSORT`, `$TI`.
 //!
-//! Facts: reference system-variables.md 13. Invariants: rows are kept in the order of the first loads, row 1 is no tool;
+//! Facts: reference system-variables.md 13. Invariants: rows are kept in the order of the first loads, row 1 is not a tool;
 //! only what macros read and write is in the order of `$TLSORT`. Decisions: the rows are put in order when `$TLSORT` is
 //! assigned and when a tool is loaded; numbers come before texts, what has no value comes last, equals by their loads.
 

@@ -1,6 +1,6 @@
 //! Running macros: the state of the machine that runs them, which ones run, and what they do at OUTPUT.
 //!
-//! *Invariant:* a macro that runs is no candidate again until it has ended. While a macro runs, its state lies with the
+//! *Invariant:* a macro that runs cannot be selected again until it has ended. While a macro runs, its state lies with the
 //! machine that runs it, and whoever calls back into the kernel puts it here first. Facts: reference
 //! control-emulator.md 4, macro-language.md 7.
 

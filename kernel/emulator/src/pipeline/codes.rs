@@ -264,7 +264,8 @@ impl Kernel<'_> {
     #[cold]
     fn is_left(&self, group: u16) -> bool {
         let moves = group == group::MOTION || group == group::CYCLE;
-        moves && (self.channel.has_any(self.plan.registers.motion) || self.adds_motion()) || self.has_firing_data(group)
+        moves && (self.channel.has_any(self.plan.registers.motion) || self.adds_motion())
+            || self.has_calling_data(group)
     }
 
     pub(crate) fn group_queued(&self, group: u16) -> bool {
@@ -296,7 +297,7 @@ impl Kernel<'_> {
             self.trace_ignored(row.id);
             return Ok(());
         }
-        self.set_firing(row, pending);
+        self.enter_code(row, pending);
         let result = match self.plan.hooks {
             Some(hooks) => (hooks.codes.act)(self, pending, row.id),
             None => self.perform(row, pending),
@@ -307,17 +308,17 @@ impl Kernel<'_> {
 
     /// Value that a code hands over as data.
     #[inline]
-    pub(crate) fn data_of_firing(row: &CodeRow, pending: PendingCode) -> Option<(DataId, f64)> {
+    pub(crate) fn data_of_code(row: &CodeRow, pending: PendingCode) -> Option<(DataId, f64)> {
         match row.form {
             CodeForm::RegisterAsData { data, .. } => Some((data, pending.value * row.mul + row.add)),
             _ => None,
         }
     }
 
-    /// What firing a code means before it acts: its data, its modal group.
+    /// What a code does before it acts: hands over its data, becomes active in its modal group.
     #[inline(always)]
-    pub(crate) fn set_firing(&mut self, row: &CodeRow, pending: PendingCode) {
-        self.channel.acting.as_data = Self::data_of_firing(row, pending);
+    pub(crate) fn enter_code(&mut self, row: &CodeRow, pending: PendingCode) {
+        self.channel.acting.as_data = Self::data_of_code(row, pending);
         self.channel.acting.mode_changed = self.channel.state.modal.code(row.group) != Some(row.id);
         match row.modality {
             Modality::NonModal if row.group != 0 && !pending.modal => self.channel.state.modal.refire_once(row.group),

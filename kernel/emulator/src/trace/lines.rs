@@ -1,6 +1,6 @@
 //! The lines of a trace.
 //!
-//! *Invariant:* columns are exact. Facts: reference listing-and-trace.md 3, 4, 6; statements stand without indentation.
+//! *Invariant:* columns are exact. Facts: reference listing-and-trace.md 3, 4, 6; statements are not indented.
 
 use counterpoint_lang::format::wildcard_text;
 

@@ -1,7 +1,7 @@
 //! The trace: what a kernel shows of its work, line by line, in the documented layout.
 //!
-//! Facts: reference listing-and-trace.md 3, 4, 6. Trace lines are events like all others, so they stand in the log in
-//! their place and a trace is as reproducible as the log. *Invariant:* a kernel without trace letters asks one `Option`
+//! Facts: reference listing-and-trace.md 3, 4, 6. Trace lines are events like all others, so they have their place in
+//! the log and a trace is as reproducible as the log. *Invariant:* a kernel without trace letters asks one `Option`
 //! per hook and makes no text.
 //!
 //! Macros have their hooks here too: [`entering`], [`statement`], [`leaving`] for the letters M and H, [`exec`] for X,

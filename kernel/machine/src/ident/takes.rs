@@ -1,93 +1,113 @@
 //! Which data the built-in actions of codes take.
 //!
-//! Facts: reference control-emulator.md 6. A row tells how identifiers of codes begin; the longest that fits counts. A
-//! star stands for the rest of a name.
+//! Facts: reference control-emulator.md 6. The kind of a code decides, or the code itself where its kind leaves that open.
+//! In a list of data a star is the rest of a name.
 
-use super::codes;
+use counterpoint_event::event::Direction;
+use counterpoint_motion::frame::local::Part;
+
+use super::kind::CodeKind;
+use super::kind::local::Change;
+use super::kind::thread::{Setting, ThreadCycle};
+use super::{CodeId, codes};
 
 /// Words of axes and feed.
 const MOVE: &str = "REG_FEED_UPM REG_FEED_UPR REG_FEED_1T REG_AXIS_* REG_CORNER_* REG_LINE_ANGLE REG_POLE_*";
 
-const ROWS: &[(&str, &str)] = &[
-    ("CODE_RAPID", "REG_RAPID_FEED REG_AXIS_* REG_CORNER_* REG_LINE_ANGLE REG_POLE_*"),
-    ("CODE_INTERP_ARC_TANGENT", MOVE),
-    ("CODE_POLE", "REG_AXIS_* REG_POLE_*"),
-    ("CODE_INTERP_LINEAR", MOVE),
+/// Words of circles.
+const ARC: &str = "REG_FEED_UPM REG_FEED_UPR REG_AXIS_* REG_ARC_CENTER_* REG_ARC_RADIUS REG_ARC_ANGLE REG_ARC_TURNS REG_CORNER_* REG_POLE_*";
+
+/// Words that define a circle to come.
+const DEFINITION: &str = "REG_ARC_CENTER_* REG_ARC_RADIUS";
+
+/// Words of drilling cycles.
+const CYCLE: &str = "REG_FEED_UPM REG_FEED_UPR REG_CYCLE_* REG_AXIS_*";
+
+/// Words of waits.
+const WAIT: &str = "REG_SYNC REG_SYNC_*";
+
+/// Codes whose kind does not say what they take.
+const OWN: &[(&[CodeId], &str)] = &[
+    (&[codes::RAPID], "REG_RAPID_FEED REG_AXIS_* REG_CORNER_* REG_LINE_ANGLE REG_POLE_*"),
     (
-        "CODE_INTERP_ARC",
-        "REG_FEED_UPM REG_FEED_UPR REG_AXIS_* REG_ARC_CENTER_* REG_ARC_RADIUS REG_ARC_ANGLE REG_ARC_TURNS REG_CORNER_* REG_POLE_*",
+        &[
+            codes::INTERP_LINEAR,
+            codes::INTERP_LINEAR_X10,
+            codes::INTERP_LINEAR_X100,
+            codes::INTERP_SKIP,
+            codes::INTERP_THREAD_OFF,
+            codes::INTERP_ARC_TANGENT,
+        ],
+        MOVE,
     ),
-    (
-        "CODE_INTERP_HELIX",
-        "REG_FEED_UPM REG_FEED_UPR REG_AXIS_* REG_ARC_CENTER_* REG_ARC_RADIUS REG_ARC_ANGLE REG_ARC_TURNS",
-    ),
-    ("CODE_INTERP_DEF", "REG_ARC_CENTER_* REG_ARC_RADIUS"),
-    ("CODE_INTERP_ARC_3D", "REG_FEED_UPM REG_FEED_UPR REG_AXIS_* REG_ARC_3D_POINT_*"),
-    ("CODE_INTERP_THREAD", "REG_INTERP_THREAD_* REG_AXIS_*"),
-    ("CODE_INTERP_SKIP", MOVE),
-    ("CODE_DELAY", "REG_DELAY"),
-    ("CODE_DELAY_REV", "REG_DELAY_REV"),
-    ("CODE_GOHOME", "REG_AXIS_*"),
-    ("CODE_FEED_UPM", "REG_FEED_UPM"),
-    ("CODE_FEED_UPR", "REG_FEED_UPR"),
-    ("CODE_FEED_1T", "REG_FEED_1T"),
-    ("CODE_SPINDLE_CLW", "REG_SPINDLE_RPM"),
-    ("CODE_SPINDLE_CCLW", "REG_SPINDLE_RPM"),
-    ("CODE_SPINDLE_ORIENT", "REG_SPINDLE_ORIENT"),
-    ("CODE_SPINDLE_RPM", "REG_SPINDLE_RPM"),
-    ("CODE_SPINDLE_MAXRPM", "REG_SPINDLE_RPM_MAX"),
-    ("CODE_SPINDLE_CSS", "REG_SPINDLE_CSS"),
-    ("CODE_SPINDLE_CSS_RADIAL", "REG_SPINDLE_CSS_RADIAL"),
-    ("CODE_SPINDLE_CSS_ID", "REG_SPINDLE_CSS_ID"),
-    ("CODE_COOLANT", "REG_COOLANT_PRESSURE"),
-    ("CODE_TOOL_SELECT", "REG_TOOL"),
-    ("CODE_TOOL_LOAD", "REG_TOOL"),
-    ("CODE_TOOL_LOAD_POINT", "REG_AXIS_*"),
-    ("CODE_TOOL_LOAD_RETURN", "REG_AXIS_*"),
-    ("CODE_HEAD_ID", "REG_HEAD_ID"),
-    ("CODE_AM_", "REG_AM"),
-    ("CODE_CALSUB_ID", "REG_CALSUB_ID REG_CALSUB_REPEAT"),
-    ("CODE_CALSUB_RANGE", "REG_CALSUB_BLOCK_START REG_CALSUB_BLOCK_END REG_RANGE_REPEAT REG_LABEL REG_LABEL_END"),
-    ("CODE_CYCLE_", "REG_FEED_UPM REG_FEED_UPR REG_CYCLE_* REG_AXIS_*"),
-    ("CODE_CYCLE_OFF", ""),
-    ("CODE_CYCLE_RETRACT", ""),
-    ("CODE_TURN_", "REG_TURN_* REG_FEED_UPM REG_FEED_UPR REG_AXIS_*"),
-    ("CODE_THREAD_SINGLE", "REG_THREAD_SINGLE_*"),
-    ("CODE_THREAD_MULTI", "REG_THREAD_MULTI_*"),
-    ("CODE_THREAD_CHAMFER", "REG_THREAD_CHAMFER_*"),
-    ("CODE_COMP_LENGTH", "REG_COMP_LENGTH"),
-    ("CODE_COMP_DIAM", "REG_COMP_DIAM"),
-    ("CODE_COMP_DIAM_OFF", ""),
-    ("CODE_COMP_3D_VECTOR", "REG_COMP_DIAM REG_COMP_DIAM_P REG_COMP_DIAM_Q REG_COMP_DIAM_R"),
-    ("CODE_COMP_WORKP", "REG_COMP_WORKP"),
-    ("CODE_COMP_WORKP_OFF", ""),
-    ("CODE_COMP_EXTFIXT", "REG_COMP_EXTFIXT_RANGE REG_COMP_EXTFIXT_REG"),
-    ("CODE_LCS_TRANSLATE", "REG_LCS_TRANS_*"),
-    ("CODE_LCS_ROTATE", "REG_LCS_ROT_*"),
-    ("CODE_LCS_SCALE", "REG_LCS_SCALE REG_LCS_SCALE_*"),
-    ("CODE_LCS_MIRROR", "REG_AXIS_*"),
-    ("CODE_LCS_TRANSLATE_OFF", ""),
-    ("CODE_LCS_ROTATE_OFF", ""),
-    ("CODE_LCS_SCALE_OFF", ""),
-    ("CODE_RTCP_ORIENT_VECTOR", "REG_RTCP_VECTOR_*"),
-    ("CODE_RTCP_ORIENT_2PT", "REG_RTCP_2PT_*"),
-    ("CODE_RTCP_ORIENT_RPY", "REG_RTCP_RPY_*"),
-    ("CODE_RTCP_ORIENT_EULER", "REG_RTCP_EULER_*"),
-    ("CODE_RTCP_ORIENT_CUSTOM", "REG_RTCP_CUSTOM_*"),
-    ("CODE_C2P_CART_ON", "REG_C2P_INTERP_*"),
-    ("CODE_C2P_POLAR_ON", "REG_C2P_INTERP_*"),
-    ("CODE_SYNC", "REG_SYNC REG_SYNC_*"),
-    ("CODE_DISPLY", "the text of the message"),
-    ("CODE_COMMENT", "the text of the comment"),
+    (&[codes::INTERP_DEF_CLW, codes::INTERP_DEF_CCLW, codes::INTERP_DEF_CENTER, codes::INTERP_DEF_RADIUS], DEFINITION),
+    (&[codes::INTERP_ARC_3D], "REG_FEED_UPM REG_FEED_UPR REG_AXIS_* REG_ARC_3D_POINT_*"),
+    (&[codes::POLE_TOOL, codes::POLE_ZERO, codes::POLE_LAST], "REG_AXIS_* REG_POLE_*"),
+    (&[codes::DELAY], "REG_DELAY"),
+    (&[codes::DELAY_REV], "REG_DELAY_REV"),
+    (&[codes::GOHOME, codes::GOHOME_RETURN], "REG_AXIS_*"),
+    (&[codes::GOHOME_NTH], "REG_GOHOME_NTH REG_AXIS_*"),
+    (&[codes::FEED_UPM], "REG_FEED_UPM"),
+    (&[codes::FEED_UPR], "REG_FEED_UPR"),
+    (&[codes::FEED_1T], "REG_FEED_1T"),
+    (&[codes::SPINDLE_RPM], "REG_SPINDLE_RPM"),
+    (&[codes::SPINDLE_MAXRPM], "REG_SPINDLE_RPM_MAX"),
+    (&[codes::SPINDLE_CSS, codes::SPINDLE_CSS_MAIN, codes::SPINDLE_CSS_SIDE], "REG_SPINDLE_CSS"),
+    (&[codes::SPINDLE_CSS_RADIAL], "REG_SPINDLE_CSS_RADIAL"),
+    (&[codes::SPINDLE_CSS_ID], "REG_SPINDLE_CSS_ID"),
+    (&[codes::TOOL_SELECT, codes::TOOL_LOAD], "REG_TOOL"),
+    (&[codes::TOOL_LOAD_POINT, codes::TOOL_LOAD_RETURN], "REG_AXIS_*"),
+    (&[codes::HEAD_ID], "REG_HEAD_ID"),
+    (&[codes::AM_ON, codes::AM_OFF], "REG_AM"),
+    (&[codes::CALSUB_ID], "REG_CALSUB_ID REG_CALSUB_REPEAT"),
+    (&[codes::CALSUB_RANGE], "REG_CALSUB_BLOCK_START REG_CALSUB_BLOCK_END REG_RANGE_REPEAT REG_LABEL REG_LABEL_END"),
+    (&[codes::CYCLE_ON], CYCLE),
+    (&[codes::COMP_DIAM_LEFT, codes::COMP_DIAM_RIGHT], "REG_COMP_DIAM"),
+    (&[codes::COMP_3D_VECTOR], "REG_COMP_DIAM REG_COMP_DIAM_P REG_COMP_DIAM_Q REG_COMP_DIAM_R"),
+    (&[codes::COMP_WORKP_ON], "REG_COMP_WORKP"),
+    (&[codes::COMP_EXTFIXT, codes::COMP_EXTFIXT_RANGE], "REG_COMP_EXTFIXT_RANGE REG_COMP_EXTFIXT_REG"),
+    (&[codes::C2P_CART_ON, codes::C2P_POLAR_ON], "REG_C2P_INTERP_*"),
+    (&[codes::SYNC_REG, codes::SYNC_REG_MAIN, codes::SYNC_REG_SIDE, codes::SYNC_REG_START], WAIT),
+    (&[codes::SYNC_REG_STOP, codes::SYNC_START_MAIN, codes::SYNC_START_SIDE], WAIT),
+    (&[codes::DISPLY], "the text of the message"),
+    (&[codes::COMMENT], "the text of the comment"),
 ];
 
-/// Data that the action of a code takes; a star stands for the rest of a name. Empty for a code that takes none, or has no
+/// What the action of a code takes.
+fn taken(id: CodeId) -> &'static str {
+    match id.kind() {
+        CodeKind::Arc(_) => ARC,
+        CodeKind::Thread(_) => "REG_INTERP_THREAD_* REG_AXIS_*",
+        CodeKind::ThreadCycle(ThreadCycle { multi: false, .. }) => "REG_THREAD_SINGLE_*",
+        CodeKind::ThreadCycle(ThreadCycle { multi: true, .. }) => "REG_THREAD_MULTI_*",
+        CodeKind::ThreadSetting(Setting::Chamfer(_)) => "REG_THREAD_CHAMFER_*",
+        CodeKind::Cycle(_) => CYCLE,
+        CodeKind::Turning(_) => "REG_TURN_* REG_FEED_UPM REG_FEED_UPR REG_AXIS_*",
+        CodeKind::Local(Part::Mirror, _) => "REG_AXIS_*",
+        CodeKind::Local(Part::Translate, Change::On | Change::Add) => "REG_LCS_TRANS_*",
+        CodeKind::Local(Part::Rotate, Change::On | Change::Add) => "REG_LCS_ROT_*",
+        CodeKind::Local(Part::Scale, Change::On | Change::Add) => "REG_LCS_SCALE REG_LCS_SCALE_*",
+        CodeKind::Length { .. } => "REG_COMP_LENGTH",
+        CodeKind::TipFormat(2) => "REG_RTCP_VECTOR_*",
+        CodeKind::TipFormat(3) => "REG_RTCP_2PT_*",
+        CodeKind::TipFormat(4) => "REG_RTCP_RPY_*",
+        CodeKind::TipFormat(5) => "REG_RTCP_EULER_*",
+        CodeKind::TipFormat(6) => "REG_RTCP_CUSTOM_*",
+        CodeKind::Spindle { direction: Direction::Clockwise | Direction::CounterClockwise, .. } => "REG_SPINDLE_RPM",
+        CodeKind::Spindle { direction: Direction::Oriented, .. } => "REG_SPINDLE_ORIENT",
+        CodeKind::Coolant(_) => "REG_COOLANT_PRESSURE",
+        _ => OWN.iter().find(|(ids, _)| ids.contains(&id)).map_or("", |(_, list)| list),
+    }
+}
+
+/// Data that the action of a code takes; a star is the rest of a name. Empty for a code that takes none, or has no
 /// built-in action.
 #[must_use]
 pub fn data_of(code: &str) -> Vec<&'static str> {
-    let built_in = codes::TABLE.iter().any(|facts| facts.name == code && facts.built_in);
-    let fits = ROWS.iter().filter(|(start, _)| built_in && code.starts_with(start));
-    let Some((_, list)) = fits.max_by_key(|(start, _)| start.len()) else { return Vec::new() };
+    let Some(id) = super::code(code).filter(|id| super::code_facts(*id).is_some_and(|facts| facts.built_in)) else {
+        return Vec::new();
+    };
+    let list = taken(id);
     if list.starts_with("the ") { vec![list] } else { list.split_whitespace().collect() }
 }
 
@@ -111,12 +131,14 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_row_names_what_there_is() {
-        for (start, list) in ROWS {
-            assert!(codes::TABLE.iter().any(|facts| facts.name.starts_with(start)), "{start}");
-            for pattern in list.split_whitespace().filter(|word| word.starts_with("REG_")) {
-                assert!(data::TABLE.iter().any(|facts| fits(pattern, facts.name)), "{pattern}");
+    fn every_list_names_data_that_exist() {
+        for facts in codes::TABLE {
+            for pattern in data_of(facts.name).into_iter().filter(|word| word.starts_with("REG_")) {
+                assert!(data::TABLE.iter().any(|facts| fits(pattern, facts.name)), "{pattern} of {}", facts.name);
             }
+        }
+        for id in OWN.iter().flat_map(|(ids, _)| *ids) {
+            assert!(!taken(*id).is_empty() && OWN.iter().filter(|(ids, _)| ids.contains(id)).count() == 1, "{id:?}");
         }
         assert_eq!(data_of("CODE_DELAY"), ["REG_DELAY"]);
         assert_eq!(data_of("CODE_DELAY_REV"), ["REG_DELAY_REV"]);

@@ -130,16 +130,35 @@ fn check_twins(fields: &[Field], named: &[Named], check: &Check) {
     }
 }
 
-/// Keys that a field of its kind does not look at.
-fn check_keys(row: &Section<'_>, kind: i32, given: &[&'static str]) {
+/// The word of `kind` of a field.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum FieldWord {
+    Label,
+    Text,
+    Number,
+    Check,
+    Choice,
+}
+
+/// The word of `type` of a button.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum ButtonWord {
+    Ok,
+    Cancel,
+    Reset,
+    Call,
+}
+
+/// Reports keys that a field of its kind ignores.
+fn check_keys(row: &Section<'_>, kind: FieldWord, given: &[&'static str]) {
     for key in given {
-        let (of, wanted): (&[i32], _) = match *key {
-            "min" | "max" | "whole" => (&[2], "\"number\""),
-            "longest" => (&[1], "\"text\""),
-            "choices" => (&[4], "\"choice\""),
-            _ => (&[1, 2, 3, 4], "\"text\", \"number\", \"check\" or \"choice\""),
+        let (used, wanted) = match *key {
+            "min" | "max" | "whole" => (kind == FieldWord::Number, "\"number\""),
+            "longest" => (kind == FieldWord::Text, "\"text\""),
+            "choices" => (kind == FieldWord::Choice, "\"choice\""),
+            _ => (kind != FieldWord::Label, "\"text\", \"number\", \"check\" or \"choice\""),
         };
-        if !of.contains(&kind) {
+        if !used {
             row.error(key, format!("`{key}` belongs to a field of kind {wanted}, this one ignores it"));
         }
     }
@@ -175,28 +194,40 @@ fn read_dialog(mut row: Section<'_>, macros: Option<&Macros>, check: &Check) -> 
 fn read_button(mut row: Section<'_>) -> Option<Button> {
     row.require("label", "the text on the button");
     let label = row.name("label", 64).map(str::to_owned);
-    let kind = row.choice("type", &[("ok", 0), ("cancel", 1), ("reset", 2), ("call", 3)]).unwrap_or(0);
+    let words = [
+        ("ok", ButtonWord::Ok),
+        ("cancel", ButtonWord::Cancel),
+        ("reset", ButtonWord::Reset),
+        ("call", ButtonWord::Call),
+    ];
+    let kind = row.choice("type", &words).unwrap_or(ButtonWord::Ok);
     let called = row.name("dialog", 64).map(str::to_owned);
-    if called.is_some() != (kind == 3) {
+    if called.is_some() != (kind == ButtonWord::Call) {
         row.error("dialog", "`dialog` belongs to a button of type \"call\"");
     }
     row.finish();
     let kind = match (kind, called) {
-        (1, _) => ButtonKind::Cancel,
-        (2, _) => ButtonKind::Reset,
-        (3, Some(dialog)) => ButtonKind::Call(dialog),
-        _ => ButtonKind::Ok,
+        (ButtonWord::Cancel, _) => ButtonKind::Cancel,
+        (ButtonWord::Reset, _) => ButtonKind::Reset,
+        (ButtonWord::Call, Some(dialog)) => ButtonKind::Call(dialog),
+        (ButtonWord::Ok, _) | (ButtonWord::Call, None) => ButtonKind::Ok,
     };
     Some(Button { label: label?, kind })
 }
 
 fn read_field(mut row: Section<'_>, named: &mut Vec<Named>, check: &Check) -> Option<Field> {
-    let words = [("label", 0), ("text", 1), ("number", 2), ("check", 3), ("choice", 4)];
+    let words = [
+        ("label", FieldWord::Label),
+        ("text", FieldWord::Text),
+        ("number", FieldWord::Number),
+        ("check", FieldWord::Check),
+        ("choice", FieldWord::Choice),
+    ];
     row.require("kind", "\"label\", \"text\", \"number\", \"check\" or \"choice\"");
     let kind = row.choice("kind", &words)?;
     let label = row.text("label").unwrap_or_default().to_owned();
     let variable = row.name("variable", 32).unwrap_or_default().to_owned();
-    if variable.is_empty() && kind != 0 {
+    if variable.is_empty() && kind != FieldWord::Label {
         row.error("kind", "a field needs `variable`, the macro variable that it sets");
     }
     let keys = ["min", "max", "whole", "longest", "choices", "default", "required", "when", "unless", "variable"];
@@ -215,11 +246,11 @@ fn read_field(mut row: Section<'_>, named: &mut Vec<Named>, check: &Check) -> Op
     let required = row.flag("required").unwrap_or(false);
     let default = row.node("default").and_then(|node| value(node, check));
     let kind = match kind {
-        0 => FieldKind::Label,
-        1 => FieldKind::Text { longest },
-        2 => FieldKind::Number { min, max, whole },
-        3 => FieldKind::Check,
-        _ => FieldKind::Choice(choices),
+        FieldWord::Label => FieldKind::Label,
+        FieldWord::Text => FieldKind::Text { longest },
+        FieldWord::Number => FieldKind::Number { min, max, whole },
+        FieldWord::Check => FieldKind::Check,
+        FieldWord::Choice => FieldKind::Choice(choices),
     };
     if kind == FieldKind::Choice(Vec::new()) {
         row.error("choices", "a choice needs `choices`");

@@ -171,9 +171,9 @@ impl Compiler<'_, '_> {
                     let text = format!("another macro of {title} has the name \"{}\"; names must differ", named.name);
                     row.error("name", text);
                 }
-                let firing: Vec<I> = named.matches.iter().filter_map(of).collect();
+                let triggers: Vec<I> = named.matches.iter().filter_map(of).collect();
                 if let Some(place) = rows.push(named) {
-                    for id in firing {
+                    for id in triggers {
                         if by[id].last() != Some(&place) {
                             by[id].push(place);
                         }
@@ -195,12 +195,12 @@ impl Compiler<'_, '_> {
         let name = row.name("name", 80).map(str::to_owned);
         let enabled = row.flag("enabled").unwrap_or(true);
         row.require("file", "the file of the macro");
-        let (condition, firing) = self.condition(row, of_codes);
-        let default = firing.iter().map(|item| self.item_name(*item)).collect::<Vec<_>>().join(", ");
+        let (condition, triggers) = self.condition(row, of_codes);
+        let default = triggers.iter().map(|item| self.item_name(*item)).collect::<Vec<_>>().join(", ");
         let (kind, given) = if of_codes { (Kind::Any, Given::CODE) } else { (Kind::Data, Given::DATA) };
         let file = row.text("file")?;
         let code = self.one(file, row.place_of("file"), kind, given)?;
-        Some(Named { id, name: name.unwrap_or(default), enabled, code, matches: firing, condition })
+        Some(Named { id, name: name.unwrap_or(default), enabled, code, matches: triggers, condition })
     }
 
     fn item_name(&self, item: Item) -> &str {
@@ -246,19 +246,19 @@ impl Compiler<'_, '_> {
             row.error("condition", format!("the condition cannot be read: {error}"));
             Vec::new()
         });
-        let mut firing: Vec<Item> = Vec::new();
+        let mut triggers: Vec<Item> = Vec::new();
         for step in &steps {
             if let Step::Present(item) = step
                 && wanted(item)
-                && !firing.contains(item)
+                && !triggers.contains(item)
             {
-                firing.push(*item);
+                triggers.push(*item);
             }
         }
-        if firing.is_empty() && !steps.is_empty() {
+        if triggers.is_empty() && !steps.is_empty() {
             row.error("condition", format!("the condition names no {kind}… that could fire the macro"));
         }
-        (Condition { steps, ..Condition::default() }, firing)
+        (Condition { steps, ..Condition::default() }, triggers)
     }
 
     /// An identifier, known to the machine in some row.

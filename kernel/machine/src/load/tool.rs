@@ -1,6 +1,6 @@
 //! `[tool]`, `[[tool.names]]`, `[[tool.data]]`, `[[tool.offsets]]` and `[[work_offsets]]`.
 //!
-//! Invariant: every offset has one value per axis of the machine; tools and tool offsets stand in ascending number.
+//! Invariant: every offset has one value per axis of the machine; tools and tool offsets are in ascending order.
 
 use super::values::{by_axis, some_by_axis};
 use crate::index::{AxisId, Table};

@@ -87,7 +87,7 @@ pub(super) fn read(
 fn statement(section: &mut Section<'_>, preprocessor: Preprocessor) -> Option<String> {
     let name = section.name("statement", 32)?.to_ascii_uppercase();
     if OF_CODES.iter().any(|key| section.node(key).is_some()) {
-        section.error("statement", "a statement is no word and no text, and has none of their conditions");
+        section.error("statement", "a row with `statement` cannot have `word`, `text` or a condition of a code");
     } else if !preprocessor.row().wait_statements {
         let name = preprocessor.row().name;
         section.error("statement", format!("the pre-processor \"{name}\" has no statements between channels"));

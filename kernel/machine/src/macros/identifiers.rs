@@ -1,6 +1,6 @@
 //! The code and data identifiers as macros name them.
 //!
-//! Invariant: the numbers are those of the tables of the machine, one higher: 0 stands for none.
+//! Invariant: the numbers are those of the tables of the machine, one higher: 0 means none.
 
 use crate::ident;
 

@@ -1,6 +1,6 @@
 //! The system variables of the control: types, indices, who may write them, first values.
 //!
-//! Invariant: a name stands once, and every row is complete; the tests count the rows of each category. Facts: reference
+//! Invariant: every name occurs once, and every row is complete; the tests count the rows of each category. Facts: reference
 //! system-variables.md. `$CI`, `$CHSIZ`, `$CHMAX`, `$MNEST` and `$ERRNO` are listed, but kept by the machine that runs
 //! macros; the constants are part of the language.
 
@@ -196,7 +196,7 @@ mod tests {
         names.sort_unstable();
         let count = names.len();
         names.dedup();
-        assert_eq!(names.len(), count, "a name stands twice");
+        assert_eq!(names.len(), count, "a name occurs twice");
         for variable in table() {
             let fits =
                 variable.first.kind().is_none() || variable.kind.is_none() || variable.first.kind() == variable.kind;

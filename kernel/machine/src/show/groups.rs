@@ -1,6 +1,6 @@
 //! Modal groups: which codes exclude each other, and which is active at program start.
 //!
-//! Invariant: group 0 is none, so its codes are not here. Facts: reference control-emulator.md 3.2.
+//! Invariant: codes of group 0 belong to no modal group and are not listed. Facts: reference control-emulator.md 3.2.
 
 use serde_json::{Value, json};
 

@@ -1,6 +1,6 @@
 //! A tree of values, each with its place.
 //!
-//! Invariant: entries of a table stand in the order in which they were written.
+//! Invariant: entries of a table are in the order in which they were written.
 
 use std::sync::Arc;
 

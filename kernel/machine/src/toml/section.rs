@@ -1,7 +1,7 @@
 //! Typed reading of one table: each key is asked for once with its type and range, `finish` reports the rest.
 //!
-//! Invariant: a getter that finds something wrong has reported it and answers `None`, so that the caller goes on with
-//! its default and finds the next mistake.
+//! Invariant: a getter that finds something wrong reports it and returns `None`, so that the caller continues with its
+//! default and finds the next mistake.
 
 use std::ops::RangeInclusive;
 

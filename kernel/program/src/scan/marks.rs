@@ -1,6 +1,6 @@
 //! Marks of optional skip, comments and messages of a line, for whoever looks at it as text.
 //!
-//! Facts: reference control-emulator.md 5.5, 5.6. Invariant: a mark inside a comment or message is none.
+//! Facts: reference control-emulator.md 5.5, 5.6. Invariant: a mark inside a comment or message has no effect.
 
 use super::Scanner;
 use super::passed::find;

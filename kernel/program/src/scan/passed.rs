@@ -1,7 +1,7 @@
-//! What a line holds that is no word: comments, messages, portions of optional skip, the end of the block.
+//! Parts of a line that are not words: comments, messages, portions of optional skip, the end of the block.
 //!
 //! Facts: reference control-emulator.md 5.5 (block delete), 5.6 (comments). Invariant: a mark inside a comment or
-//! message is none.
+//! message has no effect.
 
 use super::{Scanner, marks};
 use crate::block::{Block, irregular};

@@ -1,8 +1,8 @@
 //! Circular moves in a plane: by centre, radius or angle.
 //!
 //! Facts: reference control-emulator.md 6.1 (arc rules): centre offsets are radii even on a diameter axis; a block
-//! with only a centre is a full circle. What a code does not tell (direction, centre, radius) is told by codes of its
-//! own. *Invariant:* a circle that cannot be made is diagnosed and its end reached straight. Decisions: docs/emulation.md,
+//! with only a centre is a full circle. What a code does not say (direction, centre, radius) separate codes
+//! define. *Invariant:* a circle that cannot be made is reported and its end reached straight. Decisions: docs/emulation.md,
 //! "Circles".
 
 mod define;

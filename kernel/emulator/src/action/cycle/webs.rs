@@ -2,7 +2,7 @@
 //!
 //! Facts: the moves are those of the emulated system's cycle for several webs. Decisions: the data of further webs are
 //! this project's own, since the annex names none; a distance above a web where feed begins is the way back of the
-//! cycle. *Invariant:* a web has a start and a depth, or it is left out and told.
+//! cycle. *Invariant:* a web has a start and a depth, or it is left out and reported.
 
 use crate::act::Act;
 use crate::state::cycle::{Cycle, FURTHER_WEBS, Height};

@@ -1,6 +1,6 @@
 //! Data of a cycle, in the order in which it is taken: feed, depth, clearance, position, and what only some kinds have.
 //!
-//! *Invariant:* a kind takes what it uses; the rest stays on the block and is told. Facts: reference control-emulator.md
+//! *Invariant:* a kind takes what it uses; the rest stays on the block and is reported. Facts: reference control-emulator.md
 //! 6.4 (feed, depth axis, clearance, position axes are documented by a trace).
 
 use crate::act::Act;

@@ -1,8 +1,8 @@
 //! Threads cut in one move: feed locked to the spindle.
 //!
 //! Facts: reference control-emulator.md 6.1 (lead = pitch · starts); the lead counts along the axis with the longer
-//! travel as on the real control, unless a word names its axis; cycles made of such moves are in `cycle`. *Invariant:* the time is integrated exactly, with leads
-//! and speeds that change along the way. Decisions: docs/emulation.md, "Threads".
+//! travel as on the real control, unless a word names its axis; cycles of such moves are in `cycle`. *Invariant:* the
+//! time is integrated exactly, with leads and speeds that change along the way. Decisions: docs/emulation.md, "Threads".
 
 pub(crate) mod cycle;
 

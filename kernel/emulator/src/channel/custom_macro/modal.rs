@@ -1,8 +1,8 @@
 //! Modal macro calls: blocks call a macro until G67.
 //!
-//! Facts: reference control-emulator.md 5.4. Decisions: G66 calls behind every block that moves, with the arguments of
+//! Facts: reference control-emulator.md 5.4. Decisions: G66 calls after every block that moves, with the arguments of
 //! its own block; G66.1 calls with the words of every block, which does nothing else; inside a macro that was called
-//! with arguments nothing calls, unless it says so itself; subprograms called by M98 continue calling.
+//! with arguments no block calls, unless that macro contains G66 itself; subprograms called by M98 continue calling.
 
 use super::code_calls::By;
 use crate::channel::Kernel;

@@ -1,6 +1,6 @@
-//! `$XM`, `$LZJ`, `$YW` …: where the axes of the channel stand.
+//! `$XM`, `$LZJ`, `$YW` …: positions of the axes of the channel.
 //!
-//! *Invariant:* an axis that the channel does not have stands at 0. Programmed units: a diameter on a diameter axis, degrees
+//! *Invariant:* an axis that the channel does not have is at 0. Programmed units: a diameter on a diameter axis, degrees
 //! on a rotary one. M = machine without length and work offsets, J = joint with both, W = programmed.
 
 use crate::channel::Kernel;

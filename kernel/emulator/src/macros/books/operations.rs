@@ -1,6 +1,6 @@
 //! Operations of a program: rows of `$OPTAB`.
 //!
-//! Rows count from 2, row 1 is no operation. Facts: reference system-variables.md 14.
+//! Rows count from 2, row 1 is not an operation. Facts: reference system-variables.md 14.
 
 use counterpoint_lang::value::Value;
 

@@ -1,7 +1,7 @@
 //! Changes of frames that incremental words travel.
 //!
 //! On some controls an incremental word counts from the value that its axis was programmed to, not from where the axis
-//! stands: behind a change of the frame, of the work offset or of the tool length the change is travelled with it
+//! is: after a change of the frame, of the work offset or of the tool length the change is travelled with it
 //! (Siemens SD42440 and SD42442). The key is `[control] frame_increments`. Invariants: an absolute word takes the change
 //! of its axis away; axes without a word keep it; rotary axes have none.
 

@@ -1,4 +1,4 @@
-//! The kinds of cycles and what tells them apart.
+//! The kinds of cycles and how they differ.
 //!
 //! Invariant: a kind is its number in `$CYTYPE` (reference system-variables.md 8), 1 to 19.
 

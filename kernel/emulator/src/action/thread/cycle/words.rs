@@ -1,7 +1,7 @@
 //! Data of threading cycles.
 //!
 //! *Invariant:* a cycle takes what it uses, across the thread only what belongs to that axis; the rest stays on the block and
-//! is told. A value that makes no sense is diagnosed and ignored. Facts: reference control-emulator.md 6.5.
+//! is reported. A value that makes no sense is diagnosed and ignored. Facts: reference control-emulator.md 6.5.
 
 use super::{Thread, ThreadCycle};
 use crate::act::Act;
