@@ -13,6 +13,7 @@ use crate::state::alarms::STRAIGHT;
 use crate::state::arc::LastMove;
 use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
+use counterpoint_machine::index::{AxisSlot, BySlot};
 
 /// A circle to a point, in the direction in which the last move has ended.
 pub(super) fn tangent(act: &mut Act<'_, '_>) -> Acted {
@@ -58,14 +59,14 @@ fn heading(act: &Act<'_, '_>, flat: &Flat) -> Option<[f64; 2]> {
     let mut ahead = here;
     match act.state.arcs.last? {
         LastMove::By(by) => ahead.iter_mut().zip(by).for_each(|(slot, by)| *slot += by),
-        LastMove::Round { axes, center, turn } => {
-            let scale = |axis: usize| act.state.place.layout.axes.get(axis).map_or(1.0, |axis| axis.scale);
-            let [first, second] = axes;
-            let [c, d] = center;
-            let x = (here.get(first)? - c) * scale(first);
-            let y = (here.get(second)? - d) * scale(second);
-            *ahead.get_mut(first)? -= y * turn / scale(first);
-            *ahead.get_mut(second)? += x * turn / scale(second);
+        // An arc of another plane ends in no direction of this one that a circle could continue.
+        LastMove::Round { axes, .. } if axes != flat.axes.map(AxisSlot::index) => return None,
+        LastMove::Round { center, turn, .. } => {
+            let at = flat.point(&here);
+            let [x, y] = [0, 1].map(|side| at[side] - center[side] * flat.scales[side]);
+            let [first, second] = flat.axes;
+            *ahead.at_mut(first) -= y * turn / flat.scales[0];
+            *ahead.at_mut(second) += x * turn / flat.scales[1];
         }
     }
     let [from, to] = [here, ahead].map(|work| flat.point(&act.program_point(&work)));

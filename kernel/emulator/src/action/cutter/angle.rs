@@ -101,7 +101,7 @@ impl Act<'_, '_> {
         for at in [0, 1] {
             self.put_flat(&mut target, (axes, at), spot);
         }
-        (coded | axes.iter().fold(0, |bits, axis| bits | 1 << axis), target)
+        (coded | axes.iter().fold(0, |bits, axis| bits | axis.bit()), target)
     }
 
     /// Moves the pole of polar coordinates from a point, by the words of the block.
@@ -113,11 +113,8 @@ impl Act<'_, '_> {
         };
         let mut pole = from;
         for axis in axes {
-            let id = self.state.place.layout.axes.get(axis).map(|axis| axis.data);
-            let by = id.and_then(|id| self.take(id)).map_or(0.0, |datum| datum.value);
-            if let Some(slot) = pole.get_mut(axis) {
-                *slot += by;
-            }
+            let id = self.state.place.layout.axes[axis].data;
+            *pole.at_mut(axis) += self.take(id).map_or(0.0, |datum| datum.value);
         }
         if let Some([radius, angle]) = polar(self) {
             let spot = plus(self.flat(&pole, axes), direction(angle), radius);

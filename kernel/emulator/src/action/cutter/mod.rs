@@ -11,7 +11,7 @@ mod held;
 mod moves;
 mod words;
 
-pub(super) use words::{has_words, with_words};
+pub(super) use words::{code as corner_code, has_words, with_words};
 
 use super::entry::Contour;
 use crate::act::Act;
@@ -216,10 +216,9 @@ impl Act<'_, '_> {
             by.iter_mut().zip(self.contour()).for_each(|(to, from)| *to -= from);
             return Some(LastMove::By(by));
         };
-        let scale = |axis: usize| self.state.place.layout.axes.get(axis).map_or(1.0, |axis| axis.scale);
-        let [first, second] = axes;
-        let center = [made.center[0] / scale(first), made.center[1] / scale(second)];
-        Some(LastMove::Round { axes, center, turn: made.sweep.signum() })
+        let [first, second] = axes.map(|axis| self.state.place.layout.axes[axis].scale);
+        let center = [made.center[0] / first, made.center[1] / second];
+        Some(LastMove::Round { axes: axes.map(AxisSlot::index), center, turn: made.sweep.signum() })
     }
 
     /// Makes or keeps back a move.
