@@ -38,7 +38,7 @@ pub trait Prepared: Send {
     /// What is fixed about it.
     fn info(&self) -> &Arc<Info>;
 
-    /// Runs it to its end.
+    /// Runs it to its end. The stack of the thread has [`counterpoint_kernel::job::STACK`] bytes.
     fn run(&self, files: &dyn Files, control: &Control, sink: &mut dyn Sink) -> Outcome;
 }
 
@@ -62,6 +62,6 @@ impl Prepared for Job {
     }
 
     fn run(&self, files: &dyn Files, control: &Control, sink: &mut dyn Sink) -> Outcome {
-        Job::run(self, files, control, sink)
+        Job::run_here(self, files, control, sink)
     }
 }

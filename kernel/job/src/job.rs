@@ -1,5 +1,6 @@
 //! The one public entry: prepare a job, run it, receive ordered events.
 
+pub use counterpoint_emulator::macros::STACK;
 pub use counterpoint_event::Outcome;
 use counterpoint_ports::control::Control;
 use counterpoint_ports::files::Files;
@@ -9,6 +10,12 @@ pub use counterpoint_sync::sink::{Sink, WrittenFiles};
 pub use crate::prepared::{Job, PrepareError};
 
 impl Job {
+    /// Same as [`run`](Self::run) on this thread as the master, whose stack has [`STACK`] bytes: a thread for each job is
+    /// a large part of what a small one costs.
+    pub fn run_here(&self, files: &dyn Files, control: &Control, sink: &mut dyn Sink) -> Outcome {
+        crate::multi::run(self, files, control, sink)
+    }
+
     /// Runs the job to its end on its own threads; returns when all kernels have stopped and the sink has seen
     /// the whole log.
     pub fn run(&self, files: &dyn Files, control: &Control, sink: &mut dyn Sink) -> Outcome {
@@ -19,7 +26,7 @@ impl Job {
         let (shown, thread) = (&mut *sink, std::thread::Builder::new().name("job".to_owned()));
         let ended = std::thread::scope(|scope| {
             let work = move || control.measured(|| crate::multi::run(self, files, control, shown));
-            let handle = thread.stack_size(counterpoint_emulator::macros::STACK).spawn_scoped(scope, work).ok()?;
+            let handle = thread.stack_size(STACK).spawn_scoped(scope, work).ok()?;
             Some(handle.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)))
         });
         // Without a thread from the operating system the job cannot be run and counts as cancelled.

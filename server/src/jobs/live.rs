@@ -250,6 +250,11 @@ impl Live {
         Ok(unwritten && self.tail.followed() && !self.promised.swap(true, Ordering::SeqCst))
     }
 
+    /// Whether events may have come that are not written yet.
+    pub(crate) fn may_flush(&self) -> bool {
+        self.writer.try_lock().map_or(true, |writer| writer.is_some())
+    }
+
     /// Makes all events readable that the kernel has handed over. An error shows at the next append.
     pub(crate) fn flush(&self) {
         self.promised.store(false, Ordering::SeqCst);

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use dashmap::DashMap;
+use tokio::sync::{Semaphore, SemaphorePermit};
 
 use super::live::Live;
 
@@ -24,10 +25,19 @@ impl Stream {
 }
 
 /// All watches.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub(crate) struct Streams {
     next: AtomicU64,
     open: DashMap<u64, Arc<Stream>>,
+    /// Places for reads of logs: more at once make none of them faster, and each thread keeps memory of its own.
+    reads: Semaphore,
+}
+
+impl Default for Streams {
+    fn default() -> Self {
+        let cores = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
+        Self { next: AtomicU64::default(), open: DashMap::new(), reads: Semaphore::new(2 * cores) }
+    }
 }
 
 /// What is known about a watch.
@@ -49,6 +59,11 @@ pub(crate) struct Listed {
 }
 
 impl Streams {
+    /// A place for a read of a log; none once the server is gone.
+    pub(crate) async fn reading(&self) -> Option<SemaphorePermit<'_>> {
+        self.reads.acquire().await.ok()
+    }
+
     pub(crate) fn list(self: &Arc<Self>, live: Arc<Live>) -> Listed {
         let number = self.next.fetch_add(1, Ordering::Relaxed) + 1;
         let stream = Arc::new(Stream { live, cursor: AtomicU64::new(0) });

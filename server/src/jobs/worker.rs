@@ -13,7 +13,7 @@ use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::time::{Duration, Instant};
 
 use counterpoint_kernel::control::{Control, Stop};
-use counterpoint_kernel::job::Outcome;
+use counterpoint_kernel::job::{Outcome, STACK};
 use counterpoint_kernel::log::builder::ResultsBuilder;
 use counterpoint_kernel::log::event::VerdictKind;
 use counterpoint_kernel::log::summary;
@@ -50,7 +50,7 @@ pub(super) fn start(core: Arc<Core>, live: Arc<Live>) {
             work(&core, &live);
         }
     };
-    let started = std::thread::Builder::new().name("job".to_owned()).spawn(work);
+    let started = std::thread::Builder::new().name("job".to_owned()).stack_size(STACK).spawn(work);
     if let Err(error) = started {
         again(&spare_core, spare_live, format!("no thread for the job: {error}"), Duration::ZERO);
     }

@@ -240,7 +240,11 @@ impl Store {
     /// that died, not for one after a power loss, which no job has caused.
     pub(crate) fn mark(&self, id: &str, attempt: u32) -> io::Result<()> {
         if self.durable {
-            self.disk.create(&self.marked(id))?.write_all(attempt.to_string().as_bytes())?;
+            let mut mark = self.disk.create(&self.marked(id))?;
+            // An empty one says the first run.
+            if attempt > 1 {
+                mark.write_all(attempt.to_string().as_bytes())?;
+            }
         }
         Ok(())
     }

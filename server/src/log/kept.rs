@@ -30,6 +30,9 @@ pub(crate) struct Files {
 pub(crate) trait Input: Read + Seek + Send + Debug {
     /// A place shortly before the first event after `after`, if one is known.
     fn place(&mut self, after: u64) -> io::Result<Option<u64>>;
+
+    /// Gives back memory that the next read can have again.
+    fn rest(&mut self) {}
 }
 
 impl Input for File {
@@ -47,6 +50,10 @@ impl Input for Cursor<Bytes> {
 impl Input for Segments {
     fn place(&mut self, after: u64) -> io::Result<Option<u64>> {
         self.place(after).map(Some)
+    }
+
+    fn rest(&mut self) {
+        self.rest();
     }
 }
 

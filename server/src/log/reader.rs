@@ -12,7 +12,8 @@ use prost::Message as _;
 use super::kept::{Input, Kept};
 use super::{FRAME, Frame, MAGIC, RECORD_MAX, decode, encode};
 
-const PIECE: usize = 64 * 1024;
+/// Bytes read at once. A client that stands still holds the piece of its last batch.
+const PIECE: usize = 32 * 1024;
 
 /// An encoded batch with the numbers it covers.
 #[derive(Debug, Clone)]
@@ -95,6 +96,12 @@ impl Reader {
     /// Allows reading up to a committed position.
     pub(crate) fn extend(&mut self, limit: u64) {
         self.limit = self.limit.max(limit);
+    }
+
+    /// Keeps nothing in memory but its place and what was read of the next record.
+    pub(crate) fn rest(&mut self) {
+        self.file.rest();
+        self.piece = BytesMut::from(self.piece.as_ref());
     }
 
     /// Next batch behind the cursor; `None` at the end of what may be read.

@@ -247,6 +247,11 @@ impl<F: Read + Seek> Segments<F> {
         Ok(self.entry(number)?.plain)
     }
 
+    /// Drops the segment in memory.
+    pub(crate) fn rest(&mut self) {
+        (self.number, self.segment) = (u64::MAX, Vec::new());
+    }
+
     /// Has the segment with the position in memory.
     fn load(&mut self) -> io::Result<()> {
         let within = |entry: &Entry, at: u64| (entry.plain..entry.end()).contains(&at);

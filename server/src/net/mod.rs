@@ -45,7 +45,7 @@ pub(crate) use status::serve as monitor;
 /// Bytes of a frame that a client may send at once: an upload chunk with its head.
 const FRAME: u32 = 128 * 1024;
 /// Bytes that a stream may hold for a client that does not read.
-const SEND_BUFFER: usize = 32 * 1024;
+const SEND_BUFFER: usize = 16 * 1024;
 /// First bytes of every HTTP/2 connection, and how many there are; a request in HTTP/1.1 has more.
 const PREFACE_OF_HTTP2: &[u8; PREFACE] = b"PRI * HTTP/2.0\r\n\r\nSM\r\n\r\n";
 const PREFACE: usize = 24;

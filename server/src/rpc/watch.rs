@@ -34,9 +34,10 @@ const PROGRESS_EVERY: Duration = Duration::from_millis(100);
 const HEARTBEAT_MS: u32 = 5_000;
 /// Intervals that it may ask for, ms.
 const HEARTBEATS_MS: RangeInclusive<u32> = 100..=60_000;
-/// Bytes read from the log at once: at first, and for a client that keeps pace.
+/// Bytes read from the log at once: at first, and for a client that has kept pace for so many reads.
 const FIRST_PULL: usize = 32 * 1024;
 const PULL: usize = 256 * 1024;
+const PACE: u32 = 8;
 /// Time after which a client that takes nothing stands still.
 const STALL: Duration = Duration::from_millis(100);
 /// Messages below this size are padded up to it: receivers count small HTTP/2 frames as a flood.
@@ -62,8 +63,9 @@ pub(super) struct Watch {
     heartbeat: Duration,
     cursor: u64,
     reader: Option<Reader>,
-    /// Bytes to be read at once.
+    /// Bytes to be read at once, and reads since the client stood still.
     pull: usize,
+    kept_pace: u32,
     /// Where the log is to be read on after the client stood still.
     resume: Option<u64>,
     described: bool,
@@ -108,6 +110,7 @@ impl Watch {
             cursor: request.after_seq,
             reader: None,
             pull: FIRST_PULL,
+            kept_pace: 0,
             resume: None,
             described: false,
             dropped: 0,
@@ -135,7 +138,9 @@ impl Watch {
             live.flush();
             Ok(())
         };
-        blocking(flush).await?;
+        if self.live.may_flush() {
+            blocking(flush).await?;
+        }
         loop {
             // The state is read before the position: when it says ended, the position is final.
             let state = *states.borrow_and_update();
@@ -175,8 +180,11 @@ impl Watch {
         }
         while let Some(mut reader) = self.reader.take() {
             reader.extend(position.bytes);
-            let most = self.pull;
-            let (reader, batches) = blocking(move || pull(reader, most)).await?;
+            let (most, slow) = (self.pull, self.kept_pace < PACE);
+            let (reader, batches) = {
+                let _place = self.core.streams.reading().await;
+                blocking(move || pull(reader, most, slow)).await?
+            };
             if batches.is_empty() {
                 self.reader = Some(reader);
                 break;
@@ -193,9 +201,12 @@ impl Watch {
                 }
                 self.batch(out, batch).await?;
             }
-            self.pull = (2 * self.pull).min(PULL);
+            self.kept_pace = self.kept_pace.saturating_add(1);
+            if self.kept_pace >= PACE {
+                self.pull = (2 * self.pull).min(PULL);
+            }
             if self.resume.is_some() {
-                self.pull = FIRST_PULL;
+                (self.pull, self.kept_pace) = (FIRST_PULL, 0);
                 drop(reader);
                 out.reserve().await.map_err(|_| Over::Gone)?;
                 return Ok(false);
@@ -223,7 +234,11 @@ impl Watch {
                 other => Ok(Some(other?)),
             }
         });
-        let Some(reader) = opened.await? else { return Ok(false) };
+        let opened = {
+            let _place = self.core.streams.reading().await;
+            opened.await?
+        };
+        let Some(reader) = opened else { return Ok(false) };
         if !std::mem::replace(&mut self.described, true) {
             send(out, Content::Description(reader.description().clone())).await?;
         }
@@ -290,12 +305,20 @@ fn from_ledger(core: &Core, id: &str) -> Result<Arc<Live>, Refusal> {
     Ok(Arc::new(live))
 }
 
-fn pull(mut reader: Reader, most: usize) -> Result<(Reader, Vec<Batch>), Refusal> {
+/// Reads so many bytes of batches. For a client that may be slow, none of them holds more of the log than itself, and the
+/// reader holds next to nothing.
+fn pull(mut reader: Reader, most: usize, slow: bool) -> Result<(Reader, Vec<Batch>), Refusal> {
     let (mut batches, mut bytes) = (Vec::new(), 0);
     while bytes < most {
-        let Some(batch) = reader.next_batch()? else { break };
+        let Some(mut batch) = reader.next_batch()? else { break };
         bytes += batch.body.len();
+        if slow {
+            batch.body = Bytes::copy_from_slice(&batch.body);
+        }
         batches.push(batch);
+    }
+    if slow {
+        reader.rest();
     }
     Ok((reader, batches))
 }

@@ -17,8 +17,8 @@ impl Kernel<'_> {
     pub(crate) fn travel(&mut self, seconds: f64, motion: &Motion) -> Acted {
         self.channel.check_stop()?;
         self.check_travel_before(motion)?;
-        if let Some(hooks) = self.plan.hooks {
-            return (hooks.motion)(self, seconds, motion);
+        if let Some(instead) = self.plan.motion {
+            return instead(self, seconds, motion);
         }
         self.move_to(seconds, motion)
     }
