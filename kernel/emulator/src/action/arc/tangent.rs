@@ -62,11 +62,10 @@ fn heading(act: &Act<'_, '_>, flat: &Flat) -> Option<[f64; 2]> {
         // An arc of another plane ends in no direction of this one that a circle could continue.
         LastMove::Round { axes, .. } if axes != flat.axes.map(AxisSlot::index) => return None,
         LastMove::Round { center, turn, .. } => {
-            let at = flat.point(&here);
-            let [x, y] = [0, 1].map(|side| at[side] - center[side] * flat.scales[side]);
-            let [first, second] = flat.axes;
-            *ahead.at_mut(first) -= y * turn / flat.scales[0];
-            *ahead.at_mut(second) += x * turn / flat.scales[1];
+            let ([a, b], [first, second]) = (flat.scales, flat.axes);
+            let [x, y] = flat.point(&here);
+            *ahead.at_mut(first) -= (y - center[1] * b) * turn / a;
+            *ahead.at_mut(second) += (x - center[0] * a) * turn / b;
         }
     }
     let [from, to] = [here, ahead].map(|work| flat.point(&act.program_point(&work)));
