@@ -35,7 +35,7 @@ impl Kernel<'_> {
         self.channel.block.flags.moved = true;
         self.flow.pass.effects = true;
         if self.plan.rules.keeps_last_move {
-            self.channel.state.arcs.last = Some(last_move(motion));
+            self.channel.state.arcs.last = Some(self.last_move(motion));
         }
         self.channel.state.place.position = motion.to;
         let ns = crate::state::channel::nanoseconds(seconds);
@@ -101,19 +101,24 @@ impl Kernel<'_> {
             self.diagnose(&diag::CLAMPED, text);
         }
     }
-}
 
-/// What a circle in the direction of this move needs of it.
-fn last_move(motion: &Motion) -> LastMove {
-    let turn = match motion.kind {
-        MotionKind::ArcCw => -1.0,
-        MotionKind::ArcCcw => 1.0,
-        _ => {
-            let mut by = motion.to;
-            by.iter_mut().zip(&motion.from).for_each(|(to, from)| *to -= from);
-            return LastMove::By(by);
+    /// What a circle in the direction of this move needs of it.
+    fn last_move(&self, motion: &Motion) -> LastMove {
+        let turn = match motion.kind {
+            MotionKind::ArcCw => Some(-1.0),
+            MotionKind::ArcCcw => Some(1.0),
+            _ => None,
+        };
+        let axes = motion.plane_axes.map(|axis| self.channel.state.place.layout.axes.id(usize::from(axis)));
+        match (turn, axes) {
+            (Some(turn), [Some(first), Some(second)]) => {
+                LastMove::Round { axes: [first, second], center: motion.center, turn }
+            }
+            _ => {
+                let mut by = motion.to;
+                by.iter_mut().zip(&motion.from).for_each(|(to, from)| *to -= from);
+                LastMove::By(by)
+            }
         }
-    };
-    let axes = motion.plane_axes.map(usize::from);
-    LastMove::Round { axes, center: motion.center, turn }
+    }
 }

@@ -4,6 +4,7 @@
 
 use counterpoint_event::event::Position;
 use counterpoint_machine::ident::kind::arc::By;
+use counterpoint_machine::index::AxisSlot;
 
 /// The last move along the contour, on machines whose circles may continue its direction.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -13,7 +14,7 @@ pub(crate) enum LastMove {
     /// An arc in the plane of these axes.
     Round {
         /// Channel axes.
-        axes: [usize; 2],
+        axes: [AxisSlot; 2],
         /// Centre, as coordinates of the axes.
         center: [f64; 2],
         /// +1 counter-clockwise, −1 clockwise.

@@ -3,6 +3,7 @@
 //! Facts: reference siemens-cycles.md (CT). *Invariant:* a circle that does not exist is reported, and its end reached
 //! straight unless the channel stops.
 
+use counterpoint_machine::index::{AxisSlot, BySlot as _};
 use counterpoint_motion::arc as geometry;
 use counterpoint_motion::contour::tangent::{Tangent, tangent as leads};
 
@@ -13,7 +14,6 @@ use crate::state::alarms::STRAIGHT;
 use crate::state::arc::LastMove;
 use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
-use counterpoint_machine::index::{AxisSlot, BySlot};
 
 /// A circle to a point, in the direction in which the last move has ended.
 pub(super) fn tangent(act: &mut Act<'_, '_>) -> Acted {
@@ -59,13 +59,14 @@ fn heading(act: &Act<'_, '_>, flat: &Flat) -> Option<[f64; 2]> {
     let mut ahead = here;
     match act.state.arcs.last? {
         LastMove::By(by) => ahead.iter_mut().zip(by).for_each(|(slot, by)| *slot += by),
-        // An arc of another plane ends in no direction of this one that a circle could continue.
-        LastMove::Round { axes, .. } if axes != flat.axes.map(AxisSlot::index) => return None,
-        LastMove::Round { center, turn, .. } => {
-            let ([a, b], [first, second]) = (flat.scales, flat.axes);
-            let [x, y] = flat.point(&here);
-            *ahead.at_mut(first) -= (y - center[1] * b) * turn / a;
-            *ahead.at_mut(second) += (x - center[0] * a) * turn / b;
+        LastMove::Round { axes, center, turn } => {
+            let scale = |axis: AxisSlot| act.state.place.layout.axes[axis].scale;
+            let [first, second] = axes;
+            let [c, d] = center;
+            let x = (here.at(first) - c) * scale(first);
+            let y = (here.at(second) - d) * scale(second);
+            *ahead.at_mut(first) -= y * turn / scale(first);
+            *ahead.at_mut(second) += x * turn / scale(second);
         }
     }
     let [from, to] = [here, ahead].map(|work| flat.point(&act.program_point(&work)));

@@ -216,9 +216,10 @@ impl Act<'_, '_> {
             by.iter_mut().zip(self.contour()).for_each(|(to, from)| *to -= from);
             return Some(LastMove::By(by));
         };
-        let [first, second] = axes.map(|axis| self.state.place.layout.axes[axis].scale);
-        let center = [made.center[0] / first, made.center[1] / second];
-        Some(LastMove::Round { axes: axes.map(AxisSlot::index), center, turn: made.sweep.signum() })
+        let scale = |axis: AxisSlot| self.state.place.layout.axes[axis].scale;
+        let [first, second] = axes;
+        let center = [made.center[0] / scale(first), made.center[1] / scale(second)];
+        Some(LastMove::Round { axes, center, turn: made.sweep.signum() })
     }
 
     /// Makes or keeps back a move.
