@@ -9,6 +9,7 @@ mod change_point;
 mod clamp;
 mod compensation;
 mod coolant;
+mod corners;
 mod cutter;
 mod cycle;
 mod dwell;
@@ -49,6 +50,7 @@ static ENTRIES: &[&[Entry]] = &[
     clamp::ENTRIES,
     compensation::ENTRIES,
     coolant::ENTRIES,
+    corners::ENTRIES,
     cycle::ENTRIES,
     dwell::ENTRIES,
     frame::ENTRIES,

@@ -35,6 +35,8 @@ pub(crate) struct Arcs {
     pub(crate) pole: Position,
     /// Clockwise, as the last circle or code of direction said.
     pub(crate) clockwise: Option<bool>,
+    /// Form of the corner at the end of the move of a block (a rounding), and that block.
+    pub(crate) corner: Option<(bool, u64)>,
     /// Form defined last, and on which block.
     pub(crate) by: By,
     pub(crate) block: u64,

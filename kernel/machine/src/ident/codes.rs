@@ -478,6 +478,8 @@ codes! {
     FUNCTION 0 300 true true Plain => ": machine function that only takes time (M codes of the machine's own table)";
     POSITION_MACHINE 0 100 true true Plain => ": this block's positions are in the machine frame (Fanuc G53)";
     INTERP_ARC_TANGENT 1 500 true true Plain => ": circle that continues in the direction of the last move (Siemens CT)";
+    CORNER_CHAMFER 0 450 true true Plain => ": the corner at the end of the move of this block is a chamfer (Okuma G75)";
+    CORNER_ROUND 0 450 true true Plain => ": the corner at the end of the move of this block is a rounding (Okuma G76)";
     POLE_TOOL 0 450 true true Plain => ": pole of polar coordinates, from where the tool is (Siemens G110)";
     POLE_ZERO 0 450 true true Plain => ": pole of polar coordinates, from the zero of the program (Siemens G111)";
     POLE_LAST 0 450 true true Plain => ": pole of polar coordinates, from the last pole (Siemens G112)";

@@ -260,6 +260,7 @@ data! {
     CORNER_SIDE_X true true Contour, Length => "the same where the second line is along X (Fanuc I)";
     CORNER_SIDE_Z true true Contour, Length => "the same where the second line is along Z (Fanuc K)";
     CORNER_SIDE_ROUND true true Contour, Length => "rounding between two axis-parallel lines with such a sign (Fanuc R)";
+    CORNER_SIZE true true Contour, Length => "chamfer or rounding as a code of the block says, between lines parallel to axes with such a sign (Okuma L)";
     CORNER_FEED true true Contour, Feed => "feed of this corner (Siemens FRC)";
     CORNER_FEED_MODAL true true Contour, Feed => "feed of all corners from here on, 0 for that of their lines (Siemens FRCM)";
     POLE_ANGLE true true Contour, Angle => "angle of a point seen from the pole, from the first axis of the plane (Siemens AP)";

@@ -42,6 +42,7 @@ const OWN: &[(&[CodeId], &str)] = &[
     ),
     (&[codes::INTERP_DEF_CLW, codes::INTERP_DEF_CCLW, codes::INTERP_DEF_CENTER, codes::INTERP_DEF_RADIUS], DEFINITION),
     (&[codes::INTERP_ARC_3D], "REG_FEED_UPM REG_FEED_UPR REG_AXIS_* REG_ARC_3D_POINT_*"),
+    (&[codes::CORNER_CHAMFER, codes::CORNER_ROUND], "REG_CORNER_SIZE"),
     (&[codes::POLE_TOOL, codes::POLE_ZERO, codes::POLE_LAST], "REG_AXIS_* REG_POLE_*"),
     (&[codes::DELAY], "REG_DELAY"),
     (&[codes::DELAY_REV], "REG_DELAY_REV"),

@@ -11,7 +11,7 @@ mod held;
 mod moves;
 mod words;
 
-pub(super) use words::{has_words, with_words};
+pub(super) use words::{code as corner_code, has_words, with_words};
 
 use super::entry::Contour;
 use crate::act::Act;

@@ -87,6 +87,9 @@ fn take(act: &mut Act<'_, '_>, code: CodeId) -> Asked {
             }
         }
     }
+    if let Some((value, corner)) = corner_of_code(act, feed).filter(|_| straight) {
+        found.push((value, corner));
+    }
     modal_rounding(act);
     let mut asked = Asked { feed, ..Asked::default() };
     if straight {
@@ -129,6 +132,25 @@ pub(in crate::action) fn polar(act: &mut Act<'_, '_>) -> Option<[f64; 2]> {
         }
     }
     Some(both)
+}
+
+/// The corner that a code of the block makes of a word.
+fn corner_of_code(act: &mut Act<'_, '_>, feed: Option<f64>) -> Option<(f64, Corner)> {
+    let (rounds, _) = act.state.arcs.corner.take().filter(|(_, block)| *block == act.at.blocks)?;
+    let value = act.take(data::CORNER_SIZE)?.value;
+    let size = value.abs();
+    let cut = if rounds { Cut::Round(size) } else { Cut::Legs(size) };
+    let side = Some(Side { axis: None, positive: value > 0.0 });
+    Some((size, Corner { cut, side, feed, modal: false }))
+}
+
+/// A code that says what the corner of its block is.
+pub(in crate::action) fn code(act: &mut Act<'_, '_>, rounds: bool) -> Acted {
+    if !act.block_has(data::CORNER_SIZE) {
+        refused(act, "the code has no length or radius");
+    }
+    act.state.arcs.corner = Some((rounds, act.at.blocks));
+    act.check_stop()
 }
 
 /// A word of a register that no axis of the channel has.
