@@ -27,6 +27,9 @@ pub(in crate::action) fn with_words<'a, 'k>(
     code: CodeId,
     moves: impl FnOnce(&mut Act<'a, 'k>) -> Acted,
 ) -> Acted {
+    if only_ignored(act, code) {
+        return moves(act);
+    }
     let asked = take(act, code);
     act.check_stop()?;
     if asked.is_empty() {
@@ -48,6 +51,15 @@ pub(in crate::action) fn with_words<'a, 'k>(
     }
     corner::end(act);
     act.check_stop()
+}
+
+/// Other codes of the block ignore all these words (`G40 I K`): they are neither corners nor angles.
+fn only_ignored(act: &Act<'_, '_>, code: CodeId) -> bool {
+    let registers = act.contour_registers();
+    let registers = if matches!(code, codes::INTERP_LINEAR | codes::RAPID) { registers.line } else { registers.arc };
+    let rows = act.block.pending.iter().map(|pending| &act.env.machine.codes[pending.row]);
+    let ignored = rows.flat_map(|row| &row.ignores).fold(0_u128, |bits, register| bits | register.bit());
+    !act.has_any(registers & !ignored)
 }
 
 /// A word that cannot act.
