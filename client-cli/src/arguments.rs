@@ -41,6 +41,12 @@ Examples:
   counterpoint jobs --newest --limit 20
   counterpoint jobs --machine fanuc-mill --label part=17 --state failed --since 24h";
 
+const ANALYSE_EXAMPLES: &str = "\
+Examples:
+  counterpoint run upper.nc lower.nc --out out && counterpoint analyse out
+  counterpoint analyse out/summary.json --what-if 2:-2.5s --what-if 1:-2.5s
+  counterpoint analyse 01938f2c-5d1e-7c4a-9b1e-3f8d2a6b7c90 --json";
+
 const LOAD_EXAMPLES: &str = "\
 Examples:
   counterpoint load --mix examples/load/standard.toml --callers 8 --for 60s --html load.html
@@ -96,6 +102,9 @@ pub(crate) enum Command {
     /// Check, rewrite, run and explain macros
     #[command(subcommand)]
     Macro(crate::macros::arguments::Macro),
+    /// Show what decides the cycle time: the critical path over the channels, slack, what waits cost, what a change saves
+    #[command(after_help = ANALYSE_EXAMPLES)]
+    Analyse(Analyse),
     /// Explain a diagnostic by its word or number, an alarm, or a word of the macro language
     Explain {
         /// Explain this word or number, such as no-feed, 2019001, PS0160, $FSIN, DECLAR, $TLTAB or CODE_RAPID
@@ -305,6 +314,23 @@ pub(crate) struct ResultArgs {
     /// Write to this file instead of standard output; for `files`, to this folder
     #[arg(long, short, value_name = "FILE")]
     pub(crate) output: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) remote: Remote,
+}
+
+/// What to analyse.
+#[derive(Debug, Args)]
+pub(crate) struct Analyse {
+    /// Analyse this job of the server, summary.json, or the output folder of a run
+    #[arg(value_name = "JOB|FILE|DIR")]
+    pub(crate) of: String,
+    /// Compute the end of the job if a channel works this much faster (or slower, with +), such as 2:-2.5s; repeat for
+    /// other questions
+    #[arg(long, value_name = "CHANNEL:TIME")]
+    pub(crate) what_if: Vec<String>,
+    /// Print JSON
+    #[arg(long)]
+    pub(crate) json: bool,
     #[command(flatten)]
     pub(crate) remote: Remote,
 }

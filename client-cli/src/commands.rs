@@ -11,7 +11,7 @@ use crate::error::Error;
 use crate::outcome::ended;
 use crate::progress::Progress;
 use crate::text::time;
-use crate::{admin, completions, jobs, load, machines, macros, results, run, say};
+use crate::{admin, analyse, completions, jobs, load, machines, macros, results, run, say};
 
 /// Executes a command and returns the exit code.
 pub(crate) async fn dispatch(command: Command) -> Result<u8, Error> {
@@ -30,6 +30,7 @@ pub(crate) async fn dispatch(command: Command) -> Result<u8, Error> {
         Command::Pause(arguments) => pause(arguments).await,
         Command::Resume(arguments) => resume(arguments).await,
         Command::Delete(arguments) => delete(arguments).await,
+        Command::Analyse(arguments) => analyse::analyse(arguments).await,
         Command::Result(arguments) => result(arguments).await,
         Command::Admin(command) => admin::dispatch(command).await,
         Command::Load(arguments) => load::load(arguments).await,

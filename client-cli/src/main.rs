@@ -4,6 +4,7 @@
 //! 1 the job or macro ended with an error or a verdict, 2 bad usage or machine, 3 server or connection).
 
 mod admin;
+mod analyse;
 mod answers;
 mod arguments;
 mod attend;

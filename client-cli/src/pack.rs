@@ -228,7 +228,7 @@ fn whole_folder(files: &mut Files, root: &Path, folder: &Path, name: &str, depth
 }
 
 /// Number of channels that the programs are written for: one per program file, but a single file with waiting codes has
-/// one per program in it.
+/// one per program in it, and an archive one per main program.
 pub(crate) fn channels(programs: &[String]) -> usize {
     let [program] = programs else { return programs.len() };
     if program.contains('#') {
@@ -237,11 +237,17 @@ pub(crate) fn channels(programs: &[String]) -> usize {
     let text = std::fs::read(program).unwrap_or_default();
     let mut definitions = 0;
     let mut waits = false;
+    // Main programs of a Siemens archive.
+    let mut mains = 0;
     for line in text.split(|b| matches!(b, b'\n' | b'\r')).map(<[u8]>::trim_ascii_start) {
         definitions += usize::from(matches!(line, [b'O' | b'o' | b':', b'0'..=b'9', ..]));
+        let archived = line.get(..4).is_some_and(|start| start.eq_ignore_ascii_case(b"%_N_"));
+        if archived && line.trim_ascii_end().to_ascii_uppercase().ends_with(b"_MPF") {
+            mains += 1;
+        }
         waits |= line.windows(4).any(|w| matches!(w, [b'M' | b'm', b'1', b'0'..=b'9', b'0'..=b'9']));
     }
-    if waits { definitions.max(1) } else { 1 }
+    if waits { definitions.max(mains).max(1) } else { mains.max(1) }
 }
 
 #[cfg(test)]

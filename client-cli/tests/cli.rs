@@ -56,6 +56,38 @@ fn all_results_are_written() {
     assert!(merged.contains("\nK2 t=000:00.000 1! O2\n") && merged.contains("\nKERNEL 2 LOWER\n"), "{merged}");
 }
 
+/// The upper turret dwells 2 s, waits for the lower one (5 s), and dwells 4 s more.
+#[test]
+fn what_decides_the_cycle_time_is_analysed() {
+    let folder = tempfile::tempdir().unwrap();
+    let upper = program(folder.path(), "upper.nc", "O1\nG4 P2000\nM101 P12\nG4 P4000\nM30\n");
+    let lower = program(folder.path(), "lower.nc", "O2\nG4 P5000\nM101 P12\nM30\n");
+    let out = folder.path().join("out").display().to_string();
+    assert_eq!(code(&counterpoint(&["run", "-q", "--machine", "fanuc-2path-lathe", &upper, &lower, "--out", &out])), 0);
+    let output = counterpoint(&["analyse", &out, "--what-if", "2:-1s", "--what-if", "1:-1s", "--json"]);
+    let found: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    let cost = &found["analysis"]["wait_cost"][0];
+    assert_eq!(
+        (cost[0].as_str(), cost[1].as_i64().map(|ns| ns / 100_000_000)),
+        (Some("M101 P12"), Some(30)),
+        "{found}"
+    );
+    let path: Vec<_> = found["analysis"]["critical"].as_array().unwrap().iter().map(|part| part[0].as_i64()).collect();
+    assert_eq!(path, [Some(2), Some(1)], "{found}");
+    let saves = |at: usize| found["what_if"][at]["saves_ns"].as_i64().unwrap() as f64 / 1e9;
+    assert!((saves(0) - 1.0).abs() < 0.05 && (saves(1) - 2.0 / 3.0).abs() < 0.05, "{found}");
+    let text = counterpoint(&["analyse", &format!("{out}/summary.json")]);
+    let text = String::from_utf8_lossy(&text.stdout);
+    assert!(text.contains("critical path") && text.contains("2 LOWER") && text.contains("M101 P12"), "{text}");
+    let wrong = counterpoint(&["analyse", &upper]);
+    let text = String::from_utf8_lossy(&wrong.stderr);
+    assert!(code(&wrong) == 2 && text.contains("upper.nc' is not the summary of a job"), "{text}");
+    let wrong = counterpoint(&["analyse", &out, "--what-if", "2:-1h"]);
+    assert!(code(&wrong) == 2 && String::from_utf8_lossy(&wrong.stderr).contains("write 2:-2.5s"));
+    let wrong = counterpoint(&["analyse", &out, "--what-if", "3:1s"]);
+    assert!(code(&wrong) == 2 && String::from_utf8_lossy(&wrong.stderr).contains("(channels: 1, 2)"));
+}
+
 #[test]
 fn a_trace_and_a_log_file() {
     let folder = tempfile::tempdir().unwrap();
@@ -205,10 +237,7 @@ fn a_machine_is_guessed_with_a_reason_or_asked_for() {
     let output = counterpoint(&["run", &lathe]);
     let status = String::from_utf8_lossy(&output.stderr);
     assert_eq!(code(&output), 0, "{status}");
-    assert!(
-        status.contains("machine fanuc-2path-lathe, guessed from G50 S2500 (line 2), G96 S200 (line 4)"),
-        "{status}"
-    );
+    assert!(status.contains("machine fanuc-lathe, guessed from G50 S2500 (line 2), G96 S200 (line 4)"), "{status}");
     for (name, text, reason) in [
         ("bare.nc", "O1\nG0 X1.\nM30\n", "shows which machine it is for"),
         ("part.i", "%PART G71 *\nN10 G00 X+10*\nN99999 %PART G71 *\n", "a Heidenhain control"),

@@ -215,3 +215,55 @@ fn a_partner_that_stood_for_long_may_still_stop_the_job() {
 fn everywhere() {
     processors::everywhere(&processors::FEW_SETTINGS, "everywhere", &[("MIXED_CASES", "6")]);
 }
+
+/// A program of a channel for random jobs: marks with lists of all kinds, starts of other channels, and loops around them.
+fn marks(own: u16, channels: u16, seed: &mut u64) -> String {
+    let mut next = |below: u64| {
+        *seed ^= *seed << 13;
+        *seed ^= *seed >> 7;
+        *seed ^= *seed << 17;
+        *seed % below
+    };
+    let mut text = String::new();
+    for _ in 0..4 + next(8) {
+        let other = 1 + (u64::from(own) + next(u64::from(channels) - 1)) % u64::from(channels);
+        let mark = next(3);
+        text += &match next(12) {
+            0..=2 => format!("G4 F{}\n", 1 + next(4)),
+            3 | 4 => format!("WAITM({mark},{other})\n"),
+            5 => format!("WAITMC({mark},{})\n", (1..=channels).map(|c| c.to_string()).collect::<Vec<_>>().join(",")),
+            6 => format!("SETM({mark})\n"),
+            7 => format!("CLEARM({mark})\n"),
+            8 => format!("WAITE({channels})\n"),
+            9 => format!("INIT({channels},\"SIDE\")\nSTART({channels})\n"),
+            10 => format!("FOR R1=1 TO {}\nSETM({mark})\nG4 F1\nENDFOR\n", 1 + next(3)),
+            _ => "G1 X10 F100\n".to_owned(),
+        };
+    }
+    text + "M30\n"
+}
+
+/// The last channel has no program: whoever comes first starts it.
+#[test]
+fn random_programs_with_marks_and_starts_give_one_log() {
+    let machine = machine("siemens-4ch", "");
+    let mut kinds = std::collections::BTreeMap::new();
+    for case in 1..=u64::from(cases(300)) {
+        let mut seed = case.wrapping_mul(0x9e37_79b9_7f4a_7c15) | 1;
+        let texts: Vec<String> = (1..4).map(|own| marks(own, 4, &mut seed)).collect();
+        let mut work = Work::texts(machine.clone(), &texts, Options::default());
+        work.files.insert("side.mpf", "G4 F2\nWAITM(1,1)\nSETM(0)\nM30\n");
+        work.options.threads = 1;
+        let oracle = work.run(None).unwrap();
+        for threads in [0, 2] {
+            work.options.threads = threads;
+            let done = work.run(Some(disturb)).unwrap();
+            assert_eq!(done.events, oracle.events, "case {case}, threads {threads}: {texts:#?}");
+        }
+        let (results, ..) = work.results(None).unwrap();
+        assert_eq!(results.summary, oracle.summary, "case {case}: {texts:#?}");
+        *kinds.entry(format!("{:?}", oracle.summary.verdict.map(|verdict| verdict.kind))).or_insert(0) += 1;
+    }
+    // The jobs are not all alike.
+    assert!(kinds.len() >= 4, "{kinds:?}");
+}

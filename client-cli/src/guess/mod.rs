@@ -160,14 +160,15 @@ impl Evidence {
                 self.named(Kind::Lathe)
             ))),
             1 if mill > lathe => Ok(Guess { machine: "fanuc-mill", why: self.named(Kind::Mill) }),
-            1 if self.weight(Kind::Haas) > 0 => {
-                let why = format!("{}, {}", self.named(Kind::Lathe), self.named(Kind::Haas));
+            1 if self.weight(Kind::Live) > 0 => {
+                let why = format!("{}, {}", self.named(Kind::Lathe), self.named(Kind::Live));
                 Ok(Guess { machine: "haas-mill-turn", why })
             }
-            1 => {
-                let why = format!("{}; the program runs on its channel 1", self.named(Kind::Lathe));
-                Ok(Guess { machine: "fanuc-2path-lathe", why })
+            1 if self.weight(Kind::Haas) > 0 => {
+                let why = format!("{}, {}", self.named(Kind::Lathe), self.named(Kind::Haas));
+                Ok(Guess { machine: "haas-lathe", why })
             }
+            1 => Ok(Guess { machine: "fanuc-lathe", why: self.named(Kind::Lathe) }),
             2 | 3 if mill > lathe => Err(Error::Usage(format!(
                 "no machine given, and {waits} show milling ({}): no milling machine with {channels} channels is \
                  shipped; run the programs one by one, or name your own machine with --machine DIR",
@@ -211,10 +212,12 @@ mod tests {
             ("%\nO1\nT1 M6\nG90 G54 G0 X1. Y2.\nG43 H1 Z5.\nM30\n", "fanuc-mill"),
             ("G90 G0 X10. Y5.\nG1 X20. F100.\nM30\n", "fanuc-mill"),
             ("G90 G94 G1 X2. F100\nM30\n", "fanuc-mill"),
-            ("O1\nG50 S2500\nG96 S200 M3\nT0101\nG0 X52. Z2.\nM30\n", "fanuc-2path-lathe"),
-            ("O1\nT0101\nG0 X52. Z2.\nG1 W-20. F0.2\nU4.\nM30\n", "fanuc-2path-lathe"),
-            ("O1\nG71 U2. R1.\nG71 P10 Q20 U0.5 W0.1 F0.2\nM30\n", "fanuc-2path-lathe"),
-            ("G92 S2000\nG96 S180\n(T1 M6 G43 H1 Y5.)\nM30\n", "fanuc-2path-lathe"),
+            ("O1\nG50 S2500\nG96 S200 M3\nT0101\nG0 X52. Z2.\nM30\n", "fanuc-lathe"),
+            ("O1\nT0101\nG0 X52. Z2.\nG1 W-20. F0.2\nU4.\nM30\n", "fanuc-lathe"),
+            ("O1\nG71 U2. R1.\nG71 P10 Q20 U0.5 W0.1 F0.2\nM30\n", "fanuc-lathe"),
+            ("G92 S2000\nG96 S180\n(T1 M6 G43 H1 Y5.)\nM30\n", "fanuc-lathe"),
+            ("O1\nT101\nG71 P10 Q20 U0.5 W0.1 D2.5 F0.2\nM30\n", "haas-lathe"),
+            ("T101;\nG97 S1000 M3;\nG0 X50. Z2.;\nM30;\n", "haas-lathe"),
             ("T101;\nG97 S1000 M3;\nG0 X50. Y0;\nM155;\nM30;\n", "haas-mill-turn"),
             ("%_N_PART_MPF\nG17 G90 T1 M6\nG0 X1 Y2\n", "siemens-mill"),
             ("DIAMON\nG96 S200 LIMS=3000 M4\nG0 X40 Z2\n", "siemens-lathe"),
@@ -225,6 +228,8 @@ mod tests {
         }
         let two = guess(&[("a.nc", "O1\nM101\nM30\n"), ("b.nc", "O2\nT0202\nM101\nM30\n")]).unwrap();
         assert_eq!((two.machine, two.why.as_str()), ("fanuc-2path-lathe", "2 programs, T0202 (b.nc line 2)"));
+        let archive = guess(&[("a.arc", "%_N_A_1_MPF\nDIAMON\nM30\n%_N_A_2_MPF\nM30\n%_N_B_SPF\nM17\n")]).unwrap();
+        assert_eq!(archive.machine, "siemens-2channel");
         let marks = guess(&[("a.nc", "WAITM(1,1,2)\nM30\n"), ("b.nc", "WAITM(1,1,2)\nG96 S200\n")]).unwrap();
         assert_eq!(
             (marks.machine, marks.why.as_str()),
@@ -260,7 +265,7 @@ mod tests {
         let path = folder.path().join("both.nc");
         fs::write(&path, "O1\nT1 M6\nG43 H1\nM30\nO2\nG50 S2000\nT0101\nM30\n").unwrap();
         let of = |number: &str| machine(&[format!("{}#{number}", path.display())]).unwrap().machine;
-        assert_eq!((of("1"), of("O2")), ("fanuc-mill", "fanuc-2path-lathe"));
+        assert_eq!((of("1"), of("O2")), ("fanuc-mill", "fanuc-lathe"));
         let error = machine(&[format!("{}#3", path.display())]).unwrap_err().to_string();
         assert!(error.ends_with("both.nc' has no program O3"), "{error}");
     }

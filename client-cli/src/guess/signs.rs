@@ -9,8 +9,10 @@ pub(super) enum Kind {
     Mill,
     /// A lathe, G-code system A.
     Lathe,
-    /// A lathe of the Haas kind: live tools, a Y axis, blocks that end with a semicolon.
+    /// A lathe of the Haas kind: blocks that end with a semicolon, depths in millimetres or inches.
     Haas,
+    /// A lathe with live tools or a Y axis.
+    Live,
     Siemens,
     Heidenhain,
     Okuma,
@@ -22,7 +24,7 @@ impl Kind {
     /// The control of a sign that no shipped machine has.
     pub(super) fn control(self) -> Option<&'static str> {
         match self {
-            Self::Mill | Self::Lathe | Self::Haas => None,
+            Self::Mill | Self::Lathe | Self::Haas | Self::Live => None,
             Self::Siemens => Some("a Siemens control"),
             Self::Heidenhain => Some("a Heidenhain control"),
             Self::Okuma => Some("an Okuma control"),
@@ -213,6 +215,10 @@ impl Signs {
         if code("G", &[70, 71, 72, 73, 74, 75, 76]).is_some() && has("P") && has("Q") {
             let g = code("G", &[70, 71, 72, 73, 74, 75, 76]).unwrap_or_default();
             self.add(Kind::Lathe, format!("G{g} P Q"), 3);
+            // Controls of the Fanuc kind count D in least increments, without a point.
+            if matches!(g, 71..=72) && value("D").is_some_and(|depth| depth.contains('.')) {
+                self.add(Kind::Haas, format!("G{g} D with a point"), 2);
+            }
         }
         if let (Some(tool), None) = (value("T"), code("M", &[6])) {
             let digits = tool.len();
@@ -242,7 +248,7 @@ impl Signs {
         }
         if has("Y") && code("G", &[65, 66]).is_none() {
             self.add(Kind::Mill, "Y", 2);
-            self.add(Kind::Haas, "Y", 1);
+            self.add(Kind::Live, "Y", 1);
         }
         let others = words.iter().filter(|(l, v)| l == "G" && v != "90").count();
         if code("G", &[90]).is_some() && others > 0 {
@@ -251,10 +257,10 @@ impl Signs {
         for (letter, number, kind) in [
             ("G", 17, Kind::Mill),
             ("G", 91, Kind::Mill),
-            ("G", 112, Kind::Haas),
-            ("M", 154, Kind::Haas),
-            ("M", 155, Kind::Haas),
-            ("M", 133, Kind::Haas),
+            ("G", 112, Kind::Live),
+            ("M", 154, Kind::Live),
+            ("M", 155, Kind::Live),
+            ("M", 133, Kind::Live),
         ] {
             if code(letter, &[number]).is_some() {
                 self.add(kind, format!("{letter}{number}"), 1);

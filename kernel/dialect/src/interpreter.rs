@@ -4,6 +4,7 @@
 
 use counterpoint_fault::Halt;
 use counterpoint_lang::value::Value;
+use counterpoint_machine::index::RegisterId;
 
 use super::host::Host;
 use counterpoint_program::spot::Spot;
@@ -26,7 +27,7 @@ pub trait Interpreter: Send {
         &mut self,
         _host: &mut dyn Host,
         _text: &[u8],
-        _own: Option<(u8, f64)>,
+        _own: Option<(RegisterId, f64)>,
     ) -> Result<Option<Arguments>, Halt> {
         Ok(None)
     }

@@ -16,6 +16,7 @@ use crate::state::channel::Channel;
 use crate::state::cycle::Hole;
 use crate::state::frames::offsets::Table;
 use crate::state::spindle::Turning;
+use crate::state::turning::ContourCycle;
 use counterpoint_event::event::{Event, Kind, Motion, ToolAction};
 use counterpoint_machine::ident::{CodeId, DataId};
 use counterpoint_machine::index::AxisSlot;
@@ -74,6 +75,12 @@ impl Act<'_, '_> {
     /// A free word that can move an axis or shape an arc is on the block.
     pub(crate) fn has_motion_word(&self) -> bool {
         self.has_any(self.kernel.plan.registers.motion)
+    }
+
+    /// A free word of an axis is on the block.
+    pub(crate) fn has_axis_word(&self) -> bool {
+        let axes = self.state.place.layout.axes.iter().fold(0, |bits, axis| bits | self.registers_of(axis.data));
+        self.has_any(axes)
     }
 
     /// Registers of corners and of directions of lines.
@@ -298,6 +305,11 @@ impl Act<'_, '_> {
     /// Returns from the subprogram, optionally to a sequence number of the caller.
     pub(crate) fn return_from(&mut self, target: Option<u32>) {
         self.kernel.ask(Pending::Return(target));
+    }
+
+    /// Cuts along contour blocks of the program.
+    pub(crate) fn cut_contour(&mut self, cycle: ContourCycle) {
+        self.kernel.ask(Pending::Contour(Box::new(cycle)));
     }
 
     /// Ends the program.

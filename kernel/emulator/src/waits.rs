@@ -11,6 +11,7 @@ mod statements;
 pub(crate) use statements::{Statement, by_statement, known_channel, operands};
 
 use counterpoint_event::event::Primitive;
+use counterpoint_machine::index::RegisterId;
 use counterpoint_machine::model::{self, Machine, WaitAct, WaitRow};
 use counterpoint_machine::rows::{CodeForm, CodeRow};
 use counterpoint_sync::wait::{Absent, Act, Key, Rule, Rules, Set, Wait};
@@ -133,13 +134,13 @@ pub(crate) fn is_for_nobody(wait: &Wait, own: u16) -> bool {
 /// A waiting code of the Fanuc kind.
 fn by_letter(machine: &Machine, code: &CodeRow, said: Said) -> Result<Meaning, String> {
     let register = register(&code.form);
-    let name = register.and_then(|index| machine.registers.get(usize::from(index))).map_or("M", |r| r.name.as_str());
-    let rule = register.map_or(BARE, |register| REGISTERS + u16::from(register));
+    let name = register.map_or("M", |register| machine.registers[register].name.as_str());
+    let rule = register.map_or(BARE, |register| REGISTERS + register.index() as u16);
     let parts = fanuc::participants(said, machine.sync.paths, all(machine))?;
     Ok(Meaning::Wait(barrier(letter(name), said.number, parts, rule)))
 }
 
-fn register(form: &CodeForm) -> Option<u8> {
+fn register(form: &CodeForm) -> Option<RegisterId> {
     match form {
         CodeForm::Register { register, .. } | CodeForm::RegisterAsData { register, .. } => Some(*register),
         CodeForm::Text(_) | CodeForm::NotApplicable => None,
@@ -159,7 +160,7 @@ fn by_row(machine: &Machine, (index, row): (u16, &WaitRow), said: Said) -> Resul
     let number = if matches!(row.form, Some(CodeForm::Text(_))) { row.mark } else { said.number };
     let space = match (row.primitive, row.form.as_ref().and_then(register)) {
         // Words that wait for each other have one letter; the others belong together whatever they are called.
-        (Primitive::Barrier | Primitive::Count, Some(register)) => BY_REGISTER + u16::from(register),
+        (Primitive::Barrier | Primitive::Count, Some(register)) => BY_REGISTER + register.index() as u16,
         (Primitive::Barrier | Primitive::Count, None) => BY_ROW + index,
         _ => 0,
     };

@@ -161,6 +161,15 @@ diagnostics! {
     CORNER_AT_COMPENSATION 2900402 "corner-at-compensation-switch" 8 false "corner where compensation starts or ends";
     TANGENT_IMPOSSIBLE 2900403 "tangent-impossible" 8 false "circle in the direction of the last move not possible";
     CORNER_REFUSED 2900404 "corner-not-possible" 8 false "corner or angle word that cannot act";
+    CONTOUR_RANGE 2900405 "contour-numbers-missing" 8 true "turning cycle without the numbers of its contour blocks";
+    CONTOUR_DEPTH 2900406 "contour-depth" 8 true "depth of a turning cycle zero or negative";
+    CONTOUR_BLOCKS 2900407 "contour-blocks-not-found" 8 true "contour blocks of a turning cycle not found";
+    CONTOUR_BACK 2900408 "contour-turns-back" 8 true "contour of a turning cycle turns back along the cut";
+    CONTOUR_FIRST 2900409 "contour-first-block" 8 true "first contour block without a straight move";
+    CONTOUR_CODE 2900410 "contour-code" 8 true "code not possible in a contour";
+    CONTOUR_BEYOND 2900411 "contour-beyond-start" 8 true "contour reaches beyond the start of the cycle";
+    PECK_STEP 2900412 "peck-step-negative" 8 true "peck or shift of a turning cycle negative";
+    CONTOUR_REPEATS 2900413 "contour-repeats" 8 true "number of repetitions of a contour zero or negative";
     ARC_INCOMPLETE 2900384 "arc-incomplete" 8 false "arc without a centre or radius";
     OKUMA_NO_MODAL 2900182 "no-modal-call" 4 false "no modal call active (Okuma)";
     GROUP_TWICE 2900350 "group-twice" 4 false "G code overridden by a later one of the same group";

@@ -61,6 +61,9 @@ macro_rules! ids {
     )* };
 }
 
+/// Largest number of registers.
+pub const REGISTERS: usize = 100;
+
 /// Ids of 16 bits.
 const WORD: usize = 1 << u16::BITS;
 
@@ -77,8 +80,12 @@ ids! {
     CodeMacroId(u16) < WORD;
     /// A macro of data.
     DataMacroId(u16) < WORD;
+    /// A register: a letter of the program, or a text.
+    RegisterId(u8) < REGISTERS;
     /// An axis of the machine.
     AxisId(u16) < WORD;
+    /// A spindle of the machine.
+    SpindleId(u16) < WORD;
     /// An axis of a channel: its place in the channel's list.
     AxisSlot(u8) < MAX_AXES;
 }
@@ -202,6 +209,15 @@ impl<T: Copy> BySlot<T> for [T; MAX_AXES] {
 
 const _: () = assert!(MAX_AXES.is_power_of_two(), "slots are masked, so that the compiler leaves out the check");
 
+impl RegisterId {
+    /// Its bit in a set of registers.
+    #[must_use]
+    #[inline]
+    pub const fn bit(self) -> u128 {
+        1 << self.0
+    }
+}
+
 impl AxisSlot {
     /// Its bit in a set of axes.
     #[must_use]
@@ -243,6 +259,12 @@ impl<'t, I, T> IntoIterator for &'t Table<I, T> {
     fn into_iter(self) -> Self::IntoIter {
         self.entries.iter()
     }
+}
+
+/// The id of a position.
+#[cfg(test)]
+pub(crate) fn nth<I: Id>(at: usize) -> I {
+    I::nth(at)
 }
 
 /// Positions of ids, for comparing.

@@ -8,7 +8,7 @@ pub use behaviour::*;
 pub use waits::*;
 
 use super::ident::{CodeId, DataId, Name};
-use super::index::{AxisId, AxisSlot, CodeRowId, DataRowId, Table};
+use super::index::{AxisId, AxisSlot, CodeRowId, DataRowId, RegisterId, SpindleId, Table};
 use super::macros::environment::MachineEnvironment;
 use super::preprocessor::Preprocessor;
 use super::rows::{CodeRow, DataRow, Register};
@@ -42,8 +42,8 @@ pub struct Machine {
     pub preprocessor: Preprocessor,
     /// Shape of program text.
     pub format: Format,
-    /// Registers in list order; `Word::register` of the kernel is an index into this list.
-    pub registers: Vec<Register>,
+    /// Registers in list order.
+    pub registers: Table<RegisterId, Register>,
     /// Code rows in file order.
     pub codes: Table<CodeRowId, CodeRow>,
     /// Data rows in file order.
@@ -57,7 +57,7 @@ pub struct Machine {
     /// Channels in ascending number.
     pub channels: Vec<Channel>,
     /// Spindles.
-    pub spindles: Vec<Spindle>,
+    pub spindles: Table<SpindleId, Spindle>,
     /// Codes active at program start.
     pub initial: Vec<CodeId>,
     /// Subprogram calls.
@@ -72,6 +72,8 @@ pub struct Machine {
     pub arcs: paths::Arcs,
     /// Threading cycles.
     pub threads: paths::Threads,
+    /// Turning cycles.
+    pub turning: paths::Turning,
     /// Direction of the tool, from its tip to the spindle, with all rotary axes at zero.
     pub tool_direction: [f64; 3],
     /// Pump of the coolant.
@@ -266,12 +268,12 @@ pub struct Channel {
     pub name: String,
     /// Its axes, in display order.
     pub axes: Table<AxisSlot, AxisId>,
-    /// Spindle number its feed per revolution and S word mean.
-    pub spindle: Option<u16>,
+    /// Spindle that its feed per revolution and S word mean.
+    pub spindle: Option<SpindleId>,
     /// Sub-spindle, for `CODE_SPINDLE_REAR`.
-    pub rear: Option<u16>,
+    pub rear: Option<SpindleId>,
     /// Spindle of the milling mode.
-    pub milling: Option<u16>,
+    pub milling: Option<SpindleId>,
     /// Linear and rotary axis of polar interpolation.
     pub polar: Option<[AxisSlot; 2]>,
     /// Its tools work from below the turning axis: toolpath pictures show it there.

@@ -5,6 +5,7 @@
 //! block that has neither costs nothing.
 
 use super::ident::CodeId;
+use crate::index::RegisterId;
 
 /// A rule of the control: it refuses a block for which all that the row says is true.
 #[derive(Debug, Clone, PartialEq)]
@@ -43,7 +44,7 @@ pub enum Written {
     /// By its word, or a range of words.
     Word {
         /// Index into the registers.
-        register: u8,
+        register: RegisterId,
         /// Smallest value.
         min: f64,
         /// Largest value.
@@ -64,7 +65,7 @@ pub struct Active {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct WordRule {
     /// Index into the registers.
-    pub register: u8,
+    pub register: RegisterId,
     /// Smallest value as written.
     pub min: f64,
     /// Largest value as written.

@@ -4,6 +4,7 @@
 
 use crate::ident::dimension::Dimension;
 use crate::ident::{CodeId, DataId};
+use crate::index::RegisterId;
 
 /// A register: a letter (or text) with a number.
 #[derive(Debug, Clone, PartialEq)]
@@ -100,12 +101,12 @@ pub struct CodeRow {
     pub mul: f64,
     /// See `mul`.
     pub add: f64,
-    /// Row matches only if one of these registers (index into `registers`) is on the block; empty = always.
-    pub with: Vec<u8>,
+    /// Row matches only if one of these registers is on the block; empty = always.
+    pub with: Vec<RegisterId>,
     /// Row matches only if none of these registers is on the block.
-    pub without: Vec<u8>,
+    pub without: Vec<RegisterId>,
     /// Registers whose words the control ignores on a block of this code.
-    pub ignores: Vec<u8>,
+    pub ignores: Vec<RegisterId>,
     /// Seconds this code takes (machine's time table), 0 = none.
     pub seconds: f64,
     /// Axis role that a canned cycle works along (0 X, 1 Y, 2 Z), none = the one that the plane leaves.
@@ -123,10 +124,10 @@ pub enum CodeForm {
     NotApplicable,
     /// Literal text.
     Text(String),
-    /// Register (index into `registers`) with a value range, inclusive.
+    /// Register with a value range, inclusive.
     Register {
         /// Index into `Machine::registers`.
-        register: u8,
+        register: RegisterId,
         /// Smallest value.
         min: f64,
         /// Largest value.
@@ -135,7 +136,7 @@ pub enum CodeForm {
     /// The same, and the value is handed over as data.
     RegisterAsData {
         /// Index into `Machine::registers`.
-        register: u8,
+        register: RegisterId,
         /// Smallest value.
         min: f64,
         /// Largest value.
@@ -161,8 +162,8 @@ pub enum Modality {
 pub struct DataRow {
     /// What it supplies.
     pub id: DataId,
-    /// Register (index into `registers`), `None` = not in the program text.
-    pub register: Option<u8>,
+    /// Register, `None` = not in the program text.
+    pub register: Option<RegisterId>,
     /// `false` = the word is not recognised through this row.
     pub enable: bool,
     /// `false` = recognised and dropped.

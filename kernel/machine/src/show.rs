@@ -12,6 +12,7 @@ mod text;
 pub use json::{json, part as json_part};
 
 use super::model::Machine;
+use crate::index::RegisterId;
 
 /// What to show.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -67,7 +68,7 @@ fn sorted_codes(machine: &Machine) -> Vec<&super::rows::CodeRow> {
     use super::rows::CodeForm;
     let place = |form: &CodeForm| match form {
         CodeForm::Register { register, min, max } | CodeForm::RegisterAsData { register, min, max, .. } => {
-            (0, *register, *min, *max)
+            (0, register.index(), *min, *max)
         }
         CodeForm::Text(_) => (1, 0, 0.0, 0.0),
         CodeForm::NotApplicable => (2, 0, 0.0, 0.0),
@@ -93,9 +94,9 @@ fn is_alias(machine: &Machine, row: &super::rows::CodeRow) -> bool {
     machine.codes.iter().take_while(|other| !std::ptr::eq(*other, row)).any(|other| other.id == row.id)
 }
 
-/// Name of a register by index.
-fn register(machine: &Machine, index: u8) -> &str {
-    machine.registers.get(usize::from(index)).map_or("?", |register| register.name.as_str())
+/// Name of a register.
+fn register(machine: &Machine, id: RegisterId) -> &str {
+    &machine.registers[id].name
 }
 
 /// How a code is written (`G1`, `G54-G59`, `"TEXT"`, `-`).

@@ -6,12 +6,12 @@
 use rustc_hash::FxHashMap;
 
 use super::ident::{DataId, Name};
-use super::index::{CodeRowId, DataRowId, Table};
+use super::index::{CodeRowId, DataRowId, RegisterId, Table};
 use super::rows::{CodeForm, CodeRow, DataRow, Register};
 
-/// Register (index into `Machine::registers`) a letter belongs to, and whether it is the register's second,
+/// Register a letter belongs to, and whether it is the register's second,
 /// incremental name; `None` = no regular register.
-pub type LetterEntry = Option<(u8, bool)>;
+pub type LetterEntry = Option<(RegisterId, bool)>;
 
 /// Code numbers below this one may have one decimal and are looked up directly.
 const DENSE: u32 = 1000;
@@ -24,13 +24,13 @@ const TOLERANCE: f64 = 1e-9;
 pub struct Tables {
     /// Per ASCII byte: the regular register it names.
     pub letter: [LetterEntry; 128],
-    /// Enabled data rows per register (index into `Machine::registers`), in file order.
-    pub data_of_register: Vec<Vec<DataRowId>>,
+    /// Enabled data rows of each register, in file order.
+    pub data_of_register: Table<RegisterId, Vec<DataRowId>>,
     /// Enabled data rows of each data identifier, in file order.
     pub rows_of_data: Table<DataId, Vec<DataRowId>>,
     /// Enabled rows of literal text: longest text first, then in matching order.
     pub texts: Vec<CodeRowId>,
-    codes: Vec<Option<Codes>>,
+    codes: Table<RegisterId, Option<Codes>>,
 }
 
 /// Code rows of one register.
@@ -46,7 +46,7 @@ struct Codes {
 
 impl Default for Tables {
     fn default() -> Self {
-        Self::new(&[], &Table::default(), &Table::default(), &Table::default())
+        Self::new(&Table::default(), &Table::default(), &Table::default(), &Table::default())
     }
 }
 
@@ -54,7 +54,7 @@ impl Tables {
     /// Compiles the rows; `names` has all data identifiers.
     #[must_use]
     pub fn new(
-        registers: &[Register],
+        registers: &Table<RegisterId, Register>,
         codes: &Table<CodeRowId, CodeRow>,
         data: &Table<DataRowId, DataRow>,
         names: &Table<DataId, Name>,
@@ -64,21 +64,21 @@ impl Tables {
             data_of_register: data_of_register(registers, data),
             rows_of_data: rows_of_data(data, names),
             texts: texts(codes),
-            codes: (0..registers.len()).map(|register| Codes::new(register, codes)).collect(),
+            codes: registers.map(|register, _| Codes::new(register, codes)),
         }
     }
 
     /// Code rows that a word of this register and value may mean, in matching order; empty when it is no code. The
     /// rows' conditions on other words (`with`, `without`) are the caller's to check.
     #[must_use]
-    pub fn code(&self, register: u8, value: f64) -> &[CodeRowId] {
-        self.codes.get(usize::from(register)).and_then(Option::as_ref).map_or(&[], |codes| codes.at(value))
+    pub fn code(&self, register: RegisterId, value: f64) -> &[CodeRowId] {
+        self.codes[register].as_ref().map_or(&[], |codes| codes.at(value))
     }
 
     /// Whether any code is written with this register.
     #[must_use]
-    pub fn has_codes(&self, register: u8) -> bool {
-        self.codes.get(usize::from(register)).is_some_and(Option::is_some)
+    pub fn has_codes(&self, register: RegisterId) -> bool {
+        self.codes[register].is_some()
     }
 
     /// Enabled rows of a data identifier.
@@ -89,13 +89,13 @@ impl Tables {
 
     /// Enabled data rows of a register.
     #[must_use]
-    pub fn data_of(&self, register: u8) -> &[DataRowId] {
-        self.data_of_register.get(usize::from(register)).map_or(&[], Vec::as_slice)
+    pub fn data_of(&self, register: RegisterId) -> &[DataRowId] {
+        &self.data_of_register[register]
     }
 }
 
 impl Codes {
-    fn new(register: usize, codes: &Table<CodeRowId, CodeRow>) -> Option<Self> {
+    fn new(register: RegisterId, codes: &Table<CodeRowId, CodeRow>) -> Option<Self> {
         let rows = rows_of_register(register, codes);
         if rows.is_empty() {
             return None;
@@ -224,12 +224,12 @@ impl Range {
     }
 }
 
-fn rows_of_register(register: usize, codes: &Table<CodeRowId, CodeRow>) -> Vec<Range> {
+fn rows_of_register(register: RegisterId, codes: &Table<CodeRowId, CodeRow>) -> Vec<Range> {
     let mut rows: Vec<Range> = Vec::new();
     for (row, code) in codes.entries() {
         if let Some((of, min, max)) = form_range(&code.form)
             && code.enable
-            && usize::from(of) == register
+            && of == register
         {
             let (min, max) = (tenths(min), tenths(max));
             let decimals = !(min.is_multiple_of(10) && max.is_multiple_of(10));
@@ -242,7 +242,7 @@ fn rows_of_register(register: usize, codes: &Table<CodeRowId, CodeRow>) -> Vec<R
 
 /// Register and value range of a code's form.
 #[must_use]
-pub fn form_range(form: &CodeForm) -> Option<(u8, f64, f64)> {
+pub fn form_range(form: &CodeForm) -> Option<(RegisterId, f64, f64)> {
     match form {
         CodeForm::Register { register, min, max } | CodeForm::RegisterAsData { register, min, max, .. } => {
             Some((*register, *min, *max))
@@ -262,14 +262,14 @@ fn tenths(value: f64) -> u64 {
     (value * 10.0).round() as u64
 }
 
-fn letters(registers: &[Register]) -> [LetterEntry; 128] {
+fn letters(registers: &Table<RegisterId, Register>) -> [LetterEntry; 128] {
     let mut letters = [None; 128];
     for (register, incremental) in [(registers, true), (registers, false)] {
-        for (index, definition) in (0u8..).zip(register) {
+        for (id, definition) in register.entries() {
             let name = if incremental { definition.second.as_deref() } else { Some(definition.before.as_str()) };
             let name = name.filter(|_| definition.after.is_empty());
             if let Some(slot) = name.and_then(single_capital).and_then(|byte| letters.get_mut(usize::from(byte))) {
-                *slot = Some((index, incremental));
+                *slot = Some((id, incremental));
             }
         }
     }
@@ -283,13 +283,14 @@ fn single_capital(name: &str) -> Option<u8> {
     }
 }
 
-fn data_of_register(registers: &[Register], data: &Table<DataRowId, DataRow>) -> Vec<Vec<DataRowId>> {
-    let mut lists = vec![Vec::new(); registers.len()];
+fn data_of_register(
+    registers: &Table<RegisterId, Register>,
+    data: &Table<DataRowId, DataRow>,
+) -> Table<RegisterId, Vec<DataRowId>> {
+    let mut lists = registers.map(|_, _| Vec::new());
     for (row, definition) in data.entries() {
-        if let Some(list) = definition.register.and_then(|register| lists.get_mut(usize::from(register)))
-            && definition.enable
-        {
-            list.push(row);
+        if let Some(register) = definition.register.filter(|_| definition.enable) {
+            lists[register].push(row);
         }
     }
     lists
@@ -319,7 +320,7 @@ fn texts(codes: &Table<CodeRowId, CodeRow>) -> Vec<CodeRowId> {
 mod tests {
     use super::super::ident::dimension::Dimension;
     use super::super::ident::{codes, data_names};
-    use super::super::index::places;
+    use super::super::index::{nth, places};
     use super::super::rows::{Modality, NumberFormat, Point, Zeros};
     use super::*;
 
@@ -343,10 +344,10 @@ mod tests {
         }
     }
 
-    fn code(register: u8, min: f64, max: f64, order: u16) -> CodeRow {
+    fn code(register: usize, min: f64, max: f64, order: u16) -> CodeRow {
         CodeRow {
             id: codes::RAPID,
-            form: CodeForm::Register { register, min, max },
+            form: CodeForm::Register { register: nth(register), min, max },
             enable: true,
             process: true,
             order,
@@ -364,10 +365,10 @@ mod tests {
         }
     }
 
-    fn data(id: DataId, register: Option<u8>, enable: bool) -> DataRow {
+    fn data(id: DataId, register: Option<usize>, enable: bool) -> DataRow {
         DataRow {
             id,
-            register,
+            register: register.map(nth),
             enable,
             process: true,
             modal: false,
@@ -381,13 +382,13 @@ mod tests {
         }
     }
 
-    fn of_registers(registers: &[Register]) -> Tables {
-        Tables::new(registers, &Table::default(), &Table::default(), &data_names())
+    fn of_registers<const N: usize>(registers: [Register; N]) -> Tables {
+        Tables::new(&registers.into_iter().collect(), &Table::default(), &Table::default(), &data_names())
     }
 
     fn of_codes(codes: &[CodeRow]) -> Tables {
         Tables::new(
-            &[register("G", None), register("M", None)],
+            &[register("G", None), register("M", None)].into_iter().collect(),
             &codes.iter().cloned().collect(),
             &Table::default(),
             &data_names(),
@@ -396,69 +397,68 @@ mod tests {
 
     #[test]
     fn letters_name_registers_and_second_names_are_incremental() {
-        let tables = of_registers(&[register("X", Some("U")), register("Z", Some("W"))]);
+        let tables = of_registers([register("X", Some("U")), register("Z", Some("W"))]);
         let letter = |c: char| tables.letter[c as usize];
-        assert_eq!(letter('X'), Some((0, false)));
-        assert_eq!(letter('U'), Some((0, true)));
-        assert_eq!(letter('W'), Some((1, true)));
+        assert_eq!(letter('X'), Some((nth(0), false)));
+        assert_eq!(letter('U'), Some((nth(0), true)));
+        assert_eq!(letter('W'), Some((nth(1), true)));
         assert_eq!(letter('x'), None);
         assert_eq!(letter('G'), None);
     }
 
     #[test]
     fn a_first_name_wins_over_a_second_name_and_special_names_are_no_letters() {
-        let tables = of_registers(&[register("X", Some("U")), register("U", None), register("C1=", None)]);
-        assert_eq!(tables.letter[usize::from(b'U')], Some((1, false)));
+        let tables = of_registers([register("X", Some("U")), register("U", None), register("C1=", None)]);
+        assert_eq!(tables.letter[usize::from(b'U')], Some((nth(1), false)));
         assert_eq!(tables.letter[usize::from(b'C')], None);
     }
 
     #[test]
     fn the_lowest_order_comes_first_then_the_file() {
         let tables = of_codes(&[code(0, 50.0, 50.0, 450), code(0, 50.0, 50.0, 100), code(0, 1.0, 99.0, 450)]);
-        assert_eq!(places(tables.code(0, 50.0)), [1, 0, 2]);
-        assert_eq!(places(tables.code(0, 51.0)), [2]);
-        assert_eq!(places(tables.code(0, 100.0)), [0; 0]);
-        assert_eq!(places(tables.code(1, 50.0)), [0; 0]);
-        assert!(tables.has_codes(0) && !tables.has_codes(1));
+        assert_eq!(places(tables.code(nth(0), 50.0)), [1, 0, 2]);
+        assert_eq!(places(tables.code(nth(0), 51.0)), [2]);
+        assert_eq!(places(tables.code(nth(0), 100.0)), [0; 0]);
+        assert_eq!(places(tables.code(nth(1), 50.0)), [0; 0]);
+        assert!(tables.has_codes(nth(0)) && !tables.has_codes(nth(1)));
     }
 
     #[test]
     fn decimals_match_only_rows_with_decimals() {
         let tables = of_codes(&[code(0, 54.0, 59.0, 100), code(0, 54.1, 54.1, 100), code(0, 60.0, 60.5, 100)]);
-        assert_eq!(places(tables.code(0, 54.0)), [0]);
-        assert_eq!(places(tables.code(0, 54.1)), [1]);
-        assert_eq!(places(tables.code(0, 54.1 + 1e-12)), [1]);
-        assert_eq!(places(tables.code(0, 54.100_001)), [0; 0]);
-        assert_eq!(places(tables.code(0, 55.5)), [0; 0]);
-        assert_eq!(places(tables.code(0, 60.0)), [2]);
-        assert_eq!(places(tables.code(0, 60.3)), [2]);
-        assert_eq!(places(tables.code(0, 60.6)), [0; 0]);
+        assert_eq!(places(tables.code(nth(0), 54.0)), [0]);
+        assert_eq!(places(tables.code(nth(0), 54.1)), [1]);
+        assert_eq!(places(tables.code(nth(0), 54.1 + 1e-12)), [1]);
+        assert_eq!(places(tables.code(nth(0), 54.100_001)), [0; 0]);
+        assert_eq!(places(tables.code(nth(0), 55.5)), [0; 0]);
+        assert_eq!(places(tables.code(nth(0), 60.0)), [2]);
+        assert_eq!(places(tables.code(nth(0), 60.3)), [2]);
+        assert_eq!(places(tables.code(nth(0), 60.6)), [0; 0]);
     }
 
     #[test]
     fn large_numbers_match_whole_values_up_to_both_ends() {
         let tables =
             of_codes(&[code(1, 900.0, 1100.0, 100), code(1, 0.0, 99_999_999.0, 200), code(1, 2000.0, 2000.0, 100)]);
-        assert_eq!(places(tables.code(1, 899.0)), [1]);
-        assert_eq!(places(tables.code(1, 999.0)), [0, 1]);
-        assert_eq!(places(tables.code(1, 1000.0)), [0, 1]);
-        assert_eq!(places(tables.code(1, 1000.0 - 1e-12)), [0, 1]);
-        assert_eq!(places(tables.code(1, 1100.0)), [0, 1]);
-        assert_eq!(places(tables.code(1, 1101.0)), [1]);
-        assert_eq!(places(tables.code(1, 2000.0)), [2, 1]);
-        assert_eq!(places(tables.code(1, 2000.5)), [0; 0]);
-        assert_eq!(places(tables.code(1, 99_999_999.0)), [1]);
-        assert_eq!(places(tables.code(1, 100_000_000.0)), [0; 0]);
+        assert_eq!(places(tables.code(nth(1), 899.0)), [1]);
+        assert_eq!(places(tables.code(nth(1), 999.0)), [0, 1]);
+        assert_eq!(places(tables.code(nth(1), 1000.0)), [0, 1]);
+        assert_eq!(places(tables.code(nth(1), 1000.0 - 1e-12)), [0, 1]);
+        assert_eq!(places(tables.code(nth(1), 1100.0)), [0, 1]);
+        assert_eq!(places(tables.code(nth(1), 1101.0)), [1]);
+        assert_eq!(places(tables.code(nth(1), 2000.0)), [2, 1]);
+        assert_eq!(places(tables.code(nth(1), 2000.5)), [0; 0]);
+        assert_eq!(places(tables.code(nth(1), 99_999_999.0)), [1]);
+        assert_eq!(places(tables.code(nth(1), 100_000_000.0)), [0; 0]);
     }
 
     #[test]
     fn nonsense_is_no_code() {
         let tables = of_codes(&[code(0, 0.0, 99_999_999.0, 100)]);
         for value in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, -1.0, -0.04, 1e300, 0.05, 999.96] {
-            assert_eq!(places(tables.code(0, value)), [0; 0], "{value}");
+            assert_eq!(places(tables.code(nth(0), value)), [0; 0], "{value}");
         }
-        assert_eq!(places(tables.code(0, -0.0)), [0]);
-        assert_eq!(places(tables.code(77, 0.0)), [0; 0]);
+        assert_eq!(places(tables.code(nth(0), -0.0)), [0]);
     }
 
     #[test]
@@ -476,15 +476,15 @@ mod tests {
             data(DataId::built_in(3), None, true),
             data(DataId::built_in(4), Some(1), false),
         ];
-        let registers = [register("G", None), register("M", None)];
+        let registers = [register("G", None), register("M", None)].into_iter().collect();
         let codes = [off, text, longer, off_text].into_iter().collect();
         let mut names = data_names();
         names.push("REG_OWN".into());
         let tables = Tables::new(&registers, &codes, &rows.into_iter().collect(), &names);
-        assert_eq!(places(tables.code(0, 5.0)), [0; 0]);
+        assert_eq!(places(tables.code(nth(0), 5.0)), [0; 0]);
         assert_eq!(places(&tables.texts), [2, 1]);
-        assert_eq!(places(tables.data_of(1)), [0]);
-        assert_eq!(places(tables.data_of(0)), [0; 0]);
+        assert_eq!(places(tables.data_of(nth(1))), [0]);
+        assert_eq!(places(tables.data_of(nth(0))), [0; 0]);
         assert_eq!(places(tables.data(DataId::built_in(3))), [0, 1]);
         assert_eq!(places(tables.data(DataId::built_in(4))), [0; 0]);
         assert_eq!(tables.rows_of_data.len(), names.len());

@@ -10,3 +10,4 @@ pub mod profile;
 pub mod space;
 pub mod surface_speed;
 pub mod thread;
+pub mod turning;

@@ -3,13 +3,13 @@
 //! Invariant: buffers are reused from block to block; filling a block allocates nothing once they have grown.
 
 use counterpoint_machine::ident::DataId;
-use counterpoint_machine::index::CodeRowId;
+use counterpoint_machine::index::{CodeRowId, REGISTERS, RegisterId};
 
 /// A word: letter and number.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Word {
-    /// Index into the machine's registers.
-    pub register: u8,
+    /// Its register.
+    pub register: RegisterId,
     /// Written with the register's second (incremental) name.
     pub incremental: bool,
     /// Taken by a code or an action.
@@ -52,9 +52,6 @@ pub struct Datum {
 
 /// Words of a block at most, and texts of other kinds.
 const MOST_WORDS: usize = 255;
-
-/// Largest number of registers.
-pub const REGISTERS: usize = 100;
 
 /// Irregularities in the text of a block.
 pub mod irregular {
@@ -208,9 +205,9 @@ impl Block {
     #[inline(always)]
     pub fn index_word(&mut self, position: usize) {
         if let Some(word) = self.words.get(position)
-            && let Some(slot) = self.slots.get_mut(usize::from(word.register))
+            && let Some(slot) = self.slots.get_mut(word.register.index())
         {
-            let bit = 1 << word.register;
+            let bit = word.register.bit();
             self.doubled |= self.present & bit != 0;
             *slot = position.min(255) as u8;
             self.present |= bit;
@@ -219,26 +216,26 @@ impl Block {
 
     /// Takes the data word of a register, if it is there and still free.
     #[inline]
-    pub fn take(&mut self, register: u8) -> Option<Word> {
+    pub fn take(&mut self, register: RegisterId) -> Option<Word> {
         if !self.has(register) {
             return None;
         }
-        self.present &= !(1 << register);
-        let slot = *self.slots.get(usize::from(register))?;
+        self.present &= !register.bit();
+        let slot = *self.slots.get(register.index())?;
         let word = self.words.get_mut(usize::from(slot))?;
         word.used = true;
         Some(*word)
     }
 
     /// The data word that [`take`](Self::take) would take.
-    pub fn look(&self, register: u8) -> Option<Word> {
-        let slot = self.slots.get(usize::from(register)).filter(|_| self.has(register))?;
+    pub fn look(&self, register: RegisterId) -> Option<Word> {
+        let slot = self.slots.get(register.index()).filter(|_| self.has(register))?;
         self.words.get(usize::from(*slot)).copied()
     }
 
     /// A free data word of this register is on the block.
-    pub fn has(&self, register: u8) -> bool {
-        usize::from(register) < REGISTERS && self.present & (1 << register) != 0
+    pub fn has(&self, register: RegisterId) -> bool {
+        self.present & register.bit() != 0
     }
 
     /// A word that nothing has taken is on the block.

@@ -55,7 +55,7 @@ impl Callers {
                     // A row that comes before it takes the word away (M198 may be a waiting code).
                     let first = machine.tables.code(*register, *min).first();
                     let acts = first.map(|&row| machine.codes[row].id);
-                    let letter = machine.registers.get(usize::from(*register)).filter(|_| acts == Some(row.id));
+                    let letter = Some(&machine.registers[*register]).filter(|_| acts == Some(row.id));
                     words.extend(letter.map(|letter| format!("{}{min}", letter.name)));
                 }
                 CodeForm::NotApplicable => {}
@@ -69,7 +69,7 @@ impl Callers {
             match &row.form {
                 CodeForm::Text(text) => end_texts.push(text.to_ascii_uppercase()),
                 CodeForm::Register { register, min, .. } | CodeForm::RegisterAsData { register, min, .. } => {
-                    let letter = machine.registers.get(usize::from(*register)).and_then(|r| r.name.bytes().next());
+                    let letter = machine.registers[*register].name.bytes().next();
                     ends.extend(letter.filter(|_| min.fract() == 0.0).map(|letter| (letter, *min as u32)));
                 }
                 CodeForm::NotApplicable => {}

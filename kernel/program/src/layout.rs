@@ -165,6 +165,8 @@ struct Candidate<'a> {
     wish: &'a Program,
     file: u16,
     range: Range,
+    /// Its name in the file, where the file has several for channels.
+    name: Option<String>,
     /// Channel that the file itself says.
     channel: Option<u16>,
 }
@@ -211,8 +213,12 @@ fn candidates<'a>(
             }
         };
         let alone = spec.programs.len() == 1 && wish.number.is_none();
+        let several = ranges.len() > 1 && spec.machine.channels.len() > 1;
         for (range, channel) in by_head(spec, source, ranges, alone, findings) {
-            candidates.push(Candidate { wish, file, range: opening(source, range, &spec.machine.format), channel });
+            let name = source.name_at(range.first).filter(|_| several && range.number.is_none());
+            let name = name.map(|name| String::from_utf8_lossy(name).into_owned());
+            let range = opening(source, range, &spec.machine.format);
+            candidates.push(Candidate { wish, file, range, name, channel });
         }
     }
     candidates
@@ -261,9 +267,11 @@ fn place(spec: &Spec, candidates: Vec<Candidate<'_>>, channels: &mut [Channel], 
             Some(channel) => {
                 channel.file = candidate.file;
                 channel.lines = (candidate.range.first, candidate.range.last);
-                channel.program = match candidate.range.number {
-                    Some(number) => format!("{}#{number}", candidate.wish.file),
-                    None => candidate.wish.file.clone(),
+                let file = &candidate.wish.file;
+                channel.program = match (candidate.range.number, candidate.name) {
+                    (Some(number), _) => format!("{file}#{number}"),
+                    (None, Some(name)) => format!("{file}#{name}"),
+                    (None, None) => file.clone(),
                 };
             }
             // Further programs of a single file stay callable; more files than channels are a mistake.

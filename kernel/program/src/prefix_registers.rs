@@ -7,7 +7,7 @@
 //! with neither has nothing here.
 
 use counterpoint_machine::Machine;
-use counterpoint_machine::index::CodeRowId;
+use counterpoint_machine::index::{CodeRowId, RegisterId};
 use counterpoint_machine::rows::CodeForm;
 
 /// Special registers and texts, prepared once.
@@ -53,8 +53,8 @@ pub struct PrefixRegister {
     pub before: Vec<u8>,
     /// Text after the number.
     pub after: Vec<u8>,
-    /// Index of the register.
-    pub register: u8,
+    /// The register.
+    pub register: RegisterId,
     /// Written with the second (incremental) name of the register.
     pub incremental: bool,
     /// A tool's name may stand in place of the number.
@@ -87,7 +87,7 @@ impl LiteralFirst {
     /// What a machine has of them.
     pub fn new(machine: &Machine) -> Option<Box<Self>> {
         let mut registers = Vec::new();
-        for (register, definition) in (0u8..).zip(&machine.registers) {
+        for (register, definition) in machine.registers.entries() {
             let regular = definition.is_regular();
             let after = definition.after.clone().into_bytes();
             let first = Some((&definition.before, false)).filter(|_| !regular);

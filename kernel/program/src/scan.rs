@@ -14,7 +14,7 @@ use crate::shape::program_name;
 use crate::syntax::Syntax;
 use counterpoint_fault as diag;
 use counterpoint_machine::Machine;
-use counterpoint_machine::index::CodeRowId;
+use counterpoint_machine::index::{CodeRowId, RegisterId, Table};
 use counterpoint_machine::rows::Register;
 use numbers::{Read, parse_number};
 
@@ -38,22 +38,19 @@ pub struct Scanner {
     /// Literal text codes: text and row.
     texts: Vec<(Vec<u8>, CodeRowId)>,
     /// How numbers of each register are read, in primary and in secondary units.
-    reads: Vec<[Read; 2]>,
+    reads: Table<RegisterId, [Read; 2]>,
     syntax: &'static Syntax,
     /// Active optional-skip levels, bit n.
     levels: u16,
-    sequence: Option<u8>,
+    sequence: Option<RegisterId>,
     /// Register of program numbers, which a colon may stand for at the start of a block.
-    definition: Option<u8>,
+    definition: Option<RegisterId>,
     /// Most levels of brackets in an expression.
     brackets: Option<u8>,
-    letters: [(u8, bool); 128],
+    letters: [Option<(RegisterId, bool)>; 128],
     /// Special registers, and texts that would be read as words; `None` on most machines.
     literal_first: Option<Box<LiteralFirst>>,
 }
-
-/// No register.
-const NONE: u8 = u8::MAX;
 
 impl Scanner {
     /// For a machine, the syntax of its pre-processor and the active optional-skip levels.
@@ -61,16 +58,11 @@ impl Scanner {
         let pair =
             |p: &Option<(String, String)>| p.as_ref().map(|(a, b)| (a.clone().into_bytes(), b.clone().into_bytes()));
         let ascii = |c: Option<char>| c.and_then(|c| u8::try_from(c).ok());
-        let mut letters = [(NONE, false); 128];
-        for (letter, entry) in letters.iter_mut().zip(&machine.tables.letter) {
-            if let Some((register, incremental)) = entry {
-                *letter = (*register, *incremental);
-            }
-        }
+        let mut letters = machine.tables.letter;
         for lower in b'a'..=b'z' {
-            let upper = letters.get(usize::from(lower - 32)).copied().unwrap_or((NONE, false));
+            let upper = letters.get(usize::from(lower - 32)).copied().flatten();
             if let Some(slot) = letters.get_mut(usize::from(lower))
-                && slot.0 == NONE
+                && slot.is_none()
             {
                 *slot = upper;
             }
@@ -94,7 +86,7 @@ impl Scanner {
                     _ => None,
                 })
                 .collect(),
-            reads: machine.registers.iter().map(|r| reads(machine, r)).collect(),
+            reads: machine.registers.map(|_, register| reads(machine, register)),
             syntax,
             levels: levels(machine, opskip),
             sequence,
@@ -137,7 +129,7 @@ impl Scanner {
     }
 
     /// Register of the sequence number.
-    pub fn sequence(&self) -> Option<u8> {
+    pub fn sequence(&self) -> Option<RegisterId> {
         self.sequence
     }
 
@@ -152,8 +144,8 @@ impl Scanner {
     }
 
     /// Register of a letter, with its incremental flag.
-    pub fn register(&self, letter: u8) -> Option<(u8, bool)> {
-        self.letters.get(usize::from(letter)).copied().filter(|&(register, _)| register != NONE)
+    pub fn register(&self, letter: u8) -> Option<(RegisterId, bool)> {
+        self.letters.get(usize::from(letter)).copied().flatten()
     }
 
     /// Splits `line` into `block` (which is cleared first); `watched` leaves all of it to another pre-processor.
@@ -303,8 +295,9 @@ impl Scanner {
 
     /// Value of a number as a register reads it, and what is odd about it ([`irregular`]).
     #[inline(always)]
-    pub fn reading(&self, register: u8, number: Number, secondary: bool) -> Option<(f64, u8)> {
-        let read = self.reads.get(usize::from(register))?.get(usize::from(secondary))?;
+    pub fn reading(&self, register: RegisterId, number: Number, secondary: bool) -> Option<(f64, u8)> {
+        let [primary, other] = &self.reads[register];
+        let read = if secondary { other } else { primary };
         Some(read.value(number))
     }
 
@@ -314,7 +307,7 @@ impl Scanner {
         &self,
         line: &[u8],
         from: usize,
-        (at, register, incremental): (usize, u8, bool),
+        (at, register, incremental): (usize, RegisterId, bool),
         secondary: bool,
         block: &mut Block,
     ) -> Option<usize> {

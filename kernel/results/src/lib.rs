@@ -4,11 +4,13 @@
 
 pub use counterpoint_event::{event, info};
 
+pub mod analysis;
 pub mod builder;
 pub mod channel_results;
 pub mod digest;
 pub mod geometry;
 pub mod jsonl;
+pub mod late;
 pub mod listing;
 mod reported;
 pub mod spans;

@@ -15,6 +15,8 @@ use serde::{Deserialize, Serialize};
 pub use crate::sync_points::{Arrival, SyncPoint, Waits};
 pub use crate::tools::Tool;
 
+use crate::analysis::Analysis;
+use crate::late::Late;
 use crate::reported::{Reported, What};
 use counterpoint_event::event::{FileId, Origin, VerdictKind};
 use counterpoint_event::info::{self, BLOCK_TEXT, Info};
@@ -71,6 +73,13 @@ pub struct Summary {
     pub verdict: Option<Verdict>,
     /// Diagnostics in log order, [`MAX_DIAGNOSTICS`] at most.
     pub diagnostics: Vec<Diagnostic>,
+    /// What decides the cycle time; left out unless two channels have run.
+    #[serde(default, skip_serializing_if = "is_idle")]
+    pub analysis: Late<Analysis>,
+}
+
+fn is_idle(analysis: &Late<Analysis>) -> bool {
+    analysis.slack.is_empty()
 }
 
 /// A channel in the summary.
@@ -220,10 +229,14 @@ impl Findings {
         } else {
             State::Succeeded
         };
+        let ran = channels.iter().filter(|channel| channel.state != ChannelState::NotStarted);
+        let ends: Vec<(u16, i64)> = ran.map(|channel| (channel.channel, channel.end_ns)).collect();
+        let of = waits.clone();
         Summary {
             state,
             highest_severity: self.highest_severity,
             makespan_ns: channels.iter().map(|c| c.end_ns).max().unwrap_or(0),
+            analysis: Late::new(move || if ends.len() < 2 { Analysis::default() } else { Analysis::of(&ends, &of) }),
             log_digest,
             channels,
             waits,

@@ -3,13 +3,12 @@
 //! Put together from the stays of the channels when somebody asks for them. *Invariant:* satisfied waits
 //! come in order of their number, then those that never were in order of their first arrival; arrivals ascend by channel.
 
-use std::fmt;
-use std::ops::Deref;
-use std::sync::{Arc, LazyLock};
+use std::sync::Arc;
 
 use rustc_hash::FxHashMap;
-use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use serde::{Deserialize, Serialize};
 
+use crate::late::Late;
 use counterpoint_event::event::{FileId, Primitive, Release, Wait};
 use counterpoint_event::info::{BLOCK_TEXT, Info};
 
@@ -22,8 +21,16 @@ pub struct SyncPoint {
     pub kind: Primitive,
     /// When all continued, ns; `None`: never.
     pub release_ns: Option<i64>,
+    /// Channel whose operation let them continue: the last to come, who set the flag or sent the signal; 0 if none did.
+    #[serde(default, skip_serializing_if = "is_none")]
+    pub by: u16,
     /// Who arrived, ascending channel.
     pub arrivals: Vec<Arrival>,
+}
+
+#[allow(clippy::trivially_copy_pass_by_ref, reason = "serde wants a reference")]
+fn is_none(channel: &u16) -> bool {
+    *channel == 0
 }
 
 /// Arrival of one channel.
@@ -41,49 +48,8 @@ pub struct Arrival {
     pub block: Arc<str>,
 }
 
-type Source = Box<dyn FnOnce() -> Vec<SyncPoint> + Send>;
-
-/// All sync points of a job, as a slice; copies share one list, which is made at the first look.
-#[derive(Clone)]
-pub struct Waits(Arc<LazyLock<Vec<SyncPoint>, Source>>);
-
-impl Waits {
-    fn new(source: impl FnOnce() -> Vec<SyncPoint> + Send + 'static) -> Self {
-        Self(Arc::new(LazyLock::new(Box::new(source))))
-    }
-}
-
-impl Deref for Waits {
-    type Target = [SyncPoint];
-
-    fn deref(&self) -> &[SyncPoint] {
-        &self.0
-    }
-}
-
-impl fmt::Debug for Waits {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        (**self).fmt(f)
-    }
-}
-
-impl PartialEq for Waits {
-    fn eq(&self, other: &Self) -> bool {
-        **self == **other
-    }
-}
-
-impl Serialize for Waits {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        (**self).serialize(serializer)
-    }
-}
-
-impl<'de> Deserialize<'de> for Waits {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        Vec::deserialize(deserializer).map(|waits| Self::new(|| waits))
-    }
-}
+/// All sync points of a job.
+pub type Waits = Late<Vec<SyncPoint>>;
 
 /// A stay of a channel at a wait.
 #[derive(Debug)]
@@ -94,12 +60,14 @@ pub struct Stay {
     pub(super) line: u32,
     /// Number of the sync point that ended it and when it did; both 0: none yet.
     met: (u64, i64),
+    /// Channel that ended it.
+    by: u16,
 }
 
 impl Stay {
     /// A channel arrives.
     pub(super) fn new(wait: &Arc<Wait>, since_ns: i64, (file, line): (FileId, u32)) -> Self {
-        Self { wait: wait.clone(), since_ns, file, line, met: (0, 0) }
+        Self { wait: wait.clone(), since_ns, file, line, met: (0, 0), by: 0 }
     }
 
     /// Of a release whose wait is not in the log.
@@ -111,7 +79,7 @@ impl Stay {
 
     /// The channel continues.
     pub(super) fn ended(self, release: &Release, t_ns: i64) -> Self {
-        Self { since_ns: release.since_ns, met: (release.meeting, t_ns), ..self }
+        Self { since_ns: release.since_ns, met: (release.meeting, t_ns), by: release.by, ..self }
     }
 
     /// How long it was, once it has ended.
@@ -178,7 +146,8 @@ impl SyncPoints {
         for (channel, stay) in std::mem::take(&mut self.open) {
             match self.met.iter_mut().rfind(|met| met.misses(channel, &stay)) {
                 Some(met) => {
-                    let stay = Stay { met: (met.number, met.release_ns), ..stay };
+                    let by = met.stays.first().map_or(0, |(_, first)| first.by);
+                    let stay = Stay { met: (met.number, met.release_ns), by, ..stay };
                     ended(channel, &stay);
                     met.stays.push((channel, stay));
                     met.stays.sort_by_key(|(channel, _)| *channel);
@@ -204,9 +173,9 @@ impl SyncPoints {
         let mut all = Vec::with_capacity(self.met.len());
         for Met { release_ns, stays, .. } in self.met {
             let Some((_, first)) = stays.first() else { continue };
-            let (key, kind, release_ns) = (first.key(), first.wait.primitive, Some(release_ns));
+            let (key, kind, release_ns, by) = (first.key(), first.wait.primitive, Some(release_ns), first.by);
             let arrivals = stays.iter().map(|(channel, stay)| places.arrival(*channel, stay)).collect();
-            all.push(SyncPoint { key, kind, release_ns, arrivals });
+            all.push(SyncPoint { key, kind, release_ns, by, arrivals });
         }
         self.open.sort_by_key(|(channel, stay)| (stay.since_ns, *channel));
         let mut open: Vec<(Arc<Wait>, SyncPoint)> = Vec::new();
@@ -219,7 +188,7 @@ impl SyncPoints {
                 }
                 None => {
                     let (key, kind) = (stay.key(), stay.wait.primitive);
-                    open.push((stay.wait, SyncPoint { key, kind, release_ns: None, arrivals: vec![arrival] }));
+                    open.push((stay.wait, SyncPoint { key, kind, release_ns: None, by: 0, arrivals: vec![arrival] }));
                 }
             }
         }

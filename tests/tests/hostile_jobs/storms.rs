@@ -211,12 +211,34 @@ fn of_lathes() -> Vec<Case> {
             &["N1 IF[#500EQ1]GOTO2\n#501=1\nGOTO1\nN2 M30\n", "N1 IF[#501EQ2]GOTO2\n#502=1\nGOTO1\nN2 M30\n"],
             &[LIMIT, 2_900_071, 2_900_072],
         ),
+        siemens("siemens: waits at marks without end", &["LOOP\nWAITM(1,1,2)\nSETM(2)\nENDLOOP\n"; 2], &[LIMIT]),
+        siemens(
+            "siemens: lists that do not correspond",
+            &["LOOP\nWAITM(1,2)\nENDLOOP\n", "LOOP\nWAITM(1)\nENDLOOP\n"],
+            &[2_900_387],
+        ),
+        siemens(
+            "siemens: starts without end",
+            &["%_N_A_MPF\nINIT(2,\"B\")\nLOOP\nSTART(2)\nWAITE(2)\nENDLOOP\nM30\n%_N_B_MPF\nM30\n"],
+            &[LIMIT],
+        ),
+        siemens(
+            "siemens: a loop beside an idle channel",
+            &["%_N_A_MPF\nLOOP\nG1 X1 F1\nX2\nENDLOOP\nINIT(2,\"B\")\nM30\n%_N_B_MPF\nM30\n"],
+            &[LIMIT],
+        ),
         many_channels("26 channels that meet", 26, |own| format!("O{own}\nN1 M101 P67108863\nG4 P{own}\nGOTO1\n"))
             .with_options(FEW_BLOCKS),
         many_channels("32 channels that share", 32, |own| format!("O{own}\nN1 #500=#500+{own}\nGOTO1\n"))
             .with_options(FEW_BLOCKS),
         many_channels("32 channels on their own", 32, |own| format!("O{own}\nN1 G0 X{own}.\nX0\nGOTO1\n")),
     ]
+}
+
+/// Both channels of a Siemens lathe.
+fn siemens(name: &'static str, programs: &[&str], ends_with: &'static [u32]) -> Case {
+    let programs = programs.iter().map(|program| (*program).to_owned()).collect();
+    Case::new(name, machine("siemens-2channel", "", &[]), programs, ends_with)
 }
 
 /// Where small limits are wanted, smaller ones: all channels wait for each other in each block.

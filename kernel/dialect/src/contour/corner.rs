@@ -2,7 +2,10 @@
 //!
 //! *Invariant:* a corner takes no more of a line than there is of it.
 
-use super::plane::{Point, along, direction, dot, length, minus, turn};
+use counterpoint_motion::contour::blend::{Cut, TooLong, blend};
+use counterpoint_motion::contour::element::Element;
+
+use super::plane::{Point, direction, minus, turn};
 
 /// What a corner needs of both its lines, and how it turns.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -32,19 +35,16 @@ pub(crate) fn corner(
     if !(size > 0.0 && size.is_finite()) {
         return Err("a corner needs a length or radius above zero");
     }
-    let side = turn(in_, out);
-    if side.abs() < 1e-9 {
+    if turn(in_, out).abs() < 1e-9 {
         return Err("lines of one direction have no corner");
     }
-    let need = match chamfer {
-        true => size,
-        // The tangent of half the turn.
-        false => size * side.abs() / (1.0 + dot(in_, out)),
-    };
-    if need > length(minus(corner, before)) + 1e-9 || need > length(minus(after, corner)) + 1e-9 {
-        return Err("the corner is larger than its lines");
+    let mut first = Element { from: before, to: corner, arc: None };
+    let mut second = Element { from: corner, to: after, arc: None };
+    let cut = if chamfer { Cut::Legs(size) } else { Cut::Round(size) };
+    match blend(&mut first, &mut second, cut) {
+        Ok(_) => Ok(Corner { from: first.to, to: second.from, clockwise: turn(in_, out) < 0.0 }),
+        Err(TooLong) => Err("the corner is larger than its lines"),
     }
-    Ok(Corner { from: along(corner, in_, -need), to: along(corner, out, need), clockwise: side < 0.0 })
 }
 
 #[cfg(test)]

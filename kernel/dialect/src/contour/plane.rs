@@ -25,10 +25,6 @@ pub(crate) fn left(a: Point) -> Point {
     [-a[1], a[0]]
 }
 
-pub(super) fn dot(a: Point, b: Point) -> f64 {
-    a[0] * b[0] + a[1] * b[1]
-}
-
 /// Positive if the second turns to the left of the first.
 pub(super) fn turn(a: Point, b: Point) -> f64 {
     a[0] * b[1] - a[1] * b[0]

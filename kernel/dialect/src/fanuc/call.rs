@@ -5,6 +5,7 @@
 
 use counterpoint_fault as diag;
 use counterpoint_fault::{Acted, Halt};
+use counterpoint_machine::index::RegisterId;
 
 use super::access::{Abandoned, eval};
 use super::expr::number;
@@ -32,7 +33,7 @@ fn with_arguments(g: f64) -> Option<MacroCall> {
 pub(super) fn arguments(
     host: &mut dyn Host,
     words: &[TemplateWord],
-    mut own: Option<(u8, f64)>,
+    mut own: Option<(RegisterId, f64)>,
 ) -> Result<Arguments, Halt> {
     let mut read = Arguments::default();
     let mut levels = [0_u8; 3];

@@ -18,6 +18,7 @@ mod print;
 mod statement;
 mod words;
 
+use counterpoint_machine::index::RegisterId;
 use std::sync::Arc;
 
 use counterpoint_fault as diag;
@@ -105,7 +106,7 @@ impl Interpreter for Fanuc {
         &mut self,
         host: &mut dyn Host,
         text: &[u8],
-        own: Option<(u8, f64)>,
+        own: Option<(RegisterId, f64)>,
     ) -> Result<Option<Arguments>, Halt> {
         let line = self.line(host, text, false)?;
         if let Some(span) = line.name {

@@ -2,7 +2,7 @@
 
 use super::expr::Expr;
 use crate::statement::Shared;
-use counterpoint_machine::index::CodeRowId;
+use counterpoint_machine::index::{CodeRowId, RegisterId};
 use counterpoint_program::key_words::Number;
 
 /// A line after compiling.
@@ -82,7 +82,7 @@ pub(super) enum Name {
     /// Upper-case letter.
     Letter(u8),
     /// A special register of the machine, and whether it is the incremental form.
-    Register(u8, bool),
+    Register(RegisterId, bool),
     /// A literal text: row of the code table. It has no value.
     Text(CodeRowId),
 }

@@ -1,13 +1,13 @@
 //! Words of the machine: what they are called, how their numbers are written and read, and the block that is made of them.
 
-use counterpoint_machine::index::CodeRowId;
+use counterpoint_machine::index::{CodeRowId, RegisterId};
 use counterpoint_program::key_words::Number;
 
 /// A word that the interpreter made.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MadeWord {
     /// Register.
-    pub register: u8,
+    pub register: RegisterId,
     /// It is the incremental form.
     pub incremental: bool,
     /// Value.
@@ -43,17 +43,17 @@ pub trait Words {
     fn length_factor(&self) -> f64;
 
     /// Register of a letter, and whether the letter is its incremental form.
-    fn register(&self, letter: u8) -> Option<(u8, bool)>;
+    fn register(&self, letter: u8) -> Option<(RegisterId, bool)>;
 
     /// Steps of one unit that the value of an expression is rounded to at a register, if the machine rounds.
-    fn steps(&self, register: u8) -> Option<f64>;
+    fn steps(&self, register: RegisterId) -> Option<f64>;
 
     /// Value of a number as a register reads it. What is wrong with the number is kept with the block.
-    fn read(&mut self, register: u8, number: Number) -> f64;
+    fn read(&mut self, register: RegisterId, number: Number) -> f64;
 
     /// Makes the value the sequence number of the block, if the register is that of sequence numbers and the block has
     /// none; whether it did.
-    fn take_sequence(&mut self, register: u8, value: f64) -> bool;
+    fn take_sequence(&mut self, register: RegisterId, value: f64) -> bool;
 
     /// The sequence number of the block.
     fn set_sequence(&mut self, number: u32);

@@ -6,8 +6,13 @@ use crate::interpreter::Interpreter;
 use counterpoint_machine::Machine;
 use counterpoint_program::syntax::{PLAIN, Syntax};
 
-static SYNTAX: Syntax =
-    Syntax { numbered_programs: false, needs_interpreter: Some(needs_interpreter), keeps_names: true, ..PLAIN };
+static SYNTAX: Syntax = Syntax {
+    numbered_programs: false,
+    named_programs: Some(super::archive::PROGRAMS),
+    needs_interpreter: Some(needs_interpreter),
+    keeps_names: true,
+    ..PLAIN
+};
 
 /// 840D controls.
 pub(crate) struct Control;

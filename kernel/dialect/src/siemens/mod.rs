@@ -5,6 +5,7 @@
 //! program is an alarm with a text, never a silence; what is no statement, variable or subprogram stays as text for the
 //! tables of the machine.
 
+mod archive;
 mod branches;
 mod calls;
 mod control;

@@ -16,11 +16,13 @@ pub(crate) mod entry;
 mod frame;
 mod head;
 mod home;
+mod lathe;
 mod local;
 mod mode;
 mod motion;
 mod offsets;
 mod polar;
+mod pole;
 mod rates;
 mod skip;
 mod spindle;
@@ -52,11 +54,13 @@ static ENTRIES: &[&[Entry]] = &[
     frame::ENTRIES,
     head::ENTRIES,
     home::ENTRIES,
+    lathe::ENTRIES,
     local::ENTRIES,
     mode::ENTRIES,
     motion::ENTRIES,
     offsets::ENTRIES,
     polar::ENTRIES,
+    pole::ENTRIES,
     skip::ENTRIES,
     spindle::ENTRIES,
     spindles::ENTRIES,
@@ -70,7 +74,17 @@ static ENTRIES: &[&[Entry]] = &[
 ];
 
 /// The built-in actions, as a plan takes them.
-pub static ACTIONS: Actions = Actions {
+pub static ACTIONS: Actions = Actions { reading: Some(&READING), ..BASE };
+
+/// The actions by which contour blocks are read.
+static READING: Actions = Actions {
+    of: lathe::reading,
+    speed_word: |_| Ok(()),
+    record: Some(|kernel, _, motion| lathe::record(&mut Act::new(kernel), motion)),
+    ..BASE
+};
+
+const BASE: Actions = Actions {
     of: find,
     flush_lookahead: |kernel| Act::new(kernel).next_element(None),
     flush_old: |kernel| Act::new(kernel).flush_old(),
@@ -78,6 +92,10 @@ pub static ACTIONS: Actions = Actions {
     switch_compensation: |kernel| Act::new(kernel).switch_compensation(),
     speed_word: |kernel| spindle::speed_word(&mut Act::new(kernel)),
     make_hole: |kernel, hole| Act::new(kernel).make_hole(hole),
+    reading: None,
+    record: None,
+    cut_contour: |kernel, cycle, reading| lathe::cut(&mut Act::new(kernel), cycle, reading),
+    go_back: |kernel, to| lathe::go_back(&mut Act::new(kernel), to),
     change_straight: |kernel, motion, rapid, to| Act::new(kernel).straight_again(motion, rapid, to),
 };
 

@@ -146,7 +146,7 @@ impl Act<'_, '_> {
             }
         }
         self.ways_travelled(coded);
-        (coded, target)
+        self.polar_end(coded, target)
     }
 
     /// Takes the word of an axis.

@@ -112,7 +112,7 @@ pub(super) fn radial(act: &mut Act<'_, '_>) -> Acted {
 
 /// Stops, orients or reverses the spindle inside a cycle; it stays as it is when it stands.
 pub(super) fn turn_inside(act: &mut Act<'_, '_>, direction: Direction) -> Acted {
-    if act.state.spindle.index.is_none() {
+    if act.state.spindle.id.is_none() {
         return Ok(());
     }
     act.command_spindle(|c| c.direction = direction)

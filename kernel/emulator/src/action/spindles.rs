@@ -6,7 +6,6 @@
 
 use crate::act::Act;
 use crate::action::entry::Entry;
-use crate::state::spindle::index_of;
 use counterpoint_event::event::Kind;
 use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
@@ -45,20 +44,20 @@ pub(super) fn apply(act: &mut Act<'_, '_>, milling: bool) -> Acted {
 
 /// Lets an action command a spindle of the channel: `number` 0 = by codes without a number.
 pub(super) fn commanded(act: &mut Act<'_, '_>, number: u16, action: impl FnOnce(&mut Act<'_, '_>) -> Acted) -> Acted {
-    let index = if number == 0 {
+    let id = if number == 0 {
         act.plain_spindle()
     } else {
-        let index = index_of(act.env.machine, number);
-        if index.is_none() {
+        let id = act.env.machine.spindles.find(|spindle| spindle.number == number);
+        if id.is_none() {
             let text = format!("the machine has no spindle {number} for '{}'", act.block_text());
             act.diagnose(&diag::NO_SPINDLE, text);
             super::spindle::drop_data(act);
             return Ok(());
         }
-        index
+        id
     };
-    let before = act.state.spindle.index;
-    act.select_spindle(index);
+    let before = act.state.spindle.id;
+    act.select_spindle(id);
     let done = action(act);
     act.select_spindle(before);
     done

@@ -8,6 +8,7 @@ use counterpoint_fault::{Acted, Halt};
 
 use super::Kernel;
 use crate::state::cycle::Hole;
+use crate::state::turning::{ContourCycle, Reading};
 use counterpoint_event::event::{Motion, Position};
 use counterpoint_machine::ident::CodeId;
 use counterpoint_machine::rows::CodeRow;
@@ -36,6 +37,14 @@ pub struct Actions {
     pub(crate) speed_word: fn(&mut Kernel<'_>) -> Acted,
     /// Makes a hole of a cycle.
     pub(crate) make_hole: fn(&mut Kernel<'_>, &Hole) -> Acted,
+    /// Actions by which contour blocks are read; none among them.
+    pub(crate) reading: Option<&'static Actions>,
+    /// Records a motion in place of making it; none where motions are made.
+    pub(crate) record: Option<fn(&mut Kernel<'_>, f64, &Motion) -> Acted>,
+    /// Cuts along a contour that was read.
+    pub(crate) cut_contour: fn(&mut Kernel<'_>, &ContourCycle, Reading) -> Acted,
+    /// Goes to a programmed point at rapid.
+    pub(crate) go_back: fn(&mut Kernel<'_>, &Position) -> Acted,
     /// Makes a straight move again that a macro has changed: at rapid or not, to another end.
     pub(crate) change_straight: fn(&mut Kernel<'_>, &Motion, bool, Position) -> Acted,
 }

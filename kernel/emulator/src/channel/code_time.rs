@@ -21,8 +21,7 @@ impl Kernel<'_> {
             CodeForm::Text(_) | CodeForm::NotApplicable => None,
         };
         let letter = register
-            .and_then(|r| self.channel.env.machine.registers.get(usize::from(r)))
-            .and_then(|r| r.name.chars().next())
+            .and_then(|register| self.channel.env.machine.registers[register].name.chars().next())
             .unwrap_or('?');
         (letter, pending.value)
     }

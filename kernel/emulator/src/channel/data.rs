@@ -106,10 +106,7 @@ impl Kernel<'_> {
 
     pub(crate) fn out_of_range(&mut self, row: DataRowId, value: f64) {
         let row = &self.channel.env.machine.data[row];
-        let name = row
-            .register
-            .and_then(|r| self.channel.env.machine.registers.get(usize::from(r)))
-            .map_or("?", |r| r.name.as_str());
+        let name = row.register.map_or("?", |register| self.channel.env.machine.registers[register].name.as_str());
         let bound = |b: Option<f64>| b.map_or_else(|| "-".to_owned(), counterpoint_lang::format::wildcard_text);
         let text = format!(
             "{name}{} is outside {} to {} of {} in '{}'",

@@ -9,8 +9,9 @@ use rustc_hash::FxHashMap;
 use super::custom_macro::{By, CodeMacro, ModalCall, WordKind};
 use super::passes::Passes;
 use super::search::Labels;
+use crate::state::turning::ContourCycle;
 use counterpoint_dialect as dialect;
-use counterpoint_event::event::{FileId, Stop};
+use counterpoint_event::event::{FileId, Position, Stop};
 use counterpoint_program::shape::Range;
 use counterpoint_program::spot::Spot;
 
@@ -35,6 +36,8 @@ pub(crate) struct Frame {
     pub(crate) by: Option<WordKind>,
     /// Name for events.
     pub(crate) name: Box<str>,
+    /// Where the tool goes at its end, as programmed (a finishing cycle).
+    pub(crate) back: Option<Box<Position>>,
 }
 
 /// What happens after the current block.
@@ -60,6 +63,8 @@ pub(crate) enum Pending {
     },
     /// Call a text that the pre-processor has found.
     CallText(Box<dialect::Call>),
+    /// A cycle along contour blocks of the program.
+    Contour(Box<ContourCycle>),
     /// Return, optionally to a sequence number of the caller.
     Return(Option<u32>),
     /// End of the program.
@@ -133,6 +138,7 @@ impl Frame {
             called: Called { what: Callee::Program(0), passes: 1, block: None },
             by: None,
             name,
+            back: None,
         }
     }
 }

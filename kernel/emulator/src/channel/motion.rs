@@ -9,14 +9,16 @@ use super::Kernel;
 use counterpoint_event::event::{Kind, Motion, MotionKind, Position};
 use counterpoint_fault as diag;
 
+use crate::state::arc::LastMove;
+
 impl Kernel<'_> {
     /// Executes a motion, by way of its macro if the machine has one.
     #[inline]
     pub(crate) fn travel(&mut self, seconds: f64, motion: &Motion) -> Acted {
         self.channel.check_stop()?;
         self.check_travel_before(motion)?;
-        if let Some(hooks) = self.plan.hooks {
-            return (hooks.motion)(self, seconds, motion);
+        if let Some(instead) = self.plan.motion {
+            return instead(self, seconds, motion);
         }
         self.move_to(seconds, motion)
     }
@@ -32,6 +34,9 @@ impl Kernel<'_> {
         }
         self.channel.block.flags.moved = true;
         self.flow.pass.effects = true;
+        if self.plan.rules.keeps_last_move {
+            self.channel.state.arcs.last = Some(self.last_move(motion));
+        }
         self.channel.state.place.position = motion.to;
         let ns = crate::state::channel::nanoseconds(seconds);
         self.emit_as(ns, |kind| match kind {
@@ -94,6 +99,26 @@ impl Kernel<'_> {
             }
             let text = format!("axis {} is clamped and moves in '{}'", self.channel.axis_name(axis), self.block_text());
             self.diagnose(&diag::CLAMPED, text);
+        }
+    }
+
+    /// What a circle in the direction of this move needs of it.
+    fn last_move(&self, motion: &Motion) -> LastMove {
+        let turn = match motion.kind {
+            MotionKind::ArcCw => Some(-1.0),
+            MotionKind::ArcCcw => Some(1.0),
+            _ => None,
+        };
+        let axes = motion.plane_axes.map(|axis| self.channel.state.place.layout.axes.id(usize::from(axis)));
+        match (turn, axes) {
+            (Some(turn), [Some(first), Some(second)]) => {
+                LastMove::Round { axes: [first, second], center: motion.center, turn }
+            }
+            _ => {
+                let mut by = motion.to;
+                by.iter_mut().zip(&motion.from).for_each(|(to, from)| *to -= from);
+                LastMove::By(by)
+            }
         }
     }
 }

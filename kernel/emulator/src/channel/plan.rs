@@ -2,16 +2,20 @@
 
 use std::sync::Arc;
 
+use super::Kernel;
 use super::actions::{Action, Actions};
 use super::custom_macro::CodeCalls;
 use super::data::RECALLED;
 use super::hook_points::HookPoints;
 use super::refusals::Refusals;
+use counterpoint_event::event::Motion;
+use counterpoint_fault::Acted;
 use counterpoint_machine::Machine;
 use counterpoint_machine::ident::dimension::Dimension;
+use counterpoint_machine::ident::kind::CodeKind;
 use counterpoint_machine::ident::kind::data::DataKind;
 use counterpoint_machine::ident::{CodeId, DataId, codes, data};
-use counterpoint_machine::index::{CodeRowId, DataRowId, Table};
+use counterpoint_machine::index::{CodeRowId, DataRowId, RegisterId, Table};
 use counterpoint_machine::model::AxisRole;
 use counterpoint_machine::rows::{CodeForm, CodeRow, Register};
 use counterpoint_program::scan::Scanner;
@@ -37,17 +41,21 @@ pub struct Plan {
     pub(crate) edits: Edits,
     /// What the control makes of its blocks beyond their words.
     pub(crate) rules: Rules,
+    /// What becomes of motions where they are not simply made: the macros of the machine see them, or they are recorded.
+    pub(crate) motion: Option<fn(&mut Kernel<'_>, f64, &Motion) -> Acted>,
+    /// The plan by which contour blocks are read; none on machines without cycles that read them.
+    pub(crate) reading: Option<Box<Plan>>,
 }
 
 /// Registers that a block is looked through for.
 #[derive(Debug)]
 pub(crate) struct Registers {
     /// That of the G letter, for macro calls of the pre-processor.
-    pub(crate) g: Option<u8>,
+    pub(crate) g: Option<RegisterId>,
     /// That which defines programs (O).
-    pub(crate) definition: Option<u8>,
+    pub(crate) definition: Option<RegisterId>,
     /// Those of the sequence numbers of the main and of the side head.
-    pub(crate) head_sequences: [Option<u8>; 2],
+    pub(crate) head_sequences: [Option<RegisterId>; 2],
     /// Those whose words can move an axis or shape an arc, bit by register.
     pub(crate) motion: u128,
     /// Those whose words make corners and directions of lines, bit by register; in blocks with an arc those of arcs do not.
@@ -71,7 +79,7 @@ impl Contour {
     fn new(machine: &Machine) -> Self {
         let of = |kind: DataKind| {
             let rows = machine.data.iter().filter(|row| row.enable && row.id.kind() == kind);
-            rows.filter_map(|row| row.register).filter(|&r| r < 127).fold(0_u128, |bits, r| bits | 1 << r)
+            rows.filter_map(|row| row.register).fold(0_u128, |bits, register| bits | register.bit())
         };
         let line = of(DataKind::Contour);
         Self { line, arc: line & !of(DataKind::Arc) }
@@ -122,7 +130,7 @@ impl DataPlan {
             let registers = rows.iter().filter_map(|&row| machine.data[row].register);
             let recalled = recall.as_ref().is_some_and(|recall| recall[id]);
             let remembered = if recalled { RECALLED } else { refused[id] & RECALLED };
-            registers.filter(|&r| r < 127).fold(remembered, |bits, r| bits | 1 << r)
+            registers.fold(remembered, |bits, register| bits | register.bit())
         };
         Self {
             registers_of: machine.tables.rows_of_data.map(registers_of),
@@ -140,25 +148,25 @@ impl Registers {
         let register_of = |id| machine.data.iter().find(|r| r.id == id && r.enable).and_then(|r| r.register);
         let (mut motion, mut speed) = (0_u128, 0_u128);
         for row in machine.data.iter().filter(|r| r.enable) {
-            let Some(register) = row.register.filter(|&r| r < 128) else { continue };
+            let Some(register) = row.register else { continue };
             if matches!(
                 row.id.kind(),
                 DataKind::Axis(_) | DataKind::Arc | DataKind::Polar | DataKind::Contour | DataKind::Orientation
             ) {
-                motion |= 1 << register;
+                motion |= register.bit();
             }
             if row.id == data::SPINDLE_RPM || row.id == data::SPINDLE_CSS {
-                speed |= 1 << register;
+                speed |= register.bit();
             }
         }
-        let g = machine.registers.iter().position(|r| r.name == "G").map(|i| i as u8);
+        let g = machine.registers.find(|register| register.name == "G");
         let definition = register_of(data::DEFSUB_ID);
-        let only_data = (0..128_u8).filter(|&r| {
-            let known = machine.tables.data_of_register.get(usize::from(r)).is_some_and(|rows| !rows.is_empty());
-            known && !machine.tables.has_codes(r) && Some(r) != g && Some(r) != definition
+        let only_data = machine.registers.ids().filter(|&id| {
+            let known = !machine.tables.data_of(id).is_empty();
+            known && !machine.tables.has_codes(id) && Some(id) != g && Some(id) != definition
         });
         Self {
-            only_data: only_data.fold(0, |bits, r| bits | 1 << r),
+            only_data: only_data.fold(0, |bits, register| bits | register.bit()),
             head_sequences: [register_of(data::SEQNO_MAIN), register_of(data::SEQNO_SIDE)],
             g,
             definition,
@@ -174,21 +182,24 @@ impl Registers {
 pub(crate) struct Rules {
     /// Group within which only the last G code of a block acts, by code row, 0 for none; `None` where all act.
     pub(crate) exclusive: Option<Table<CodeRowId, u16>>,
-    /// Steps of one unit that values of expressions are rounded to, by register in primary and secondary units; empty
+    /// Steps of one unit that values of expressions are rounded to, by register in primary and secondary units; none
     /// where values stay as they are.
-    pub(crate) steps: Vec<[f64; 2]>,
+    pub(crate) steps: Option<Table<RegisterId, [f64; 2]>>,
     /// The lead of a thread and the feed per revolution are one word that stays in force (F of Fanuc controls).
     pub(crate) lead_is_feed: bool,
+    /// Circles may continue in the direction of the last move, which is kept for them.
+    pub(crate) keeps_last_move: bool,
     /// Rules by which the control refuses blocks.
     pub(crate) refusals: Option<Box<Refusals>>,
 }
 
 impl Rules {
-    fn new(machine: &Machine, g: Option<u8>) -> Self {
+    fn new(machine: &Machine, g: Option<RegisterId>) -> Self {
         Self {
             exclusive: exclusive(machine, g),
             steps: steps(machine),
             lead_is_feed: lead_is_feed(machine),
+            keeps_last_move: machine.codes.iter().any(|row| row.enable && row.id == codes::INTERP_ARC_TANGENT),
             refusals: Refusals::new(machine),
         }
     }
@@ -237,8 +248,8 @@ const NEEDED: [DataId; 24] = [
 fn refused(machine: &Machine) -> Table<DataId, u128> {
     let of = |_, rows: &Vec<DataRowId>| {
         let rows = rows.iter().map(|&row| &machine.data[row]);
-        let registers = rows.filter(|row| !row.process).filter_map(|row| row.register).filter(|&r| r < 127);
-        registers.fold(0, |bits, r| bits | 1 << r)
+        let registers = rows.filter(|row| !row.process).filter_map(|row| row.register);
+        registers.fold(0, |bits, register| bits | register.bit())
     };
     let mut refused = machine.tables.rows_of_data.map(of);
     // Data that actions need and whose rows are all off: whoever asks for them is refused, whatever is on the block.
@@ -254,7 +265,7 @@ fn refused(machine: &Machine) -> Table<DataId, u128> {
 const ONE_SHOT: u16 = 1000;
 
 /// Groups of rows whose codes exclude each other on a block: those of G words.
-fn exclusive(machine: &Machine, g: Option<u8>) -> Option<Table<CodeRowId, u16>> {
+fn exclusive(machine: &Machine, g: Option<RegisterId>) -> Option<Table<CodeRowId, u16>> {
     if !machine.habits.last_of_group {
         return None;
     }
@@ -272,21 +283,18 @@ fn exclusive(machine: &Machine, g: Option<u8>) -> Option<Table<CodeRowId, u16>> 
 }
 
 /// Steps of one unit at each register.
-fn steps(machine: &Machine) -> Vec<[f64; 2]> {
-    if !machine.habits.rounded {
-        return Vec::new();
-    }
-    let of = |register: &Register| {
+fn steps(machine: &Machine) -> Option<Table<RegisterId, [f64; 2]>> {
+    let of = |_, register: &Register| {
         let digits = |digits: u8| register.increment.map_or(10_f64.powi(i32::from(digits)), f64::recip);
         [digits(register.format.frac), digits(register.secondary.frac)]
     };
-    machine.registers.iter().map(of).collect()
+    machine.habits.rounded.then(|| machine.registers.map(of))
 }
 
 /// A data row, cut down to what taking a value needs.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Source {
-    pub(crate) register: u8,
+    pub(crate) register: RegisterId,
     pub(crate) modal: bool,
     pub(crate) mul: f64,
     pub(crate) add: f64,
@@ -371,6 +379,8 @@ impl Plan {
         actions: &'static Actions,
         hooks: Option<&'static HookPoints>,
     ) -> Self {
+        let reads = |row: &CodeRow| row.enable && matches!(row.id.kind(), CodeKind::Turning(_));
+        let reading = actions.reading.filter(|_| machine.codes.iter().any(reads));
         let registers = Registers::new(machine);
         let syntax = counterpoint_dialect::of(machine).syntax();
         Self {
@@ -385,6 +395,8 @@ impl Plan {
             registers,
             data: DataPlan::new(machine),
             edits: Edits::new(machine),
+            motion: hooks.map(|hooks| hooks.motion).or(actions.record),
+            reading: reading.map(|actions| Box::new(Self::new(machine, opskip, actions, None))),
         }
     }
 }

@@ -7,7 +7,7 @@ use super::Kernel;
 use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
 use counterpoint_machine::Machine;
-use counterpoint_machine::index::{CodeRowId, Table};
+use counterpoint_machine::index::{CodeRowId, RegisterId, Table};
 use counterpoint_machine::refusals::{Active, Refusal, WordRule, Written};
 use counterpoint_machine::rows::CodeRow;
 use counterpoint_machine::tables::form_range;
@@ -43,7 +43,7 @@ impl Refusals {
         };
         let free =
             machine.diagnostics.refusals.iter().filter(|rule| rule.codes.is_empty()).filter_map(|rule| rule.word);
-        let registers = free.fold(0, |bits, word| bits | 1 << word.register);
+        let registers = free.fold(0, |bits, word| bits | word.register.bit());
         let rows = machine.codes.map(|_, row| looks(row));
         Some(Box::new(Self { rows, free: rules(&|rule| rule.codes.is_empty()), registers }))
     }
@@ -97,10 +97,10 @@ impl Kernel<'_> {
     fn foreign_axis(&mut self) -> Acted {
         let machine = self.channel.env.machine;
         let rows = || self.channel.block.pending.iter().map(|pending| &machine.codes[pending.row]);
-        let wrong = |register: u8| {
-            self.channel.state.place.layout.bounds.foreign & 1 << register != 0 && self.channel.block.has(register)
+        let wrong = |register: RegisterId| {
+            self.channel.state.place.layout.bounds.foreign & register.bit() != 0 && self.channel.block.has(register)
         };
-        let ignored = |register: u8| rows().any(|row| row.ignores.contains(&register));
+        let ignored = |register: RegisterId| rows().any(|row| row.ignores.contains(&register));
         let mut words = self.channel.block.words.iter().filter(|word| wrong(word.register) && !ignored(word.register));
         let Some(word) = words.next() else { return Ok(()) };
         let word = self.span_text((word.start, word.end));
@@ -115,7 +115,7 @@ impl Kernel<'_> {
     #[inline(never)]
     fn refused(&mut self, rules: u64) -> Acted {
         let machine = self.channel.env.machine;
-        let words = self.channel.block.words.iter().fold(0_u128, |bits, word| bits | 1 << word.register);
+        let words = self.channel.block.words.iter().fold(0_u128, |bits, word| bits | word.register.bit());
         let Some(rule) = named(&machine.diagnostics.refusals, rules).find(|rule| self.is_refused_by(rule, words))
         else {
             return Ok(());
@@ -128,7 +128,7 @@ impl Kernel<'_> {
         if rule.with != 0 && words & rule.with == 0 || words & rule.without != 0 {
             return false;
         }
-        if rule.word.is_some_and(|word| words & 1 << word.register == 0 || !self.is_wrong(&word)) {
+        if rule.word.is_some_and(|word| words & word.register.bit() == 0 || !self.is_wrong(&word)) {
             return false;
         }
         let mut pending = self

@@ -14,6 +14,7 @@ use super::flow::Callee;
 use crate::macros::store;
 use counterpoint_event::event::FileId;
 use counterpoint_machine::ident::{codes, data};
+use counterpoint_machine::index::RegisterId;
 use counterpoint_machine::model::Placement;
 use counterpoint_machine::number::written;
 use counterpoint_machine::stored::StoredFile;
@@ -134,7 +135,7 @@ impl Kernel<'_> {
                 if is_plain != Kind::Words || self.calls_range(&block) {
                     continue;
                 }
-                let word = |of: u8| block.words.iter().find(|word| word.register == of).map(|word| word.value);
+                let word = |of: RegisterId| block.words.iter().find(|word| word.register == of).map(|word| word.value);
                 let label = sources.iter().find_map(|s| word(s.register).map(|value| value * s.mul + s.add));
                 if let Some(label) = label.filter(|v| *v >= 0.0 && v.fract() == 0.0 && *v <= f64::from(u32::MAX)) {
                     labels.entry(label as u32).or_default().push(line);
@@ -234,8 +235,7 @@ impl Kernel<'_> {
         if self.channel.env.machine.storage.is_empty() {
             return Vec::new();
         }
-        let definition =
-            self.plan.registers.definition.and_then(|r| self.channel.env.machine.registers.get(usize::from(r)));
+        let definition = self.plan.registers.definition.map(|register| &self.channel.env.machine.registers[register]);
         let mut wanted = names(what);
         if let (Some(register), &Callee::Program(number)) = (definition, what) {
             wanted.insert(

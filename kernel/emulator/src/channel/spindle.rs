@@ -12,13 +12,14 @@ use crate::state::spindle::Turning;
 use counterpoint_event::event::{Direction, Kind, Spindle as SpindleEvent};
 use counterpoint_event::info::Unit;
 use counterpoint_fault as diag;
+use counterpoint_machine::index::SpindleId;
 use counterpoint_sync::shared::Command;
 use counterpoint_sync::wait::Set;
 
 impl Kernel<'_> {
     /// Changes the commanded state, logs it, and lets the spindle run up.
     pub(crate) fn command_spindle(&mut self, change: impl Fn(&mut Command)) -> Acted {
-        let Some(index) = self.channel.state.spindle.index else {
+        let Some(id) = self.channel.state.spindle.id else {
             let text = format!("channel {} has no spindle for '{}'", self.channel.at.channel, self.block_text());
             self.diagnose(&diag::NO_SPINDLE, text);
             return Ok(());
@@ -30,7 +31,7 @@ impl Kernel<'_> {
         let mut conflict = 0;
         if self.channel.state.spindle.shared {
             let (now, writer) = self.shared(|order| {
-                let Some(spindle) = order.shared.spindles.get_mut(index) else { return (Command::default(), 0) };
+                let Some(spindle) = order.shared.spindles.get_mut(id.index()) else { return (Command::default(), 0) };
                 let old = spindle.command;
                 change(&mut spindle.command);
                 if old.driver == channel && spindle.command.driver != channel {
@@ -57,20 +58,20 @@ impl Kernel<'_> {
             self.diagnose(&diag::SPINDLE_CONFLICT, text);
         }
         if self.channel.state.spindle.command != old {
-            self.announce(index, before)?;
+            self.announce(id, before)?;
         }
         self.follow_radius()
     }
 
     /// Changes the commanded state as a macro wants it: without an event and without time.
     pub(crate) fn set_spindle(&mut self, change: impl Fn(&mut Command)) -> Acted {
-        let Some(index) = self.channel.state.spindle.index else { return Ok(()) };
+        let Some(id) = self.channel.state.spindle.id else { return Ok(()) };
         if !self.channel.state.spindle.shared {
             change(&mut self.channel.state.spindle.command);
             return Ok(());
         }
         let now = self.shared(|order| {
-            order.shared.spindles.get_mut(index).map(|spindle| {
+            order.shared.spindles.get_mut(id.index()).map(|spindle| {
                 change(&mut spindle.command);
                 spindle.command
             })
@@ -80,8 +81,8 @@ impl Kernel<'_> {
     }
 
     /// Logs the state and takes the run-up time.
-    fn announce(&mut self, index: usize, before: f64) -> Acted {
-        let Some(spindle) = self.channel.env.machine.spindles.get(index) else { return Ok(()) };
+    fn announce(&mut self, id: SpindleId, before: f64) -> Acted {
+        let spindle = &self.channel.env.machine.spindles[id];
         let (number, max, run_up) = (spindle.number, spindle.max, spindle.run_up);
         let now = self.channel.state.spindle.command;
         let speed = if now.css { now.surface } else { now.rpm };
@@ -112,10 +113,10 @@ impl Kernel<'_> {
     /// Commanded state of the channel's spindle as of now.
     pub(crate) fn current(&mut self) -> Result<Command, Halt> {
         if self.channel.state.spindle.shared
-            && let Some(index) = self.channel.state.spindle.index
+            && let Some(id) = self.channel.state.spindle.id
         {
             let (command, now) = self.shared(|order| {
-                order.shared.spindles.get(index).map_or((Command::default(), 0.0), |s| (s.command, s.now))
+                order.shared.spindles.get(id.index()).map_or((Command::default(), 0.0), |s| (s.command, s.now))
             })?;
             self.channel.state.spindle.command = command;
             self.channel.state.spindle.now = now;
@@ -129,13 +130,11 @@ impl Kernel<'_> {
         if !matches!(command.direction, Direction::Clockwise | Direction::CounterClockwise) {
             return Ok(None);
         }
-        let (max, min) = self
-            .channel
-            .state
-            .spindle
-            .index
-            .and_then(|i| self.channel.env.machine.spindles.get(i))
-            .map_or((f64::INFINITY, 0.0), |s| (if s.max > 0.0 { s.max } else { f64::INFINITY }, s.min));
+        let (max, min) = match self.channel.state.spindle.id.map(|id| &self.channel.env.machine.spindles[id]) {
+            Some(spindle) if spindle.max > 0.0 => (spindle.max, spindle.min),
+            Some(spindle) => (f64::INFINITY, spindle.min),
+            None => (f64::INFINITY, 0.0),
+        };
         let max = max.min(command.limit);
         if !command.css {
             let rpm = command.rpm.min(max);
@@ -180,7 +179,7 @@ impl Kernel<'_> {
     /// Tells other channels the speed that this channel's X drives.
     pub(crate) fn follow_radius(&mut self) -> Acted {
         let command = self.channel.state.spindle.command;
-        let Some(index) = self.channel.state.spindle.index.filter(|_| self.channel.state.spindle.shared) else {
+        let Some(id) = self.channel.state.spindle.id.filter(|_| self.channel.state.spindle.shared) else {
             return Ok(());
         };
         if !command.css || command.driver != self.channel.at.channel {
@@ -190,7 +189,7 @@ impl Kernel<'_> {
         if rpm != self.channel.state.spindle.now {
             self.channel.state.spindle.now = rpm;
             self.shared(|order| {
-                if let Some(spindle) = order.shared.spindles.get_mut(index) {
+                if let Some(spindle) = order.shared.spindles.get_mut(id.index()) {
                     spindle.now = rpm;
                 }
             })?;

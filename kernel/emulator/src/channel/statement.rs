@@ -136,7 +136,19 @@ impl Kernel<'_> {
         let (next, repeats) = (range.first, passes.saturating_sub(1));
         let name = (*name).into();
         let (by, own_variables) = (None, false);
-        self.enter(Frame { file, range, next, offset: 0, repeats, closes, own_variables, called, by, name });
+        self.enter(Frame {
+            file,
+            range,
+            next,
+            offset: 0,
+            repeats,
+            closes,
+            own_variables,
+            called,
+            by,
+            name,
+            back: None,
+        });
         Ok(())
     }
 }

@@ -108,13 +108,12 @@ impl Kernel<'_> {
     fn write_block(&mut self) {
         let mut text = String::new();
         if let Some(number) = self.channel.block.sequence {
-            let register =
-                self.plan.scanner.sequence().and_then(|at| self.channel.env.machine.registers.get(usize::from(at)));
+            let register = self.plan.scanner.sequence().map(|register| &self.channel.env.machine.registers[register]);
             let name = register.map_or("N", |register| register.name.as_str());
             text.push_str(&format!("{name}{number} "));
         }
         for word in &self.channel.block.words {
-            let Some(register) = self.channel.env.machine.registers.get(usize::from(word.register)) else { continue };
+            let register = &self.channel.env.machine.registers[word.register];
             let before = match &register.second {
                 Some(second) if word.incremental => second,
                 _ => &register.before,

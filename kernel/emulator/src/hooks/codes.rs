@@ -5,7 +5,7 @@
 
 use counterpoint_lang::value::Value;
 use counterpoint_machine::ident::kind::data::DataKind;
-use counterpoint_machine::index::DataMacroId;
+use counterpoint_machine::index::{DataMacroId, RegisterId};
 
 use crate::channel::Kernel;
 use crate::channel::hook_points::Origin;
@@ -28,7 +28,7 @@ struct Taken {
     incremental: bool,
     raw: f64,
     modal: bool,
-    register: Option<u8>,
+    register: Option<RegisterId>,
 }
 
 impl Kernel<'_> {
@@ -67,7 +67,7 @@ impl Kernel<'_> {
     }
 
     /// Register of the sequence numbers that the head of this channel has of its own.
-    pub(crate) fn own_sequence(&self) -> Option<u8> {
+    pub(crate) fn own_sequence(&self) -> Option<RegisterId> {
         let own = usize::from(self.channel.kernel_number())
             .checked_sub(1)
             .and_then(|head| self.plan.registers.head_sequences.get(head));
@@ -247,7 +247,7 @@ impl Kernel<'_> {
         let relative =
             taken.incremental || self.channel.state.modal.code(group::POSITION) == Some(codes::POSITION_RELATIVE);
         let mode = if relative { 2.0 } else { 1.0 };
-        let register = taken.register.and_then(|at| self.channel.env.machine.registers.get(usize::from(at)));
+        let register = taken.register.map(|register| &self.channel.env.machine.registers[register]);
         let register = Value::Real(register.map_or(0.0, |register| f64::from(register.index)));
         let mut arguments = [Value::Real(1.0), Value::Real(taken.value), data_value(id), Value::Real(mode), register];
         for &at in list {

@@ -145,9 +145,9 @@ impl Kernel<'_> {
     /// Executes the call or return that a block inside another one asks for, before the macro continues: the whole
     /// subprogram, or the way back to the caller.
     pub(crate) fn call_at_once(&mut self) -> Acted {
-        use Pending::{Call, CallRange, CallText, Return};
+        use Pending::{Call, CallRange, CallText, Contour, Return};
         match self.flow.pending {
-            Some(Call { .. } | CallRange { .. } | CallText(_)) => {}
+            Some(Call { .. } | CallRange { .. } | CallText(_) | Contour(_)) => {}
             Some(Return(target)) if self.may_return_at_once(target) => {}
             _ => return Ok(()),
         }

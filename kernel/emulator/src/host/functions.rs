@@ -17,6 +17,7 @@ use crate::macros::parts::Restart;
 use crate::macros::store::names;
 use crate::state::frames::offsets::{Radii, Table};
 use counterpoint_event::event::FileId;
+use counterpoint_machine::index::RegisterId;
 use counterpoint_machine::macros::model::{FIRST_HOOK_ID, Hook, SELECT_TOOL};
 use counterpoint_machine::macros::without;
 use counterpoint_machine::rows::{NumberFormat, Point, Register as MachineRegister, Zeros};
@@ -43,10 +44,9 @@ impl Kernel<'_> {
             HostFn::MacroStates => macro_states(arguments, |id, on| self.switch_macro(id, on)),
             HostFn::RegisterFormat => Value::text(self.register_format(arguments)),
             HostFn::RegisterPosition => {
-                let at = self
-                    .register_at(arguments.first())
-                    .map(|at| self.channel.env.machine.registers.get(at).map(|r| r.index));
-                at.flatten().map_or(Value::Real(-1.0), |index| Value::Real(f64::from(index)))
+                let register = self.register_at(arguments.first());
+                let index = register.map(|register| self.channel.env.machine.registers[register].index);
+                index.map_or(Value::Real(-1.0), |index| Value::Real(f64::from(index)))
             }
             HostFn::AddItem | HostFn::TakeItem | HostFn::SeekItem if self.before_block() => {
                 return Self::not_here(function.name());
@@ -168,25 +168,25 @@ impl Kernel<'_> {
     }
 
     /// Register by its number in the list, or by the start of its descriptor.
-    fn register_at(&self, value: Option<&Value>) -> Option<usize> {
+    fn register_at(&self, value: Option<&Value>) -> Option<RegisterId> {
         let registers = &self.channel.env.machine.registers;
         match value? {
-            Value::Real(index) => registers.iter().position(|register| f64::from(register.index) == *index),
+            Value::Real(index) => registers.find(|register| f64::from(register.index) == *index),
             Value::Text(text) => {
                 let text = text.trim();
-                let exact = registers.iter().position(|register| register.name == text);
+                let exact = registers.find(|register| register.name == text);
                 let described = |register: &MachineRegister| {
                     let format = descriptor(&register.format);
                     format!("{}{}", register.name, format.trim_matches(['!', '(', ')'])).starts_with(text)
                 };
-                exact.or_else(|| registers.iter().position(|register| !text.is_empty() && described(register)))
+                exact.or_else(|| registers.find(|register| !text.is_empty() && described(register)))
             }
             _ => None,
         }
     }
 
     fn register_format(&self, arguments: &[Value]) -> String {
-        match self.register_at(arguments.first()).and_then(|at| self.channel.env.machine.registers.get(at)) {
+        match self.register_at(arguments.first()).map(|at| &self.channel.env.machine.registers[at]) {
             Some(register) => {
                 descriptor(if self.channel.state.secondary { &register.secondary } else { &register.format })
             }
@@ -200,11 +200,11 @@ impl Kernel<'_> {
             Register::Letter(letter) => self.register_at(Some(&Value::text(letter.to_string()))),
             Register::Index(index) => self.register_at(Some(&Value::Real(f64::from(index)))),
         }?;
-        let register = self.channel.env.machine.registers.get(at)?;
+        let register = &self.channel.env.machine.registers[at];
         let value = match value {
             Some(value) => value,
             None => {
-                let rows = self.channel.env.machine.tables.data_of(u8::try_from(at).ok()?);
+                let rows = self.channel.env.machine.tables.data_of(at);
                 let ids = rows.iter().map(|&row| &self.channel.env.machine.data[row]);
                 let mut known = ids.filter_map(|row| self.channel.state.modal.value(row.id));
                 known.next().unwrap_or(0.0)

@@ -58,7 +58,7 @@ impl Kernel<'_> {
         let mut call = self.plan.code_calls.is_some() && self.calls_by_code();
         for position in 0..self.channel.block.words.len() {
             let Some(word) = self.channel.block.words.get(position) else { break };
-            if self.plan.registers.only_data & 1 << word.register != 0 {
+            if self.plan.registers.only_data & word.register.bit() != 0 {
                 self.channel.block.index_word(position);
                 continue;
             }
@@ -137,8 +137,8 @@ impl Kernel<'_> {
 
     /// A word as its register writes it.
     fn word_text(&self, word: Word) -> String {
-        let register = self.channel.env.machine.registers.get(usize::from(word.register));
-        register.map_or_else(String::new, |r| format!("{}{}", r.before, written(word.value, &r.format)))
+        let register = &self.channel.env.machine.registers[word.register];
+        format!("{}{}", register.before, written(word.value, &register.format))
     }
 
     /// Second pass over words whose rows depend on other words of the block.
@@ -178,14 +178,7 @@ impl Kernel<'_> {
     /// A word that is not a code: data if a row knows its register, else unknown text.
     fn data_word(&mut self, position: usize) {
         let Some(word) = self.channel.block.words.get(position).copied() else { return };
-        let known = self
-            .channel
-            .env
-            .machine
-            .tables
-            .data_of_register
-            .get(usize::from(word.register))
-            .is_some_and(|rows| !rows.is_empty());
+        let known = !self.channel.env.machine.tables.data_of(word.register).is_empty();
         if Some(word.register) == self.plan.registers.definition {
             self.use_word(position);
         } else if known {

@@ -39,6 +39,7 @@ impl Kernel<'_> {
             Some(Pending::Call { what, passes, arguments, by }) => self.call(what, passes, arguments, by),
             Some(Pending::CallRange { what, passes }) => self.call_range(what, passes),
             Some(Pending::CallText(call)) => self.call_text(*call),
+            Some(Pending::Contour(cycle)) => self.contour_cycle(&cycle),
             Some(Pending::Return(target)) => self.return_from(target),
             Some(Pending::End(stop)) => Err(Halt::ProgramEnd(Some(stop))),
         }?;
@@ -92,7 +93,19 @@ impl Kernel<'_> {
         let next = range.first;
         let repeats = passes.saturating_sub(1);
         let by = by.map(|by| by.kind);
-        self.enter(Frame { file, range, next, offset: 0, repeats, closes: false, own_variables, called, by, name });
+        self.enter(Frame {
+            file,
+            range,
+            next,
+            offset: 0,
+            repeats,
+            closes: false,
+            own_variables,
+            called,
+            by,
+            name,
+            back: None,
+        });
         Ok(())
     }
 
@@ -141,6 +154,7 @@ impl Kernel<'_> {
             called,
             by: None,
             name,
+            back: None,
         };
         self.enter(frame);
         Ok(())
@@ -209,6 +223,9 @@ impl Kernel<'_> {
             self.interpreter_return();
             let level = self.flow.level();
             self.flow.loops.return_to(level);
+            if let Some(back) = &frame.back {
+                self.end_contour(back)?;
+            }
             let level = self.flow.frames.len() as u16;
             self.emit(0, Kind::Return(Return { level }));
             if let Some(hooks) = self.plan.hooks {

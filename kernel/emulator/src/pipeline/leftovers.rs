@@ -8,6 +8,7 @@ use crate::state::modal::group;
 use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
 use counterpoint_machine::ident::data;
+use counterpoint_machine::index::RegisterId;
 use counterpoint_program::block::irregular;
 
 impl Kernel<'_> {
@@ -53,13 +54,13 @@ impl Kernel<'_> {
         Ok(())
     }
 
-    fn leftover_word(&mut self, register: u8, value: f64, span: (u32, u32)) {
+    fn leftover_word(&mut self, register: RegisterId, value: f64, span: (u32, u32)) {
         let machine = self.channel.env.machine;
         let mut rows = self.channel.block.pending.iter().map(|pending| &machine.codes[pending.row]);
         if rows.any(|row| row.ignores.contains(&register)) {
             return;
         }
-        let rows = machine.tables.data_of_register.get(usize::from(register)).map_or(&[][..], Vec::as_slice);
+        let rows = machine.tables.data_of(register);
         let (feed, _) = feed_of(self.channel.state.modal.code(group::FEED));
         let mut known = false;
         let mut axis = false;
@@ -99,7 +100,7 @@ impl Kernel<'_> {
     }
 
     /// One of the channel's axes takes words of this register.
-    fn channel_has(&self, register: u8) -> bool {
+    fn channel_has(&self, register: RegisterId) -> bool {
         self.channel.state.place.layout.axes.iter().any(|axis| {
             self.channel
                 .env

@@ -5,6 +5,7 @@
 //! its text or its words. Facts: reference control-emulator.md 2.2, 2.3.
 
 mod codes;
+mod contour;
 mod definitions;
 mod edit;
 mod follow;

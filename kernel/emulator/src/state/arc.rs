@@ -2,7 +2,25 @@
 //!
 //! *Invariant:* a defined centre is a point and stays until another definition.
 
+use counterpoint_event::event::Position;
 use counterpoint_machine::ident::kind::arc::By;
+use counterpoint_machine::index::AxisSlot;
+
+/// The last move along the contour, on machines whose circles may continue its direction.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum LastMove {
+    /// A straight move by this, in the work frame.
+    By(Position),
+    /// An arc in the plane of these axes.
+    Round {
+        /// Channel axes.
+        axes: [AxisSlot; 2],
+        /// Centre, as coordinates of the axes.
+        center: [f64; 2],
+        /// +1 counter-clockwise, −1 clockwise.
+        turn: f64,
+    },
+}
 
 /// What is known about the circles of a channel.
 #[derive(Debug, Clone, Copy, Default)]
@@ -11,6 +29,10 @@ pub(crate) struct Arcs {
     pub(crate) center: [Option<f64>; 3],
     /// Defined radius.
     pub(crate) radius: Option<f64>,
+    /// The last move along the contour.
+    pub(crate) last: Option<LastMove>,
+    /// Pole of polar coordinates in the frame of the program, by axis of the channel.
+    pub(crate) pole: Position,
     /// Clockwise, as the last circle or code of direction said.
     pub(crate) clockwise: Option<bool>,
     /// Form defined last, and on which block.

@@ -40,8 +40,12 @@ pub(crate) struct Open {
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Asked {
     pub(crate) corner: Option<Corner>,
+    /// Feed of the corner, where all corners are rounded.
+    pub(crate) feed: Option<f64>,
     /// Direction of the line, degrees from the first axis of the plane.
     pub(crate) angle: Option<f64>,
+    /// The end by its distance from the pole and its angle, degrees.
+    pub(crate) polar: Option<[f64; 2]>,
     /// The line has no end of its own.
     pub(crate) open: Option<Open>,
 }
@@ -49,6 +53,6 @@ pub(crate) struct Asked {
 impl Asked {
     /// Nothing is asked.
     pub(crate) fn is_empty(&self) -> bool {
-        self.corner.is_none() && self.angle.is_none() && self.open.is_none()
+        self.corner.is_none() && self.angle.is_none() && self.polar.is_none() && self.open.is_none()
     }
 }

@@ -19,6 +19,7 @@ pub(crate) mod position;
 pub(crate) mod probing;
 pub(crate) mod spindle;
 pub(crate) mod thread;
+pub(crate) mod turning;
 pub(crate) mod units;
 pub(crate) mod waits;
 
@@ -57,12 +58,12 @@ pub(crate) struct State {
 impl State {
     /// The state of a channel at the start of its program.
     pub(crate) fn new(machine: &Machine, channel: &Channel) -> Self {
-        let index = channel.spindle.and_then(|number| machine.spindles.iter().position(|s| s.number == number));
-        let shared = index.is_some_and(|index| spindle::is_shared(machine, index));
+        let id = channel.spindle;
+        let shared = id.is_some_and(|id| spindle::is_shared(machine, id));
         Self {
             modal: Modal::new(machine),
             place: Place::new(machine, channel),
-            spindle: SpindleState { index, shared, ..SpindleState::default() },
+            spindle: SpindleState { id, shared, ..SpindleState::default() },
             secondary: false,
             cycle: cycle::Cycle::new(machine),
             arcs: arc::Arcs::default(),
@@ -84,6 +85,8 @@ pub(crate) struct Others {
     pub(crate) tip: frames::tip::Settings,
     /// Number of the head in work.
     pub(crate) head: u32,
+    /// Turning cycles.
+    pub(crate) turning: turning::Turning,
     /// Where the axes stood before they went to the change position.
     pub(crate) before_change: Option<Position>,
     /// What was reported last about each tool.
@@ -99,6 +102,7 @@ impl Others {
             spindles: spindle::Spindles::new(machine, channel),
             tip: frames::tip::Settings::default(),
             head: if side { 2 } else { 1 },
+            turning: turning::Turning::new(machine),
             before_change: None,
             tools: FxHashMap::default(),
         }

@@ -26,7 +26,7 @@ pub(crate) mod group {
 }
 
 /// Modal codes and data.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(crate) struct Modal {
     /// Active code of each group with its row, `None` = `CODE_NONE`. The machine may start with a code that it has no row of.
     groups: Vec<Option<(CodeId, Option<CodeRowId>)>>,

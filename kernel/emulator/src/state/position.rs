@@ -165,7 +165,7 @@ fn foreign(machine: &Machine, axes: &Table<AxisSlot, Axis>) -> u128 {
     if !machine.stops_at(&diag::AXIS_NOT_IN_CHANNEL) {
         return 0;
     }
-    let registers = machine.tables.data_of_register.iter().enumerate().take(127);
+    let registers = machine.tables.data_of_register.entries();
     let foreign = registers.filter(|(_, rows)| {
         let mut ids = rows.iter().map(|&row| &machine.data[row]).map(|row| row.id);
         let positions = |kind| matches!(kind, DataKind::Axis(_) | DataKind::FramePoint | DataKind::Polar);
@@ -173,7 +173,7 @@ fn foreign(machine: &Machine, axes: &Table<AxisSlot, Axis>) -> u128 {
         let moves = ids.clone().any(|id| id.kind().is_axis());
         only && moves && !ids.any(|id| axes.iter().any(|axis| axis.data == id))
     });
-    foreign.fold(0, |bits, (register, _)| bits | 1 << register)
+    foreign.fold(0, |bits, (register, _)| bits | register.bit())
 }
 
 /// Axes of a channel whose absolute words are angles, bit by axis.

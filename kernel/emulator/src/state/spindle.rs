@@ -8,14 +8,15 @@ use counterpoint_motion::surface_speed::Speed;
 
 use counterpoint_machine::ident::codes;
 use counterpoint_machine::ident::kind::CodeKind;
+use counterpoint_machine::index::{SpindleId, Table};
 use counterpoint_machine::model::{Channel as MachineChannel, Machine};
 use counterpoint_sync::shared::Command;
 
 /// Spindle of the channel: its own state, or a copy of the shared one.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct SpindleState {
-    /// Index in the machine's spindle list, `None` = channel without spindle.
-    pub(crate) index: Option<usize>,
+    /// The spindle in work, `None` = channel without spindle.
+    pub(crate) id: Option<SpindleId>,
     /// Other channels command it too.
     pub(crate) shared: bool,
     /// Last known command.
@@ -33,14 +34,14 @@ pub(crate) enum Turning {
     Surface(Speed),
 }
 
-/// Spindles of one channel by index of the machine's list, and what they are in work for.
-#[derive(Debug, Default)]
+/// Spindles of one channel, and what they are in work for.
+#[derive(Debug)]
 pub(crate) struct Spindles {
-    pub(crate) front: Option<usize>,
-    pub(crate) rear: Option<usize>,
-    pub(crate) mill: Option<usize>,
+    pub(crate) front: Option<SpindleId>,
+    pub(crate) rear: Option<SpindleId>,
+    pub(crate) mill: Option<SpindleId>,
     /// Commands of spindles that are not in work.
-    pub(crate) kept: Vec<Command>,
+    pub(crate) kept: Table<SpindleId, Command>,
     /// Milling mode.
     pub(crate) milling: bool,
     /// Head that drives constant surface speed, when a code has said so.
@@ -51,21 +52,16 @@ pub(crate) struct Spindles {
 
 impl Spindles {
     pub(crate) fn new(machine: &Machine, channel: &MachineChannel) -> Self {
-        let index = |number: Option<u16>| index_of(machine, number?);
         Self {
-            front: index(channel.spindle),
-            rear: index(channel.rear),
-            mill: index(channel.milling),
-            kept: vec![Command::default(); machine.spindles.len()],
+            front: channel.spindle,
+            rear: channel.rear,
+            mill: channel.milling,
+            kept: machine.spindles.map(|_, _| Command::default()),
             milling: false,
             driver: None,
             waiting: None,
         }
     }
-}
-
-pub(crate) fn index_of(machine: &Machine, number: u16) -> Option<usize> {
-    machine.spindles.iter().position(|spindle| spindle.number == number)
 }
 
 /// The machine commands this spindle by codes of its number.
@@ -76,36 +72,35 @@ fn has_codes(machine: &Machine, number: u16) -> bool {
 }
 
 /// More than one channel can command the spindle.
-pub(crate) fn is_shared(machine: &Machine, index: usize) -> bool {
-    let Some(number) = machine.spindles.get(index).map(|spindle| spindle.number) else { return false };
-    let uses = |channel: &&MachineChannel| [channel.spindle, channel.rear, channel.milling].contains(&Some(number));
+pub(crate) fn is_shared(machine: &Machine, id: SpindleId) -> bool {
+    let uses = |channel: &&MachineChannel| [channel.spindle, channel.rear, channel.milling].contains(&Some(id));
     let users = machine.channels.iter().filter(uses).count();
-    users > 1 || machine.channels.len() > 1 && has_codes(machine, number)
+    users > 1 || machine.channels.len() > 1 && has_codes(machine, machine.spindles[id].number)
 }
 
 impl Channel<'_> {
     /// The spindle of codes without a number: not a milling one that has codes of its own.
-    pub(crate) fn plain_spindle(&self) -> Option<usize> {
+    pub(crate) fn plain_spindle(&self) -> Option<SpindleId> {
         let spindles = &self.state.others.spindles;
         let mill = spindles.mill.filter(|_| spindles.milling && self.milling_code() == 0);
         mill.or_else(|| self.turning_spindle())
     }
 
     /// The spindle that turns the part.
-    pub(crate) fn turning_spindle(&self) -> Option<usize> {
+    pub(crate) fn turning_spindle(&self) -> Option<SpindleId> {
         let spindles = &self.state.others.spindles;
         let rear = spindles.rear.filter(|_| self.state.modal.code(group::SPINDLES) == Some(codes::SPINDLE_REAR));
         rear.or(spindles.front)
     }
 
     /// The spindle in work.
-    pub(crate) fn working_spindle(&self) -> Option<usize> {
+    pub(crate) fn working_spindle(&self) -> Option<SpindleId> {
         let spindles = &self.state.others.spindles;
         spindles.mill.filter(|_| spindles.milling).or_else(|| self.turning_spindle())
     }
 
-    pub(crate) fn number_in_codes(&self, index: Option<usize>) -> u16 {
-        let number = index.and_then(|index| self.env.machine.spindles.get(index)).map_or(0, |spindle| spindle.number);
+    pub(crate) fn number_in_codes(&self, id: Option<SpindleId>) -> u16 {
+        let number = id.map_or(0, |id| self.env.machine.spindles[id].number);
         if has_codes(self.env.machine, number) { number } else { 0 }
     }
 
@@ -126,17 +121,17 @@ impl Channel<'_> {
     }
 
     /// Puts a spindle into work.
-    pub(crate) fn select_spindle(&mut self, index: Option<usize>) {
-        if index == self.state.spindle.index {
+    pub(crate) fn select_spindle(&mut self, id: Option<SpindleId>) {
+        if id == self.state.spindle.id {
             return;
         }
         let old = self.state.spindle;
         let kept = &mut self.state.others.spindles.kept;
-        if let Some(slot) = old.index.filter(|_| !old.shared).and_then(|at| kept.get_mut(at)) {
-            *slot = old.command;
+        if let Some(old_id) = old.id.filter(|_| !old.shared) {
+            kept[old_id] = old.command;
         }
-        let command = index.and_then(|at| kept.get(at)).copied().unwrap_or_default();
-        let shared = index.is_some_and(|at| is_shared(self.env.machine, at));
-        self.state.spindle = SpindleState { index, shared, command, now: 0.0 };
+        let command = id.map_or_else(Command::default, |id| kept[id]);
+        let shared = id.is_some_and(|id| is_shared(self.env.machine, id));
+        self.state.spindle = SpindleState { id, shared, command, now: 0.0 };
     }
 }

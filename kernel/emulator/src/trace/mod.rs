@@ -102,7 +102,7 @@ impl Kernel<'_> {
     fn text_of_word(&self, index: usize) -> Option<String> {
         let (name, value) = self.written_word(index)?;
         let word = self.channel.block.words.get(index)?;
-        let register = self.channel.env.machine.registers.get(usize::from(word.register))?;
+        let register = &self.channel.env.machine.registers[word.register];
         let before = if word.incremental && register.second.is_some() { name } else { register.before.as_str() };
         Some(format!("{before}{value}{}", register.after))
     }
@@ -110,7 +110,7 @@ impl Kernel<'_> {
     /// Name and number of a word as its register writes them.
     fn written_word(&self, index: usize) -> Option<(&str, String)> {
         let word = self.channel.block.words.get(index)?;
-        let register = self.channel.env.machine.registers.get(usize::from(word.register))?;
+        let register = &self.channel.env.machine.registers[word.register];
         let name = match &register.second {
             Some(second) if word.incremental => second.as_str(),
             _ => register.name.as_str(),

@@ -12,6 +12,7 @@ use super::kind::cycle::HoleCycle;
 use super::kind::head::HeadEvent;
 use super::kind::local::Change;
 use super::kind::thread::{LeadChange, Setting, ThreadCycle};
+use super::kind::turning::TurningCycle;
 use super::{CodeFacts, CodeId, data};
 use counterpoint_event::event::{Direction, Outlet};
 
@@ -476,5 +477,17 @@ codes! {
     GOHOME_NTH 0 450 true true Plain => ": return to the 2nd, 3rd or 4th reference point (Fanuc G30)";
     FUNCTION 0 300 true true Plain => ": machine function that only takes time (M codes of the machine's own table)";
     POSITION_MACHINE 0 100 true true Plain => ": this block's positions are in the machine frame (Fanuc G53)";
+    INTERP_ARC_TANGENT 1 500 true true Plain => ": circle that continues in the direction of the last move (Siemens CT)";
+    POLE_TOOL 0 450 true true Plain => ": pole of polar coordinates, from where the tool is (Siemens G110)";
+    POLE_ZERO 0 450 true true Plain => ": pole of polar coordinates, from the zero of the program (Siemens G111)";
+    POLE_LAST 0 450 true true Plain => ": pole of polar coordinates, from the last pole (Siemens G112)";
     OFFSET_SET 0 100 true true Plain => ": sets an offset of the control (Fanuc G10)";
+    TURN_FINISH 1 500 true true Turning(TurningCycle::Finish) => ": runs the blocks of a contour once (Fanuc G70)";
+    TURN_ROUGH 1 500 true true Turning(TurningCycle::Rough { face: false }) => ": roughs a contour along Z (Fanuc G71)";
+    TURN_ROUGH_FACE 1 500 true true Turning(TurningCycle::Rough { face: true }) => ": roughs a contour along X (Fanuc G72)";
+    TURN_PATTERN 1 500 true true Turning(TurningCycle::Pattern) => ": repeats a contour nearer and nearer (Fanuc G73)";
+    TURN_PECK 1 500 true true Turning(TurningCycle::Peck { along_x: false }) => ": pecks along Z (Fanuc G74)";
+    TURN_GROOVE 1 500 true true Turning(TurningCycle::Peck { along_x: true }) => ": pecks along X (Fanuc G75)";
+    TURN_SINGLE 1 500 true true Turning(TurningCycle::Single { face: false }) => ": one cut along Z and back (Fanuc G90)";
+    TURN_SINGLE_FACE 1 500 true true Turning(TurningCycle::Single { face: true }) => ": one cut along X and back (Fanuc G94)";
 }

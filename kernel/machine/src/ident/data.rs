@@ -262,5 +262,25 @@ data! {
     CORNER_SIDE_ROUND true true Contour, Length => "rounding between two axis-parallel lines with such a sign (Fanuc R)";
     CORNER_FEED true true Contour, Feed => "feed of this corner (Siemens FRC)";
     CORNER_FEED_MODAL true true Contour, Feed => "feed of all corners from here on, 0 for that of their lines (Siemens FRCM)";
+    POLE_ANGLE true true Contour, Angle => "angle of a point seen from the pole, from the first axis of the plane (Siemens AP)";
+    POLE_RADIUS true true Contour, Length => "distance of a point from the pole (Siemens RP)";
     LINE_ANGLE true true Contour, Angle => "direction of the line from the first axis of the plane (Fanuc ,A, Siemens ANG)";
+    TURN_FIRST true true Plain, None => "sequence number of the first block of a contour (Fanuc G71 P)";
+    TURN_LAST true true Plain, None => "sequence number of its last block (Fanuc G71 Q)";
+    TURN_ALLOWANCE_X true true Plain, Length => "what a rough cycle leaves along X, as X is programmed (Fanuc G71 U)";
+    TURN_ALLOWANCE_Z true true Plain, Length => "what it leaves along Z (Fanuc G71 W)";
+    TURN_SEMI_X true true Plain, Length => "what the levels leave along X besides, a radius (Haas G71 I)";
+    TURN_SEMI_Z true true Plain, Length => "what they leave along Z besides (Haas G71 K)";
+    TURN_DEPTH true true Plain, Length => "depth of a level, a radius along X (one-line G71 D)";
+    TURN_DEPTH_X true true Plain, Length => "depth of a level along X in a line of settings (Fanuc G71 U)";
+    TURN_DEPTH_Z true true Plain, Length => "depth of a level along Z in a line of settings (Fanuc G72 W)";
+    TURN_RETRACT true true Plain, Length => "retraction, or relief at the bottom of a peck (Fanuc G71 R, G74 R)";
+    TURN_REPEATS true true Plain, None => "how often a contour is repeated (Fanuc G73 R)";
+    TURN_RELIEF_X true true Plain, Length => "distance of the first from the last repetition along X, a radius (Fanuc G73 U)";
+    TURN_RELIEF_Z true true Plain, Length => "the same along Z (Fanuc G73 W)";
+    TURN_STEP_X true true Plain, Length => "peck or shift along X, a radius (Fanuc G74 P, G75 P)";
+    TURN_STEP_Z true true Plain, Length => "peck or shift along Z (Fanuc G74 Q, G75 Q)";
+    TURN_TAPER_X true true Plain, Length => "start less end of a cut along X, a radius (Fanuc G90 R)";
+    TURN_TAPER_Z true true Plain, Length => "start less end of a cut along Z (Fanuc G94 R)";
+    TURN_TYPE true true Plain, None => "type of a rough cycle: 1 with pockets (Haas G71 R1)";
 }

@@ -7,6 +7,7 @@ pub mod data;
 pub mod head;
 pub mod local;
 pub mod thread;
+pub mod turning;
 
 use counterpoint_motion::frame::local::Part;
 
@@ -28,6 +29,8 @@ pub enum CodeKind {
     ThreadCycle(thread::ThreadCycle),
     /// A setting of threading cycles to come.
     ThreadSetting(thread::Setting),
+    /// A turning cycle.
+    Turning(turning::TurningCycle),
     /// A drilling cycle.
     Cycle(cycle::HoleCycle),
     /// A part of the local frame.
@@ -103,6 +106,7 @@ mod tests {
                 CodeKind::ThreadCycle(_) | CodeKind::ThreadSetting(_) => {
                     assert!(starts("CODE_THREAD_"), "{}", facts.name);
                 }
+                CodeKind::Turning(_) => assert!(starts("CODE_TURN_"), "{}", facts.name),
                 CodeKind::Tool => assert!(starts("CODE_TOOL_"), "{}", facts.name),
                 CodeKind::Plain
                 | CodeKind::Mode(_)

@@ -41,6 +41,7 @@ pub(super) fn machine(merged: &Merged, files: &dyn Files, check: &Check) -> Mach
     let time = time::read(&mut top, &names, &mut codes);
     let cycles = cycles::read(&mut top, head.unit);
     let arcs = paths::arcs(&mut top, head.unit);
+    let turning = paths::turning(&mut top, head.unit);
     let threads = paths::threads(&mut top);
     let pump = pump::read(&mut top);
     let habits = habits::read(&mut top, head.preprocessor);
@@ -100,6 +101,7 @@ pub(super) fn machine(merged: &Merged, files: &dyn Files, check: &Check) -> Mach
         time,
         cycles,
         arcs,
+        turning,
         threads,
         tool_direction,
         pump,

@@ -7,6 +7,7 @@
 use super::digits;
 use super::word::{self, Word, Wrong};
 use crate::ident::codes;
+use crate::index::{RegisterId, Table};
 use crate::model::{CallHow, Variables, WordCall};
 use crate::preprocessor::Preprocessor;
 use crate::rows::{CodeRow, Register};
@@ -24,7 +25,7 @@ const OWN: [f64; 4] = [65.0, 66.0, 66.1, 67.0];
 
 /// What the rows refer to.
 pub(super) struct Around<'a> {
-    pub(super) registers: &'a [Register],
+    pub(super) registers: &'a Table<RegisterId, Register>,
     pub(super) codes: &'a [CodeRow],
     pub(super) variables: &'a Variables,
     pub(super) preprocessor: Preprocessor,
@@ -72,16 +73,16 @@ fn read_row(row: &mut Section<'_>, around: &Around<'_>) -> Option<WordCall> {
 }
 
 /// A word, a range, or a letter alone: every value of it.
-fn read_word(row: &mut Section<'_>, registers: &[Register]) -> Option<Word> {
+fn read_word(row: &mut Section<'_>, registers: &Table<RegisterId, Register>) -> Option<Word> {
     let text = row.text("word")?;
-    let alone = (0u8..).zip(registers).find(|(_, register)| register.name == text);
+    let alone = registers.find(|register| register.name == text);
     let parsed = match alone {
-        Some((register, _)) => Ok(Word { register, min: f64::NEG_INFINITY, max: f64::INFINITY }),
+        Some(register) => Ok(Word { register, min: f64::NEG_INFINITY, max: f64::INFINITY }),
         None => word::parse(text, registers),
     };
     match parsed {
         Ok(word) => {
-            let register = registers.get(usize::from(word.register));
+            let register = &registers[word.register];
             if let Some(complaint) = digits::complaint(text, word.min, register) {
                 row.warning("word", complaint);
             }
@@ -100,8 +101,7 @@ fn read_word(row: &mut Section<'_>, registers: &[Register]) -> Option<Word> {
 
 fn check(row: &Section<'_>, call: &WordCall, before: &[WordCall], around: &Around<'_>) {
     let range = (call.min, call.max);
-    let register = around.registers.get(usize::from(call.register));
-    let letter = register.map_or("", |register| register.name.as_str());
+    let letter = around.registers[call.register].name.as_str();
     let same = |other: &&WordCall| other.register == call.register && overlap(range, (other.min, other.max));
     if let Some(other) = before.iter().find(same) {
         row.error("word", format!("the word already calls O{:04} at {}:{}", other.program, other.file, other.line));

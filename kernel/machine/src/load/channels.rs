@@ -2,7 +2,7 @@
 //!
 //! Invariant: an axis belongs to one channel, and no two axes of a channel answer to the same word.
 
-use crate::index::{AxisId, AxisSlot, Table};
+use crate::index::{AxisId, AxisSlot, SpindleId, Table};
 use crate::model::{Axis, Channel, Spindle};
 use crate::toml::check::Check;
 use crate::toml::node::{Node, Value};
@@ -17,7 +17,7 @@ const MOST: usize = 99;
 pub(super) fn read(
     top: &mut Section<'_>,
     axes: &Table<AxisId, Axis>,
-    spindles: &[Spindle],
+    spindles: &Table<SpindleId, Spindle>,
     check: &Check,
 ) -> Vec<Channel> {
     top.require("channels", "at least one channel");
@@ -37,19 +37,25 @@ pub(super) fn read(
     channels
 }
 
-fn read_row(row: &mut Section<'_>, axes: &Table<AxisId, Axis>, spindles: &[Spindle], check: &Check) -> Option<Channel> {
+fn read_row(
+    row: &mut Section<'_>,
+    axes: &Table<AxisId, Axis>,
+    spindles: &Table<SpindleId, Spindle>,
+    check: &Check,
+) -> Option<Channel> {
     row.require("number", "a whole number from 1 to 99");
     let number = row.integer("number", 1..=99).map(|number| number as u16);
     let name = row.name("name", 32).map(str::to_owned);
     row.require("axes", "names of the channel's axes, in the order in which they are shown");
     let own = channel_axes(row, axes, check);
-    let only = if let [spindle] = spindles { Some(spindle.number) } else { None };
+    let only = spindles.ids().next().filter(|_| spindles.len() == 1);
     let [spindle, rear, milling] = ["spindle", "rear", "milling"].map(|key| {
-        let number = row.integer(key, 1..=99).map(|number| number as u16);
-        if let Some(number) = number.filter(|number| !spindles.iter().any(|known| known.number == *number)) {
+        let number = row.integer(key, 1..=99).map(|number| number as u16)?;
+        let spindle = spindles.find(|spindle| spindle.number == number);
+        if spindle.is_none() {
             check.missing(row.place_of(key), format!("no spindle has the number {number}"));
         }
-        number
+        spindle
     });
     let polar = polar_axes(row, axes, &own, check);
     let lower = row.choice("side", &[("upper", false), ("lower", true)]).unwrap_or(false);

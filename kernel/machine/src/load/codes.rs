@@ -8,6 +8,7 @@ use super::digits;
 use super::names::Names;
 use super::word::{self, Wrong};
 use crate::ident;
+use crate::index::RegisterId;
 use crate::rows::{CodeForm, CodeRow, Modality};
 use crate::toml::section::Section;
 
@@ -144,7 +145,7 @@ fn read_word(section: &mut Section<'_>, names: &Names<'_>) -> Option<CodeForm> {
         }
     };
     let (register, min, max) = (word.register, word.min, word.max);
-    let known = names.registers.get(usize::from(register));
+    let known = &names.registers[register];
     if let Some(text) = digits::complaint(written, min, known) {
         section.warning("word", text);
     }
@@ -154,7 +155,7 @@ fn read_word(section: &mut Section<'_>, names: &Names<'_>) -> Option<CodeForm> {
     }
 }
 
-fn registers(section: &mut Section<'_>, key: &'static str, names: &Names<'_>) -> Vec<u8> {
+fn registers(section: &mut Section<'_>, key: &'static str, names: &Names<'_>) -> Vec<RegisterId> {
     let texts = section.texts(key).unwrap_or_default();
     texts.into_iter().filter_map(|(name, place)| names.register(name, place)).collect()
 }

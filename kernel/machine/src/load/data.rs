@@ -42,7 +42,7 @@ fn read_row(section: &mut Section<'_>, names: &mut Names<'_>, unit: Unit) -> Opt
     {
         section.error("max", format!("`max` {max} is less than `min` {min}"));
     }
-    let known = register.flatten().and_then(|at| names.registers.get(usize::from(at)));
+    let known = register.flatten().map(|register| &names.registers[register]);
     for (key, limit) in [("min", min.filter(|min| *min > 0.0)), ("max", max.filter(|max| *max < 0.0))] {
         if let (Some(limit), Some(register)) = (limit, known)
             && digits::out_of_reach(limit, register)

@@ -28,8 +28,10 @@ pub(super) fn shown(register: &Register) -> String {
 
 /// What to say of a word that the format of its register cannot write, if it is one.
 /// A range may go further than the register, as long as it begins within.
-pub(super) fn complaint(written: &str, first: f64, register: Option<&Register>) -> Option<String> {
-    let register = register.filter(|register| beyond(first, register))?;
+pub(super) fn complaint(written: &str, first: f64, register: &Register) -> Option<String> {
+    if !beyond(first, register) {
+        return None;
+    }
     let written = written.escape_debug();
     Some(format!("\"{written}\" does not fit: {}; more digits in [[registers]] are expected", shown(register)))
 }

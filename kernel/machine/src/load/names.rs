@@ -4,7 +4,7 @@
 //! mean "swallow"), so that a misspelt built-in name is always found. Facts: reference control-emulator.md 1.2, 1.3.
 
 use crate::ident::{self, CodeId, DataId, Name};
-use crate::index::{Id, Table};
+use crate::index::{Id, RegisterId, Table};
 use crate::rows::Register;
 use crate::toml::check::Check;
 use crate::toml::node::Place;
@@ -20,7 +20,7 @@ const REG_IGNORE: &str = "REG_IGNORE";
 /// The names known so far.
 pub(super) struct Names<'a> {
     pub(super) check: &'a Check,
-    pub(super) registers: Vec<Register>,
+    pub(super) registers: Table<RegisterId, Register>,
     pub(super) codes: Table<CodeId, Name>,
     pub(super) data: Table<DataId, Name>,
 }
@@ -93,12 +93,12 @@ impl Names<'_> {
     }
 
     /// A register by its first name.
-    pub(super) fn register(&self, name: &str, place: &Place) -> Option<u8> {
-        let index = self.registers.iter().position(|register| register.name == name);
-        if index.is_none() {
+    pub(super) fn register(&self, name: &str, place: &Place) -> Option<RegisterId> {
+        let id = self.registers.find(|register| register.name == name);
+        if id.is_none() {
             self.unknown_register(name, place);
         }
-        index.and_then(|index| u8::try_from(index).ok())
+        id
     }
 
     /// Says that there is no such register.

@@ -5,7 +5,7 @@
 use std::cmp::Ordering;
 
 use crate::ident::{CodeId, Name, code_facts};
-use crate::index::Table;
+use crate::index::{RegisterId, Table};
 use crate::macros::model::Macros;
 use crate::rows::{CodeForm, CodeRow, Register};
 use crate::tables::{form_range, overlap};
@@ -14,8 +14,8 @@ use crate::toml::node::Place;
 
 /// Warns about rows for the same word or text, one of which can never match there. A row of a child may take a word by
 /// its order from a row of the family: that is meant.
-pub(super) fn check_codes(codes: &[CodeRow], registers: &[Register], check: &Check) {
-    let mut by_word: Vec<(u8, f64, f64, &CodeRow)> = codes
+pub(super) fn check_codes(codes: &[CodeRow], registers: &Table<RegisterId, Register>, check: &Check) {
+    let mut by_word: Vec<(RegisterId, f64, f64, &CodeRow)> = codes
         .iter()
         .filter(|row| row.enable)
         .filter_map(|row| form_range(&row.form).map(|(register, min, max)| (register, min, max, row)))
@@ -32,7 +32,7 @@ pub(super) fn check_codes(codes: &[CodeRow], registers: &[Register], check: &Che
                 }
             });
             if let Some((_, (_, _, _, other))) = hidden {
-                let letter = registers.get(usize::from(*register)).map_or("?", |register| register.name.as_str());
+                let letter = &registers[*register].name;
                 let written =
                     if min == max { format!("{letter}{min}") } else { format!("{letter}{min}-{letter}{max}") };
                 warn(&written, row, other, check);

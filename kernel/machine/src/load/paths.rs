@@ -1,9 +1,9 @@
-//! `[arcs]` and `[threads]`: circles and threading cycles.
+//! `[arcs]`, `[turning]` and `[threads]`: circles, turning and threading cycles.
 //!
 //! Invariant: what the section does not say has a default that fits the unit. Facts: reference control-emulator.md 1.5.
 
 use crate::model::Heights;
-use crate::model::paths::{Arcs, Helix, Threads, Turns};
+use crate::model::paths::{Arcs, Helix, Threads, Turning, Turns};
 use crate::toml::section::Section;
 use counterpoint_event::Unit;
 
@@ -33,6 +33,22 @@ pub(super) fn arcs(top: &mut Section<'_>, unit: Unit) -> Arcs {
     arcs.stands = section.choice("to_start", &starts).unwrap_or(arcs.stands);
     section.finish();
     arcs
+}
+
+/// Reads `[turning]`.
+pub(super) fn turning(top: &mut Section<'_>, unit: Unit) -> Turning {
+    let one = if unit == Unit::Inch { 0.04 } else { 1.0 };
+    let mut turning = Turning { two_lines: false, depth: 0.0, retract: one, back: one, pockets: true };
+    let Some(mut section) = top.table("turning", "[turning]") else { return turning };
+    let forms = [("one-line", false), ("two-line", true)];
+    turning.two_lines = section.choice("form", &forms).unwrap_or(turning.two_lines);
+    turning.depth = section.at_least_zero("depth").unwrap_or(turning.depth);
+    turning.retract = section.at_least_zero("retract").unwrap_or(turning.retract);
+    turning.back = section.at_least_zero("back").unwrap_or(turning.back);
+    let types = [("by-first-block", true), ("by-word", false)];
+    turning.pockets = section.choice("pockets", &types).unwrap_or(turning.pockets);
+    section.finish();
+    turning
 }
 
 /// Reads `[threads]`.

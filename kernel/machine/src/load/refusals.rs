@@ -56,7 +56,7 @@ fn read_row(row: &mut Section<'_>, names: &Names<'_>, codes: &[CodeRow]) -> Opti
     let [with, without] = ["with", "without"].map(|key| {
         let listed = row.texts(key).unwrap_or_default();
         let registers = listed.into_iter().filter_map(|(name, place)| names.register(name, place));
-        registers.fold(0_u128, |bits, register| bits | 1 << register)
+        registers.fold(0_u128, |bits, register| bits | register.bit())
     });
     let [active, inactive] = ["active", "inactive"].map(|key| {
         let listed = row.texts(key).unwrap_or_default();

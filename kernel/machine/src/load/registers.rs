@@ -2,6 +2,7 @@
 //!
 //! Invariant: names, second names and indexes are unique. Facts: reference control-emulator.md 1.4.
 
+use crate::index::{RegisterId, Table};
 use crate::rows::{NumberFormat, Point, Register, Zeros};
 use crate::toml::check::Check;
 use crate::toml::section::Section;
@@ -10,7 +11,7 @@ use crate::toml::section::Section;
 const MOST: usize = 99;
 
 /// Reads the rows; the list stands in ascending index.
-pub(super) fn read(top: &mut Section<'_>, check: &Check) -> Vec<Register> {
+pub(super) fn read(top: &mut Section<'_>, check: &Check) -> Table<RegisterId, Register> {
     top.require("registers", "the letters of the program");
     let mut registers: Vec<Register> = Vec::new();
     for row in top.rows("registers", "[[registers]]", MOST) {
@@ -19,7 +20,7 @@ pub(super) fn read(top: &mut Section<'_>, check: &Check) -> Vec<Register> {
         }
     }
     registers.sort_by_key(|register| register.index);
-    registers
+    registers.into_iter().collect()
 }
 
 fn read_row(mut row: Section<'_>, known: &[Register], check: &Check) -> Option<Register> {

@@ -2,6 +2,7 @@
 //!
 //! Invariant: numbers and names are unique, and the smallest speed is below the largest.
 
+use crate::index::{SpindleId, Table};
 use crate::model::Spindle;
 use crate::toml::check::Check;
 use crate::toml::section::Section;
@@ -10,7 +11,7 @@ use crate::toml::section::Section;
 const MOST: usize = 99;
 
 /// Reads the rows in file order.
-pub(super) fn read(top: &mut Section<'_>, check: &Check) -> Vec<Spindle> {
+pub(super) fn read(top: &mut Section<'_>, check: &Check) -> Table<SpindleId, Spindle> {
     let mut spindles: Vec<Spindle> = Vec::new();
     for mut row in top.rows("spindles", "[[spindles]]", MOST) {
         if let Some(spindle) = read_row(&mut row) {
@@ -24,7 +25,7 @@ pub(super) fn read(top: &mut Section<'_>, check: &Check) -> Vec<Spindle> {
         }
         row.finish();
     }
-    spindles
+    spindles.into_iter().collect()
 }
 
 fn read_row(row: &mut Section<'_>) -> Option<Spindle> {

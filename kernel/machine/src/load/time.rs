@@ -5,6 +5,7 @@
 use super::digits;
 use super::names::Names;
 use crate::ident::{self, codes, data};
+use crate::index::RegisterId;
 use crate::model::{RapidPath, Time};
 use crate::rows::{CodeForm, CodeRow, Modality};
 use crate::tables::form_range;
@@ -26,8 +27,7 @@ pub(super) fn read(top: &mut Section<'_>, names: &Names<'_>, rows: &mut Vec<Code
     time.rapid = section.choice("rapid", &paths).unwrap_or(RapidPath::SlowestAxis);
     time.spindle_speed = section.at_least_zero("spindle_speed").unwrap_or(0.0);
     if let Some(table) = section.free_table("m_codes") {
-        let register = names.registers.iter().position(|register| register.name == "M");
-        let register = register.and_then(|index| u8::try_from(index).ok());
+        let register = names.registers.find(|register| register.name == "M");
         if register.is_none() {
             names.check.missing(section.place_of("m_codes"), "`m_codes` needs a register M");
         }
@@ -45,7 +45,7 @@ pub(super) fn read(top: &mut Section<'_>, names: &Names<'_>, rows: &mut Vec<Code
             }
             seen.push((number, entry));
             let written = format!("M{number}");
-            let known = names.registers.get(usize::from(register));
+            let known = &names.registers[register];
             if let Some(text) = digits::complaint(&written, f64::from(number), known) {
                 names.check.warning(&entry.place, text);
             }
@@ -73,7 +73,7 @@ fn read_entry(entry: &Entry, names: &Names<'_>) -> Option<(u32, f64)> {
 }
 
 /// Adds the seconds to the rows of the M number, or makes a row for it.
-fn give(entry: &Entry, register: u8, m: u32, seconds: f64, names: &Names<'_>, rows: &mut Vec<CodeRow>) {
+fn give(entry: &Entry, register: RegisterId, m: u32, seconds: f64, names: &Names<'_>, rows: &mut Vec<CodeRow>) {
     let value = f64::from(m);
     let mut found = false;
     for row in rows.iter_mut().filter(|row| row.enable && row.process) {
@@ -95,7 +95,7 @@ fn give(entry: &Entry, register: u8, m: u32, seconds: f64, names: &Names<'_>, ro
     }
 }
 
-fn function_row(entry: &Entry, register: u8, value: f64, seconds: f64) -> CodeRow {
+fn function_row(entry: &Entry, register: RegisterId, value: f64, seconds: f64) -> CodeRow {
     CodeRow {
         id: codes::FUNCTION,
         form: CodeForm::RegisterAsData { register, min: value, max: value, data: data::FUNCTION },

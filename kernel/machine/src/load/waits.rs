@@ -6,6 +6,7 @@
 use counterpoint_event::event::Primitive;
 
 use crate::ident::codes;
+use crate::index::RegisterId;
 use crate::model::{Mismatch, WaitAct, WaitRow};
 use crate::preprocessor::Preprocessor;
 use crate::rows::{CodeForm, CodeRow, Register};
@@ -57,7 +58,7 @@ fn entry(key: &str, place: &Place, value: Value) -> Entry {
 /// Reads the rows, which have their rows of the code table by now.
 pub(super) fn read(
     top: &mut Section<'_>,
-    (rows, registers): (&[CodeRow], &[Register]),
+    (rows, registers): (&[CodeRow], &crate::index::Table<RegisterId, Register>),
     preprocessor: Preprocessor,
     check: &Check,
 ) -> Vec<WaitRow> {
@@ -176,11 +177,11 @@ fn check_row(section: &mut Section<'_>, check: &Check, (primitive, act, mismatch
 }
 
 /// The text, or the letters of the word.
-fn word(form: &CodeForm, registers: &[Register]) -> String {
+fn word(form: &CodeForm, registers: &crate::index::Table<RegisterId, Register>) -> String {
     match form {
         CodeForm::Text(text) => text.clone(),
         CodeForm::Register { register, .. } | CodeForm::RegisterAsData { register, .. } => {
-            registers.get(usize::from(*register)).map_or_else(String::new, |register| register.name.clone())
+            registers[*register].name.clone()
         }
         CodeForm::NotApplicable => String::new(),
     }

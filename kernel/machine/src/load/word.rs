@@ -3,6 +3,7 @@
 //! Invariant: a range runs upwards, has at most one decimal, and decimals only below 1000. Facts: reference
 //! control-emulator.md 1.2.
 
+use crate::index::{RegisterId, Table};
 use crate::rows::Register;
 
 /// Largest code number.
@@ -11,8 +12,8 @@ const LARGEST: f64 = 99_999_999.0;
 /// A code word.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Word {
-    /// Index into the registers.
-    pub(super) register: u8,
+    /// Its register.
+    pub(super) register: RegisterId,
     /// Smallest value.
     pub(super) min: f64,
     /// Largest value.
@@ -29,7 +30,7 @@ pub(super) enum Wrong {
 }
 
 /// Reads a code word.
-pub(super) fn parse(word: &str, registers: &[Register]) -> Result<Word, Wrong> {
+pub(super) fn parse(word: &str, registers: &Table<RegisterId, Register>) -> Result<Word, Wrong> {
     let (register, rest) = split(word, registers)?;
     let (first, second) = match rest.split_once('-') {
         None => (rest, rest),
@@ -48,12 +49,12 @@ pub(super) fn parse(word: &str, registers: &[Register]) -> Result<Word, Wrong> {
     Ok(Word { register, min, max })
 }
 
-fn split<'w>(word: &'w str, registers: &[Register]) -> Result<(u8, &'w str), Wrong> {
-    let longest = (0u8..)
-        .zip(registers)
-        .filter_map(|(index, register)| Some((register.name.len(), index, word.strip_prefix(register.name.as_str())?)))
+fn split<'w>(word: &'w str, registers: &Table<RegisterId, Register>) -> Result<(RegisterId, &'w str), Wrong> {
+    let longest = registers
+        .entries()
+        .filter_map(|(id, register)| Some((register.name.len(), id, word.strip_prefix(register.name.as_str())?)))
         .max_by_key(|(length, _, _)| *length);
-    longest.map(|(_, index, rest)| (index, rest)).ok_or_else(|| {
+    longest.map(|(_, id, rest)| (id, rest)).ok_or_else(|| {
         let letters: String = word.chars().take_while(|c| !c.is_ascii_digit() && *c != '-').collect();
         Wrong::Register(letters)
     })

@@ -1,6 +1,6 @@
 //! How a control behaves: subprograms, meetings, times, cycles, compensation, variables, tools.
 
-use crate::index::{AxisId, Table};
+use crate::index::{AxisId, RegisterId, Table};
 
 /// Subprogram calls.
 #[derive(Debug, Clone, PartialEq)]
@@ -40,7 +40,7 @@ pub struct CallLevels {
 #[derive(Debug, Clone, PartialEq)]
 pub struct WordCall {
     /// Register of the word.
-    pub register: u8,
+    pub register: RegisterId,
     /// Smallest value, minus infinity for a letter alone.
     pub min: f64,
     /// Largest value.
@@ -62,7 +62,7 @@ pub struct WordCall {
 impl WordCall {
     /// The program that a word of this value calls.
     #[must_use]
-    pub fn program_of(&self, register: u8, value: f64) -> Option<u32> {
+    pub fn program_of(&self, register: RegisterId, value: f64) -> Option<u32> {
         let within = self.register == register && self.min <= value && value <= self.max;
         if !within || self.min != self.max && self.max.is_finite() && value.fract() != 0.0 {
             return None;

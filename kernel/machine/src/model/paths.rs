@@ -44,6 +44,21 @@ pub enum Turns {
     Never,
 }
 
+/// Turning cycles.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Turning {
+    /// A block without the numbers of contour blocks, or without a position, only tells settings.
+    pub two_lines: bool,
+    /// Depth of a level where the program has told none; 0 for none.
+    pub depth: f64,
+    /// Retraction at the end of a cut.
+    pub retract: f64,
+    /// Way back after a peck.
+    pub back: f64,
+    /// A contour whose first block moves both axes may have pockets.
+    pub pockets: bool,
+}
+
 /// Threading cycles.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Threads {

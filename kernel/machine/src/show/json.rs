@@ -5,7 +5,7 @@
 use serde_json::{Value, json};
 
 use super::{Show, register, sorted_codes, word, written};
-use crate::index::{AxisId, Table};
+use crate::index::{AxisId, RegisterId, SpindleId, Table};
 use crate::model::{Axis, Channel, Heights, Machine, WaitRow};
 use crate::rows::{CodeForm, CodeRow, DataRow, NumberFormat, Register};
 
@@ -123,7 +123,7 @@ fn register_json(register: &Register) -> Value {
 }
 
 fn code(machine: &Machine, row: &CodeRow) -> Value {
-    let names = |list: &[u8]| list.iter().map(|index| register(machine, *index)).collect::<Vec<_>>();
+    let names = |list: &[RegisterId]| list.iter().map(|index| register(machine, *index)).collect::<Vec<_>>();
     let as_data = match &row.form {
         CodeForm::RegisterAsData { data, .. } => Some(machine.data_name(*data)),
         _ => None,
@@ -182,13 +182,14 @@ fn axis_json(machine: &Machine, axis: &Axis) -> Value {
 }
 
 fn channel(machine: &Machine, channel: &Channel) -> Value {
+    let number = |spindle: Option<SpindleId>| spindle.map(|spindle| machine.spindles[spindle].number);
     json!({
         "number": channel.number,
         "name": channel.name,
         "axes": channel.axes.iter().map(|axis| machine.axes[*axis].name.as_str()).collect::<Vec<_>>(),
-        "spindle": channel.spindle,
-        "rear": channel.rear,
-        "milling": channel.milling,
+        "spindle": number(channel.spindle),
+        "rear": number(channel.rear),
+        "milling": number(channel.milling),
         "side": if channel.lower { "lower" } else { "upper" },
     })
 }

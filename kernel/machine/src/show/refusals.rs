@@ -5,6 +5,7 @@
 use serde_json::{Value, json};
 
 use super::text::{Grid, dash};
+use crate::index::RegisterId;
 use crate::model::Machine;
 use crate::refusals::{Active, Refusal, Written};
 
@@ -56,22 +57,20 @@ pub(super) fn json(machine: &Machine) -> Vec<Value> {
 }
 
 fn rows(machine: &Machine) -> impl Iterator<Item = Row<'_>> {
-    let register = |index: usize| machine.registers.get(index).map_or("?", |register| register.name.as_str());
-    let registers = move |bits: u128| {
-        let has = move |index: &usize| bits & 1 << index != 0;
-        (0..128).filter(has).map(register).collect::<Vec<_>>()
-    };
+    let register = |id: RegisterId| machine.registers[id].name.as_str();
+    let registers =
+        move |bits: u128| machine.registers.ids().filter(|id| bits & id.bit() != 0).map(register).collect::<Vec<_>>();
     let code = move |code: &Written| match *code {
         Written::Id(id) => machine.code_name(id).to_owned(),
-        Written::Word { register: index, min, max } => {
-            let letter = register(usize::from(index));
+        Written::Word { register: id, min, max } => {
+            let letter = register(id);
             if min == max { format!("{letter}{min}") } else { format!("{letter}{min}-{letter}{max}") }
         }
     };
     let states = move |states: &[Active]| states.iter().map(|state| machine.code_name(state.id)).collect::<Vec<_>>();
     machine.diagnostics.refusals.iter().map(move |rule| {
         let word = rule.word.map(|word| {
-            let mut text = register(usize::from(word.register)).to_owned();
+            let mut text = register(word.register).to_owned();
             match (word.min.is_finite(), word.max.is_finite()) {
                 (true, true) => text += &format!(" {} to {}", word.min, word.max),
                 (true, false) => text += &format!(" from {}", word.min),

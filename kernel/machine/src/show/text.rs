@@ -5,6 +5,7 @@
 use super::{register, word, written};
 use crate::ident::codes;
 use crate::ident::kind::CodeKind;
+use crate::index::RegisterId;
 use crate::model::paths::Threads;
 use crate::model::{CallHow, Cycles, Machine, WordCall};
 use crate::rows::{CodeForm, NumberFormat};
@@ -65,7 +66,7 @@ fn scaling(mul: f64, add: f64) -> String {
 
 /// A word that calls a program: `G101-G103 calls O9010-O9012 as a macro`.
 pub(super) fn word_call(machine: &Machine, call: &WordCall) -> String {
-    let letter = machine.registers.get(usize::from(call.register)).map_or("?", |register| register.name.as_str());
+    let letter = register(machine, call.register);
     let range = |sign: &str, first: String, last: String| {
         if first == last { format!("{sign}{first}") } else { format!("{sign}{first}-{sign}{last}") }
     };
@@ -207,7 +208,8 @@ pub(super) fn codes(machine: &Machine) -> String {
             CodeForm::RegisterAsData { data, .. } => machine.data_name(*data).to_owned(),
             _ => String::new(),
         };
-        let names = |list: &[u8]| list.iter().map(|index| register(machine, *index)).collect::<Vec<_>>().join(" ");
+        let names =
+            |list: &[RegisterId]| list.iter().map(|index| register(machine, *index)).collect::<Vec<_>>().join(" ");
         let mut conditions = Vec::new();
         if !row.with.is_empty() {
             conditions.push(format!("with {}", names(&row.with)));
@@ -246,7 +248,7 @@ pub(super) fn data(machine: &Machine) -> String {
     let heading = ["register", "data", "modal", "min", "max", "scaling", "dimension", "notes", "defined"];
     let mut grid = Grid::new(&heading);
     let mut rows: Vec<_> = machine.data.iter().collect();
-    rows.sort_by_key(|row| row.register.unwrap_or(u8::MAX));
+    rows.sort_by_key(|row| row.register.map_or(usize::MAX, RegisterId::index));
     for row in rows {
         let notes = [(!row.enable, "off"), (!row.process, "swallowed")];
         let notes: Vec<&str> = notes.iter().filter(|(on, _)| *on).map(|(_, note)| *note).collect();
@@ -292,7 +294,7 @@ pub(super) fn channels(machine: &Machine) -> String {
             channel.number.to_string(),
             channel.name.clone(),
             dash(axes.join(" ")),
-            channel.spindle.map_or_else(|| "-".to_owned(), |number| number.to_string()),
+            channel.spindle.map_or_else(|| "-".to_owned(), |spindle| machine.spindles[spindle].number.to_string()),
         ]);
     }
     let mut spindles = Grid::new(&["spindle", "name", "max rev/min", "min rev/min", "run-up s"]);

@@ -3,3 +3,4 @@
 pub mod blend;
 pub mod corner;
 pub mod element;
+pub mod tangent;

@@ -2,6 +2,7 @@
 //!
 //! *Invariant:* the size of the picture depends on its width in pixels, not on the length of the log.
 
+mod critical;
 mod rows;
 mod scale;
 mod sync_points;
@@ -66,12 +67,13 @@ pub(super) fn draw(timeline: &Timeline) -> String {
     let right = if open_ended { RIGHT - 100.0 } else { RIGHT };
     let scale = Scale::new(timeline.makespan_ns, LEFT, right);
     title(&mut out, timeline);
-    legend(&mut out, open_ended);
+    legend(&mut out, open_ended, critical::is_shown(timeline));
     scale.draw(&mut out, TOP - 10.0, bottom);
     for (index, channel) in timeline.channels.iter().enumerate() {
         rows::draw(&mut out, timeline, channel, row_top(index), &scale);
         tools::draw(&mut out, channel, row_top(index) - STRIP, &scale);
     }
+    critical::draw(&mut out, timeline, &scale);
     sync_points::draw(&mut out, timeline, &scale);
     out.push_str("</svg>\n");
     out
@@ -94,12 +96,15 @@ fn title(out: &mut String, timeline: &Timeline) {
     text(out, (RIGHT, 27.0), 15, "end", INK, &total);
 }
 
-fn legend(out: &mut String, open_ended: bool) {
+fn legend(out: &mut String, open_ended: bool, critical: bool) {
     let mut x = LEFT;
     let blocked = (open_ended).then_some(("blocked", RED));
     for (name, color) in KINDS.iter().map(|(_, name, color)| (*name, *color)).chain(blocked) {
         let _ = writeln!(out, r#"<rect x="{x:.0}" y="42" width="14" height="12" fill="{color}"/>"#);
         text(out, (x + 19.0, 52.5), 12, "start", SOFT, name);
         x += 34.0 + 7.0 * name.len() as f64;
+    }
+    if critical {
+        critical::legend(out, x);
     }
 }

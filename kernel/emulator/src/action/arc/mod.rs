@@ -7,6 +7,7 @@
 
 mod define;
 pub(super) mod space;
+mod tangent;
 
 pub(super) use define::{define_center, define_direction, define_radius};
 
@@ -33,6 +34,7 @@ use counterpoint_program::block::PendingCode;
 /// Codes and what they do.
 pub(crate) const ENTRIES: &[Entry] = &[
     entry_of_kind!(CodeKind::Arc(form) => |act, _row, code| arc(act, form, code)).moves().contour(Contour::Follows),
+    Entry::of(&[codes::INTERP_ARC_TANGENT], |act, _, _| tangent::tangent(act)).moves().contour(Contour::Follows),
     Entry::of(&[codes::INTERP_ARC_3D], |act, _, _| space::through(act)).moves().contour(Contour::Leaves),
     Entry::of(&[codes::INTERP_DEF_CENTER], |act, _, _| define_center(act)).contour(Contour::Waits),
     Entry::of(&[codes::INTERP_DEF_RADIUS], |act, _, _| define_radius(act)).contour(Contour::Waits),

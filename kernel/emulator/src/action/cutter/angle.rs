@@ -9,7 +9,8 @@ use counterpoint_machine::ident::codes;
 use counterpoint_machine::index::{AxisSlot, BySlot as _};
 use counterpoint_motion::contour::element::{Element, Spot, cross, plus};
 
-use super::Step;
+use super::words::polar;
+use super::{Step, compensated_plane};
 use crate::act::Act;
 use crate::state::corner::Open;
 use crate::state::modal::group;
@@ -90,6 +91,38 @@ impl Act<'_, '_> {
             (None, None) => {}
         }
         (coded, target)
+    }
+
+    /// The programmed end of a move with polar coordinates: coded axes and target.
+    pub(in crate::action) fn polar_end(&mut self, coded: u8, mut target: Position) -> (u8, Position) {
+        let Some(cutter) = self.cutter() else { return (coded, target) };
+        let (axes, Some([radius, angle])) = (cutter.axes, cutter.asked.polar.take()) else { return (coded, target) };
+        let spot = plus(self.flat(&self.state.arcs.pole, axes), direction(angle), radius);
+        for at in [0, 1] {
+            self.put_flat(&mut target, (axes, at), spot);
+        }
+        (coded | axes.iter().fold(0, |bits, axis| bits | axis.bit()), target)
+    }
+
+    /// Moves the pole of polar coordinates from a point, by the words of the block.
+    pub(in crate::action) fn set_pole(&mut self, from: Position) {
+        let Some((_, axes)) = compensated_plane(self) else {
+            let text = format!("no plane with both axes is active for the pole of '{}'", self.block_text());
+            self.diagnose(&diag::CORNER_REFUSED, text);
+            return;
+        };
+        let mut pole = from;
+        for axis in axes {
+            let id = self.state.place.layout.axes[axis].data;
+            *pole.at_mut(axis) += self.take(id).map_or(0.0, |datum| datum.value);
+        }
+        if let Some([radius, angle]) = polar(self) {
+            let spot = plus(self.flat(&pole, axes), direction(angle), radius);
+            for at in [0, 1] {
+                self.put_flat(&mut pole, (axes, at), spot);
+            }
+        }
+        self.state.arcs.pole = pole;
     }
 
     fn not_computed(&mut self, why: &str) {

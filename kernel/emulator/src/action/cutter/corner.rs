@@ -5,7 +5,7 @@
 //! right after the move of that block. Facts: reference turning-cycles.md 7, siemens-cycles.md.
 
 use counterpoint_fault as diag;
-use counterpoint_fault::Acted;
+use counterpoint_fault::{Acted, Facts};
 use counterpoint_motion::contour::blend::{TooLong, blend, blend_reduced};
 use counterpoint_motion::contour::element::{Element, NOISE, Spot, plus};
 
@@ -234,18 +234,15 @@ impl Act<'_, '_> {
         self.check_stop()
     }
 
-    /// A corner or the end of a line is due, and no move of the plane has come.
-    pub(super) fn check_due(&mut self, waits: &Waiting) -> Acted {
+    /// What is missing after a move that is made without the next one: a move after its corner, or its own end.
+    pub(super) fn missing(&self, waits: &Waiting) -> Option<(&'static Facts, String)> {
+        let block = self.block_text();
         if waits.open.is_some() {
-            let text =
-                format!("the line of '{}' has no end: no line with an end and an angle follows", self.block_text());
-            self.diagnose(&diag::LINE_WITHOUT_END, text);
+            let text = format!("the line of '{block}' has no end: no line with an end and an angle follows");
+            return Some((&diag::LINE_WITHOUT_END, text));
         }
-        if waits.corner.is_some_and(|corner| !corner.modal) {
-            let text = format!("no move of the plane follows the corner of '{}'", self.block_text());
-            self.diagnose(&diag::CORNER_ALONE, text);
-        }
-        self.check_stop()
+        let due = waits.corner.is_some_and(|corner| !corner.modal);
+        due.then(|| (&diag::CORNER_ALONE, format!("no move of the plane follows the corner of '{block}'")))
     }
 
     /// A corner where compensation starts or ends.

@@ -22,6 +22,7 @@ use counterpoint_fault::{Acted, Halt};
 use counterpoint_machine::ident::{CodeId, codes, data};
 use counterpoint_machine::index::{AxisSlot, BySlot};
 
+use crate::state::arc::LastMove;
 use crate::state::corner::{Asked, Corner};
 use crate::state::cutter::{Cutter, Shape, Stage, Step, Waiting};
 use counterpoint_motion::contour::element::{Element, NOISE, distance};
@@ -202,6 +203,27 @@ impl Act<'_, '_> {
 
     /// Takes a move: it may wait for the next one.
     pub(super) fn compensate(&mut self, step: Step) -> Acted {
+        let last = self.last_move(&step);
+        let done = self.take_step(step);
+        self.state.arcs.last = last;
+        done
+    }
+
+    /// A move as programmed, for circles that continue its direction.
+    fn last_move(&self, step: &Step) -> Option<LastMove> {
+        let Shape::Circle { made, axes, .. } = step.shape else {
+            let mut by = step.to;
+            by.iter_mut().zip(self.contour()).for_each(|(to, from)| *to -= from);
+            return Some(LastMove::By(by));
+        };
+        let scale = |axis: AxisSlot| self.state.place.layout.axes[axis].scale;
+        let [first, second] = axes;
+        let center = [made.center[0] / scale(first), made.center[1] / scale(second)];
+        Some(LastMove::Round { axes, center, turn: made.sweep.signum() })
+    }
+
+    /// Makes or keeps back a move.
+    fn take_step(&mut self, step: Step) -> Acted {
         self.check_stop()?;
         if !matches!(step.shape, Shape::Rapid) {
             self.check_feed(step.feed)?;

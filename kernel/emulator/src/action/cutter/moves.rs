@@ -131,7 +131,7 @@ impl Act<'_, '_> {
         let edited = self.text.edited.clone();
         let mut events = self.release_events().into_iter();
         let (mut late, mut out) = (0_i64, 0_usize);
-        let mut result = Ok(());
+        let (mut result, mut missing) = (Ok(()), None);
         for (at, waits) in waiting.iter().enumerate() {
             let next = waiting.iter().skip(at + 1).find_map(|later| later.element.as_ref()).or(next);
             self.put_back_events(&mut events, waits.events.saturating_sub(out), late);
@@ -139,9 +139,7 @@ impl Act<'_, '_> {
             self.go_to(waits, late);
             let before = self.at.clock;
             if result.is_ok() {
-                result = self.check_due(waits);
-            }
-            if result.is_ok() {
+                missing = missing.or_else(|| self.missing(waits));
                 result = self.make(waits, begun, next);
                 begun = if waits.element.is_some() { Stage::On } else { begun };
             }
@@ -153,6 +151,10 @@ impl Act<'_, '_> {
         self.at.clock = self.at.clock.saturating_add(late);
         if late > 0 {
             self.at.micro = 0;
+        }
+        if let Some((facts, text)) = missing.filter(|_| result.is_ok()) {
+            self.diagnose(facts, text);
+            return self.check_stop();
         }
         result
     }

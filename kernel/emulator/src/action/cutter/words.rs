@@ -30,6 +30,9 @@ pub(in crate::action) fn with_words<'a, 'k>(
     let asked = take(act, code);
     act.check_stop()?;
     if asked.is_empty() {
+        if let Some(cutter) = act.cutter() {
+            cutter.asked = asked;
+        }
         return moves(act);
     }
     if !corner::take_part(act) {
@@ -85,7 +88,7 @@ fn take(act: &mut Act<'_, '_>, code: CodeId) -> Asked {
         }
     }
     modal_rounding(act);
-    let mut asked = Asked::default();
+    let mut asked = Asked { feed, ..Asked::default() };
     if straight {
         asked.angle = take_beside_axes(act, data::LINE_ANGLE);
     }
@@ -104,7 +107,28 @@ fn take(act: &mut Act<'_, '_>, code: CodeId) -> Asked {
         refused(act, "a rapid move has no corner");
         return Asked::default();
     }
+    asked.polar = polar(act);
     asked
+}
+
+/// Distance from the pole and angle, of which the one that is not on the block is that of the last one.
+pub(in crate::action) fn polar(act: &mut Act<'_, '_>) -> Option<[f64; 2]> {
+    let ids = [data::POLE_RADIUS, data::POLE_ANGLE];
+    let own = ids.map(|id| act.take(id).map(|datum| datum.value));
+    if own == [None; 2] {
+        return None;
+    }
+    let mut both = [0.0; 2];
+    for ((slot, id), own) in both.iter_mut().zip(ids).zip(own) {
+        if let Some(value) = own {
+            act.state.modal.remember(id, value);
+        }
+        match act.state.modal.value(id).filter(|value| value.is_finite()) {
+            Some(value) => *slot = value,
+            None => refused(act, "distance from the pole and angle are not both known"),
+        }
+    }
+    Some(both)
 }
 
 /// A word of a register that no axis of the channel has.
@@ -142,9 +166,10 @@ fn modal_rounding(act: &mut Act<'_, '_>) {
 
 /// The corner at the end of a move: its own, or the one that all moves have.
 pub(super) fn corner_of(act: &mut Act<'_, '_>, rapid: bool) -> Option<Corner> {
-    let own = act.cutter().and_then(|cutter| std::mem::take(&mut cutter.asked).corner);
+    let asked = act.cutter().map(|cutter| std::mem::take(&mut cutter.asked)).unwrap_or_default();
     let rounding = act.state.place.frames.as_deref().and_then(|frames| frames.rounding);
-    let feed = act.state.modal.value(data::CORNER_FEED_MODAL).filter(|feed| *feed > 0.0);
+    let modal = act.state.modal.value(data::CORNER_FEED_MODAL).filter(|feed| *feed > 0.0);
+    let feed = asked.feed.or(modal);
     let all = rounding.map(|radius| Corner { cut: Cut::Round(radius), side: None, feed, modal: true });
-    own.or_else(|| all.filter(|_| !rapid && act.state.modal.code(group::MOTION) != Some(codes::RAPID)))
+    asked.corner.or_else(|| all.filter(|_| !rapid && act.state.modal.code(group::MOTION) != Some(codes::RAPID)))
 }

@@ -8,6 +8,7 @@
 //! a machine without such words pays one test for each block.
 
 use counterpoint_fault::Acted;
+use counterpoint_machine::index::RegisterId;
 use std::sync::Arc;
 
 use crate::channel::Kernel;
@@ -38,7 +39,7 @@ pub(crate) struct By {
 /// A macro that a word of the block calls.
 #[derive(Debug)]
 pub(crate) struct CodeMacro {
-    pub(super) register: u8,
+    pub(super) register: RegisterId,
     pub(super) program: u32,
     pub(super) how: MacroCall,
     pub(super) by: By,
@@ -55,12 +56,12 @@ pub(crate) struct CodeCalls {
 impl CodeCalls {
     pub(crate) fn new(machine: &Machine) -> Option<Box<Self>> {
         let rows = machine.subprograms.calls.clone();
-        let registers = rows.iter().filter(|row| row.register < 128).fold(0, |bits, row| bits | 1 << row.register);
+        let registers = rows.iter().fold(0, |bits, row| bits | row.register.bit());
         (!rows.is_empty()).then(|| Box::new(Self { registers, rows }))
     }
 
-    fn find(&self, register: u8, value: f64) -> Option<(&WordCall, u32)> {
-        if self.registers >> register & 1 == 0 {
+    fn find(&self, register: RegisterId, value: f64) -> Option<(&WordCall, u32)> {
+        if self.registers & register.bit() == 0 {
             return None;
         }
         self.rows.iter().find_map(|row| Some((row, row.program_of(register, value)?)))
@@ -89,8 +90,7 @@ impl Kernel<'_> {
         }
         while let Some((at, call, program, by)) = self.calling_word(calls, false) {
             self.channel.block.words.remove(at);
-            let letter =
-                self.channel.env.machine.registers.get(usize::from(call.register)).map_or("", |r| r.name.as_str());
+            let letter = self.channel.env.machine.registers[call.register].name.as_str();
             let passes = if matches!(letter, "G" | "M") { self.repeat_word() } else { 1 };
             self.ask(Pending::Call { what: Callee::Program(program), passes, arguments: None, by: Some(Box::new(by)) });
         }

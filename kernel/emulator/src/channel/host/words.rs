@@ -4,7 +4,7 @@ use crate::channel::Kernel;
 use counterpoint_dialect::{MadeWord, Words};
 use counterpoint_event::info::Unit;
 use counterpoint_fault as diag;
-use counterpoint_machine::index::CodeRowId;
+use counterpoint_machine::index::{CodeRowId, RegisterId};
 use counterpoint_machine::number::written;
 use counterpoint_program::block::{Word, irregular};
 use counterpoint_program::key_words::Number;
@@ -58,23 +58,23 @@ impl Words for Kernel<'_> {
         }
     }
 
-    fn register(&self, letter: u8) -> Option<(u8, bool)> {
+    fn register(&self, letter: u8) -> Option<(RegisterId, bool)> {
         self.plan.scanner.register(letter)
     }
 
-    fn steps(&self, register: u8) -> Option<f64> {
-        let secondary = usize::from(self.channel.state.secondary);
-        self.plan.rules.steps.get(usize::from(register))?.get(secondary).copied()
+    fn steps(&self, register: RegisterId) -> Option<f64> {
+        let [primary, secondary] = self.plan.rules.steps.as_ref()?[register];
+        Some(if self.channel.state.secondary { secondary } else { primary })
     }
 
-    fn read(&mut self, register: u8, number: Number) -> f64 {
+    fn read(&mut self, register: RegisterId, number: Number) -> f64 {
         let reading = self.plan.scanner.reading(register, number, self.channel.state.secondary);
         let (value, odd) = reading.unwrap_or((number.value, 0));
         self.channel.block.flags.irregular |= odd;
         value
     }
 
-    fn take_sequence(&mut self, register: u8, value: f64) -> bool {
+    fn take_sequence(&mut self, register: RegisterId, value: f64) -> bool {
         let is_free = self.channel.block.sequence.is_none() && value >= 0.0;
         let takes = Some(register) == self.plan.scanner.sequence() && is_free;
         if takes {
@@ -96,8 +96,8 @@ impl Words for Kernel<'_> {
         let value = match written {
             Some(number) => self.read(register, number),
             None => {
-                let of = self.channel.env.machine.registers.get(usize::from(register));
-                let refused = self.channel.is_alarm(&diag::MINUS_SIGN) && of.is_some_and(|register| !register.signed);
+                let signed = self.channel.env.machine.registers[register].signed;
+                let refused = !signed && self.channel.is_alarm(&diag::MINUS_SIGN);
                 let wrong = refused && value < 0.0;
                 self.channel.block.flags.irregular |= u8::from(wrong) * irregular::SIGN;
                 value

@@ -98,13 +98,7 @@ fn set_direction(kernel: &mut Kernel<'_>, _: &[i64], value: &Value) -> Outcome<(
 }
 
 fn limit(kernel: &Kernel<'_>, _: &[i64]) -> Value {
-    let machine = kernel
-        .channel
-        .state
-        .spindle
-        .index
-        .and_then(|at| kernel.channel.env.machine.spindles.get(at))
-        .map_or(0.0, |s| s.max);
+    let machine = kernel.channel.state.spindle.id.map_or(0.0, |id| kernel.channel.env.machine.spindles[id].max);
     number(kernel.channel.state.spindle.command.limit.min(machine))
 }
 

@@ -61,7 +61,7 @@ mod tests {
                 }
                 () if starts(&["ARC_"]) => DataKind::Arc,
                 () if starts(&["C2P_INTERP_"]) => DataKind::Polar,
-                () if starts(&["CORNER_", "LINE_ANGLE"]) => DataKind::Contour,
+                () if starts(&["CORNER_", "LINE_ANGLE", "POLE_"]) => DataKind::Contour,
                 () if starts(&["RTCP_"]) => DataKind::Orientation,
                 () if starts(&["LCS_TRANS_", "LCS_ROT_CENTER_", "LCS_SCALE_CENTER_"]) => DataKind::FramePoint,
                 () if starts(&["SPINDLE_"]) => DataKind::Spindle,

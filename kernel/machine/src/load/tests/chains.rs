@@ -144,8 +144,9 @@ fn times_of_m_codes_go_to_their_rows_and_make_rows_where_there_is_none() {
     assert_eq!(row(&machine, codes::SPINDLE_CLW).seconds, 1.5);
     let function = row(&machine, codes::FUNCTION);
     assert_eq!((function.seconds, function.modality), (8.0, Modality::NonModal));
-    assert!(matches!(function.form, CodeForm::RegisterAsData { register: 1, min: 60.0, max: 60.0, .. }));
-    assert_eq!(crate::index::places(machine.tables.code(1, 60.0)), [2]);
+    let m = machine.registers.find(|register| register.name == "M").unwrap();
+    assert!(matches!(function.form, CodeForm::RegisterAsData { register, min: 60.0, max: 60.0, .. } if register == m));
+    assert_eq!(crate::index::places(machine.tables.code(m, 60.0)), [2]);
 }
 
 #[test]

@@ -30,7 +30,9 @@ fn all_machines_load_without_a_finding() {
         [
             "fanuc-2path-lathe",
             "fanuc-3path-lathe",
+            "fanuc-lathe",
             "fanuc-mill",
+            "haas-lathe",
             "haas-mill-turn",
             "heidenhain-mill",
             "siemens-2channel",
@@ -109,6 +111,12 @@ G64 CODE_EXACTSTOP_OFF 100 15
 G68.1 CODE_LCS_ROTATE_ON 100 16
 G69 CODE_IGNORE 999 0
 G69.1 CODE_LCS_ROTATE_OFF 100 16
+G70 CODE_TURN_FINISH 500 1
+G71 CODE_TURN_ROUGH 500 1
+G72 CODE_TURN_ROUGH_FACE 500 1
+G73 CODE_TURN_PATTERN 500 1
+G74 CODE_TURN_PECK 500 1
+G75 CODE_TURN_GROOVE 500 1
 G76 CODE_THREAD_MULTI 500 1
 G80 CODE_CYCLE_OFF 400 9
 G83 CODE_CYCLE_DEEP 400 9
@@ -117,7 +125,9 @@ G85 CODE_CYCLE_REAM_DWELL 400 9
 G87 CODE_CYCLE_DEEP 400 9
 G88 CODE_CYCLE_TAP 400 9
 G89 CODE_CYCLE_REAM_DWELL 400 9
+G90 CODE_TURN_SINGLE 500 1
 G92 CODE_THREAD_SINGLE 500 1
+G94 CODE_TURN_SINGLE_FACE 500 1
 G96 CODE_SPINDLE_CSS 300 13
 G97 CODE_SPINDLE_RPM 100 13
 G98 CODE_FEED_UPM 100 5
@@ -176,12 +186,16 @@ fn the_two_path_lathe_has_these_data() {
         "N REG_SEQNO - - none",
         "X REG_AXIS_X yes - length",
         "X REG_DELAY - - time",
+        "X REG_TURN_ALLOWANCE_X - - length",
+        "X REG_TURN_DEPTH_X - - length",
         "X REG_LCS_TRANS_X - - length",
         "X REG_LCS_ROT_CENTER_X - - length",
         "Y REG_AXIS_Y yes - length",
         "Y REG_LCS_TRANS_Y - - length",
         "Y REG_LCS_ROT_CENTER_Y - - length",
         "Z REG_AXIS_Z yes - length",
+        "Z REG_TURN_ALLOWANCE_Z - - length",
+        "Z REG_TURN_DEPTH_Z - - length",
         "Z REG_LCS_TRANS_Z - - length",
         "Z REG_LCS_ROT_CENTER_Z - - length",
         "A REG_THREAD_MULTI_ANGLE - - angle",
@@ -190,6 +204,9 @@ fn the_two_path_lathe_has_these_data() {
         "C REG_CORNER_SIDE - - length",
         "I REG_ARC_CENTER_X - - length",
         "I REG_THREAD_MULTI_TAPER_X - - length",
+        "I REG_TURN_RELIEF_X - - length",
+        "I REG_TURN_STEP_X - - length",
+        "I REG_TURN_TAPER_X - - length",
         "I REG_LCS_ROT_ANGLE_X - - angle",
         "I REG_CORNER_SIDE_X - - length",
         "J REG_ARC_CENTER_Y - - length",
@@ -197,6 +214,9 @@ fn the_two_path_lathe_has_these_data() {
         "K REG_ARC_CENTER_Z - - length",
         "K REG_INTERP_THREAD_PITCH_VAR - - length",
         "K REG_THREAD_MULTI_HEIGHT_X - - length",
+        "K REG_TURN_RELIEF_Z - - length",
+        "K REG_TURN_STEP_Z - - length",
+        "K REG_TURN_TAPER_Z - - length",
         "K REG_CYCLE_REPEAT - - none",
         "K REG_LCS_ROT_ANGLE_Z - - angle",
         "K REG_CORNER_SIDE_Z - - length",
@@ -205,6 +225,10 @@ fn the_two_path_lathe_has_these_data() {
         "R REG_THREAD_SINGLE_TAPER_X - - length",
         "R REG_THREAD_MULTI_FINISH_X - - length",
         "R REG_THREAD_MULTI_TAPER_X - - length",
+        "R REG_TURN_RETRACT - - length",
+        "R REG_TURN_REPEATS - - none",
+        "R REG_TURN_TAPER_X - - length",
+        "R REG_TURN_TAPER_Z - - length",
         "R REG_CYCLE_CLEAR - - length",
         "R REG_LCS_ROT_ANGLE - - angle",
         "R REG_CORNER_SIDE_ROUND - - length",
@@ -216,11 +240,15 @@ fn the_two_path_lathe_has_these_data() {
         "P REG_THREAD_MULTI_PWORD - - none",
         "P REG_THREAD_MULTI_HEIGHT_X - *0.001 increments",
         "P REG_THREAD_MULTI_INFEED - - none",
+        "P REG_TURN_FIRST - - none",
+        "P REG_TURN_STEP_X - *0.001 increments",
         "P REG_CYCLE_DWELL - *0.001 time",
         "P REG_SYNC_PATHS - - none",
         "Q REG_INTERP_THREAD_ANGLE - *0.001 angle",
         "Q REG_THREAD_MULTI_STEP_MIN - *0.001 increments",
         "Q REG_THREAD_MULTI_STEP_X - *0.001 increments",
+        "Q REG_TURN_LAST - - none",
+        "Q REG_TURN_STEP_Z - *0.001 increments",
         "Q REG_CYCLE_STEP - - length",
         "L REG_CALSUB_REPEAT - - none",
         "L REG_OFFSET_KIND - - none",
@@ -232,6 +260,8 @@ fn the_two_path_lathe_has_these_data() {
         "S REG_SPINDLE_CSS yes - surface-speed",
         "S REG_SPINDLE_RPM_MAX yes - none",
         "D REG_THREAD_MULTI_STEP_X - - length",
+        "D REG_TURN_DEPTH - *0.001 increments",
+        "D REG_TURN_REPEATS - - none",
         ",C REG_CORNER_LEGS - - length",
         ",R REG_CORNER_ROUND - - length",
         ",A REG_LINE_ANGLE - - angle",
@@ -243,8 +273,11 @@ fn the_two_path_lathe_has_these_data() {
 fn the_two_path_lathe_is_set_up_like_this() {
     let lathe = shipped("fanuc-2path-lathe");
     assert_eq!((lathe.kind, lathe.unit, lathe.preprocessor.row().name), (MachineKind::Lathe, Unit::Mm, "fanuc"));
-    let channels: Vec<_> =
-        lathe.channels.iter().map(|c| (c.number, c.name.as_str(), places(c.axes.as_slice()), c.spindle)).collect();
+    let channels: Vec<_> = lathe
+        .channels
+        .iter()
+        .map(|c| (c.number, c.name.as_str(), places(c.axes.as_slice()), c.spindle.map(|id| lathe.spindles[id].number)))
+        .collect();
     assert_eq!(channels, [(1, "UPPER", vec![0, 1, 2], Some(1)), (2, "LOWER", vec![3, 4], Some(1))]);
     assert_eq!((lathe.sync.dialect, lathe.sync.paths), (SyncDialect::Fanuc, PathsForm::Either));
     assert_eq!((lathe.sync.alarm_scope, lathe.sync.release_ns, lathe.sync.poll_ns), (AlarmScope::Own, 0, 1_000_000));

@@ -1,0 +1,119 @@
+//! Actions by which contour blocks are read: moves are recorded with their corners, everything else is skipped or refused.
+//!
+//! Facts: reference turning-cycles.md 1.3. The actions of moves are those of the control; what they would move is
+//! recorded. *Invariant:* nothing moves, takes time or reaches another channel.
+
+use counterpoint_motion::arc as geometry;
+use counterpoint_motion::contour::element::{Element, NOISE, distance};
+
+use crate::act::Act;
+use crate::action::entry::{Contour, Entry};
+use crate::action::find;
+use crate::channel::Kernel;
+use crate::channel::actions::Action;
+use crate::state::turning::First;
+use counterpoint_event::event::{Motion, MotionKind};
+use counterpoint_fault as diag;
+use counterpoint_fault::Acted;
+use counterpoint_machine::ident::kind::CodeKind;
+use counterpoint_machine::ident::{CodeId, codes, data};
+use counterpoint_machine::rows::CodeRow;
+use counterpoint_program::block::PendingCode;
+
+/// A move of the contour.
+#[derive(Debug)]
+struct Shaping;
+
+/// All other codes.
+static OTHERS: Entry = Entry::of(&[], other).contour(Contour::Waits);
+
+/// What a code does while contour blocks are read.
+pub(in crate::action) fn reading(id: CodeId) -> Option<&'static dyn Action> {
+    let shapes = matches!(id, codes::RAPID | codes::INTERP_LINEAR) || matches!(id.kind(), CodeKind::Arc(_));
+    Some(if shapes { &Shaping } else { &OTHERS })
+}
+
+impl Action for Shaping {
+    fn run(&self, kernel: &mut Kernel<'_>, row: &CodeRow, code: &PendingCode) -> Acted {
+        let act = &mut Act::new(kernel);
+        if act.state.others.turning.reading.first.is_none() {
+            return first(act, row.id);
+        }
+        find(row.id).map_or(Ok(()), |action| action.run(kernel, row, code))
+    }
+}
+
+/// The first move: it tells where the contour begins, and how the cycle works.
+fn first(act: &mut Act<'_, '_>, id: CodeId) -> Acted {
+    let (coded, target) = act.programmed_targets();
+    if coded == 0 {
+        return Ok(());
+    }
+    if !matches!(id, codes::RAPID | codes::INTERP_LINEAR) {
+        let text = format!("the first block of a contour is a straight move, not '{}'", act.block_text());
+        return Err(act.alarm(&diag::CONTOUR_FIRST, text));
+    }
+    act.feed();
+    act.state.others.turning.reading.first = Some(First { rapid: id == codes::RAPID, coded });
+    act.state.place.position = target;
+    Ok(())
+}
+
+/// G codes that a contour may have besides its moves.
+const ALLOWED: [CodeId; 15] = [
+    codes::DELAY,
+    codes::FEED_UPM,
+    codes::FEED_UPR,
+    codes::SPINDLE_CSS,
+    codes::SPINDLE_RPM,
+    codes::SPINDLE_MAXRPM,
+    codes::COMP_DIAM_OFF,
+    codes::COMP_DIAM_LEFT,
+    codes::COMP_DIAM_RIGHT,
+    codes::POSITION_ABSOLUTE,
+    codes::POSITION_RELATIVE,
+    codes::EXACTSTOP,
+    codes::EXACTSTOP_ON,
+    codes::EXACTSTOP_OFF,
+    codes::PLANE_ZX,
+];
+
+/// Codes of calls and ends, whatever their letter.
+const FLOW: [CodeId; 4] = [codes::CALSUB_ID, codes::CALSUB_RETURN, codes::END, codes::REWIND];
+
+/// A code that does not shape the contour.
+fn other(act: &mut Act<'_, '_>, row: &CodeRow, code: &PendingCode) -> Acted {
+    act.take(data::DELAY);
+    let (letter, _) = act.written(row, code);
+    if FLOW.contains(&row.id) || letter == 'G' && !ALLOWED.contains(&row.id) {
+        return refuse(act);
+    }
+    Ok(())
+}
+
+fn refuse(act: &mut Act<'_, '_>) -> Acted {
+    let text = format!("a contour has G0 to G4, feed, speed, tool and M codes only, not '{}'", act.block_text());
+    Err(act.alarm(&diag::CONTOUR_CODE, text))
+}
+
+/// Records a motion as a piece of the contour.
+pub(in crate::action) fn record(act: &mut Act<'_, '_>, motion: &Motion) -> Acted {
+    let Some(plane) = act.lathe_plane() else { return Ok(()) };
+    let (from, to) = (plane.point(&motion.from), plane.point(&motion.to));
+    let arc = match motion.kind {
+        MotionKind::ArcCw | MotionKind::ArcCcw => {
+            if motion.plane_axes.map(usize::from) != plane.axes.map(|axis| axis.index()) {
+                return refuse(act);
+            }
+            let center = [motion.center[0] * plane.scales[0], motion.center[1] * plane.scales[1]];
+            geometry::by_center(from, to, center, motion.kind == MotionKind::ArcCw).ok()
+        }
+        _ => None,
+    };
+    if arc.is_some() || distance(from, to) > NOISE {
+        act.state.others.turning.reading.elements.push(Element { from, to, arc });
+    }
+    act.state.place.position = motion.to;
+    act.block.flags.moved = true;
+    Ok(())
+}

@@ -1,0 +1,215 @@
+//! Turning cycles: a contour roughed, repeated or finished, pecks along one axis, one cut and back.
+//!
+//! Facts: reference turning-cycles.md 2 to 4; the moves are those of `counterpoint_motion::turning`. *Invariant:* a cycle
+//! ends where it began; every move inside is an ordinary motion of the cycle's block; a pass counts as a block, so that
+//! limits and cancelling reach it. Decisions: docs/emulation.md, "Turning cycles".
+
+mod contour;
+mod moves;
+mod words;
+
+pub(super) use contour::{reading, record};
+pub(super) use moves::go_back;
+
+use counterpoint_motion::turning::{Contour as Shape, Refusal, pattern, peck, rough};
+
+use crate::act::Act;
+use crate::action::entry::{Contour, Entry, entry_of_kind};
+use crate::state::turning::{ContourCycle, LathePlane, Reading, Task};
+use counterpoint_fault as diag;
+use counterpoint_fault::Acted;
+use counterpoint_machine::ident::kind::CodeKind;
+use counterpoint_machine::ident::kind::turning::TurningCycle;
+use counterpoint_machine::index::BySlot;
+use counterpoint_program::block::PendingCode;
+use moves::Cutting;
+
+/// Codes and what they do.
+pub(crate) const ENTRIES: &[Entry] = &[
+    entry_of_kind!(CodeKind::Turning(TurningCycle::Finish) => |act, _row, _code| finish(act))
+        .moves()
+        .contour(Contour::Ends),
+    entry_of_kind!(
+        CodeKind::Turning(kind @ (TurningCycle::Rough { .. } | TurningCycle::Pattern | TurningCycle::Peck { .. }
+            | TurningCycle::Single { .. })) => |act, _row, code| cycle(act, kind, code)
+    )
+    .moves()
+    .contour(Contour::Leaves),
+];
+
+fn finish(act: &mut Act<'_, '_>) -> Acted {
+    let (first, last) = words::blocks(act);
+    let blocks = contour_blocks(act, first, last)?;
+    let feed = act.feed();
+    act.cut_contour(ContourCycle { blocks, task: Task::Finish, feed });
+    Ok(())
+}
+
+fn cycle(act: &mut Act<'_, '_>, kind: TurningCycle, code: &PendingCode) -> Acted {
+    let Some(plane) = act.lathe_plane() else {
+        let text = format!("channel {} has no X and Z for the cycle of '{}'", act.at.channel, act.block_text());
+        act.diagnose(&diag::CYCLE_AXIS, text);
+        return Ok(());
+    };
+    match kind {
+        TurningCycle::Finish => Ok(()),
+        TurningCycle::Rough { face } => roughing(act, &plane, face),
+        TurningCycle::Pattern => repeating(act, &plane),
+        TurningCycle::Peck { along_x } => pecking(act, &plane, along_x),
+        TurningCycle::Single { face } => single(act, &plane, face, code.modal),
+    }
+}
+
+/// The numbers of the contour blocks; both are needed.
+fn contour_blocks(act: &mut Act<'_, '_>, first: Option<u32>, last: Option<u32>) -> Result<(u32, u32), diag::Halt> {
+    first.zip(last).ok_or_else(|| {
+        let text =
+            format!("the cycle needs the first and the last block of its contour (P and Q) in '{}'", act.block_text());
+        act.alarm(&diag::CONTOUR_RANGE, text)
+    })
+}
+
+fn roughing(act: &mut Act<'_, '_>, plane: &LathePlane, face: bool) -> Acted {
+    let (first, last) = words::blocks(act);
+    if first.is_none() && last.is_none() && act.env.machine.turning.two_lines && words::rough_settings(act, face) {
+        return Ok(());
+    }
+    let blocks = contour_blocks(act, first, last)?;
+    let rough = words::rough(act, plane, face);
+    let depth = rough.settings.depth;
+    if !(depth > 0.0 && depth.is_finite()) {
+        let text = format!("the depth of a level is {depth} in '{}', it must be above 0", act.block_text());
+        return Err(act.alarm(&diag::CONTOUR_DEPTH, text));
+    }
+    let feed = act.feed();
+    act.cut_contour(ContourCycle { blocks, task: Task::Rough(rough.settings, rough.pockets), feed });
+    Ok(())
+}
+
+fn repeating(act: &mut Act<'_, '_>, plane: &LathePlane) -> Acted {
+    let (first, last) = words::blocks(act);
+    if first.is_none() && last.is_none() && act.env.machine.turning.two_lines && words::pattern_settings(act) {
+        return Ok(());
+    }
+    let blocks = contour_blocks(act, first, last)?;
+    let (allowance, repeats) = words::pattern(act, plane);
+    if !(1.0..=999_999.0).contains(&repeats) {
+        let text =
+            format!("the contour of '{}' is repeated {repeats} times, it must be at least once", act.block_text());
+        return Err(act.alarm(&diag::CONTOUR_REPEATS, text));
+    }
+    let relief = act.state.others.turning.relief;
+    let feed = act.feed();
+    let settings = pattern::Settings { relief, allowance, passes: repeats as u32 };
+    act.cut_contour(ContourCycle { blocks, task: Task::Pattern(settings), feed });
+    Ok(())
+}
+
+fn pecking(act: &mut Act<'_, '_>, plane: &LathePlane, along_x: bool) -> Acted {
+    if act.env.machine.turning.two_lines && words::peck_settings(act) {
+        return Ok(());
+    }
+    let words::Pecks { steps, relief } = words::pecks(act);
+    let (feed, unit) = act.feed();
+    let from = act.programmed();
+    let (_, target) = act.programmed_targets();
+    if let Some(step) = steps.into_iter().find(|step| *step < 0.0) {
+        let text = format!("the peck or shift {step} is negative in '{}'", act.block_text());
+        return Err(act.alarm(&diag::PECK_STEP, text));
+    }
+    let turned = |[z, x]: [f64; 2]| if along_x { [x, z] } else { [z, x] };
+    let [peck, shift] = turned(steps);
+    let settings = peck::Settings {
+        along_x,
+        start: turned(plane.point(&from)),
+        end: turned(plane.point(&target)),
+        peck,
+        shift,
+        back: act.state.others.turning.back,
+        relief,
+    };
+    settings.run(&mut Cutting::new(act, plane, (feed, unit)))
+}
+
+/// One cut and back.
+fn single(act: &mut Act<'_, '_>, plane: &LathePlane, face: bool, implied: bool) -> Acted {
+    if act.acting.mode_changed {
+        let turning = &mut act.state.others.turning;
+        (turning.end, turning.taper) = ([None; 2], 0.0);
+    }
+    let taper = words::taper(act, face);
+    let (feed, unit) = act.feed();
+    let from = act.programmed();
+    let (coded, target) = act.programmed_targets();
+    let mine = plane.axes.iter().fold(0, |bits, axis| bits | axis.bit());
+    if coded & mine == 0 && taper.is_none() {
+        return Ok(());
+    }
+    let turning = &mut act.state.others.turning;
+    turning.taper = taper.unwrap_or(turning.taper);
+    for (slot, axis) in turning.end.iter_mut().zip(plane.axes) {
+        if coded & axis.bit() != 0 {
+            *slot = Some(target.at(axis));
+        }
+    }
+    if implied {
+        act.count_as_block()?;
+    }
+    let (said, taper) = (act.state.others.turning.end, act.state.others.turning.taper);
+    let [start_z, start_x] = plane.point(&from);
+    let end = |side: usize, start: f64| {
+        let scale = plane.scales.get(side).copied().unwrap_or(1.0);
+        said.get(side).copied().flatten().map_or(start, |end| end * scale)
+    };
+    let (z, x) = (end(0, start_z), end(1, start_x));
+    let [begin, back] = match face {
+        false => [[start_z, x + taper], [z, start_x]],
+        true => [[z + taper, start_x], [start_z, x]],
+    };
+    use counterpoint_motion::turning::{Move, Sink as _};
+    let cutting = &mut Cutting::new(act, plane, (feed, unit));
+    cutting.go(Move::Rapid(begin))?;
+    cutting.go(Move::Feed([z, x]))?;
+    cutting.go(Move::Feed(back))?;
+    cutting.go(Move::Rapid([start_z, start_x]))
+}
+
+/// Cuts along a contour that was read.
+pub(super) fn cut(act: &mut Act<'_, '_>, cycle: &ContourCycle, reading: Reading) -> Acted {
+    let Some((plane, first)) = act.lathe_plane().zip(reading.first) else {
+        let text = format!("the contour of '{}' has no move", act.block_text());
+        return Err(act.alarm(&diag::CONTOUR_FIRST, text));
+    };
+    let shape = Shape { start: reading.start, elements: reading.elements, rapid: first.rapid };
+    let refused = match cycle.task {
+        Task::Finish => None,
+        Task::Rough(settings, pockets) => {
+            let both = plane.axes.iter().all(|axis| first.coded & axis.bit() != 0);
+            let pockets = pockets.unwrap_or(both && act.env.machine.turning.pockets);
+            match rough::Rough::new(&shape, rough::Settings { pockets, ..settings }) {
+                Ok(rough) => {
+                    act.check_feed(cycle.feed.0)?;
+                    rough.run(&mut Cutting::new(act, &plane, cycle.feed))?;
+                    None
+                }
+                Err(refusal) => Some(refusal),
+            }
+        }
+        Task::Pattern(settings) => {
+            act.check_feed(cycle.feed.0)?;
+            pattern::run(&shape, &settings, &mut Cutting::new(act, &plane, cycle.feed))?;
+            None
+        }
+    };
+    let Some(refusal) = refused else {
+        super::cutter::after_thread(act);
+        return Ok(());
+    };
+    let block = act.block_text();
+    let (facts, why) = match refusal {
+        Refusal::TurnsBack => (&diag::CONTOUR_BACK, "turns back along the cut"),
+        Refusal::BeyondStart => (&diag::CONTOUR_BEYOND, "reaches beyond the start point of the cycle"),
+        Refusal::Nothing => (&diag::CONTOUR_FIRST, "has no piece to cut"),
+    };
+    Err(act.alarm(facts, format!("the contour of '{block}' {why}")))
+}

@@ -1,0 +1,73 @@
+//! The moves of a turning cycle as motions of its block.
+//!
+//! *Invariant:* a move that changes no coordinate makes no motion.
+
+use counterpoint_motion::arc as geometry;
+use counterpoint_motion::turning::{Move, Sink};
+
+use crate::act::Act;
+use crate::action::arc::Circle;
+use crate::action::turned;
+use crate::state::modal::plane;
+use crate::state::turning::LathePlane;
+use counterpoint_event::event::{FeedUnit, Position};
+use counterpoint_fault::{Acted, Halt};
+use counterpoint_machine::ident::codes;
+
+/// A cycle that is being cut.
+pub(super) struct Cutting<'x, 'k, 'a> {
+    act: &'x mut Act<'k, 'a>,
+    plane: LathePlane,
+    feed: (Option<f64>, FeedUnit),
+}
+
+impl<'x, 'k, 'a> Cutting<'x, 'k, 'a> {
+    /// A cycle at this feed.
+    pub(super) fn new(act: &'x mut Act<'k, 'a>, plane: &LathePlane, feed: (Option<f64>, FeedUnit)) -> Self {
+        Self { act, plane: *plane, feed }
+    }
+
+    fn arc(&mut self, [from, to]: [Position; 2], (center, clockwise): ([f64; 2], bool), coded: u8) -> Acted {
+        let (feed, unit) = self.feed;
+        let [start, end] = [from, to].map(|position| self.plane.point(&position));
+        let Ok(made) = geometry::by_center(start, end, center, clockwise) else {
+            return self.act.feed_to_point(coded, to, feed, unit);
+        };
+        let circle = Circle { made, coded, from, to, axes: self.plane.axes, turns: 0, feed, unit };
+        match plane(codes::PLANE_ZX) {
+            Some(plane) if self.act.state.place.frames.is_some() => turned::circle(self.act, plane, &circle),
+            _ => self.act.circle_to(&circle),
+        }
+    }
+}
+
+impl Sink for Cutting<'_, '_, '_> {
+    type Stop = Halt;
+
+    fn pass(&mut self) -> Acted {
+        self.act.count_as_block()
+    }
+
+    fn go(&mut self, to: Move) -> Acted {
+        let (Move::Rapid(point) | Move::Feed(point) | Move::Arc { to: point, .. }) = to;
+        let from = self.act.programmed();
+        let target = self.plane.position(from, point);
+        let coded = self.plane.moved(&from, &target);
+        if coded == 0 {
+            return Ok(());
+        }
+        let (feed, unit) = self.feed;
+        match to {
+            Move::Rapid(_) => self.act.rapid_to_point(coded, target),
+            Move::Feed(_) => self.act.feed_to_point(coded, target, feed, unit),
+            Move::Arc { center, clockwise, .. } => self.arc([from, target], (center, clockwise), coded),
+        }
+    }
+}
+
+/// Goes to a programmed point at rapid, in the plane of turning.
+pub(in crate::action) fn go_back(act: &mut Act<'_, '_>, to: &Position) -> Acted {
+    let Some(plane) = act.lathe_plane() else { return Ok(()) };
+    let point = plane.point(to);
+    Cutting::new(act, &plane, (None, FeedUnit::Rapid)).go(Move::Rapid(point))
+}

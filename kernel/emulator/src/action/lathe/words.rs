@@ -1,0 +1,117 @@
+//! Data of turning cycles.
+//!
+//! *Invariant:* a cycle takes what it uses; the rest stays on the block and is reported. Facts: reference
+//! turning-cycles.md 1.2, 3, 4, 6.1.
+
+use counterpoint_motion::contour::element::Spot;
+use counterpoint_motion::turning::rough;
+
+use crate::act::Act;
+use crate::state::turning::LathePlane;
+use counterpoint_machine::ident::{DataId, data};
+
+/// Largest sequence number.
+const MOST: f64 = 4_294_967_295.0;
+
+fn value(act: &mut Act<'_, '_>, id: DataId) -> Option<f64> {
+    act.take(id).map(|datum| datum.value)
+}
+
+/// First and last contour block.
+pub(super) fn blocks(act: &mut Act<'_, '_>) -> (Option<u32>, Option<u32>) {
+    let mut number = |id| act.take(id).map(|datum| datum.value.clamp(0.0, MOST) as u32);
+    (number(data::TURN_FIRST), number(data::TURN_LAST))
+}
+
+/// Depth and retraction from a line of settings; false if it has neither.
+pub(super) fn rough_settings(act: &mut Act<'_, '_>, face: bool) -> bool {
+    let depth = value(act, if face { data::TURN_DEPTH_Z } else { data::TURN_DEPTH_X });
+    let depth = depth.or_else(|| value(act, data::TURN_DEPTH));
+    let retract = value(act, data::TURN_RETRACT);
+    let turning = &mut act.state.others.turning;
+    turning.depth = depth.unwrap_or(turning.depth);
+    turning.retract = retract.map_or(turning.retract, f64::abs);
+    depth.is_some() || retract.is_some()
+}
+
+/// What a rough cycle is told.
+pub(super) struct Rough {
+    pub(super) settings: rough::Settings,
+    /// With pockets, if a word says so.
+    pub(super) pockets: Option<bool>,
+}
+
+/// The words of a rough cycle beside its contour blocks.
+pub(super) fn rough(act: &mut Act<'_, '_>, plane: &LathePlane, face: bool) -> Rough {
+    let allowance = allowance(act, plane);
+    let semi = [data::TURN_SEMI_Z, data::TURN_SEMI_X].map(|id| value(act, id).unwrap_or(0.0));
+    if let Some(depth) = value(act, data::TURN_DEPTH) {
+        act.state.others.turning.depth = depth;
+    }
+    let pockets = value(act, data::TURN_TYPE).map(|kind| kind == 1.0);
+    let turning = &act.state.others.turning;
+    let (depth, retract) = (turning.depth, turning.retract);
+    Rough { settings: rough::Settings { face, depth, retract, allowance, semi, pockets: false }, pockets }
+}
+
+/// Allowances along Z and X; that of X counts as X is programmed.
+fn allowance(act: &mut Act<'_, '_>, plane: &LathePlane) -> Spot {
+    let [z, x] = [data::TURN_ALLOWANCE_Z, data::TURN_ALLOWANCE_X].map(|id| value(act, id).unwrap_or(0.0));
+    [z * plane.scales[0], x * plane.scales[1]]
+}
+
+/// Relief and repetitions of a pattern from a line of settings; false if it has none of them.
+pub(super) fn pattern_settings(act: &mut Act<'_, '_>) -> bool {
+    let own = [data::TURN_DEPTH_Z, data::TURN_DEPTH_X].map(|id| value(act, id));
+    let repeats = value(act, data::TURN_REPEATS);
+    let turning = &mut act.state.others.turning;
+    for (slot, said) in turning.relief.iter_mut().zip(own) {
+        *slot = said.unwrap_or(*slot);
+    }
+    turning.repeats = repeats.unwrap_or(turning.repeats);
+    own.iter().any(Option::is_some) || repeats.is_some()
+}
+
+/// Allowances and repetitions of a pattern; relief of the one-line form is kept like that of settings.
+pub(super) fn pattern(act: &mut Act<'_, '_>, plane: &LathePlane) -> (Spot, f64) {
+    let allowance = allowance(act, plane);
+    let relief = [data::TURN_RELIEF_Z, data::TURN_RELIEF_X].map(|id| value(act, id));
+    let repeats = value(act, data::TURN_REPEATS);
+    let turning = &mut act.state.others.turning;
+    for (slot, said) in turning.relief.iter_mut().zip(relief) {
+        *slot = said.unwrap_or(*slot);
+    }
+    turning.repeats = repeats.unwrap_or(turning.repeats);
+    (allowance, turning.repeats.trunc())
+}
+
+/// The way back of pecks from a line of settings; false if the block is more than that.
+pub(super) fn peck_settings(act: &mut Act<'_, '_>) -> bool {
+    let more = act.has_axis_word() || [data::TURN_STEP_X, data::TURN_STEP_Z].iter().any(|id| act.block_has(*id));
+    if more {
+        return false;
+    }
+    if let Some(back) = value(act, data::TURN_RETRACT) {
+        act.state.others.turning.back = back.abs();
+    }
+    true
+}
+
+/// What a cycle of pecks is told beside its end.
+pub(super) struct Pecks {
+    /// Along Z and X.
+    pub(super) steps: [f64; 2],
+    pub(super) relief: f64,
+}
+
+/// The words of pecks.
+pub(super) fn pecks(act: &mut Act<'_, '_>) -> Pecks {
+    let steps = [data::TURN_STEP_Z, data::TURN_STEP_X].map(|id| value(act, id).unwrap_or(0.0));
+    let relief = value(act, data::TURN_RETRACT).or_else(|| value(act, data::TURN_DEPTH)).unwrap_or(0.0);
+    Pecks { steps, relief }
+}
+
+/// The taper of a single cycle.
+pub(super) fn taper(act: &mut Act<'_, '_>, face: bool) -> Option<f64> {
+    value(act, if face { data::TURN_TAPER_Z } else { data::TURN_TAPER_X })
+}

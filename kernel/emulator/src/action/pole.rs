@@ -1,0 +1,33 @@
+//! The pole of polar coordinates.
+//!
+//! Facts: reference siemens-cycles.md (G110 to G112). *Invariant:* the pole is a point of the program; nothing moves.
+
+use counterpoint_fault::Acted;
+use counterpoint_machine::ident::codes;
+
+use crate::act::Act;
+use crate::action::entry::{Contour, Entry};
+
+/// Codes and what they do.
+pub(crate) const ENTRIES: &[Entry] = &[
+    Entry::of(&[codes::POLE_TOOL], |act, _, _| set(act, From::Tool)).contour(Contour::Waits),
+    Entry::of(&[codes::POLE_ZERO], |act, _, _| set(act, From::Zero)).contour(Contour::Waits),
+    Entry::of(&[codes::POLE_LAST], |act, _, _| set(act, From::Pole)).contour(Contour::Waits),
+];
+
+/// What the words of a pole count from.
+enum From {
+    Tool,
+    Zero,
+    Pole,
+}
+
+fn set(act: &mut Act<'_, '_>, from: From) -> Acted {
+    let from = match from {
+        From::Tool => act.programmed(),
+        From::Zero => Default::default(),
+        From::Pole => act.state.arcs.pole,
+    };
+    act.set_pole(from);
+    act.check_stop()
+}

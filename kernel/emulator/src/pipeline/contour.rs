@@ -1,0 +1,168 @@
+//! Cycles along contour blocks: the blocks are read without acting, then the cycle cuts along what they describe.
+//!
+//! The blocks take the usual way through edit, pre-process, split and codes, but by a plan whose actions only record. So
+//! variables, expressions and corners count as the control counts them. *Invariant:* reading changes neither the position
+//! nor modal codes and data, and no event comes from it but diagnostics. Facts: reference turning-cycles.md 1.3. Decision:
+//! macros of the machine do not see blocks that are read.
+
+use crate::channel::Kernel;
+use crate::channel::flow::{Called, Callee, Frame};
+use crate::state::modal::group;
+use crate::state::turning::{ContourCycle, Reading, Task};
+use counterpoint_event::event::Position;
+use counterpoint_fault as diag;
+use counterpoint_fault::{Acted, Halt};
+use counterpoint_machine::ident::{codes, data};
+use counterpoint_program::shape::Range;
+use counterpoint_program::spot::Spot;
+
+impl Kernel<'_> {
+    /// Executes a cycle along contour blocks.
+    pub(crate) fn contour_cycle(&mut self, cycle: &ContourCycle) -> Acted {
+        let Some((first, last)) = self.contour_blocks(cycle.blocks) else {
+            let (first, last) = cycle.blocks;
+            let text = format!("blocks N{first} to N{last} are not in the program of '{}'", self.block_text());
+            return Err(self.alarm(&diag::CONTOUR_BLOCKS, text));
+        };
+        if cycle.task == Task::Finish {
+            return self.run_contour(first, last, cycle.blocks);
+        }
+        let reading = self.read_contour(first, last)?;
+        (self.plan.actions.cut_contour)(self, cycle, reading)?;
+        if self.comes_next(first) {
+            let after = self.after(last);
+            if let Some(frame) = self.frame() {
+                (frame.next, frame.offset) = (after.line, after.offset);
+            }
+        }
+        Ok(())
+    }
+
+    /// Where the blocks are: the first ones of these numbers in the program, the last one not before the first.
+    fn contour_blocks(&mut self, (first, last): (u32, u32)) -> Option<(Spot, Spot)> {
+        let sources = self.channel.env.sources;
+        let (file, range) = self.frame().map(|frame| (frame.file, frame.range))?;
+        let source = sources.get(file)?;
+        let from = |number, after: Spot| {
+            let spots = source.sequences(number).iter();
+            spots.copied().find(|spot| *spot >= after && spot.line <= range.last)
+        };
+        let first = from(first, Spot::line(range.first))?;
+        Some((first, from(last, first)?))
+    }
+
+    /// Nothing but blank lines and comments is between this block and the contour.
+    fn comes_next(&mut self, first: Spot) -> bool {
+        let sources = self.channel.env.sources;
+        let Some((file, next)) = self.frame().map(|frame| (frame.file, frame.next_block())) else { return false };
+        let Some(source) = sources.get(file) else { return false };
+        first >= next && (next.line..first.line).all(|line| !source.has_text(line))
+    }
+
+    /// Runs the contour as blocks of the program; at its end the tool goes back to where it is now.
+    fn run_contour(&mut self, first: Spot, last: Spot, (from, to): (u32, u32)) -> Acted {
+        let what = Callee::Blocks(from, to);
+        self.check_nesting(|| what.to_string())?;
+        let here = self.channel.at.file;
+        let file = self.frame().map_or(here, |frame| frame.file);
+        let back = Some(Box::new(self.channel.programmed()));
+        self.enter(Frame {
+            file,
+            range: Range { number: None, first: first.line, last: last.line },
+            next: first.line,
+            offset: first.offset,
+            repeats: 0,
+            closes: true,
+            own_variables: false,
+            called: Called { what, passes: 1, block: None },
+            by: None,
+            name: format!("N{from}-N{to}").into(),
+            back,
+        });
+        Ok(())
+    }
+
+    /// The contour has been run: the tool goes back, as a move of the cycle.
+    pub(crate) fn end_contour(&mut self, back: &Position) -> Acted {
+        if let Some((file, line)) =
+            self.frame().map(|frame| (frame.file, frame.next, frame.offset)).map(|at| match at {
+                (file, line, 0) => (file, line.saturating_sub(1)),
+                (file, line, _) => (file, line),
+            })
+        {
+            (self.channel.at.file, self.channel.at.line) = (file, line);
+            self.channel.text.edited = None;
+        }
+        (self.plan.actions.go_back)(self, back)
+    }
+
+    /// Reads the contour.
+    fn read_contour(&mut self, first: Spot, last: Spot) -> Result<Reading, Halt> {
+        let Some(plan) = self.plan.reading.as_deref() else { return Ok(Reading::default()) };
+        let outer_plan = std::mem::replace(&mut self.plan, plan);
+        let start = self.channel.programmed();
+        let place = &mut self.channel.state.place;
+        let place = (std::mem::replace(&mut place.position, start), place.frames.take());
+        let modal = self.channel.state.modal.clone();
+        let (cycle, arcs) = (self.channel.state.cycle, std::mem::take(&mut self.channel.state.arcs));
+        let secondary = self.channel.state.secondary;
+        let text = (self.channel.at.line, self.channel.text.edited.take(), self.flow.offset);
+        let next = self.frame().map(|frame| (frame.next, frame.offset));
+        let block = self.macros.block.enter();
+
+        self.channel.state.others.turning.reading = Reading { start: self.channel.flat(&start), ..Reading::default() };
+        // A feed per minute needs no spindle; what moves is only recorded.
+        self.channel.state.modal.activate(group::FEED, codes::FEED_UPM, None);
+        self.channel.state.modal.remember(data::FEED_UPM, 1.0);
+        let done = self.read_blocks(first, last).and_then(|()| self.flush_lookahead());
+        let done = done.map_err(|halt| self.end_compensation(halt));
+
+        self.macros.block = block;
+        if let (Some(frame), Some(next)) = (self.frame(), next) {
+            (frame.next, frame.offset) = next;
+        }
+        (self.channel.at.line, self.channel.text.edited, self.flow.offset) = text;
+        self.channel.state.secondary = secondary;
+        (self.channel.state.cycle, self.channel.state.arcs) = (cycle, arcs);
+        self.channel.state.modal = modal;
+        (self.channel.state.place.position, self.channel.state.place.frames) = place;
+        self.plan = outer_plan;
+        done?;
+        Ok(std::mem::take(&mut self.channel.state.others.turning.reading))
+    }
+
+    /// Reads the blocks from the first to the last one.
+    fn read_blocks(&mut self, first: Spot, last: Spot) -> Acted {
+        if let Some(frame) = self.frame() {
+            (frame.next, frame.offset) = (first.line, first.offset);
+        }
+        let sources = self.channel.env.sources;
+        loop {
+            let Some((file, here)) = self.frame().map(|frame| (frame.file, frame.next_block())) else { return Ok(()) };
+            let Some(source) = sources.get(file).filter(|_| (first..=last).contains(&here)) else { return Ok(()) };
+            self.count_as_block()?;
+            if let Some(frame) = self.frame() {
+                frame.next = here.line + 1;
+            }
+            let text = source.line(here.line);
+            self.channel.at.line = here.line;
+            let held;
+            let text = if self.plan.edits.reshapes && self.is_reshaped(source) {
+                held = self.reshape(text, here.line)?;
+                held.text()
+            } else {
+                text
+            };
+            if text.trim_ascii().is_empty() {
+                continue;
+            }
+            self.macros.block.text = None;
+            self.block(text)?;
+            self.channel.check_stop()?;
+            if self.flow.pending.take().is_some() {
+                let text = format!("a contour has no call, return or end: '{}'", self.block_text());
+                return Err(self.alarm(&diag::CONTOUR_CODE, text));
+            }
+        }
+    }
+}

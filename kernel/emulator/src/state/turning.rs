@@ -1,0 +1,136 @@
+//! What a channel remembers of its turning cycles, and a contour that is being read.
+//!
+//! *Invariant:* settings last until they are changed; the end of a single cycle lasts as long as its code.
+
+use super::channel::Channel;
+use counterpoint_event::event::{FeedUnit, Position};
+use counterpoint_machine::Machine;
+use counterpoint_machine::index::{AxisSlot, BySlot};
+use counterpoint_motion::contour::element::{Element, Spot};
+use counterpoint_motion::turning::{pattern, rough};
+
+/// Turning cycles of a channel; lengths are geometry units, pairs along Z and X.
+#[derive(Debug)]
+pub(crate) struct Turning {
+    /// Depth of a level; 0 for none.
+    pub(crate) depth: f64,
+    /// Retraction at the end of a cut.
+    pub(crate) retract: f64,
+    /// Distance of the first from the last repetition of a contour.
+    pub(crate) relief: Spot,
+    /// Repetitions.
+    pub(crate) repeats: f64,
+    /// Way back after a peck.
+    pub(crate) back: f64,
+    /// End of single cycles as programmed.
+    pub(crate) end: [Option<f64>; 2],
+    /// Their taper.
+    pub(crate) taper: f64,
+    /// The contour that is being read.
+    pub(crate) reading: Reading,
+}
+
+impl Turning {
+    /// Settings of the machine.
+    pub(crate) fn new(machine: &Machine) -> Self {
+        let settings = &machine.turning;
+        Self {
+            depth: settings.depth,
+            retract: settings.retract,
+            relief: [0.0; 2],
+            repeats: 1.0,
+            back: settings.back,
+            end: [None; 2],
+            taper: 0.0,
+            reading: Reading::default(),
+        }
+    }
+}
+
+/// The first move of a contour.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct First {
+    /// At rapid.
+    pub(crate) rapid: bool,
+    /// Axes that were programmed, bit by axis.
+    pub(crate) coded: u8,
+}
+
+/// A contour that is being read.
+#[derive(Debug, Default)]
+pub(crate) struct Reading {
+    /// Where the tool was.
+    pub(crate) start: Spot,
+    /// The first move; none before it.
+    pub(crate) first: Option<First>,
+    /// Pieces after it.
+    pub(crate) elements: Vec<Element>,
+}
+
+/// A cycle along contour blocks.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct ContourCycle {
+    /// Sequence numbers of the first and last block.
+    pub(crate) blocks: (u32, u32),
+    /// What is done with them.
+    pub(crate) task: Task,
+    /// Feed of the cuts.
+    pub(crate) feed: (Option<f64>, FeedUnit),
+}
+
+/// What is done with contour blocks.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Task {
+    /// They run once.
+    Finish,
+    /// They are roughed, with pockets if the program says so; else as their first block tells.
+    Rough(rough::Settings, Option<bool>),
+    /// They are repeated.
+    Pattern(pattern::Settings),
+}
+
+/// The plane of turning: channel axes of Z and X, with their factors to geometry.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct LathePlane {
+    pub(crate) axes: [AxisSlot; 2],
+    pub(crate) scales: [f64; 2],
+}
+
+impl LathePlane {
+    /// The point of the plane at a position.
+    pub(crate) fn point(&self, position: &Position) -> Spot {
+        let [z, x] = self.axes.map(|axis| position.at(axis));
+        [z * self.scales[0], x * self.scales[1]]
+    }
+
+    /// A position moved to a point of the plane. What sums leave after the ninth digit is nothing that was programmed.
+    pub(crate) fn position(&self, mut from: Position, point: Spot) -> Position {
+        for ((axis, scale), value) in self.axes.into_iter().zip(self.scales).zip(point) {
+            let wanted = (value / scale * 1e9).round() / 1e9 + 0.0;
+            let slot = from.at_mut(axis);
+            *slot = if (wanted - *slot).abs() < 1e-9 { *slot } else { wanted };
+        }
+        from
+    }
+
+    /// Bits of its axes in which two positions differ.
+    pub(crate) fn moved(&self, from: &Position, to: &Position) -> u8 {
+        let moves = |axis: &AxisSlot| from.at(*axis) != to.at(*axis);
+        self.axes.into_iter().filter(moves).fold(0, |bits, axis| bits | axis.bit())
+    }
+}
+
+impl Channel<'_> {
+    /// The plane of turning; none without X and Z.
+    pub(crate) fn lathe_plane(&self) -> Option<LathePlane> {
+        let layout = &self.state.place.layout;
+        let axis = |role: usize| layout.cartesian.get(role).copied().flatten();
+        let axes = [axis(2)?, axis(0)?];
+        Some(LathePlane { axes, scales: axes.map(|axis| layout.axes[axis].scale) })
+    }
+
+    /// The point of the plane of turning at a position.
+    pub(crate) fn flat(&self, position: &Position) -> Spot {
+        self.lathe_plane().map_or([0.0; 2], |plane| plane.point(position))
+    }
+}

@@ -1,0 +1,252 @@
+//! Rough turning and facing: levels down to the contour, then pockets, then one pass along the contour.
+//!
+//! The open stretch of each level is cut first, from the top; then each pocket, deepest branch first, in the direction of
+//! the cut. *Invariant:* a rapid move across the stock goes no deeper than the last level cut there.
+
+use super::parts::{Mark, Parts, Stretch};
+use super::view::View;
+use super::{Contour, Move, NOISE, Refusal, Sink, along, moved};
+use crate::contour::element::Spot;
+
+/// What a rough cycle is told.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Settings {
+    /// The cut runs along X.
+    pub face: bool,
+    /// Depth of a level, above 0.
+    pub depth: f64,
+    /// Retraction at the end of a cut.
+    pub retract: f64,
+    /// What is left on the contour, along Z and X.
+    pub allowance: Spot,
+    /// What the levels leave besides, along Z and X; the last pass takes it.
+    pub semi: Spot,
+    /// Pockets are cut level by level, not by the last pass alone.
+    pub pockets: bool,
+}
+
+/// A rough cycle, ready to be cut.
+#[derive(Debug)]
+pub struct Rough<'c> {
+    contour: &'c Contour,
+    settings: Settings,
+    view: View,
+    parts: Parts,
+    /// Where levels count from, as seen.
+    origin: Spot,
+}
+
+/// A pocket below a level that is open.
+#[derive(Debug, Clone, Copy)]
+struct Pocket {
+    begin: Mark,
+    end: Mark,
+    /// Number of its first level.
+    level: u64,
+    /// How the tool comes to it.
+    entry: Entry,
+}
+
+#[derive(Debug, Clone, Copy)]
+enum Entry {
+    /// From the start of the cycle, over stock that was cut down to this height.
+    Start(f64),
+    /// Down the flank of the stretch above, from this place.
+    Flank(Mark),
+    /// Beside another one, over a stretch cut down to this height.
+    Beside(f64),
+}
+
+/// Where the tool is, as seen, and what takes its moves.
+struct Cut<'s, S: Sink> {
+    sink: &'s mut S,
+    view: View,
+    at: Spot,
+}
+
+impl<S: Sink> Cut<'_, S> {
+    fn rapid(&mut self, to: Spot) -> Result<(), S::Stop> {
+        self.at = to;
+        self.sink.go(Move::Rapid(self.view.place(to)))
+    }
+
+    fn feed(&mut self, to: Spot) -> Result<(), S::Stop> {
+        self.at = to;
+        self.sink.go(Move::Feed(self.view.place(to)))
+    }
+}
+
+impl<'c> Rough<'c> {
+    /// The cycle of a contour.
+    ///
+    /// # Errors
+    /// The contour cannot be cut.
+    pub fn new(contour: &'c Contour, settings: Settings) -> Result<Self, Refusal> {
+        let plain = View { face: settings.face, signs: [1.0; 2] };
+        let (start, first, last) = (plain.see(contour.start), plain.see(contour.first()), plain.see(contour.last()));
+        let sign = |way: f64, or: f64| if way.abs() > NOISE { way.signum() } else { or };
+        let toward = sign(last[0] - start[0], -1.0);
+        let stock = sign(start[1] - first[1], sign(start[1] - last[1], 1.0));
+        let view = View { signs: [toward, stock], ..plain };
+        let left = [settings.allowance[0] + settings.semi[0], settings.allowance[1] + settings.semi[1]];
+        let elements: Vec<_> = contour.elements.iter().map(|element| moved(element, left)).collect();
+        let parts = Parts::of(&elements, &view);
+        let [z, x] = contour.start;
+        let origin = view.see([z + left[0], x + left[1]]);
+        parts.check(origin)?;
+        Ok(Self { contour, settings, view, parts, origin })
+    }
+
+    /// Height of a level; none below the last one.
+    fn level(&self, number: u64) -> Option<f64> {
+        let low = self.parts.lowest();
+        let above = self.origin[1] - (number as f64 - 1.0) * self.settings.depth;
+        if above <= low + NOISE {
+            return None;
+        }
+        Some((above - self.settings.depth).max(low))
+    }
+
+    /// Gives the moves.
+    ///
+    /// # Errors
+    /// The sink takes no more.
+    pub fn run<S: Sink>(&self, sink: &mut S) -> Result<(), S::Stop> {
+        let mut cut = Cut { sink, view: self.view, at: self.origin };
+        cut.rapid(self.origin)?;
+        let mut pockets = self.open_levels(&mut cut)?;
+        if self.settings.pockets {
+            pockets.sort_by(|a, b| a.begin.along.total_cmp(&b.begin.along));
+            for pocket in pockets {
+                self.pocket(&mut cut, pocket)?;
+            }
+        }
+        self.contour_pass(&mut cut)
+    }
+
+    /// Cuts the open stretches of all levels. Gives the pockets beside them.
+    fn open_levels<S: Sink>(&self, cut: &mut Cut<'_, S>) -> Result<Vec<Pocket>, S::Stop> {
+        let mut pockets = Vec::new();
+        let [start, top] = self.origin;
+        let retract = self.settings.retract;
+        let (mut above, mut height) = (None, top);
+        for number in 1.. {
+            let Some(level) = self.level(number) else { break };
+            cut.sink.pass()?;
+            let stretches = self.parts.stretches(level);
+            let within = |begin: &Mark| above.is_none_or(|end: Mark| begin.along <= end.along + NOISE);
+            for stretch in &stretches {
+                if let Some(begin) = stretch.begin.filter(within) {
+                    pockets.push(Pocket { begin, end: stretch.end, level: number, entry: Entry::Start(height) });
+                }
+            }
+            let open = stretches.first().filter(|stretch| stretch.begin.is_none());
+            let Some(open) = open.filter(|open| open.end.along > start + NOISE) else { break };
+            let infeed = self.contour.infeed(self.view.place([start, level]));
+            cut.sink.go(infeed)?;
+            cut.feed([open.end.along, level])?;
+            cut.rapid([open.end.along - retract, level + retract])?;
+            cut.rapid([start, level + retract])?;
+            (above, height) = (Some(open.end), level);
+        }
+        Ok(pockets)
+    }
+
+    /// Cuts a pocket, and leaves it.
+    fn pocket<S: Sink>(&self, cut: &mut Cut<'_, S>, root: Pocket) -> Result<(), S::Stop> {
+        let mut open = vec![root];
+        while let Some(pocket) = open.pop() {
+            let Some(level) = self.level(pocket.level) else { continue };
+            cut.sink.pass()?;
+            self.enter(cut, &pocket, level)?;
+            let length = pocket.end.along - pocket.begin.along;
+            let retract = self.settings.retract.min(length / 2.0).max(0.0);
+            if length > NOISE {
+                cut.feed([pocket.end.along, level])?;
+                cut.rapid([pocket.end.along - retract, level + retract])?;
+            }
+            let Some(next) = self.level(pocket.level + 1) else { continue };
+            let below = self.parts.stretches(next).into_iter().filter_map(|stretch| inside(&pocket, &stretch));
+            let mut below: Vec<_> = below.collect();
+            for (index, child) in below.iter_mut().enumerate() {
+                let flank = index == 0 && self.parts.falls(pocket.begin.part, child.begin.part);
+                child.entry = if flank { Entry::Flank(pocket.begin) } else { Entry::Beside(level) };
+            }
+            open.extend(below.into_iter().rev());
+        }
+        let [start, top] = self.origin;
+        cut.rapid([cut.at[0], top])?;
+        cut.rapid([start, top])
+    }
+
+    /// Takes the tool to the beginning of a stretch.
+    fn enter<S: Sink>(&self, cut: &mut Cut<'_, S>, pocket: &Pocket, level: f64) -> Result<(), S::Stop> {
+        let place = pocket.begin.part;
+        let (height, from) = match pocket.entry {
+            Entry::Flank(above) => {
+                let height = self.level(pocket.level - 1).unwrap_or(level);
+                let aside = (cut.at[1] - height).max(0.0);
+                cut.rapid([above.along + aside, cut.at[1]])?;
+                cut.feed([above.along, height])?;
+                return self.flank(cut, above.part, place, [pocket.begin.along, level]);
+            }
+            Entry::Start(height) => {
+                if cut.at[1] < height - NOISE {
+                    cut.rapid([cut.at[0], self.origin[1]])?;
+                }
+                (height, self.parts.descent(place))
+            }
+            Entry::Beside(height) => {
+                let above = height + self.settings.retract;
+                if cut.at[1] < above - NOISE {
+                    cut.rapid([cut.at[0], above])?;
+                }
+                (height, self.parts.descent(place))
+            }
+        };
+        let vertex = self.parts.all.get(from).map_or([pocket.begin.along, level], |part| part.from);
+        cut.rapid([vertex[0], cut.at[1]])?;
+        cut.rapid([vertex[0], (vertex[1] + self.settings.retract).max(height)])?;
+        cut.feed(vertex)?;
+        self.flank(cut, from, place, [pocket.begin.along, level])
+    }
+
+    /// Feeds along the contour from within one part to a point of another one.
+    fn flank<S: Sink>(&self, cut: &mut Cut<'_, S>, from: usize, to: usize, end: Spot) -> Result<(), S::Stop> {
+        for (index, part) in self.parts.all.iter().enumerate().take(to + 1).skip(from) {
+            let target = if index == to { end } else { part.to };
+            match part.arc {
+                Some((center, clockwise)) if (target[0] - cut.at[0]).abs() + (target[1] - cut.at[1]).abs() > NOISE => {
+                    let clockwise = clockwise != self.view.turns_over();
+                    let (to, center) = (self.view.place(target), self.view.place(center));
+                    cut.at = target;
+                    cut.sink.go(Move::Arc { to, center, clockwise })?;
+                }
+                _ => cut.feed(target)?,
+            }
+        }
+        Ok(())
+    }
+
+    /// Cuts along the contour, and returns to where the cycle began.
+    fn contour_pass<S: Sink>(&self, cut: &mut Cut<'_, S>) -> Result<(), S::Stop> {
+        cut.sink.pass()?;
+        let mut elements =
+            self.contour.elements.iter().map(|element| moved(element, self.settings.allowance)).peekable();
+        if let Some(first) = elements.peek() {
+            cut.sink.go(self.contour.infeed(first.from))?;
+        }
+        for element in elements {
+            cut.sink.go(along(&element))?;
+        }
+        cut.sink.go(Move::Rapid(self.contour.start))
+    }
+}
+
+/// The part of a pocket one level deeper.
+fn inside(pocket: &Pocket, stretch: &Stretch) -> Option<Pocket> {
+    let begin = stretch.begin?;
+    let within = begin.along >= pocket.begin.along - NOISE && stretch.end.along <= pocket.end.along + NOISE;
+    let part = begin.part >= pocket.begin.part && stretch.end.part <= pocket.end.part;
+    (within && part).then_some(Pocket { begin, end: stretch.end, level: pocket.level + 1, ..*pocket })
+}
