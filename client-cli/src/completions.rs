@@ -52,8 +52,8 @@ mod tests {
     #[test]
     fn machines_are_completed_by_name_and_folder() {
         for (shell, folders) in [
-            (Shell::Bash, "compgen -d -W \"fanuc-2path-lathe fanuc-3path-lathe fanuc-mill"),
-            (Shell::Zsh, ":{compadd -- fanuc-2path-lathe fanuc-3path-lathe fanuc-mill"),
+            (Shell::Bash, "compgen -d -W \"fanuc-2path-lathe fanuc-3path-lathe fanuc-lathe fanuc-mill"),
+            (Shell::Zsh, ":{compadd -- fanuc-2path-lathe fanuc-3path-lathe fanuc-lathe fanuc-mill"),
             (Shell::Fish, "-r -a \"fanuc-2path-lathe"),
         ] {
             let script = script(shell);

@@ -63,8 +63,7 @@ pub(super) struct Watch {
     heartbeat: Duration,
     cursor: u64,
     reader: Option<Reader>,
-    /// Bytes to be read at once, and reads since the client stood still.
-    pull: usize,
+    /// Reads since the client stood still.
     kept_pace: u32,
     /// Where the log is to be read on after the client stood still.
     resume: Option<u64>,
@@ -109,7 +108,6 @@ impl Watch {
             heartbeat,
             cursor: request.after_seq,
             reader: None,
-            pull: FIRST_PULL,
             kept_pace: 0,
             resume: None,
             described: false,
@@ -180,7 +178,7 @@ impl Watch {
         }
         while let Some(mut reader) = self.reader.take() {
             reader.extend(position.bytes);
-            let (most, slow) = (self.pull, self.kept_pace < PACE);
+            let (most, slow) = (most(self.kept_pace), self.kept_pace < PACE);
             let (reader, batches) = {
                 let _place = self.core.streams.reading().await;
                 blocking(move || pull(reader, most, slow)).await?
@@ -202,11 +200,8 @@ impl Watch {
                 self.batch(out, batch).await?;
             }
             self.kept_pace = self.kept_pace.saturating_add(1);
-            if self.kept_pace >= PACE {
-                self.pull = (2 * self.pull).min(PULL);
-            }
             if self.resume.is_some() {
-                (self.pull, self.kept_pace) = (FIRST_PULL, 0);
+                self.kept_pace = 0;
                 drop(reader);
                 out.reserve().await.map_err(|_| Over::Gone)?;
                 return Ok(false);
@@ -305,6 +300,11 @@ fn from_ledger(core: &Core, id: &str) -> Result<Arc<Live>, Refusal> {
     Ok(Arc::new(live))
 }
 
+/// Bytes to be read at once after so many reads for a client that has kept pace.
+fn most(kept_pace: u32) -> usize {
+    FIRST_PULL.saturating_mul(1 << kept_pace.saturating_sub(PACE - 1).min(16)).min(PULL)
+}
+
 /// Reads so many bytes of batches. For a client that may be slow, none of them holds more of the log than itself, and the
 /// reader holds next to nothing.
 fn pull(mut reader: Reader, most: usize, slow: bool) -> Result<(Reader, Vec<Batch>), Refusal> {
@@ -334,4 +334,16 @@ async fn send(out: &Out, content: Content) -> Result<(), Over> {
         response.padding = Bytes::from_static(&[0; SMALLEST]).slice(..SMALLEST - length);
     }
     out.send(Ok(response)).await.map_err(|_| Over::Gone)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn reads_grow_for_a_client_that_keeps_pace() {
+        let sizes: Vec<_> = (0..12).map(|reads| most(reads) / FIRST_PULL).collect();
+        assert_eq!(sizes, [1, 1, 1, 1, 1, 1, 1, 1, 2, 4, 8, 8]);
+        assert_eq!(most(u32::MAX), PULL);
+    }
 }
