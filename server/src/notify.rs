@@ -74,7 +74,7 @@ impl Manager {
     fn send(&self, text: &str) {
         #[cfg(unix)]
         if let Err(error) = self.socket.send(text.as_bytes()) {
-            tracing::debug!(%error, "the service manager cannot be told");
+            tracing::debug!(%error, "the service manager cannot be notified");
         }
         #[cfg(not(unix))]
         let _ = text;

@@ -1,4 +1,4 @@
-//! What the server can be told: flags over environment over configuration file over defaults.
+//! Settings of the server: flags over environment over configuration file over defaults.
 //!
 //! Invariant: every option exists in all three forms under one name (`queue` = `--queue` = `COUNTERPOINT_QUEUE`),
 //! and [`Options::to_toml`] prints a file that gives the same options again.

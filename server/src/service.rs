@@ -1,4 +1,4 @@
-//! The server as a component: [`build`] it, [`Service::run`] it until told to stop.
+//! The server as a component: [`build`] it, [`Service::run`] it until it is asked to stop.
 //!
 //! Invariant: [`Service::run`] returns within the grace time plus two seconds of the stop signal, whatever clients
 //! do (a client that never answers would hold a graceful shutdown forever).

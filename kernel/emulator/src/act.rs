@@ -99,8 +99,8 @@ impl Act<'_, '_> {
     }
 
     /// Factor from programmed positions of an axis to its own, where programs choose between diameter and radius.
-    pub(crate) fn factor_across(&self, axis: AxisSlot) -> f64 {
-        self.kernel.factor_across(axis)
+    pub(crate) fn axis_diameter_factor(&self, axis: AxisSlot) -> f64 {
+        self.kernel.axis_diameter_factor(axis)
     }
 
     /// The lead of a thread and the feed per revolution are one word that stays in force.

@@ -244,7 +244,7 @@ impl Block {
     }
 
     /// Something about the text of the block is worth a message.
-    pub fn has_oddities(&self) -> bool {
+    pub fn has_remarks(&self) -> bool {
         self.flags.irregular != 0 || !self.unrecognised.is_empty()
     }
 }

@@ -244,7 +244,7 @@ impl Scanner {
         end
     }
 
-    /// A special register or an early text at `at`: where to go on.
+    /// A special register or a text that looks like a word at `at`: where to go on.
     fn literal_first(
         &self,
         literal_first: &LiteralFirst,
@@ -293,7 +293,7 @@ impl Scanner {
         prefix_registers::starts_expression(line, at + 1) || key_word(self.names(), line, at)
     }
 
-    /// Value of a number as a register reads it, and what is odd about it ([`irregular`]).
+    /// Value of a number as a register reads it, and what is irregular about it ([`irregular`]).
     #[inline(always)]
     pub fn reading(&self, register: RegisterId, number: Number, secondary: bool) -> Option<(f64, u8)> {
         let [primary, other] = &self.reads[register];
@@ -316,8 +316,8 @@ impl Scanner {
             cursor += 1;
         }
         let (number, end) = parse_number(line, cursor)?;
-        let (value, odd) = self.reading(register, number, secondary)?;
-        block.flags.irregular |= odd;
+        let (value, irregular) = self.reading(register, number, secondary)?;
+        block.flags.irregular |= irregular;
         if Some(register) == self.sequence && block.sequence.is_none() && value >= 0.0 {
             block.sequence = Some(value as u32);
             return Some(end);

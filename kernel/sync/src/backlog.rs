@@ -94,7 +94,7 @@ impl Backlog {
     }
 
     /// Takes a chunk back that the log has read. It is used again unless it waits here.
-    pub fn give_back(&mut self, chunk: Chunk) {
+    pub fn return_chunk(&mut self, chunk: Chunk) {
         if Arc::strong_count(&chunk) == 1 {
             self.spare.push(chunk);
         }
@@ -103,7 +103,7 @@ impl Backlog {
     /// Puts a chunk with so many bytes of texts off.
     pub fn put(&mut self, chunk: Chunk, texts: usize) {
         if chunk.is_empty() {
-            return self.give_back(chunk);
+            return self.return_chunk(chunk);
         }
         let bytes = (chunk.len() * size_of::<Event>() + texts) as u64;
         self.bytes += bytes;
@@ -162,7 +162,7 @@ impl Backlog {
         } else {
             self.taken = 0;
             self.bytes -= bytes;
-            self.give_back(chunk);
+            self.return_chunk(chunk);
         }
         true
     }
@@ -229,7 +229,7 @@ mod tests {
         let chunk = backlog.share(&mut events(1..11));
         let log = chunk.clone();
         backlog.put(chunk, 0);
-        backlog.give_back(log);
+        backlog.return_chunk(log);
         assert!(backlog.spare.is_empty());
         backlog.take_all(100);
         assert_eq!(backlog.spare.len(), 1);

@@ -79,11 +79,11 @@ impl<'a> Stream<'a> {
         match &mut self.log {
             Some(Log::Merged(feeder)) => {
                 while let Some(chunk) = feeder.try_back() {
-                    self.backlog.give_back(chunk);
+                    self.backlog.return_chunk(chunk);
                 }
                 if feeder.is_full() {
                     let chunk = coordinator.wait_chunk(upto, feeder, Feeder::try_back, Feeder::wait_back);
-                    self.backlog.give_back(chunk);
+                    self.backlog.return_chunk(chunk);
                 }
                 // What the merger gives back is before the floor, so no more chunks wait than may be on the way to it.
                 self.backlog.take_all(floor());

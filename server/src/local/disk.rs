@@ -114,8 +114,8 @@ impl Disk {
 
     /// Free bytes for the server on the disk of a folder; `None` where the system does not say.
     pub(crate) fn free(&self, folder: &Path) -> Option<u64> {
-        let told = self.faults.as_ref().and_then(|faults| faults.free());
-        told.or_else(|| free(folder))
+        let injected = self.faults.as_ref().and_then(|faults| faults.free());
+        injected.or_else(|| free(folder))
     }
 }
 

@@ -86,7 +86,7 @@ mod tests {
                 })
             })
             .collect();
-        // All of them wait, as far as can be told.
+        // All of them wait, as far as is known.
         while Arc::strong_count(&shared) < 10 {
             std::thread::yield_now();
         }

@@ -1,7 +1,7 @@
 //! Writes the log of a running job.
 //!
 //! Records are gathered and written together: after 256 KiB, with the first call later than 10 ms after the last
-//! write (unless the log is small and nobody watches), or a few ms after they came when somebody watches. Invariant: readers are told of bytes only after they are in the
+//! write (unless the log is small and nobody watches), or a few ms after they came when somebody watches. Invariant: readers learn of bytes only after they are in the
 //! file.
 
 use std::fmt::Debug;

@@ -16,4 +16,4 @@ pub(super) use corner::{Corner, corner};
 pub(super) use plane::{Point, center_by_radius, direction, minus};
 pub(super) use polar::Polar;
 pub(super) use tangent::{Tangent, heading_on, tangent};
-pub(super) use ways::{Approach, Departure, Side, Way, approach, depart};
+pub(super) use ways::{Approach, Departure, PathShape, Side, approach, depart};

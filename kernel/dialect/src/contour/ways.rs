@@ -6,7 +6,7 @@ use super::plane::{Point, along, left, minus, times, touch, turn, turned};
 
 /// Form of a way.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Way {
+pub(crate) enum PathShape {
     /// Along the direction of the contour.
     Straight,
     /// At a right angle to it.
@@ -46,20 +46,20 @@ pub(crate) struct Approach {
 }
 
 /// A way from a point to a contour, which begins at a point with a direction; none if the size does not fit.
-pub(crate) fn approach(way: Way, from: Point, (to, heading): (Point, Point), side: Side) -> Option<Approach> {
+pub(crate) fn approach(way: PathShape, from: Point, (to, heading): (Point, Point), side: Side) -> Option<Approach> {
     if side.size == 0.0 {
         return None;
     }
     let across = side.of(heading);
     let center = along(to, across, side.size);
     let (begin, heading) = match way {
-        Way::Straight => return Some(Approach { begin: along(to, heading, -side.size), radius: None, heading }),
-        Way::Normal => return Some(Approach { begin: center, radius: None, heading: times(across, -1.0) }),
-        Way::Circle => {
+        PathShape::Straight => return Some(Approach { begin: along(to, heading, -side.size), radius: None, heading }),
+        PathShape::Normal => return Some(Approach { begin: center, radius: None, heading: times(across, -1.0) }),
+        PathShape::Circle => {
             let back = turned(minus(to, center), if side.on_left { -side.angle } else { side.angle });
             (along(center, back, 1.0), heading)
         }
-        Way::LineAndCircle => (touch(from, center, side.size, !side.on_left)?, heading),
+        PathShape::LineAndCircle => (touch(from, center, side.size, !side.on_left)?, heading),
     };
     let around = turn(minus(begin, center), minus(to, center));
     let longer = if side.on_left { around < 0.0 } else { around > 0.0 };
@@ -76,19 +76,19 @@ pub(crate) enum Departure {
 
 /// A way from the end of a contour and its direction there; only one on a line and a circle goes to `goal`. None if that is
 /// inside the circle.
-pub(crate) fn depart(way: Way, (from, heading): (Point, Point), goal: Point, side: Side) -> Option<Departure> {
+pub(crate) fn depart(way: PathShape, (from, heading): (Point, Point), goal: Point, side: Side) -> Option<Departure> {
     let across = side.of(heading);
     let center = along(from, across, side.size);
     Some(match way {
-        Way::Straight => Departure::Line { to: along(from, heading, side.size), heading },
-        Way::Normal => Departure::Line { to: center, heading: across },
-        Way::Circle => {
+        PathShape::Straight => Departure::Line { to: along(from, heading, side.size), heading },
+        PathShape::Normal => Departure::Line { to: center, heading: across },
+        PathShape::Circle => {
             let angle = if side.on_left { side.angle } else { -side.angle };
             let to = along(center, turned(minus(from, center), angle), 1.0);
             let radius = if side.angle > 180.0 { -side.size } else { side.size };
             Departure::Arc { to, radius, heading: turned(heading, angle) }
         }
-        Way::LineAndCircle => {
+        PathShape::LineAndCircle => {
             // Seen from the end the same as an approach, the other way round.
             let leave = touch(goal, center, side.size, side.on_left)?;
             let longer = turn(minus(from, center), minus(leave, center)) < 0.0;
@@ -106,18 +106,21 @@ mod tests {
     fn a_quarter_to_and_from_a_line_along_x() {
         let side = Side { size: 5.0, on_left: true, angle: 90.0 };
         let near = |a: Point, b: Point| assert!(libm::hypot(a[0] - b[0], a[1] - b[1]) < 1e-9, "{a:?} {b:?}");
-        let to = approach(Way::Circle, [-20.0, 20.0], ([0.0, 0.0], [1.0, 0.0]), side).unwrap();
+        let to = approach(PathShape::Circle, [-20.0, 20.0], ([0.0, 0.0], [1.0, 0.0]), side).unwrap();
         near(to.begin, [-5.0, 5.0]);
         assert_eq!((to.radius, to.heading), (Some(5.0), [1.0, 0.0]));
         let Some(Departure::Arc { to, radius, heading }) =
-            depart(Way::Circle, ([0.0, 0.0], [1.0, 0.0]), [0.0, 0.0], side)
+            depart(PathShape::Circle, ([0.0, 0.0], [1.0, 0.0]), [0.0, 0.0], side)
         else {
             panic!("no arc")
         };
         near(to, [5.0, 5.0]);
         near(heading, [0.0, 1.0]);
         assert_eq!(radius, 5.0);
-        assert_eq!(approach(Way::Straight, [0.0, 0.0], ([0.0, 0.0], [1.0, 0.0]), Side { size: 0.0, ..side }), None);
-        assert_eq!(depart(Way::LineAndCircle, ([0.0, 0.0], [1.0, 0.0]), [0.0, 4.0], side), None);
+        assert_eq!(
+            approach(PathShape::Straight, [0.0, 0.0], ([0.0, 0.0], [1.0, 0.0]), Side { size: 0.0, ..side }),
+            None
+        );
+        assert_eq!(depart(PathShape::LineAndCircle, ([0.0, 0.0], [1.0, 0.0]), [0.0, 4.0], side), None);
     }
 }

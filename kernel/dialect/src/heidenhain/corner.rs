@@ -7,7 +7,7 @@
 
 use super::path::{Corner, Position, Shape, Walk, axis};
 use super::words::Seen;
-use crate::contour::{self, Approach, Departure, Point, Polar, Side, Way, direction, minus};
+use crate::contour::{self, Approach, Departure, PathShape, Point, Polar, Side, direction, minus};
 
 impl Walk<'_> {
     /// Where a line has to end, if the next block makes a corner at its end.
@@ -105,13 +105,14 @@ impl Walk<'_> {
 
     /// Length or radius of a way, and the side on which the tool goes: that of the compensation, else left for a positive
     /// value.
-    fn side(&self, way: Way) -> Side {
-        let size = self.word(if matches!(way, Way::Straight | Way::Normal) { "LEN" } else { "R" }).unwrap_or(0.0);
+    fn side(&self, way: PathShape) -> Side {
+        let size =
+            self.word(if matches!(way, PathShape::Straight | PathShape::Normal) { "LEN" } else { "R" }).unwrap_or(0.0);
         let angle = self.word("CCA").unwrap_or(90.0).abs();
         Side { size: size.abs(), on_left: self.path.is_left.unwrap_or(size >= 0.0), angle }
     }
 
-    pub(super) fn approach(&mut self, way: Way) -> Vec<String> {
+    pub(super) fn approach(&mut self, way: PathShape) -> Vec<String> {
         let polar = self.step.seen.iter().any(|word| matches!(&*word.name, "PR" | "PA" | "IPR" | "IPA"));
         let end = match polar {
             true => match self.polar_end() {
@@ -176,7 +177,7 @@ impl Walk<'_> {
         }
     }
 
-    pub(super) fn depart(&mut self, way: Way) -> Vec<String> {
+    pub(super) fn depart(&mut self, way: PathShape) -> Vec<String> {
         let from = self.flat(&self.start);
         let polar = self.step.seen.iter().any(|word| matches!(&*word.name, "PR" | "PA" | "IPR" | "IPA"));
         let mut end = match polar {

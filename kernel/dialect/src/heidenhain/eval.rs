@@ -7,7 +7,7 @@
 use counterpoint_fault::Halt;
 use std::sync::Arc;
 
-use counterpoint_lang::value::Value as Given;
+use counterpoint_lang::value::Value as MacroValue;
 
 use super::formula::{Formula, Kind, Name, Own, formula};
 use super::lex::{Cursor, capitals};
@@ -179,10 +179,10 @@ impl<'a> Evaluator<'a> {
 }
 
 /// A value as macros have it.
-pub(super) fn given(value: &Value) -> Given {
+pub(super) fn given(value: &Value) -> MacroValue {
     match value {
-        Value::Number(value) => Given::Real(*value),
-        Value::Text(text) => Given::text(&**text),
+        Value::Number(value) => MacroValue::Real(*value),
+        Value::Text(text) => MacroValue::text(&**text),
     }
 }
 

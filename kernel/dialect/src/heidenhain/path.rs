@@ -5,7 +5,7 @@
 //! positions are in the units of the program, in the frame that the program sees; what cannot be made is diagnosed.
 
 use super::words::{Seen, joined};
-use crate::contour::{Point, Way, direction, minus};
+use crate::contour::{PathShape, Point, direction, minus};
 use crate::host::Host;
 use counterpoint_fault as diag;
 use counterpoint_fault::Halt;
@@ -29,8 +29,8 @@ pub(super) enum Shape {
     Pole,
     Chamfer,
     Round,
-    Approach(Way),
-    Depart(Way),
+    Approach(PathShape),
+    Depart(PathShape),
     /// As G words say, or the last of them.
     Iso,
 }
@@ -48,19 +48,19 @@ impl Shape {
         ("CC", Self::Pole),
         ("CHF", Self::Chamfer),
         ("RND", Self::Round),
-        ("APPR LT", Self::Approach(Way::Straight)),
-        ("APPR LN", Self::Approach(Way::Normal)),
-        ("APPR CT", Self::Approach(Way::Circle)),
-        ("APPR LCT", Self::Approach(Way::LineAndCircle)),
-        ("APPR PLT", Self::Approach(Way::Straight)),
-        ("APPR PLN", Self::Approach(Way::Normal)),
-        ("APPR PCT", Self::Approach(Way::Circle)),
-        ("APPR PLCT", Self::Approach(Way::LineAndCircle)),
-        ("DEP LT", Self::Depart(Way::Straight)),
-        ("DEP LN", Self::Depart(Way::Normal)),
-        ("DEP CT", Self::Depart(Way::Circle)),
-        ("DEP LCT", Self::Depart(Way::LineAndCircle)),
-        ("DEP PLCT", Self::Depart(Way::LineAndCircle)),
+        ("APPR LT", Self::Approach(PathShape::Straight)),
+        ("APPR LN", Self::Approach(PathShape::Normal)),
+        ("APPR CT", Self::Approach(PathShape::Circle)),
+        ("APPR LCT", Self::Approach(PathShape::LineAndCircle)),
+        ("APPR PLT", Self::Approach(PathShape::Straight)),
+        ("APPR PLN", Self::Approach(PathShape::Normal)),
+        ("APPR PCT", Self::Approach(PathShape::Circle)),
+        ("APPR PLCT", Self::Approach(PathShape::LineAndCircle)),
+        ("DEP LT", Self::Depart(PathShape::Straight)),
+        ("DEP LN", Self::Depart(PathShape::Normal)),
+        ("DEP CT", Self::Depart(PathShape::Circle)),
+        ("DEP LCT", Self::Depart(PathShape::LineAndCircle)),
+        ("DEP PLCT", Self::Depart(PathShape::LineAndCircle)),
     ];
 
     /// Key word of the block, where one begins it.

@@ -27,9 +27,9 @@ impl Siemens {
                     }
                 };
                 // What stands after a jump that is not made is executed, further conditions too.
-                return Ok(if gone { Then::Stop } else { Then::GoOn });
+                return Ok(if gone { Then::Stop } else { Then::Continue });
             }
-            Item::Goto(jump) => return Ok(if self.jump(host, jump)? { Then::Stop } else { Then::GoOn }),
+            Item::Goto(jump) => return Ok(if self.jump(host, jump)? { Then::Stop } else { Then::Continue }),
             Item::Case(value, cases, default) => self.case(host, value, cases, default.as_ref())?,
             Item::For(variable, first, _) => {
                 let value = Assigned::One(first.clone(), String::new());

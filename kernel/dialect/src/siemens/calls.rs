@@ -23,12 +23,12 @@ pub(super) struct Calling {
     pub(super) line: u32,
     /// A part of the program, which has no variables of its own.
     pub(super) part: bool,
-    pub(super) given: Vec<Given>,
+    pub(super) given: Vec<PassedArgument>,
 }
 
 /// An argument.
 #[derive(Debug, Clone)]
-pub(super) struct Given {
+pub(super) struct PassedArgument {
     value: Passed,
     /// Where it came from, if that is a variable.
     from: Option<Target>,
@@ -41,7 +41,7 @@ enum Passed {
     Whole(Box<Variable>),
 }
 
-impl Given {
+impl PassedArgument {
     /// The same value, as if no variable had given it.
     pub(super) fn without_variable(&self) -> Self {
         Self { value: self.value.clone(), from: None }
@@ -96,9 +96,9 @@ impl Siemens {
         Call { name: name.into(), place: Some((place.file, range)), passes, closes: true }
     }
 
-    fn given(&mut self, host: &mut dyn Host, argument: &Argument) -> Outcome<Given> {
+    fn given(&mut self, host: &mut dyn Host, argument: &Argument) -> Outcome<PassedArgument> {
         let expression = match &argument.value {
-            Ok(None) => return Ok(Given { value: Passed::Missing, from: None }),
+            Ok(None) => return Ok(PassedArgument { value: Passed::Missing, from: None }),
             Ok(Some(expression)) => expression,
             Err(text) => return syntax(text.clone()),
         };
@@ -110,13 +110,13 @@ impl Siemens {
                 let Some(variable) = self.variables.whole(&name.name).cloned() else {
                     return mismatch(format!("the array {} of all channels cannot be an argument", name.name));
                 };
-                return Ok(Given { value: Passed::Whole(Box::new(variable)), from: Some(target) });
+                return Ok(PassedArgument { value: Passed::Whole(Box::new(variable)), from: Some(target) });
             }
             let value = self.value_of(host, &target)?;
-            return Ok(Given { value: Passed::One(value), from: Some(target) });
+            return Ok(PassedArgument { value: Passed::One(value), from: Some(target) });
         }
         let value = self.evaluate(host, expression)?;
-        Ok(Given { value: Passed::One(value), from: None })
+        Ok(PassedArgument { value: Passed::One(value), from: None })
     }
 
     /// PROC of a subprogram: its first block.
@@ -175,7 +175,12 @@ impl Siemens {
         Ok(())
     }
 
-    fn parameter(&mut self, host: &mut dyn Host, parameter: &Parameter, given: Option<&Given>) -> Outcome<Variable> {
+    fn parameter(
+        &mut self,
+        host: &mut dyn Host,
+        parameter: &Parameter,
+        given: Option<&PassedArgument>,
+    ) -> Outcome<Variable> {
         let name = &parameter.name;
         let value = match given.map(|given| &given.value) {
             Some(Passed::Whole(variable)) if parameter.array && variable.kind == parameter.kind => {

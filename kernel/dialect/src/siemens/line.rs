@@ -99,12 +99,12 @@ pub(super) enum Assigned {
     /// `REP(value[, number])`
     Fill(Vec<Argument>),
     /// `AC(…)` and the like.
-    Way(Way, Expression, String),
+    Positioned(Positioning, Expression, String),
 }
 
 /// How a position counts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Way {
+pub(super) enum Positioning {
     Absolute,
     Incremental,
     Shortest,
@@ -151,17 +151,17 @@ const STRUCTURES: [(&str, Structure); 7] = [
     ("REPEAT", Structure::Repeat),
 ];
 
-const WAYS: [(&str, Way); 10] = [
-    ("AC", Way::Absolute),
-    ("IC", Way::Incremental),
-    ("DC", Way::Shortest),
-    ("ACP", Way::Positive),
-    ("ACN", Way::Negative),
-    ("CAC", Way::Absolute),
-    ("CDC", Way::Shortest),
-    ("CACP", Way::Positive),
-    ("CACN", Way::Negative),
-    ("QU", Way::Value),
+const POSITIONINGS: [(&str, Positioning); 10] = [
+    ("AC", Positioning::Absolute),
+    ("IC", Positioning::Incremental),
+    ("DC", Positioning::Shortest),
+    ("ACP", Positioning::Positive),
+    ("ACN", Positioning::Negative),
+    ("CAC", Positioning::Absolute),
+    ("CDC", Positioning::Shortest),
+    ("CACP", Positioning::Positive),
+    ("CACN", Positioning::Negative),
+    ("QU", Positioning::Value),
 ];
 
 /// Key words of statements that other controls have too.
@@ -310,9 +310,9 @@ fn assignment(cursor: &mut Cursor<'_>, name: Name) -> Result<Item, String> {
         }
         // `CIC` is the incremental way along coded positions.
         let way = if key == "IC" || key == "CIC" {
-            Some(Way::Incremental)
+            Some(Positioning::Incremental)
         } else {
-            WAYS.iter().find(|(text, _)| *text == key).map(|(_, way)| *way)
+            POSITIONINGS.iter().find(|(text, _)| *text == key).map(|(_, way)| *way)
         };
         if let Some(way) = way {
             cursor.takes("(");
@@ -320,7 +320,7 @@ fn assignment(cursor: &mut Cursor<'_>, name: Name) -> Result<Item, String> {
             if !cursor.takes(")") {
                 return Err(format!("a ')' is missing, {}", unexpected(cursor)));
             }
-            return Ok(Item::Set { name, value: Assigned::Way(way, value, key) });
+            return Ok(Item::Set { name, value: Assigned::Positioned(way, value, key) });
         }
     }
     *cursor = before;

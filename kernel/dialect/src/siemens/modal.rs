@@ -5,7 +5,7 @@
 //! program a path axis, that have only F or S while G0 or G1 holds, or G0 or G1 with nothing but other G functions.
 //! Invariant: the blocks of the modal subprogram itself, and of what it calls, do not call it.
 
-use super::calls::{Calling, Given};
+use super::calls::{Calling, PassedArgument};
 use super::line::Item;
 use super::run::Left;
 use super::{Outcome, Siemens};
@@ -18,7 +18,7 @@ pub(super) struct Modal {
     words: String,
     call: Option<Call>,
     passes: Option<u32>,
-    given: Vec<Given>,
+    given: Vec<PassedArgument>,
     /// Subprograms that were running when it was said: variables of the caller are those of this level.
     level: usize,
 }

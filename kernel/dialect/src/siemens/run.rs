@@ -46,7 +46,7 @@ impl Left {
 /// Whether the rest of the block is executed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Then {
-    GoOn,
+    Continue,
     Stop,
 }
 
@@ -161,7 +161,7 @@ impl Siemens {
             Item::Return(text, elsewhere) => {
                 if !self.settings.subprograms {
                     left.add(text);
-                    return Ok(Then::GoOn);
+                    return Ok(Then::Continue);
                 }
                 if self.variables.calls.in_part() {
                     let text = format!("'{}' ends a pass of the part that is repeated", host.block_text());
@@ -193,7 +193,7 @@ impl Siemens {
             }
             _ => return self.flow(host, item, left),
         }
-        Ok(Then::GoOn)
+        Ok(Then::Continue)
     }
 
     pub(super) fn set(&mut self, host: &mut dyn Host, name: &Name, value: &Assigned, left: &mut Left) -> Outcome<()> {
@@ -325,7 +325,7 @@ impl Siemens {
         };
         if !self.settings.subprograms {
             left.add(&format!("CALL \"{name}\""));
-            return Ok(Then::GoOn);
+            return Ok(Then::Continue);
         }
         let place = host.place();
         let whole = if name.is_empty() && section.is_some() {
@@ -335,7 +335,7 @@ impl Siemens {
         };
         let Some((labels, whole)) = section.zip(whole) else {
             left.call = Some(self.prepare_call(host, &name, whole, arguments)?);
-            return Ok(Then::GoOn);
+            return Ok(Then::Continue);
         };
         let (file, range) = self.section(host, whole, labels)?;
         let call = if file == place.file && name.is_empty() {
@@ -344,7 +344,7 @@ impl Siemens {
             self.prepare_call(host, &name, Some((file, range)), &[])?
         };
         left.call = Some(call);
-        Ok(Then::GoOn)
+        Ok(Then::Continue)
     }
 
     fn message(&mut self, host: &mut dyn Host, argument: Option<&Argument>, left: &mut Left) -> Outcome<()> {

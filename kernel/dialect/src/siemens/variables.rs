@@ -39,7 +39,7 @@ pub(super) struct Variable {
 pub(super) struct Level {
     pub(super) variables: FxHashMap<String, Variable>,
     /// What the call has given, until PROC takes it.
-    pub(super) given: Vec<super::calls::Given>,
+    pub(super) given: Vec<super::calls::PassedArgument>,
     /// PROC has taken it.
     pub(super) taken: bool,
     /// Parameters whose values go back: the name, and which of the given ones.
@@ -359,7 +359,7 @@ impl Siemens {
             }
             Assigned::List(values) => self.store_list(host, target, values),
             Assigned::Fill(values) => self.store_fill(host, target, values),
-            Assigned::Way(_, _, way) => {
+            Assigned::Positioned(_, _, way) => {
                 wrong_type(format!("{way} is for addresses only; {} is a variable", target.name))
             }
         }

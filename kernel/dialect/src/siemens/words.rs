@@ -7,7 +7,7 @@
 
 use super::evaluate::{number, words_name};
 use super::expression::{Argument, Name, as_name};
-use super::line::{Assigned, Way};
+use super::line::{Assigned, Positioning};
 use super::run::Left;
 use super::value::{Data, shown};
 use super::{Outcome, Siemens};
@@ -55,7 +55,7 @@ impl Siemens {
             Assigned::One(value, _) => self.evaluate(host, value)?.word(),
             Assigned::List(values) => format!("SET({})", self.texts(host, values)?),
             Assigned::Fill(values) => format!("REP({})", self.texts(host, values)?),
-            Assigned::Way(way, value, key) => {
+            Assigned::Positioned(way, value, key) => {
                 let value = number(&self.evaluate(host, value)?)?;
                 let value = if value.abs() <= BOUND {
                     value
@@ -160,29 +160,40 @@ enum Placed {
     Text,
 }
 
-fn placed(axes: &[AxisPlace], axis: Option<&AxisPlace>, address: &str, way: Way, value: f64, relative: bool) -> Placed {
-    if way == Way::Value {
+fn placed(
+    axes: &[AxisPlace],
+    axis: Option<&AxisPlace>,
+    address: &str,
+    way: Positioning,
+    value: f64,
+    relative: bool,
+) -> Placed {
+    if way == Positioning::Value {
         return Placed::Value(value);
     }
     if let Some(axis) = axis {
         let to = |end: f64| Placed::Value(if relative { end - axis.from } else { end });
         let turn = (value - axis.work).rem_euclid(360.0);
         return match way {
-            Way::Incremental => Placed::Step(value),
-            Way::Absolute | Way::Value => to(value),
-            Way::Shortest => to(axis.work + if turn > 180.0 { turn - 360.0 } else { turn }),
-            Way::Positive => to(axis.work + turn),
-            Way::Negative => to(axis.work + if turn == 0.0 { 0.0 } else { turn - 360.0 }),
+            Positioning::Incremental => Placed::Step(value),
+            Positioning::Absolute | Positioning::Value => to(value),
+            Positioning::Shortest => to(axis.work + if turn > 180.0 { turn - 360.0 } else { turn }),
+            Positioning::Positive => to(axis.work + turn),
+            Positioning::Negative => to(axis.work + if turn == 0.0 { 0.0 } else { turn - 360.0 }),
         };
     }
     let center = ["I", "J", "K"].iter().position(|name| name.eq_ignore_ascii_case(address));
     match (center.and_then(|at| ["X", "Y", "Z"].get(at)), way) {
-        (Some(_), Way::Incremental) => Placed::Value(value),
-        (Some(along), Way::Absolute) => match axes.iter().find(|axis| axis.letter.eq_ignore_ascii_case(along)) {
-            Some(axis) => Placed::Value((value - axis.work) / if axis.diameter { 2.0 } else { 1.0 }),
-            None => Placed::Text,
-        },
-        (None, Way::Absolute | Way::Shortest | Way::Positive | Way::Negative) if !address.contains('[') => {
+        (Some(_), Positioning::Incremental) => Placed::Value(value),
+        (Some(along), Positioning::Absolute) => {
+            match axes.iter().find(|axis| axis.letter.eq_ignore_ascii_case(along)) {
+                Some(axis) => Placed::Value((value - axis.work) / if axis.diameter { 2.0 } else { 1.0 }),
+                None => Placed::Text,
+            }
+        }
+        (None, Positioning::Absolute | Positioning::Shortest | Positioning::Positive | Positioning::Negative)
+            if !address.contains('[') =>
+        {
             Placed::Value(value)
         }
         _ => Placed::Text,

@@ -15,7 +15,7 @@ use counterpoint_machine::ident::kind::CodeKind;
 use counterpoint_machine::ident::kind::local::Change;
 use counterpoint_machine::ident::{DataId, codes, data};
 use counterpoint_motion::frame::affine::{Affine, Point};
-use counterpoint_motion::frame::local::{Given, Part, Refused};
+use counterpoint_motion::frame::local::{Part, Programmed, Refused};
 
 /// Codes and what they do.
 pub(crate) const ENTRIES: &[Entry] =
@@ -100,13 +100,13 @@ fn numbers(act: &mut Act<'_, '_>, ids: [DataId; 3]) -> [Option<f64>; 3] {
     ids.map(|id| act.take(id).map(|datum| datum.value))
 }
 
-fn translation(act: &mut Act<'_, '_>, change: Change) -> Option<Given> {
+fn translation(act: &mut Act<'_, '_>, change: Change) -> Option<Programmed> {
     let words = lengths(act, TRANSLATION);
     words.iter().any(Option::is_some).then(|| {
         let frames = act.state.place.frames.as_deref().filter(|_| change == Change::On);
         let before = frames.and_then(|frames| frames.local.part(Part::Translate)).map_or([0.0; 3], |part| part.values);
         let by = filled(words, before);
-        Given::new(Affine::translation(by), by)
+        Programmed::new(Affine::translation(by), by)
     })
 }
 
@@ -136,7 +136,7 @@ fn center(act: &mut Act<'_, '_>, ids: [DataId; 3], part: Part, change: Change) -
     filled(lengths(act, ids), missing)
 }
 
-fn rotation(act: &mut Act<'_, '_>, change: Change) -> Option<Given> {
+fn rotation(act: &mut Act<'_, '_>, change: Change) -> Option<Programmed> {
     let angle = act.take(data::LCS_ROT_ANGLE).map(|datum| datum.value);
     let (about, turns) = (numbers(act, ABOUT), numbers(act, TURNS));
     let center = center(act, ROTATION_CENTER, Part::Rotate, change);
@@ -162,7 +162,7 @@ fn rotation(act: &mut Act<'_, '_>, change: Change) -> Option<Given> {
         }
         (None, None, None) => return None,
     };
-    Some(Given { map: map.around(center), values, center: Some(center), order, angle })
+    Some(Programmed { map: map.around(center), values, center: Some(center), order, angle })
 }
 
 /// Normal of the active plane.
@@ -175,7 +175,7 @@ fn normal(act: &Act<'_, '_>) -> Point {
     }
 }
 
-fn scale(act: &mut Act<'_, '_>, change: Change) -> Option<Given> {
+fn scale(act: &mut Act<'_, '_>, change: Change) -> Option<Programmed> {
     let all = act.take(data::LCS_SCALE).map(|datum| datum.value);
     let each = numbers(act, SCALES);
     let center = center(act, SCALE_CENTER, Part::Scale, change);
@@ -183,7 +183,7 @@ fn scale(act: &mut Act<'_, '_>, change: Change) -> Option<Given> {
         return None;
     }
     let factors = filled(each, [all.unwrap_or(1.0); 3]);
-    Some(Given { center: Some(center), ..Given::new(Affine::scale(factors).around(center), factors) })
+    Some(Programmed { center: Some(center), ..Programmed::new(Affine::scale(factors).around(center), factors) })
 }
 
 /// Takes the axis words: where the mirrors stand, and which axes were coded.
@@ -205,12 +205,12 @@ fn mirrored(act: &Act<'_, '_>) -> (Point, Point) {
     part.map_or(([0.0; 3], [0.0; 3]), |part| (part.values, part.center.unwrap_or_default()))
 }
 
-fn mirror_of(flags: Point, at: Point) -> Given {
+fn mirror_of(flags: Point, at: Point) -> Programmed {
     let map = Affine::scale(flags.map(|flag| if flag == 1.0 { -1.0 } else { 1.0 })).around(at);
-    Given { center: Some(at), ..Given::new(map, flags) }
+    Programmed { center: Some(at), ..Programmed::new(map, flags) }
 }
 
-fn mirror(act: &mut Act<'_, '_>, change: Change) -> Option<Given> {
+fn mirror(act: &mut Act<'_, '_>, change: Change) -> Option<Programmed> {
     let words = mirrors(act);
     let (flags, at) = if change == Change::On { mirrored(act) } else { Default::default() };
     let flags = filled(words.map(|word| word.map(|_| 1.0)), flags);
@@ -218,7 +218,7 @@ fn mirror(act: &mut Act<'_, '_>, change: Change) -> Option<Given> {
 }
 
 /// The mirrors that are left when those of the block are taken away; all go without words.
-fn fewer_mirrors(act: &mut Act<'_, '_>) -> Option<Given> {
+fn fewer_mirrors(act: &mut Act<'_, '_>) -> Option<Programmed> {
     let words = mirrors(act);
     let (flags, at) = mirrored(act);
     let left = filled(words.map(|word| word.map(|_| 0.0)), flags);
@@ -234,9 +234,9 @@ impl Act<'_, '_> {
         };
         let list = |values: Point| values.map(wildcard_text).join(",");
         let mut text = "lcs".to_owned();
-        let told = self.frame_values();
+        let values = self.frame_values();
         if local.parts(Part::Translate).next().is_some() {
-            text += &format!(" tra={}", list(told.translation));
+            text += &format!(" tra={}", list(values.translation));
         }
         if let Some(rotation) = local.parts(Part::Rotate).last() {
             text += &format!(" rot={}", list(rotation.values));
@@ -245,10 +245,10 @@ impl Act<'_, '_> {
             }
         }
         if local.parts(Part::Scale).next().is_some() {
-            text += &format!(" sca={}", list(told.scale));
+            text += &format!(" sca={}", list(values.scale));
         }
         if local.parts(Part::Mirror).next().is_some() {
-            text += &format!(" mir={}", list(told.mirror));
+            text += &format!(" mir={}", list(values.mirror));
         }
         text
     }

@@ -27,7 +27,7 @@ impl Kernel<'_> {
     pub(crate) fn overburdened(&self) -> Option<String> {
         let shares = self.channel.shares();
         let (limit, room) = (shares.rest, shares.room());
-        // Kernels may be ahead of their results, so what those take is told by the events: at most.
+        // Kernels may be ahead of their results, so the events say what those take at most.
         let events = self.ports.emitter.count();
         let several = self.channel.env.machine.channels.len() > 1;
         let interpreter = self.dialect.interpreter.as_deref().map_or(0, |interpreter| interpreter.memory());

@@ -49,7 +49,7 @@ impl Kernel<'_> {
             }
             let mut value = (raw * source.mul + source.add) * self.channel.unit_factor(source.dimension);
             if source.diameter_x {
-                value *= self.channel.across_factor();
+                value *= self.channel.diameter_factor();
             }
             if source.modal && !incremental {
                 self.channel.state.modal.remember(id, value);
@@ -99,9 +99,9 @@ impl Kernel<'_> {
     }
 
     /// The same for the positions of an axis that have words of their own.
-    pub(crate) fn factor_across(&self, axis: AxisSlot) -> f64 {
+    pub(crate) fn axis_diameter_factor(&self, axis: AxisSlot) -> f64 {
         let is_x = self.channel.state.place.layout.cartesian.first().copied().flatten() == Some(axis);
-        if is_x && !self.plan.data.diameter_x.is_empty() { self.channel.across_factor() } else { 1.0 }
+        if is_x && !self.plan.data.diameter_x.is_empty() { self.channel.diameter_factor() } else { 1.0 }
     }
 
     pub(crate) fn out_of_range(&mut self, row: DataRowId, value: f64) {

@@ -29,7 +29,7 @@ pub(crate) struct DialectState {
     pub(crate) variables: ChannelVariables,
     /// Interpreter of what is more than plain words; it is away while it works.
     pub(crate) interpreter: Option<Box<dyn Interpreter>>,
-    /// What the interpreter has read of programs no longer holds; it is told when it comes back.
+    /// What the interpreter has read of programs no longer holds; it learns so when it comes back.
     pub(crate) is_stale: bool,
 }
 

@@ -14,7 +14,7 @@ use crate::state::modal::group;
 use counterpoint_event::event::{Kind, ToolData};
 use counterpoint_machine::ident::codes;
 
-/// Tools that are told of; the tool table of macros has fewer rows.
+/// Tools that are reported; the tool table of macros has fewer rows.
 const MOST: usize = 1000;
 
 /// Characters of a name.
@@ -57,15 +57,15 @@ impl Kernel<'_> {
     }
 
     fn report_tool_data(&mut self, data: ToolData) {
-        let told = &mut self.channel.state.others.tools;
-        let known = match told.get(&data.tool) {
+        let reported = &mut self.channel.state.others.tools;
+        let known = match reported.get(&data.tool) {
             Some(before) => *before == data,
-            None => told.len() >= MOST || data == ToolData { tool: data.tool, ..ToolData::default() },
+            None => reported.len() >= MOST || data == ToolData { tool: data.tool, ..ToolData::default() },
         };
         if known {
             return;
         }
-        told.insert(data.tool, data.clone());
+        reported.insert(data.tool, data.clone());
         self.emit(0, Kind::ToolData(Box::new(data)));
     }
 

@@ -22,11 +22,11 @@ impl Kernel<'_> {
     /// Looks at what nothing knows before anything of the block acts.
     #[inline(always)]
     pub(crate) fn check_known(&mut self) -> Acted {
-        if self.channel.block.has_oddities() { self.odd_before() } else { self.channel.check_stop() }
+        if self.channel.block.has_remarks() { self.report_remarks() } else { self.channel.check_stop() }
     }
 
     #[cold]
-    fn odd_before(&mut self) -> Acted {
+    fn report_remarks(&mut self) -> Acted {
         self.check_numbers()?;
         if self.channel.block.unrecognised.is_empty() { self.channel.check_stop() } else { self.unknown_before() }
     }

@@ -225,8 +225,8 @@ impl Kernel<'_> {
             if raw < source.min || raw > source.max {
                 self.out_of_range(source.row, raw);
             }
-            let across = if source.diameter_x { self.channel.across_factor() } else { 1.0 };
-            let factor = self.channel.unit_factor(source.dimension) * across;
+            let diameter = if source.diameter_x { self.channel.diameter_factor() } else { 1.0 };
+            let factor = self.channel.unit_factor(source.dimension) * diameter;
             let value = raw * source.mul + source.add;
             let register = Some(source.register);
             return Some(Taken { value, factor, incremental, raw, modal: source.modal, register });
@@ -236,8 +236,8 @@ impl Kernel<'_> {
         let rows = self.channel.env.machine.tables.data(id);
         let row = rows.first().map(|&row| &self.channel.env.machine.data[row]);
         let (dimension, modal) = row.map_or((Dimension::None, false), |row| (row.dimension.plain(), row.modal));
-        let across = if self.plan.data.diameter_x.contains(&id) { self.channel.across_factor() } else { 1.0 };
-        let factor = self.channel.unit_factor(dimension) * across;
+        let diameter = if self.plan.data.diameter_x.contains(&id) { self.channel.diameter_factor() } else { 1.0 };
+        let factor = self.channel.unit_factor(dimension) * diameter;
         Some(Taken { value, factor, incremental: false, raw: value, modal, register: None })
     }
 

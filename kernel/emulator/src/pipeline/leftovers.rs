@@ -16,7 +16,7 @@ impl Kernel<'_> {
     #[inline(always)]
     pub(crate) fn leftovers(&mut self) -> Acted {
         // A speed word left is a data word left.
-        if self.channel.block.has_leftovers() || self.channel.block.has_oddities() { self.left_over() } else { Ok(()) }
+        if self.channel.block.has_leftovers() || self.channel.block.has_remarks() { self.left_over() } else { Ok(()) }
     }
 
     #[inline(never)]
@@ -32,7 +32,7 @@ impl Kernel<'_> {
                 }
             }
         }
-        if !self.channel.block.has_oddities() {
+        if !self.channel.block.has_remarks() {
             return Ok(());
         }
         self.left_name();

@@ -43,7 +43,7 @@ pub(crate) struct Hole {
     pub(crate) clear: f64,
     /// Height where the tool is left.
     pub(crate) back: f64,
-    /// Depth; none if nothing has ever told it.
+    /// Depth; none if it was never programmed.
     pub(crate) depth: Option<f64>,
     /// Lower clearance of back boring.
     pub(crate) bottom: Option<f64>,

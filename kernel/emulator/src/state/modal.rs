@@ -22,7 +22,7 @@ pub(crate) mod group {
     pub(crate) const COOLANT_SIDE: u16 = 540;
     pub(crate) const SPINDLES: u16 = 67;
     pub(crate) const HEAD: u16 = 68;
-    pub(crate) const ACROSS: u16 = 109;
+    pub(crate) const DIAMETER_X: u16 = 109;
 }
 
 /// Modal codes and data.

@@ -47,9 +47,9 @@ pub(crate) struct Threading {
     /// Whole depth, first step: radius values.
     pub(crate) depth: Option<f64>,
     pub(crate) step: Option<f64>,
-    /// Number of passes, if it is told.
+    /// Number of passes, if programmed.
     pub(crate) cuts: Option<f64>,
-    /// Passes that were made without being told.
+    /// Passes that were made without being programmed.
     pub(crate) made: u32,
     /// Smallest step.
     pub(crate) least: f64,

@@ -25,8 +25,8 @@ impl Channel<'_> {
     /// Factor from programmed positions of X to those of its axis: the program may count radii along a diameter axis, or
     /// diameters along another one (reference control-emulator.md 6.2).
     #[cold]
-    pub(crate) fn across_factor(&self) -> f64 {
-        match (self.state.modal.code(group::ACROSS), self.state.place.scale_of(0) < 1.0) {
+    pub(crate) fn diameter_factor(&self) -> f64 {
+        match (self.state.modal.code(group::DIAMETER_X), self.state.place.scale_of(0) < 1.0) {
             (Some(codes::XAXIS_RADIUS), true) => 2.0,
             (Some(codes::XAXIS_DIAMETER), false) => 0.5,
             _ => 1.0,

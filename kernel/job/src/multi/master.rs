@@ -6,7 +6,7 @@
 use counterpoint_fault::Halt;
 use counterpoint_lang::value::Value;
 
-use super::Shop;
+use super::Assembly;
 use super::coordinator::switch::Switch;
 use super::rounds::Again;
 use counterpoint_emulator::channel::emit::Target;
@@ -24,7 +24,7 @@ use counterpoint_program::shape::Range;
 pub(crate) type At = (FileId, Range, Box<str>);
 
 /// Program and name of a kernel, and its first channel of the model, as Machine Startup left them.
-pub(super) type Given = (String, String, f64);
+pub(super) type KernelInput = (String, String, f64);
 
 /// What the master has left for later.
 pub(super) struct Master {
@@ -36,7 +36,7 @@ pub(super) struct Master {
     pub(super) good: bool,
 }
 
-impl<'a> Shop<'a> {
+impl<'a> Assembly<'a> {
     /// Runs Declaration and Machine Startup; none if the machine has no master's macros.
     pub(super) fn master_startup(self, log: &mut dyn FnMut(&Event) -> bool) -> Option<Master> {
         let machine = &self.job.spec().machine;

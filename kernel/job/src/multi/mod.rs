@@ -54,8 +54,8 @@ pub(crate) fn run(job: &Job, files: &dyn Files, control: &Control, sink: &mut dy
             None => (None, None),
         };
         let coordinator = now.coordinator(job, sender);
-        let shop = Shop { job, plan: &plan, coordinator: &coordinator, files, control, given: &given };
-        let starting = shop.begin(&mut now, &mut |event| log.note(event));
+        let assembly = Assembly { job, plan: &plan, coordinator: &coordinator, files, control, given: &given };
+        let starting = assembly.begin(&mut now, &mut |event| log.note(event));
         if log.refused {
             coordinator.abort();
         }
@@ -63,15 +63,15 @@ pub(crate) fn run(job: &Job, files: &dyn Files, control: &Control, sink: &mut dy
         let lived = match merging {
             Some((mut merger, feeders)) => {
                 merger.next_seq = log.seq + 1;
-                let lived = shop.kernels(starting, &mut backlogs, Some((&mut merger, feeders)), log.sink);
+                let lived = assembly.kernels(starting, &mut backlogs, Some((&mut merger, feeders)), log.sink);
                 log.seq = merger.next_seq - 1;
                 log.refused |= merger.end() == End::Refused;
                 lived
             }
-            None => shop.kernels(starting, &mut backlogs, None, log.sink),
+            None => assembly.kernels(starting, &mut backlogs, None, log.sink),
         };
         let last = log.close(backlogs, coordinator.stop_tag()).max(now.at);
-        round = shop.close(now, lived, last, &mut |event| log.note(event));
+        round = assembly.close(now, lived, last, &mut |event| log.note(event));
         round = round.filter(|_| !log.refused);
         written = coordinator.written();
     }
@@ -156,17 +156,17 @@ type Feeds<'a> = (&'a mut Backlog, Option<Feeder>);
 
 /// What all kernels of a job work with.
 #[derive(Clone, Copy)]
-struct Shop<'a> {
+struct Assembly<'a> {
     job: &'a Job,
     plan: &'a Plan,
     coordinator: &'a Coordinator,
     files: &'a dyn Files,
     control: &'a Control,
     /// Programs and channels of the kernels as Machine Startup left them, by kernel; nothing without a master.
-    given: &'a OnceLock<Vec<master::Given>>,
+    given: &'a OnceLock<Vec<master::KernelInput>>,
 }
 
-impl<'a> Shop<'a> {
+impl<'a> Assembly<'a> {
     /// The kernels that have a program or may be started; logs those that have none.
     fn starting(self, kernel_0: Option<&Master>, log: &mut dyn FnMut(&Event) -> bool) -> Vec<Start<'a>> {
         let Self { job, coordinator, control, .. } = self;
@@ -322,7 +322,7 @@ fn master(t_ns: i64, kind: Kind) -> Event {
     Event { t_ns, micro: 0, dur_ns: 0, channel: 0, file: 0, line: 0, kind }
 }
 
-impl<'a> Shop<'a> {
+impl<'a> Assembly<'a> {
     fn kernel<'k>(
         self,
         channel: &'k Channel,

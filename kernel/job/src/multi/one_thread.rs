@@ -12,7 +12,7 @@ use corosensei::{CoroutineResult, ScopedCoroutine, ScopedCoroutineRef, Yielder};
 use super::coordinator::Coordinator;
 use super::coordinator::switch::{Pause, Switch};
 use super::stream::Stream;
-use super::{Feeds, Shop, Start};
+use super::{Assembly, Feeds, Start};
 use counterpoint_emulator::channel::carried::Lived;
 
 /// Bytes of the stack of a kernel without macros, those of a thread of its own.
@@ -79,7 +79,7 @@ fn next_turn(coordinator: &Coordinator, turns: &[Turn<'_>]) -> Option<usize> {
     })
 }
 
-impl<'a> Shop<'a> {
+impl<'a> Assembly<'a> {
     /// Runs the kernels in turns; `between` is called whenever none of them runs.
     pub(super) fn in_turns(self, work: Vec<(Start<'_>, Feeds<'_>)>, mut between: impl FnMut()) -> Vec<Lived> {
         let mut coroutines = Vec::new();

@@ -7,7 +7,7 @@ use super::channels::Channels;
 use super::coordinator::Coordinator;
 use super::master::{At, Master};
 use super::shared::{Shared, Spindle};
-use super::{Shop, Start};
+use super::{Assembly, Start};
 use crate::prepared::Job;
 use counterpoint_emulator::channel::Kernel;
 use counterpoint_emulator::channel::carried::{Carried, Lived};
@@ -66,7 +66,7 @@ impl Round {
     }
 }
 
-impl<'a> Shop<'a> {
+impl<'a> Assembly<'a> {
     /// Starts the machine, or starts it again: the kernels that have something to do.
     pub(super) fn begin(self, round: &mut Round, log: &mut dyn FnMut(&Event) -> bool) -> Vec<Start<'a>> {
         let Some(again) = round.again.take() else {

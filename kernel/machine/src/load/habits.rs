@@ -54,8 +54,8 @@ fn read_answers(section: &mut Section<'_>, habits: &mut Habits) {
     }
     habits.texts = given.into_iter().map(|(text, _)| text.to_owned()).collect();
     habits.integers = section.numbers("integers", 0..=integers).unwrap_or_default();
-    if let Some(odd) = habits.integers.iter().find(|number| number.fract() != 0.0) {
-        section.error("integers", format!("`integers` must be a list of whole numbers, not of {odd}"));
+    if let Some(broken) = habits.integers.iter().find(|number| number.fract() != 0.0) {
+        section.error("integers", format!("`integers` must be a list of whole numbers, not of {broken}"));
     }
     habits.numbers = section.numbers("numbers", 0..=numbers).unwrap_or_default();
 }

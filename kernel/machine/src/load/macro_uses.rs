@@ -13,7 +13,7 @@ use crate::toml::node::Place;
 
 /// What a place gives to its macro.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Given {
+pub(super) struct Available {
     /// The place, for people.
     pub(super) title: &'static str,
     /// Arguments `$P1` to this one.
@@ -22,7 +22,7 @@ pub(super) struct Given {
     pub(super) read_only: Option<u8>,
 }
 
-impl Given {
+impl Available {
     /// A code macro.
     pub(super) const CODE: Self = Self { title: "code macro", arguments: 2, read_only: None };
     /// A data macro.
@@ -55,10 +55,10 @@ impl Given {
 }
 
 /// Looks through a file that compiles; the dialogs that it shows by name are added to `dialogs`.
-pub(super) fn check(source: &Source, given: Given, check: &Check, dialogs: &mut Vec<(String, Place)>) {
+pub(super) fn check(source: &Source, given: Available, check: &Check, dialogs: &mut Vec<(String, Place)>) {
     let (macros, _) = parse(source);
     for found in &macros {
-        let mut uses = Uses { source, given, check, dialogs, set: 0, told: 0 };
+        let mut uses = Uses { source, given, check, dialogs, set: 0, reported: 0 };
         uses.set = assigned(found);
         found.statements.iter().for_each(|statement| uses.statement(&statement.kind));
     }
@@ -91,11 +91,11 @@ fn argument(expression: &Expr) -> Option<u8> {
 
 struct Uses<'a> {
     source: &'a Source,
-    given: Given,
+    given: Available,
     check: &'a Check,
     dialogs: &'a mut Vec<(String, Place)>,
     set: u128,
-    told: u128,
+    reported: u128,
 }
 
 impl Uses<'_> {
@@ -202,11 +202,11 @@ impl Uses<'_> {
 
     fn uses(&mut self, number: u8, span: Span) {
         let bit = 1_u128.wrapping_shl(u32::from(number));
-        if (1..=self.given.arguments).contains(&number) || (self.set | self.told) & bit != 0 {
+        if (1..=self.given.arguments).contains(&number) || (self.set | self.reported) & bit != 0 {
             return;
         }
-        self.told |= bit;
-        let Given { title, arguments, .. } = self.given;
+        self.reported |= bit;
+        let Available { title, arguments, .. } = self.given;
         let has = match arguments {
             0 => "no arguments".to_owned(),
             last => format!("$P1 to $P{last}"),

@@ -8,7 +8,7 @@ use std::sync::Arc;
 use counterpoint_lang::compile::{self, Options, Place as Kind, Program, Strong};
 use counterpoint_lang::source::Source;
 
-use super::macro_uses::{self, Given};
+use super::macro_uses::{self, Available};
 use super::names::Names;
 use crate::ident;
 use crate::index::{Id, Table};
@@ -44,7 +44,7 @@ pub(super) fn read(
         Compiler { names, codes, data, files, stored, program: program_of, strong, uninitialised, shown };
     compiler.hook(&mut section, Hook::Declaration, &mut macros.hooks);
     for (file, place) in section.texts("functions").unwrap_or_default() {
-        compiler.add(file, place, Kind::Library, Given::FUNCTIONS);
+        compiler.add(file, place, Kind::Library, Available::FUNCTIONS);
     }
     for hook in Hook::ALL.into_iter().filter(|hook| *hook != Hook::Declaration) {
         compiler.hook(&mut section, hook, &mut macros.hooks);
@@ -87,14 +87,14 @@ fn kind(hook: Hook) -> Kind {
 impl Compiler<'_, '_> {
     fn hook(&mut self, section: &mut Section<'_>, hook: Hook, hooks: &mut [Option<u16>]) {
         let Some(file) = section.text(hook.key()) else { return };
-        let found = self.one(file, section.place_of(hook.key()), kind(hook), Given::of(hook));
+        let found = self.one(file, section.place_of(hook.key()), kind(hook), Available::of(hook));
         if let Some(slot) = hooks.get_mut(hook as usize) {
             *slot = found;
         }
     }
 
     /// Compiles a file; gives its macros without a header.
-    fn add(&mut self, file: &str, place: &Place, kind: Kind, given: Given) -> Option<Vec<u16>> {
+    fn add(&mut self, file: &str, place: &Place, kind: Kind, given: Available) -> Option<Vec<u16>> {
         let check = self.names.check;
         let Some(path) = beside(&place.file, file) else {
             let text = format!("\"{}\" must be a file below the folder of this machine file", file.escape_debug());
@@ -136,7 +136,7 @@ impl Compiler<'_, '_> {
     }
 
     /// Compiles a file that holds one macro.
-    fn one(&mut self, file: &str, place: &Place, kind: Kind, given: Given) -> Option<u16> {
+    fn one(&mut self, file: &str, place: &Place, kind: Kind, given: Available) -> Option<u16> {
         let found = self.add(file, place, kind, given)?;
         match found.as_slice() {
             [one] => Some(*one),
@@ -197,7 +197,7 @@ impl Compiler<'_, '_> {
         row.require("file", "the file of the macro");
         let (condition, triggers) = self.condition(row, of_codes);
         let default = triggers.iter().map(|item| self.item_name(*item)).collect::<Vec<_>>().join(", ");
-        let (kind, given) = if of_codes { (Kind::Any, Given::CODE) } else { (Kind::Data, Given::DATA) };
+        let (kind, given) = if of_codes { (Kind::Any, Available::CODE) } else { (Kind::Data, Available::DATA) };
         let file = row.text("file")?;
         let code = self.one(file, row.place_of("file"), kind, given)?;
         Some(Named { id, name: name.unwrap_or(default), enabled, code, matches: triggers, condition })

@@ -32,7 +32,7 @@ impl Part {
 
 /// A part as it was programmed.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Given {
+pub struct Programmed {
     /// The map of the part.
     pub map: Affine,
     /// Distances, direction or angles, factors, or 1 for a mirrored axis.
@@ -45,7 +45,7 @@ pub struct Given {
     pub angle: f64,
 }
 
-impl Given {
+impl Programmed {
     /// A part without a centre or a rotation.
     pub fn new(map: Affine, values: Point) -> Self {
         Self { map, values, center: None, order: "", angle: 0.0 }
@@ -67,9 +67,9 @@ pub enum Refused {
 #[derive(Debug, Clone)]
 pub struct Local {
     /// The part of each kind.
-    parts: [Option<Given>; 4],
+    parts: [Option<Programmed>; 4],
     /// Additive parts, oldest first.
-    added: Vec<(Part, Given)>,
+    added: Vec<(Part, Programmed)>,
     /// A frame that a macro has given, outside all.
     given: Option<Affine>,
     /// Switched off by a macro: the parts are kept.
@@ -119,12 +119,12 @@ impl Local {
     }
 
     /// The part of a kind.
-    pub fn part(&self, part: Part) -> Option<&Given> {
+    pub fn part(&self, part: Part) -> Option<&Programmed> {
         self.parts.get(part as usize)?.as_ref()
     }
 
     /// All parts of a kind, oldest first.
-    pub fn parts(&self, part: Part) -> impl Iterator<Item = &Given> {
+    pub fn parts(&self, part: Part) -> impl Iterator<Item = &Programmed> {
         let added = self.added.iter().filter(move |(of, _)| *of == part).map(|(_, given)| given);
         self.part(part).into_iter().chain(added)
     }
@@ -154,7 +154,7 @@ impl Local {
     }
 
     /// Sets the part of a kind; additive ones of that kind end.
-    pub fn set(&mut self, part: Part, given: Option<Given>, has: [bool; 3]) -> Result<(), Refused> {
+    pub fn set(&mut self, part: Part, given: Option<Programmed>, has: [bool; 3]) -> Result<(), Refused> {
         let given = given.filter(|given| given.map != Affine::SAME);
         self.change(has, |local| {
             local.added.retain(|(of, _)| *of != part);
@@ -166,7 +166,7 @@ impl Local {
     }
 
     /// Adds a part.
-    pub fn add(&mut self, part: Part, given: Given, has: [bool; 3]) -> Result<(), Refused> {
+    pub fn add(&mut self, part: Part, given: Programmed, has: [bool; 3]) -> Result<(), Refused> {
         if self.added.len() >= MOST {
             return Err(Refused::TooMany);
         }
@@ -213,12 +213,12 @@ mod tests {
 
     const ALL: [bool; 3] = [true; 3];
 
-    fn turned(degrees: f64) -> Given {
-        Given::new(Affine::rotation([0.0, 0.0, 1.0], degrees).unwrap(), [0.0, 0.0, 1.0])
+    fn turned(degrees: f64) -> Programmed {
+        Programmed::new(Affine::rotation([0.0, 0.0, 1.0], degrees).unwrap(), [0.0, 0.0, 1.0])
     }
 
-    fn shifted(x: f64) -> Given {
-        Given::new(Affine::translation([x, 0.0, 0.0]), [x, 0.0, 0.0])
+    fn shifted(x: f64) -> Programmed {
+        Programmed::new(Affine::translation([x, 0.0, 0.0]), [x, 0.0, 0.0])
     }
 
     #[test]
@@ -239,7 +239,7 @@ mod tests {
     #[test]
     fn a_frame_without_a_way_back_changes_nothing() {
         let mut local = Local::default();
-        let flat = Given::new(Affine::scale([0.0, 1.0, 1.0]), [0.0, 1.0, 1.0]);
+        let flat = Programmed::new(Affine::scale([0.0, 1.0, 1.0]), [0.0, 1.0, 1.0]);
         assert_eq!(local.set(Part::Scale, Some(flat), ALL), Err(Refused::NoWayBack));
         assert_eq!(local.set(Part::Rotate, Some(turned(30.0)), [true, false, true]), Err(Refused::MissingAxis));
         assert!(local.is_empty());

@@ -71,13 +71,13 @@ pub(super) struct Read {
     room: f64,
     /// The same without a written point: an implied one leaves room for the fraction too.
     room_without_point: f64,
-    /// What is odd about a negative value, and about a written point.
+    /// What is irregular about a negative value, and about a written point.
     sign: u8,
     pointed: u8,
 }
 
 impl Read {
-    /// For one of the formats of a register; what is odd about a negative value, and about a written point.
+    /// For one of the formats of a register; what is irregular about a negative value, and about a written point.
     pub(super) fn new(format: NumberFormat, (sign, pointed): (u8, u8)) -> Self {
         let power = |digits: u8| POW10.get(usize::from(digits)).copied().unwrap_or(f64::INFINITY);
         let implied = format.point == Point::Omit;
@@ -86,7 +86,7 @@ impl Read {
         Self { format, implied, room, room_without_point, sign, pointed }
     }
 
-    /// Value of a number, and what is odd about it, bit by bit.
+    /// Value of a number, and what is irregular about it, bit by bit.
     #[inline(always)]
     pub(super) fn value(&self, number: Number) -> (f64, u8) {
         let value = if number.point || !self.implied { number.value } else { implied(number, &self.format) };

@@ -45,7 +45,7 @@ pub(super) fn coordinate(act: &mut Act<'_, '_>, id: DataId, axis: AxisSlot) -> O
     Some(match relative {
         true => of(&act.programmed()) * scale + datum.value,
         false => {
-            let value = datum.value * act.factor_across(axis);
+            let value = datum.value * act.axis_diameter_factor(axis);
             let shift = if act.block.flags.machine_frame { of(&act.state.place.shift) } else { 0.0 };
             (value - shift) * scale
         }

@@ -122,7 +122,7 @@ fn height(act: &mut Act<'_, '_>, id: DataId, rule: Heights, scale: f64) -> Optio
     let axis = act.state.cycle.axis.map(|(_, axis)| axis);
     // The word of the axis itself has been taken as its axis counts.
     let own = axis.filter(|axis| act.state.place.layout.axes[*axis].data != id);
-    let factor = own.map_or(1.0, |axis| act.factor_across(axis));
+    let factor = own.map_or(1.0, |axis| act.axis_diameter_factor(axis));
     let shift = axis.filter(|_| act.block.flags.machine_frame).map_or(0.0, |axis| act.state.place.shift.at(axis));
     Some(Height { value: datum.value * factor - shift, relative })
 }

@@ -16,7 +16,7 @@ impl Kernel<'_> {
     fn program_factor(&self, axis: AxisSlot) -> f64 {
         let turns = self.channel.state.place.layout.axes[axis].rotary;
         let length = if turns { 1.0 } else { self.channel.unit_factor(Dimension::Length) };
-        length * self.factor_across(axis)
+        length * self.axis_diameter_factor(axis)
     }
 }
 
@@ -31,7 +31,7 @@ impl Frames for Kernel<'_> {
             AxisPlace {
                 name: named.name.clone(),
                 letter: named.letter.clone(),
-                diameter: self.factor_across(slot) * axis.scale < 1.0,
+                diameter: self.axis_diameter_factor(slot) * axis.scale < 1.0,
                 work: programmed.at(slot) / factor,
                 from: counted.at(slot) / factor,
                 machine: machine.at(slot) / factor,

@@ -69,8 +69,8 @@ impl Words for Kernel<'_> {
 
     fn read(&mut self, register: RegisterId, number: Number) -> f64 {
         let reading = self.plan.scanner.reading(register, number, self.channel.state.secondary);
-        let (value, odd) = reading.unwrap_or((number.value, 0));
-        self.channel.block.flags.irregular |= odd;
+        let (value, irregular) = reading.unwrap_or((number.value, 0));
+        self.channel.block.flags.irregular |= irregular;
         value
     }
 

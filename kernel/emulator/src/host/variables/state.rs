@@ -60,14 +60,14 @@ fn switch_diameter(kernel: &mut Kernel<'_>, value: &Value) -> Outcome<()> {
 
 /// `$XDIAM`: X is programmed as a diameter.
 fn reads_diameters(kernel: &Kernel<'_>) -> bool {
-    match kernel.channel.state.modal.code(group::ACROSS) {
+    match kernel.channel.state.modal.code(group::DIAMETER_X) {
         Some(codes::XAXIS_DIAMETER) => true,
         Some(codes::XAXIS_RADIUS) => false,
         _ => kernel.channel.state.place.scale_of(0) < 1.0,
     }
 }
 
-fn switch_across(kernel: &mut Kernel<'_>, _: &[i64], value: &Value) -> Outcome<()> {
+fn switch_diameter_x(kernel: &mut Kernel<'_>, _: &[i64], value: &Value) -> Outcome<()> {
     let wanted = value.as_logical() == Some(true);
     if wanted != reads_diameters(kernel) {
         kernel.activate_code(if wanted { codes::XAXIS_DIAMETER } else { codes::XAXIS_RADIUS });
@@ -165,7 +165,7 @@ pub(crate) fn find(name: &str) -> Option<(Read, Option<Write>)> {
             },
             None,
         ),
-        "$XDIAM" => (|k, _| Value::Logical(reads_diameters(k)), Some(switch_across)),
+        "$XDIAM" => (|k, _| Value::Logical(reads_diameters(k)), Some(switch_diameter_x)),
         "$DCOMP" => {
             (|k, _| of_group(k, group::DIAMETER, &DIAMETER, 0.0), Some(|k, _, value| switch_diameter(k, value)))
         }

@@ -82,7 +82,7 @@ fn next(kernel: &mut Kernel<'_>, change: impl FnOnce(&mut Threading)) -> Outcome
 }
 
 /// A value above nothing.
-fn told(value: &Value) -> Option<f64> {
+fn programmed(value: &Value) -> Option<f64> {
     Some(real(value).abs()).filter(|value| *value > 0.0)
 }
 
@@ -96,15 +96,15 @@ fn cycle(name: &str) -> Option<(Read, Option<Write>)> {
         ),
         "$THDPTH" => (
             |k, _| Value::Real(k.channel.state.threads.cycle.depth.unwrap_or(0.0)),
-            Some(|k, _, value| next(k, |cycle| cycle.depth = told(value))),
+            Some(|k, _, value| next(k, |cycle| cycle.depth = programmed(value))),
         ),
         "$THSTEP" => (
             |k, _| Value::Real(k.channel.state.threads.cycle.step.unwrap_or(0.0)),
-            Some(|k, _, value| next(k, |cycle| cycle.step = told(value))),
+            Some(|k, _, value| next(k, |cycle| cycle.step = programmed(value))),
         ),
         "$THCUTS" => (
             |k, _| Value::Real(k.channel.state.threads.cycle.passes()),
-            Some(|k, _, value| next(k, |cycle| cycle.cuts = told(value).map(f64::trunc))),
+            Some(|k, _, value| next(k, |cycle| cycle.cuts = programmed(value).map(f64::trunc))),
         ),
         "$THMIN" => (
             |k, _| Value::Real(k.channel.state.threads.cycle.least),

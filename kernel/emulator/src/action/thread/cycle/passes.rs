@@ -14,11 +14,11 @@ pub(super) struct Plan {
     pub(super) mode: u8,
     /// Whole depth.
     pub(super) depth: f64,
-    /// First step, if it is told.
+    /// First step, if programmed.
     pub(super) step: Option<f64>,
     /// Smallest step.
     pub(super) least: f64,
-    /// Number of passes before finishing, if it is told.
+    /// Number of passes before finishing, if programmed.
     pub(super) cuts: Option<u32>,
     /// Finishing passes, and what is left for them.
     pub(super) finish_cuts: u32,
