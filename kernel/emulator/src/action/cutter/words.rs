@@ -165,10 +165,12 @@ pub(in crate::action) fn code(act: &mut Act<'_, '_>, rounds: bool) -> Acted {
     act.check_stop()
 }
 
-/// A word of a register that no axis of the channel has.
+/// A word of a register that no axis of the channel has and no code of the block ignores.
 fn take_beside_axes(act: &mut Act<'_, '_>, id: DataId) -> Option<f64> {
     let axes = act.state.place.layout.axes.iter().fold(0, |bits, axis| bits | act.registers_of(axis.data));
-    if act.registers_of(id) & axes & act.block.present != 0 {
+    let rows = act.block.pending.iter().map(|pending| &act.env.machine.codes[pending.row]);
+    let ignored = rows.flat_map(|row| &row.ignores).fold(0_u128, |bits, &register| bits | 1 << register.index());
+    if act.registers_of(id) & (axes | ignored) & act.block.present != 0 {
         return None;
     }
     act.take(id).map(|datum| datum.value)
