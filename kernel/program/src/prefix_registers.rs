@@ -162,10 +162,8 @@ impl LiteralFirst {
     /// A special register with a variable or an expression in place of its number stands at a place.
     pub fn opens_statement(&self, line: &[u8], at: usize) -> bool {
         let Some(&byte) = line.get(at) else { return false };
-        self.may_start(byte)
-            && self
-                .registers(byte)
-                .any(|prefix| starts_expression(line, at + prefix.before.len()) && prefix.has_value(line, at))
+        self.registers(byte)
+            .any(|prefix| starts_expression(line, at + prefix.before.len()) && prefix.has_value(line, at))
     }
 
     /// The tool that a name between the texts of a register stands for, and where they end; letter case does not count.
@@ -177,6 +175,7 @@ impl LiteralFirst {
     }
 
     /// One of them may begin with this byte.
+    #[inline(always)]
     pub fn may_start(&self, byte: u8) -> bool {
         self.first.get(usize::from(byte >> 6)).is_some_and(|bits| bits >> (byte & 63) & 1 != 0)
     }

@@ -175,7 +175,10 @@ impl Scanner {
                 at += 1;
                 continue;
             }
-            if let Some(literal_first) = &self.literal_first {
+            // Few bytes of a plain block begin one, so the question is asked here.
+            if let Some(literal_first) = &self.literal_first
+                && literal_first.may_start(byte)
+            {
                 if statements && literal_first.opens_statement(line, at) {
                     return Kind::Statement;
                 }
@@ -254,9 +257,6 @@ impl Scanner {
         block: &mut Block,
     ) -> Option<usize> {
         let byte = *line.get(at)?;
-        if !literal_first.may_start(byte) {
-            return None;
-        }
         if let Some((text, row)) = literal_first.text(line, at) {
             let end = at + text.len();
             block.push_text(row, (at as u32, end as u32));
