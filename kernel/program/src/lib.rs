@@ -2,11 +2,11 @@
 
 pub mod block;
 pub mod callers;
-pub mod heads;
 pub mod key_words;
 pub mod layout;
 pub mod prefix_registers;
 pub mod scan;
+pub mod sections;
 pub mod shape;
 pub mod source;
 pub mod sources;

@@ -8,8 +8,11 @@ use std::sync::{Arc, OnceLock};
 
 use bytes::Bytes;
 use counterpoint_event::Text;
+use counterpoint_event::info::Section;
+use counterpoint_machine::Machine;
 use rustc_hash::FxHashMap;
 
+use super::sections;
 use super::shape::{Range, Shape, leading_number};
 use super::spot::Spot;
 use super::syntax::Syntax;
@@ -27,6 +30,10 @@ pub struct Source {
     sequences: OnceLock<FxHashMap<u32, Vec<Spot>>>,
     /// Whether a byte comes up in the text: the one that was asked for first.
     has: OnceLock<(u8, bool)>,
+    /// Stretches that belong to channels, in order.
+    sections: Vec<Section>,
+    /// What each channel sees of a file that has such stretches.
+    views: Vec<(u16, Arc<Source>)>,
 }
 
 impl Source {
@@ -48,7 +55,40 @@ impl Source {
     pub fn shaped(name: impl Into<String>, bytes: Bytes, shape: Arc<Shape>, stop: Stop) -> Self {
         let text = Arc::new(Text::new(bytes, || stop.asked()));
         let (programs, sequences, has) = (OnceLock::new(), OnceLock::new(), OnceLock::new());
-        Self { name: name.into(), text, shape, stop, programs, sequences, has }
+        let (sections, views) = (Vec::new(), Vec::new());
+        Self { name: name.into(), text, shape, stop, programs, sequences, has, sections, views }
+    }
+
+    /// A file as a machine reads it: with the stretches that belong to its channels.
+    #[must_use]
+    pub fn of_machine(name: impl Into<String>, bytes: Bytes, shape: Arc<Shape>, stop: Stop, machine: &Machine) -> Self {
+        let whole = Self::shaped(name, bytes, shape, stop);
+        let sections = sections::divide(machine, &whole);
+        let views = sections::views(&whole, &sections);
+        Self { sections, views, ..whole }
+    }
+
+    /// The same file with another text.
+    pub(super) fn with_text(&self, text: Bytes) -> Self {
+        Self::shaped(self.name.clone(), text, Arc::clone(&self.shape), self.stop.clone())
+    }
+
+    /// Stretches that belong to channels, in order.
+    #[must_use]
+    pub fn sections(&self) -> &[Section] {
+        &self.sections
+    }
+
+    /// The file as a channel sees it: without the stretches of others.
+    #[inline(always)]
+    #[must_use]
+    pub fn seen_by(self: &Arc<Self>, channel: u16) -> &Arc<Self> {
+        if self.views.is_empty() { self } else { self.view(channel) }
+    }
+
+    #[inline(never)]
+    fn view(self: &Arc<Self>, channel: u16) -> &Arc<Self> {
+        self.views.iter().find(|(of, _)| *of == channel).map_or(self, |(_, view)| view)
     }
 
     /// The text of the file.
@@ -91,6 +131,17 @@ impl Source {
     /// The name that a line defines a program by.
     pub fn name_at(&self, line: u32) -> Option<&[u8]> {
         self.shape.name(self.line(line))
+    }
+
+    /// A line is a rewind-stop.
+    pub(super) fn is_stop(&self, line: u32) -> bool {
+        self.shape.is_stop(self.line(line))
+    }
+
+    /// A line defines a program.
+    pub(super) fn defines(&self, line: u32) -> bool {
+        let text = self.line(line);
+        self.shape.number(text).is_some() || self.shape.name(text).is_some()
     }
 
     /// A line without comments and messages, in capitals.
@@ -153,9 +204,7 @@ fn ranges(source: &Source, shape: &Shape) -> Vec<Range> {
     let last = source.lines();
     for line in source.walk(1, last) {
         let text = source.line(line);
-        let number = leading_number(text, b'O')
-            .or_else(|| leading_number(text, b':'))
-            .filter(|_| shape.syntax().numbered_programs);
+        let number = shape.number(text);
         if number.is_some() || shape.name(text).is_some() {
             if let Some(previous) = found.last_mut() {
                 previous.last = line - 1;
