@@ -4,6 +4,7 @@ pub mod block;
 pub mod callers;
 pub mod key_words;
 pub mod layout;
+pub mod line_up;
 pub mod prefix_registers;
 pub mod scan;
 pub mod sections;

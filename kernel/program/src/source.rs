@@ -12,6 +12,7 @@ use counterpoint_event::info::Section;
 use counterpoint_machine::Machine;
 use rustc_hash::FxHashMap;
 
+use super::line_up::LineUp;
 use super::sections;
 use super::shape::{Range, Shape, leading_number};
 use super::spot::Spot;
@@ -30,6 +31,8 @@ pub struct Source {
     sequences: OnceLock<FxHashMap<u32, Vec<Spot>>>,
     /// Whether a byte comes up in the text: the one that was asked for first.
     has: OnceLock<(u8, bool)>,
+    /// Labels at which systems line up, ascending.
+    labels: OnceLock<Vec<u32>>,
     /// Stretches that belong to channels, in order.
     sections: Vec<Section>,
     /// What each channel sees of a file that has such stretches.
@@ -55,8 +58,8 @@ impl Source {
     pub fn shaped(name: impl Into<String>, bytes: Bytes, shape: Arc<Shape>, stop: Stop) -> Self {
         let text = Arc::new(Text::new(bytes, || stop.asked()));
         let (programs, sequences, has) = (OnceLock::new(), OnceLock::new(), OnceLock::new());
-        let (sections, views) = (Vec::new(), Vec::new());
-        Self { name: name.into(), text, shape, stop, programs, sequences, has, sections, views }
+        let (labels, sections, views) = (OnceLock::new(), Vec::new(), Vec::new());
+        Self { name: name.into(), text, shape, stop, programs, sequences, has, labels, sections, views }
     }
 
     /// A file as a machine reads it: with the stretches that belong to its channels.
@@ -165,6 +168,28 @@ impl Source {
     #[must_use]
     pub fn is_plain(&self, range: Range) -> bool {
         range.number.is_none() && self.name_at(range.first).is_none()
+    }
+
+    /// The file has a word at which systems line up with this label, on a machine with these systems (bit `n − 1` for `n`).
+    pub fn lines_up(&self, mark: u8, label: u32, all: u32) -> bool {
+        let labels = self.labels.get_or_init(|| {
+            let mut found = Vec::new();
+            for line in self.walk(1, self.lines()) {
+                if memchr::memchr(mark, self.line(line)).is_none() {
+                    continue;
+                }
+                let (text, mut at) = (self.words(line), 0);
+                while let Some(next) = text.get(at..).and_then(|rest| memchr::memchr(mark, rest)) {
+                    let word = LineUp::parse(&text, at + next, mark);
+                    found.extend(word.map(|(word, _)| word.resolve(all).1));
+                    at = word.map_or(at + next + 1, |(_, end)| end);
+                }
+            }
+            found.sort_unstable();
+            found.dedup();
+            found
+        });
+        labels.binary_search(&label).is_ok()
     }
 
     /// Blocks that begin with sequence number `number`, ascending.
