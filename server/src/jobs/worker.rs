@@ -44,6 +44,7 @@ static FAILED_BY_HOST: Pace = Pace::new();
 pub(super) fn start(core: Arc<Core>, live: Arc<Live>) {
     let (spare_core, spare_live) = (core.clone(), live.clone());
     let work = move || {
+        cpu::run_after_callers();
         work(&core, &live);
         drop(live);
         while let Some(live) = core.take() {

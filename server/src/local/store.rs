@@ -35,6 +35,8 @@ pub(crate) struct Store {
 impl Store {
     /// Takes the folder for this server, creates what is missing and empties `tmp`.
     pub(crate) fn open(root: PathBuf, durable: bool, disk: Disk) -> io::Result<Self> {
+        // The folder of a relative name such as `data` would be an empty path, which cannot be opened.
+        let root = std::path::absolute(root)?;
         let new = !root.is_dir();
         fs::create_dir_all(&root)?;
         let lock = Arc::new(FolderLock::take(&root)?);

@@ -125,7 +125,7 @@ impl Frame {
         Spot { line: self.next, offset: self.offset }
     }
 
-    /// A main program from its first block on.
+    /// A text from its first block on, once, as the main program.
     pub(crate) fn main(file: FileId, range: Range, name: Box<str>) -> Self {
         Self {
             file,

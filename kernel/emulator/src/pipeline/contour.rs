@@ -66,19 +66,10 @@ impl Kernel<'_> {
         let here = self.channel.at.file;
         let file = self.frame().map_or(here, |frame| frame.file);
         let back = Some(Box::new(self.channel.programmed()));
-        self.enter(Frame {
-            file,
-            range: Range { number: None, first: first.line, last: last.line },
-            next: first.line,
-            offset: first.offset,
-            repeats: 0,
-            closes: true,
-            own_variables: false,
-            called: Called { what, passes: 1, block: None },
-            by: None,
-            name: format!("N{from}-N{to}").into(),
-            back,
-        });
+        let range = Range { number: None, first: first.line, last: last.line };
+        let called = Called { what, passes: 1, block: None };
+        let text = Frame::main(file, range, format!("N{from}-N{to}").into());
+        self.enter(Frame { offset: first.offset, closes: true, called, back, ..text });
         Ok(())
     }
 
@@ -157,10 +148,11 @@ impl Kernel<'_> {
                 continue;
             }
             self.macros.block.text = None;
+            let next = self.frame().map(|frame| frame.next_block());
             self.block(text)?;
             self.channel.check_stop()?;
-            if self.flow.pending.take().is_some() {
-                let text = format!("a contour has no call, return or end: '{}'", self.block_text());
+            if self.flow.pending.take().is_some() || self.frame().map(|frame| frame.next_block()) != next {
+                let text = format!("a contour has no call, return, end or jump: '{}'", self.block_text());
                 return Err(self.alarm(&diag::CONTOUR_CODE, text));
             }
         }
