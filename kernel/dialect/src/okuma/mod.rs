@@ -64,6 +64,8 @@ pub(crate) struct Okuma {
     takes_names: bool,
     /// Messages are taken off the block.
     takes_messages: bool,
+    /// Q of a call counts executions, not repeats.
+    counts_executions: bool,
 }
 
 impl Okuma {
@@ -81,6 +83,7 @@ impl Okuma {
             takes_calls: true,
             takes_names,
             takes_messages: true,
+            counts_executions: false,
         }
     }
 }
@@ -282,6 +285,7 @@ impl Interpreter for Okuma {
             "PROCESS,SUBPROGRAMS" => &mut self.takes_calls,
             "PROCESS,SEQNAME" => &mut self.takes_names,
             "PROCESS,MESSAGES" => &mut self.takes_messages,
+            "PROCESS,EXECUTIONS" => &mut self.counts_executions,
             _ => return Setting::Unknown,
         };
         let [value] = values else { return Setting::Wrong };

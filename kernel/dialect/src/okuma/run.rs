@@ -1,7 +1,7 @@
 //! What a block of the pre-processor does.
 //!
-//! Facts: reference control-emulator.md 5.4, 5.5, 5.7. Decisions: `Qn` repeats a call n times, so it runs n + 1 times;
-//! a modal call calls after every block that moves in the program that said it, with the values its arguments had
+//! Facts: reference control-emulator.md 5.4, 5.5, 5.7. Decisions: `Qn` repeats a call n times, so it runs n + 1 times,
+//! unless a setting says that it counts executions; a modal call calls after every block that moves in the program that said it, with the values its arguments had
 //! then, and ends with that program. Invariant: words keep their order; a block that leaves none leaves no text.
 
 use counterpoint_fault::{Acted, Halt};
@@ -132,12 +132,16 @@ impl Okuma {
 
     /// A call with the values of its arguments.
     fn made(&mut self, host: &mut dyn Host, call: &Call) -> Result<(host::Call, Arguments), Halt> {
-        let repeats = match &call.repeats {
-            Some(repeats) => self.value(host, repeats)?,
-            None => 0.0,
+        let (least, more) = if self.counts_executions { (1.0, 0) } else { (0.0, 1) };
+        let count = match &call.repeats {
+            Some(count) => self.value(host, count)?,
+            None => least,
         };
-        if !(0.0..=REPEATS).contains(&repeats) || repeats.fract() != 0.0 {
-            let text = format!("a call cannot be repeated {repeats} times in '{}'", host.block_text());
+        if !(least..=REPEATS).contains(&count) || count.fract() != 0.0 {
+            let text = match self.counts_executions {
+                true => format!("a call cannot be executed {count} times in '{}'", host.block_text()),
+                false => format!("a call cannot be repeated {count} times in '{}'", host.block_text()),
+            };
             return Err(host.alarm(&diag::MACRO_CALL, text));
         }
         let mut arguments = Vec::with_capacity(call.arguments.len());
@@ -151,7 +155,7 @@ impl Okuma {
         }
         let place = self.find(host, normal(call.name.get(1..).unwrap_or_default()))?;
         let name = Arc::from(call.name.as_str());
-        Ok((host::Call { name, place, passes: repeats as u32 + 1, closes: false }, arguments.into()))
+        Ok((host::Call { name, place, passes: count as u32 + more, closes: false }, arguments.into()))
     }
 
     fn call(&mut self, host: &mut dyn Host, call: host::Call, arguments: Arguments) {

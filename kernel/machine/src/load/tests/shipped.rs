@@ -35,6 +35,8 @@ fn all_machines_load_without_a_finding() {
             "haas-lathe",
             "haas-mill-turn",
             "heidenhain-mill",
+            "okuma-lathe",
+            "okuma-mill",
             "siemens-2channel",
             "siemens-lathe",
             "siemens-mill",
@@ -57,6 +59,9 @@ fn families_say_that_they_are_families_and_nothing_else() {
         "siemens-milling",
         "siemens-turning",
         "heidenhain-milling",
+        "okuma-common",
+        "okuma-milling",
+        "okuma-turning",
     ] {
         let loaded = load(&package::shipped(), name);
         assert!(loaded.machine.is_none());
