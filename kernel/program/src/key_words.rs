@@ -25,6 +25,8 @@ pub struct Names<'a> {
     pub texts: &'a [(Vec<u8>, CodeRowId)],
     /// Most levels of brackets in an expression.
     pub brackets: Option<u8>,
+    /// Sums at addresses need no brackets.
+    pub bare_sums: bool,
     /// Key words of statements.
     pub key_words: KeyWords,
 }

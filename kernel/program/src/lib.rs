@@ -6,6 +6,7 @@ pub mod key_words;
 pub mod layout;
 pub mod line_up;
 pub mod prefix_registers;
+pub mod presets;
 pub mod scan;
 pub mod sections;
 pub mod shape;

@@ -50,6 +50,8 @@ pub struct Scanner {
     definition: Option<RegisterId>,
     /// Most levels of brackets in an expression.
     brackets: Option<u8>,
+    /// Sums at addresses need no brackets.
+    bare_sums: bool,
     letters: [Option<(RegisterId, bool)>; 128],
     /// Special registers, and texts that would be read as words; `None` on most machines.
     literal_first: Option<Box<LiteralFirst>>,
@@ -96,6 +98,7 @@ impl Scanner {
             sequence,
             definition,
             brackets: machine.habits.brackets,
+            bare_sums: machine.habits.bare_sums,
             letters,
             literal_first: LiteralFirst::new(machine),
         }
@@ -143,6 +146,7 @@ impl Scanner {
             literal_first: self.literal_first.as_deref(),
             texts: &self.texts,
             brackets: self.brackets,
+            bare_sums: self.bare_sums,
             key_words: self.syntax.key_words.unwrap_or_default(),
         }
     }

@@ -28,6 +28,7 @@ fn all_machines_load_without_a_finding() {
     assert_eq!(
         package::shipped_names(),
         [
+            "citizen-3system",
             "fanuc-2path-lathe",
             "fanuc-3path-lathe",
             "fanuc-lathe",
@@ -35,6 +36,7 @@ fn all_machines_load_without_a_finding() {
             "haas-lathe",
             "haas-mill-turn",
             "heidenhain-mill",
+            "okuma-2turret",
             "okuma-lathe",
             "okuma-mill",
             "siemens-2channel",
