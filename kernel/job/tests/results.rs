@@ -37,7 +37,7 @@ fn run(machine: &str, programs: &[&str]) -> (Arc<Info>, Vec<Event>, Outcome) {
     for (index, text) in programs.iter().enumerate() {
         let name = format!("jobs/p{}.nc", index + 1);
         files.insert(name.clone(), text.as_bytes());
-        list.push(Program { file: name, number: None, channel: None });
+        list.push(Program { file: name, number: None, section: None, channel: None });
     }
     let job = Job::prepare(Spec { machine: machine.into(), programs: list, options: Options::default() }, &files)
         .expect("a job that can run");
@@ -113,7 +113,7 @@ fn looping(limits: Limits) -> (Job, Memory) {
             file.to_owned(),
             format!("O{number}\nG0 X50. Z5.\nWHILE[1 EQ 1]DO1\nG4 X1.\nEND1\nM30\n").as_bytes(),
         );
-        programs.push(Program { file: file.to_owned(), number: None, channel: None });
+        programs.push(Program { file: file.to_owned(), number: None, section: None, channel: None });
     }
     let options = Options { limits, ..Options::default() };
     (Job::prepare(Spec { machine: machine.into(), programs, options }, &files).expect("a job that can run"), files)

@@ -223,7 +223,16 @@ fn candidates<'a>(
             candidates.extend(sections);
             continue;
         }
+        if let Some(section) = &wish.section
+            && wanted(section, source).is_none()
+        {
+            findings.push(missing_section(wish, section, source));
+            continue;
+        }
         let ranges = match wish.number {
+            None if wish.section.is_some() => {
+                wish.section.as_deref().and_then(|name| wanted(name, source)).into_iter().collect()
+            }
             Some(number) => match named(number, source, &callers) {
                 Some(range) => vec![range],
                 None => {
@@ -240,7 +249,7 @@ fn candidates<'a>(
                 mains.iter().find(free).or_else(|| source.programs().first()).copied().into_iter().collect()
             }
         };
-        let several = ranges.len() > 1 && spec.machine.channels.len() > 1;
+        let several = (ranges.len() > 1 || wish.section.is_some()) && spec.machine.channels.len() > 1;
         for range in ranges {
             let name = source.name_at(range.first).filter(|_| several && range.number.is_none());
             let name = name.map(|name| String::from_utf8_lossy(name).into_owned());
@@ -270,6 +279,11 @@ fn in_sections(wish: &Program, source: &Arc<Source>, callers: &Callers) -> Optio
             Some(section) => of_number(section.channel).into_iter().collect(),
             None => found.into_iter().filter_map(|(channel, _)| of_number(channel)).collect(),
         };
+    }
+    if let Some(name) = &wish.section {
+        let named = |section: &&Section| section.channel > 0 && section.name.eq_ignore_ascii_case(name);
+        let owner = source.sections().iter().find(named).map(|section| section.channel);
+        found.retain(|(channel, _)| Some(*channel) == owner);
     }
     if let Some(wanted) = wish.channel {
         found.retain(|(channel, _)| *channel == wanted);
@@ -352,6 +366,38 @@ fn place(spec: &Spec, candidates: Vec<Candidate<'_>>, channels: &mut [Channel], 
 fn named(number: u32, source: &Source, callers: &Callers) -> Option<Range> {
     let is = |range: &&Range| range.number == Some(number);
     mains(source, callers).iter().find(is).or_else(|| source.programs().iter().find(is)).copied()
+}
+
+/// The program that has a name, as an archive or the control writes it.
+fn wanted(name: &str, source: &Source) -> Option<Range> {
+    let plain = name.trim_start_matches('%');
+    let plain = plain
+        .get(..3)
+        .filter(|start| start.eq_ignore_ascii_case("_N_"))
+        .map_or(plain, |_| plain.get(3..).unwrap_or_default());
+    let ending =
+        |text: &str| [".MPF", ".SPF", "_MPF", "_SPF"].iter().any(|end| text.to_ascii_uppercase().ends_with(end));
+    let stem = plain.get(..plain.len().saturating_sub(4)).filter(|_| ending(plain));
+    source.named(name).or_else(|| source.named(plain)).or_else(|| source.named(stem?))
+}
+
+fn missing_section(wish: &Program, name: &str, source: &Source) -> Finding {
+    let mut known: Vec<String> = source.sections().iter().map(|section| section.name.to_string()).collect();
+    known.extend(source.programs().iter().filter_map(|range| match range.number {
+        Some(number) => Some(format!("O{number:04}")),
+        None => Some(String::from_utf8_lossy(source.name_at(range.first)?).into_owned()),
+    }));
+    let mut seen = FxHashSet::default();
+    known.retain(|name| seen.insert(name.clone()));
+    known.truncate(20);
+    let known = if known.is_empty() { "none".to_owned() } else { known.join(", ") };
+    let name = name.escape_debug();
+    Finding::error(
+        wish.file.clone(),
+        0,
+        0,
+        format!("program or section {name} not found in the file, which has {known}"),
+    )
 }
 
 fn missing_number(wish: &Program, number: u32, source: &Source) -> Finding {
