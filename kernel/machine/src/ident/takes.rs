@@ -70,6 +70,7 @@ const OWN: &[(&[CodeId], &str)] = &[
     (&[codes::C2P_CART_ON, codes::C2P_POLAR_ON], "REG_C2P_INTERP_*"),
     (&[codes::SYNC_REG, codes::SYNC_REG_MAIN, codes::SYNC_REG_SIDE, codes::SYNC_REG_START], WAIT),
     (&[codes::SYNC_REG_STOP, codes::SYNC_START_MAIN, codes::SYNC_START_SIDE], WAIT),
+    (&[codes::BALANCE_ON, codes::BALANCE_OFF], "REG_SYNC_PATHS"),
     (&[codes::DISPLY], "the text of the message"),
     (&[codes::COMMENT], "the text of the comment"),
 ];
