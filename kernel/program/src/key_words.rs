@@ -16,6 +16,15 @@ pub struct KeyWords {
     pub joined: &'static str,
 }
 
+/// How expressions of a machine are written.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Formulas {
+    /// Most levels of brackets.
+    pub brackets: Option<u8>,
+    /// Sums at addresses need none.
+    pub bare_sums: bool,
+}
+
 /// What a machine has besides words of one letter.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Names<'a> {
@@ -23,10 +32,8 @@ pub struct Names<'a> {
     pub literal_first: Option<&'a LiteralFirst>,
     /// All literal texts with their rows, longest first.
     pub texts: &'a [(Vec<u8>, CodeRowId)],
-    /// Most levels of brackets in an expression.
-    pub brackets: Option<u8>,
-    /// Sums at addresses need no brackets.
-    pub bare_sums: bool,
+    /// How expressions are written.
+    pub formulas: Formulas,
     /// Key words of statements.
     pub key_words: KeyWords,
 }

@@ -11,7 +11,9 @@ use counterpoint_event::{Letters, Text, letters};
 use counterpoint_ports::Shares;
 use rustc_hash::FxHashSet;
 
-use super::callers::{Called, Callers};
+use super::callers::Callers;
+use super::mains::mains;
+use super::sections;
 use super::shape::{Range, Shape};
 use super::source::Source;
 use super::sources::Sources;
@@ -138,8 +140,7 @@ fn file_table(
     let mut known: FxHashSet<String> = FxHashSet::default();
     let shape = Arc::new(Shape::of(&spec.machine, syntax));
     let machine = &spec.machine;
-    let shaped =
-        |name: &str, bytes| Arc::new(Source::of_machine(name, bytes, Arc::clone(&shape), stop.clone(), machine));
+    let shaped = |name: &str, bytes| Arc::new(sections::source(name, bytes, Arc::clone(&shape), stop.clone(), machine));
     let file = |name: String, text, source: Option<&Source>| File {
         stored: name.starts_with(StoredFile::ROOT),
         name,
@@ -404,35 +405,6 @@ fn missing_number(wish: &Program, number: u32, source: &Source) -> Finding {
     let known: Vec<String> = source.programs().iter().filter_map(|r| r.number).map(|n| format!("O{n:04}")).collect();
     let known = if known.is_empty() { "none".to_owned() } else { known.join(", ") };
     Finding::error(wish.file.clone(), 0, 0, format!("program O{number:04} not found in the file, which has {known}"))
-}
-
-/// Main programs of a file: those that no other program of the file calls; the first one if all are called. Text before
-/// the first definition is one of its own if it comes to an end code or the program behind it is called; otherwise that
-/// program begins with it, since nothing skips a definition (reference control-emulator.md 5.7).
-pub(super) fn mains(source: &Source, callers: &Callers) -> Vec<Range> {
-    let ranges = source.programs();
-    if ranges.len() < 2 {
-        return ranges.to_vec();
-    }
-    let mut called = Called::default();
-    ranges.iter().for_each(|&range| callers.called(source, range, &mut called));
-    let is_main =
-        |range: Range| !called.has(source, range) && !callers.by_word(range) && !callers.returns(source, range);
-    let mut mains: Vec<Range> = ranges.iter().copied().filter(|&range| is_main(range)).collect();
-    if let [heading, next, ..] = ranges
-        && source.is_plain(*heading)
-        && is_main(*next)
-        && !callers.ends_in(source, *heading)
-    {
-        mains.retain(|range| range != heading);
-        if let Some(first) = mains.first_mut() {
-            first.first = heading.first;
-        }
-    }
-    if mains.is_empty() {
-        mains.extend(ranges.first());
-    }
-    mains
 }
 
 /// The main program of a file that a channel runs when it is given the file.

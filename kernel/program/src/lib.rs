@@ -5,6 +5,7 @@ pub mod callers;
 pub mod key_words;
 pub mod layout;
 pub mod line_up;
+mod mains;
 pub mod prefix_registers;
 pub mod presets;
 pub mod scan;

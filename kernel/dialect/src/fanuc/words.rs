@@ -110,7 +110,7 @@ impl Parser<'_> {
             return Err(self.error("a value"));
         }
         self.primary(&mut ops)?;
-        if self.names.bare_sums && self.peek().is_some_and(|byte| b"+-*/".contains(&byte)) {
+        if self.names.formulas.bare_sums && self.peek().is_some_and(|byte| b"+-*/".contains(&byte)) {
             (self.at, ops) = (sign, Vec::new());
             self.expression(&mut ops)?;
             return self.checked(ops);
