@@ -135,10 +135,10 @@ fn the_limit_that_ended_a_run_is_known_and_nobody_else_claims_one() {
     let (job, files) = looping(Limits::default());
     control.cancel();
     job.run(&files, &control, &mut Log::default());
-    assert_eq!(control.reached(), None, "a cancel is no limit");
+    assert_eq!(control.reached(), None, "a cancelled job has not reached a limit");
 }
 
-/// A clock that goes on by a second whenever its own thread looks at it.
+/// A clock that advances by a second each time its own thread reads it.
 fn ticking() -> std::time::Duration {
     thread_local!(static SECONDS: std::cell::Cell<u64> = const { std::cell::Cell::new(0) });
     SECONDS.set(SECONDS.get() + 1);
