@@ -15,7 +15,7 @@ pub mod idle;
 use crate::channels::Channels;
 use crate::shared::Shared;
 use crate::tag::Tag;
-use crate::wait::{Act, Finish, Waiting};
+use crate::wait::{Act, Finish, Set, Waiting};
 use crate::waits::{Arrival, Released, Waits};
 
 /// Bound of a kernel that is blocked at a wait.
@@ -114,8 +114,8 @@ pub struct Order {
     stop: Option<Tag>,
     /// Sync points so far.
     pub sync_points: u64,
-    /// A verdict has been given.
-    pub judged: bool,
+    /// Channels that a verdict has been given on.
+    judged: Set,
     /// Variables, spindles and files that the kernels share.
     pub shared: Shared,
     /// Waits of all kernels.
@@ -129,7 +129,7 @@ impl Order {
         let seat = || Seat { status: Status::Running, bound: 0, since: 0, arriving: None, wake: None, program: None };
         let seats = (0..channels.count()).map(|_| seat()).collect();
         let (acting, stop, effects) = (None, None, Vec::new());
-        Self { channels, seats, acting, stop, sync_points: 0, judged: false, shared, waits, effects }
+        Self { channels, seats, acting, stop, sync_points: 0, judged: Set::default(), shared, waits, effects }
     }
 
     fn seat(&mut self, channel: u16) -> Option<&mut Seat> {

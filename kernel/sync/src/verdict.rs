@@ -1,5 +1,7 @@
 //! The verdict on channels that can never go on, in words that name every line.
 
+mod fits;
+
 use crate::wait::{Set, Terminal, words};
 use crate::waits::Waits;
 use counterpoint_event::event::{Member, Primitive, Verdict, VerdictKind};
@@ -10,33 +12,59 @@ pub fn place(info: &Info, file: u16, line: u32) -> String {
     format!("{} line {line} '{}'", info.place_name(file, line), info.block_text(file, line, 60))
 }
 
-/// Classifies a set of dead channels at a time.
+/// Classifies a set of channels that can never continue, at a time. Others that have been judged before come last.
 pub fn of(dead: Set, at_ns: i64, waits: &Waits, info: &Info) -> Verdict {
-    let mut partners = Set::default();
-    for channel in dead.iter() {
-        for missing in waits.missing(channel).channels.iter() {
-            if waits.places.end(missing).is_some() {
-                partners = partners.with(missing);
-            }
-        }
+    let hopeless = Set(waits.dead().0 & !dead.0);
+    let ended = |channel: &u16| waits.places.end(*channel).is_some();
+    let partners =
+        missing(dead, waits).iter().filter(|channel| hopeless.has(*channel) || ended(channel)).collect::<Set>();
+    let members = Set(dead.0 | partners.0);
+    let sentences = Sentences { waits, info };
+    let mut text: Vec<String> = dead.iter().filter_map(|channel| sentences.waiting(channel)).collect();
+    text.extend(partners.iter().filter_map(|channel| sentences.waiting(channel)));
+    text.extend(partners.iter().filter_map(|channel| sentences.end(channel)));
+    let awaited = missing(dead, waits).and(members);
+    text.extend(awaited.iter().filter_map(|channel| sentences.passed(channel)));
+    text.extend(fits::hints(dead, waits, info));
+    Verdict {
+        kind: kind(dead, waits),
+        at_ns,
+        text: text.join("; ").into(),
+        members: (members.iter().filter(|c| !hopeless.has(*c)))
+            .chain(partners.and(hopeless).iter())
+            .map(|channel| member(channel, waits))
+            .collect(),
     }
-    let ends: Vec<Terminal> = partners.iter().filter_map(|c| waits.places.end(c)).map(|f| f.how).collect();
-    let kind = if ends.contains(&Terminal::Alarmed) {
+}
+
+/// Whom these channels wait for.
+fn missing(channels: Set, waits: &Waits) -> Set {
+    channels.iter().fold(Set::default(), |all, channel| Set(all.0 | waits.missing(channel).channels.0))
+}
+
+/// Why these channels cannot continue: by what they wait for, and what that waits for.
+fn kind(dead: Set, waits: &Waits) -> VerdictKind {
+    let mut reached = dead;
+    loop {
+        let further = Set(reached.0 | missing(reached, waits).0);
+        if further == reached {
+            break;
+        }
+        reached = further;
+    }
+    let ends: Vec<Terminal> = reached.iter().filter_map(|c| waits.places.end(c)).map(|finish| finish.how).collect();
+    let leases = |channel| waits.places.at(channel).is_some_and(|own| own.wait.primitive == Primitive::Lease);
+    if ends.contains(&Terminal::Alarmed) {
         VerdictKind::PartnerAlarmed
     } else if ends.contains(&Terminal::NeverStarted) {
         VerdictKind::PartnerNeverStarted
     } else if !ends.is_empty() {
         VerdictKind::PartnerEnded
-    } else if dead.iter().filter_map(|c| waits.places.at(c)).any(|w| w.wait.primitive == Primitive::Lease) {
+    } else if reached.iter().any(leases) {
         VerdictKind::LeaseCycle
     } else {
         VerdictKind::Cycle
-    };
-    let mut sentences: Vec<String> = dead.iter().filter_map(|c| waiting_sentence(c, waits, info)).collect();
-    sentences.extend(partners.iter().filter_map(|c| end_sentence(c, waits, info)));
-    sentences.extend(hint(dead, waits));
-    let members = Set(dead.0 | partners.0).iter().map(|c| member(c, waits)).collect();
-    Verdict { kind, at_ns, text: sentences.join("; ").into(), members }
+    }
 }
 
 /// A channel as a member, with what it waits for.
@@ -55,58 +83,49 @@ pub fn member(channel: u16, waits: &Waits) -> Member {
 
 /// `channel 1 waits since 1.000 s at x.nc line 3 'M101' for channel 2`.
 pub fn waiting_sentence(channel: u16, waits: &Waits, info: &Info) -> Option<String> {
-    let waiting = waits.places.at(channel)?;
-    let missing = waits.missing(channel);
-    let channels: Vec<u16> = missing.channels.iter().collect();
-    let plural = if channels.len() == 1 { "" } else { "s" };
-    let some = match usize::from(missing.need) {
-        need if need == channels.len() => String::new(),
-        need => format!("{need} of "),
-    };
-    Some(format!(
-        "channel {channel} waits since {:.3} s at {} for {some}channel{plural} {}",
-        waiting.tag.t as f64 / 1e9,
-        place(info, waiting.file, waiting.line),
-        words(&channels)
-    ))
+    Sentences { waits, info }.waiting(channel)
 }
 
-fn end_sentence(channel: u16, waits: &Waits, info: &Info) -> Option<String> {
-    let finish = waits.places.end(channel)?;
-    Some(match finish.how {
-        Terminal::Ended => format!("channel {channel} has ended at {}", place(info, finish.file, finish.line)),
-        Terminal::Alarmed => {
-            format!("channel {channel} is stopped by an alarm at {}", place(info, finish.file, finish.line))
-        }
-        Terminal::Stopped => format!("channel {channel} was stopped at {}", place(info, finish.file, finish.line)),
-        Terminal::NeverStarted => format!("channel {channel} has no program"),
-    })
+/// What is said about channels.
+#[derive(Clone, Copy)]
+struct Sentences<'a> {
+    waits: &'a Waits,
+    info: &'a Info,
 }
 
-/// Names the nearest code of a partner that would fit.
-fn hint(dead: Set, waits: &Waits) -> Option<String> {
-    for channel in dead.iter() {
-        let own = waits.places.at(channel)?;
-        for partner in waits.missing(channel).channels.iter() {
-            if let Some(other) = waits.places.at(partner)
-                && (other.wait.key.number == own.wait.key.number || other.wait.named == own.wait.named)
-                && [own, other].iter().all(|waiting| is_mark(waiting.wait.primitive))
-            {
-                return Some(format!(
-                    "did you mean the same code? channel {channel} waits at {}, channel {partner} at {}",
-                    waits.rules.text(&own.wait),
-                    waits.rules.text(&other.wait)
-                ));
-            }
-        }
+impl Sentences<'_> {
+    fn waiting(self, channel: u16) -> Option<String> {
+        let waiting = self.waits.places.at(channel)?;
+        let missing = self.waits.missing(channel);
+        let channels: Vec<u16> = missing.channels.iter().collect();
+        let plural = if channels.len() == 1 { "" } else { "s" };
+        let some = match usize::from(missing.need) {
+            need if need == channels.len() => String::new(),
+            need => format!("{need} of "),
+        };
+        Some(format!(
+            "channel {channel} waits since {:.3} s at {} for {some}channel{plural} {}",
+            waiting.tag.t as f64 / 1e9,
+            place(self.info, waiting.file, waiting.line),
+            words(&channels)
+        ))
     }
-    None
-}
 
-/// Channels wait at it for each other, so that two numbers may be one by mistake.
-fn is_mark(primitive: Primitive) -> bool {
-    match primitive {
-        Primitive::Barrier | Primitive::Flag | Primitive::Count | Primitive::Signal => true,
-        Primitive::Order | Primitive::Join | Primitive::Lease => false,
+    fn end(self, channel: u16) -> Option<String> {
+        let finish = self.waits.places.end(channel)?;
+        let place = || place(self.info, finish.file, finish.line);
+        Some(match finish.how {
+            Terminal::Ended => format!("channel {channel} has ended at {}", place()),
+            Terminal::Alarmed => format!("channel {channel} is stopped by an alarm at {}", place()),
+            Terminal::Stopped => format!("channel {channel} was stopped at {}", place()),
+            Terminal::NeverStarted => format!("channel {channel} has no program"),
+        })
+    }
+
+    /// The last wait of a channel that has got past one.
+    fn passed(self, channel: u16) -> Option<String> {
+        let (passed, t) = self.waits.places.passed(channel)?;
+        let wait = self.waits.rules.text(&passed.wait);
+        Some(format!("channel {channel} passed {wait} in line {} last, at {:.3} s", passed.line, *t as f64 / 1e9))
     }
 }

@@ -280,6 +280,8 @@ pub struct Places {
     finished: Vec<Option<Finish>>,
     /// Channels without a program that runs, which others may start.
     idle: Set,
+    /// The wait that each channel has passed last, and when it continued.
+    passed: Vec<Option<(Waiting, i64)>>,
 }
 
 impl Places {
@@ -287,7 +289,8 @@ impl Places {
     #[must_use]
     pub fn new(channels: Channels) -> Self {
         let count = channels.count();
-        Self { channels, waiting: vec![None; count], finished: vec![None; count], idle: Set::default() }
+        let (waiting, finished, passed) = (vec![None; count], vec![None; count], vec![None; count]);
+        Self { channels, waiting, finished, idle: Set::default(), passed }
     }
 
     /// The wait of a channel.
@@ -325,6 +328,18 @@ impl Places {
     pub(crate) fn stand(&mut self, waiting: Waiting) {
         if let Some(slot) = self.waiting.get_mut(self.channels.index(waiting.tag.channel)) {
             *slot = Some(waiting);
+        }
+    }
+
+    /// The wait that a channel has passed last, and when it continued, ns.
+    pub fn passed(&self, channel: u16) -> Option<&(Waiting, i64)> {
+        self.passed.get(self.channels.index(channel)).and_then(Option::as_ref)
+    }
+
+    /// A channel continues after a wait at this time.
+    pub(crate) fn pass(&mut self, waiting: Waiting, t: i64) {
+        if let Some(slot) = self.passed.get_mut(self.channels.index(waiting.tag.channel)) {
+            *slot = Some((waiting, t));
         }
     }
 

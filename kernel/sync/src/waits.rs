@@ -5,6 +5,8 @@
 //! 1.4 (two phases), 2.3 (fix-point).
 
 #[cfg(test)]
+mod search;
+#[cfg(test)]
 mod tests;
 
 use std::fmt::Write as _;
@@ -138,6 +140,7 @@ impl Waits {
         let passes = self.missing_at(channel, wait).is_none() && self.memory.illegal(arriving).is_none();
         if passes {
             self.memory.depart(channel, wait);
+            self.places.pass(*arriving, arriving.tag.t);
         }
         passes
     }
@@ -226,9 +229,11 @@ impl Waits {
     /// These channels continue after the operation at this tag.
     fn let_go(&mut self, channels: Set, tag: Tag) -> Released {
         let short = channels.iter().any(|channel| self.is_short(channel));
+        let after = tag.t + self.release_ns;
         for channel in channels.iter() {
             if let Some(waiting) = self.places.leave(channel) {
                 self.memory.depart(channel, &waiting.wait);
+                self.places.pass(waiting, after);
             }
         }
         let (t, micro) = if self.release_ns > 0 { (tag.t + self.release_ns, 0) } else { (tag.t, tag.micro + 1) };

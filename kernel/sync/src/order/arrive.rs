@@ -33,19 +33,19 @@ pub enum After {
     Alarm {
         /// Its text.
         text: String,
-        /// The verdict, if it is the first one.
-        verdict: Option<Verdict>,
+        /// The verdict.
+        verdict: Verdict,
     },
 }
 
 impl Order {
-    /// The verdict on the channels that can never continue, if that is new.
+    /// The verdict on the channels that can never continue, if that is new of some of them.
     pub fn judge(&mut self, t: i64, info: &Info) -> Option<Verdict> {
-        let dead = self.waits.dead();
-        if self.judged || dead == Set::default() {
+        let dead = Set(self.waits.dead().0 & !self.judged.0);
+        if dead.is_empty() {
             return None;
         }
-        self.judged = true;
+        self.judged = Set(self.judged.0 | dead.0);
         Some(verdict::of(dead, t, &self.waits, info))
     }
 
@@ -96,8 +96,6 @@ fn refuse(
         order.resume(member.channel, Wake::Alarm { tag, text: text.clone() });
     }
     order.waits.finish(tag.channel, own);
-    let first = !order.judged;
-    order.judged = true;
     let verdict = Verdict { kind: VerdictKind::Mismatch, at_ns: tag.t, text: text.clone().into(), members };
-    After::Alarm { text, verdict: first.then_some(verdict) }
+    After::Alarm { text, verdict }
 }

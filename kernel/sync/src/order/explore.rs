@@ -84,8 +84,8 @@ struct World {
     locked: Option<Locked>,
     /// Operations as they were carried out.
     log: Vec<(Tag, Op)>,
-    /// The verdict, and when it was given.
-    verdict: Option<String>,
+    /// The verdicts, and when they were given.
+    verdicts: Vec<String>,
 }
 
 impl World {
@@ -108,7 +108,7 @@ impl World {
             heard: vec![0; scripts.len()],
             locked: None,
             log: Vec::new(),
-            verdict: None,
+            verdicts: Vec::new(),
         }
     }
 
@@ -276,7 +276,7 @@ impl World {
                         self.judged(verdict);
                     }
                     After::Alarm { verdict, .. } => {
-                        self.judged(verdict);
+                        self.judged(Some(verdict));
                         return self.end(index, "alarm", None);
                     }
                     After::Illegal { .. } => return self.end(index, "alarm", Some(Terminal::Alarmed)),
@@ -306,8 +306,9 @@ impl World {
 
     fn judged(&mut self, verdict: Option<Verdict>) {
         if let Some(verdict) = verdict {
-            assert!(self.verdict.is_none(), "one verdict is enough");
-            self.verdict = Some(format!("{:?} at {} {:?}", verdict.kind, verdict.at_ns, verdict.members));
+            let text = format!("{:?} at {} {:?}", verdict.kind, verdict.at_ns, verdict.members);
+            assert!(!self.verdicts.contains(&text), "a verdict is given once");
+            self.verdicts.push(text);
         }
     }
 
@@ -320,7 +321,7 @@ impl World {
         for player in &self.players {
             let _ = writeln!(out, "{:?} {}", player.clock, player.fate);
         }
-        let _ = writeln!(out, "{:?}", self.verdict);
+        let _ = writeln!(out, "{:?}", self.verdicts);
         out
     }
 }

@@ -1,0 +1,165 @@
+//! The nearest code that would end a wait: where a partner has the same mark, or stands at one that is almost it.
+//!
+//! Facts: reference channel-synchronisation.md 2.3. Decision: only the text of the partner's own program is looked at, at most
+//! [`MOST`] lines after and before the block where it stands; a mark in a comment is none. *Invariant:* a hint changes nothing.
+
+use counterpoint_event::event::Primitive;
+use counterpoint_event::info::Info;
+
+use crate::wait::{Rule, Set, Style, Wait, Waiting};
+use crate::waits::Waits;
+
+/// Lines of a program that are looked at in each direction.
+const MOST: u32 = 50_000;
+
+/// One hint for each pair of a waiting channel and one that is missing; of two that wait for each other, one.
+pub(super) fn hints(dead: Set, waits: &Waits, info: &Info) -> Vec<String> {
+    let mut out = Vec::new();
+    let mut said = Set::default();
+    for channel in dead.iter() {
+        let Some(own) = waits.places.at(channel).filter(|own| is_mark(own.wait.primitive)) else { continue };
+        for partner in waits.missing(channel).channels.iter() {
+            let mutual = said.has(partner) && waits.missing(partner).channels.has(channel);
+            if mutual || waits.missing(partner).channels.has(channel) && standing(own, partner, waits).is_some() {
+                out.extend(standing(own, partner, waits).filter(|_| !mutual));
+            } else {
+                out.extend(written(own, partner, waits, info));
+            }
+        }
+        said = said.with(channel);
+    }
+    out.dedup();
+    out
+}
+
+/// The partner waits at the same number with other channels, or at another number with the same ones.
+fn standing(own: &Waiting, partner: u16, waits: &Waits) -> Option<String> {
+    let other = waits.places.at(partner).filter(|other| is_mark(other.wait.primitive))?;
+    let near = other.wait.key.number == own.wait.key.number || other.wait.named == own.wait.named;
+    let (one, two) = (waits.rules.text(&own.wait), waits.rules.text(&other.wait));
+    near.then(|| {
+        format!("did you mean the same code? channel {} waits at {one}, channel {partner} at {two}", own.tag.channel)
+    })
+}
+
+/// The program of the partner has the mark somewhere else.
+fn written(own: &Waiting, partner: u16, waits: &Waits, info: &Info) -> Option<String> {
+    let rule = waits.rules.of(&own.wait)?;
+    let channel = info.channel(partner).filter(|channel| !channel.program.is_empty())?;
+    let stands = waits.places.at(partner).map(|at| (at.file, at.line));
+    let (file, line) = stands.or_else(|| waits.places.end(partner).map(|end| (end.file, end.line)))?;
+    let here = if file == channel.file { line } else { channel.lines.0 };
+    let sections = info.files.get(usize::from(channel.file)).map_or(&[][..], |file| &file.sections);
+    let has = |line: &u32| {
+        let section = sections.iter().find(|section| (section.lines.0..=section.lines.1).contains(line));
+        let is_own = section.is_none_or(|section| section.channel == 0 || section.channel == partner);
+        is_own && mentions(&info.line_text(channel.file, *line), rule, &own.wait)
+    };
+    let (first, last) = channel.lines;
+    let ahead = (here.saturating_add(1)..=last.min(here.saturating_add(MOST))).find(has);
+    let behind = || (first.max(here.saturating_sub(MOST))..=here).rev().find(has);
+    let found = ahead.map(|line| (line, "ahead of it")).or_else(|| behind().map(|line| (line, "behind it")));
+    let Some((line, side)) = found else {
+        let code = if rule.style == Style::LineUp || !rule.numbered {
+            waits.rules.text(&own.wait)
+        } else {
+            format!("{}{}", rule.word, own.wait.key.number)
+        };
+        return Some(format!("the program of channel {partner} has no {code}"));
+    };
+    let text = info.block_text(channel.file, line, 60);
+    Some(format!("channel {partner} has '{text}' {side}, in line {line}"))
+}
+
+/// A line has the mark of a wait, whatever its list of channels.
+fn mentions(line: &str, rule: &Rule, wait: &Wait) -> bool {
+    let text = plain(line, rule.style);
+    let word = rule.word.to_ascii_uppercase();
+    if word.is_empty() {
+        return false;
+    }
+    text.match_indices(&word).any(|(at, _)| {
+        let (before, after) = (text.get(..at).unwrap_or_default(), text.get(at + word.len()..).unwrap_or_default());
+        let alone =
+            !before.ends_with(|c: char| c.is_ascii_alphabetic() || c == '_') || !word.starts_with(char::is_alphabetic);
+        let number = |text: &str| {
+            let digits = text.bytes().take_while(u8::is_ascii_digit).count();
+            text.get(..digits).and_then(|digits| digits.parse::<u32>().ok())
+        };
+        let label =
+            || after.split_once('L').filter(|(systems, _)| systems.bytes().all(|b| b.is_ascii_digit() || b == b'!'));
+        alone
+            && match rule.style {
+                Style::Word if rule.numbered => number(after) == Some(wait.key.number),
+                Style::Word => true,
+                Style::Statement => {
+                    after.strip_prefix('(').is_some_and(|rest| !rule.numbered || number(rest) == Some(wait.key.number))
+                }
+                Style::LineUp => label().is_some_and(|(_, rest)| number(rest) == Some(wait.key.number)),
+            }
+    })
+}
+
+/// A line in capitals, without blanks and comments.
+fn plain(line: &str, style: Style) -> String {
+    let line = if style == Style::Statement { line.split(';').next().unwrap_or_default() } else { line };
+    let mut depth = 0_u32;
+    let mut out = String::with_capacity(line.len());
+    for c in line.chars().filter(|c| !c.is_whitespace()) {
+        match c {
+            '(' if style != Style::Statement => depth += 1,
+            ')' if style != Style::Statement => depth = depth.saturating_sub(1),
+            _ if depth == 0 => out.push(c.to_ascii_uppercase()),
+            _ => {}
+        }
+    }
+    out
+}
+
+/// Channels wait at it for each other, so that two numbers may be one by mistake.
+fn is_mark(primitive: Primitive) -> bool {
+    match primitive {
+        Primitive::Barrier | Primitive::Flag | Primitive::Count | Primitive::Signal => true,
+        Primitive::Order | Primitive::Join | Primitive::Lease => false,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::wait::Key;
+
+    #[test]
+    fn marks_in_lines() {
+        let wait = |number| Wait {
+            primitive: Primitive::Barrier,
+            key: Key { space: 0, number },
+            named: None,
+            parts: Set::up_to(2),
+            need: 0,
+            rule: 0,
+        };
+        let word = Rule::plain("M");
+        let statement = Rule { style: Style::Statement, ..Rule::plain("WAITM") };
+        let line_up = Rule { style: Style::LineUp, ..Rule::plain("!") };
+        let text = Rule { numbered: false, ..Rule::plain("SYNC") };
+        for (line, rule, number, has) in [
+            ("N10 M101 P12", &word, 101, true),
+            ("m0101", &word, 101, true),
+            ("M1011", &word, 101, false),
+            ("(M101)", &word, 101, false),
+            ("G4 P1 (A) M101", &word, 101, true),
+            ("N5 WAITM(40, 1,2)", &statement, 40, true),
+            ("WAITM(4,1,2)", &statement, 40, false),
+            ("; WAITM(40,1)", &statement, 40, false),
+            ("SWAITM(40)", &statement, 40, false),
+            ("!2L1", &line_up, 1, true),
+            ("!1!2L1", &line_up, 1, true),
+            ("!2L12", &line_up, 1, false),
+            ("G0 X1 SYNC", &text, 0, true),
+            ("", &word, 101, false),
+        ] {
+            assert_eq!(mentions(line, rule, &wait(number)), has, "{line}");
+        }
+    }
+}
