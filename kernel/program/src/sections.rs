@@ -52,6 +52,16 @@ fn views(source: &Source, sections: &[Section]) -> Vec<(u16, Arc<Source>)> {
     channels.into_iter().map(view).collect()
 }
 
+/// The last stretch of a program for all heads belongs to another channel and has the end code of the program.
+#[must_use]
+pub fn ends_for_all(machine: &Machine, source: &Source, channel: u16) -> bool {
+    let heads = machine.habits.programs == FileLayout::Heads;
+    source.sections().last().filter(|last| heads && last.channel != channel).is_some_and(|last| {
+        let range = Range { number: None, first: last.lines.0, last: last.lines.1 };
+        Callers::of(machine, source.syntax()).ends_in(source, range)
+    })
+}
+
 /// The text of a file without the lines of other channels, and without the marks of sections.
 fn seen_by(source: &Source, sections: &[Section], channel: u16) -> BytesMut {
     let mut text = BytesMut::with_capacity(source.size() / 2);

@@ -9,6 +9,7 @@ use crate::channel::Kernel;
 use counterpoint_event::event::{Block, FileId, Kind};
 use counterpoint_fault as diag;
 use counterpoint_machine::model::RewindStop;
+use counterpoint_program::sections;
 use counterpoint_program::shape::Shape;
 use counterpoint_program::source::Source;
 
@@ -151,9 +152,17 @@ impl Kernel<'_> {
         if self.runs_into_definition() {
             return Ok(());
         }
-        let name = self.flow.frames.last().map_or_else(String::new, |f| f.name.to_string());
-        self.diagnose(&diag::NO_PROGRAM_END, format!("the text of {name} ends without an end code"));
+        if !self.ends_with_another_head() {
+            let name = self.flow.frames.last().map_or_else(String::new, |f| f.name.to_string());
+            self.diagnose(&diag::NO_PROGRAM_END, format!("the text of {name} ends without an end code"));
+        }
         if self.flow.frames.len() > 1 { self.return_from(None) } else { Err(Halt::ProgramEnd(None)) }
+    }
+
+    /// One program of all heads has its end code in the last stretch of another head.
+    fn ends_with_another_head(&self) -> bool {
+        let whole = self.channel.env.sources.whole(self.channel.at.file).filter(|_| self.flow.frames.len() == 1);
+        whole.is_some_and(|whole| sections::ends_for_all(self.channel.env.machine, whole, self.channel.at.channel))
     }
 
     fn too_long(&mut self, length: usize) -> Halt {
@@ -175,9 +184,7 @@ impl Kernel<'_> {
             self.ports.control.stop().clone(),
         );
         let (source, failure) = match self.channel.env.files.read(&name) {
-            Ok(bytes) => {
-                (Some(Arc::new(counterpoint_program::sections::source(name, bytes, shape, stop, machine))), None)
-            }
+            Ok(bytes) => (Some(Arc::new(sections::source(name, bytes, shape, stop, machine))), None),
             Err(error) => (None, Some(error)),
         };
         if self.ports.control.cancelled() {
