@@ -6,6 +6,7 @@
 
 use super::cursor::{Cursor, Mistake};
 use super::expr::{Expr, Own, Reader, Variable, name_text, number_text};
+use super::lap::Lap;
 use super::names::{self, Local};
 use super::text::Prepared;
 use crate::statement::{RETURN, Shared, Statements};
@@ -22,6 +23,8 @@ pub(super) struct Line {
     pub(super) messages: Vec<String>,
     /// A comment has no end.
     pub(super) open: bool,
+    /// What it has to do with contours.
+    pub(super) lap: Option<Lap>,
 }
 
 /// What stands before a statement.
@@ -113,11 +116,11 @@ pub(super) fn read(prepared: Prepared, wanted: Wanted) -> Result<Line, Mistake> 
     let Prepared { plain, upper, messages, open } = prepared;
     let mut reading = Reading { plain: &plain, cursor: Cursor::new(&upper) };
     if let Some(header) = reading.of_the_file() {
-        return Ok(Line { head: Vec::new(), statement: header, messages, open });
+        return Ok(Line { statement: header, messages, open, ..Line::default() });
     }
     let head = reading.head();
     let statement = reading.statement(wanted)?;
-    Ok(Line { head, statement, messages, open })
+    Ok(Line { head, statement, messages, open, lap: None })
 }
 
 /// A block that is being read.

@@ -12,6 +12,7 @@ use counterpoint_lang::value::Value;
 
 use super::eval::{Eval, Stop};
 use super::expr::{Expr, Variable};
+use super::lap::Lap;
 use super::line::{Call, Head, Item, Line, Statement, Target, normal};
 use super::store::Arguments;
 use super::{ALARM_TEXTS, Okuma};
@@ -52,6 +53,11 @@ impl Okuma {
         }
         if !line.messages.is_empty() && !host.handles_messages(text) {
             line.messages.iter().for_each(|message| host.show(message));
+        }
+        match &line.lap {
+            Some(Lap::Begins) => return self.skip_contour(host).map(|()| None),
+            Some(Lap::Cuts(name)) => self.cut_along(host, name)?,
+            None => {}
         }
         match &line.statement {
             Statement::Nothing => {}

@@ -284,4 +284,12 @@ data! {
     TURN_TAPER_X true true Plain, Length => "start less end of a cut along X, a radius (Fanuc G90 R)";
     TURN_TAPER_Z true true Plain, Length => "start less end of a cut along Z (Fanuc G94 R)";
     TURN_TYPE true true Plain, None => "type of a rough cycle: 1 with pockets (Haas G71 R1)";
+    TURN_CHANGE_X true true Plain, Length => "first place along X from which levels have another depth or feed, as X is programmed (Okuma XA, XB)";
+    TURN_CHANGE_Z true true Plain, Length => "the same along Z (Okuma ZA, ZB)";
+    TURN_CHANGE_DEPTH true true Plain, Length => "depth from there on, along X as X is programmed (Okuma DA, DB)";
+    TURN_CHANGE_FEED true true Plain, Feed => "feed from there on (Okuma FA, FB)";
+    TURN_CHANGE_X_2 true true Plain, Length => "second place along X from which levels have another depth or feed, as X is programmed (Okuma XA, XB)";
+    TURN_CHANGE_Z_2 true true Plain, Length => "the same along Z (Okuma ZA, ZB)";
+    TURN_CHANGE_DEPTH_2 true true Plain, Length => "depth from there on, along X as X is programmed (Okuma DA, DB)";
+    TURN_CHANGE_FEED_2 true true Plain, Feed => "feed from there on (Okuma FA, FB)";
 }
