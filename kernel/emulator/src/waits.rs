@@ -5,16 +5,18 @@
 
 mod channels;
 mod fanuc;
+mod line_up;
 mod siemens;
 mod statements;
 
+pub(crate) use line_up::of_systems;
 pub(crate) use statements::{Statement, by_statement, known_channel, operands};
 
 use counterpoint_event::event::Primitive;
 use counterpoint_machine::index::RegisterId;
 use counterpoint_machine::model::{self, Machine, WaitAct, WaitRow};
 use counterpoint_machine::rows::{CodeForm, CodeRow};
-use counterpoint_sync::wait::{Absent, Act, Key, Rule, Rules, Set, Wait};
+use counterpoint_sync::wait::{Absent, Act, Key, Rule, Rules, Set, Style, Wait};
 
 /// The rule of the start by a head; the marks of both heads follow.
 const START: u16 = 0;
@@ -69,9 +71,14 @@ fn rule(row: &WaitRow) -> Rule {
         numbered: match &row.form {
             Some(form) => !matches!(form, CodeForm::Text(_)),
             None => statements::has_mark(row.primitive),
-        },
+        } || row.line_up,
         list: " P".into(),
-        statement: row.form.is_none(),
+        style: match row.form {
+            None => Style::Statement,
+            Some(_) if row.line_up => Style::LineUp,
+            Some(_) => Style::Word,
+        },
+        met_by: row.met_by,
         mismatch: match row.mismatch {
             model::Mismatch::Free => None,
             model::Mismatch::Fanuc => Some(fanuc::MISMATCH),

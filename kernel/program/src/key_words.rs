@@ -51,10 +51,15 @@ pub fn key_word(names: Names<'_>, line: &[u8], at: usize) -> bool {
     let length = rest.iter().take_while(|byte| byte.is_ascii_alphabetic()).count();
     let letters = rest.get(..length).unwrap_or_default();
     let KeyWords { all, joined } = names.key_words;
-    let opens = |word: &&str| word.as_bytes().get(..length).is_some_and(|begin| begin.eq_ignore_ascii_case(letters));
+    let &[first, second, ..] = letters else { return false };
+    let pair = [first.to_ascii_uppercase(), second.to_ascii_uppercase()];
+    // Most words are ruled out by their first two letters.
+    let opens = |word: &&str| {
+        word.as_bytes().first_chunk() == Some(&pair)
+            && word.as_bytes().get(..length).is_some_and(|begin| begin.eq_ignore_ascii_case(letters))
+    };
     let begins = letters.get(..joined.len()).is_some_and(|begin| begin.eq_ignore_ascii_case(joined.as_bytes()));
     let joins = !joined.is_empty() && letters.len() > joined.len() && begins;
-    length >= 2
-        && (joins || all.iter().any(opens))
+    (joins || all.iter().any(opens))
         && !names.texts.iter().any(|(text, _)| text.len() > length && stands(text, line, at))
 }

@@ -2,7 +2,7 @@
 //!
 //! Facts: reference control-emulator.md 8.1 and channel-synchronisation.md 1.2 (files column). A file per channel, or
 //! several O-programs in one file: programs that another one of the file calls are subprograms, the others are main
-//! programs from left to right; codes of heads may divide a file instead (`heads`). Invariant: files are numbered
+//! programs from left to right; codes of heads or `$n` may divide a file instead (`sections`). Invariant: files are numbered
 //! programs first, then the rest by name, so the same job has the same numbers.
 
 use std::sync::{Arc, OnceLock};
@@ -12,13 +12,12 @@ use counterpoint_ports::Shares;
 use rustc_hash::FxHashSet;
 
 use super::callers::{Called, Callers};
-use super::heads;
 use super::shape::{Range, Shape};
 use super::source::Source;
 use super::sources::Sources;
 use super::syntax::Syntax;
 use crate::spec::{Program, Spec};
-use counterpoint_event::info::{Axis, Channel, File, Info};
+use counterpoint_event::info::{Axis, Channel, File, Info, Section};
 use counterpoint_machine::Machine;
 use counterpoint_machine::finding::Finding;
 use counterpoint_machine::model::{Format, RewindStop};
@@ -115,6 +114,19 @@ fn text_of(source: &Option<Arc<Source>>) -> Option<Arc<Text>> {
     source.as_ref().map(|source| Arc::clone(source.text()))
 }
 
+/// The stretches of a file that have names: those of its channels, else its programs by name if there are several.
+fn sections_of(source: &Source) -> Vec<Section> {
+    if !source.sections().is_empty() {
+        return source.sections().to_vec();
+    }
+    let named = source.programs().iter().filter_map(|range| {
+        let name = source.name_at(range.first).filter(|_| range.number.is_none())?;
+        let name = String::from_utf8_lossy(name).into();
+        Some(Section { channel: 0, name, lines: (range.first, range.last) })
+    });
+    if source.programs().len() > 1 { named.collect() } else { Vec::new() }
+}
+
 fn file_table(
     spec: &Spec,
     syntax: &'static Syntax,
@@ -125,8 +137,15 @@ fn file_table(
     let (mut table, mut sources) = (Vec::new(), Sources::default());
     let mut known: FxHashSet<String> = FxHashSet::default();
     let shape = Arc::new(Shape::of(&spec.machine, syntax));
-    let shaped = |name: &str, bytes| Arc::new(Source::shaped(name, bytes, Arc::clone(&shape), stop.clone()));
-    let file = |name: String, text| File { stored: name.starts_with(StoredFile::ROOT), name, text };
+    let machine = &spec.machine;
+    let shaped =
+        |name: &str, bytes| Arc::new(Source::of_machine(name, bytes, Arc::clone(&shape), stop.clone(), machine));
+    let file = |name: String, text, source: Option<&Source>| File {
+        stored: name.starts_with(StoredFile::ROOT),
+        name,
+        text,
+        sections: source.map_or(Vec::new(), sections_of),
+    };
     for program in &spec.programs {
         if stop.asked() || !known.insert(program.file.clone()) {
             continue;
@@ -138,7 +157,7 @@ fn file_table(
                 None
             }
         };
-        table.push(file(program.file.clone(), OnceLock::from(text_of(&source))));
+        table.push(file(program.file.clone(), OnceLock::from(text_of(&source)), source.as_deref()));
         sources.push(Some(source));
     }
     for name in files.list() {
@@ -147,14 +166,14 @@ fn file_table(
             break;
         }
         if !known.contains(&name) {
-            table.push(file(name, OnceLock::new()));
+            table.push(file(name, OnceLock::new(), None));
             sources.push(None);
         }
     }
     for stored in &spec.machine.storage {
         let name = format!("{}{}", StoredFile::ROOT, stored.path);
         let source = Some(shaped(&name, stored.content.clone()));
-        table.push(file(name, OnceLock::from(text_of(&source))));
+        table.push(file(name, OnceLock::from(text_of(&source)), source.as_deref()));
         sources.push(Some(source));
     }
     (table, sources)
@@ -195,6 +214,15 @@ fn candidates<'a>(
             findings.push(Finding::error(wish.file.clone(), 0, 0, text));
             continue;
         }
+        if let Some(sections) = in_sections(wish, source, &callers) {
+            let sections = sections.into_iter().map(|(channel, range)| {
+                let seen = source.seen_by(channel);
+                let range = opening(seen, range, &spec.machine.format);
+                Candidate { wish, file, range, name: Some(section_name(source, channel)), channel: Some(channel) }
+            });
+            candidates.extend(sections);
+            continue;
+        }
         let ranges = match wish.number {
             Some(number) => match named(number, source, &callers) {
                 Some(range) => vec![range],
@@ -212,36 +240,71 @@ fn candidates<'a>(
                 mains.iter().find(free).or_else(|| source.programs().first()).copied().into_iter().collect()
             }
         };
-        let alone = spec.programs.len() == 1 && wish.number.is_none();
         let several = ranges.len() > 1 && spec.machine.channels.len() > 1;
-        for (range, channel) in by_head(spec, source, ranges, alone, findings) {
+        for range in ranges {
             let name = source.name_at(range.first).filter(|_| several && range.number.is_none());
             let name = name.map(|name| String::from_utf8_lossy(name).into_owned());
             let range = opening(source, range, &spec.machine.format);
-            candidates.push(Candidate { wish, file, range, name, channel });
+            candidates.push(Candidate { wish, file, range, name, channel: None });
         }
     }
     candidates
 }
 
-/// Programs with the channels that the heads in the text give them, where codes of heads divide files.
-fn by_head(
-    spec: &Spec,
-    source: &Source,
-    ranges: Vec<Range>,
-    alone: bool,
-    findings: &mut Vec<Finding>,
-) -> Vec<(Range, Option<u16>)> {
-    let first = ranges.first().copied().filter(|_| alone && spec.machine.habits.heads_in_file);
-    match first.map(|range| heads::divide(&spec.machine, source, range)) {
-        Some(Ok(found)) if found.len() > 1 => found.into_iter().map(|(head, range)| (range, Some(head))).collect(),
-        Some(Err((head, line))) => {
-            let text =
-                format!("the program of head {head} continues after that of another head; it must be in one piece");
-            findings.push(Finding::error(source.name.clone(), line, 0, text));
-            Vec::new()
-        }
-        _ => ranges.into_iter().map(|range| (range, None)).collect(),
+/// What the first section of a channel is called.
+fn section_name(source: &Source, channel: u16) -> String {
+    let first = source.sections().iter().find(|section| section.channel == channel);
+    first.map_or(String::new(), |section| section.name.to_string())
+}
+
+/// The programs of channels in a file that has sections, those that a wish is for: channel and main program, as that channel
+/// sees the file.
+fn in_sections(wish: &Program, source: &Arc<Source>, callers: &Callers) -> Option<Vec<(u16, Range)>> {
+    let mut found = channel_mains(source, callers)?;
+    if let Some(number) = wish.number {
+        let of_number =
+            |channel: u16| Some((channel, trimmed(source, channel, named(number, source.seen_by(channel), callers)?)));
+        let owner = source.programs().iter().find(|range| range.number == Some(number)).map(|range| range.first);
+        let owner = source.sections().iter().find(|section| owner.is_some_and(|line| within(section, line)));
+        found = match owner {
+            Some(section) => of_number(section.channel).into_iter().collect(),
+            None => found.into_iter().filter_map(|(channel, _)| of_number(channel)).collect(),
+        };
+    }
+    if let Some(wanted) = wish.channel {
+        found.retain(|(channel, _)| *channel == wanted);
+    }
+    (!found.is_empty()).then_some(found)
+}
+
+fn within(section: &Section, line: u32) -> bool {
+    (section.lines.0..=section.lines.1).contains(&line)
+}
+
+/// The main programs of a file that has sections, by channel; each as its channel sees the file.
+fn channel_mains(source: &Arc<Source>, callers: &Callers) -> Option<Vec<(u16, Range)>> {
+    let mut channels: Vec<u16> = source.sections().iter().map(|section| section.channel).filter(|&c| c > 0).collect();
+    channels.sort_unstable();
+    channels.dedup();
+    let main = |channel: u16| {
+        let seen = source.seen_by(channel);
+        Some((channel, trimmed(source, channel, mains(seen, callers).first().copied()?)))
+    };
+    (!channels.is_empty()).then(|| channels.into_iter().filter_map(main).collect())
+}
+
+/// A program of a channel ends with the last of its stretches there; that of a head other than the first begins with one.
+fn trimmed(source: &Source, channel: u16, range: Range) -> Range {
+    let own = || {
+        let overlap = |section: &&Section| section.lines.0 <= range.last && section.lines.1 >= range.first;
+        source.sections().iter().filter(|section| section.channel == channel).filter(overlap)
+    };
+    let (Some(first), Some(last)) = (own().next(), own().next_back()) else { return range };
+    let starts = first.name.starts_with('$') || source.sections().first() == Some(first);
+    Range {
+        first: if starts { range.first } else { first.lines.0.max(range.first) },
+        last: last.lines.1.min(range.last),
+        ..range
     }
 }
 
@@ -270,8 +333,8 @@ fn place(spec: &Spec, candidates: Vec<Candidate<'_>>, channels: &mut [Channel], 
                 let file = &candidate.wish.file;
                 channel.program = match (candidate.range.number, candidate.name) {
                     (Some(number), _) => format!("{file}#{number}"),
-                    (None, Some(name)) => format!("{file}#{name}"),
-                    (None, None) => file.clone(),
+                    (None, Some(name)) if !name.is_empty() => format!("{file}#{name}"),
+                    (None, _) => file.clone(),
                 };
             }
             // Further programs of a single file stay callable; more files than channels are a mistake.
@@ -300,7 +363,7 @@ fn missing_number(wish: &Program, number: u32, source: &Source) -> Finding {
 /// Main programs of a file: those that no other program of the file calls; the first one if all are called. Text before
 /// the first definition is one of its own if it comes to an end code or the program behind it is called; otherwise that
 /// program begins with it, since nothing skips a definition (reference control-emulator.md 5.7).
-fn mains(source: &Source, callers: &Callers) -> Vec<Range> {
+pub(super) fn mains(source: &Source, callers: &Callers) -> Vec<Range> {
     let ranges = source.programs();
     if ranges.len() < 2 {
         return ranges.to_vec();
@@ -326,24 +389,29 @@ fn mains(source: &Source, callers: &Callers) -> Vec<Range> {
     mains
 }
 
-/// The first main program of a file.
-pub fn first_main(source: &Source, machine: &Machine) -> Option<Range> {
-    mains(source, &Callers::of(machine, source.syntax())).first().copied()
+/// The main program of a file that a channel runs when it is given the file.
+pub fn first_main(source: &Arc<Source>, machine: &Machine, channel: u16) -> Option<Range> {
+    let callers = Callers::of(machine, source.syntax());
+    let own = channel_mains(source, &callers).and_then(|mains| mains.into_iter().find(|(of, _)| *of == channel));
+    own.map_or_else(|| mains(source, &callers).first().copied(), |(_, range)| Some(range))
 }
 
 /// Main programs of a file from a line on, in the order of the channels; none in place of one that ends before it.
-pub fn from_line(source: &Source, line: u32, machine: &Machine) -> Vec<Option<Range>> {
-    let mut ranges = mains(source, &Callers::of(machine, source.syntax()));
-    let first = ranges.first().copied().filter(|_| machine.habits.heads_in_file);
-    if let Some(Ok(found)) = first.map(|range| heads::divide(machine, source, range))
-        && found.len() > 1
-    {
-        let of = |number| found.iter().find(|(head, _)| *head == number).map(|(_, range)| *range);
-        let nothing = Range { number: None, first: 1, last: 0 };
-        ranges = machine.channels.iter().map(|channel| of(channel.number).unwrap_or(nothing)).collect();
-    }
-    let opened = ranges.into_iter().map(|range| opening(source, range, &machine.format));
-    opened.map(|range| (range.last >= line).then(|| Range { first: range.first.max(line), ..range })).collect()
+pub fn from_line(source: &Arc<Source>, line: u32, machine: &Machine) -> Vec<Option<Range>> {
+    let callers = Callers::of(machine, source.syntax());
+    let ranges: Vec<Option<Range>> = match channel_mains(source, &callers) {
+        Some(found) => {
+            let of = |number| found.iter().find(|(channel, _)| *channel == number).map(|(_, range)| *range);
+            machine.channels.iter().map(|channel| of(channel.number)).collect()
+        }
+        None => mains(source, &callers).into_iter().map(Some).collect(),
+    };
+    let opened =
+        ranges.into_iter().zip(machine.channels.iter().map(|channel| channel.number).chain(std::iter::repeat(0)));
+    let opened = opened.map(|(range, channel)| Some(opening(source.seen_by(channel), range?, &machine.format)));
+    opened
+        .map(|range| range.filter(|range| range.last >= line).map(|r| Range { first: r.first.max(line), ..r }))
+        .collect()
 }
 
 /// The first program of a file begins at the rewind-stop before it, or at the comments before it, so that the listing

@@ -1,33 +1,43 @@
 //! Evaluating compiled expressions.
 //!
-//! *Invariant:* evaluating allocates nothing but for values of more than [`INLINE`] pending operands.
+//! *Invariant:* evaluating allocates nothing but for more than [`INLINE`] pending operands.
 
-use smallvec::SmallVec;
+use arrayvec::ArrayVec;
 
 use super::code::{Code, Op};
 use crate::numeric::{Function, Operator};
 
 /// Operands that wait for their operator without room from the heap.
-const INLINE: usize = 8;
+const INLINE: usize = 16;
 
 /// Values that wait for their operator.
+///
+/// *Invariant:* there are more only while the first ones fill their room.
 #[derive(Debug)]
-pub(crate) struct Stack<V>(SmallVec<[V; INLINE]>);
+pub(crate) struct Stack<V> {
+    first: ArrayVec<V, INLINE>,
+    more: Vec<V>,
+}
 
 impl<V: Default> Stack<V> {
     fn new() -> Self {
-        Self(SmallVec::new())
+        Self { first: ArrayVec::new(), more: Vec::new() }
     }
 
     #[inline]
     fn push(&mut self, value: V) {
-        self.0.push(value);
+        if let Err(full) = self.first.try_push(value) {
+            self.more.push(full.element());
+        }
     }
 
     /// Takes the value on top.
     #[inline]
     pub(crate) fn pop(&mut self) -> V {
-        self.0.pop().unwrap_or_default()
+        match self.more.pop() {
+            Some(value) => value,
+            None => self.first.pop().unwrap_or_default(),
+        }
     }
 }
 
@@ -58,10 +68,8 @@ pub(crate) trait Evaluate<V: Clone + Default, X> {
     ///
     /// # Errors
     /// That of the first operation without a value.
+    #[inline]
     fn evaluate(&mut self, code: &Code<V, X>) -> Result<V, Self::Stop> {
-        if let Some(value) = code.as_constant() {
-            return Ok(value.clone());
-        }
         let mut stack = Stack::new();
         for op in code.ops() {
             let value = match op {

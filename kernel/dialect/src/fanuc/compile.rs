@@ -2,8 +2,8 @@
 
 use super::control::{KEY_WORDS, STATEMENTS};
 use super::cursor::{Error, NESTING, Parser};
-use super::expr::Expr;
-use super::statement::{Line, Statement};
+use super::expr::{Expr, variable_index};
+use super::statement::{Line, Statement, Target};
 use crate::statement::Shared;
 use counterpoint_program::key_words::{Names, key_word};
 
@@ -144,7 +144,9 @@ impl Parser<'_> {
             }
             let mut value = Vec::new();
             self.logical(&mut value)?;
-            list.push((self.checked(target)?, self.checked(value)?));
+            let target = self.checked(target)?;
+            let number = target.as_constant().and_then(|number| variable_index(*number).ok());
+            list.push((number.map_or(Target::Indirect(target), Target::Variable), self.checked(value)?));
         }
         Ok(Statement::Assign(list))
     }

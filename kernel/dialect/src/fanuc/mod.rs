@@ -27,7 +27,7 @@ use counterpoint_lang::value::Value;
 
 pub(crate) use control::Control;
 
-use super::host::{Host, NotThere};
+use super::host::{Host, NotThere, Place};
 use super::interpreter::{Arguments, Interpreter, Remaining, Setting};
 use super::kept::{Kept, Tables};
 use super::numeric::is_vacant;
@@ -53,11 +53,11 @@ struct Fanuc {
 impl Fanuc {
     /// The compiled form of the block, kept once the program has jumped back or called. `displays` shows its messages: on
     /// every pass, but once for a block that is read twice.
+    #[inline]
     fn line(&mut self, host: &mut dyn Host, text: &[u8], displays: bool) -> Result<Arc<Line>, Halt> {
         let place = host.place();
-        let key = (place.file, place.line);
         if place.as_read
-            && let Some(line) = self.lines.get(key)
+            && let Some(line) = self.lines.get((place.file, place.line))
         {
             let line = Arc::clone(line);
             if displays && !line.messages.is_empty() {
@@ -65,12 +65,18 @@ impl Fanuc {
             }
             return Ok(line);
         }
+        self.compiled(host, &place, text, displays)
+    }
+
+    /// Compiles the block.
+    #[inline(never)]
+    fn compiled(&mut self, host: &mut dyn Host, place: &Place, text: &[u8], displays: bool) -> Result<Arc<Line>, Halt> {
         let messages = host.strip(text, displays, &mut self.stripped);
         match compile(&self.stripped, host.names()) {
             Ok(line) => {
                 let line = Arc::new(Line { messages, ..line });
                 if place.repeats && place.as_read {
-                    self.lines.insert(key, &line, text.len());
+                    self.lines.insert((place.file, place.line), &line, text.len());
                 }
                 Ok(line)
             }

@@ -31,6 +31,9 @@ pub trait Programs {
     /// Where the kernel is.
     fn place(&self) -> Place;
 
+    /// Subprograms that are running.
+    fn level(&self) -> usize;
+
     /// Where the block begins.
     fn spot(&self) -> Spot;
 

@@ -180,7 +180,7 @@ impl Okuma {
             let text = format!("more than {MODAL} modal calls at the same time in '{}'", host.block_text());
             return Err(host.alarm(&diag::MACRO_CALL, text));
         }
-        let level = host.place().level;
+        let level = host.level();
         self.modal.push(Modal { call, arguments, level });
         host.effect();
         host.calls_modally(true);
@@ -198,14 +198,14 @@ impl Okuma {
 
     /// Modal calls of programs that have ended are over.
     pub(super) fn end_modal(&mut self, host: &mut dyn Host) {
-        let level = host.place().level;
+        let level = host.level();
         self.modal.retain(|modal| modal.level <= level);
         host.calls_modally(!self.modal.is_empty());
     }
 
     /// A block has moved.
     pub(super) fn call_modally(&mut self, host: &mut dyn Host) {
-        let level = host.place().level;
+        let level = host.level();
         if let Some(modal) = self.modal.last().filter(|modal| modal.level == level).cloned() {
             self.call(host, modal.call, modal.arguments);
         }

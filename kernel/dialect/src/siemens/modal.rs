@@ -46,7 +46,7 @@ impl Siemens {
             }
             let given = self.calling.take().map_or_else(Vec::new, |calling| calling.given);
             let (words, call, passes) = (left.words, left.call, left.passes);
-            let level = host.place().level;
+            let level = host.level();
             self.modal = Some(Modal { words, call, passes, given, level });
         }
         self.watch(host);

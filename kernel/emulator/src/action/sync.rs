@@ -55,7 +55,11 @@ fn by_row(act: &mut Act<'_, '_>, row: &CodeRow) -> Acted {
         return pass(act);
     }
     let said = Said { channel: act.at.channel, number, list };
-    match waits::meaning(act.env.machine, row, said) {
+    let line_up = act.block.line_up.and_then(|word| {
+        let job = (act.env.info, act.env.sources);
+        waits::of_systems(act.env.machine, job, row, (act.at.channel, word))
+    });
+    match line_up.unwrap_or_else(|| waits::meaning(act.env.machine, row, said)) {
         Ok(Meaning::Act(deed, shown)) => act.let_continue(deed, shown),
         _ if ignores_waits(act) => pass(act),
         Ok(Meaning::Wait(wait)) if waits::is_for_nobody(&wait, act.at.channel) => pass(act),

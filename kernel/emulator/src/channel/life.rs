@@ -266,7 +266,7 @@ impl Kernel<'_> {
 
     fn what_it_did(&self, reason: &str) -> String {
         let pass = self.flow.pass.last();
-        let name = self.channel.env.info.file_name(self.channel.at.file);
+        let name = self.channel.env.info.place_name(self.channel.at.file, self.channel.at.line);
         if pass.count > 1 {
             let (_, first, last) = pass.key;
             format!(

@@ -154,7 +154,7 @@ pub(super) fn restarted(kernel: &mut Kernel<'_>, restart: Restart, wrong: Option
         return refused(kernel, reason);
     }
     kernel.load(file).ok()?;
-    let ranges = kernel.channel.env.sources.get(file).map(|source| layout::from_line(source, line, machine));
+    let ranges = kernel.channel.env.sources.whole(file).map(|source| layout::from_line(source, line, machine));
     let channels = machine.channels.iter().map(|channel| channel.number);
     let programs: Vec<(u16, At)> = channels
         .zip(ranges.unwrap_or_default())

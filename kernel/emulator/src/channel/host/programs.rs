@@ -46,6 +46,10 @@ impl Programs for Kernel<'_> {
         }
     }
 
+    fn level(&self) -> usize {
+        self.flow.level()
+    }
+
     fn spot(&self) -> Spot {
         Kernel::spot(self)
     }
