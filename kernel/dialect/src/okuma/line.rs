@@ -176,7 +176,7 @@ impl Reading<'_> {
         if name.is_empty() || matches!(ahead.here(), Some(b'=' | b'[')) && digits == 0 {
             return None;
         }
-        if matches!(self.plain.get(start..ahead.at), Some(word) if is_statement(word)) {
+        if matches!(self.plain.get(start..ahead.at), Some(word) if is_statement(word, ahead.clone().peek().is_some())) {
             return None;
         }
         // N10G0X5: a number ends where a letter begins.
@@ -397,9 +397,10 @@ fn operands(cursor: &mut Cursor<'_>, count: usize) -> Result<Box<[Expr]>, Mistak
     Ok(operands)
 }
 
-/// A word that only looks like a name.
-fn is_statement(word: &[u8]) -> bool {
-    [b"NOEX".as_slice(), b"NMSG"].into_iter().any(|known| word.eq_ignore_ascii_case(known))
+/// A word that only looks like a name. OMIT leaves points of a figure out, unless nothing follows it.
+fn is_statement(word: &[u8], continues: bool) -> bool {
+    let statements = [b"NOEX".as_slice(), b"NCYL", b"NMSG"].into_iter();
+    statements.chain(continues.then_some(b"OMIT".as_slice())).any(|known| word.eq_ignore_ascii_case(known))
 }
 
 /// A line with the name of its file: `$NAME.MIN%`.
@@ -460,6 +461,7 @@ mod tests {
         assert_eq!(head("nLAP1 G0"), [name("nLAP1")]);
         assert_eq!(head("oab"), [Head::Program("oab".to_owned())]);
         assert!(head("NOEX LA=1").is_empty() && head("NMSG").is_empty() && head("X5").is_empty());
+        assert!(head("NCYL G81").is_empty() && head("OMIT R3").is_empty() && !head("OMIT").is_empty());
     }
 
     #[test]
