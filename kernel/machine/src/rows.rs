@@ -117,6 +117,13 @@ pub struct CodeRow {
     pub file: String,
 }
 
+impl CodeRow {
+    /// The other row has the same code, written alike, along the same axis.
+    pub(crate) fn is_twin_of(&self, other: &Self) -> bool {
+        self.id == other.id && self.form == other.form && self.axis == other.axis
+    }
+}
+
 /// Written form of a code.
 #[derive(Debug, Clone, PartialEq)]
 pub enum CodeForm {
