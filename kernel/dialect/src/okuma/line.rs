@@ -43,6 +43,8 @@ pub(super) enum Head {
 /// What a block says.
 #[derive(Debug, Default, PartialEq)]
 pub(super) enum Statement {
+    /// Changes neither path nor time.
+    Drawing,
     /// Nothing more.
     #[default]
     Nothing,
@@ -104,11 +106,16 @@ pub(super) enum Item {
     },
 }
 
+/// Words of statements for the screen (blank, lines, pictures) and the tool management.
+const DRAWING: [&str; 6] = ["DEF", "PT", "END", "CLEAR", "DRAW", "TLID"];
+
 /// What is taken off blocks.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Wanted {
     /// CALL, MODIN and MODOUT.
     pub(super) subprograms: bool,
+    /// Statements for the screen and the tool management.
+    pub(super) drawing: bool,
 }
 
 /// Reads a block.
@@ -206,6 +213,9 @@ impl Reading<'_> {
         }
         if cursor.word("NOEX") {
             return self.items();
+        }
+        if wanted.drawing && is_drawing(cursor) {
+            return Ok(Statement::Drawing);
         }
         if cursor.key_word("GOTO") {
             let target = self.target()?;
@@ -397,6 +407,15 @@ fn operands(cursor: &mut Cursor<'_>, count: usize) -> Result<Box<[Expr]>, Mistak
     Ok(operands)
 }
 
+/// A statement for the screen or the tool management: one of their words, which is no variable here.
+fn is_drawing(cursor: &Cursor<'_>) -> bool {
+    let known = |word: &&str| {
+        let mut ahead = cursor.clone();
+        ahead.word(word) && !matches!(ahead.peek(), Some(b'=' | b'['))
+    };
+    DRAWING.iter().any(|word| known(word))
+}
+
 /// A word that only looks like a name. OMIT leaves points of a figure out, unless nothing follows it.
 fn is_statement(word: &[u8], continues: bool) -> bool {
     let statements = [b"NOEX".as_slice(), b"NCYL", b"NMSG"].into_iter();
@@ -430,7 +449,7 @@ mod tests {
     use super::*;
 
     fn line(text: &str) -> Result<Line, Mistake> {
-        read(prepare(text.as_bytes()), Wanted { subprograms: true })
+        read(prepare(text.as_bytes()), Wanted { subprograms: true, drawing: false })
     }
 
     fn plain(text: &str) -> Vec<String> {

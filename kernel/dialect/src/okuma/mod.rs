@@ -69,6 +69,10 @@ pub(crate) struct Okuma {
     counts_executions: bool,
     /// G81 to G88 are contours with a name and cycles along them.
     has_contours: bool,
+    /// Statements for the screen are ignored.
+    ignores_drawing: bool,
+    /// That has been reported.
+    reported_drawing: bool,
 }
 
 impl Okuma {
@@ -88,6 +92,8 @@ impl Okuma {
             takes_messages: true,
             counts_executions: false,
             has_contours: false,
+            ignores_drawing: false,
+            reported_drawing: false,
         }
     }
 }
@@ -102,7 +108,7 @@ impl Okuma {
         {
             return Ok(Arc::clone(line));
         }
-        let wanted = line::Wanted { subprograms: self.takes_calls };
+        let wanted = line::Wanted { subprograms: self.takes_calls, drawing: self.ignores_drawing };
         let mut block = text::prepare(text);
         let lap = if self.has_contours { lap::find(&mut block) } else { None };
         match line::read(block, wanted) {
@@ -293,6 +299,7 @@ impl Interpreter for Okuma {
             "PROCESS,MESSAGES" => &mut self.takes_messages,
             "PROCESS,EXECUTIONS" => &mut self.counts_executions,
             "PROCESS,CONTOURS" => &mut self.has_contours,
+            "PROCESS,DRAWING" => &mut self.ignores_drawing,
             _ => return Setting::Unknown,
         };
         let [value] = values else { return Setting::Wrong };

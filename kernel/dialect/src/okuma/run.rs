@@ -61,6 +61,15 @@ impl Okuma {
         }
         match &line.statement {
             Statement::Nothing => {}
+            Statement::Drawing => {
+                if !std::mem::replace(&mut self.reported_drawing, true) {
+                    let text = format!(
+                        "'{}' changes neither path nor time; statements like it are ignored",
+                        host.block_text()
+                    );
+                    host.diagnose(&diag::OKUMA_DRAWING, text);
+                }
+            }
             Statement::Continued => {
                 let text = format!("'{}' continues a block, but there is none above it; ignored", host.block_text());
                 host.diagnose(&diag::OKUMA_CONTINUED, text);
