@@ -35,12 +35,12 @@ impl Kernel<'_> {
             return Err(self.alarm(&diag::CONTOUR_BLOCKS, text));
         };
         let (first, last) = (first_block, last_block);
-        if let Task::Finish { stays } = cycle.task {
+        if let Task::Finish { stays, off } = cycle.task {
             let what = match named {
                 Some(name) => Callee::Named(Arc::clone(name)),
                 None => Callee::Blocks(numbers.0, numbers.1),
             };
-            return self.run_contour(first, last, what, stays);
+            return self.run_contour(first, last, what, (!stays).then_some(off));
         }
         let reading = self.read_contour(first, last)?;
         (self.plan.actions.cut_contour)(self, cycle, reading)?;
@@ -75,11 +75,11 @@ impl Kernel<'_> {
     }
 
     /// Runs the contour as blocks of the program; at its end the tool goes back to where it is now.
-    fn run_contour(&mut self, first: Spot, last: Spot, what: Callee, stays: bool) -> Acted {
+    fn run_contour(&mut self, first: Spot, last: Spot, what: Callee, back: Option<u8>) -> Acted {
         self.check_nesting(|| what.to_string())?;
         let here = self.channel.at.file;
         let file = self.frame().map_or(here, |frame| frame.file);
-        let back = (!stays).then(|| Box::new(self.channel.programmed()));
+        let back = back.map(|off| Box::new((self.channel.programmed(), off)));
         let range = Range { number: None, first: first.line, last: last.line };
         let name = match &what {
             Callee::Named(name) => name.as_ref().into(),
@@ -92,8 +92,8 @@ impl Kernel<'_> {
         Ok(())
     }
 
-    /// The contour has been run: the tool goes back, as a move of the cycle.
-    pub(crate) fn end_contour(&mut self, back: &Position) -> Acted {
+    /// The contour has been run: the tool goes back, as moves of the cycle. Axes that go off the part are first.
+    pub(crate) fn end_contour(&mut self, (back, off): &(Position, u8)) -> Acted {
         if let Some((file, line)) =
             self.frame().map(|frame| (frame.file, frame.next, frame.offset)).map(|at| match at {
                 (file, line, 0) => (file, line.saturating_sub(1)),
@@ -102,6 +102,13 @@ impl Kernel<'_> {
         {
             (self.channel.at.file, self.channel.at.line) = (file, line);
             self.channel.text.edited = None;
+        }
+        if *off != 0 {
+            let mut first = self.channel.programmed();
+            for (index, (slot, back)) in first.iter_mut().zip(*back).enumerate() {
+                *slot = if off & 1 << index == 0 { *slot } else { back };
+            }
+            (self.plan.actions.go_back)(self, &first)?;
         }
         (self.plan.actions.go_back)(self, back)
     }

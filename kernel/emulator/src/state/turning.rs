@@ -110,6 +110,8 @@ pub(crate) enum Task {
     Finish {
         /// The tool stays where they end.
         stays: bool,
+        /// Axes that go back before the others, bit by axis.
+        off: u8,
     },
     /// They are roughed, with pockets if the program says so; else as their first block tells.
     Rough(rough::Settings, Option<bool>),

@@ -103,7 +103,9 @@ impl<'c> Rough<'c> {
         let [z, x] = contour.start;
         let away = view.see([z + left[0], x + left[1]]);
         let origin = if settings.lap.is_some() { view.see(contour.start) } else { away };
-        let low = parts.lowest();
+        let copies = settings.lap.is_some_and(|lap| lap.copies);
+        let first = elements.first().filter(|_| copies);
+        let low = first.map_or(parts.lowest(), |first| view.see(first.from)[1]);
         parts.check([away[0].min(origin[0]), origin[1]])?;
         let levels = match &settings.lap {
             Some(lap) => Levels::of_lap(origin[1], settings.depth, low, lap, &view),
@@ -137,19 +139,26 @@ impl<'c> Rough<'c> {
         self.contour_pass(&mut cut)
     }
 
-    /// Goes along the whole contour, each time nearer.
+    /// Goes along the whole contour, each time nearer: away from it along the line from its first point to the start.
     fn copy<S: Sink>(&self, sink: &mut S) -> Result<(), S::Stop> {
         let mut cut = Cut { sink, view: self.view, at: self.origin };
-        let [start, top] = self.origin;
+        let [z, x] = self.contour.elements.first().map_or(self.contour.start, |first| first.from);
+        let first = [z + self.settings.allowance[0], x + self.settings.allowance[1]];
+        let to_start = [self.contour.start[0] - first[0], self.contour.start[1] - first[1]];
+        let height = self.origin[1] - self.levels.low();
         for number in 1.. {
             let Some(level) = self.level(number) else { break };
             cut.sink.use_feed(self.levels.feed(number));
-            let end = self.view.see(self.along_contour(&mut cut, level - self.levels.low())?);
-            let height = top.max(end[1]);
-            cut.rapid([end[0], height])?;
-            cut.rapid([start, height])?;
+            let part = (level - self.levels.low()) / height;
+            let end = self.view.see(self.along_contour(&mut cut, [to_start[0] * part, to_start[1] * part])?);
+            cut.rapid([self.origin[0], end[1]])?;
         }
-        self.contour_pass(&mut cut)
+        let end = self.view.see(self.along_contour(&mut cut, [0.0; 2])?);
+        if self.settings.lap.is_some_and(|lap| lap.stays) {
+            return Ok(());
+        }
+        cut.rapid([self.origin[0], end[1]])?;
+        cut.sink.go(Move::Rapid(self.contour.start))
     }
 
     /// Cuts the open stretches of all levels. Gives the pockets beside them.
@@ -261,18 +270,17 @@ impl<'c> Rough<'c> {
 
     /// Cuts along the contour, and returns to where the cycle began.
     fn contour_pass<S: Sink>(&self, cut: &mut Cut<'_, S>) -> Result<(), S::Stop> {
-        self.along_contour(cut, 0.0)?;
+        self.along_contour(cut, [0.0; 2])?;
         if self.settings.lap.is_some_and(|lap| lap.stays) {
             return Ok(());
         }
         cut.sink.go(Move::Rapid(self.contour.start))
     }
 
-    /// Cuts along the contour at a height above what is left. Gives where it ends.
-    fn along_contour<S: Sink>(&self, cut: &mut Cut<'_, S>, height: f64) -> Result<Spot, S::Stop> {
+    /// Cuts along the contour, moved by an amount besides what is left. Gives where it ends.
+    fn along_contour<S: Sink>(&self, cut: &mut Cut<'_, S>, away: Spot) -> Result<Spot, S::Stop> {
         cut.sink.pass()?;
-        let up = self.view.place([0.0, height]);
-        let by = [self.settings.allowance[0] + up[0], self.settings.allowance[1] + up[1]];
+        let by = [self.settings.allowance[0] + away[0], self.settings.allowance[1] + away[1]];
         let mut end = self.contour.start;
         let mut elements = self.contour.elements.iter().map(|element| moved(element, by)).peekable();
         if let Some(first) = elements.peek() {

@@ -325,5 +325,5 @@ fn copy_turning_of_lap() {
     let lap = Lap { copies: true, ..LAP };
     let points = [(20.0, 2.0, 0.0), (20.0, -20.0, 0.0), (30.0, -30.0, 0.0)];
     let text = rough(&contour((32.0, 2.0), &points), Settings { lap: Some(lap), ..settings(3.0, 0.1, 0.0, 0.0) });
-    assert_eq!(text, "R X26; F Z-20; F X36 Z-30; R Z2; R X20; F Z-20; F X30 Z-30; R X32 Z2");
+    assert_eq!(text, "R X26; F Z-20; F X36 Z-30; R Z2; R X20; F Z-20; F X30 Z-30; R Z2; R X32");
 }

@@ -45,7 +45,9 @@ pub(super) fn cycle(act: &mut Act<'_, '_>, plane: &LathePlane, kind: Lap) -> Act
     let blocks = ContourBlocks::Named { name: shape.name, first: shape.first, last: shape.last };
     let finishes = kind == Lap::Finish;
     if finishes && allowance == [0.0; 2] {
-        act.cut_contour(ContourCycle { blocks, task: Task::Finish { stays }, feed, feeds });
+        let [along_z, along_x] = plane.axes.map(|axis| axis.bit());
+        let off = if shape.face { along_z } else { along_x };
+        act.cut_contour(ContourCycle { blocks, task: Task::Finish { stays, off }, feed, feeds });
         return Ok(());
     }
     let depth = if finishes { WHOLE } else { depth };

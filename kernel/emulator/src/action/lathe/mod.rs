@@ -47,7 +47,7 @@ fn finish(act: &mut Act<'_, '_>) -> Acted {
     let (first, last) = words::blocks(act);
     let blocks = contour_blocks(act, first, last)?;
     let feed = act.feed();
-    act.cut_contour(ContourCycle { blocks, task: Task::Finish { stays: false }, feed, feeds: [None; 2] });
+    act.cut_contour(ContourCycle { blocks, task: Task::Finish { stays: false, off: 0 }, feed, feeds: [None; 2] });
     Ok(())
 }
 
