@@ -106,12 +106,14 @@ impl Okuma {
     pub(super) fn cut_along(&mut self, host: &mut dyn Host, name: &str) -> Acted {
         let place = host.place();
         let index = self.index(host, place.file);
+        let mut has_blank = false;
         let shape = index.label(name, place.line, place.range).and_then(|label| {
             let source = host.source(place.file)?;
             let mut codes = (label..=source.lines()).map(|line| (line, code_of(source.line(line))));
-            if !matches!(codes.next()?, (_, Some(1..=3))) {
-                return None;
-            }
+            has_blank = match codes.next()? {
+                (_, Some(code @ 1..=3)) => code == 3,
+                _ => return None,
+            };
             let mut codes = (label..=source.lines()).map(|line| (line, code_of(source.line(line))));
             let (begin, code) = codes.find(|(_, code)| matches!(code, Some(0..=2)))?;
             if code == Some(0) {
@@ -122,6 +124,10 @@ impl Okuma {
         });
         match shape {
             Some(shape) => {
+                if has_blank && code_of(host.block_text().as_bytes()) != Some(7) {
+                    let text = format!("the blank of N{name} is ignored in '{}'", host.block_text());
+                    host.diagnose(&diag::OKUMA_BLANK, text);
+                }
                 host.cut_along(shape);
                 Ok(())
             }
