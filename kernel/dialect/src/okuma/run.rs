@@ -12,6 +12,7 @@ use counterpoint_lang::value::Value;
 
 use super::eval::{Eval, Stop};
 use super::expr::{Expr, Variable};
+use super::lap::Lap;
 use super::line::{Call, Head, Item, Line, Statement, Target, normal};
 use super::store::Arguments;
 use super::{ALARM_TEXTS, Okuma};
@@ -53,8 +54,22 @@ impl Okuma {
         if !line.messages.is_empty() && !host.handles_messages(text) {
             line.messages.iter().for_each(|message| host.show(message));
         }
+        match &line.lap {
+            Some(Lap::Begins) => return self.skip_contour(host).map(|()| None),
+            Some(Lap::Cuts(name)) => self.cut_along(host, name)?,
+            None => {}
+        }
         match &line.statement {
             Statement::Nothing => {}
+            Statement::Drawing => {
+                if !std::mem::replace(&mut self.reported_drawing, true) {
+                    let text = format!(
+                        "'{}' changes neither path nor time; statements like it are ignored",
+                        host.block_text()
+                    );
+                    host.diagnose(&diag::OKUMA_DRAWING, text);
+                }
+            }
             Statement::Continued => {
                 let text = format!("'{}' continues a block, but there is none above it; ignored", host.block_text());
                 host.diagnose(&diag::OKUMA_CONTINUED, text);

@@ -36,8 +36,8 @@ pub(crate) struct Frame {
     pub(crate) by: Option<WordKind>,
     /// Name for events.
     pub(crate) name: Box<str>,
-    /// Where the tool goes at its end, as programmed (a finishing cycle).
-    pub(crate) back: Option<Box<Position>>,
+    /// Where the tool goes at its end, as programmed (a finishing cycle), and the axes that go first, bit by axis.
+    pub(crate) back: Option<Box<(Position, u8)>>,
 }
 
 /// What happens after the current block.

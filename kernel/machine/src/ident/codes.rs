@@ -12,7 +12,7 @@ use super::kind::cycle::HoleCycle;
 use super::kind::head::HeadEvent;
 use super::kind::local::Change;
 use super::kind::thread::{LeadChange, Setting, ThreadCycle};
-use super::kind::turning::TurningCycle;
+use super::kind::turning::{Lap, TurningCycle};
 use super::{CodeFacts, CodeId, data};
 use counterpoint_event::event::{Direction, Outlet};
 
@@ -494,4 +494,8 @@ codes! {
     TURN_GROOVE 1 500 true true Turning(TurningCycle::Peck { along_x: true }) => ": pecks along X (Fanuc G75)";
     TURN_SINGLE 1 500 true true Turning(TurningCycle::Single { face: false }) => ": one cut along Z and back (Fanuc G90)";
     TURN_SINGLE_FACE 1 500 true true Turning(TurningCycle::Single { face: true }) => ": one cut along X and back (Fanuc G94)";
+    TURN_LAP_BAR 1 500 true true Turning(TurningCycle::Lap(Lap::Bar)) => ": roughs a named contour level by level (Okuma G85)";
+    TURN_LAP_COPY 1 500 true true Turning(TurningCycle::Lap(Lap::Copy)) => ": roughs a named contour by passes along the whole of it (Okuma G86)";
+    TURN_LAP_FINISH 1 500 true true Turning(TurningCycle::Lap(Lap::Finish)) => ": runs a named contour once (Okuma G87)";
+    TURN_LAP_STAY 0 100 true true Plain => ": the tool stays at the end of the next cycle along a named contour (Okuma M85)";
 }

@@ -51,7 +51,7 @@ pub(super) fn rough(act: &mut Act<'_, '_>, plane: &LathePlane, face: bool) -> Ro
     let pockets = value(act, data::TURN_TYPE).map(|kind| kind == 1.0);
     let turning = &act.state.others.turning;
     let (depth, retract) = (turning.depth, turning.retract);
-    Rough { settings: rough::Settings { face, depth, retract, allowance, semi, pockets: false }, pockets }
+    Rough { settings: rough::Settings { face, depth, retract, allowance, semi, pockets: false, lap: None }, pockets }
 }
 
 /// Allowances along Z and X; that of X counts as X is programmed.
