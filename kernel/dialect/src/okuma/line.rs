@@ -413,7 +413,7 @@ fn is_drawing(cursor: &Cursor<'_>) -> bool {
         let mut ahead = cursor.clone();
         ahead.word(word) && !matches!(ahead.peek(), Some(b'=' | b'['))
     };
-    DRAWING.iter().any(|word| known(word))
+    DRAWING.iter().any(known)
 }
 
 /// A word that only looks like a name. OMIT leaves points of a figure out, unless nothing follows it.
