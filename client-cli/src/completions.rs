@@ -52,9 +52,9 @@ mod tests {
     #[test]
     fn machines_are_completed_by_name_and_folder() {
         for (shell, folders) in [
-            (Shell::Bash, "compgen -d -W \"fanuc-2path-lathe fanuc-3path-lathe fanuc-lathe fanuc-mill"),
-            (Shell::Zsh, ":{compadd -- fanuc-2path-lathe fanuc-3path-lathe fanuc-lathe fanuc-mill"),
-            (Shell::Fish, "-r -a \"fanuc-2path-lathe"),
+            (Shell::Bash, "compgen -d -W \"citizen-3system fanuc-2path-lathe fanuc-3path-lathe fanuc-lathe"),
+            (Shell::Zsh, ":{compadd -- citizen-3system fanuc-2path-lathe fanuc-3path-lathe fanuc-lathe"),
+            (Shell::Fish, "-r -a \"citizen-3system"),
         ] {
             let script = script(shell);
             assert!(script.contains(folders), "{shell}: {script}");

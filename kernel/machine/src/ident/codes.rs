@@ -8,11 +8,10 @@ use counterpoint_motion::frame::local::Part;
 use super::kind::CodeKind::*;
 use super::kind::arc::{By, Form};
 use super::kind::coolant::{Flow, Switch};
-use super::kind::cycle::HoleCycle;
-use super::kind::head::HeadEvent;
 use super::kind::local::Change;
 use super::kind::thread::{LeadChange, Setting, ThreadCycle};
 use super::kind::turning::{Lap, TurningCycle};
+use super::kind::{cycle::HoleCycle, head::HeadEvent};
 use super::{CodeFacts, CodeId, data};
 use counterpoint_event::event::{Direction, Outlet};
 
