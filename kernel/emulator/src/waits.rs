@@ -3,6 +3,7 @@
 //! *Invariant:* the kernels and the coordinator of a job number the rules in the same way. Facts: reference
 //! channel-synchronisation.md 1.0 to 1.9.
 
+pub(crate) mod balance;
 mod channels;
 mod fanuc;
 mod line_up;
@@ -29,6 +30,8 @@ const REGISTERS: u16 = 5;
 
 /// Families of marks: below these a letter, from here on a register or a row.
 const BY_REGISTER: u16 = 0x4000;
+/// Balance cutting; a letter is below it.
+const BALANCE: u16 = 0x3fff;
 const BY_ROW: u16 = 0x8000;
 
 /// What a word of the program means.
@@ -57,7 +60,13 @@ pub fn rules(machine: &Machine) -> Rules {
     let start = std::iter::once(Rule::plain("START"));
     let heads = HEADS.into_iter().chain(['M']).map(|letter| fanuc::rule(&letter.to_string()));
     let letters = machine.registers.iter().map(|register| fanuc::rule(&letter(&register.name).to_string()));
-    Rules::new(start.chain(heads).chain(letters).chain(machine.sync.waits.iter().map(rule)))
+    let rows = machine.sync.waits.iter().map(rule);
+    Rules::new(start.chain(heads).chain(letters).chain(rows).chain(balance::rules(machine)))
+}
+
+/// The first rule after those of the rows.
+fn extra_rule(machine: &Machine) -> u16 {
+    REGISTERS + (machine.registers.len() + machine.sync.waits.len()) as u16
 }
 
 fn letter(name: &str) -> char {

@@ -28,6 +28,8 @@ pub struct Habits {
     pub dwell: Dwell,
     /// Values of expressions at addresses are rounded to the least increment of the register.
     pub rounded: bool,
+    /// Sums at addresses need no brackets: `X#1+.1`.
+    pub bare_sums: bool,
     /// Codes, addresses and statements that nothing knows are alarms of the control; otherwise they are diagnosed and the
     /// rest of the block acts.
     pub unknown_alarms: bool,
@@ -110,6 +112,7 @@ impl Default for Habits {
             programs: FileLayout::Numbers,
             last_of_group: false,
             rounded: false,
+            bare_sums: false,
             brackets: None,
             bare_home: false,
             dwell: Dwell::default(),

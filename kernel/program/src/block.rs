@@ -83,6 +83,8 @@ pub struct BlockFlags {
     pub exact_stop: bool,
     /// A motion code acted.
     pub moved: bool,
+    /// Its first cut has been paired with that of another channel.
+    pub paired: bool,
     /// One of its codes is swallowed.
     pub swallows: bool,
 }

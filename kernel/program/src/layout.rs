@@ -11,7 +11,9 @@ use counterpoint_event::{Letters, Text, letters};
 use counterpoint_ports::Shares;
 use rustc_hash::FxHashSet;
 
-use super::callers::{Called, Callers};
+use super::callers::Callers;
+use super::mains::mains;
+use super::sections;
 use super::shape::{Range, Shape};
 use super::source::Source;
 use super::sources::Sources;
@@ -138,8 +140,7 @@ fn file_table(
     let mut known: FxHashSet<String> = FxHashSet::default();
     let shape = Arc::new(Shape::of(&spec.machine, syntax));
     let machine = &spec.machine;
-    let shaped =
-        |name: &str, bytes| Arc::new(Source::of_machine(name, bytes, Arc::clone(&shape), stop.clone(), machine));
+    let shaped = |name: &str, bytes| Arc::new(sections::source(name, bytes, Arc::clone(&shape), stop.clone(), machine));
     let file = |name: String, text, source: Option<&Source>| File {
         stored: name.starts_with(StoredFile::ROOT),
         name,
@@ -223,7 +224,16 @@ fn candidates<'a>(
             candidates.extend(sections);
             continue;
         }
+        if let Some(section) = &wish.section
+            && wanted(section, source).is_none()
+        {
+            findings.push(missing_section(wish, section, source));
+            continue;
+        }
         let ranges = match wish.number {
+            None if wish.section.is_some() => {
+                wish.section.as_deref().and_then(|name| wanted(name, source)).into_iter().collect()
+            }
             Some(number) => match named(number, source, &callers) {
                 Some(range) => vec![range],
                 None => {
@@ -240,7 +250,7 @@ fn candidates<'a>(
                 mains.iter().find(free).or_else(|| source.programs().first()).copied().into_iter().collect()
             }
         };
-        let several = ranges.len() > 1 && spec.machine.channels.len() > 1;
+        let several = (ranges.len() > 1 || wish.section.is_some()) && spec.machine.channels.len() > 1;
         for range in ranges {
             let name = source.name_at(range.first).filter(|_| several && range.number.is_none());
             let name = name.map(|name| String::from_utf8_lossy(name).into_owned());
@@ -270,6 +280,11 @@ fn in_sections(wish: &Program, source: &Arc<Source>, callers: &Callers) -> Optio
             Some(section) => of_number(section.channel).into_iter().collect(),
             None => found.into_iter().filter_map(|(channel, _)| of_number(channel)).collect(),
         };
+    }
+    if let Some(name) = &wish.section {
+        let named = |section: &&Section| section.channel > 0 && section.name.eq_ignore_ascii_case(name);
+        let owner = source.sections().iter().find(named).map(|section| section.channel);
+        found.retain(|(channel, _)| Some(*channel) == owner);
     }
     if let Some(wanted) = wish.channel {
         found.retain(|(channel, _)| *channel == wanted);
@@ -354,39 +369,42 @@ fn named(number: u32, source: &Source, callers: &Callers) -> Option<Range> {
     mains(source, callers).iter().find(is).or_else(|| source.programs().iter().find(is)).copied()
 }
 
+/// The program that has a name, as an archive or the control writes it.
+fn wanted(name: &str, source: &Source) -> Option<Range> {
+    let plain = name.trim_start_matches('%');
+    let plain = plain
+        .get(..3)
+        .filter(|start| start.eq_ignore_ascii_case("_N_"))
+        .map_or(plain, |_| plain.get(3..).unwrap_or_default());
+    let ending =
+        |text: &str| [".MPF", ".SPF", "_MPF", "_SPF"].iter().any(|end| text.to_ascii_uppercase().ends_with(end));
+    let stem = plain.get(..plain.len().saturating_sub(4)).filter(|_| ending(plain));
+    source.named(name).or_else(|| source.named(plain)).or_else(|| source.named(stem?))
+}
+
+fn missing_section(wish: &Program, name: &str, source: &Source) -> Finding {
+    let mut known: Vec<String> = source.sections().iter().map(|section| section.name.to_string()).collect();
+    known.extend(source.programs().iter().filter_map(|range| match range.number {
+        Some(number) => Some(format!("O{number:04}")),
+        None => Some(String::from_utf8_lossy(source.name_at(range.first)?).into_owned()),
+    }));
+    let mut seen = FxHashSet::default();
+    known.retain(|name| seen.insert(name.clone()));
+    known.truncate(20);
+    let known = if known.is_empty() { "none".to_owned() } else { known.join(", ") };
+    let name = name.escape_debug();
+    Finding::error(
+        wish.file.clone(),
+        0,
+        0,
+        format!("program or section {name} not found in the file, which has {known}"),
+    )
+}
+
 fn missing_number(wish: &Program, number: u32, source: &Source) -> Finding {
     let known: Vec<String> = source.programs().iter().filter_map(|r| r.number).map(|n| format!("O{n:04}")).collect();
     let known = if known.is_empty() { "none".to_owned() } else { known.join(", ") };
     Finding::error(wish.file.clone(), 0, 0, format!("program O{number:04} not found in the file, which has {known}"))
-}
-
-/// Main programs of a file: those that no other program of the file calls; the first one if all are called. Text before
-/// the first definition is one of its own if it comes to an end code or the program behind it is called; otherwise that
-/// program begins with it, since nothing skips a definition (reference control-emulator.md 5.7).
-pub(super) fn mains(source: &Source, callers: &Callers) -> Vec<Range> {
-    let ranges = source.programs();
-    if ranges.len() < 2 {
-        return ranges.to_vec();
-    }
-    let mut called = Called::default();
-    ranges.iter().for_each(|&range| callers.called(source, range, &mut called));
-    let is_main =
-        |range: Range| !called.has(source, range) && !callers.by_word(range) && !callers.returns(source, range);
-    let mut mains: Vec<Range> = ranges.iter().copied().filter(|&range| is_main(range)).collect();
-    if let [heading, next, ..] = ranges
-        && source.is_plain(*heading)
-        && is_main(*next)
-        && !callers.ends_in(source, *heading)
-    {
-        mains.retain(|range| range != heading);
-        if let Some(first) = mains.first_mut() {
-            first.first = heading.first;
-        }
-    }
-    if mains.is_empty() {
-        mains.extend(ranges.first());
-    }
-    mains
 }
 
 /// The main program of a file that a channel runs when it is given the file.

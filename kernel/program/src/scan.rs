@@ -8,7 +8,7 @@ mod numbers;
 mod passed;
 
 use crate::block::{Block, Word, irregular};
-use crate::key_words::{Names, Number, key_word};
+use crate::key_words::{Formulas, Names, Number, key_word};
 use crate::line_up::LineUp;
 use crate::prefix_registers::{self, LiteralFirst};
 use crate::shape::program_name;
@@ -48,8 +48,8 @@ pub struct Scanner {
     sequence: Option<RegisterId>,
     /// Register of program numbers, which a colon may stand for at the start of a block.
     definition: Option<RegisterId>,
-    /// Most levels of brackets in an expression.
-    brackets: Option<u8>,
+    /// How expressions are written.
+    formulas: Formulas,
     letters: [Option<(RegisterId, bool)>; 128],
     /// Special registers, and texts that would be read as words; `None` on most machines.
     literal_first: Option<Box<LiteralFirst>>,
@@ -95,7 +95,7 @@ impl Scanner {
             levels: levels(machine, opskip),
             sequence,
             definition,
-            brackets: machine.habits.brackets,
+            formulas: Formulas { brackets: machine.habits.brackets, bare_sums: machine.habits.bare_sums },
             letters,
             literal_first: LiteralFirst::new(machine),
         }
@@ -142,7 +142,7 @@ impl Scanner {
         Names {
             literal_first: self.literal_first.as_deref(),
             texts: &self.texts,
-            brackets: self.brackets,
+            formulas: self.formulas,
             key_words: self.syntax.key_words.unwrap_or_default(),
         }
     }

@@ -9,7 +9,7 @@
 
 use std::sync::Arc;
 
-use bytes::{BufMut, BytesMut};
+use bytes::{BufMut, Bytes, BytesMut};
 use counterpoint_event::info::Section;
 use counterpoint_machine::Machine;
 use counterpoint_machine::habits::FileLayout;
@@ -18,14 +18,24 @@ use counterpoint_machine::index::CodeRowId;
 use counterpoint_machine::rows::CodeForm;
 
 use super::callers::Callers;
-use super::layout::mains;
-use super::shape::Range;
+use super::mains::mains;
+use super::shape::{Range, Shape};
 use super::source::Source;
 use crate::block::{Block, Word};
 use crate::scan::Scanner;
+use counterpoint_ports::control::Stop;
+
+/// A file as a machine reads it: with the stretches that belong to its channels.
+#[must_use]
+pub fn source(name: impl Into<String>, bytes: Bytes, shape: Arc<Shape>, stop: Stop, machine: &Machine) -> Source {
+    let whole = Source::shaped(name, bytes, shape, stop);
+    let sections = divide(machine, &whole);
+    let views = views(&whole, &sections);
+    whole.divided(sections, views)
+}
 
 /// The stretches of a file, in order, as the machine divides its files; none if it does not.
-pub(super) fn divide(machine: &Machine, source: &Source) -> Vec<Section> {
+fn divide(machine: &Machine, source: &Source) -> Vec<Section> {
     match machine.habits.programs {
         FileLayout::Numbers => Vec::new(),
         FileLayout::Heads => by_heads(machine, source),
@@ -34,7 +44,7 @@ pub(super) fn divide(machine: &Machine, source: &Source) -> Vec<Section> {
 }
 
 /// What each channel of a divided file sees of it.
-pub(super) fn views(source: &Source, sections: &[Section]) -> Vec<(u16, Arc<Source>)> {
+fn views(source: &Source, sections: &[Section]) -> Vec<(u16, Arc<Source>)> {
     let mut channels: Vec<u16> = sections.iter().map(|section| section.channel).filter(|&c| c > 0).collect();
     channels.sort_unstable();
     channels.dedup();

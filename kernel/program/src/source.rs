@@ -9,11 +9,9 @@ use std::sync::{Arc, OnceLock};
 use bytes::Bytes;
 use counterpoint_event::Text;
 use counterpoint_event::info::Section;
-use counterpoint_machine::Machine;
 use rustc_hash::FxHashMap;
 
 use super::line_up::LineUp;
-use super::sections;
 use super::shape::{Range, Shape, leading_number};
 use super::spot::Spot;
 use super::syntax::Syntax;
@@ -62,13 +60,9 @@ impl Source {
         Self { name: name.into(), text, shape, stop, programs, sequences, has, labels, sections, views }
     }
 
-    /// A file as a machine reads it: with the stretches that belong to its channels.
-    #[must_use]
-    pub fn of_machine(name: impl Into<String>, bytes: Bytes, shape: Arc<Shape>, stop: Stop, machine: &Machine) -> Self {
-        let whole = Self::shaped(name, bytes, shape, stop);
-        let sections = sections::divide(machine, &whole);
-        let views = sections::views(&whole, &sections);
-        Self { sections, views, ..whole }
+    /// The same file with the stretches that belong to channels, and what each channel sees of it.
+    pub(super) fn divided(self, sections: Vec<Section>, views: Vec<(u16, Arc<Self>)>) -> Self {
+        Self { sections, views, ..self }
     }
 
     /// The same file with another text.

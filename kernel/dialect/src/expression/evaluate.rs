@@ -70,24 +70,20 @@ pub(crate) trait Evaluate<V: Clone + Default, X> {
     /// That of the first operation without a value.
     #[inline]
     fn evaluate(&mut self, code: &Code<V, X>) -> Result<V, Self::Stop> {
-        let mut stack = Stack::new();
+        // The value on top stays out of the stack until another one waits above it.
+        let (mut stack, mut top) = (Stack::new(), V::default());
         for op in code.ops() {
-            let value = match op {
-                Op::Value(value) => value.clone(),
-                Op::Apply(function) => {
-                    let value = stack.pop();
-                    self.apply(*function, value)?
+            match op {
+                Op::Value(value) => stack.push(std::mem::replace(&mut top, value.clone())),
+                Op::Apply(function) => top = self.apply(*function, std::mem::take(&mut top))?,
+                Op::Combine(operator) => top = self.combine(*operator, stack.pop(), std::mem::take(&mut top))?,
+                Op::Own(own) => {
+                    stack.push(std::mem::take(&mut top));
+                    top = self.own(own, &mut stack)?;
                 }
-                Op::Combine(operator) => {
-                    let right = stack.pop();
-                    let left = stack.pop();
-                    self.combine(*operator, left, right)?
-                }
-                Op::Own(own) => self.own(own, &mut stack)?,
-            };
-            stack.push(value);
+            }
         }
-        Ok(stack.pop())
+        Ok(top)
     }
 }
 

@@ -30,7 +30,11 @@ pub(super) fn compile(text: &[u8], names: Names<'_>) -> Result<Line, Error> {
     if parser.at < text.len() {
         return Err(parser.error("the end of the statement"));
     }
-    Ok(Line { sequence, statement, place, name: parser.name, messages: Box::default() })
+    let executes = match &statement {
+        Statement::Words(words) => words.iter().any(|word| word.value.as_constant().is_none()),
+        _ => true,
+    };
+    Ok(Line { sequence, statement, place, name: parser.name, messages: Box::default(), executes })
 }
 
 impl Parser<'_> {

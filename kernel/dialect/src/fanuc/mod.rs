@@ -27,7 +27,7 @@ use counterpoint_lang::value::Value;
 
 pub(crate) use control::Control;
 
-use super::host::{Host, NotThere, Place};
+use super::host::{Host, NotThere};
 use super::interpreter::{Arguments, Interpreter, Remaining, Setting};
 use super::kept::{Kept, Tables};
 use super::numeric::is_vacant;
@@ -55,9 +55,8 @@ impl Fanuc {
     /// every pass, but once for a block that is read twice.
     #[inline]
     fn line(&mut self, host: &mut dyn Host, text: &[u8], displays: bool) -> Result<Arc<Line>, Halt> {
-        let place = host.place();
-        if place.as_read
-            && let Some(line) = self.lines.get((place.file, place.line))
+        if let Some(place) = host.unchanged_line()
+            && let Some(line) = self.lines.get(place)
         {
             let line = Arc::clone(line);
             if displays && !line.messages.is_empty() {
@@ -65,12 +64,13 @@ impl Fanuc {
             }
             return Ok(line);
         }
-        self.compiled(host, &place, text, displays)
+        self.compiled(host, text, displays)
     }
 
     /// Compiles the block.
     #[inline(never)]
-    fn compiled(&mut self, host: &mut dyn Host, place: &Place, text: &[u8], displays: bool) -> Result<Arc<Line>, Halt> {
+    fn compiled(&mut self, host: &mut dyn Host, text: &[u8], displays: bool) -> Result<Arc<Line>, Halt> {
+        let place = host.place();
         let messages = host.strip(text, displays, &mut self.stripped);
         match compile(&self.stripped, host.names()) {
             Ok(line) => {
@@ -161,6 +161,11 @@ impl Interpreter for Fanuc {
         let Some(on) = value.as_logical() else { return Setting::NotLogical };
         set(host, on);
         Setting::Made
+    }
+
+    #[inline]
+    fn executes(&self, line: (FileId, u32)) -> bool {
+        self.lines.get(line).is_some_and(|line| line.executes)
     }
 
     fn tables(&self) -> u64 {

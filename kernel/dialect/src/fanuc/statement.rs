@@ -18,6 +18,8 @@ pub(super) struct Line {
     pub(super) name: Option<(u32, u32)>,
     /// Places of its messages to the operator.
     pub(super) messages: Box<[(u32, u32)]>,
+    /// It is more than plain words.
+    pub(super) executes: bool,
 }
 
 /// What a line does.

@@ -161,6 +161,8 @@ pub(crate) enum Callee {
     Named(Arc<str>),
     /// Blocks from one sequence number to another.
     Blocks(u32, u32),
+    /// Blocks from a sequence number to the return.
+    From(u32),
     /// Blocks from one label to another.
     Labels(u32, u32),
 }
@@ -171,6 +173,7 @@ impl std::fmt::Display for Callee {
             Callee::Program(number) => write!(f, "subprogram {number}"),
             Callee::Named(name) => write!(f, "subprogram <{name}>"),
             Callee::Blocks(first, last) => write!(f, "the range N{first} to N{last}"),
+            Callee::From(first) => write!(f, "the blocks from N{first} on"),
             Callee::Labels(first, last) => write!(f, "the range from label {first} to label {last}"),
         }
     }

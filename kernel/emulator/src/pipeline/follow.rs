@@ -106,6 +106,7 @@ impl Kernel<'_> {
             Callee::Named(name) => format!("<{name}>").into(),
             Callee::Labels(first, last) => format!("label {first}-{last}").into(),
             Callee::Blocks(first, last) => format!("N{first}-N{last}").into(),
+            Callee::From(first) => format!("N{first}").into(),
         }
     }
 

@@ -175,7 +175,9 @@ impl Kernel<'_> {
             self.ports.control.stop().clone(),
         );
         let (source, failure) = match self.channel.env.files.read(&name) {
-            Ok(bytes) => (Some(Arc::new(Source::of_machine(name, bytes, shape, stop, machine))), None),
+            Ok(bytes) => {
+                (Some(Arc::new(counterpoint_program::sections::source(name, bytes, shape, stop, machine))), None)
+            }
             Err(error) => (None, Some(error)),
         };
         if self.ports.control.cancelled() {

@@ -484,6 +484,8 @@ codes! {
     POLE_ZERO 0 450 true true Plain => ": pole of polar coordinates, from the zero of the program (Siemens G111)";
     POLE_LAST 0 450 true true Plain => ": pole of polar coordinates, from the last pole (Siemens G112)";
     OFFSET_SET 0 100 true true Plain => ": sets an offset of the control (Fanuc G10)";
+    BALANCE_ON 0 100 true true Plain => ": two channels begin their cuts together (Fanuc G68)";
+    BALANCE_OFF 0 100 true true Plain => ": ends that, both together (Fanuc G69)";
     TURN_FINISH 1 500 true true Turning(TurningCycle::Finish) => ": runs the blocks of a contour once (Fanuc G70)";
     TURN_ROUGH 1 500 true true Turning(TurningCycle::Rough { face: false }) => ": roughs a contour along Z (Fanuc G71)";
     TURN_ROUGH_FACE 1 500 true true Turning(TurningCycle::Rough { face: true }) => ": roughs a contour along X (Fanuc G72)";

@@ -28,6 +28,8 @@ pub(super) fn read(top: &mut Section<'_>, preprocessor: Preprocessor) -> Habits 
     habits.last_of_group = section.choice("same_group", &groups).unwrap_or(habits.last_of_group);
     let values = [("exact", false), ("rounded", true)];
     habits.rounded = section.choice("expressions", &values).unwrap_or(habits.rounded);
+    let sums = [("in-brackets", false), ("bare", true)];
+    habits.bare_sums = section.choice("sums", &sums).unwrap_or(habits.bare_sums);
     habits.brackets = section.integer("brackets", 1..=32).map(|levels| levels as u8);
     let homes = [("nothing", false), ("all", true)];
     habits.bare_home = section.choice("home_without_axes", &homes).unwrap_or(habits.bare_home);

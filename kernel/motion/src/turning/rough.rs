@@ -10,7 +10,7 @@ use super::view::View;
 use super::{Contour, Move, NOISE, Refusal, Sink, along, moved};
 use crate::contour::element::{Element, Spot};
 
-/// What a rough cycle is told.
+/// Settings of a rough cycle.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Settings {
     /// The cut runs along X.

@@ -34,7 +34,7 @@ pub(super) fn rough_settings(act: &mut Act<'_, '_>, face: bool) -> bool {
     depth.is_some() || retract.is_some()
 }
 
-/// What a rough cycle is told.
+/// Words of a rough cycle.
 pub(super) struct Rough {
     pub(super) settings: rough::Settings,
     /// With pockets, if a word says so.
@@ -97,7 +97,7 @@ pub(super) fn peck_settings(act: &mut Act<'_, '_>) -> bool {
     true
 }
 
-/// What a cycle of pecks is told beside its end.
+/// Words of a cycle of pecks besides its end.
 pub(super) struct Pecks {
     /// Along Z and X.
     pub(super) steps: [f64; 2],
