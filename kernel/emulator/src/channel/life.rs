@@ -135,7 +135,7 @@ impl Kernel<'_> {
                     return None;
                 }
                 if idle {
-                    // Whoever waits for this channel may still hope for a start.
+                    // A start can still let this channel meet the wait of another.
                     order.rest_idle(tag.channel);
                 }
                 order.judge(tag.t, info)
