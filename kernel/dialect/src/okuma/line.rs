@@ -106,9 +106,6 @@ pub(super) enum Item {
     },
 }
 
-/// Words of statements for the screen (blank, lines, pictures) and the tool management.
-const DRAWING: [&str; 6] = ["DEF", "PT", "END", "CLEAR", "DRAW", "TLID"];
-
 /// What is taken off blocks.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Wanted {
@@ -183,7 +180,8 @@ impl Reading<'_> {
         if name.is_empty() || matches!(ahead.here(), Some(b'=' | b'[')) && digits == 0 {
             return None;
         }
-        if matches!(self.plain.get(start..ahead.at), Some(word) if is_statement(word, ahead.clone().peek().is_some())) {
+        if matches!(self.plain.get(start..ahead.at), Some(word) if names::is_statement(word, ahead.clone().peek().is_some()))
+        {
             return None;
         }
         // N10G0X5: a number ends where a letter begins.
@@ -214,7 +212,7 @@ impl Reading<'_> {
         if cursor.word("NOEX") {
             return self.items();
         }
-        if wanted.drawing && is_drawing(cursor) {
+        if wanted.drawing && super::drawing::is_drawing(cursor) {
             return Ok(Statement::Drawing);
         }
         if cursor.key_word("GOTO") {
@@ -405,21 +403,6 @@ fn operands(cursor: &mut Cursor<'_>, count: usize) -> Result<Box<[Expr]>, Mistak
     }
     cursor.end()?;
     Ok(operands)
-}
-
-/// A statement for the screen or the tool management: one of their words, which is no variable here.
-fn is_drawing(cursor: &Cursor<'_>) -> bool {
-    let known = |word: &&str| {
-        let mut ahead = cursor.clone();
-        ahead.word(word) && !matches!(ahead.peek(), Some(b'=' | b'['))
-    };
-    DRAWING.iter().any(known)
-}
-
-/// A word that only looks like a name. OMIT leaves points of a figure out, unless nothing follows it.
-fn is_statement(word: &[u8], continues: bool) -> bool {
-    let statements = [b"NOEX".as_slice(), b"NCYL", b"NMSG"].into_iter();
-    statements.chain(continues.then_some(b"OMIT".as_slice())).any(|known| word.eq_ignore_ascii_case(known))
 }
 
 /// A line with the name of its file: `$NAME.MIN%`.

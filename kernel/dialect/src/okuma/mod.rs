@@ -6,6 +6,7 @@
 
 mod control;
 mod cursor;
+mod drawing;
 mod eval;
 mod expr;
 mod lap;

@@ -15,6 +15,12 @@ const RESERVED: &[&str] = &[
     "EXP", "LN",
 ];
 
+/// A word that only looks like the name of a block or program. OMIT leaves points of a figure out, unless nothing follows it.
+pub(super) fn is_statement(word: &[u8], continues: bool) -> bool {
+    let statements = [b"NOEX".as_slice(), b"NCYL", b"NMSG"].into_iter();
+    statements.chain(continues.then_some(b"OMIT".as_slice())).any(|known| word.eq_ignore_ascii_case(known))
+}
+
 /// A local variable: its name, filled up with zeros.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub(super) struct Local([u8; 4]);

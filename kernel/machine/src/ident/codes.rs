@@ -3,8 +3,6 @@
 //! Facts: reference code-identifiers.tsv; the rows after them are this project's own. Sorted by name within each part.
 //! Invariant: `CodeId(n)` is the position in [`TABLE`]; one list makes table and constants, so that they cannot differ.
 
-use counterpoint_motion::frame::local::Part;
-
 use super::kind::CodeKind::*;
 use super::kind::arc::{By, Form};
 use super::kind::coolant::{Flow, Switch};
@@ -14,6 +12,7 @@ use super::kind::turning::{Lap, TurningCycle};
 use super::kind::{cycle::HoleCycle, head::HeadEvent};
 use super::{CodeFacts, CodeId, data};
 use counterpoint_event::event::{Direction, Outlet};
+use counterpoint_motion::frame::local::Part;
 
 /// Rows: name without `CODE_`, group, order, built in, own, kind, and what an own one means.
 macro_rules! codes {

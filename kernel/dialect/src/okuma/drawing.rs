@@ -1,0 +1,29 @@
+//! Statements for the screen (blank, lines, pictures) and the tool management, which change neither path nor time.
+//!
+//! *Invariant:* a variable with such a name is none of them.
+
+use super::cursor::Cursor;
+
+/// Their words.
+const WORDS: [&str; 6] = ["DEF", "PT", "END", "CLEAR", "DRAW", "TLID"];
+
+/// The rest of the block is one.
+pub(super) fn is_drawing(cursor: &Cursor<'_>) -> bool {
+    let begins_with = |word: &&str| {
+        let mut ahead = cursor.clone();
+        ahead.word(word) && !matches!(ahead.here(), Some(b'0'..=b'9')) && !matches!(ahead.peek(), Some(b'=' | b'['))
+    };
+    WORDS.iter().any(begins_with)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn statements_and_variables() {
+        let is = |text: &str| is_drawing(&Cursor::new(text.as_bytes()));
+        assert!(is("DEF WORK") && is("PT LF,LC,[0,0]") && is(" END") && is("DRAW"));
+        assert!(!is("PT=5") && !is("END1") && !is("DRAWER") && !is("G0 X5"));
+    }
+}
