@@ -21,16 +21,16 @@ mod trace;
 pub(crate) mod travel;
 pub(crate) mod variables;
 
-use counterpoint_sync::races::Mode;
 use counterpoint_lang::diag::{Diagnostic, Number};
 use counterpoint_lang::fault::{Fault, Outcome};
 use counterpoint_lang::format::{Register, Registers};
 use counterpoint_lang::host::{Blocks, Command, Dialog, Host, HostFn, Step, Variables};
 use counterpoint_lang::value::Value;
 use counterpoint_lang::vm::{Scale, State};
+use counterpoint_sync::races::Mode;
 
-use crate::channel::access::Door;
 use crate::channel::Kernel;
+use crate::channel::access::Door;
 use crate::macros::calls::unwinding;
 use crate::macros::issued::Later;
 use crate::macros::values;

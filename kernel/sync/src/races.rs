@@ -146,7 +146,8 @@ impl Races {
             *at = Some(*wait);
         }
         // Who waits for signals, ends or leases does nothing for others by that.
-        let tells = matches!(wait.primitive, Primitive::Barrier | Primitive::Flag | Primitive::Order | Primitive::Count);
+        let tells =
+            matches!(wait.primitive, Primitive::Barrier | Primitive::Flag | Primitive::Order | Primitive::Count);
         if tells && !self.is_idle() {
             self.publish_at(channel, wait.primitive, wait.key);
         }
@@ -254,7 +255,8 @@ impl Races {
             return Vec::new();
         }
         let before = |last: &Last| last.filter(|(earlier, at)| clock.get(channels.index(earlier.channel)) < Some(at));
-        let mut races: Vec<Race> = history.writes.iter().filter_map(before).map(|(earlier, _)| Race { earlier, wrote: true }).collect();
+        let mut races: Vec<Race> =
+            history.writes.iter().filter_map(before).map(|(earlier, _)| Race { earlier, wrote: true }).collect();
         if mode == Mode::Write {
             races.extend(history.reads.iter().filter_map(before).map(|(earlier, _)| Race { earlier, wrote: false }));
         }

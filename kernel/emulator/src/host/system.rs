@@ -5,10 +5,10 @@
 
 use std::collections::BTreeMap;
 
-use counterpoint_sync::races::Mode;
 use counterpoint_lang::diag::Number;
 use counterpoint_lang::fault::{Fault, Outcome};
 use counterpoint_lang::vm::State;
+use counterpoint_sync::races::Mode;
 
 use crate::channel::Kernel;
 use crate::state::burden::shortened;
