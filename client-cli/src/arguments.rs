@@ -141,6 +141,10 @@ pub(crate) struct Inputs {
     /// Let these channels pass every sync point without waiting
     #[arg(long, value_delimiter = ',', value_name = "CHANNELS")]
     pub(crate) ignore_waits: Vec<u32>,
+    /// Report variables that two channels reach in an order that only timing decides: as a warning, or as an alarm that
+    /// stops the channel
+    #[arg(long, value_enum, default_value_t = RaceCheck::Off, value_name = "off|warn|alarm", hide_possible_values = true)]
+    pub(crate) races: RaceCheck,
     /// Run at most this many channels in parallel (0 = all); results are identical for any value
     #[arg(long, default_value_t = 0, value_name = "N")]
     pub(crate) threads: u32,
@@ -174,6 +178,17 @@ pub(crate) struct Inputs {
     /// Stop the run when the variables, texts, files and results of the job need more than this memory, in MiB
     #[arg(long, value_name = "MIB", value_parser = clap::value_parser!(u64).range(1..))]
     pub(crate) max_memory: Option<u64>,
+}
+
+/// What follows from a race over a shared variable.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+pub(crate) enum RaceCheck {
+    /// Races are not looked for.
+    Off,
+    /// A warning.
+    Warn,
+    /// An alarm that stops the channel.
+    Alarm,
 }
 
 #[derive(Debug, Args)]

@@ -400,6 +400,7 @@ mod tests {
             opskip: crate::arguments::Levels::default(),
             opstop: false,
             ignore_waits: vec![],
+            races: crate::arguments::RaceCheck::Off,
             trace: String::new(),
             param: String::new(),
             answers: None,

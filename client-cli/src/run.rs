@@ -8,7 +8,7 @@ use std::path::Path;
 use counterpoint_client::{Blob, Update};
 use counterpoint_proto::v1;
 
-use crate::arguments::{ExitCodes, Format, Inputs, ResultKind, Run, Submit};
+use crate::arguments::{ExitCodes, Format, Inputs, RaceCheck, ResultKind, Run, Submit};
 use crate::attend::{Attendant, Next};
 use crate::client::Client;
 use crate::codes::{self, Stage};
@@ -150,6 +150,11 @@ async fn submit_pack(
             attended,
             ignore_waits: inputs.ignore_waits.clone(),
             threads: inputs.threads,
+            races: match inputs.races {
+                RaceCheck::Off => v1::RaceCheck::Unspecified,
+                RaceCheck::Warn => v1::RaceCheck::Warn,
+                RaceCheck::Alarm => v1::RaceCheck::Alarm,
+            } as i32,
             limits: limits(inputs),
         }),
         ..request

@@ -27,8 +27,10 @@ use counterpoint_lang::format::{Register, Registers};
 use counterpoint_lang::host::{Blocks, Command, Dialog, Host, HostFn, Step, Variables};
 use counterpoint_lang::value::Value;
 use counterpoint_lang::vm::{Scale, State};
+use counterpoint_sync::races::Mode;
 
 use crate::channel::Kernel;
+use crate::channel::access::Door;
 use crate::macros::calls::unwinding;
 use crate::macros::issued::Later;
 use crate::macros::values;
@@ -76,14 +78,15 @@ impl Variables for Kernel<'_> {
         self.write_variable(index, indices, value)
     }
 
-    fn global(&mut self, index: u32, growth: usize, access: &mut dyn FnMut(&mut Value)) {
+    fn global(&mut self, index: u32, growth: Option<usize>, access: &mut dyn FnMut(&mut Value)) {
         let limit = self.channel.shares().common;
         let runtime = &mut *self.macros;
         if runtime.variables.first_shared.is_some_and(|first| index >= first) {
             let place = index as usize;
-            let done = self.shared(|order| {
-                order.shared.global(place, access);
-                growth > 0 && order.shared.grown(growth, limit)
+            let mode = if growth.is_some() { Mode::Write } else { Mode::Read };
+            let done = self.access(Door::Global(index), mode, |shared| {
+                shared.global(place, access);
+                growth.is_some_and(|growth| growth > 0 && shared.grown(growth, limit))
             });
             match done {
                 Ok(false) => {}

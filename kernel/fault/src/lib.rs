@@ -171,6 +171,7 @@ diagnostics! {
     PECK_STEP 2900412 "peck-step-negative" 8 true "peck or shift of a turning cycle negative";
     CONTOUR_REPEATS 2900413 "contour-repeats" 8 true "number of repetitions of a contour zero or negative";
     COUNT_WITHOUT_PARTNER 2900420 "count-without-partner" 4 false "counted wait without a partner";
+    SHARED_RACE 2900440 "shared-variable-race" 4 false "shared variable reached by two channels in no fixed order";
     BALANCE_ILLEGAL 2900421 "balance-cut-illegal" 12 true "balance cutting commanded wrongly (PS0163)";
     CYCLE_REFUSED 2900450 "cycle-refused" 12 true "cycle that the control refuses";
     OKUMA_DRAWING 2900451 "drawing-ignored" 0 false "statements for the screen that change neither path nor time (Okuma)";

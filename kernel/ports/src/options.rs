@@ -29,8 +29,32 @@ pub struct Options {
     /// Somebody attends the job: dialogs without an answer are put to the operator.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub attended: bool,
+    /// What follows when two channels reach one shared variable in an order that only timing decides.
+    #[serde(skip_serializing_if = "Races::is_off")]
+    pub races: Races,
     /// Limits.
     pub limits: Limits,
+}
+
+/// What follows from two accesses to a shared variable that nothing puts in order.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Races {
+    /// Nobody looks for them.
+    #[default]
+    Off,
+    /// A warning.
+    Warn,
+    /// An alarm that stops the channel.
+    Alarm,
+}
+
+impl Races {
+    /// Nobody looks for races.
+    #[must_use]
+    pub fn is_off(&self) -> bool {
+        *self == Self::Off
+    }
 }
 
 /// Limits of one job. Reaching one ends the run with a verdict of kind `LIMIT`; what a job asks for beyond

@@ -13,6 +13,7 @@ mod locks;
 pub mod merge;
 pub mod order;
 mod primitives;
+pub mod races;
 pub mod shared;
 pub mod sink;
 pub mod stream;

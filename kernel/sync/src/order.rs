@@ -13,10 +13,11 @@ mod explore;
 pub mod idle;
 
 use crate::channels::Channels;
+use crate::races::Races;
 use crate::shared::Shared;
 use crate::tag::Tag;
 use crate::wait::{Act, Finish, Set, Waiting};
-use crate::waits::{Arrival, Released, Waits};
+use crate::waits::{Arrival, Arrived, Released, Waits};
 
 /// Bound of a kernel that is blocked at a wait.
 pub const BLOCKED: i64 = i64::MAX - 1;
@@ -120,6 +121,8 @@ pub struct Order {
     pub shared: Shared,
     /// Waits of all kernels.
     pub waits: Waits,
+    /// Accesses that nothing puts in order, if the job looks for them.
+    pub races: Option<Box<Races>>,
     effects: Vec<Effect>,
 }
 
@@ -129,7 +132,18 @@ impl Order {
         let seat = || Seat { status: Status::Running, bound: 0, since: 0, arriving: None, wake: None, program: None };
         let seats = (0..channels.count()).map(|_| seat()).collect();
         let (acting, stop, effects) = (None, None, Vec::new());
-        Self { channels, seats, acting, stop, sync_points: 0, judged: Set::default(), shared, waits, effects }
+        Self {
+            channels,
+            seats,
+            acting,
+            stop,
+            sync_points: 0,
+            judged: Set::default(),
+            shared,
+            waits,
+            races: None,
+            effects,
+        }
     }
 
     fn seat(&mut self, channel: u16) -> Option<&mut Seat> {
@@ -342,6 +356,9 @@ impl Order {
     pub fn release(&mut self, released: Released, but: Option<u16>) -> u64 {
         let Released { channels, t, micro, by, short } = released;
         self.shared.met(channels.with(by));
+        if let Some(races) = &mut self.races {
+            races.release(channels, by);
+        }
         self.sync_points += 1;
         let part = |(seat, channel): (&Seat, &u16)| seat.status == Status::Done || channels.has(*channel);
         let all = self.seats.iter().zip(self.channels.numbers()).all(part);
@@ -364,6 +381,9 @@ impl Order {
     /// Why it cannot.
     pub fn act(&mut self, tag: Tag, act: Act) -> Result<(), String> {
         let released = self.waits.act(tag, act)?;
+        if let Some(races) = &mut self.races {
+            races.act(tag.channel, act);
+        }
         self.release_all(released);
         Ok(())
     }
@@ -371,15 +391,35 @@ impl Order {
     /// The program of a channel ends; others may have waited for that.
     pub fn finish(&mut self, tag: Tag, finish: Finish) {
         self.waits.finish(tag.channel, finish);
+        if let Some(races) = &mut self.races {
+            races.finish(tag.channel);
+        }
         let released = self.waits.settle(tag);
         self.release_all(released);
+    }
+
+    /// A channel arrives.
+    fn arrive_at(&mut self, waiting: Waiting) -> Arrived {
+        if let Some(races) = &mut self.races {
+            races.arrive(waiting.tag.channel, &waiting.wait);
+        }
+        self.waits.arrive(waiting)
+    }
+
+    /// Ends the wait at once if nobody is missing, without a release.
+    pub fn pass(&mut self, waiting: &Waiting) -> bool {
+        let passes = self.waits.pass(waiting);
+        if let Some(races) = self.races.as_mut().filter(|_| passes) {
+            races.pass(waiting.tag.channel, &waiting.wait);
+        }
+        passes
     }
 
     /// Carries out a plain arrival in place of its kernel.
     fn arrive_for(&mut self, waiting: Waiting) {
         let channel = waiting.tag.channel;
         self.block(channel);
-        let arrived = self.waits.arrive(waiting);
+        let arrived = self.arrive_at(waiting);
         match arrived.arrival {
             Arrival::Released(released) => {
                 self.release(released, None);

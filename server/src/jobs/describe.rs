@@ -2,7 +2,7 @@
 
 use counterpoint_kernel::dialog::answers::{Answer, Value};
 use counterpoint_kernel::log::info::{Info, Unit};
-use counterpoint_kernel::options::{Limits, Options};
+use counterpoint_kernel::options::{Limits, Options, Races};
 use counterpoint_proto::v1;
 
 use crate::ledger::record::{CONTENT, Cause, Priority, Reached, Reason, Record, State};
@@ -120,7 +120,7 @@ fn limit(reached: Option<Reached>) -> v1::JobLimit {
 
 /// The options of a job as they were submitted.
 pub(crate) fn options(record: &Record) -> v1::JobOptions {
-    let Options { opskip, opstop, ignore_waits, threads, trace, parameters, answers, attended, limits } =
+    let Options { opskip, opstop, ignore_waits, threads, trace, parameters, answers, attended, races, limits } =
         record.options.clone();
     // Early rows have the limits that count instead of those that were asked for.
     let early = || Some(limits).filter(|_| !record.content.starts_with(CONTENT));
@@ -160,6 +160,11 @@ pub(crate) fn options(record: &Record) -> v1::JobOptions {
         answers: answers.into_iter().map(answer).collect(),
         attended,
         parameters,
+        races: match races {
+            Races::Off => v1::RaceCheck::Unspecified,
+            Races::Warn => v1::RaceCheck::Warn,
+            Races::Alarm => v1::RaceCheck::Alarm,
+        } as i32,
     }
 }
 

@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 
 use counterpoint_kernel::dialog::answers::{Answer, Value};
 use counterpoint_kernel::job::Program;
-use counterpoint_kernel::options::{Limits, Options};
+use counterpoint_kernel::options::{Limits, Options, Races};
 use counterpoint_proto::v1;
 use prost::Message as _;
 
@@ -207,6 +207,12 @@ fn options(options: v1::JobOptions) -> Result<Options, Refusal> {
         answers: options.answers.into_iter().map(answer).collect(),
         attended: options.attended,
         parameters: options.parameters,
+        races: match v1::RaceCheck::try_from(options.races) {
+            Ok(v1::RaceCheck::Unspecified) => Races::Off,
+            Ok(v1::RaceCheck::Warn) => Races::Warn,
+            Ok(v1::RaceCheck::Alarm) => Races::Alarm,
+            Err(_) => return Err(Refusal::field("options.races", "is not a value of RaceCheck")),
+        },
         threads: small("options.threads", u64::from(options.threads), 0, 1024)?,
         limits: Limits::default(),
     })

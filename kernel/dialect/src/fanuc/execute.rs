@@ -35,7 +35,10 @@ impl Fanuc {
             }
             Statement::Goto(target) => self.goto(host, target)?,
             Statement::While(condition, _) => {
-                if truth(host, condition)? {
+                host.tests_loop(true);
+                let goes_on = truth(host, condition);
+                host.tests_loop(false);
+                if goes_on? {
                     self.enter_loop(host)?;
                 } else {
                     let (level, start) = (host.level(), host.spot());

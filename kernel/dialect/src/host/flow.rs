@@ -134,6 +134,9 @@ pub trait Flow {
 
     /// A variable of this channel has changed, or something else that the next pass of a loop could see.
     fn effect(&mut self);
+
+    /// The condition of a loop is evaluated, or no longer.
+    fn tests_loop(&mut self, on: bool);
 }
 
 #[cfg(test)]

@@ -40,7 +40,10 @@ impl Siemens {
                 }
             }
             Item::While(condition) | Item::Until(condition) => {
-                let holds = self.is_true(host, condition)?;
+                host.tests_loop(true);
+                let holds = self.is_true(host, condition);
+                host.tests_loop(false);
+                let holds = holds?;
                 let partners = self.partners(host)?;
                 let ahead = matches!(item, Item::While(_));
                 if !holds {

@@ -4,6 +4,7 @@
 //! channels can see or change goes through a shared operation at the kernel's tag; in the steady state a block
 //! allocates nothing.
 
+pub(crate) mod access;
 pub(crate) mod actions;
 mod burden;
 mod calls;

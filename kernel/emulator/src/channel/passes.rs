@@ -40,6 +40,8 @@ pub(crate) struct Passes {
     pub(crate) effects: bool,
     /// A shared variable was read since the last jump back.
     pub(crate) polled: bool,
+    /// The condition of a loop is evaluated.
+    pub(crate) condition: bool,
     loops: Vec<Pass>,
     /// Jumps back since the clock stood at `clock`.
     jumps: usize,
@@ -50,6 +52,12 @@ impl Passes {
     /// The loop that jumped back last.
     pub(crate) fn last(&self) -> Pass {
         self.loops.last().copied().unwrap_or_default()
+    }
+
+    /// A block of the loop that jumped back last, which has done nothing since but look.
+    fn looks(&self, (file, line): (FileId, u32), depth: usize) -> bool {
+        let (of, first, last) = self.last().key;
+        !self.effects && self.last().depth == depth && of == file && (first..=last).contains(&line)
     }
 
     /// The loop jumps back at this clock: what it was at its last jump, if it is known. Loops inside it are forgotten:
@@ -120,6 +128,12 @@ impl Kernel<'_> {
         next.clock = self.channel.at.clock;
         self.flow.pass.loops.push(next);
         Ok(())
+    }
+
+    /// A variable that is read now decides how long a loop waits.
+    pub(crate) fn is_polling(&self) -> bool {
+        let at = (self.channel.at.file, self.channel.at.line);
+        self.flow.pass.condition || self.flow.pass.looks(at, self.flow.frames.len())
     }
 
     /// Lets a tick pass, which is no progress. Gives it, ns.

@@ -8,11 +8,13 @@ use counterpoint_fault::{Acted, Halt};
 use counterpoint_motion::surface_speed::Speed;
 
 use super::Kernel;
+use super::access::Door;
 use crate::state::spindle::Turning;
 use counterpoint_event::event::{Direction, Kind, Spindle as SpindleEvent};
 use counterpoint_event::info::Unit;
 use counterpoint_fault as diag;
 use counterpoint_machine::index::SpindleId;
+use counterpoint_sync::races::Mode;
 use counterpoint_sync::shared::Command;
 use counterpoint_sync::wait::Set;
 
@@ -30,8 +32,8 @@ impl Kernel<'_> {
         let channel = self.channel.at.channel;
         let mut conflict = 0;
         if self.channel.state.spindle.shared {
-            let (now, writer) = self.shared(|order| {
-                let Some(spindle) = order.shared.spindles.get_mut(id.index()) else { return (Command::default(), 0) };
+            let (now, writer) = self.access(Door::Spindle, Mode::Write, |shared| {
+                let Some(spindle) = shared.spindles.get_mut(id.index()) else { return (Command::default(), 0) };
                 let old = spindle.command;
                 change(&mut spindle.command);
                 if old.driver == channel && spindle.command.driver != channel {
@@ -70,8 +72,8 @@ impl Kernel<'_> {
             change(&mut self.channel.state.spindle.command);
             return Ok(());
         }
-        let now = self.shared(|order| {
-            order.shared.spindles.get_mut(id.index()).map(|spindle| {
+        let now = self.access(Door::Spindle, Mode::Write, |shared| {
+            shared.spindles.get_mut(id.index()).map(|spindle| {
                 change(&mut spindle.command);
                 spindle.command
             })
@@ -115,8 +117,8 @@ impl Kernel<'_> {
         if self.channel.state.spindle.shared
             && let Some(id) = self.channel.state.spindle.id
         {
-            let (command, now) = self.shared(|order| {
-                order.shared.spindles.get(id.index()).map_or((Command::default(), 0.0), |s| (s.command, s.now))
+            let (command, now) = self.access(Door::Spindle, Mode::Read, |shared| {
+                shared.spindles.get(id.index()).map_or((Command::default(), 0.0), |s| (s.command, s.now))
             })?;
             self.channel.state.spindle.command = command;
             self.channel.state.spindle.now = now;
@@ -188,8 +190,8 @@ impl Kernel<'_> {
         let rpm = self.turning_speed()?;
         if rpm != self.channel.state.spindle.now {
             self.channel.state.spindle.now = rpm;
-            self.shared(|order| {
-                if let Some(spindle) = order.shared.spindles.get_mut(id.index()) {
+            self.access(Door::Spindle, Mode::Write, |shared| {
+                if let Some(spindle) = shared.spindles.get_mut(id.index()) {
                     spindle.now = rpm;
                 }
             })?;

@@ -6,11 +6,13 @@
 use rustc_hash::FxHashMap;
 
 use super::Kernel;
+use super::access::Door;
 use crate::state::frames::offsets::EXTENDED;
 use crate::state::modal::group;
 use counterpoint_dialect::{CallStack, NotThere, VACANT, is_vacant};
 use counterpoint_machine::ident::codes;
 use counterpoint_machine::index::{AxisSlot, BySlot};
+use counterpoint_sync::races::Mode;
 
 /// Local variables #1–#33 of one level.
 type Locals = [f64; 34];
@@ -99,8 +101,10 @@ impl Kernel<'_> {
             1..=33 => Ok(self.dialect.variables.local(index)),
             _ if within(&self.channel.env.machine.variables.shared, index) => {
                 self.flow.pass.polled = true;
-                self.shared(|order| order.shared.variables.get(&index).copied().unwrap_or(VACANT))
-                    .map_err(NotThere::Halt)
+                self.access(Door::Common(index), Mode::Read, |shared| {
+                    shared.variables.get(&index).copied().unwrap_or(VACANT)
+                })
+                .map_err(NotThere::Halt)
             }
             _ if within(&self.channel.env.machine.variables.channel, index) => {
                 Ok(self.dialect.variables.own.get(&index).copied().unwrap_or(VACANT))
@@ -130,11 +134,11 @@ impl Kernel<'_> {
             }
             _ if within(&self.channel.env.machine.variables.shared, index) => {
                 self.flow.pass.effects = true;
-                self.shared(|order| {
+                self.access(Door::Common(index), Mode::Write, |shared| {
                     if is_vacant(value) {
-                        order.shared.variables.remove(&index);
+                        shared.variables.remove(&index);
                     } else {
-                        order.shared.variables.insert(index, value);
+                        shared.variables.insert(index, value);
                     }
                 })
                 .map_err(NotThere::Halt)

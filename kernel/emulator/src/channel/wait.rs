@@ -127,7 +127,7 @@ fn wait_unless_over(kernel: &mut Kernel<'_>, wait: wait::Wait) -> Acted {
     let since_ns = kernel.channel.at.clock;
     let (waiting, own) = arrival(kernel, wait);
     let info = kernel.channel.env.info;
-    let after = kernel.shared(|order| (!order.waits.pass(&waiting)).then(|| order.arrive(waiting, own, info).0))?;
+    let after = kernel.shared(|order| (!order.pass(&waiting)).then(|| order.arrive(waiting, own, info).0))?;
     match after {
         None => {
             show(kernel, &wait, "go");

@@ -138,7 +138,7 @@ impl Kernel<'_> {
             Bound::Shared(Shared::Object(index), _) => state.object(index).map_or(Value::Unset, |value| value.clone()),
             Bound::Shared(Shared::Global(index), _) => {
                 let mut found = Value::Unset;
-                self.global(index, 0, &mut |value| found = value.clone());
+                self.global(index, None, &mut |value| found = value.clone());
                 found
             }
         }
@@ -159,7 +159,7 @@ impl Kernel<'_> {
             }
             Bound::Shared(Shared::Global(index), _) => {
                 let growth = value.as_text().map_or(0, str::len) + 100;
-                self.global(index, growth, &mut |slot| *slot = value.clone());
+                self.global(index, Some(growth), &mut |slot| *slot = value.clone());
             }
         }
         Ok(())

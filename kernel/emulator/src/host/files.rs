@@ -9,10 +9,12 @@ use counterpoint_lang::value::Value;
 use counterpoint_lang::vm::{self, State};
 
 use crate::channel::Kernel;
+use crate::channel::access::Door;
 use counterpoint_fault as diag;
 use counterpoint_machine::stored::StoredFile;
 use counterpoint_ports::files::Bytes;
 use counterpoint_sync::files::Written;
+use counterpoint_sync::races::Mode;
 
 impl Kernel<'_> {
     /// Does something with the folder of the run and its files.
@@ -50,8 +52,8 @@ impl Kernel<'_> {
     }
 
     /// Works on the files that macros have written, in its turn.
-    pub(crate) fn job_files<R>(&mut self, work: impl FnOnce(&mut Written) -> R) -> Result<R, i32> {
-        self.shared(|order| work(&mut order.shared.files)).map_err(|halt| {
+    pub(crate) fn job_files<R>(&mut self, mode: Mode, work: impl FnOnce(&mut Written) -> R) -> Result<R, i32> {
+        self.access(Door::File, mode, |shared| work(&mut shared.files)).map_err(|halt| {
             self.keep_halt(halt);
             FAILED
         })
@@ -81,7 +83,7 @@ impl Shelf for Kernel<'_> {
         if stored(path) {
             return self.stored_file(path).map(|text| String::from_utf8_lossy(text).into_owned()).ok_or(NOT_FOUND);
         }
-        match self.job_files(|written| written.get(path))? {
+        match self.job_files(Mode::Read, |written| written.get(path))? {
             Some(text) => text.map(|text| (*text).to_owned()).ok_or(NOT_FOUND),
             None => match self.channel.env.files.read(path) {
                 Ok(text) => Ok(String::from_utf8_lossy(&text).into_owned()),
@@ -101,7 +103,7 @@ impl Shelf for Kernel<'_> {
             return Ok(());
         }
         let limit = self.channel.shares().common;
-        let (done, over) = self.job_files(|written| {
+        let (done, over) = self.job_files(Mode::Write, |written| {
             let done = written.put(path, text);
             (done, written.bytes() as u64 > limit)
         })?;
@@ -120,7 +122,7 @@ impl Shelf for Kernel<'_> {
         if stored(path) {
             return self.stored_file(path).map(|text| Facts::file(text.len(), true)).ok_or(NOT_FOUND);
         }
-        let (text, folder) = self.job_files(|written| (written.get(path), written.has_folder(path)))?;
+        let (text, folder) = self.job_files(Mode::Read, |written| (written.get(path), written.has_folder(path)))?;
         let size = match text {
             Some(text) => text.map(|text| text.len()),
             None => self.channel.env.files.read(path).ok().map(|text| text.len()),

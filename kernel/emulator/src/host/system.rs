@@ -8,6 +8,7 @@ use std::collections::BTreeMap;
 use counterpoint_lang::diag::Number;
 use counterpoint_lang::fault::{Fault, Outcome};
 use counterpoint_lang::vm::State;
+use counterpoint_sync::races::Mode;
 
 use crate::channel::Kernel;
 use crate::state::burden::shortened;
@@ -27,7 +28,7 @@ impl Kernel<'_> {
             return Err(Fault::new(Number::SYSTEM_INHIBITED, "SYSTEM commands are switched off"));
         };
         state.spend(TICKS)?;
-        let written = match self.job_files(|written| written.all()) {
+        let written = match self.job_files(Mode::Read, |written| written.all()) {
             Ok(written) => written,
             Err(status) => return Ok(status),
         };
@@ -48,7 +49,7 @@ impl Kernel<'_> {
     }
 
     fn take_answer(&mut self, Answer { status, output, written, removed }: Answer) -> Outcome<i32> {
-        let refused = self.job_files(|files| {
+        let refused = self.job_files(Mode::Write, |files| {
             removed.iter().for_each(|path| files.remove(path));
             written.iter().find_map(|(path, text)| files.put(path, text).err())
         });

@@ -19,6 +19,7 @@ use counterpoint_fault::Halt;
 use counterpoint_program::spec::Spec;
 use counterpoint_program::{layout, presets};
 use counterpoint_sync::merge::Message;
+use counterpoint_sync::races::Races;
 use counterpoint_sync::tag::Tag;
 use counterpoint_sync::waits::Waits;
 
@@ -64,8 +65,9 @@ impl Round {
         let shared = self.shared.take().unwrap_or_else(fresh);
         let channels = Channels::new(machine.channels.iter().map(|channel| channel.number));
         let waits = Waits::new(channels.clone(), rules(machine), machine.sync.release_ns);
-        let coordinator = Coordinator::new(channels, usize::from(options.threads), shared, waits, messages);
-        coordinator.unordered(|order| order.sync_points = self.sync_points);
+        let coordinator = Coordinator::new(channels.clone(), usize::from(options.threads), shared, waits, messages);
+        let races = (!options.races.is_off() && channels.count() > 1).then(|| Box::new(Races::new(channels)));
+        coordinator.unordered(|order| (order.sync_points, order.races) = (self.sync_points, races));
         coordinator
     }
 }

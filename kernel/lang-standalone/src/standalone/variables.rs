@@ -22,7 +22,7 @@ impl Variables for Standalone {
         self.system.write(index, indices, value)
     }
 
-    fn global(&mut self, index: u32, _: usize, access: &mut dyn FnMut(&mut Value)) {
+    fn global(&mut self, index: u32, _: Option<usize>, access: &mut dyn FnMut(&mut Value)) {
         if let Some(value) = self.own_global(index) {
             access(value);
         }

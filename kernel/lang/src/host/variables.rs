@@ -18,8 +18,8 @@ pub trait Variables {
     /// The variable is not available here, or the value is out of its range.
     fn write_system(&mut self, index: u32, indices: &[i64], value: Value) -> Outcome<()>;
 
-    /// Lets `access` read or change a global variable, which grows by so many bytes at most.
-    fn global(&mut self, index: u32, growth: usize, access: &mut dyn FnMut(&mut Value));
+    /// Lets `access` read a global variable (no `growth`), or change it; it grows by so many bytes at most.
+    fn global(&mut self, index: u32, growth: Option<usize>, access: &mut dyn FnMut(&mut Value));
 
     /// Adds what the host keeps of the values of macros.
     fn held(&self, scale: &mut Scale) {

@@ -225,7 +225,7 @@ fn with_shared<R>(
     state: &mut State,
     host: &mut dyn Host,
     shared: Shared,
-    growth: usize,
+    growth: Option<usize>,
     access: impl FnOnce(&mut State, &mut Value) -> R,
 ) -> Option<R> {
     match shared {
@@ -261,7 +261,7 @@ fn across(state: &mut State, shared: Shared, value: &Value) -> Outcome<Value> {
 
 pub(super) fn read_shared(state: &mut State, host: &mut dyn Host, code: &Code, shared: u16) -> Outcome<Value> {
     let (place, _) = shared_of(code, shared);
-    let value = with_shared(state, host, place, 0, |state, value| {
+    let value = with_shared(state, host, place, None, |state, value| {
         pay_to_look(state, value).and_then(|()| across(state, place, value))
     });
     let value = value.unwrap_or(Ok(Value::Unset))?;
@@ -283,7 +283,7 @@ pub(super) fn write_shared(
     };
     let value = across(state, place, &value)?;
     let growth = if let Shared::Global(_) = place { weight(&value) } else { 0 };
-    with_shared(state, host, place, growth, |_, target| *target = value);
+    with_shared(state, host, place, Some(growth), |_, target| *target = value);
     Ok(())
 }
 
@@ -300,7 +300,7 @@ pub(super) fn shared_elements(
         let found = elements(state, code, frame, value, list)?;
         across(state, place, &found)
     };
-    with_shared(state, host, place, 0, work).unwrap_or(Ok(Value::Null))
+    with_shared(state, host, place, None, work).unwrap_or(Ok(Value::Null))
 }
 
 pub(super) fn set_shared_elements(
@@ -319,7 +319,7 @@ pub(super) fn set_shared_elements(
         pay_if_shared(state, target)?;
         set_in(state, target, &indices, value)
     };
-    with_shared(state, host, place, growth, work).unwrap_or(Ok(()))
+    with_shared(state, host, place, Some(growth), work).unwrap_or(Ok(()))
 }
 
 /// The first value of a declared variable.
@@ -367,7 +367,7 @@ pub(super) fn declare_shared(
     let value = declared(state, code, frame, declaration)?;
     let value = across(state, place, &value)?;
     let growth = if let Shared::Global(_) = place { weight(&value) } else { 0 };
-    with_shared(state, host, place, growth, |_, target| {
+    with_shared(state, host, place, Some(growth), |_, target| {
         if matches!(target, Value::Unset) {
             *target = value;
         }

@@ -53,7 +53,7 @@ impl Order {
     pub fn arrive(&mut self, waiting: Waiting, own: Finish, info: &Info) -> (After, Option<String>) {
         let tag = waiting.tag;
         let (file, line) = (waiting.file, waiting.line);
-        let arrived = self.waits.arrive(waiting);
+        let arrived = self.arrive_at(waiting);
         let after = match arrived.arrival {
             Arrival::Released(released) => {
                 let sync_point = self.release(released, Some(tag.channel));

@@ -60,6 +60,9 @@ impl Order {
             programs.push((channel, program.ok_or_else(|| format!("channel {channel} has no program selected"))?));
         }
         self.shared.met(channels.with(tag.channel));
+        if let Some(races) = &mut self.races {
+            races.start(channels, tag.channel);
+        }
         for (channel, program) in programs {
             self.waits.places.start(channel);
             let tag = Tag { t: tag.t, micro: tag.micro + 1, channel };

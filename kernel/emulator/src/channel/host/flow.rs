@@ -51,4 +51,8 @@ impl Flow for Kernel<'_> {
     fn effect(&mut self) {
         self.flow.pass.effects = true;
     }
+
+    fn tests_loop(&mut self, on: bool) {
+        self.flow.pass.condition = on;
+    }
 }

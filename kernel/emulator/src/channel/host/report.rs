@@ -3,10 +3,12 @@
 use counterpoint_fault::{Acted, Facts, Halt};
 
 use crate::channel::Kernel;
+use crate::channel::access::Door;
 use counterpoint_dialect::Report;
 use counterpoint_event::event::{Kind, Message};
 use counterpoint_fault as diag;
 use counterpoint_machine::model::Output;
+use counterpoint_sync::races::Mode;
 
 impl Report for Kernel<'_> {
     fn show(&mut self, text: &str) {
@@ -63,7 +65,7 @@ impl Report for Kernel<'_> {
             self.diagnose(&diag::PRINT_CLOSED, text);
         }
         self.flow.pass.effects = true;
-        if let Err(text) = self.shared(|order| order.shared.files.print(&output.file, line))? {
+        if let Err(text) = self.access(Door::File, Mode::Write, |shared| shared.files.print(&output.file, line))? {
             self.diagnose(&diag::MACRO_FILES, text);
         }
         Ok(())

@@ -4,26 +4,28 @@ use counterpoint_fault::{Acted, Halt};
 use counterpoint_lang::value::Value;
 
 use crate::channel::Kernel;
+use crate::channel::access::Door;
 use counterpoint_dialect::{Answer, NotThere, Values};
 use counterpoint_machine::macros::model::Hook;
+use counterpoint_sync::races::Mode;
 
 impl Values for Kernel<'_> {
     fn shared(&mut self, name: &str) -> Result<Option<Value>, Halt> {
         self.flow.pass.polled = true;
-        Kernel::shared(self, |order| order.shared.named.get(name).cloned())
+        self.access(Door::Named(name), Mode::Read, |shared| shared.named.get(name).cloned())
     }
 
     fn set_shared(&mut self, name: &str, value: Option<Value>) -> Acted {
         self.flow.pass.effects = true;
         let limit = self.channel.shares().common;
         let growth = name.len() + 200 + value.as_ref().and_then(Value::as_text).map_or(0, str::len);
-        let over = Kernel::shared(self, |order| match value {
+        let over = self.access(Door::Named(name), Mode::Write, |shared| match value {
             Some(value) => {
-                order.shared.named.insert(name.into(), value);
-                order.shared.grown(growth, limit)
+                shared.named.insert(name.into(), value);
+                shared.grown(growth, limit)
             }
             None => {
-                order.shared.named.remove(name);
+                shared.named.remove(name);
                 false
             }
         })?;

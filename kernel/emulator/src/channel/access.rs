@@ -1,0 +1,96 @@
+//! The door to everything that channels share besides waits: common and named variables, GLOBALs, spindles, files.
+//!
+//! *Invariant:* every access of a channel passes here, with what it reaches and whether it writes, so whatever concerns all
+//! accesses hangs here. Facts: reference channel-synchronisation.md 2.4.
+
+use counterpoint_fault::{self as diag, Acted, Facts, Halt};
+use counterpoint_ports::options::Races;
+use counterpoint_sync::races::{Access, Mode, Race, Variable};
+use counterpoint_sync::shared::Shared;
+use counterpoint_sync::verdict;
+
+use super::Kernel;
+
+/// What is reached.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum Door<'n> {
+    /// A numbered common variable.
+    Common(u32),
+    /// A variable with a name.
+    Named(&'n str),
+    /// A GLOBAL variable of macros, by index.
+    Global(u32),
+    /// A spindle; what its commands mean to each other is reported by its own rule (`spindle-conflict`).
+    Spindle,
+    /// A file; lines of several channels in one file are an ordered log, so they are not judged.
+    File,
+}
+
+impl Door<'_> {
+    /// The variable that it leads to.
+    fn variable(self) -> Option<Variable> {
+        match self {
+            Self::Common(index) => Some(Variable::Common(index)),
+            Self::Named(name) => Some(Variable::Named(name.into())),
+            Self::Global(index) => Some(Variable::Global(index)),
+            Self::Spindle | Self::File => None,
+        }
+    }
+}
+
+impl Kernel<'_> {
+    /// Reaches what all channels share, in tag order.
+    ///
+    /// # Errors
+    /// The job was stopped before, or a race is an alarm.
+    pub(crate) fn access<R>(
+        &mut self,
+        door: Door<'_>,
+        mode: Mode,
+        operation: impl FnOnce(&mut Shared) -> R,
+    ) -> Result<R, Halt> {
+        // What the machine's own macros do at the start and at the end of a kernel stands in no line.
+        if self.channel.env.options.races.is_off() || self.channel.at.line == 0 || self.channel.at.channel == 0 {
+            return self.shared(|order| operation(&mut order.shared));
+        }
+        let Some(variable) = door.variable() else { return self.shared(|order| operation(&mut order.shared)) };
+        let mode = if mode == Mode::Read && self.is_polling() { Mode::Poll } else { mode };
+        let at = &self.channel.at;
+        let own = Access { channel: at.channel, file: at.file, line: at.line };
+        let (result, races) = self.shared(|order| {
+            let races = order.races.as_mut().map(|races| races.access(&variable, own, mode)).unwrap_or_default();
+            (operation(&mut order.shared), races)
+        })?;
+        for race in races {
+            self.report_race(&variable, own, mode, race)?;
+        }
+        Ok(result)
+    }
+
+    fn report_race(&mut self, variable: &Variable, own: Access, mode: Mode, race: Race) -> Acted {
+        let name = match variable {
+            Variable::Common(index) => format!("#{index}"),
+            Variable::Named(name) => name.to_string(),
+            Variable::Global(index) => {
+                let name = self.macros.program.globals.get(*index as usize);
+                name.cloned().unwrap_or_else(|| format!("GLOBAL {index}"))
+            }
+        };
+        let does = |wrote| if wrote { "writes" } else { "reads" };
+        let place = |access: Access| verdict::place(self.channel.env.info, access.file, access.line);
+        let text = format!(
+            "only timing decides the value of {name}: channel {} {} it at {}, channel {} {} it at {}; put a wait between them",
+            race.earlier.channel,
+            does(race.wrote),
+            place(race.earlier),
+            own.channel,
+            does(mode == Mode::Write),
+            place(own),
+        );
+        if self.channel.env.options.races == Races::Alarm {
+            return Err(self.fatal(&Facts { severity: 12, alarm: true, ..diag::SHARED_RACE }, text));
+        }
+        self.diagnose(&diag::SHARED_RACE, text);
+        Ok(())
+    }
+}
