@@ -23,15 +23,19 @@ mod doctor;
 #[cfg(target_os = "linux")]
 mod faults;
 mod find;
+mod floods;
 mod folder;
 mod guard;
 mod guarded;
+#[cfg(target_os = "linux")]
+mod hostile;
 #[cfg(target_os = "linux")]
 mod killed;
 mod life;
 mod limits;
 mod metrics;
 mod operator;
+mod otlp;
 mod pause;
 mod rate;
 mod refusals;
