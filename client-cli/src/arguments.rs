@@ -121,7 +121,8 @@ pub(crate) enum Command {
 /// What a job is made of.
 #[derive(Debug, Args)]
 pub(crate) struct Inputs {
-    /// Run these programs, one per channel from left to right; FILE#2102 is program O2102 of FILE
+    /// Run these programs, one per channel from left to right; FILE#2102 is program O2102 of FILE,
+    /// FILE#NAME the program or section of that name (`PART_1`, `$2`, `G14`)
     #[arg(required = true, value_name = "PROGRAM")]
     pub(crate) programs: Vec<String>,
     /// Run on this machine: a name, or a folder with machine.toml [default: guessed from the programs, or refused if they

@@ -51,7 +51,7 @@ pub(crate) fn job(inputs: &Inputs) -> Result<Pack, Error> {
     let mut used: BTreeMap<PathBuf, String> = BTreeMap::new();
     let mut folders: Vec<(PathBuf, String)> = Vec::new();
     for text in &inputs.programs {
-        let (path, number) = program(text)?;
+        let (path, inside) = program(text)?;
         if path.is_dir() {
             let hint = if path.join(DEFINITION).is_file() { " (use --machine for a machine)" } else { "" };
             return Err(Error::Usage(format!("'{}' is a folder: give program files{hint}", path.display())));
@@ -65,7 +65,12 @@ pub(crate) fn job(inputs: &Inputs) -> Result<Pack, Error> {
             is_program(&path, blob.content())?;
         }
         used.insert(path.clone(), name.clone());
-        pack.programs.push(v1::Program { path: name, number, channel: None });
+        let (number, section) = match inside {
+            Some(Inside::Number(number)) => (Some(number), None),
+            Some(Inside::Name(section)) => (None, Some(section)),
+            None => (None, None),
+        };
+        pack.programs.push(v1::Program { path: name, number, section, channel: None });
         let stem = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
         folders.push((path.parent().map(Path::to_owned).unwrap_or_default(), stem));
     }
@@ -104,14 +109,24 @@ fn is_program(path: &Path, content: &[u8]) -> Result<(), Error> {
     Ok(())
 }
 
-/// `FILE` or `FILE#2102`; a file whose name has a `#` is taken literally.
-pub(crate) fn program(text: &str) -> Result<(PathBuf, Option<u32>), Error> {
-    if let (false, Some((path, number))) = (Path::new(text).is_file(), text.rsplit_once('#')) {
-        let digits = number.trim_start_matches(['O', 'o']);
-        let number = digits
-            .parse()
-            .map_err(|_| Error::Usage(format!("'{text}': '{number}' is not a program number: expected FILE#1234")))?;
-        return Ok((PathBuf::from(path), Some(number)));
+/// A program inside a file.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) enum Inside {
+    /// By its O-number.
+    Number(u32),
+    /// By its name, or the mark of a channel's section.
+    Name(String),
+}
+
+/// `FILE`, `FILE#2102` or `FILE#NAME`; a file whose name has a `#` is taken literally.
+pub(crate) fn program(text: &str) -> Result<(PathBuf, Option<Inside>), Error> {
+    if let (false, Some((path, name))) = (Path::new(text).is_file(), text.rsplit_once('#')) {
+        let number = name.trim_start_matches(['O', 'o']).parse().ok().map(Inside::Number);
+        let named = || Inside::Name(name.to_owned());
+        if name.is_empty() {
+            return Err(Error::Usage(format!("'{text}': a program is missing after '#': FILE#1234 or FILE#NAME")));
+        }
+        return Ok((PathBuf::from(path), Some(number.unwrap_or_else(named))));
     }
     Ok((PathBuf::from(text), None))
 }
@@ -266,10 +281,13 @@ mod tests {
 
     #[test]
     fn a_number_behind_the_file_picks_a_program() {
-        assert_eq!(program("a/b.nc#2102").unwrap(), (PathBuf::from("a/b.nc"), Some(2102)));
-        assert_eq!(program("a/b.nc#O0007").unwrap(), (PathBuf::from("a/b.nc"), Some(7)));
+        assert_eq!(program("a/b.nc#2102").unwrap(), (PathBuf::from("a/b.nc"), Some(Inside::Number(2102))));
+        assert_eq!(program("a/b.nc#O0007").unwrap(), (PathBuf::from("a/b.nc"), Some(Inside::Number(7))));
         assert_eq!(program("a/b.nc").unwrap(), (PathBuf::from("a/b.nc"), None));
-        assert!(program("b.nc#x").is_err());
+        let name = |name: &str| Some(Inside::Name(name.to_owned()));
+        assert_eq!(program("b.nc#$2").unwrap(), (PathBuf::from("b.nc"), name("$2")));
+        assert_eq!(program("b.arc#PART_1").unwrap(), (PathBuf::from("b.arc"), name("PART_1")));
+        assert!(program("b.nc#").is_err());
     }
 
     #[test]

@@ -56,6 +56,19 @@ fn all_results_are_written() {
     assert!(merged.contains("\nK2 t=000:00.000 1! O2\n") && merged.contains("\nKERNEL 2 LOWER\n"), "{merged}");
 }
 
+#[test]
+fn a_section_of_a_file_is_named_and_its_errors_name_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = program(folder.path(), "part.nc", "$1\nG4 P100\nM30\n$2\nG4 P200\nG4 P10 Q5\nM30\n");
+    let output = counterpoint(&["run", "--machine", "citizen-3system", &format!("{path}#$2")]);
+    let (out, status) = (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
+    assert_eq!(code(&output), 1, "{out}{status}");
+    assert!(out.contains("part.nc#$2:6") && !out.contains("part.nc#$1"), "{out}");
+    let output = counterpoint(&["run", "--machine", "citizen-3system", &format!("{path}#$5")]);
+    let status = String::from_utf8_lossy(&output.stderr);
+    assert!(code(&output) != 0 && status.contains("program or section $5 not found"), "{status}");
+}
+
 /// The upper turret dwells 2 s, waits for the lower one (5 s), and dwells 4 s more.
 #[test]
 fn what_decides_the_cycle_time_is_analysed() {

@@ -148,7 +148,7 @@ impl Options {
     /// Jobs at the same time, resolved.
     pub(crate) fn slots(&self) -> usize {
         match self.workers {
-            0 => std::thread::available_parallelism().map_or(1, std::num::NonZero::get),
+            0 => crate::cpu::cores(),
             n => n,
         }
     }

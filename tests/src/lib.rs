@@ -91,7 +91,7 @@ impl Work {
         for (index, text) in texts.iter().enumerate() {
             let file = format!("p{}.nc", index + 1);
             files.insert(file.clone(), text);
-            programs.push(Program { file, number: None, channel: None });
+            programs.push(Program { file, number: None, section: None, channel: None });
         }
         Self { machine, files, programs, options }
     }

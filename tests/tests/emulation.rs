@@ -1,5 +1,6 @@
 //! What single blocks do, as the reference or the real control says.
 
+use counterpoint_kernel::job::Program;
 use counterpoint_kernel::log::event::{Event, Frame, Kind, Message, MotionKind};
 use counterpoint_kernel::options::Options;
 use counterpoint_tests::{Done, Work, machine, processors};
@@ -263,6 +264,44 @@ fn several_programs_in_one_file_go_to_the_channels() {
     let programs: Vec<&str> = done.summary.channels.iter().map(|c| c.program.as_str()).collect();
     assert_eq!(programs, ["p1.nc#1", "p1.nc#2"]);
     assert_eq!(done.summary.waits[0].release_ns, Some(500_000_000));
+}
+
+/// Programs and sections of one file by their names, each to the next free channel or to its own.
+#[test]
+fn a_name_inside_the_file_picks_a_program_or_section() {
+    let sections = "$1\nG4P100\nM30\n$2\nG4P200\nM30\n$1\nM30\n";
+    let heads = "O1\nG13\nG4F1\nM02\nG14\nG4F2\nM02\n";
+    let archive = "%_N_UGUD_DEF\nDEF NCK REAL A\n%_N_A_MPF\nG4F1\nM30\n%_N_B_MPF\nG4F2\nM30\n%_N_C_SPF\nM17\n";
+    let picked = |machine_name: &str, text: &str, names: &[&str]| {
+        let mut work = Work::texts(machine(machine_name, ""), &[text], Options::default());
+        let one =
+            |name: &&str| Program { file: "p1.nc".into(), number: None, section: Some((*name).into()), channel: None };
+        work.programs = names.iter().map(one).collect();
+        let done = work.run(None).map_err(|error| error.findings[0].to_string())?;
+        assert_eq!(format!("{:?}", done.summary.state), "Succeeded", "{:?}", done.summary.diagnostics);
+        let used = done.summary.channels.iter().filter(|channel| !channel.program.is_empty());
+        let ran = used.map(|channel| format!("{} {}", channel.program, channel.end_ns / 1_000_000));
+        Ok::<Vec<String>, String>(ran.collect())
+    };
+    let ran = |machine: &str, text: &str, names: &[&str]| picked(machine, text, names).unwrap();
+    assert_eq!(ran("citizen-3path-swiss", sections, &["$2"]), ["p1.nc#$2 200"]);
+    assert_eq!(ran("citizen-3path-swiss", sections, &["$2", "$1"]), ["p1.nc#$1 100", "p1.nc#$2 200"]);
+    assert_eq!(ran("okuma-2saddle-lathe", heads, &["g14"]), ["p1.nc#1 2000"]);
+    assert_eq!(ran("siemens-2ch-millturn", archive, &["B"]), ["p1.nc#B 2000"]);
+    assert_eq!(ran("siemens-2ch-millturn", archive, &["%_N_B_MPF", "a.mpf"]), ["p1.nc#B 2000", "p1.nc#A 1000"]);
+    for (machine, text, name, says) in [
+        ("citizen-3path-swiss", sections, "$3", "program or section $3 not found in the file, which has $1, $2"),
+        ("okuma-2saddle-lathe", heads, "G15", "program or section G15 not found in the file, which has G13, G14"),
+        (
+            "siemens-2ch-millturn",
+            archive,
+            "D",
+            "program or section D not found in the file, which has UGUD_DEF, A, B, C",
+        ),
+    ] {
+        let refused = picked(machine, text, &[name]).unwrap_err();
+        assert!(refused.contains(says), "{refused}");
+    }
 }
 
 /// One processor, two, free and beside busy threads, with few threads and many.

@@ -85,11 +85,11 @@ fn lone_carriage_returns_end_blocks_and_nul_bytes_are_told() {
 fn a_program_beyond_the_machine_is_refused() {
     let mut work = Work::texts(machine("fanuc-mill", ""), &["M30\n", "M30\n"], limited());
     assert!(work.run(None).unwrap_err().findings[0].text.contains("has more programs"));
-    work.programs = vec![Program { file: "p1.nc".into(), number: Some(77), channel: None }];
+    work.programs = vec![Program { file: "p1.nc".into(), number: Some(77), section: None, channel: None }];
     assert!(work.run(None).unwrap_err().findings[0].text.contains("program O0077 not found"));
-    work.programs = vec![Program { file: "none.nc".into(), number: None, channel: None }];
+    work.programs = vec![Program { file: "none.nc".into(), number: None, section: None, channel: None }];
     assert!(work.run(None).unwrap_err().findings[0].text.contains("no file 'none.nc'"));
-    work.programs = vec![Program { file: "p1.nc".into(), number: None, channel: Some(9) }];
+    work.programs = vec![Program { file: "p1.nc".into(), number: None, section: None, channel: Some(9) }];
     assert!(work.run(None).unwrap_err().findings[0].text.contains("no channel 9"));
 }
 

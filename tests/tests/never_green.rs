@@ -233,7 +233,7 @@ fn a_job_without_its_program_does_not_start() {
     let end = &ENDS[3];
     for soft in SOFTENED {
         let mut work = Work::texts(machine(end, soft, true), &["G0 X1.\nM30\n"], Options::default());
-        work.programs = vec![Program { file: "p2.nc".to_owned(), number: None, channel: None }];
+        work.programs = vec![Program { file: "p2.nc".to_owned(), number: None, section: None, channel: None }];
         assert!(work.run(None).is_err(), "{soft}");
     }
 }
@@ -343,7 +343,7 @@ fn a_job_whose_files_become_unreadable_does_not_succeed() {
     let mut states = Vec::new();
     for left in 0..12 {
         let failing = Failing { files: files.clone(), left: AtomicUsize::new(left) };
-        let programs = vec![Program { file: "p1.nc".to_owned(), number: None, channel: None }];
+        let programs = vec![Program { file: "p1.nc".to_owned(), number: None, section: None, channel: None }];
         let machine = counterpoint_tests::machine("fanuc-mill", "");
         let Ok(job) = Job::prepare(Spec { machine, programs, options: Options::default() }, &failing) else { continue };
         let control = Control::new(1);

@@ -36,6 +36,8 @@ struct Expect {
     verdict: Option<Verdict>,
     #[serde(default)]
     diagnostics: Vec<u32>,
+    /// Numbers of warnings that must occur, and no others; `None` does not ask.
+    warnings: Option<Vec<u32>>,
 }
 
 #[derive(Deserialize)]
@@ -92,6 +94,10 @@ fn check(name: &str, scenario: &Scenario, done: &Done) {
     }
     let numbers: Vec<u32> = summary.diagnostics.iter().filter(|d| d.severity >= 8).map(|d| d.number).collect();
     assert_eq!(numbers, expect.diagnostics, "diagnostics of {}", story());
+    if let Some(expected) = &expect.warnings {
+        let warnings = summary.diagnostics.iter().filter(|d| (1..8).contains(&d.severity));
+        assert_eq!(&warnings.map(|d| d.number).collect::<Vec<_>>(), expected, "warnings of {}", story());
+    }
     match (&expect.verdict, &summary.verdict) {
         (None, None) => {}
         (Some(expected), Some(found)) => {

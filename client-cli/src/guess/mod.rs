@@ -10,7 +10,7 @@ use std::fs;
 use std::io::Read as _;
 
 use crate::error::Error;
-use crate::pack;
+use crate::pack::{self, Inside};
 use signs::{Kind, Sign};
 
 /// Bytes of a program that are looked at.
@@ -33,7 +33,11 @@ pub(crate) struct Guess {
 pub(crate) fn machine(programs: &[String]) -> Result<Guess, Error> {
     let mut signs = Vec::new();
     for program in programs {
-        let (path, number) = pack::program(program)?;
+        let (path, inside) = pack::program(program)?;
+        let number = match inside {
+            Some(Inside::Number(number)) => Some(number),
+            Some(Inside::Name(_)) | None => None,
+        };
         let mut bytes = Vec::new();
         let file = fs::File::open(&path).map_err(Error::file(&path))?;
         file.take(LOOKED_AT).read_to_end(&mut bytes).map_err(Error::file(&path))?;

@@ -2,6 +2,7 @@
 //!
 //! *Invariant:* an interpreter keeps what belongs to its control alone; the kernel knows nothing of it.
 
+use counterpoint_event::FileId;
 use counterpoint_fault::Halt;
 use counterpoint_lang::value::Value;
 use counterpoint_machine::index::RegisterId;
@@ -70,6 +71,13 @@ pub trait Interpreter: Send {
 
     /// `$FCEPP`: a setting by its name, words joined by commas as in `PROCESS,SUBPROGRAMS`, with its values.
     fn setting(&mut self, host: &mut dyn Host, name: &str, values: &[Value]) -> Setting;
+
+    /// The line of the file is known as a statement: its text need not be split to find that out.
+    ///
+    /// *Invariant:* the scanner takes the text of such a line for a statement, too.
+    fn executes(&self, _: (FileId, u32)) -> bool {
+        false
+    }
 
     /// Bytes that its variables and what it remembers of programs take, about.
     fn memory(&self) -> u64 {

@@ -27,7 +27,7 @@ pub use call_stack::CallStack;
 pub use definition::{Dialect, Unknown};
 pub use host::{
     Answer, AxisPlace, Call, Coordination, Flow, Frames, Loops, MadeWord, Modes, NotThere, Operands, Place, Programs,
-    Report, Values, Words,
+    Report, Shape, Values, Words,
 };
 pub use interpreter::{Interpreter, MacroCall, Remaining, Setting};
 pub use numeric::{VACANT, is_vacant};

@@ -302,6 +302,11 @@ impl Act<'_, '_> {
         self.kernel.ask(Pending::CallRange { what, passes });
     }
 
+    /// Calls the blocks of the current program from a sequence number to its return.
+    pub(crate) fn call_from(&mut self, first: u32, passes: u32) {
+        self.kernel.ask(Pending::CallRange { what: Callee::From(first), passes });
+    }
+
     /// Returns from the subprogram, optionally to a sequence number of the caller.
     pub(crate) fn return_from(&mut self, target: Option<u32>) {
         self.kernel.ask(Pending::Return(target));

@@ -3,18 +3,21 @@
 //! *Invariant:* the kernels and the coordinator of a job number the rules in the same way. Facts: reference
 //! channel-synchronisation.md 1.0 to 1.9.
 
+pub(crate) mod balance;
 mod channels;
 mod fanuc;
+mod line_up;
 mod siemens;
 mod statements;
 
+pub(crate) use line_up::of_systems;
 pub(crate) use statements::{Statement, by_statement, known_channel, operands};
 
 use counterpoint_event::event::Primitive;
 use counterpoint_machine::index::RegisterId;
 use counterpoint_machine::model::{self, Machine, WaitAct, WaitRow};
 use counterpoint_machine::rows::{CodeForm, CodeRow};
-use counterpoint_sync::wait::{Absent, Act, Key, Rule, Rules, Set, Wait};
+use counterpoint_sync::wait::{Absent, Act, Key, Rule, Rules, Set, Style, Wait};
 
 /// The rule of the start by a head; the marks of both heads follow.
 const START: u16 = 0;
@@ -27,6 +30,8 @@ const REGISTERS: u16 = 5;
 
 /// Families of marks: below these a letter, from here on a register or a row.
 const BY_REGISTER: u16 = 0x4000;
+/// Balance cutting; a letter is below it.
+const BALANCE: u16 = 0x3fff;
 const BY_ROW: u16 = 0x8000;
 
 /// What a word of the program means.
@@ -55,7 +60,13 @@ pub fn rules(machine: &Machine) -> Rules {
     let start = std::iter::once(Rule::plain("START"));
     let heads = HEADS.into_iter().chain(['M']).map(|letter| fanuc::rule(&letter.to_string()));
     let letters = machine.registers.iter().map(|register| fanuc::rule(&letter(&register.name).to_string()));
-    Rules::new(start.chain(heads).chain(letters).chain(machine.sync.waits.iter().map(rule)))
+    let rows = machine.sync.waits.iter().map(rule);
+    Rules::new(start.chain(heads).chain(letters).chain(rows).chain(balance::rules(machine)))
+}
+
+/// The first rule after those of the rows.
+fn extra_rule(machine: &Machine) -> u16 {
+    REGISTERS + (machine.registers.len() + machine.sync.waits.len()) as u16
 }
 
 fn letter(name: &str) -> char {
@@ -69,9 +80,14 @@ fn rule(row: &WaitRow) -> Rule {
         numbered: match &row.form {
             Some(form) => !matches!(form, CodeForm::Text(_)),
             None => statements::has_mark(row.primitive),
-        },
+        } || row.line_up,
         list: " P".into(),
-        statement: row.form.is_none(),
+        style: match row.form {
+            None => Style::Statement,
+            Some(_) if row.line_up => Style::LineUp,
+            Some(_) => Style::Word,
+        },
+        met_by: row.met_by,
         mismatch: match row.mismatch {
             model::Mismatch::Free => None,
             model::Mismatch::Fanuc => Some(fanuc::MISMATCH),

@@ -92,6 +92,19 @@ pub struct File {
     pub stored: bool,
     /// Text and line index once loaded.
     pub text: OnceLock<Option<Arc<Text>>>,
+    /// Stretches that belong to channels or are programs by name, in order; empty when the file is one text.
+    pub sections: Vec<Section>,
+}
+
+/// A stretch of a file with a name of its own.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Section {
+    /// Channel that it belongs to; 0: to all.
+    pub channel: u16,
+    /// What it is called in the file (`$1`, `G13`, `PART_1`).
+    pub name: Box<str>,
+    /// First line and last line (1-based, inclusive).
+    pub lines: (u32, u32),
 }
 
 /// A text without blanks around it, at most `most` characters, the rest as `...`.
@@ -133,6 +146,15 @@ impl Info {
     #[must_use]
     pub fn file_name(&self, file: FileId) -> &str {
         self.files.get(usize::from(file)).map_or("-", |f| f.name.as_str())
+    }
+
+    /// Name of the file of a line, with that of its section (`part.nc#$2`) if it has several.
+    #[must_use]
+    pub fn place_name(&self, file: FileId, line: u32) -> Cow<'_, str> {
+        let name = self.file_name(file);
+        let sections = self.files.get(usize::from(file)).map_or(&[][..], |file| &file.sections);
+        let within = sections.iter().find(|section| (section.lines.0..=section.lines.1).contains(&line));
+        within.map_or(Cow::Borrowed(name), |section| Cow::Owned(format!("{name}#{}", section.name)))
     }
 
     /// A file is stored with the machine.

@@ -170,6 +170,11 @@ diagnostics! {
     CONTOUR_BEYOND 2900411 "contour-beyond-start" 8 true "contour reaches beyond the start of the cycle";
     PECK_STEP 2900412 "peck-step-negative" 8 true "peck or shift of a turning cycle negative";
     CONTOUR_REPEATS 2900413 "contour-repeats" 8 true "number of repetitions of a contour zero or negative";
+    COUNT_WITHOUT_PARTNER 2900420 "count-without-partner" 4 false "counted wait without a partner";
+    BALANCE_ILLEGAL 2900421 "balance-cut-illegal" 12 true "balance cutting commanded wrongly (PS0163)";
+    CYCLE_REFUSED 2900450 "cycle-refused" 12 true "cycle that the control refuses";
+    OKUMA_DRAWING 2900451 "drawing-ignored" 0 false "statements for the screen that change neither path nor time (Okuma)";
+    OKUMA_BLANK 2900452 "blank-ignored" 4 false "shape of the blank before a contour that the cycle ignores (Okuma)";
     ARC_INCOMPLETE 2900384 "arc-incomplete" 8 false "arc without a centre or radius";
     OKUMA_NO_MODAL 2900182 "no-modal-call" 4 false "no modal call active (Okuma)";
     GROUP_TWICE 2900350 "group-twice" 4 false "G code overridden by a later one of the same group";

@@ -37,7 +37,7 @@ fn run(machine: &str, programs: &[&str]) -> (Arc<Info>, Vec<Event>, Outcome) {
     for (index, text) in programs.iter().enumerate() {
         let name = format!("jobs/p{}.nc", index + 1);
         files.insert(name.clone(), text.as_bytes());
-        list.push(Program { file: name, number: None, channel: None });
+        list.push(Program { file: name, number: None, section: None, channel: None });
     }
     let job = Job::prepare(Spec { machine: machine.into(), programs: list, options: Options::default() }, &files)
         .expect("a job that can run");
@@ -113,7 +113,7 @@ fn looping(limits: Limits) -> (Job, Memory) {
             file.to_owned(),
             format!("O{number}\nG0 X50. Z5.\nWHILE[1 EQ 1]DO1\nG4 X1.\nEND1\nM30\n").as_bytes(),
         );
-        programs.push(Program { file: file.to_owned(), number: None, channel: None });
+        programs.push(Program { file: file.to_owned(), number: None, section: None, channel: None });
     }
     let options = Options { limits, ..Options::default() };
     (Job::prepare(Spec { machine: machine.into(), programs, options }, &files).expect("a job that can run"), files)
@@ -135,10 +135,10 @@ fn the_limit_that_ended_a_run_is_known_and_nobody_else_claims_one() {
     let (job, files) = looping(Limits::default());
     control.cancel();
     job.run(&files, &control, &mut Log::default());
-    assert_eq!(control.reached(), None, "a cancel is no limit");
+    assert_eq!(control.reached(), None, "a cancelled job has not reached a limit");
 }
 
-/// A clock that goes on by a second whenever its own thread looks at it.
+/// A clock that advances by a second each time its own thread reads it.
 fn ticking() -> std::time::Duration {
     thread_local!(static SECONDS: std::cell::Cell<u64> = const { std::cell::Cell::new(0) });
     SECONDS.set(SECONDS.get() + 1);

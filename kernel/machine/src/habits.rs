@@ -16,8 +16,8 @@ pub struct Habits {
     pub least_feed: Option<f64>,
     /// Incremental words travel changes of frames, offsets and tool lengths too.
     pub frame_increments: bool,
-    /// Codes of heads divide a file into the programs of the heads.
-    pub heads_in_file: bool,
+    /// How the programs of channels stand in one file.
+    pub programs: FileLayout,
     /// Of several G codes of one group on a block only the last one acts.
     pub last_of_group: bool,
     /// Most levels of brackets in an expression; none: as many as fit.
@@ -28,6 +28,8 @@ pub struct Habits {
     pub dwell: Dwell,
     /// Values of expressions at addresses are rounded to the least increment of the register.
     pub rounded: bool,
+    /// Sums at addresses need no brackets: `X#1+.1`.
+    pub bare_sums: bool,
     /// Codes, addresses and statements that nothing knows are alarms of the control; otherwise they are diagnosed and the
     /// rest of the block acts.
     pub unknown_alarms: bool,
@@ -40,6 +42,18 @@ pub struct Habits {
     pub integers: Vec<f64>,
     /// Those that are numbers, `$WUDQ`.
     pub numbers: Vec<f64>,
+}
+
+/// How the programs of channels stand in one file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum FileLayout {
+    /// One after the other, by the numbers or names that define them.
+    #[default]
+    Numbers,
+    /// Codes of heads say whose the blocks after them are.
+    Heads,
+    /// `$1`, `$2`, … say that, and `$0` data of all.
+    Sections,
 }
 
 /// How a dwell tells its time.
@@ -95,9 +109,10 @@ impl Default for Habits {
             rotations: Rotations { name: "CAC", axes: [2, 0, 2] },
             least_feed: None,
             frame_increments: false,
-            heads_in_file: false,
+            programs: FileLayout::Numbers,
             last_of_group: false,
             rounded: false,
+            bare_sums: false,
             brackets: None,
             bare_home: false,
             dwell: Dwell::default(),

@@ -117,6 +117,18 @@ pub struct CodeRow {
     pub file: String,
 }
 
+impl CodeRow {
+    /// The other row has the same code, written alike, and not by other registers along another axis.
+    pub(crate) fn is_twin_of(&self, other: &Self) -> bool {
+        self.id == other.id && self.form == other.form && self.choice() == other.choice()
+    }
+
+    /// The axis of the cycle if other registers on the block choose this row.
+    fn choice(&self) -> Option<u8> {
+        self.axis.filter(|_| !self.with.is_empty() || !self.without.is_empty())
+    }
+}
+
 /// Written form of a code.
 #[derive(Debug, Clone, PartialEq)]
 pub enum CodeForm {

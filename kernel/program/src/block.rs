@@ -2,6 +2,7 @@
 //!
 //! Invariant: buffers are reused from block to block; filling a block allocates nothing once they have grown.
 
+use crate::line_up::LineUp;
 use counterpoint_machine::ident::DataId;
 use counterpoint_machine::index::{CodeRowId, REGISTERS, RegisterId};
 
@@ -82,6 +83,8 @@ pub struct BlockFlags {
     pub exact_stop: bool,
     /// A motion code acted.
     pub moved: bool,
+    /// Its first cut has been paired with that of another channel.
+    pub paired: bool,
     /// One of its codes is swallowed.
     pub swallows: bool,
 }
@@ -113,6 +116,8 @@ pub struct Block {
     name: (u32, u32),
     /// Sequence number.
     pub sequence: Option<u32>,
+    /// The word at which systems line up.
+    pub line_up: Option<LineUp>,
     /// What is so about the block as a whole.
     pub flags: BlockFlags,
 }
@@ -132,6 +137,7 @@ impl Default for Block {
             next: 0,
             name: (0, 0),
             sequence: None,
+            line_up: None,
             flags: BlockFlags::default(),
         }
     }
@@ -150,6 +156,7 @@ impl Block {
         self.added.clear();
         self.next = 0;
         self.sequence = None;
+        self.line_up = None;
         self.flags = BlockFlags::default();
     }
 

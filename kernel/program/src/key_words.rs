@@ -16,6 +16,15 @@ pub struct KeyWords {
     pub joined: &'static str,
 }
 
+/// How expressions of a machine are written.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Formulas {
+    /// Most levels of brackets.
+    pub brackets: Option<u8>,
+    /// Sums at addresses need none.
+    pub bare_sums: bool,
+}
+
 /// What a machine has besides words of one letter.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Names<'a> {
@@ -23,8 +32,8 @@ pub struct Names<'a> {
     pub literal_first: Option<&'a LiteralFirst>,
     /// All literal texts with their rows, longest first.
     pub texts: &'a [(Vec<u8>, CodeRowId)],
-    /// Most levels of brackets in an expression.
-    pub brackets: Option<u8>,
+    /// How expressions are written.
+    pub formulas: Formulas,
     /// Key words of statements.
     pub key_words: KeyWords,
 }
@@ -42,19 +51,33 @@ pub struct Number {
 
 /// A key word of statements, or the first letters of one, stands at a place: it begins and ends there with its letters,
 /// and no literal text that is longer stands there.
+#[inline]
 pub fn key_word(names: Names<'_>, line: &[u8], at: usize) -> bool {
-    let letter = |at: Option<usize>| at.and_then(|at| line.get(at)).is_some_and(u8::is_ascii_alphabetic);
-    if !letter(Some(at)) || letter(at.checked_sub(1)) {
+    // Most words end after their letter.
+    let rest = line.get(at..).unwrap_or_default();
+    let &[first, second, ..] = rest else { return false };
+    if !first.is_ascii_alphabetic() || !second.is_ascii_alphabetic() {
         return false;
     }
+    let before = at.checked_sub(1).and_then(|at| line.get(at));
+    !before.is_some_and(u8::is_ascii_alphabetic) && opens_key_word(names, line, at)
+}
+
+/// The letters at a place, two or more, are a key word or open one.
+fn opens_key_word(names: Names<'_>, line: &[u8], at: usize) -> bool {
     let rest = line.get(at..).unwrap_or_default();
     let length = rest.iter().take_while(|byte| byte.is_ascii_alphabetic()).count();
     let letters = rest.get(..length).unwrap_or_default();
     let KeyWords { all, joined } = names.key_words;
-    let opens = |word: &&str| word.as_bytes().get(..length).is_some_and(|begin| begin.eq_ignore_ascii_case(letters));
+    let &[first, second, ..] = letters else { return false };
+    let pair = [first.to_ascii_uppercase(), second.to_ascii_uppercase()];
+    // Most words are ruled out by their first two letters.
+    let opens = |word: &&str| {
+        word.as_bytes().first_chunk() == Some(&pair)
+            && word.as_bytes().get(..length).is_some_and(|begin| begin.eq_ignore_ascii_case(letters))
+    };
     let begins = letters.get(..joined.len()).is_some_and(|begin| begin.eq_ignore_ascii_case(joined.as_bytes()));
     let joins = !joined.is_empty() && letters.len() > joined.len() && begins;
-    length >= 2
-        && (joins || all.iter().any(opens))
+    (joins || all.iter().any(opens))
         && !names.texts.iter().any(|(text, _)| text.len() > length && stands(text, line, at))
 }

@@ -2,7 +2,7 @@
 //!
 //! Facts: reference control-emulator.md 8.1 and channel-synchronisation.md 1.2 (files column). A file per channel, or
 //! several O-programs in one file: programs that another one of the file calls are subprograms, the others are main
-//! programs from left to right; codes of heads may divide a file instead (`heads`). Invariant: files are numbered
+//! programs from left to right; codes of heads or `$n` may divide a file instead (`sections`). Invariant: files are numbered
 //! programs first, then the rest by name, so the same job has the same numbers.
 
 use std::sync::{Arc, OnceLock};
@@ -11,14 +11,15 @@ use counterpoint_event::{Letters, Text, letters};
 use counterpoint_ports::Shares;
 use rustc_hash::FxHashSet;
 
-use super::callers::{Called, Callers};
-use super::heads;
+use super::callers::Callers;
+use super::mains::mains;
+use super::sections;
 use super::shape::{Range, Shape};
 use super::source::Source;
 use super::sources::Sources;
 use super::syntax::Syntax;
 use crate::spec::{Program, Spec};
-use counterpoint_event::info::{Axis, Channel, File, Info};
+use counterpoint_event::info::{Axis, Channel, File, Info, Section};
 use counterpoint_machine::Machine;
 use counterpoint_machine::finding::Finding;
 use counterpoint_machine::model::{Format, RewindStop};
@@ -115,6 +116,19 @@ fn text_of(source: &Option<Arc<Source>>) -> Option<Arc<Text>> {
     source.as_ref().map(|source| Arc::clone(source.text()))
 }
 
+/// The stretches of a file that have names: those of its channels, else its programs by name if there are several.
+fn sections_of(source: &Source) -> Vec<Section> {
+    if !source.sections().is_empty() {
+        return source.sections().to_vec();
+    }
+    let named = source.programs().iter().filter_map(|range| {
+        let name = source.name_at(range.first).filter(|_| range.number.is_none())?;
+        let name = String::from_utf8_lossy(name).into();
+        Some(Section { channel: 0, name, lines: (range.first, range.last) })
+    });
+    if source.programs().len() > 1 { named.collect() } else { Vec::new() }
+}
+
 fn file_table(
     spec: &Spec,
     syntax: &'static Syntax,
@@ -125,8 +139,14 @@ fn file_table(
     let (mut table, mut sources) = (Vec::new(), Sources::default());
     let mut known: FxHashSet<String> = FxHashSet::default();
     let shape = Arc::new(Shape::of(&spec.machine, syntax));
-    let shaped = |name: &str, bytes| Arc::new(Source::shaped(name, bytes, Arc::clone(&shape), stop.clone()));
-    let file = |name: String, text| File { stored: name.starts_with(StoredFile::ROOT), name, text };
+    let machine = &spec.machine;
+    let shaped = |name: &str, bytes| Arc::new(sections::source(name, bytes, Arc::clone(&shape), stop.clone(), machine));
+    let file = |name: String, text, source: Option<&Source>| File {
+        stored: name.starts_with(StoredFile::ROOT),
+        name,
+        text,
+        sections: source.map_or(Vec::new(), sections_of),
+    };
     for program in &spec.programs {
         if stop.asked() || !known.insert(program.file.clone()) {
             continue;
@@ -138,7 +158,7 @@ fn file_table(
                 None
             }
         };
-        table.push(file(program.file.clone(), OnceLock::from(text_of(&source))));
+        table.push(file(program.file.clone(), OnceLock::from(text_of(&source)), source.as_deref()));
         sources.push(Some(source));
     }
     for name in files.list() {
@@ -147,14 +167,14 @@ fn file_table(
             break;
         }
         if !known.contains(&name) {
-            table.push(file(name, OnceLock::new()));
+            table.push(file(name, OnceLock::new(), None));
             sources.push(None);
         }
     }
     for stored in &spec.machine.storage {
         let name = format!("{}{}", StoredFile::ROOT, stored.path);
         let source = Some(shaped(&name, stored.content.clone()));
-        table.push(file(name, OnceLock::from(text_of(&source))));
+        table.push(file(name, OnceLock::from(text_of(&source)), source.as_deref()));
         sources.push(Some(source));
     }
     (table, sources)
@@ -195,7 +215,25 @@ fn candidates<'a>(
             findings.push(Finding::error(wish.file.clone(), 0, 0, text));
             continue;
         }
+        if let Some(sections) = in_sections(wish, source, &callers) {
+            let sections = sections.into_iter().map(|(channel, range)| {
+                let seen = source.seen_by(channel);
+                let range = opening(seen, range, &spec.machine.format);
+                Candidate { wish, file, range, name: Some(section_name(source, channel)), channel: Some(channel) }
+            });
+            candidates.extend(sections);
+            continue;
+        }
+        if let Some(section) = &wish.section
+            && wanted(section, source).is_none()
+        {
+            findings.push(missing_section(wish, section, source));
+            continue;
+        }
         let ranges = match wish.number {
+            None if wish.section.is_some() => {
+                wish.section.as_deref().and_then(|name| wanted(name, source)).into_iter().collect()
+            }
             Some(number) => match named(number, source, &callers) {
                 Some(range) => vec![range],
                 None => {
@@ -212,36 +250,76 @@ fn candidates<'a>(
                 mains.iter().find(free).or_else(|| source.programs().first()).copied().into_iter().collect()
             }
         };
-        let alone = spec.programs.len() == 1 && wish.number.is_none();
-        let several = ranges.len() > 1 && spec.machine.channels.len() > 1;
-        for (range, channel) in by_head(spec, source, ranges, alone, findings) {
+        let several = (ranges.len() > 1 || wish.section.is_some()) && spec.machine.channels.len() > 1;
+        for range in ranges {
             let name = source.name_at(range.first).filter(|_| several && range.number.is_none());
             let name = name.map(|name| String::from_utf8_lossy(name).into_owned());
             let range = opening(source, range, &spec.machine.format);
-            candidates.push(Candidate { wish, file, range, name, channel });
+            candidates.push(Candidate { wish, file, range, name, channel: None });
         }
     }
     candidates
 }
 
-/// Programs with the channels that the heads in the text give them, where codes of heads divide files.
-fn by_head(
-    spec: &Spec,
-    source: &Source,
-    ranges: Vec<Range>,
-    alone: bool,
-    findings: &mut Vec<Finding>,
-) -> Vec<(Range, Option<u16>)> {
-    let first = ranges.first().copied().filter(|_| alone && spec.machine.habits.heads_in_file);
-    match first.map(|range| heads::divide(&spec.machine, source, range)) {
-        Some(Ok(found)) if found.len() > 1 => found.into_iter().map(|(head, range)| (range, Some(head))).collect(),
-        Some(Err((head, line))) => {
-            let text =
-                format!("the program of head {head} continues after that of another head; it must be in one piece");
-            findings.push(Finding::error(source.name.clone(), line, 0, text));
-            Vec::new()
-        }
-        _ => ranges.into_iter().map(|range| (range, None)).collect(),
+/// What the first section of a channel is called.
+fn section_name(source: &Source, channel: u16) -> String {
+    let first = source.sections().iter().find(|section| section.channel == channel);
+    first.map_or(String::new(), |section| section.name.to_string())
+}
+
+/// The programs of channels in a file that has sections, those that a wish is for: channel and main program, as that channel
+/// sees the file.
+fn in_sections(wish: &Program, source: &Arc<Source>, callers: &Callers) -> Option<Vec<(u16, Range)>> {
+    let mut found = channel_mains(source, callers)?;
+    if let Some(number) = wish.number {
+        let of_number =
+            |channel: u16| Some((channel, trimmed(source, channel, named(number, source.seen_by(channel), callers)?)));
+        let owner = source.programs().iter().find(|range| range.number == Some(number)).map(|range| range.first);
+        let owner = source.sections().iter().find(|section| owner.is_some_and(|line| within(section, line)));
+        found = match owner {
+            Some(section) => of_number(section.channel).into_iter().collect(),
+            None => found.into_iter().filter_map(|(channel, _)| of_number(channel)).collect(),
+        };
+    }
+    if let Some(name) = &wish.section {
+        let named = |section: &&Section| section.channel > 0 && section.name.eq_ignore_ascii_case(name);
+        let owner = source.sections().iter().find(named).map(|section| section.channel);
+        found.retain(|(channel, _)| Some(*channel) == owner);
+    }
+    if let Some(wanted) = wish.channel {
+        found.retain(|(channel, _)| *channel == wanted);
+    }
+    (!found.is_empty()).then_some(found)
+}
+
+fn within(section: &Section, line: u32) -> bool {
+    (section.lines.0..=section.lines.1).contains(&line)
+}
+
+/// The main programs of a file that has sections, by channel; each as its channel sees the file.
+fn channel_mains(source: &Arc<Source>, callers: &Callers) -> Option<Vec<(u16, Range)>> {
+    let mut channels: Vec<u16> = source.sections().iter().map(|section| section.channel).filter(|&c| c > 0).collect();
+    channels.sort_unstable();
+    channels.dedup();
+    let main = |channel: u16| {
+        let seen = source.seen_by(channel);
+        Some((channel, trimmed(source, channel, mains(seen, callers).first().copied()?)))
+    };
+    (!channels.is_empty()).then(|| channels.into_iter().filter_map(main).collect())
+}
+
+/// A program of a channel ends with the last of its stretches there; that of a head other than the first begins with one.
+fn trimmed(source: &Source, channel: u16, range: Range) -> Range {
+    let own = || {
+        let overlap = |section: &&Section| section.lines.0 <= range.last && section.lines.1 >= range.first;
+        source.sections().iter().filter(|section| section.channel == channel).filter(overlap)
+    };
+    let (Some(first), Some(last)) = (own().next(), own().next_back()) else { return range };
+    let starts = first.name.starts_with('$') || source.sections().first() == Some(first);
+    Range {
+        first: if starts { range.first } else { first.lines.0.max(range.first) },
+        last: last.lines.1.min(range.last),
+        ..range
     }
 }
 
@@ -270,8 +348,8 @@ fn place(spec: &Spec, candidates: Vec<Candidate<'_>>, channels: &mut [Channel], 
                 let file = &candidate.wish.file;
                 channel.program = match (candidate.range.number, candidate.name) {
                     (Some(number), _) => format!("{file}#{number}"),
-                    (None, Some(name)) => format!("{file}#{name}"),
-                    (None, None) => file.clone(),
+                    (None, Some(name)) if !name.is_empty() => format!("{file}#{name}"),
+                    (None, _) => file.clone(),
                 };
             }
             // Further programs of a single file stay callable; more files than channels are a mistake.
@@ -291,59 +369,67 @@ fn named(number: u32, source: &Source, callers: &Callers) -> Option<Range> {
     mains(source, callers).iter().find(is).or_else(|| source.programs().iter().find(is)).copied()
 }
 
+/// The program that has a name, as an archive or the control writes it.
+fn wanted(name: &str, source: &Source) -> Option<Range> {
+    let plain = name.trim_start_matches('%');
+    let plain = plain
+        .get(..3)
+        .filter(|start| start.eq_ignore_ascii_case("_N_"))
+        .map_or(plain, |_| plain.get(3..).unwrap_or_default());
+    let ending =
+        |text: &str| [".MPF", ".SPF", "_MPF", "_SPF"].iter().any(|end| text.to_ascii_uppercase().ends_with(end));
+    let stem = plain.get(..plain.len().saturating_sub(4)).filter(|_| ending(plain));
+    source.named(name).or_else(|| source.named(plain)).or_else(|| source.named(stem?))
+}
+
+fn missing_section(wish: &Program, name: &str, source: &Source) -> Finding {
+    let mut known: Vec<String> = source.sections().iter().map(|section| section.name.to_string()).collect();
+    known.extend(source.programs().iter().filter_map(|range| match range.number {
+        Some(number) => Some(format!("O{number:04}")),
+        None => Some(String::from_utf8_lossy(source.name_at(range.first)?).into_owned()),
+    }));
+    let mut seen = FxHashSet::default();
+    known.retain(|name| seen.insert(name.clone()));
+    known.truncate(20);
+    let known = if known.is_empty() { "none".to_owned() } else { known.join(", ") };
+    let name = name.escape_debug();
+    Finding::error(
+        wish.file.clone(),
+        0,
+        0,
+        format!("program or section {name} not found in the file, which has {known}"),
+    )
+}
+
 fn missing_number(wish: &Program, number: u32, source: &Source) -> Finding {
     let known: Vec<String> = source.programs().iter().filter_map(|r| r.number).map(|n| format!("O{n:04}")).collect();
     let known = if known.is_empty() { "none".to_owned() } else { known.join(", ") };
     Finding::error(wish.file.clone(), 0, 0, format!("program O{number:04} not found in the file, which has {known}"))
 }
 
-/// Main programs of a file: those that no other program of the file calls; the first one if all are called. Text before
-/// the first definition is one of its own if it comes to an end code or the program behind it is called; otherwise that
-/// program begins with it, since nothing skips a definition (reference control-emulator.md 5.7).
-fn mains(source: &Source, callers: &Callers) -> Vec<Range> {
-    let ranges = source.programs();
-    if ranges.len() < 2 {
-        return ranges.to_vec();
-    }
-    let mut called = Called::default();
-    ranges.iter().for_each(|&range| callers.called(source, range, &mut called));
-    let is_main =
-        |range: Range| !called.has(source, range) && !callers.by_word(range) && !callers.returns(source, range);
-    let mut mains: Vec<Range> = ranges.iter().copied().filter(|&range| is_main(range)).collect();
-    if let [heading, next, ..] = ranges
-        && source.is_plain(*heading)
-        && is_main(*next)
-        && !callers.ends_in(source, *heading)
-    {
-        mains.retain(|range| range != heading);
-        if let Some(first) = mains.first_mut() {
-            first.first = heading.first;
-        }
-    }
-    if mains.is_empty() {
-        mains.extend(ranges.first());
-    }
-    mains
-}
-
-/// The first main program of a file.
-pub fn first_main(source: &Source, machine: &Machine) -> Option<Range> {
-    mains(source, &Callers::of(machine, source.syntax())).first().copied()
+/// The main program of a file that a channel runs when it is given the file.
+pub fn first_main(source: &Arc<Source>, machine: &Machine, channel: u16) -> Option<Range> {
+    let callers = Callers::of(machine, source.syntax());
+    let own = channel_mains(source, &callers).and_then(|mains| mains.into_iter().find(|(of, _)| *of == channel));
+    own.map_or_else(|| mains(source, &callers).first().copied(), |(_, range)| Some(range))
 }
 
 /// Main programs of a file from a line on, in the order of the channels; none in place of one that ends before it.
-pub fn from_line(source: &Source, line: u32, machine: &Machine) -> Vec<Option<Range>> {
-    let mut ranges = mains(source, &Callers::of(machine, source.syntax()));
-    let first = ranges.first().copied().filter(|_| machine.habits.heads_in_file);
-    if let Some(Ok(found)) = first.map(|range| heads::divide(machine, source, range))
-        && found.len() > 1
-    {
-        let of = |number| found.iter().find(|(head, _)| *head == number).map(|(_, range)| *range);
-        let nothing = Range { number: None, first: 1, last: 0 };
-        ranges = machine.channels.iter().map(|channel| of(channel.number).unwrap_or(nothing)).collect();
-    }
-    let opened = ranges.into_iter().map(|range| opening(source, range, &machine.format));
-    opened.map(|range| (range.last >= line).then(|| Range { first: range.first.max(line), ..range })).collect()
+pub fn from_line(source: &Arc<Source>, line: u32, machine: &Machine) -> Vec<Option<Range>> {
+    let callers = Callers::of(machine, source.syntax());
+    let ranges: Vec<Option<Range>> = match channel_mains(source, &callers) {
+        Some(found) => {
+            let of = |number| found.iter().find(|(channel, _)| *channel == number).map(|(_, range)| *range);
+            machine.channels.iter().map(|channel| of(channel.number)).collect()
+        }
+        None => mains(source, &callers).into_iter().map(Some).collect(),
+    };
+    let opened =
+        ranges.into_iter().zip(machine.channels.iter().map(|channel| channel.number).chain(std::iter::repeat(0)));
+    let opened = opened.map(|(range, channel)| Some(opening(source.seen_by(channel), range?, &machine.format)));
+    opened
+        .map(|range| range.filter(|range| range.last >= line).map(|r| Range { first: r.first.max(line), ..r }))
+        .collect()
 }
 
 /// The first program of a file begins at the rewind-stop before it, or at the comments before it, so that the listing

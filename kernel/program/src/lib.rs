@@ -2,11 +2,14 @@
 
 pub mod block;
 pub mod callers;
-pub mod heads;
 pub mod key_words;
 pub mod layout;
+pub mod line_up;
+mod mains;
 pub mod prefix_registers;
+pub mod presets;
 pub mod scan;
+pub mod sections;
 pub mod shape;
 pub mod source;
 pub mod sources;

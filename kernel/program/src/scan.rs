@@ -8,14 +8,15 @@ mod numbers;
 mod passed;
 
 use crate::block::{Block, Word, irregular};
-use crate::key_words::{Names, Number, key_word};
+use crate::key_words::{Formulas, Names, Number, key_word};
+use crate::line_up::LineUp;
 use crate::prefix_registers::{self, LiteralFirst};
 use crate::shape::program_name;
 use crate::syntax::Syntax;
 use counterpoint_fault as diag;
 use counterpoint_machine::Machine;
 use counterpoint_machine::index::{CodeRowId, RegisterId, Table};
-use counterpoint_machine::rows::Register;
+use counterpoint_machine::rows::{CodeForm, Register};
 use numbers::{Read, parse_number};
 
 /// What a line turned out to be.
@@ -37,6 +38,8 @@ pub struct Scanner {
     eob: Option<u8>,
     /// Literal text codes: text and row.
     texts: Vec<(Vec<u8>, CodeRowId)>,
+    /// What words begin with at which systems line up, and their row.
+    line_up: Option<(u8, CodeRowId)>,
     /// How numbers of each register are read, in primary and in secondary units.
     reads: Table<RegisterId, [Read; 2]>,
     syntax: &'static Syntax,
@@ -45,8 +48,8 @@ pub struct Scanner {
     sequence: Option<RegisterId>,
     /// Register of program numbers, which a colon may stand for at the start of a block.
     definition: Option<RegisterId>,
-    /// Most levels of brackets in an expression.
-    brackets: Option<u8>,
+    /// How expressions are written.
+    formulas: Formulas,
     letters: [Option<(RegisterId, bool)>; 128],
     /// Special registers, and texts that would be read as words; `None` on most machines.
     literal_first: Option<Box<LiteralFirst>>,
@@ -77,12 +80,13 @@ impl Scanner {
             opskip: ascii(machine.format.opskip_mark),
             opskip_default: machine.format.opskip_default,
             eob: ascii(machine.format.eob),
+            line_up: line_up(machine),
             texts: machine
                 .tables
                 .texts
                 .iter()
                 .filter_map(|&row| match &machine.codes[row].form {
-                    counterpoint_machine::rows::CodeForm::Text(text) => Some((text.clone().into_bytes(), row)),
+                    CodeForm::Text(text) => Some((text.clone().into_bytes(), row)),
                     _ => None,
                 })
                 .collect(),
@@ -91,7 +95,7 @@ impl Scanner {
             levels: levels(machine, opskip),
             sequence,
             definition,
-            brackets: machine.habits.brackets,
+            formulas: Formulas { brackets: machine.habits.brackets, bare_sums: machine.habits.bare_sums },
             letters,
             literal_first: LiteralFirst::new(machine),
         }
@@ -138,7 +142,7 @@ impl Scanner {
         Names {
             literal_first: self.literal_first.as_deref(),
             texts: &self.texts,
-            brackets: self.brackets,
+            formulas: self.formulas,
             key_words: self.syntax.key_words.unwrap_or_default(),
         }
     }
@@ -208,6 +212,13 @@ impl Scanner {
     fn other(&self, line: &[u8], at: usize, byte: u8, block: &mut Block) -> usize {
         if let Some(next) = self.skip(line, at, byte, block) {
             return next;
+        }
+        if let Some((_, row)) = self.line_up.filter(|(mark, _)| *mark == byte)
+            && let Some((word, end)) = LineUp::parse(line, at, byte)
+        {
+            block.line_up = Some(word);
+            block.push_text(row, (at as u32, end as u32));
+            return end;
         }
         for (text, row) in &self.texts {
             if prefix_registers::stands(text, line, at) {
@@ -325,6 +336,14 @@ impl Scanner {
         block.push(Word { register, incremental, used: false, value, start: at as u32, end: end as u32 });
         Some(end)
     }
+}
+
+/// What words begin with at which systems line up, and their row of the code table.
+fn line_up(machine: &Machine) -> Option<(u8, CodeRowId)> {
+    let form = machine.sync.waits.iter().find(|row| row.line_up)?.form.as_ref()?;
+    let CodeForm::Text(text) = form else { return None };
+    let row = machine.tables.texts.iter().find(|&&row| machine.codes[row].form == *form)?;
+    Some((*text.as_bytes().first()?, *row))
 }
 
 /// How numbers of a register are read in primary and in secondary units.

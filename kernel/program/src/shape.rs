@@ -105,6 +105,12 @@ impl Shape {
         out
     }
 
+    /// The number that a line defines a program by.
+    pub(super) fn number(&self, line: &[u8]) -> Option<u32> {
+        let number = leading_number(line, b'O').or_else(|| leading_number(line, b':'));
+        number.filter(|_| self.syntax.numbered_programs)
+    }
+
     /// The name that a line defines a program by.
     pub(super) fn name<'l>(&self, line: &'l [u8]) -> Option<&'l [u8]> {
         if let Some(names) = self.syntax.named_programs {

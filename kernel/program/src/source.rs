@@ -8,8 +8,10 @@ use std::sync::{Arc, OnceLock};
 
 use bytes::Bytes;
 use counterpoint_event::Text;
+use counterpoint_event::info::Section;
 use rustc_hash::FxHashMap;
 
+use super::line_up::LineUp;
 use super::shape::{Range, Shape, leading_number};
 use super::spot::Spot;
 use super::syntax::Syntax;
@@ -27,6 +29,12 @@ pub struct Source {
     sequences: OnceLock<FxHashMap<u32, Vec<Spot>>>,
     /// Whether a byte comes up in the text: the one that was asked for first.
     has: OnceLock<(u8, bool)>,
+    /// Labels at which systems line up, ascending.
+    labels: OnceLock<Vec<u32>>,
+    /// Stretches that belong to channels, in order.
+    sections: Vec<Section>,
+    /// What each channel sees of a file that has such stretches.
+    views: Vec<(u16, Arc<Source>)>,
 }
 
 impl Source {
@@ -48,7 +56,36 @@ impl Source {
     pub fn shaped(name: impl Into<String>, bytes: Bytes, shape: Arc<Shape>, stop: Stop) -> Self {
         let text = Arc::new(Text::new(bytes, || stop.asked()));
         let (programs, sequences, has) = (OnceLock::new(), OnceLock::new(), OnceLock::new());
-        Self { name: name.into(), text, shape, stop, programs, sequences, has }
+        let (labels, sections, views) = (OnceLock::new(), Vec::new(), Vec::new());
+        Self { name: name.into(), text, shape, stop, programs, sequences, has, labels, sections, views }
+    }
+
+    /// The same file with the stretches that belong to channels, and what each channel sees of it.
+    pub(super) fn divided(self, sections: Vec<Section>, views: Vec<(u16, Arc<Self>)>) -> Self {
+        Self { sections, views, ..self }
+    }
+
+    /// The same file with another text.
+    pub(super) fn with_text(&self, text: Bytes) -> Self {
+        Self::shaped(self.name.clone(), text, Arc::clone(&self.shape), self.stop.clone())
+    }
+
+    /// Stretches that belong to channels, in order.
+    #[must_use]
+    pub fn sections(&self) -> &[Section] {
+        &self.sections
+    }
+
+    /// The file as a channel sees it: without the stretches of others.
+    #[inline(always)]
+    #[must_use]
+    pub fn seen_by(self: &Arc<Self>, channel: u16) -> &Arc<Self> {
+        if self.views.is_empty() { self } else { self.view(channel) }
+    }
+
+    #[inline(never)]
+    fn view(self: &Arc<Self>, channel: u16) -> &Arc<Self> {
+        self.views.iter().find(|(of, _)| *of == channel).map_or(self, |(_, view)| view)
     }
 
     /// The text of the file.
@@ -93,6 +130,17 @@ impl Source {
         self.shape.name(self.line(line))
     }
 
+    /// A line is a rewind-stop.
+    pub(super) fn is_stop(&self, line: u32) -> bool {
+        self.shape.is_stop(self.line(line))
+    }
+
+    /// A line defines a program.
+    pub(super) fn defines(&self, line: u32) -> bool {
+        let text = self.line(line);
+        self.shape.number(text).is_some() || self.shape.name(text).is_some()
+    }
+
     /// A line without comments and messages, in capitals.
     pub(super) fn words(&self, line: u32) -> Vec<u8> {
         self.shape.words(self.line(line))
@@ -114,6 +162,28 @@ impl Source {
     #[must_use]
     pub fn is_plain(&self, range: Range) -> bool {
         range.number.is_none() && self.name_at(range.first).is_none()
+    }
+
+    /// The file has a word at which systems line up with this label, on a machine with these systems (bit `n − 1` for `n`).
+    pub fn lines_up(&self, mark: u8, label: u32, all: u32) -> bool {
+        let labels = self.labels.get_or_init(|| {
+            let mut found = Vec::new();
+            for line in self.walk(1, self.lines()) {
+                if memchr::memchr(mark, self.line(line)).is_none() {
+                    continue;
+                }
+                let (text, mut at) = (self.words(line), 0);
+                while let Some(next) = text.get(at..).and_then(|rest| memchr::memchr(mark, rest)) {
+                    let word = LineUp::parse(&text, at + next, mark);
+                    found.extend(word.map(|(word, _)| word.resolve(all).1));
+                    at = word.map_or(at + next + 1, |(_, end)| end);
+                }
+            }
+            found.sort_unstable();
+            found.dedup();
+            found
+        });
+        labels.binary_search(&label).is_ok()
     }
 
     /// Blocks that begin with sequence number `number`, ascending.
@@ -153,9 +223,7 @@ fn ranges(source: &Source, shape: &Shape) -> Vec<Range> {
     let last = source.lines();
     for line in source.walk(1, last) {
         let text = source.line(line);
-        let number = leading_number(text, b'O')
-            .or_else(|| leading_number(text, b':'))
-            .filter(|_| shape.syntax().numbered_programs);
+        let number = shape.number(text);
         if number.is_some() || shape.name(text).is_some() {
             if let Some(previous) = found.last_mut() {
                 previous.last = line - 1;

@@ -12,6 +12,9 @@ pub struct Program {
     pub file: String,
     /// O-number inside the file; none = the file's first (or next free) main program.
     pub number: Option<u32>,
+    /// Name of a program or of a channel's section inside the file (`PART_1`, `$2`, `G14`); none = by number.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub section: Option<String>,
     /// Channel number; none = left to right.
     pub channel: Option<u16>,
 }

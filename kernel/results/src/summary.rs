@@ -285,6 +285,6 @@ impl Findings {
         if line == 0 {
             return (String::new(), String::new());
         }
-        (self.info.file_name(file).to_owned(), self.info.block_text(file, line, BLOCK_TEXT).into_owned())
+        (self.info.place_name(file, line).into_owned(), self.info.block_text(file, line, BLOCK_TEXT).into_owned())
     }
 }

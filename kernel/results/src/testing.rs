@@ -33,7 +33,7 @@ fn info(texts: &[&str], axes: &[&[&str]], diameter: bool) -> Arc<Info> {
     let file = |(index, text): (usize, &&str)| {
         let name = format!("jobs/p{}.nc", index + 1);
         let source = Arc::new(Text::new(bytes::Bytes::copy_from_slice(text.as_bytes()), || false));
-        File { name, stored: false, text: OnceLock::from(Some(source)) }
+        File { name, stored: false, text: OnceLock::from(Some(source)), sections: Vec::new() }
     };
     Arc::new(Info {
         machine: "lathe2".into(),

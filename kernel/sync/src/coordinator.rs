@@ -99,6 +99,12 @@ impl Inner {
     }
 }
 
+/// Cores that this process may use. Asking the system reads files of its control group, so it is asked once.
+fn cores() -> usize {
+    static CORES: std::sync::OnceLock<usize> = std::sync::OnceLock::new();
+    *CORES.get_or_init(|| std::thread::available_parallelism().map_or(1, usize::from))
+}
+
 impl Coordinator {
     /// For these channels, of which `threads` may run at once (0 = all).
     pub fn new(
@@ -110,8 +116,7 @@ impl Coordinator {
     ) -> Self {
         let kernels = channels.count();
         let permits = if threads == 0 { kernels } else { threads.min(kernels) };
-        let cores = std::thread::available_parallelism().map_or(1, usize::from);
-        let one_thread = permits <= 1 || cores == 1;
+        let one_thread = permits <= 1 || cores() == 1;
         // On one thread a kernel runs until it has to wait, so nobody needs a permit.
         let permits = if one_thread { kernels } else { permits };
         let slot = || Slot {

@@ -53,6 +53,8 @@ pub enum Wake {
         by: u16,
         /// Every kernel that is not done took part, so nobody acts before the tag.
         all: bool,
+        /// A partner of a count has ended without coming.
+        short: bool,
     },
     /// The control raised an alarm for this wait.
     Alarm {
@@ -338,14 +340,14 @@ impl Order {
 
     /// Lets these kernels continue, but for the one that acts; the number of the sync point.
     pub fn release(&mut self, released: Released, but: Option<u16>) -> u64 {
-        let Released { channels, t, micro, by } = released;
+        let Released { channels, t, micro, by, short } = released;
         self.shared.met(channels.with(by));
         self.sync_points += 1;
         let part = |(seat, channel): (&Seat, &u16)| seat.status == Status::Done || channels.has(*channel);
         let all = self.seats.iter().zip(self.channels.numbers()).all(part);
         let sync_point = self.sync_points;
         for channel in channels.iter().filter(|&channel| Some(channel) != but) {
-            self.resume(channel, Wake::Released { tag: Tag { t, micro, channel }, sync_point, by, all });
+            self.resume(channel, Wake::Released { tag: Tag { t, micro, channel }, sync_point, by, all, short });
         }
         sync_point
     }

@@ -74,7 +74,9 @@ impl Memory {
             Primitive::Barrier => barrier::missing(channel, wait, scene),
             Primitive::Flag => self.flags.missing(channel, wait, scene),
             Primitive::Order => self.reached.missing(channel, wait, scene),
-            Primitive::Count => count::missing(channel, wait, scene),
+            Primitive::Count => count::missing(channel, wait, scene, |other, own| {
+                own.primitive != Primitive::Count && !self.missing(other, own, places, rules).is_none()
+            }),
             Primitive::Signal => self.signals.missing(channel, wait),
             Primitive::Join => join::missing(channel, wait, scene),
             Primitive::Lease => self.leases.missing(channel, wait, scene),

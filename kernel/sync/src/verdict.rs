@@ -7,7 +7,7 @@ use counterpoint_event::info::Info;
 
 /// `file line n 'text'`.
 pub fn place(info: &Info, file: u16, line: u32) -> String {
-    format!("{} line {line} '{}'", info.file_name(file), info.block_text(file, line, 60))
+    format!("{} line {line} '{}'", info.place_name(file, line), info.block_text(file, line, 60))
 }
 
 /// Classifies a set of dead channels at a time.

@@ -98,12 +98,25 @@ pub struct Rule {
     pub numbered: bool,
     /// What introduces the list of channels; empty if the list is not shown.
     pub list: Box<str>,
-    /// It is written as a statement, with number and channels in parentheses.
-    pub statement: bool,
+    /// How number and channels are written.
+    pub style: Style,
     /// Pairs that it refuses; none: waits that do not match wait.
     pub mismatch: Option<Mismatch>,
     /// What an absent partner means.
     pub absent: Absent,
+    /// A partner that waits at a wait of this primitive counts as arrived.
+    pub met_by: Option<Primitive>,
+}
+
+/// How a wait is written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Style {
+    /// A word, its number, and the list of channels: `M101 P12`.
+    Word,
+    /// A statement, with number and channels in parentheses: `WAITM(1,1,2)`.
+    Statement,
+    /// A mark, the channels, and L with the number: `!12L1`.
+    LineUp,
 }
 
 impl Rule {
@@ -114,9 +127,10 @@ impl Rule {
             word: word.into(),
             numbered: true,
             list: "".into(),
-            statement: false,
+            style: Style::Word,
             mismatch: None,
             absent: Absent::Missed,
+            met_by: None,
         }
     }
 }
@@ -141,6 +155,11 @@ impl Rules {
         self.of(wait).is_some_and(|rule| rule.absent == Absent::Counts)
     }
 
+    /// Channels that wait at a wait of this primitive count as arrived at a wait.
+    pub(crate) fn met_by(&self, wait: &Wait) -> Option<Primitive> {
+        self.of(wait)?.met_by
+    }
+
     /// The mark as the listing names it: `101` of `M101`, else the word with its number.
     pub fn mark(&self, wait: &Wait) -> String {
         let number = wait.key.number;
@@ -157,7 +176,11 @@ impl Rules {
     /// The wait as people write it: `M101`, `M101 P12`, `START1`, `WAITM(10,1,2)`.
     pub fn text(&self, wait: &Wait) -> String {
         let Some(rule) = self.of(wait) else { return wait.key.number.to_string() };
-        if rule.statement {
+        if rule.style == Style::LineUp {
+            let channels: String = wait.parts.iter().map(|channel| channel.to_string()).collect();
+            return format!("{}{channels}L{}", rule.word, wait.key.number);
+        }
+        if rule.style == Style::Statement {
             let number = rule.numbered.then_some(wait.key.number);
             let channels = wait.named.into_iter().flat_map(Set::iter).map(u32::from);
             let arguments: Vec<String> = number.into_iter().chain(channels).map(|number| number.to_string()).collect();

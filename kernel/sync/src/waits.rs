@@ -12,7 +12,7 @@ use std::fmt::Write as _;
 use crate::channels::Channels;
 use crate::primitives::Memory;
 use crate::tag::Tag;
-use crate::wait::{Act, Finish, Missing, Places, Reaction, Rules, Set, Wait, Waiting};
+use crate::wait::{Act, Finish, Missing, Places, Reaction, Rules, Set, Terminal, Wait, Waiting};
 use counterpoint_event::event::{Member, Primitive};
 
 /// Channels that continue together.
@@ -26,6 +26,8 @@ pub struct Released {
     pub micro: u32,
     /// The channel whose operation let them continue.
     pub by: u16,
+    /// A partner of a count has ended without coming.
+    pub short: bool,
 }
 
 /// What an arrival leads to.
@@ -223,13 +225,21 @@ impl Waits {
 
     /// These channels continue after the operation at this tag.
     fn let_go(&mut self, channels: Set, tag: Tag) -> Released {
+        let short = channels.iter().any(|channel| self.is_short(channel));
         for channel in channels.iter() {
             if let Some(waiting) = self.places.leave(channel) {
                 self.memory.depart(channel, &waiting.wait);
             }
         }
         let (t, micro) = if self.release_ns > 0 { (tag.t + self.release_ns, 0) } else { (tag.t, tag.micro + 1) };
-        Released { channels, t, micro, by: tag.channel }
+        Released { channels, t, micro, by: tag.channel, short }
+    }
+
+    /// A partner of the count that a channel waits for has ended.
+    fn is_short(&self, channel: u16) -> bool {
+        let count = self.places.at(channel).map(|own| own.wait).filter(|wait| wait.primitive == Primitive::Count);
+        let ended = |partner| self.places.end(partner).is_some_and(|end| end.how == Terminal::Ended);
+        count.is_some_and(|wait| wait.need == 0 && wait.parts.without(channel).iter().any(ended))
     }
 
     /// Channels that wait and can never continue: the complement of the fix-point over what can still come.

@@ -226,7 +226,7 @@ impl Core {
     /// Threads for the kernels of a job whose run begins now, of which as many were `asked` for (0 = all): its share of
     /// the cores. A job alone gets them all; one thread is enough where more jobs wait than cores are free.
     pub(super) fn threads(&self, asked: u16) -> u16 {
-        let cores = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
+        let cores = crate::cpu::cores();
         let jobs = {
             let queue = lock(&self.board.queue);
             queue.jobs.workers() + queue.jobs.waiting()

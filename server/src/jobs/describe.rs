@@ -56,6 +56,7 @@ pub(crate) fn status(record: Record) -> v1::JobStatus {
     let program = |p: counterpoint_kernel::job::Program| v1::Program {
         path: p.file,
         number: p.number,
+        section: p.section,
         channel: p.channel.map(u32::from),
     };
     v1::JobStatus {

@@ -16,6 +16,7 @@ use tokio::sync::watch;
 use super::board::late;
 use super::operator::Desk;
 use crate::ledger::record::{Reached, Record, State, now_ms};
+use crate::log::kept::Kept;
 use crate::log::tail::Tail;
 use crate::log::writer::Writer;
 use crate::results::Finished;
@@ -265,6 +266,12 @@ impl Live {
 
     pub(crate) fn finished(&self) -> Option<&Arc<Finished>> {
         self.finished.get()
+    }
+
+    /// The log of a job that has ended, if it is small.
+    pub(crate) fn small_log(&self) -> Option<Kept> {
+        let log = self.finished.get().filter(|_| self.state().ended())?.log.clone();
+        log.map(Kept::Ledger)
     }
 
     pub(crate) fn keep(&self, finished: Arc<Finished>) {

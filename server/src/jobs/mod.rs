@@ -327,6 +327,9 @@ impl Core {
 
     /// The log of a job, wherever it is.
     pub(crate) fn kept_log(&self, id: &str) -> Result<Option<Kept>, Refusal> {
+        if let Some(small) = self.live(id).and_then(|live| live.small_log()) {
+            return Ok(Some(small));
+        }
         match self.logs.kept(id) {
             Some(kept) => Ok(Some(kept)),
             None => Ok(self.ledger.log(id)?.map(Kept::Ledger)),

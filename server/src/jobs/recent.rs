@@ -5,7 +5,7 @@
 use std::collections::VecDeque;
 
 /// Most jobs.
-const MOST: usize = 8;
+const MOST: usize = 64;
 /// Most bytes of their results.
 const MOST_BYTES: u64 = 32 << 20;
 

@@ -35,7 +35,7 @@ pub(crate) struct Streams {
 
 impl Default for Streams {
     fn default() -> Self {
-        let cores = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
+        let cores = crate::cpu::cores();
         Self { next: AtomicU64::default(), open: DashMap::new(), reads: Semaphore::new(2 * cores) }
     }
 }

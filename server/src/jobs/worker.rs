@@ -44,6 +44,7 @@ static FAILED_BY_HOST: Pace = Pace::new();
 pub(super) fn start(core: Arc<Core>, live: Arc<Live>) {
     let (spare_core, spare_live) = (core.clone(), live.clone());
     let work = move || {
+        cpu::run_after_callers();
         work(&core, &live);
         drop(live);
         while let Some(live) = core.take() {
@@ -280,6 +281,7 @@ impl Through {
             None => (None, None),
         };
         let packed = place.as_mut().map_or(Ok(bytes), |place| place.pack())?;
+        let finished = Finished { log: log.as_ref().map(|log| log.bytes.clone()), ..finished };
         let (finished, stored_bytes) = keep(core, live, finished, bytes)?;
         let stored_bytes = stored_bytes.saturating_sub(bytes) + packed;
         if place.is_some() || has_files {

@@ -3,7 +3,7 @@
 //! Invariant: without [`Faults`] a step does what the system does and nothing else.
 
 use std::fs::{self, File};
-use std::io::{self, Write};
+use std::io::{self, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -80,6 +80,13 @@ impl Disk {
         Ok(Written { file: File::create(path)?, path: path.to_owned(), disk: self.clone() })
     }
 
+    /// Opens a file that is written in place, and makes it if it is not there.
+    pub(crate) fn create_or_open(&self, path: &Path) -> io::Result<Written> {
+        self.step(Step::Create, path)?;
+        let file = File::options().create(true).truncate(false).write(true).open(path)?;
+        Ok(Written { file, path: path.to_owned(), disk: self.clone() })
+    }
+
     /// A temporary file in `folder`; dropping it removes it.
     pub(crate) fn temporary(&self, folder: &Path) -> io::Result<Temporary> {
         self.step(Step::Create, folder)?;
@@ -147,6 +154,12 @@ impl Written {
     pub(crate) fn sync(&self) -> io::Result<()> {
         self.disk.step(Step::Sync, &self.path)?;
         self.file.sync_all()
+    }
+}
+
+impl Seek for Written {
+    fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
+        self.file.seek(to)
     }
 }
 

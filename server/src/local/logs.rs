@@ -5,6 +5,7 @@ use std::io::{self, BufReader, Read, Write as _};
 use std::path::{Path, PathBuf};
 
 use super::disk::{Disk, Written};
+use super::marks::Marks;
 use super::spare;
 use super::store::Store;
 use crate::host::Host;
@@ -145,15 +146,17 @@ impl Host for Store {
     }
 
     fn mark(&self, id: &str, attempt: u32) -> io::Result<()> {
-        self.mark(id, attempt)
+        self.marks().map_or(Ok(()), |marks| marks.mark(id, attempt))
     }
 
     fn unmark(&self, id: &str) {
-        self.unmark(id);
+        if let Some(marks) = self.marks() {
+            marks.unmark(id);
+        }
     }
 
     fn marks(&self) -> io::Result<Vec<(String, u32)>> {
-        self.marks()
+        Ok(self.marks().map(Marks::all).unwrap_or_default())
     }
 
     fn scratch(&self) -> PathBuf {

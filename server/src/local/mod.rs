@@ -8,6 +8,7 @@ pub mod disk;
 pub(crate) mod folder_lock;
 pub(crate) mod ledger;
 mod logs;
+mod marks;
 pub(crate) mod queue;
 mod shared;
 mod spare;

@@ -2,7 +2,7 @@
 //! content, never half of it.
 //!
 //! Layout: `lock`, `ledger.redb`, `blobs/<2 digits>/<digest>`, `blobs/@<tenant>/<2 digits>/<digest>`,
-//! `jobs/<id>/{log or log.segments, summary.json, …}`, `running/<id>`, `tmp/`.
+//! `jobs/<id>/{log or log.segments, summary.json, …}`, `marks`, `tmp/`.
 
 use std::collections::HashSet;
 use std::fs;
@@ -12,6 +12,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use super::disk::{Disk, Temporary};
 use super::folder_lock::FolderLock;
+use super::marks::Marks;
 use super::shared::Shared;
 use super::spare;
 use crate::log::kept::Files;
@@ -30,15 +31,20 @@ pub(crate) struct Store {
     unsure: Arc<Mutex<HashSet<PathBuf>>>,
     /// Syncs of the folder of all jobs.
     jobs_synced: Arc<Shared>,
+    /// Marks of running jobs.
+    marks: Arc<Marks>,
 }
 
 impl Store {
     /// Takes the folder for this server, creates what is missing and empties `tmp`.
     pub(crate) fn open(root: PathBuf, durable: bool, disk: Disk) -> io::Result<Self> {
+        // The folder of a relative name such as `data` would be an empty path, which cannot be opened.
+        let root = std::path::absolute(root)?;
         let new = !root.is_dir();
         fs::create_dir_all(&root)?;
         let lock = Arc::new(FolderLock::take(&root)?);
         let store = Self {
+            marks: Arc::new(Marks::of(&root.join("marks"), disk.clone())?),
             root,
             durable,
             disk,
@@ -47,9 +53,10 @@ impl Store {
             unsure: Arc::default(),
             jobs_synced: Arc::default(),
         };
-        for folder in ["blobs", "jobs", "running"] {
+        for folder in ["blobs", "jobs"] {
             fs::create_dir_all(store.root.join(folder))?;
         }
+        store.take_earlier_marks()?;
         match fs::remove_dir_all(store.tmp()) {
             Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
             _ => fs::create_dir_all(store.tmp())?,
@@ -68,6 +75,7 @@ impl Store {
         }
         let lock = Arc::new(FolderLock::take(&root)?);
         Ok(Self {
+            marks: Arc::new(Marks::of(&root.join("marks"), Disk::default())?),
             root,
             durable: true,
             disk: Disk::default(),
@@ -236,40 +244,22 @@ impl Store {
         }
     }
 
-    /// Marks a job as running, with the number of its run. The mark is not made durable: it is for the server after one
-    /// that died, not for one after a power loss, which no job has caused.
-    pub(crate) fn mark(&self, id: &str, attempt: u32) -> io::Result<()> {
-        if self.durable {
-            let mut mark = self.disk.create(&self.marked(id))?;
-            // An empty one says the first run.
-            if attempt > 1 {
-                mark.write_all(attempt.to_string().as_bytes())?;
-            }
-        }
-        Ok(())
+    /// Marks of running jobs; a server that stores nothing has none.
+    pub(crate) fn marks(&self) -> Option<&Marks> {
+        self.durable.then_some(&*self.marks)
     }
 
-    /// Removes the mark of a job. One that stays makes the next server run the job alone.
-    pub(crate) fn unmark(&self, id: &str) {
-        if self.durable {
-            let _ = fs::remove_file(self.marked(id));
+    /// Takes over what an earlier version has marked with a file for each job.
+    fn take_earlier_marks(&self) -> io::Result<()> {
+        let folder = self.root.join("running");
+        for id in names(&folder)? {
+            let attempt = fs::read_to_string(folder.join(&id))?.parse().unwrap_or(1);
+            self.marks.mark(&id, attempt)?;
         }
-    }
-
-    /// Jobs that were running when the server before this one died, with the numbers of their runs.
-    pub(crate) fn marks(&self) -> io::Result<Vec<(String, u32)>> {
-        let mut marks = Vec::new();
-        for entry in fs::read_dir(self.root.join("running"))? {
-            let entry = entry?;
-            let Ok(id) = entry.file_name().into_string() else { continue };
-            let attempt = fs::read_to_string(entry.path())?.parse().unwrap_or(1);
-            marks.push((id, attempt));
+        match fs::remove_dir_all(folder) {
+            Err(error) if error.kind() != io::ErrorKind::NotFound => Err(error),
+            _ => Ok(()),
         }
-        Ok(marks)
-    }
-
-    fn marked(&self, id: &str) -> PathBuf {
-        self.root.join("running").join(id)
     }
 
     /// Makes the names of a job's folder durable, and its own; the latter together with other jobs.
@@ -354,5 +344,19 @@ mod tests {
         store.write("j", "files.json", b"two").unwrap();
         assert_eq!(fs::read(store.job("j").join("files.json")).unwrap(), b"two");
         assert_eq!(fs::read_dir(store.tmp()).unwrap().count(), 0);
+    }
+
+    #[test]
+    fn marks_of_an_earlier_version_are_taken_over() {
+        let folder = tempfile::tempdir().unwrap();
+        let running = folder.path().join("running");
+        fs::create_dir(&running).unwrap();
+        fs::write(running.join("first"), "").unwrap();
+        fs::write(running.join("third"), "3").unwrap();
+        let store = Store::open(folder.path().to_owned(), true, Disk::default()).unwrap();
+        let mut marks = store.marks().unwrap().all();
+        marks.sort();
+        assert_eq!(marks, [("first".to_owned(), 1), ("third".to_owned(), 3)]);
+        assert!(!running.exists());
     }
 }

@@ -207,7 +207,7 @@ fn info() -> Info {
         axes: ["X", "Y", "Z", "C"].iter().take(2 + usize::from(number)).map(|name| axis(name)).collect(),
         lower: false,
     };
-    let file = |name: &str| File { name: name.into(), stored: false, text: OnceLock::new() };
+    let file = |name: &str| File { name: name.into(), stored: false, text: OnceLock::new(), sections: Vec::new() };
     Info {
         machine: "m".into(),
         machine_number: 1,

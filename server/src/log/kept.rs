@@ -33,6 +33,11 @@ pub(crate) trait Input: Read + Seek + Send + Debug {
 
     /// Gives back memory that the next read can have again.
     fn rest(&mut self) {}
+
+    /// Reading takes no time.
+    fn in_memory(&self) -> bool {
+        false
+    }
 }
 
 impl Input for File {
@@ -44,6 +49,10 @@ impl Input for File {
 impl Input for Cursor<Bytes> {
     fn place(&mut self, _after: u64) -> io::Result<Option<u64>> {
         Ok(None)
+    }
+
+    fn in_memory(&self) -> bool {
+        true
     }
 }
 

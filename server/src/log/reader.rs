@@ -93,6 +93,11 @@ impl Reader {
         &self.description
     }
 
+    /// Reading takes no time.
+    pub(crate) fn in_memory(&self) -> bool {
+        self.file.in_memory()
+    }
+
     /// Allows reading up to a committed position.
     pub(crate) fn extend(&mut self, limit: u64) {
         self.limit = self.limit.max(limit);

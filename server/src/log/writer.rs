@@ -82,7 +82,8 @@ impl Writer {
                 *slot = channel.axes.len();
             }
         }
-        let mut buffer = Vec::with_capacity(WRITE_BYTES + 2 * BATCH_BYTES);
+        // It grows with its log: most are small.
+        let mut buffer = Vec::with_capacity(SMALL / 2);
         buffer.extend_from_slice(MAGIC);
         buffer.extend_from_slice(&Frame::of(description, 0, 0).to_bytes());
         buffer.extend_from_slice(description);

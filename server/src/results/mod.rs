@@ -6,6 +6,7 @@
 use std::io::{self, Write};
 use std::sync::Arc;
 
+use bytes::Bytes;
 use counterpoint_kernel::job::{Outcome, WrittenFiles};
 use counterpoint_kernel::log::builder::{Results, ResultsBuilder};
 use counterpoint_kernel::log::event::VerdictKind;
@@ -63,6 +64,8 @@ pub(crate) struct Finished {
     pub(crate) files: WrittenFiles,
     /// Bytes of all documents, as far as known.
     pub(crate) bytes: u64,
+    /// The log, if it is small.
+    pub(crate) log: Option<Bytes>,
 }
 
 impl std::fmt::Debug for Finished {
@@ -82,7 +85,7 @@ impl Finished {
             results.summary.state = summary::State::Failed;
             results.summary.verdict.get_or_insert(verdict);
         }
-        Self { results, files, bytes: 0 }
+        Self { results, files, bytes: 0, log: None }
     }
 
     /// A document as text; `None` when it cannot be written as such.

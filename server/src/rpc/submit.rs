@@ -164,6 +164,9 @@ fn files(core: &Core, files: &[v1::FileRef]) -> Result<BTreeMap<String, String>,
     Ok(found)
 }
 
+/// Most characters of the name of a section.
+const SECTION_NAME: usize = 80;
+
 fn programs(core: &Core, programs: &[v1::Program], files: &BTreeMap<String, String>) -> Result<Vec<Program>, Refusal> {
     if programs.is_empty() || programs.len() > core.options.maxima.max_programs {
         let text = format!("must be 1 to {}", core.options.maxima.max_programs);
@@ -174,7 +177,12 @@ fn programs(core: &Core, programs: &[v1::Program], files: &BTreeMap<String, Stri
             return Err(Refusal::field(format!("programs[{i}].path"), "is not among the files of the job"));
         }
         let channel = program.channel.map(|c| small(&format!("programs[{i}].channel"), u64::from(c), 1, 9999));
-        Ok(Program { file: program.path.clone(), number: program.number, channel: channel.transpose()? })
+        let section = program.section.clone();
+        if section.as_ref().is_some_and(|name| name.is_empty() || name.chars().count() > SECTION_NAME) {
+            let text = format!("must have 1 to {SECTION_NAME} characters");
+            return Err(Refusal::field(format!("programs[{i}].section"), text));
+        }
+        Ok(Program { file: program.path.clone(), number: program.number, section, channel: channel.transpose()? })
     };
     programs.iter().enumerate().map(one).collect()
 }

@@ -24,6 +24,7 @@ use crate::jobs::progress;
 use crate::jobs::streams::Listed;
 use crate::ledger::record::State;
 use crate::log::filter::Filter;
+use crate::log::kept::Kept;
 use crate::log::reader::{Batch, Reader, cut_short};
 use crate::log::tail::Position;
 use crate::reason::Refusal;
@@ -179,7 +180,9 @@ impl Watch {
         while let Some(mut reader) = self.reader.take() {
             reader.extend(position.bytes);
             let (most, slow) = (most(self.kept_pace), self.kept_pace < PACE);
-            let (reader, batches) = {
+            let (reader, batches) = if reader.in_memory() {
+                pull(reader, most, slow)?
+            } else {
                 let _place = self.core.streams.reading().await;
                 blocking(move || pull(reader, most, slow)).await?
             };
@@ -216,22 +219,17 @@ impl Watch {
 
     /// Opens the log; `false` if it has just been dropped.
     async fn open(&mut self, out: &Out) -> Result<bool, Over> {
-        let (core, id, after) = (self.core.clone(), self.live.id.clone(), self.cursor);
-        let resume = self.resume.take();
-        let opened = blocking(move || {
-            let Some(log) = core.kept_log(&id)? else { return Ok(None) };
-            let opened = match resume {
-                Some(at) => Reader::resume(&log, at, after),
-                None => Reader::open(&log, after),
-            };
-            match opened {
-                Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(None),
-                other => Ok(Some(other?)),
-            }
-        });
-        let opened = {
+        let (after, resume) = (self.cursor, self.resume.take());
+        let opened = if let Some(small) = self.live.small_log() {
+            open(&small, resume, after)?
+        } else {
+            let (core, id) = (self.core.clone(), self.live.id.clone());
             let _place = self.core.streams.reading().await;
-            opened.await?
+            blocking(move || match core.kept_log(&id)? {
+                Some(log) => open(&log, resume, after),
+                None => Ok(None),
+            })
+            .await?
         };
         let Some(reader) = opened else { return Ok(false) };
         if !std::mem::replace(&mut self.described, true) {
@@ -286,6 +284,18 @@ impl Watch {
         }
         self.progress(out, true).await?;
         send(out, Content::Ended(status(self.live.record()))).await
+    }
+}
+
+/// Opens a log at a place, or after an event; none if it has just been dropped.
+fn open(log: &Kept, resume: Option<u64>, after: u64) -> Result<Option<Reader>, Refusal> {
+    let opened = match resume {
+        Some(at) => Reader::resume(log, at, after),
+        None => Reader::open(log, after),
+    };
+    match opened {
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(None),
+        other => Ok(Some(other?)),
     }
 }
 

@@ -1,5 +1,9 @@
 //! One server per data folder.
 
+use std::io::{BufRead as _, BufReader};
+use std::path::Path;
+use std::process::{Command, Stdio};
+
 use counterpoint_proto::v1;
 use counterpoint_server::service;
 use tokio_stream::wrappers::ReceiverStream;
@@ -31,4 +35,28 @@ async fn a_second_start_is_refused_and_harms_nothing() {
     assert_eq!(server.wait(&job).await.state(), v1::JobState::Succeeded);
     server.stop().await;
     Server::start(options(folder.path())).await.stop().await;
+}
+
+/// The server's command, in a folder.
+fn command(inside: &Path, arguments: &[&str]) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_counterpointd"));
+    command.current_dir(inside).args(arguments).env_remove("COUNTERPOINT_LOG").env_remove("COUNTERPOINT_DATA");
+    command
+}
+
+#[test]
+fn folders_may_be_named_relative_to_the_current_one() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut server =
+        command(folder.path(), &["--listen", "127.0.0.1:0", "--data", "data"]).stdout(Stdio::piped()).spawn().unwrap();
+    let mut line = String::new();
+    BufReader::new(server.stdout.take().unwrap()).read_line(&mut line).unwrap();
+    assert!(line.contains("listening on http://127.0.0.1:"), "{line}");
+    for arguments in [["backup", "copy", "--data", "data"], ["restore", "copy", "--data", "again"]] {
+        let output = command(folder.path(), &arguments).output().unwrap();
+        assert!(output.status.success(), "{arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
+    }
+    server.kill().unwrap();
+    server.wait().unwrap();
+    assert!(folder.path().join("again/ledger.redb").is_file());
 }

@@ -98,7 +98,7 @@ impl Case {
                 }
                 "nc" => {
                     let file = program_name(fence, case.programs.len() + 1);
-                    case.programs.push(Program { file: file.clone(), number: None, channel: None });
+                    case.programs.push(Program { file: file.clone(), number: None, section: None, channel: None });
                     case.file(file, fence, at);
                 }
                 "file" => case.file(fence.words.clone(), fence, at),

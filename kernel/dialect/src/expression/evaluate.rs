@@ -1,33 +1,43 @@
 //! Evaluating compiled expressions.
 //!
-//! *Invariant:* evaluating allocates nothing but for values of more than [`INLINE`] pending operands.
+//! *Invariant:* evaluating allocates nothing but for more than [`INLINE`] pending operands.
 
-use smallvec::SmallVec;
+use arrayvec::ArrayVec;
 
 use super::code::{Code, Op};
 use crate::numeric::{Function, Operator};
 
 /// Operands that wait for their operator without room from the heap.
-const INLINE: usize = 8;
+const INLINE: usize = 16;
 
 /// Values that wait for their operator.
+///
+/// *Invariant:* there are more only while the first ones fill their room.
 #[derive(Debug)]
-pub(crate) struct Stack<V>(SmallVec<[V; INLINE]>);
+pub(crate) struct Stack<V> {
+    first: ArrayVec<V, INLINE>,
+    more: Vec<V>,
+}
 
 impl<V: Default> Stack<V> {
     fn new() -> Self {
-        Self(SmallVec::new())
+        Self { first: ArrayVec::new(), more: Vec::new() }
     }
 
     #[inline]
     fn push(&mut self, value: V) {
-        self.0.push(value);
+        if let Err(full) = self.first.try_push(value) {
+            self.more.push(full.element());
+        }
     }
 
     /// Takes the value on top.
     #[inline]
     pub(crate) fn pop(&mut self) -> V {
-        self.0.pop().unwrap_or_default()
+        match self.more.pop() {
+            Some(value) => value,
+            None => self.first.pop().unwrap_or_default(),
+        }
     }
 }
 
@@ -58,28 +68,22 @@ pub(crate) trait Evaluate<V: Clone + Default, X> {
     ///
     /// # Errors
     /// That of the first operation without a value.
+    #[inline]
     fn evaluate(&mut self, code: &Code<V, X>) -> Result<V, Self::Stop> {
-        if let Some(value) = code.as_constant() {
-            return Ok(value.clone());
-        }
-        let mut stack = Stack::new();
+        // The value on top stays out of the stack until another one waits above it.
+        let (mut stack, mut top) = (Stack::new(), V::default());
         for op in code.ops() {
-            let value = match op {
-                Op::Value(value) => value.clone(),
-                Op::Apply(function) => {
-                    let value = stack.pop();
-                    self.apply(*function, value)?
+            match op {
+                Op::Value(value) => stack.push(std::mem::replace(&mut top, value.clone())),
+                Op::Apply(function) => top = self.apply(*function, std::mem::take(&mut top))?,
+                Op::Combine(operator) => top = self.combine(*operator, stack.pop(), std::mem::take(&mut top))?,
+                Op::Own(own) => {
+                    stack.push(std::mem::take(&mut top));
+                    top = self.own(own, &mut stack)?;
                 }
-                Op::Combine(operator) => {
-                    let right = stack.pop();
-                    let left = stack.pop();
-                    self.combine(*operator, left, right)?
-                }
-                Op::Own(own) => self.own(own, &mut stack)?,
-            };
-            stack.push(value);
+            }
         }
-        Ok(stack.pop())
+        Ok(top)
     }
 }
 

@@ -40,10 +40,21 @@ impl<'h> Access<'h> {
         self.host.number(index).map_err(|why| fault(index, why))
     }
 
+    /// What a variable that cannot be read counts as.
+    #[cold]
+    fn missing(&mut self, fault: Fault) -> Result<f64, Fault> {
+        if !matches!(fault, Fault::NoVariable(_)) || !self.host.continues_after(&diag::MACRO_VARIABLE) {
+            return Err(fault);
+        }
+        alarm(self.host, &fault);
+        Ok(0.0)
+    }
+
     fn asks(&self) -> bool {
         !self.answering && self.host.identifies()
     }
 
+    #[inline(never)]
     fn identified(&mut self, index: u32) -> Result<f64, Fault> {
         match self.ask_variable(index, None)? {
             Answer::Unknown => self.known(index),
@@ -100,15 +111,13 @@ impl<'h> Access<'h> {
 }
 
 impl Variables for Access<'_> {
+    #[inline]
     fn get(&mut self, index: u32) -> Result<f64, Fault> {
         let system = index >= SYSTEM && !self.host.is_common(index);
         let value = if system && self.asks() { self.identified(index) } else { self.known(index) };
         match value {
-            Err(fault @ Fault::NoVariable(_)) if self.host.continues_after(&diag::MACRO_VARIABLE) => {
-                alarm(self.host, &fault);
-                Ok(0.0)
-            }
-            value => value,
+            Ok(value) => Ok(value),
+            Err(fault) => self.missing(fault),
         }
     }
 
@@ -147,6 +156,7 @@ impl From<Halt> for Abandoned {
 }
 
 /// Value of an expression in a statement.
+#[inline]
 pub(super) fn eval(host: &mut dyn Host, expr: &Expr) -> Result<f64, Abandoned> {
     eval_at(host, expr, 1.0)
 }

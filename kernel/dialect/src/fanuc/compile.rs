@@ -2,8 +2,8 @@
 
 use super::control::{KEY_WORDS, STATEMENTS};
 use super::cursor::{Error, NESTING, Parser};
-use super::expr::Expr;
-use super::statement::{Line, Statement};
+use super::expr::{Expr, variable_index};
+use super::statement::{Line, Statement, Target};
 use crate::statement::Shared;
 use counterpoint_program::key_words::{Names, key_word};
 
@@ -30,7 +30,11 @@ pub(super) fn compile(text: &[u8], names: Names<'_>) -> Result<Line, Error> {
     if parser.at < text.len() {
         return Err(parser.error("the end of the statement"));
     }
-    Ok(Line { sequence, statement, place, name: parser.name, messages: Box::default() })
+    let executes = match &statement {
+        Statement::Words(words) => words.iter().any(|word| word.value.as_constant().is_none()),
+        _ => true,
+    };
+    Ok(Line { sequence, statement, place, name: parser.name, messages: Box::default(), executes })
 }
 
 impl Parser<'_> {
@@ -144,7 +148,9 @@ impl Parser<'_> {
             }
             let mut value = Vec::new();
             self.logical(&mut value)?;
-            list.push((self.checked(target)?, self.checked(value)?));
+            let target = self.checked(target)?;
+            let number = target.as_constant().and_then(|number| variable_index(*number).ok());
+            list.push((number.map_or(Target::Indirect(target), Target::Variable), self.checked(value)?));
         }
         Ok(Statement::Assign(list))
     }

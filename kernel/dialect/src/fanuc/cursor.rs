@@ -103,7 +103,7 @@ impl Parser<'_> {
 
     pub(super) fn nest(&mut self) -> Result<(), Error> {
         self.depth += 1;
-        let most = self.names.brackets.map_or(NESTING, usize::from).min(NESTING);
+        let most = self.names.formulas.brackets.map_or(NESTING, usize::from).min(NESTING);
         if self.depth <= most {
             return Ok(());
         }

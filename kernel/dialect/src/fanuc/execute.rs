@@ -12,7 +12,7 @@ use super::access::{Abandoned, Access, abandons, eval, eval_at};
 use super::compile::compile;
 use super::expr::{Expr, is_vacant, number, to_step, variable_index};
 use super::loops::Pairs;
-use super::statement::{Item, Name, Statement, TemplateWord};
+use super::statement::{Item, Name, Statement, Target, TemplateWord};
 use super::{Fanuc, print};
 use crate::host::{Host, MadeWord};
 use crate::interpreter::Remaining;
@@ -38,7 +38,7 @@ impl Fanuc {
                 if truth(host, condition)? {
                     self.enter_loop(host)?;
                 } else {
-                    let (level, start) = (host.place().level, host.spot());
+                    let (level, start) = (host.level(), host.spot());
                     host.loops().leave(level, start);
                     self.skip_past(host, Pairs::of_loop)?;
                 }
@@ -63,7 +63,7 @@ impl Fanuc {
 
     /// The block opens a loop, or starts its next pass.
     fn enter_loop(&mut self, host: &mut dyn Host) -> Acted {
-        let (level, start) = (host.place().level, host.spot());
+        let (level, start) = (host.level(), host.spot());
         if host.loops().enter(level, start) && self.pairs(host).of_loop(start).is_none() {
             host.loops().leave(level, start);
             return Err(unpaired(host));
@@ -74,7 +74,7 @@ impl Fanuc {
     /// The end of a loop: its next pass, if the program has come in through its start.
     fn end_loop(&mut self, host: &mut dyn Host) -> Acted {
         let Some(start) = self.pairs(host).of_loop(host.spot()) else { return Err(unpaired(host)) };
-        let level = host.place().level;
+        let level = host.level();
         if host.loops().repeat(level, start) {
             return host.go_to_block(start);
         }
@@ -90,7 +90,7 @@ impl Fanuc {
         if host.loops().is_empty() {
             return;
         }
-        let (pairs, level) = (self.pairs(host), host.place().level);
+        let (pairs, level) = (self.pairs(host), host.level());
         host.loops().jump(level, |start| pairs.of_loop(start).is_some_and(|end| (start..=end).contains(&target)));
     }
 
@@ -142,12 +142,14 @@ fn truth(host: &mut dyn Host, condition: &Expr) -> Result<bool, Abandoned> {
     eval(host, condition).map(|value| number(value) != 0.0)
 }
 
-fn assign(host: &mut dyn Host, target: &Expr, value: &Expr) -> Result<(), Abandoned> {
+fn assign(host: &mut dyn Host, target: &Target, value: &Expr) -> Result<(), Abandoned> {
     let value = eval(host, value)?;
-    let target = number(eval(host, target)?);
-    let index = match variable_index(target) {
-        Ok(index) => index,
-        Err(fault) => return abandons(host, &fault),
+    let index = match target {
+        Target::Variable(index) => *index,
+        Target::Indirect(target) => match variable_index(number(eval(host, target)?)) {
+            Ok(index) => index,
+            Err(fault) => return abandons(host, &fault),
+        },
     };
     match index {
         3000 => {

@@ -53,11 +53,10 @@ struct Fanuc {
 impl Fanuc {
     /// The compiled form of the block, kept once the program has jumped back or called. `displays` shows its messages: on
     /// every pass, but once for a block that is read twice.
+    #[inline]
     fn line(&mut self, host: &mut dyn Host, text: &[u8], displays: bool) -> Result<Arc<Line>, Halt> {
-        let place = host.place();
-        let key = (place.file, place.line);
-        if place.as_read
-            && let Some(line) = self.lines.get(key)
+        if let Some(place) = host.unchanged_line()
+            && let Some(line) = self.lines.get(place)
         {
             let line = Arc::clone(line);
             if displays && !line.messages.is_empty() {
@@ -65,12 +64,19 @@ impl Fanuc {
             }
             return Ok(line);
         }
+        self.compiled(host, text, displays)
+    }
+
+    /// Compiles the block.
+    #[inline(never)]
+    fn compiled(&mut self, host: &mut dyn Host, text: &[u8], displays: bool) -> Result<Arc<Line>, Halt> {
+        let place = host.place();
         let messages = host.strip(text, displays, &mut self.stripped);
         match compile(&self.stripped, host.names()) {
             Ok(line) => {
                 let line = Arc::new(Line { messages, ..line });
                 if place.repeats && place.as_read {
-                    self.lines.insert(key, &line, text.len());
+                    self.lines.insert((place.file, place.line), &line, text.len());
                 }
                 Ok(line)
             }
@@ -155,6 +161,11 @@ impl Interpreter for Fanuc {
         let Some(on) = value.as_logical() else { return Setting::NotLogical };
         set(host, on);
         Setting::Made
+    }
+
+    #[inline]
+    fn executes(&self, line: (FileId, u32)) -> bool {
+        self.lines.get(line).is_some_and(|line| line.executes)
     }
 
     fn tables(&self) -> u64 {

@@ -18,6 +18,8 @@ pub(super) struct Line {
     pub(super) name: Option<(u32, u32)>,
     /// Places of its messages to the operator.
     pub(super) messages: Box<[(u32, u32)]>,
+    /// It is more than plain words.
+    pub(super) executes: bool,
 }
 
 /// What a line does.
@@ -26,7 +28,7 @@ pub(super) enum Statement {
     /// A block of words, some of them with expressions.
     Words(Vec<TemplateWord>),
     /// `#i = expression`, left to right.
-    Assign(Vec<(Expr, Expr)>),
+    Assign(Vec<(Target, Expr)>),
     /// `IF [condition] GOTO n`.
     IfGoto(Expr, Expr),
     /// `IF [condition] THEN statement`.
@@ -51,6 +53,15 @@ pub(super) enum Statement {
     Print(Vec<Item>),
     /// `BPRNT[…]`: a line of text and binary numbers.
     PrintBinary(Vec<Item>),
+}
+
+/// A variable that is assigned to.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) enum Target {
+    /// `#n`.
+    Variable(u32),
+    /// `#` of an expression.
+    Indirect(Expr),
 }
 
 /// A part of what a printing statement writes.

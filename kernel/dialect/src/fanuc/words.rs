@@ -95,6 +95,7 @@ impl Parser<'_> {
 
     fn word_value(&mut self) -> Result<Expr, Error> {
         let mut ops = Vec::new();
+        let sign = self.at;
         let negative = match self.peek() {
             Some(sign @ (b'-' | b'+')) => {
                 self.at += 1;
@@ -109,6 +110,11 @@ impl Parser<'_> {
             return Err(self.error("a value"));
         }
         self.primary(&mut ops)?;
+        if self.names.formulas.bare_sums && self.peek().is_some_and(|byte| b"+-*/".contains(&byte)) {
+            (self.at, ops) = (sign, Vec::new());
+            self.expression(&mut ops)?;
+            return self.checked(ops);
+        }
         self.written = match ops.as_slice() {
             [Op::Value(value)] => self.as_written(start, if negative { -*value } else { *value }),
             _ => None,

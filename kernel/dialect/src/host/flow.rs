@@ -78,6 +78,19 @@ impl Loops {
     }
 }
 
+/// A contour with a name (Okuma LAP).
+#[derive(Debug, Clone, PartialEq)]
+pub struct Shape {
+    /// Its name.
+    pub name: Arc<str>,
+    /// First line.
+    pub first: u32,
+    /// Last line.
+    pub last: u32,
+    /// Cuts run along X.
+    pub face: bool,
+}
+
 /// Program flow.
 pub trait Flow {
     /// The block continues at a line of its program.
@@ -109,6 +122,9 @@ pub trait Flow {
 
     /// After every block that moves, the interpreter is asked for a call, or no longer.
     fn calls_modally(&mut self, on: bool);
+
+    /// The cycle of the block goes along this contour.
+    fn cut_along(&mut self, shape: Shape);
 
     /// Returns from the subprogram at the end of the block, or ends the main program.
     fn return_from(&mut self);

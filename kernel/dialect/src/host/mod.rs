@@ -13,7 +13,7 @@ mod values;
 mod words;
 
 pub use coordination::{Coordination, Operands};
-pub use flow::{Call, Flow, Loops};
+pub use flow::{Call, Flow, Loops, Shape};
 pub use frames::{AxisPlace, Frames, Modes};
 pub use programs::{Place, Programs};
 pub use report::Report;

@@ -18,8 +18,6 @@ pub struct Place {
     pub line: u32,
     /// Lines of the program, or of the called text, that the block belongs to.
     pub range: Range,
-    /// Subprograms that are running.
-    pub level: usize,
     /// The text of the block is its line of the file, and was not changed: what was compiled for the line holds.
     pub as_read: bool,
     /// The program has jumped back or called, so a line may run again.
@@ -30,6 +28,12 @@ pub struct Place {
 pub trait Programs {
     /// Where the kernel is.
     fn place(&self) -> Place;
+
+    /// File and line of the block, when its text is that line and was not changed.
+    fn unchanged_line(&self) -> Option<(FileId, u32)>;
+
+    /// Subprograms that are running.
+    fn level(&self) -> usize;
 
     /// Where the block begins.
     fn spot(&self) -> Spot;

@@ -30,7 +30,7 @@ impl Dialect for Control {
     }
 
     fn settings(&self) -> &'static [&'static str] {
-        &["PROCESS,SUBPROGRAMS", "PROCESS,SEQNAME"]
+        &["PROCESS,SUBPROGRAMS", "PROCESS,SEQNAME", "PROCESS,EXECUTIONS", "PROCESS,CONTOURS", "PROCESS,DRAWING"]
     }
 
     fn interpreter(&self, machine: &Machine) -> Option<Box<dyn Interpreter>> {

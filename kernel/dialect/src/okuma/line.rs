@@ -6,6 +6,7 @@
 
 use super::cursor::{Cursor, Mistake};
 use super::expr::{Expr, Own, Reader, Variable, name_text, number_text};
+use super::lap::Lap;
 use super::names::{self, Local};
 use super::text::Prepared;
 use crate::statement::{RETURN, Shared, Statements};
@@ -22,6 +23,8 @@ pub(super) struct Line {
     pub(super) messages: Vec<String>,
     /// A comment has no end.
     pub(super) open: bool,
+    /// What it has to do with contours.
+    pub(super) lap: Option<Lap>,
 }
 
 /// What stands before a statement.
@@ -40,6 +43,8 @@ pub(super) enum Head {
 /// What a block says.
 #[derive(Debug, Default, PartialEq)]
 pub(super) enum Statement {
+    /// Changes neither path nor time.
+    Drawing,
     /// Nothing more.
     #[default]
     Nothing,
@@ -101,11 +106,16 @@ pub(super) enum Item {
     },
 }
 
+/// Words of statements for the screen (blank, lines, pictures) and the tool management.
+const DRAWING: [&str; 6] = ["DEF", "PT", "END", "CLEAR", "DRAW", "TLID"];
+
 /// What is taken off blocks.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Wanted {
     /// CALL, MODIN and MODOUT.
     pub(super) subprograms: bool,
+    /// Statements for the screen and the tool management.
+    pub(super) drawing: bool,
 }
 
 /// Reads a block.
@@ -113,11 +123,11 @@ pub(super) fn read(prepared: Prepared, wanted: Wanted) -> Result<Line, Mistake> 
     let Prepared { plain, upper, messages, open } = prepared;
     let mut reading = Reading { plain: &plain, cursor: Cursor::new(&upper) };
     if let Some(header) = reading.of_the_file() {
-        return Ok(Line { head: Vec::new(), statement: header, messages, open });
+        return Ok(Line { statement: header, messages, open, ..Line::default() });
     }
     let head = reading.head();
     let statement = reading.statement(wanted)?;
-    Ok(Line { head, statement, messages, open })
+    Ok(Line { head, statement, messages, open, lap: None })
 }
 
 /// A block that is being read.
@@ -173,7 +183,7 @@ impl Reading<'_> {
         if name.is_empty() || matches!(ahead.here(), Some(b'=' | b'[')) && digits == 0 {
             return None;
         }
-        if matches!(self.plain.get(start..ahead.at), Some(word) if is_statement(word)) {
+        if matches!(self.plain.get(start..ahead.at), Some(word) if is_statement(word, ahead.clone().peek().is_some())) {
             return None;
         }
         // N10G0X5: a number ends where a letter begins.
@@ -203,6 +213,9 @@ impl Reading<'_> {
         }
         if cursor.word("NOEX") {
             return self.items();
+        }
+        if wanted.drawing && is_drawing(cursor) {
+            return Ok(Statement::Drawing);
         }
         if cursor.key_word("GOTO") {
             let target = self.target()?;
@@ -394,9 +407,19 @@ fn operands(cursor: &mut Cursor<'_>, count: usize) -> Result<Box<[Expr]>, Mistak
     Ok(operands)
 }
 
-/// A word that only looks like a name.
-fn is_statement(word: &[u8]) -> bool {
-    [b"NOEX".as_slice(), b"NMSG"].into_iter().any(|known| word.eq_ignore_ascii_case(known))
+/// A statement for the screen or the tool management: one of their words, which is no variable here.
+fn is_drawing(cursor: &Cursor<'_>) -> bool {
+    let known = |word: &&str| {
+        let mut ahead = cursor.clone();
+        ahead.word(word) && !matches!(ahead.peek(), Some(b'=' | b'['))
+    };
+    DRAWING.iter().any(|word| known(word))
+}
+
+/// A word that only looks like a name. OMIT leaves points of a figure out, unless nothing follows it.
+fn is_statement(word: &[u8], continues: bool) -> bool {
+    let statements = [b"NOEX".as_slice(), b"NCYL", b"NMSG"].into_iter();
+    statements.chain(continues.then_some(b"OMIT".as_slice())).any(|known| word.eq_ignore_ascii_case(known))
 }
 
 /// A line with the name of its file: `$NAME.MIN%`.
@@ -426,7 +449,7 @@ mod tests {
     use super::*;
 
     fn line(text: &str) -> Result<Line, Mistake> {
-        read(prepare(text.as_bytes()), Wanted { subprograms: true })
+        read(prepare(text.as_bytes()), Wanted { subprograms: true, drawing: false })
     }
 
     fn plain(text: &str) -> Vec<String> {
@@ -457,6 +480,7 @@ mod tests {
         assert_eq!(head("nLAP1 G0"), [name("nLAP1")]);
         assert_eq!(head("oab"), [Head::Program("oab".to_owned())]);
         assert!(head("NOEX LA=1").is_empty() && head("NMSG").is_empty() && head("X5").is_empty());
+        assert!(head("NCYL G81").is_empty() && head("OMIT R3").is_empty() && !head("OMIT").is_empty());
     }
 
     #[test]

@@ -8,6 +8,7 @@ mod control;
 mod cursor;
 mod eval;
 mod expr;
+mod lap;
 mod line;
 mod math;
 mod names;
@@ -64,6 +65,14 @@ pub(crate) struct Okuma {
     takes_names: bool,
     /// Messages are taken off the block.
     takes_messages: bool,
+    /// Q of a call counts executions, not repeats.
+    counts_executions: bool,
+    /// G81 to G88 are contours with a name and cycles along them.
+    has_contours: bool,
+    /// Statements for the screen are ignored.
+    ignores_drawing: bool,
+    /// That has been reported.
+    reported_drawing: bool,
 }
 
 impl Okuma {
@@ -81,6 +90,10 @@ impl Okuma {
             takes_calls: true,
             takes_names,
             takes_messages: true,
+            counts_executions: false,
+            has_contours: false,
+            ignores_drawing: false,
+            reported_drawing: false,
         }
     }
 }
@@ -95,10 +108,12 @@ impl Okuma {
         {
             return Ok(Arc::clone(line));
         }
-        let wanted = line::Wanted { subprograms: self.takes_calls };
-        match line::read(text::prepare(text), wanted) {
+        let wanted = line::Wanted { subprograms: self.takes_calls, drawing: self.ignores_drawing };
+        let mut block = text::prepare(text);
+        let lap = if self.has_contours { lap::find(&mut block) } else { None };
+        match line::read(block, wanted) {
             Ok(line) => {
-                let line = Arc::new(line);
+                let line = Arc::new(line::Line { lap, ..line });
                 if self.caching && place.as_read {
                     self.lines.insert(key, &line, text.len());
                 }
@@ -282,6 +297,9 @@ impl Interpreter for Okuma {
             "PROCESS,SUBPROGRAMS" => &mut self.takes_calls,
             "PROCESS,SEQNAME" => &mut self.takes_names,
             "PROCESS,MESSAGES" => &mut self.takes_messages,
+            "PROCESS,EXECUTIONS" => &mut self.counts_executions,
+            "PROCESS,CONTOURS" => &mut self.has_contours,
+            "PROCESS,DRAWING" => &mut self.ignores_drawing,
             _ => return Setting::Unknown,
         };
         let [value] = values else { return Setting::Wrong };

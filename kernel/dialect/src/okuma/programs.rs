@@ -100,7 +100,7 @@ fn head(text: &[u8]) -> Option<Head> {
         return None;
     }
     // Only the head is wanted, so nothing after it may be a mistake.
-    let line = read(prepare(cut(text)), Wanted { subprograms: true }).ok()?;
+    let line = read(prepare(cut(text)), Wanted { subprograms: true, drawing: false }).ok()?;
     line.head.into_iter().find(|head| !matches!(head, Head::Mark(_)))
 }
 

@@ -3,7 +3,7 @@
 //! Invariant: one pass over the text, nothing allocated; plain words with comments are never among them.
 
 /// Whether a block is anything but plain words: `=` or a bracket, letters side by side (key words and names), the name
-/// of a program, a line of the file's own, or a comment that is a message.
+/// of a program, a line of the file's own, a comment that is a message, or G81 to G88, which may name a contour.
 pub(super) fn needs_interpreter(text: &[u8]) -> bool {
     let (mut at, mut letter) = (0, false);
     let start = text.trim_ascii_start();
@@ -24,7 +24,7 @@ pub(super) fn needs_interpreter(text: &[u8]) -> bool {
             }
             _ => {
                 let is_letter = byte.is_ascii_alphabetic();
-                if letter && is_letter {
+                if letter && is_letter || byte | 0x20 == b'g' && is_contour(text.get(at + 1..).unwrap_or_default()) {
                     return true;
                 }
                 letter = is_letter;
@@ -33,6 +33,12 @@ pub(super) fn needs_interpreter(text: &[u8]) -> bool {
         at += 1;
     }
     false
+}
+
+/// The number of G81 to G88, which lathes use for contours.
+fn is_contour(number: &[u8]) -> bool {
+    let zeros = number.iter().take_while(|digit| **digit == b'0').count();
+    matches!(number.get(zeros..).unwrap_or_default(), [b'8', b'1'..=b'8', ..])
 }
 
 /// The inside of a comment that is a message: `MSG, …`.
@@ -51,7 +57,19 @@ mod tests {
         for text in ["", "N100 G01 X10.5 Z-3 (LA1=5 [X])", "/1 G0 X1", "G1X5Z3F.2", "%", "(RTS)", "X5 (open", "M02"] {
             assert!(!needs_interpreter(text.as_bytes()), "{text}");
         }
-        for text in ["LA1=5", "X[5]", "RTS", "N10 GOTO N20", "NLAP1 G0", "O1000", " OABC", "$A.MIN%", "(msg , HI)"] {
+        for text in [
+            "G87 N5",
+            "N1g081",
+            "LA1=5",
+            "X[5]",
+            "RTS",
+            "N10 GOTO N20",
+            "NLAP1 G0",
+            "O1000",
+            " OABC",
+            "$A.MIN%",
+            "(msg , HI)",
+        ] {
             assert!(needs_interpreter(text.as_bytes()), "{text}");
         }
     }

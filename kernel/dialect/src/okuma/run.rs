@@ -1,7 +1,7 @@
 //! What a block of the pre-processor does.
 //!
-//! Facts: reference control-emulator.md 5.4, 5.5, 5.7. Decisions: `Qn` repeats a call n times, so it runs n + 1 times;
-//! a modal call calls after every block that moves in the program that said it, with the values its arguments had
+//! Facts: reference control-emulator.md 5.4, 5.5, 5.7. Decisions: `Qn` repeats a call n times, so it runs n + 1 times,
+//! unless a setting says that it counts executions; a modal call calls after every block that moves in the program that said it, with the values its arguments had
 //! then, and ends with that program. Invariant: words keep their order; a block that leaves none leaves no text.
 
 use counterpoint_fault::{Acted, Halt};
@@ -12,6 +12,7 @@ use counterpoint_lang::value::Value;
 
 use super::eval::{Eval, Stop};
 use super::expr::{Expr, Variable};
+use super::lap::Lap;
 use super::line::{Call, Head, Item, Line, Statement, Target, normal};
 use super::store::Arguments;
 use super::{ALARM_TEXTS, Okuma};
@@ -53,8 +54,22 @@ impl Okuma {
         if !line.messages.is_empty() && !host.handles_messages(text) {
             line.messages.iter().for_each(|message| host.show(message));
         }
+        match &line.lap {
+            Some(Lap::Begins) => return self.skip_contour(host).map(|()| None),
+            Some(Lap::Cuts(name)) => self.cut_along(host, name)?,
+            None => {}
+        }
         match &line.statement {
             Statement::Nothing => {}
+            Statement::Drawing => {
+                if !std::mem::replace(&mut self.reported_drawing, true) {
+                    let text = format!(
+                        "'{}' changes neither path nor time; statements like it are ignored",
+                        host.block_text()
+                    );
+                    host.diagnose(&diag::OKUMA_DRAWING, text);
+                }
+            }
             Statement::Continued => {
                 let text = format!("'{}' continues a block, but there is none above it; ignored", host.block_text());
                 host.diagnose(&diag::OKUMA_CONTINUED, text);
@@ -132,12 +147,16 @@ impl Okuma {
 
     /// A call with the values of its arguments.
     fn made(&mut self, host: &mut dyn Host, call: &Call) -> Result<(host::Call, Arguments), Halt> {
-        let repeats = match &call.repeats {
-            Some(repeats) => self.value(host, repeats)?,
-            None => 0.0,
+        let (least, more) = if self.counts_executions { (1.0, 0) } else { (0.0, 1) };
+        let count = match &call.repeats {
+            Some(count) => self.value(host, count)?,
+            None => least,
         };
-        if !(0.0..=REPEATS).contains(&repeats) || repeats.fract() != 0.0 {
-            let text = format!("a call cannot be repeated {repeats} times in '{}'", host.block_text());
+        if !(least..=REPEATS).contains(&count) || count.fract() != 0.0 {
+            let text = match self.counts_executions {
+                true => format!("a call cannot be executed {count} times in '{}'", host.block_text()),
+                false => format!("a call cannot be repeated {count} times in '{}'", host.block_text()),
+            };
             return Err(host.alarm(&diag::MACRO_CALL, text));
         }
         let mut arguments = Vec::with_capacity(call.arguments.len());
@@ -151,7 +170,7 @@ impl Okuma {
         }
         let place = self.find(host, normal(call.name.get(1..).unwrap_or_default()))?;
         let name = Arc::from(call.name.as_str());
-        Ok((host::Call { name, place, passes: repeats as u32 + 1, closes: false }, arguments.into()))
+        Ok((host::Call { name, place, passes: count as u32 + more, closes: false }, arguments.into()))
     }
 
     fn call(&mut self, host: &mut dyn Host, call: host::Call, arguments: Arguments) {
@@ -170,7 +189,7 @@ impl Okuma {
             let text = format!("more than {MODAL} modal calls at the same time in '{}'", host.block_text());
             return Err(host.alarm(&diag::MACRO_CALL, text));
         }
-        let level = host.place().level;
+        let level = host.level();
         self.modal.push(Modal { call, arguments, level });
         host.effect();
         host.calls_modally(true);
@@ -188,14 +207,14 @@ impl Okuma {
 
     /// Modal calls of programs that have ended are over.
     pub(super) fn end_modal(&mut self, host: &mut dyn Host) {
-        let level = host.place().level;
+        let level = host.level();
         self.modal.retain(|modal| modal.level <= level);
         host.calls_modally(!self.modal.is_empty());
     }
 
     /// A block has moved.
     pub(super) fn call_modally(&mut self, host: &mut dyn Host) {
-        let level = host.place().level;
+        let level = host.level();
         if let Some(modal) = self.modal.last().filter(|modal| modal.level == level).cloned() {
             self.call(host, modal.call, modal.arguments);
         }

@@ -1,7 +1,8 @@
 //! Programs of an archive: `%_N_NAME_MPF` and `%_N_NAME_SPF` in one file, before anything runs.
 //!
 //! Facts: reference channel-synchronisation.md 1.2. Decisions: main programs are those with the ending MPF that no block of the
-//! archive calls or selects by INIT; they belong to the channels from left to right. *Invariant:* a line is looked at alone.
+//! archive calls or selects by INIT; they belong to the channels from left to right. What else an archive holds (definitions
+//! `_DEF`, data `_INI`, `_TOA` and so on) is no program, and keeps its ending in its name. *Invariant:* a line is looked at alone.
 
 use counterpoint_program::syntax::NamedPrograms;
 
@@ -21,11 +22,20 @@ fn ends_with(line: &[u8], wanted: &[u8]) -> bool {
 }
 
 fn defined(line: &[u8]) -> Option<&[u8]> {
-    parts(line).filter(|_| ends_with(line, b"_MPF") || ends_with(line, b"_SPF")).map(|(name, _)| name)
+    let (name, ending) = parts(line)?;
+    match ending {
+        [b'_', ending @ ..] if [b"MPF", b"SPF"].iter().any(|of| ending.eq_ignore_ascii_case(*of)) => Some(name),
+        [b'_', ending @ ..] if ending.iter().all(u8::is_ascii_alphanumeric) => {
+            let line = line.trim_ascii_start();
+            line.get(4..4 + name.len() + ending.len() + 1)
+        }
+        _ => None,
+    }
 }
 
+/// Everything but a main program.
 fn returns(line: &[u8]) -> bool {
-    ends_with(line, b"_SPF")
+    parts(line).is_some() && !ends_with(line, b"_MPF")
 }
 
 /// `;$PATH=…` says where a program was.
@@ -59,7 +69,9 @@ mod tests {
     fn heads_of_programs() {
         assert_eq!(defined(b"%_N_PART_1_MPF"), Some(&b"PART_1"[..]));
         assert_eq!(defined(b" %_n_hole_spf ;P"), Some(&b"hole"[..]));
-        for line in [&b"%_N_UGUD_DEF"[..], b"%", b"%PART", b"N10 G0", b"%_N__MPF", b"%_N_MPF", b"%_N_"] {
+        assert_eq!(defined(b"%_N_UGUD_DEF"), Some(&b"UGUD_DEF"[..]));
+        assert!(returns(b"%_N_UGUD_DEF") && returns(b"%_N_COMPLETE_TEA_INI"));
+        for line in [&b"%"[..], b"%PART", b"N10 G0", b"%_N__MPF", b"%_N_MPF", b"%_N_"] {
             assert_eq!(defined(line), None, "{}", String::from_utf8_lossy(line));
         }
         assert!(returns(b"%_N_HOLE_SPF") && !returns(b"%_N_PART_1_MPF"));

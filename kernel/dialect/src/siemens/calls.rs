@@ -214,7 +214,7 @@ impl Siemens {
         if let Some(modes) = &level.modes {
             host.restore_modes(modes);
         }
-        if self.modal_from.is_some_and(|level| host.place().level <= level) {
+        if self.modal_from.is_some_and(|level| host.level() <= level) {
             self.modal_from = None;
         }
         for (name, given) in &level.back {

@@ -46,7 +46,7 @@ impl Siemens {
             }
             let given = self.calling.take().map_or_else(Vec::new, |calling| calling.given);
             let (words, call, passes) = (left.words, left.call, left.passes);
-            let level = host.place().level;
+            let level = host.level();
             self.modal = Some(Modal { words, call, passes, given, level });
         }
         self.watch(host);
@@ -58,8 +58,8 @@ impl Siemens {
         if self.modal.is_none() {
             return;
         }
-        let place = host.place();
-        if self.modal_from.is_some_and(|level| place.level > level) {
+        let level = host.level();
+        if self.modal_from.is_some_and(|from| level > from) {
             return;
         }
         self.modal_from = None;
@@ -71,12 +71,12 @@ impl Siemens {
             left.add(&modal.words);
         }
         let Some(call) = &modal.call else { return };
-        let own = modal.level == place.level;
+        let own = modal.level == level;
         let given = modal.given.iter().map(|given| if own { given.clone() } else { given.without_variable() });
-        self.calling = Some(Calling { line: place.line, part: false, given: given.collect() });
+        self.calling = Some(Calling { line: host.place().line, part: false, given: given.collect() });
         left.call = Some(call.clone());
         left.passes = modal.passes;
-        self.modal_from = Some(place.level);
+        self.modal_from = Some(level);
     }
 }
 

@@ -29,7 +29,7 @@ impl Siemens {
             "$P_TOOLNO" => Data::Int(i64::from(host.tool())),
             "$P_UIFRNUM" => Data::Int(i64::from(host.work_offset())),
             "$P_CHANNO" => Data::Int(i64::from(host.channel())),
-            "$P_STACK" => Data::Int(i64::try_from(host.place().level).unwrap_or(0)),
+            "$P_STACK" => Data::Int(i64::try_from(host.level()).unwrap_or(0)),
             "$P_DRYRUN" | "$P_ISTEST" | "$P_SEARCH" | "$P_SEARCH1" | "$P_SEARCH2" => Data::Bool(false),
             "$P_AXN1" | "$P_AXN2" | "$P_AXN3" => {
                 let at = name.name.bytes().next_back().map_or(0, |digit| usize::from(digit.saturating_sub(b'1')));

@@ -18,7 +18,7 @@ pub(crate) const ENTRIES: &[Entry] = &[
     Entry::of(&[codes::CALSUB_RETURN], |act, _, _| return_from(act)).contour(Contour::Waits),
 ];
 
-/// Call by number, or by name.
+/// Call by number, by name, or from a sequence number of the same program.
 pub(super) fn call(act: &mut Act<'_, '_>) -> Acted {
     let id = act.take(data::CALSUB_ID).map(|d| d.value);
     let repeat = act.take(data::CALSUB_REPEAT).map(|d| d.value);
@@ -27,6 +27,16 @@ pub(super) fn call(act: &mut Act<'_, '_>) -> Acted {
     {
         let passes = repeat.map_or(1, |count| act.passes(count)).max(1);
         act.call_named(name, passes);
+        return Ok(());
+    }
+    if id.is_none()
+        && let Some(first) = act.take(data::CALSUB_BLOCK_START).map(|d| d.value)
+        && first >= 1.0
+        && first <= f64::from(u32::MAX)
+        && first.fract() == 0.0
+    {
+        let passes = repeat.map_or(1, |count| act.passes(count)).max(1);
+        act.call_from(first as u32, passes);
         return Ok(());
     }
     let Some(id) = id.filter(|v| *v >= 1.0 && *v <= f64::from(u32::MAX) && v.fract() == 0.0) else {

@@ -4,6 +4,7 @@
 
 use crate::act::Act;
 use crate::action::entry::Entry;
+use crate::waits::balance::{self, Stage};
 use crate::waits::{self, Meaning, Said};
 use counterpoint_event::event::Kind;
 use counterpoint_fault as diag;
@@ -22,6 +23,9 @@ pub(crate) const ENTRIES: &[Entry] = &[
     // The first line of a stretch that both heads cut together, and its last.
     Entry::of(&[codes::SYNC_REG_START], |act, _, _| by_heads(act, data::SYNC_START, 'B')),
     Entry::of(&[codes::SYNC_REG_STOP], |act, _, _| by_heads(act, data::SYNC_STOP, 'E')),
+    // Two channels begin their cuts together.
+    Entry::of(&[codes::BALANCE_ON], |act, _, _| balance(act, true)),
+    Entry::of(&[codes::BALANCE_OFF], |act, _, _| balance(act, false)),
     Entry::of(&[codes::SYNC_START_MAIN], |act, _, _| start(act, 1)),
     Entry::of(&[codes::SYNC_START_SIDE], |act, _, _| start(act, 2)),
 ];
@@ -55,7 +59,11 @@ fn by_row(act: &mut Act<'_, '_>, row: &CodeRow) -> Acted {
         return pass(act);
     }
     let said = Said { channel: act.at.channel, number, list };
-    match waits::meaning(act.env.machine, row, said) {
+    let line_up = act.block.line_up.and_then(|word| {
+        let job = (act.env.info, act.env.sources);
+        waits::of_systems(act.env.machine, job, row, (act.at.channel, word))
+    });
+    match line_up.unwrap_or_else(|| waits::meaning(act.env.machine, row, said)) {
         Ok(Meaning::Act(deed, shown)) => act.let_continue(deed, shown),
         _ if ignores_waits(act) => pass(act),
         Ok(Meaning::Wait(wait)) if waits::is_for_nobody(&wait, act.at.channel) => pass(act),
@@ -65,6 +73,29 @@ fn by_row(act: &mut Act<'_, '_>, row: &CodeRow) -> Acted {
             Err(act.alarm(&diag::WAIT_ILLEGAL, text))
         }
     }
+}
+
+/// Balance cutting on or off. Both channels wait at the code; between the codes each block waits before its first cut.
+fn balance(act: &mut Act<'_, '_>, on: bool) -> Acted {
+    let list = act.take(data::SYNC_PATHS).map(|d| d.raw);
+    let active = act.state.others.balance.take();
+    let off = act.env.machine.sync.dialect == SyncDialect::None || act.at.channel == 0;
+    if off || ignores_waits(act) || (!on && active.is_none()) {
+        return if on { pass(act) } else { Ok(()) };
+    }
+    let wait = match active.filter(|_| !on) {
+        Some(wait) => balance::at(act.env.machine, &wait, Stage::Off),
+        None => match balance::wait(act.env.machine, Said { channel: act.at.channel, number: 0, list }) {
+            Ok(wait) => wait,
+            Err(reason) => {
+                let text = format!("PS0163 {reason} in '{}'", act.block_text());
+                return Err(act.alarm(&diag::BALANCE_ILLEGAL, text));
+            }
+        },
+    };
+    act.wait_for(wait)?;
+    act.state.others.balance = on.then(|| balance::at(act.env.machine, &wait, Stage::Cut));
+    Ok(())
 }
 
 /// A start by one of the heads: the head that the code names lets the other one continue, which waits for that.

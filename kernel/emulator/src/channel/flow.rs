@@ -36,8 +36,8 @@ pub(crate) struct Frame {
     pub(crate) by: Option<WordKind>,
     /// Name for events.
     pub(crate) name: Box<str>,
-    /// Where the tool goes at its end, as programmed (a finishing cycle).
-    pub(crate) back: Option<Box<Position>>,
+    /// Where the tool goes at its end, as programmed (a finishing cycle), and the axes that go first, bit by axis.
+    pub(crate) back: Option<Box<(Position, u8)>>,
 }
 
 /// What happens after the current block.
@@ -125,7 +125,7 @@ impl Frame {
         Spot { line: self.next, offset: self.offset }
     }
 
-    /// A main program from its first block on.
+    /// A text from its first block on, once, as the main program.
     pub(crate) fn main(file: FileId, range: Range, name: Box<str>) -> Self {
         Self {
             file,
@@ -161,6 +161,8 @@ pub(crate) enum Callee {
     Named(Arc<str>),
     /// Blocks from one sequence number to another.
     Blocks(u32, u32),
+    /// Blocks from a sequence number to the return.
+    From(u32),
     /// Blocks from one label to another.
     Labels(u32, u32),
 }
@@ -171,6 +173,7 @@ impl std::fmt::Display for Callee {
             Callee::Program(number) => write!(f, "subprogram {number}"),
             Callee::Named(name) => write!(f, "subprogram <{name}>"),
             Callee::Blocks(first, last) => write!(f, "the range N{first} to N{last}"),
+            Callee::From(first) => write!(f, "the blocks from N{first} on"),
             Callee::Labels(first, last) => write!(f, "the range from label {first} to label {last}"),
         }
     }

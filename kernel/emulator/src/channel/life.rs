@@ -135,7 +135,7 @@ impl Kernel<'_> {
                     return None;
                 }
                 if idle {
-                    // Whoever waits for this channel may still hope for a start.
+                    // A start can still let this channel meet the wait of another.
                     order.rest_idle(tag.channel);
                 }
                 order.judge(tag.t, info)
@@ -266,7 +266,7 @@ impl Kernel<'_> {
 
     fn what_it_did(&self, reason: &str) -> String {
         let pass = self.flow.pass.last();
-        let name = self.channel.env.info.file_name(self.channel.at.file);
+        let name = self.channel.env.info.place_name(self.channel.at.file, self.channel.at.line);
         if pass.count > 1 {
             let (_, first, last) = pass.key;
             format!(

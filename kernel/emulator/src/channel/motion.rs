@@ -17,10 +17,27 @@ impl Kernel<'_> {
     pub(crate) fn travel(&mut self, seconds: f64, motion: &Motion) -> Acted {
         self.channel.check_stop()?;
         self.check_travel_before(motion)?;
+        if self.channel.state.others.balance.is_some() {
+            self.pair_cut(motion.kind)?;
+        }
         if let Some(instead) = self.plan.motion {
             return instead(self, seconds, motion);
         }
         self.move_to(seconds, motion)
+    }
+
+    /// Two channels that cut in balance begin the cuts of their blocks together; rapid moves are free.
+    #[cold]
+    #[inline(never)]
+    fn pair_cut(&mut self, kind: MotionKind) -> Acted {
+        let balance = self.channel.state.others.balance;
+        match balance.filter(|_| kind != MotionKind::Rapid && !self.channel.block.flags.paired) {
+            Some(wait) => {
+                self.channel.block.flags.paired = true;
+                self.wait(wait)
+            }
+            None => Ok(()),
+        }
     }
 
     /// The motion itself.

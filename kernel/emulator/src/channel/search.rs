@@ -109,6 +109,12 @@ impl Kernel<'_> {
         let (from, to) = match *what {
             Callee::Program(_) | Callee::Named(_) => return None,
             Callee::Blocks(first, last) => (numbered(first), numbered(last)),
+            Callee::From(first) => {
+                let start = numbered(first).first().copied()?;
+                let programs = source.programs().iter();
+                let last = programs.filter(|range| range.last >= start).map(|range| range.last).next();
+                return Some(Range { number: None, first: start, last: last.unwrap_or(source.lines()) });
+            }
             Callee::Labels(first, last) => {
                 let labels = self.labels();
                 let lines = |label| labels.get(&label).cloned().unwrap_or_default();
@@ -186,7 +192,7 @@ impl Kernel<'_> {
         match what {
             Callee::Named(name) => source.named(name),
             Callee::Program(number) => source.programs().iter().find(|r| r.number == Some(*number)).copied(),
-            Callee::Blocks(..) | Callee::Labels(..) => None,
+            Callee::Blocks(..) | Callee::Labels(..) | Callee::From(_) => None,
         }
     }
 
@@ -209,7 +215,7 @@ impl Kernel<'_> {
         let id = match what {
             Callee::Named(name) => name.to_string(),
             Callee::Program(number) => number.to_string(),
-            Callee::Blocks(..) | Callee::Labels(..) => String::new(),
+            Callee::Blocks(..) | Callee::Labels(..) | Callee::From(_) => String::new(),
         };
         (format!("{folder}{stem}_{id}.{extension}"), format!("{folder}{stem}.{extension}"))
     }
@@ -220,7 +226,7 @@ impl Kernel<'_> {
             || self.flow.frames.first().map_or("", |frame| self.channel.env.info.file_name(frame.file)).to_owned();
         let (each, one) = self.subprogram_files(what);
         match (what, self.channel.env.machine.subprograms.placement) {
-            (Callee::Blocks(..) | Callee::Labels(..), _) => {
+            (Callee::Blocks(..) | Callee::Labels(..) | Callee::From(_), _) => {
                 self.channel.env.info.file_name(self.channel.at.file).to_owned()
             }
             (_, Placement::SameFile) => main(),
@@ -285,6 +291,6 @@ fn names(what: &Callee) -> Vec<String> {
     match what {
         Callee::Program(n) => vec![format!("O{n:04}"), format!("O{n}"), format!("{n:04}"), n.to_string()],
         Callee::Named(name) => vec![name.to_string()],
-        Callee::Blocks(..) | Callee::Labels(..) => Vec::new(),
+        Callee::Blocks(..) | Callee::Labels(..) | Callee::From(_) => Vec::new(),
     }
 }

@@ -133,22 +133,8 @@ impl Kernel<'_> {
             let text = format!("subprogram {name} not found, called in '{}'", self.block_text());
             return Err(self.alarm(&diag::SUBPROGRAM_MISSING, text));
         };
-        let (next, repeats) = (range.first, passes.saturating_sub(1));
-        let name = (*name).into();
-        let (by, own_variables) = (None, false);
-        self.enter(Frame {
-            file,
-            range,
-            next,
-            offset: 0,
-            repeats,
-            closes,
-            own_variables,
-            called,
-            by,
-            name,
-            back: None,
-        });
+        let repeats = passes.saturating_sub(1);
+        self.enter(Frame { repeats, closes, called, ..Frame::main(file, range, (*name).into()) });
         Ok(())
     }
 }

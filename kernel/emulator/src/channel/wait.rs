@@ -147,10 +147,11 @@ fn wait_unless_over(kernel: &mut Kernel<'_>, wait: wait::Wait) -> Acted {
 /// Does what an arrival means that leaves nothing to wait for.
 fn follow(kernel: &mut Kernel<'_>, after: After, logged: &Logged) -> Acted {
     match after {
-        After::Go { t, micro, sync_point } => {
+        After::Go { t, micro, sync_point, short } => {
             kernel.ports.progress.set_state(State::Running);
             let release = logged.release(sync_point, kernel.channel.at.channel);
             go_on(kernel, (t, micro), release);
+            report_short(kernel, short);
             Ok(())
         }
         After::Alarm { text, verdict } => {
@@ -168,12 +169,13 @@ fn follow(kernel: &mut Kernel<'_>, after: After, logged: &Logged) -> Acted {
 /// Continues after a wait.
 fn woken(kernel: &mut Kernel<'_>, wake: Wake, logged: &Logged) -> Acted {
     match wake {
-        Wake::Released { tag, sync_point, by, all } => {
+        Wake::Released { tag, sync_point, by, all, short } => {
             kernel.ports.progress.set_state(State::Running);
             if all {
                 kernel.ports.emitter.all_reached(tag.t);
             }
             go_on(kernel, (tag.t, tag.micro), logged.release(sync_point, by));
+            report_short(kernel, short);
             Ok(())
         }
         Wake::Alarm { tag, text } => {
@@ -208,6 +210,14 @@ fn go_on(kernel: &mut Kernel<'_>, (t, micro): (i64, u32), release: Release) {
     }
     (kernel.channel.at.clock, kernel.channel.at.micro) = (t, micro);
     kernel.emit(0, Kind::Release(release));
+}
+
+/// Reports that the programs of the channels do not come to a counted wait equally often.
+fn report_short(kernel: &mut Kernel<'_>, short: bool) {
+    if short {
+        let text = format!("no partner is left for '{}', the channel continues without waiting", kernel.block_text());
+        kernel.diagnose(&diag::COUNT_WITHOUT_PARTNER, text);
+    }
 }
 
 /// Logs what the channel does at a mark without waiting.

@@ -5,10 +5,12 @@
 //! nor modal codes and data, and no event comes from it but diagnostics. Facts: reference turning-cycles.md 1.3. Decision:
 //! macros of the machine do not see blocks that are read.
 
+use std::sync::Arc;
+
 use crate::channel::Kernel;
 use crate::channel::flow::{Called, Callee, Frame};
 use crate::state::modal::group;
-use crate::state::turning::{ContourCycle, Reading, Task};
+use crate::state::turning::{ContourBlocks, ContourCycle, Reading, Task};
 use counterpoint_event::event::Position;
 use counterpoint_fault as diag;
 use counterpoint_fault::{Acted, Halt};
@@ -19,17 +21,30 @@ use counterpoint_program::spot::Spot;
 impl Kernel<'_> {
     /// Executes a cycle along contour blocks.
     pub(crate) fn contour_cycle(&mut self, cycle: &ContourCycle) -> Acted {
-        let Some((first, last)) = self.contour_blocks(cycle.blocks) else {
-            let (first, last) = cycle.blocks;
+        let (named, first, last) = match &cycle.blocks {
+            ContourBlocks::Numbers(first, last) => (None, *first, *last),
+            ContourBlocks::Named { name, first, last } => (Some(name), *first, *last),
+        };
+        let numbers = (first, last);
+        let found = match named {
+            Some(_) => Some((Spot::line(first), Spot::line(last))),
+            None => self.contour_blocks((first, last)),
+        };
+        let Some((first_block, last_block)) = found else {
             let text = format!("blocks N{first} to N{last} are not in the program of '{}'", self.block_text());
             return Err(self.alarm(&diag::CONTOUR_BLOCKS, text));
         };
-        if cycle.task == Task::Finish {
-            return self.run_contour(first, last, cycle.blocks);
+        let (first, last) = (first_block, last_block);
+        if let Task::Finish { stays, off } = cycle.task {
+            let what = match named {
+                Some(name) => Callee::Named(Arc::clone(name)),
+                None => Callee::Blocks(numbers.0, numbers.1),
+            };
+            return self.run_contour(first, last, what, (!stays).then_some(off));
         }
         let reading = self.read_contour(first, last)?;
         (self.plan.actions.cut_contour)(self, cycle, reading)?;
-        if self.comes_next(first) {
+        if named.is_none() && self.comes_next(first) {
             let after = self.after(last);
             if let Some(frame) = self.frame() {
                 (frame.next, frame.offset) = (after.line, after.offset);
@@ -60,30 +75,25 @@ impl Kernel<'_> {
     }
 
     /// Runs the contour as blocks of the program; at its end the tool goes back to where it is now.
-    fn run_contour(&mut self, first: Spot, last: Spot, (from, to): (u32, u32)) -> Acted {
-        let what = Callee::Blocks(from, to);
+    fn run_contour(&mut self, first: Spot, last: Spot, what: Callee, back: Option<u8>) -> Acted {
         self.check_nesting(|| what.to_string())?;
         let here = self.channel.at.file;
         let file = self.frame().map_or(here, |frame| frame.file);
-        let back = Some(Box::new(self.channel.programmed()));
-        self.enter(Frame {
-            file,
-            range: Range { number: None, first: first.line, last: last.line },
-            next: first.line,
-            offset: first.offset,
-            repeats: 0,
-            closes: true,
-            own_variables: false,
-            called: Called { what, passes: 1, block: None },
-            by: None,
-            name: format!("N{from}-N{to}").into(),
-            back,
-        });
+        let back = back.map(|off| Box::new((self.channel.programmed(), off)));
+        let range = Range { number: None, first: first.line, last: last.line };
+        let name = match &what {
+            Callee::Named(name) => name.as_ref().into(),
+            Callee::Blocks(from, to) => format!("N{from}-N{to}").into(),
+            _ => Box::default(),
+        };
+        let called = Called { what, passes: 1, block: None };
+        let text = Frame::main(file, range, name);
+        self.enter(Frame { offset: first.offset, closes: true, called, back, ..text });
         Ok(())
     }
 
-    /// The contour has been run: the tool goes back, as a move of the cycle.
-    pub(crate) fn end_contour(&mut self, back: &Position) -> Acted {
+    /// The contour has been run: the tool goes back, as moves of the cycle. Axes that go off the part are first.
+    pub(crate) fn end_contour(&mut self, (back, off): &(Position, u8)) -> Acted {
         if let Some((file, line)) =
             self.frame().map(|frame| (frame.file, frame.next, frame.offset)).map(|at| match at {
                 (file, line, 0) => (file, line.saturating_sub(1)),
@@ -92,6 +102,13 @@ impl Kernel<'_> {
         {
             (self.channel.at.file, self.channel.at.line) = (file, line);
             self.channel.text.edited = None;
+        }
+        if *off != 0 {
+            let mut first = self.channel.programmed();
+            for (index, (slot, back)) in first.iter_mut().zip(*back).enumerate() {
+                *slot = if off & 1 << index == 0 { *slot } else { back };
+            }
+            (self.plan.actions.go_back)(self, &first)?;
         }
         (self.plan.actions.go_back)(self, back)
     }
@@ -157,10 +174,11 @@ impl Kernel<'_> {
                 continue;
             }
             self.macros.block.text = None;
+            let next = self.frame().map(|frame| frame.next_block());
             self.block(text)?;
             self.channel.check_stop()?;
-            if self.flow.pending.take().is_some() {
-                let text = format!("a contour has no call, return or end: '{}'", self.block_text());
+            if self.flow.pending.take().is_some() || self.frame().map(|frame| frame.next_block()) != next {
+                let text = format!("a contour has no call, return, end or jump: '{}'", self.block_text());
                 return Err(self.alarm(&diag::CONTOUR_CODE, text));
             }
         }

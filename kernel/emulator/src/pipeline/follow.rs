@@ -89,23 +89,9 @@ impl Kernel<'_> {
         if let Some(arguments) = arguments {
             self.dialect.variables.enter(&arguments);
         }
-        let name = Self::name_of(&what);
-        let next = range.first;
-        let repeats = passes.saturating_sub(1);
-        let by = by.map(|by| by.kind);
-        self.enter(Frame {
-            file,
-            range,
-            next,
-            offset: 0,
-            repeats,
-            closes: false,
-            own_variables,
-            called,
-            by,
-            name,
-            back: None,
-        });
+        let (repeats, by) = (passes.saturating_sub(1), by.map(|by| by.kind));
+        let text = Frame::main(file, range, Self::name_of(&what));
+        self.enter(Frame { repeats, own_variables, called, by, ..text });
         Ok(())
     }
 
@@ -120,6 +106,7 @@ impl Kernel<'_> {
             Callee::Named(name) => format!("<{name}>").into(),
             Callee::Labels(first, last) => format!("label {first}-{last}").into(),
             Callee::Blocks(first, last) => format!("N{first}-N{last}").into(),
+            Callee::From(first) => format!("N{first}").into(),
         }
     }
 
@@ -141,22 +128,8 @@ impl Kernel<'_> {
             let text = format!("{what} is not in the file, called in '{}'", self.block_text());
             return Err(self.alarm(&diag::SUBPROGRAM_MISSING, text));
         };
-        let name = Self::name_of(&what);
         let repeats = passes.saturating_sub(1);
-        let frame = Frame {
-            file,
-            range,
-            next: range.first,
-            offset: 0,
-            repeats,
-            closes: true,
-            own_variables: false,
-            called,
-            by: None,
-            name,
-            back: None,
-        };
-        self.enter(frame);
+        self.enter(Frame { repeats, closes: true, called, ..Frame::main(file, range, Self::name_of(&what)) });
         Ok(())
     }
 

@@ -164,18 +164,20 @@ impl Kernel<'_> {
 
     /// Makes a file's text available.
     pub fn load(&mut self, file: FileId) -> Acted {
-        let info = self.channel.env.info;
+        let (info, machine) = (self.channel.env.info, self.channel.env.machine);
         let Some(entry) = info.files.get(usize::from(file)) else { return Ok(()) };
         if self.channel.env.sources.is_known(file) {
             return Ok(());
         }
         let (name, shape, stop) = (
             entry.name.clone(),
-            Arc::new(Shape::of(self.channel.env.machine, self.plan.scanner.syntax())),
+            Arc::new(Shape::of(machine, self.plan.scanner.syntax())),
             self.ports.control.stop().clone(),
         );
         let (source, failure) = match self.channel.env.files.read(&name) {
-            Ok(bytes) => (Some(Arc::new(Source::shaped(name, bytes, shape, stop))), None),
+            Ok(bytes) => {
+                (Some(Arc::new(counterpoint_program::sections::source(name, bytes, shape, stop, machine))), None)
+            }
             Err(error) => (None, Some(error)),
         };
         if self.ports.control.cancelled() {

@@ -3,12 +3,16 @@
 //! Facts: reference control-emulator.md 2.2.
 
 use crate::channel::Kernel;
+use counterpoint_dialect::Programs as _;
 use counterpoint_program::scan::Kind as Split;
 
 impl Kernel<'_> {
     /// Splits a text into words, unless it is for the pre-processor.
     #[inline(always)]
     pub(crate) fn split(&mut self, text: &[u8], preprocess: bool) -> Split {
+        if preprocess && self.flow.repeats && self.is_known_statement() {
+            return Split::Statement;
+        }
         let (plan, own) = (self.plan, self.block_scanner());
         let scanner = own.as_deref().unwrap_or(&plan.scanner);
         let (secondary, watched) = (self.channel.state.secondary, self.flow.watched);
@@ -16,6 +20,15 @@ impl Kernel<'_> {
             true => scanner.scan(text, secondary, &mut self.channel.block, watched),
             false => scanner.scan_as(text, secondary, &mut self.channel.block, false),
         }
+    }
+
+    /// The pre-processor has executed this line of the program before.
+    fn is_known_statement(&self) -> bool {
+        // Macros may change how a text is split.
+        self.plan.hooks.is_none()
+            && self.unchanged_line().is_some_and(|line| {
+                self.dialect.interpreter.as_deref().is_some_and(|interpreter| interpreter.executes(line))
+            })
     }
 
     /// Splits the text of the block again, as macros have changed it; the pre-processor has had its turn.

@@ -22,7 +22,7 @@ use counterpoint_machine::Machine;
 use counterpoint_machine::ident::DataId;
 use counterpoint_ports::files::Files;
 use counterpoint_ports::options::Options;
-use counterpoint_program::sources::Sources;
+use counterpoint_program::sources::SeenSources;
 use counterpoint_program::tape;
 use counterpoint_sync::tag::Tag;
 use counterpoint_sync::wait::Rules;
@@ -59,8 +59,8 @@ pub struct Environment<'a> {
     pub machine: &'a Machine,
     /// The description of the job.
     pub info: &'a Info,
-    /// The program files.
-    pub sources: &'a Sources,
+    /// The program files, as the channel sees them.
+    pub sources: SeenSources<'a>,
     /// What the job has chosen.
     pub options: &'a Options,
     /// The files of the job.

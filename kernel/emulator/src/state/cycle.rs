@@ -77,6 +77,8 @@ pub(crate) struct Pecks {
     pub(crate) least: f64,
     /// The way back after each.
     pub(crate) retract: f64,
+    /// Depth after which the tool leaves the hole, 0 for never.
+    pub(crate) out: f64,
 }
 
 /// Feed and dwells of a cycle.
@@ -156,6 +158,7 @@ impl Cycle {
                 decrement: 0.0,
                 least: machine.cycles.min_step,
                 retract: machine.cycles.step_back,
+                out: 0.0,
             },
             boring: Boring::default(),
             rigid: 0.0,

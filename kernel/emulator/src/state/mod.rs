@@ -28,6 +28,7 @@ use rustc_hash::FxHashMap;
 use counterpoint_event::event::{Position, ToolData};
 use counterpoint_machine::Machine;
 use counterpoint_machine::model::{Channel, MachineKind};
+use counterpoint_sync::wait::Wait;
 use modal::Modal;
 use position::Place;
 use spindle::SpindleState;
@@ -91,6 +92,8 @@ pub(crate) struct Others {
     pub(crate) before_change: Option<Position>,
     /// What was reported last about each tool.
     pub(crate) tools: FxHashMap<u32, ToolData>,
+    /// Where the channel waits before its cuts, while two channels begin them together.
+    pub(crate) balance: Option<Wait>,
 }
 
 impl Others {
@@ -105,6 +108,7 @@ impl Others {
             turning: turning::Turning::new(machine),
             before_change: None,
             tools: FxHashMap::default(),
+            balance: None,
         }
     }
 }

@@ -2,7 +2,10 @@
 //!
 //! *Invariant:* settings last until they are changed; the end of a single cycle lasts as long as its code.
 
+use std::sync::Arc;
+
 use super::channel::Channel;
+use counterpoint_dialect::Shape;
 use counterpoint_event::event::{FeedUnit, Position};
 use counterpoint_machine::Machine;
 use counterpoint_machine::index::{AxisSlot, BySlot};
@@ -28,6 +31,10 @@ pub(crate) struct Turning {
     pub(crate) taper: f64,
     /// The contour that is being read.
     pub(crate) reading: Reading,
+    /// The contour that the block of a cycle names, until the cycle takes it.
+    pub(crate) shape: Option<Shape>,
+    /// The tool stays at the end of the next cycle along a named contour.
+    pub(crate) stays: bool,
 }
 
 impl Turning {
@@ -43,6 +50,8 @@ impl Turning {
             end: [None; 2],
             taper: 0.0,
             reading: Reading::default(),
+            shape: None,
+            stays: false,
         }
     }
 }
@@ -67,22 +76,43 @@ pub(crate) struct Reading {
     pub(crate) elements: Vec<Element>,
 }
 
+/// Where the blocks of a contour are.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) enum ContourBlocks {
+    /// Sequence numbers of the first and last block.
+    Numbers(u32, u32),
+    /// First and last line of a contour with a name.
+    Named {
+        /// Its name.
+        name: Arc<str>,
+        first: u32,
+        last: u32,
+    },
+}
+
 /// A cycle along contour blocks.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct ContourCycle {
-    /// Sequence numbers of the first and last block.
-    pub(crate) blocks: (u32, u32),
+    /// The blocks.
+    pub(crate) blocks: ContourBlocks,
     /// What is done with them.
     pub(crate) task: Task,
     /// Feed of the cuts.
     pub(crate) feed: (Option<f64>, FeedUnit),
+    /// Feeds of levels from changes on.
+    pub(crate) feeds: [Option<f64>; 2],
 }
 
 /// What is done with contour blocks.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Task {
     /// They run once.
-    Finish,
+    Finish {
+        /// The tool stays where they end.
+        stays: bool,
+        /// Axes that go back before the others, bit by axis.
+        off: u8,
+    },
     /// They are roughed, with pockets if the program says so; else as their first block tells.
     Rough(rough::Settings, Option<bool>),
     /// They are repeated.

@@ -23,7 +23,8 @@ pub(super) fn rule(letter: &str) -> Rule {
 
 /// Case of PS0160 when both stand at the same time.
 fn refuses(wait: &Wait, other: &Wait) -> Option<&'static str> {
-    if wait.primitive != Primitive::Barrier || other.primitive != Primitive::Barrier {
+    let balance = [wait, other].iter().any(|wait| wait.key.space == super::BALANCE);
+    if balance || wait.primitive != Primitive::Barrier || other.primitive != Primitive::Barrier {
         return None;
     }
     let same_code = wait.key == other.key;

@@ -55,7 +55,7 @@ pub(crate) fn job(machine: &Arc<Machine>, texts: &[String]) -> (Job, Memory) {
     for (index, text) in texts.iter().enumerate() {
         let file = format!("p{index}.nc");
         files.insert(file.clone(), text);
-        programs.push(Program { file, number: None, channel: None });
+        programs.push(Program { file, number: None, section: None, channel: None });
     }
     let spec = Spec { machine: machine.clone(), programs, options: Options::default() };
     (Job::prepare(spec, &files).expect("a job"), files)

@@ -88,7 +88,7 @@ impl<'a> Assembly<'a> {
                 kernel.load(file).ok()?;
                 let source = self.job.sources().get(file)?;
                 let whole = Range { number: None, first: 1, last: source.lines() };
-                Some((file, first_main(source, machine).unwrap_or(whole), wanted.trim().into()))
+                Some((file, first_main(source, machine, number.number).unwrap_or(whole), wanted.trim().into()))
             });
             if start.is_none() {
                 let text = format!("kernel {at} gets the program '{}', which is not in the job", wanted.trim());

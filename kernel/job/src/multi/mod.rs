@@ -338,7 +338,7 @@ impl<'a> Assembly<'a> {
         let env = Environment {
             machine: &job.spec().machine,
             info: job.info(),
-            sources: job.sources(),
+            sources: job.sources().seen_by(channel.number),
             options: &job.spec().options,
             files,
             trace: Some(job.info().trace).filter(|letters| !letters.is_empty()),

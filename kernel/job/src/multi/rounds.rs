@@ -13,11 +13,11 @@ use counterpoint_emulator::channel::Kernel;
 use counterpoint_emulator::channel::carried::{Carried, Lived};
 use counterpoint_emulator::macros::parts::Restart;
 use counterpoint_emulator::waits::rules;
-use counterpoint_event::event::{Event, Kind, Phase};
+use counterpoint_event::event::{Event, FileId, Kind, Phase};
 use counterpoint_fault as diag;
 use counterpoint_fault::Halt;
-use counterpoint_program::layout;
 use counterpoint_program::spec::Spec;
+use counterpoint_program::{layout, presets};
 use counterpoint_sync::merge::Message;
 use counterpoint_sync::tag::Tag;
 use counterpoint_sync::waits::Waits;
@@ -56,7 +56,11 @@ impl Round {
         messages: Option<crossbeam_channel::Sender<Message>>,
     ) -> Coordinator {
         let Spec { machine, options, .. } = job.spec();
-        let fresh = || Shared { spindles: vec![Spindle::default(); machine.spindles.len()], ..Shared::default() };
+        let fresh = || Shared {
+            variables: presets(job).collect(),
+            spindles: vec![Spindle::default(); machine.spindles.len()],
+            ..Shared::default()
+        };
         let shared = self.shared.take().unwrap_or_else(fresh);
         let channels = Channels::new(machine.channels.iter().map(|channel| channel.number));
         let waits = Waits::new(channels.clone(), rules(machine), machine.sync.release_ns);
@@ -64,6 +68,14 @@ impl Round {
         coordinator.unordered(|order| order.sync_points = self.sync_points);
         coordinator
     }
+}
+
+/// Values of common variables that the programs of the job bring with them.
+fn presets(job: &Job) -> impl Iterator<Item = (u32, f64)> {
+    let mut files: Vec<FileId> = job.info().channels.iter().filter(|c| !c.program.is_empty()).map(|c| c.file).collect();
+    files.dedup();
+    let sources = files.into_iter().filter_map(|file| job.sources().get(file));
+    sources.flat_map(|source| presets::of(&job.spec().machine, source))
 }
 
 impl<'a> Assembly<'a> {
@@ -154,7 +166,7 @@ pub(super) fn restarted(kernel: &mut Kernel<'_>, restart: Restart, wrong: Option
         return refused(kernel, reason);
     }
     kernel.load(file).ok()?;
-    let ranges = kernel.channel.env.sources.get(file).map(|source| layout::from_line(source, line, machine));
+    let ranges = kernel.channel.env.sources.whole(file).map(|source| layout::from_line(source, line, machine));
     let channels = machine.channels.iter().map(|channel| channel.number);
     let programs: Vec<(u16, At)> = channels
         .zip(ranges.unwrap_or_default())

@@ -12,7 +12,7 @@ use super::kind::cycle::HoleCycle;
 use super::kind::head::HeadEvent;
 use super::kind::local::Change;
 use super::kind::thread::{LeadChange, Setting, ThreadCycle};
-use super::kind::turning::TurningCycle;
+use super::kind::turning::{Lap, TurningCycle};
 use super::{CodeFacts, CodeId, data};
 use counterpoint_event::event::{Direction, Outlet};
 
@@ -484,6 +484,8 @@ codes! {
     POLE_ZERO 0 450 true true Plain => ": pole of polar coordinates, from the zero of the program (Siemens G111)";
     POLE_LAST 0 450 true true Plain => ": pole of polar coordinates, from the last pole (Siemens G112)";
     OFFSET_SET 0 100 true true Plain => ": sets an offset of the control (Fanuc G10)";
+    BALANCE_ON 0 100 true true Plain => ": two channels begin their cuts together (Fanuc G68)";
+    BALANCE_OFF 0 100 true true Plain => ": ends that, both together (Fanuc G69)";
     TURN_FINISH 1 500 true true Turning(TurningCycle::Finish) => ": runs the blocks of a contour once (Fanuc G70)";
     TURN_ROUGH 1 500 true true Turning(TurningCycle::Rough { face: false }) => ": roughs a contour along Z (Fanuc G71)";
     TURN_ROUGH_FACE 1 500 true true Turning(TurningCycle::Rough { face: true }) => ": roughs a contour along X (Fanuc G72)";
@@ -492,4 +494,8 @@ codes! {
     TURN_GROOVE 1 500 true true Turning(TurningCycle::Peck { along_x: true }) => ": pecks along X (Fanuc G75)";
     TURN_SINGLE 1 500 true true Turning(TurningCycle::Single { face: false }) => ": one cut along Z and back (Fanuc G90)";
     TURN_SINGLE_FACE 1 500 true true Turning(TurningCycle::Single { face: true }) => ": one cut along X and back (Fanuc G94)";
+    TURN_LAP_BAR 1 500 true true Turning(TurningCycle::Lap(Lap::Bar)) => ": roughs a named contour level by level (Okuma G85)";
+    TURN_LAP_COPY 1 500 true true Turning(TurningCycle::Lap(Lap::Copy)) => ": roughs a named contour by passes along the whole of it (Okuma G86)";
+    TURN_LAP_FINISH 1 500 true true Turning(TurningCycle::Lap(Lap::Finish)) => ": runs a named contour once (Okuma G87)";
+    TURN_LAP_STAY 0 100 true true Plain => ": the tool stays at the end of the next cycle along a named contour (Okuma M85)";
 }

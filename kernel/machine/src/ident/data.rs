@@ -242,6 +242,7 @@ data! {
     FUNCTION true true Plain, None => "number of a machine function";
     CYCLE_STEP true true Plain, Length => "named by the variable pages, missing in the annex";
     CYCLE_STEP_DECR true true Plain, Length => "named by the variable pages, missing in the annex";
+    CYCLE_STEP_OUT true true Plain, Length => "depth between full retracts of a cycle that breaks chips (Okuma G83 J, G183 L)";
     CYCLE_REPEAT true true Plain, None => "how often a cycle is carried out (Fanuc K or L)";
     CYCLE_WEB_START_2 true true Plain, None => "where a further web of a hole begins";
     CYCLE_WEB_DEPTH_2 true true Plain, Length => "where it ends";
@@ -284,4 +285,12 @@ data! {
     TURN_TAPER_X true true Plain, Length => "start less end of a cut along X, a radius (Fanuc G90 R)";
     TURN_TAPER_Z true true Plain, Length => "start less end of a cut along Z (Fanuc G94 R)";
     TURN_TYPE true true Plain, None => "type of a rough cycle: 1 with pockets (Haas G71 R1)";
+    TURN_CHANGE_X true true Plain, Length => "first place along X from which levels have another depth or feed, as X is programmed (Okuma XA, XB)";
+    TURN_CHANGE_Z true true Plain, Length => "the same along Z (Okuma ZA, ZB)";
+    TURN_CHANGE_DEPTH true true Plain, Length => "depth from there on, along X as X is programmed (Okuma DA, DB)";
+    TURN_CHANGE_FEED true true Plain, Feed => "feed from there on (Okuma FA, FB)";
+    TURN_CHANGE_X_2 true true Plain, Length => "second place along X from which levels have another depth or feed, as X is programmed (Okuma XA, XB)";
+    TURN_CHANGE_Z_2 true true Plain, Length => "the same along Z (Okuma ZA, ZB)";
+    TURN_CHANGE_DEPTH_2 true true Plain, Length => "depth from there on, along X as X is programmed (Okuma DA, DB)";
+    TURN_CHANGE_FEED_2 true true Plain, Feed => "feed from there on (Okuma FA, FB)";
 }

@@ -60,7 +60,7 @@ const OWN: &[(&[CodeId], &str)] = &[
     (&[codes::TOOL_LOAD_POINT, codes::TOOL_LOAD_RETURN], "REG_AXIS_*"),
     (&[codes::HEAD_ID], "REG_HEAD_ID"),
     (&[codes::AM_ON, codes::AM_OFF], "REG_AM"),
-    (&[codes::CALSUB_ID], "REG_CALSUB_ID REG_CALSUB_REPEAT"),
+    (&[codes::CALSUB_ID], "REG_CALSUB_ID REG_CALSUB_REPEAT REG_CALSUB_BLOCK_START"),
     (&[codes::CALSUB_RANGE], "REG_CALSUB_BLOCK_START REG_CALSUB_BLOCK_END REG_RANGE_REPEAT REG_LABEL REG_LABEL_END"),
     (&[codes::CYCLE_ON], CYCLE),
     (&[codes::COMP_DIAM_LEFT, codes::COMP_DIAM_RIGHT], "REG_COMP_DIAM"),
@@ -70,6 +70,7 @@ const OWN: &[(&[CodeId], &str)] = &[
     (&[codes::C2P_CART_ON, codes::C2P_POLAR_ON], "REG_C2P_INTERP_*"),
     (&[codes::SYNC_REG, codes::SYNC_REG_MAIN, codes::SYNC_REG_SIDE, codes::SYNC_REG_START], WAIT),
     (&[codes::SYNC_REG_STOP, codes::SYNC_START_MAIN, codes::SYNC_START_SIDE], WAIT),
+    (&[codes::BALANCE_ON, codes::BALANCE_OFF], "REG_SYNC_PATHS"),
     (&[codes::DISPLY], "the text of the message"),
     (&[codes::COMMENT], "the text of the comment"),
 ];

@@ -117,7 +117,9 @@ pub(super) fn row_name(path: &str, row: &Table) -> Option<String> {
         "codes" => {
             let form = row.text("word").map(|word| format!("word {word}"));
             let form = form.or_else(|| row.text("text").map(|text| format!("text {text}")));
-            Some(format!("{} {}", identifier(row)?, form.unwrap_or_default()))
+            let depends = row.get("with").is_some() || row.get("without").is_some();
+            let axis = row.text("axis").filter(|_| depends).map(|axis| format!(" axis {axis}"));
+            Some(format!("{} {}{}", identifier(row)?, form.unwrap_or_default(), axis.unwrap_or_default()))
         }
         "waits" => ["word", "text", "statement"].iter().find_map(|form| row.text(form)).map(str::to_owned),
         "subprograms.calls" => row.text("word").map(str::to_owned),

@@ -27,7 +27,7 @@ pub(super) fn read(top: &mut Section<'_>, names: &mut Names<'_>) -> Vec<CodeRow>
             section.finish();
             continue;
         };
-        if let Some(twin) = rows.iter().find(|other| other.id == row.id && other.form == row.form) {
+        if let Some(twin) = rows.iter().find(|other| other.is_twin_of(&row)) {
             let name = section.text("id").unwrap_or_default();
             section.error("id", format!("{name} is already written like this at {}:{}", twin.file, twin.line));
         }

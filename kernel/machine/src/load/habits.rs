@@ -3,7 +3,7 @@
 //! Invariant: answers of the machine's own are as many as their variables have room for. Facts: reference
 //! control-emulator.md 1.5; system-variables.md 2 (`$TUDQ`, `$IUDQ`, `$WUDQ`).
 
-use crate::habits::{Habits, Home, Rotations};
+use crate::habits::{FileLayout, Habits, Home, Rotations};
 use crate::preprocessor::Preprocessor;
 use crate::toml::section::Section;
 
@@ -22,12 +22,14 @@ pub(super) fn read(top: &mut Section<'_>, preprocessor: Preprocessor) -> Habits 
     habits.least_feed = section.above_zero("least_feed");
     let increments = [("stay", false), ("travel", true)];
     habits.frame_increments = section.choice("frame_increments", &increments).unwrap_or(habits.frame_increments);
-    let files = [("numbers", false), ("heads", true)];
-    habits.heads_in_file = section.choice("programs", &files).unwrap_or(habits.heads_in_file);
+    let files = [("numbers", FileLayout::Numbers), ("heads", FileLayout::Heads), ("sections", FileLayout::Sections)];
+    habits.programs = section.choice("programs", &files).unwrap_or(habits.programs);
     let groups = [("all", false), ("last", true)];
     habits.last_of_group = section.choice("same_group", &groups).unwrap_or(habits.last_of_group);
     let values = [("exact", false), ("rounded", true)];
     habits.rounded = section.choice("expressions", &values).unwrap_or(habits.rounded);
+    let sums = [("in-brackets", false), ("bare", true)];
+    habits.bare_sums = section.choice("sums", &sums).unwrap_or(habits.bare_sums);
     habits.brackets = section.integer("brackets", 1..=32).map(|levels| levels as u8);
     let homes = [("nothing", false), ("all", true)];
     habits.bare_home = section.choice("home_without_axes", &homes).unwrap_or(habits.bare_home);

@@ -84,7 +84,7 @@ pub(super) fn check_custom(codes: &[CodeRow], names: &Table<CodeId, Name>, macro
 
 /// Whether the first row is taken whenever the other one could be.
 fn hides(first: &CodeRow, other: &CodeRow) -> bool {
-    if first.id == other.id && first.form == other.form {
+    if first.is_twin_of(other) {
         return false; // the same row twice is an error of its own
     }
     let always = first.with.is_empty() && first.without.is_empty();

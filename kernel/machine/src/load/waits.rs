@@ -23,6 +23,9 @@ const HIGHEST: u32 = 99_999_999;
 /// Keys that a row of `[[waits]]` and its row of the code table share.
 const OF_CODES: [&str; 5] = ["word", "text", "with", "without", "ignores"];
 
+/// What a row may be for.
+const FORMS: [&str; 4] = ["word", "text", "line_up", "statement"];
+
 /// Adds the rows of the code table that the words and texts of `[[waits]]` need.
 pub(super) fn expand(table: &mut Table) {
     let Some(Value::Array(waits)) = table.get("waits").map(|node| &node.value) else { return };
@@ -39,11 +42,14 @@ pub(super) fn expand(table: &mut Table) {
 
 fn code_row(wait: &Node) -> Option<Node> {
     let Value::Table(table) = &wait.value else { return None };
-    if table.get("word").is_none() && table.get("text").is_none() {
+    if ["word", "text", "line_up"].iter().all(|form| table.get(form).is_none()) {
         return None;
     }
     let mut entries: Vec<Entry> =
         table.entries.iter().filter(|entry| OF_CODES.contains(&entry.key.as_str())).cloned().collect();
+    if let Some(mark) = table.get("line_up") {
+        entries.push(entry("text", &mark.place, mark.value.clone()));
+    }
     entries.push(entry("id", &wait.place, Value::Text("CODE_SYNC_REG".to_owned())));
     if table.get("word").is_some() {
         entries.push(entry("as_data", &wait.place, Value::Text("REG_SYNC".to_owned())));
@@ -98,8 +104,9 @@ fn statement(section: &mut Section<'_>, preprocessor: Preprocessor) -> Option<St
 }
 
 fn read_row(section: &mut Section<'_>, check: &Check) -> Option<WaitRow> {
-    if ["word", "text", "statement"].iter().all(|form| section.node(form).is_none()) {
-        check.error(section.place(), "[[waits]] needs a form: `word` (\"M100-M149\"), `text` or `statement`");
+    if FORMS.iter().all(|form| section.node(form).is_none()) {
+        check
+            .error(section.place(), "[[waits]] needs a form: `word` (\"M100-M149\"), `text`, `line_up` or `statement`");
     }
     let primitives = [
         ("barrier", Primitive::Barrier),
@@ -128,6 +135,8 @@ fn read_row(section: &mut Section<'_>, check: &Check) -> Option<WaitRow> {
     let absent = section.choice("absent", &[("missed", false), ("counts", true)]);
     let mismatches = [("free", Mismatch::Free), ("fanuc", Mismatch::Fanuc), ("siemens", Mismatch::Siemens)];
     let mismatch = section.choice("mismatch", &mismatches).unwrap_or(Mismatch::Free);
+    let met_by = section.choice("met_by", &[("order", Primitive::Order)]);
+    let line_up = section.name("line_up", 1).filter(|mark| line_up_mark(section, mark));
     let primitive = primitive?;
     check_row(section, check, (primitive, act, mismatch));
     Some(WaitRow {
@@ -138,9 +147,23 @@ fn read_row(section: &mut Section<'_>, check: &Check) -> Option<WaitRow> {
         mark,
         highest,
         need,
+        met_by,
+        line_up: line_up.is_some(),
         absent_counts: absent.unwrap_or(primitive == Primitive::Order),
         mismatch,
     })
+}
+
+/// A mark that words begin with at which systems line up, if it can be one.
+fn line_up_mark(section: &mut Section<'_>, mark: &str) -> bool {
+    let good = mark.bytes().all(|byte| byte.is_ascii_punctuation()) && !mark.is_empty();
+    if !good {
+        section.error("line_up", "`line_up` is one character that is neither a letter nor a digit");
+    }
+    if ["word", "text"].iter().any(|form| section.node(form).is_some()) {
+        section.error("line_up", "a row has one form: `word`, `text`, `line_up` or `statement`");
+    }
+    good
 }
 
 /// Keys that do not go together.
@@ -164,6 +187,12 @@ fn check_row(section: &mut Section<'_>, check: &Check, (primitive, act, mismatch
     };
     if !fits {
         section.error("mismatch", "\"fanuc\" is a rule for barriers, \"siemens\" one for flags");
+    }
+    if section.node("line_up").is_some() && primitive != Primitive::Barrier {
+        section.error("primitive", "systems line up at a barrier");
+    }
+    if section.node("met_by").is_some() && primitive != Primitive::Count {
+        check.warning(section.place_of("met_by"), "`met_by` is for a count: other primitives need their partners");
     }
     if section.node("need").is_some() && primitive != Primitive::Count {
         check.warning(section.place_of("need"), "`need` is for a count: this primitive needs all channels of its list");

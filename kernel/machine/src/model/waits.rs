@@ -25,6 +25,10 @@ pub struct WaitRow {
     pub need: u16,
     /// A channel that has ended or has no program counts as arrived.
     pub absent_counts: bool,
+    /// A partner that waits at a word of this primitive counts as arrived.
+    pub met_by: Option<Primitive>,
+    /// The text is followed by systems, more such texts with systems, and L with a label.
+    pub line_up: bool,
     /// Which pairs of waits are refused.
     pub mismatch: Mismatch,
 }

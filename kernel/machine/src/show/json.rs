@@ -246,6 +246,8 @@ fn wait(wait: &WaitRow) -> Value {
         "mark": wait.mark,
         "need": wait.need,
         "absent": if wait.absent_counts { "counts" } else { "missed" },
+        "met_by": wait.met_by.map(word),
+        "line_up": wait.line_up,
         "mismatch": word(wait.mismatch),
     })
 }

@@ -3,6 +3,8 @@
 //! Points are `[along Z, along X]` in length units, X as a radius. *Invariant:* a cycle gives its moves one by one and asks
 //! before every pass, so that it can be stopped at any time and needs no memory for its passes; every move is finite.
 
+pub mod lap;
+mod levels;
 mod parts;
 pub mod pattern;
 pub mod peck;
@@ -48,6 +50,9 @@ pub trait Sink {
     /// # Errors
     /// The cycle is to end.
     fn pass(&mut self) -> Result<(), Self::Stop>;
+
+    /// The feed moves that follow have a feed of the cycle: 0 its own, 1 and 2 those of changes.
+    fn use_feed(&mut self, _number: usize) {}
 
     /// Executes a move.
     ///

@@ -5,7 +5,7 @@
 use super::{Contour, Move, Sink, along, moved};
 use crate::contour::element::Spot;
 
-/// What the cycle is told.
+/// Settings of the cycle.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Settings {
     /// How far the first pass is from the last one, along Z and X.

@@ -8,7 +8,7 @@ use crate::contour::element::Spot;
 /// Columns at most, and pecks of a column at most; what is left is done in one.
 const MOST: f64 = 1e9;
 
-/// What the cycle is told: points and lengths along `[peck, column]`.
+/// Settings of the cycle; points and lengths are `[along the peck, from column to column]`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Settings {
     /// The pecks are along X.

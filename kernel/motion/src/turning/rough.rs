@@ -3,12 +3,14 @@
 //! The open stretch of each level is cut first, from the top; then each pocket, deepest branch first, in the direction of
 //! the cut. *Invariant:* a rapid move across the stock goes no deeper than the last level cut there.
 
+use super::lap::Lap;
+use super::levels::Levels;
 use super::parts::{Mark, Parts, Stretch};
 use super::view::View;
 use super::{Contour, Move, NOISE, Refusal, Sink, along, moved};
-use crate::contour::element::Spot;
+use crate::contour::element::{Element, Spot};
 
-/// What a rough cycle is told.
+/// Settings of a rough cycle.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Settings {
     /// The cut runs along X.
@@ -23,6 +25,8 @@ pub struct Settings {
     pub semi: Spot,
     /// Pockets are cut level by level, not by the last pass alone.
     pub pockets: bool,
+    /// It is a cycle of LAP: allowances are amounts, levels count from where the tool is and stay above the contour.
+    pub lap: Option<Lap>,
 }
 
 /// A rough cycle, ready to be cut.
@@ -32,6 +36,7 @@ pub struct Rough<'c> {
     settings: Settings,
     view: View,
     parts: Parts,
+    levels: Levels,
     /// Where levels count from, as seen.
     origin: Spot,
 }
@@ -88,23 +93,30 @@ impl<'c> Rough<'c> {
         let toward = sign(last[0] - start[0], -1.0);
         let stock = sign(start[1] - first[1], sign(start[1] - last[1], 1.0));
         let view = View { signs: [toward, stock], ..plain };
+        let mut settings = settings;
+        if settings.lap.is_some() {
+            settings.allowance = view.away(settings.allowance);
+        }
         let left = [settings.allowance[0] + settings.semi[0], settings.allowance[1] + settings.semi[1]];
         let elements: Vec<_> = contour.elements.iter().map(|element| moved(element, left)).collect();
         let parts = Parts::of(&elements, &view);
         let [z, x] = contour.start;
-        let origin = view.see([z + left[0], x + left[1]]);
-        parts.check(origin)?;
-        Ok(Self { contour, settings, view, parts, origin })
+        let away = view.see([z + left[0], x + left[1]]);
+        let origin = if settings.lap.is_some() { view.see(contour.start) } else { away };
+        let copies = settings.lap.is_some_and(|lap| lap.copies);
+        let first = elements.first().filter(|_| copies);
+        let low = first.map_or(parts.lowest(), |first| view.see(first.from)[1]);
+        parts.check([away[0].min(origin[0]), origin[1]])?;
+        let levels = match &settings.lap {
+            Some(lap) => Levels::of_lap(origin[1], settings.depth, low, lap, &view),
+            None => Levels::even(origin[1], settings.depth, low),
+        };
+        Ok(Self { contour, settings, view, parts, levels, origin })
     }
 
     /// Height of a level; none below the last one.
     fn level(&self, number: u64) -> Option<f64> {
-        let low = self.parts.lowest();
-        let above = self.origin[1] - (number as f64 - 1.0) * self.settings.depth;
-        if above <= low + NOISE {
-            return None;
-        }
-        Some((above - self.settings.depth).max(low))
+        self.levels.height(number)
     }
 
     /// Gives the moves.
@@ -112,6 +124,9 @@ impl<'c> Rough<'c> {
     /// # Errors
     /// The sink takes no more.
     pub fn run<S: Sink>(&self, sink: &mut S) -> Result<(), S::Stop> {
+        if self.settings.lap.is_some_and(|lap| lap.copies) {
+            return self.copy(sink);
+        }
         let mut cut = Cut { sink, view: self.view, at: self.origin };
         cut.rapid(self.origin)?;
         let mut pockets = self.open_levels(&mut cut)?;
@@ -124,6 +139,28 @@ impl<'c> Rough<'c> {
         self.contour_pass(&mut cut)
     }
 
+    /// Goes along the whole contour, each time nearer: away from it along the line from its first point to the start.
+    fn copy<S: Sink>(&self, sink: &mut S) -> Result<(), S::Stop> {
+        let mut cut = Cut { sink, view: self.view, at: self.origin };
+        let [z, x] = self.contour.elements.first().map_or(self.contour.start, |first| first.from);
+        let first = [z + self.settings.allowance[0], x + self.settings.allowance[1]];
+        let to_start = [self.contour.start[0] - first[0], self.contour.start[1] - first[1]];
+        let height = self.origin[1] - self.levels.low();
+        for number in 1.. {
+            let Some(level) = self.level(number) else { break };
+            cut.sink.use_feed(self.levels.feed(number));
+            let part = (level - self.levels.low()) / height;
+            let end = self.view.see(self.along_contour(&mut cut, [to_start[0] * part, to_start[1] * part])?);
+            cut.rapid([self.origin[0], end[1]])?;
+        }
+        let end = self.view.see(self.along_contour(&mut cut, [0.0; 2])?);
+        if self.settings.lap.is_some_and(|lap| lap.stays) {
+            return Ok(());
+        }
+        cut.rapid([self.origin[0], end[1]])?;
+        cut.sink.go(Move::Rapid(self.contour.start))
+    }
+
     /// Cuts the open stretches of all levels. Gives the pockets beside them.
     fn open_levels<S: Sink>(&self, cut: &mut Cut<'_, S>) -> Result<Vec<Pocket>, S::Stop> {
         let mut pockets = Vec::new();
@@ -133,6 +170,7 @@ impl<'c> Rough<'c> {
         for number in 1.. {
             let Some(level) = self.level(number) else { break };
             cut.sink.pass()?;
+            cut.sink.use_feed(self.levels.feed(number));
             let stretches = self.parts.stretches(level);
             let within = |begin: &Mark| above.is_none_or(|end: Mark| begin.along <= end.along + NOISE);
             for stretch in &stretches {
@@ -142,7 +180,8 @@ impl<'c> Rough<'c> {
             }
             let open = stretches.first().filter(|stretch| stretch.begin.is_none());
             let Some(open) = open.filter(|open| open.end.along > start + NOISE) else { break };
-            let infeed = self.contour.infeed(self.view.place([start, level]));
+            let begin = self.view.place([start, level]);
+            let infeed = if self.settings.lap.is_some() { Move::Rapid(begin) } else { self.contour.infeed(begin) };
             cut.sink.go(infeed)?;
             cut.feed([open.end.along, level])?;
             cut.rapid([open.end.along - retract, level + retract])?;
@@ -158,6 +197,7 @@ impl<'c> Rough<'c> {
         while let Some(pocket) = open.pop() {
             let Some(level) = self.level(pocket.level) else { continue };
             cut.sink.pass()?;
+            cut.sink.use_feed(self.levels.feed(pocket.level));
             self.enter(cut, &pocket, level)?;
             let length = pocket.end.along - pocket.begin.along;
             let retract = self.settings.retract.min(length / 2.0).max(0.0);
@@ -230,16 +270,37 @@ impl<'c> Rough<'c> {
 
     /// Cuts along the contour, and returns to where the cycle began.
     fn contour_pass<S: Sink>(&self, cut: &mut Cut<'_, S>) -> Result<(), S::Stop> {
-        cut.sink.pass()?;
-        let mut elements =
-            self.contour.elements.iter().map(|element| moved(element, self.settings.allowance)).peekable();
-        if let Some(first) = elements.peek() {
-            cut.sink.go(self.contour.infeed(first.from))?;
-        }
-        for element in elements {
-            cut.sink.go(along(&element))?;
+        self.along_contour(cut, [0.0; 2])?;
+        if self.settings.lap.is_some_and(|lap| lap.stays) {
+            return Ok(());
         }
         cut.sink.go(Move::Rapid(self.contour.start))
+    }
+
+    /// Cuts along the contour, moved by an amount besides what is left. Gives where it ends.
+    fn along_contour<S: Sink>(&self, cut: &mut Cut<'_, S>, away: Spot) -> Result<Spot, S::Stop> {
+        cut.sink.pass()?;
+        let by = [self.settings.allowance[0] + away[0], self.settings.allowance[1] + away[1]];
+        let mut end = self.contour.start;
+        let mut elements = self.contour.elements.iter().map(|element| moved(element, by)).peekable();
+        if let Some(first) = elements.peek() {
+            cut.sink.go(self.contour.infeed(self.begin(first)))?;
+        }
+        for element in elements {
+            end = element.to;
+            cut.sink.go(along(&element))?;
+        }
+        Ok(end)
+    }
+
+    /// Where a pass along the contour begins. Under LAP a first line along the cut begins no further out than the cycle.
+    fn begin(&self, first: &Element) -> Spot {
+        let ([along, height], to) = (self.view.see(first.from), self.view.see(first.to));
+        let level = first.arc.is_none() && (to[1] - height).abs() < NOISE;
+        if self.settings.lap.is_some() && level {
+            return self.view.place([along.max(self.origin[0]), height]);
+        }
+        first.from
     }
 }
 

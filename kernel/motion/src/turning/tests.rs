@@ -1,5 +1,6 @@
 //! Cycles worked by hand. Contours and moves are written as programs write them: X as a diameter.
 
+use super::lap::{Change, Lap};
 use super::rough::{Rough, Settings};
 use super::{Contour, Move, Refusal, Sink, pattern, peck};
 use crate::arc::by_radius;
@@ -69,7 +70,7 @@ fn contour((x, z): (f64, f64), points: &[(f64, f64, f64)]) -> Contour {
 }
 
 fn settings(depth: f64, retract: f64, u: f64, w: f64) -> Settings {
-    Settings { face: false, depth, retract, allowance: [w, u / 2.0], semi: [0.0; 2], pockets: false }
+    Settings { face: false, depth, retract, allowance: [w, u / 2.0], semi: [0.0; 2], pockets: false, lap: None }
 }
 
 fn rough(contour: &Contour, settings: Settings) -> String {
@@ -291,4 +292,38 @@ fn millions_of_passes_can_be_stopped() {
     let mut written = Written { most: 10, ..Written::from(part.start) };
     assert!(Rough::new(&part, settings(1e-5, 1.0, 0.0, 0.0)).unwrap().run(&mut written).is_err());
     assert_eq!(written.passes, 11);
+}
+
+const LAP: Lap = Lap { copies: false, changes: [None; 2], stays: false };
+
+fn lap_part() -> Contour {
+    let points = [(20.0, 2.0, 0.0), (20.0, -20.0, 0.0), (30.0, -30.0, 0.0), (30.0, -50.0, 0.0), (42.0, -50.0, 0.0)];
+    contour((44.0, 2.0), &points)
+}
+
+#[test]
+fn bar_turning_of_lap() {
+    let settings = Settings { lap: Some(LAP), ..settings(2.0, 0.1, 0.4, 0.1) };
+    let expected = "R X40; F Z-49.9; R X40.2 Z-49.8; R Z2; R X36; F Z-49.9; R X36.2 Z-49.8; R Z2; R X32; F Z-49.9; \
+                    R X32.2 Z-49.8; R Z2; R X28; F Z-27.5; R X28.2 Z-27.4; R Z2; R X24; F Z-23.5; R X24.2 Z-23.4; R Z2; \
+                    R X20.4; F Z-19.9; F X30.4 Z-29.9; F Z-49.9; F X42.4; R X44 Z2";
+    assert_eq!(rough(&lap_part(), settings), expected);
+}
+
+#[test]
+fn levels_of_lap_with_another_depth_from_a_place_on() {
+    let change = Change { from: 18.0, depth: Some(1.0) };
+    let lap = Lap { changes: [Some(change), None], stays: true, ..LAP };
+    let text = rough(&lap_part(), Settings { lap: Some(lap), ..settings(2.0, 0.1, 0.4, 0.1) });
+    let levels: Vec<_> = text.split("; ").filter(|step| step.starts_with("R X") && !step.contains('Z')).collect();
+    assert_eq!(levels, ["R X40", "R X36", "R X34", "R X32", "R X30", "R X28", "R X26", "R X24", "R X22", "R X20.4"]);
+    assert!(text.ends_with("F X42.4"));
+}
+
+#[test]
+fn copy_turning_of_lap() {
+    let lap = Lap { copies: true, ..LAP };
+    let points = [(20.0, 2.0, 0.0), (20.0, -20.0, 0.0), (30.0, -30.0, 0.0)];
+    let text = rough(&contour((32.0, 2.0), &points), Settings { lap: Some(lap), ..settings(3.0, 0.1, 0.0, 0.0) });
+    assert_eq!(text, "R X26; F Z-20; F X36 Z-30; R Z2; R X20; F Z-20; F X30 Z-30; R Z2; R X32");
 }

@@ -27,6 +27,17 @@ impl View {
         if self.face { [across, along] } else { [along, across] }
     }
 
+    /// The height of a coordinate across the cut.
+    pub(super) fn height(&self, across: f64) -> f64 {
+        across * self.signs[1]
+    }
+
+    /// Amounts along Z and X as a vector of the plane, against the cut and towards the stock.
+    pub(super) fn away(&self, [z, x]: Spot) -> Spot {
+        let [along, across] = if self.face { [x, z] } else { [z, x] };
+        self.place([-along, across])
+    }
+
     /// Seen from the other side: what turns clockwise in the plane turns the other way here.
     pub(super) fn turns_over(&self) -> bool {
         let signs = self.signs[0] * self.signs[1] < 0.0;

@@ -108,7 +108,7 @@ fn kernel(core: &Coordinator, channel: u16, kernels: u16, script: &[Op]) {
                         match turn.arrive(waiting, own, &info()).0 {
                             After::Go { t, micro, sync_point } => {
                                 let tag = Tag { t, micro, channel };
-                                Wake::Released { tag, sync_point, by: channel, all: true }
+                                Wake::Released { tag, sync_point, by: channel, all: true, short: false }
                             }
                             After::Stand(_) => Wake::Turn,
                             After::Alarm { .. } | After::Illegal { .. } => unreachable!("no wait is refused"),

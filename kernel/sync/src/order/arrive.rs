@@ -19,6 +19,8 @@ pub enum After {
         micro: u32,
         /// Number of the sync point.
         sync_point: u64,
+        /// A partner of a count has ended without coming.
+        short: bool,
     },
     /// It waits, with the verdict if no wait can end any more.
     Stand(Option<Verdict>),
@@ -55,7 +57,7 @@ impl Order {
         let after = match arrived.arrival {
             Arrival::Released(released) => {
                 let sync_point = self.release(released, Some(tag.channel));
-                After::Go { t: released.t, micro: released.micro, sync_point }
+                After::Go { t: released.t, micro: released.micro, sync_point, short: released.short }
             }
             Arrival::Blocked => {
                 let verdict = if self.waits.hopeful(tag.channel) { None } else { self.judge(tag.t, info) };

@@ -8,9 +8,17 @@ fn stands(channel: u16, wait: &Wait, places: &Places) -> bool {
 }
 
 /// As many of the others as the count still needs.
-pub(super) fn missing(channel: u16, wait: &Wait, scene: Scene<'_>) -> Missing {
+///
+/// One that stays at a wait of the primitive that the rule names counts, too; `stays` says whether a wait is not over.
+pub(super) fn missing(channel: u16, wait: &Wait, scene: Scene<'_>, stays: impl Fn(u16, &Wait) -> bool) -> Missing {
     let others = wait.parts.without(channel);
-    let there = |&other: &u16| stands(other, wait, scene.places) || scene.is_excused(other, wait);
+    let met_by = scene.rules.met_by(wait);
+    let is_elsewhere = |other: u16| {
+        let own = scene.places.at(other).filter(|own| Some(own.wait.primitive) == met_by);
+        own.is_some_and(|own| stays(other, &own.wait))
+    };
+    let there =
+        |&other: &u16| stands(other, wait, scene.places) || scene.is_excused(other, wait) || is_elsewhere(other);
     let arrived: Set = others.iter().filter(there).collect();
     let need = if wait.need == 0 { wait.parts.count() } else { wait.need };
     Missing { channels: Set(others.0 & !arrived.0), need: need.saturating_sub(arrived.count() + 1) }

@@ -103,7 +103,7 @@ impl Act<'_, '_> {
         let scale = self.state.place.layout.axes[hole.axis].scale;
         let (whole, down) = ((depth - hole.clear).abs() * scale, (depth - hole.clear).signum());
         let at = |reached: f64| hole.clear + down * reached / scale;
-        let (mut reached, mut step) = (0.0, first);
+        let (mut reached, mut step, mut last_out) = (0.0, first, 0.0);
         for _ in 0..MOST_STEPS {
             let next = reached + step;
             if next >= whole - 1e-9 {
@@ -112,7 +112,9 @@ impl Act<'_, '_> {
             self.plunge(drill, at(next), 1.0)?;
             self.rest(drill, 1)?;
             let above = (next - cycle.pecks.retract).max(0.0);
-            self.between(drill, at(above))?;
+            let leaves = cycle.pecks.out > 0.0 && next - last_out >= cycle.pecks.out - 1e-9;
+            last_out = if leaves { next } else { last_out };
+            self.between(drill, at(above), leaves)?;
             reached = next;
             let less = (step - cycle.pecks.decrement).max(cycle.pecks.least);
             step = if less > 0.0 { less } else { step };
@@ -126,8 +128,8 @@ impl Act<'_, '_> {
     }
 
     /// Between two steps: fully out and back to `above`, or only up to there.
-    fn between(&mut self, drill: &Drill<'_>, above: f64) -> Acted {
-        let full = drill.kind.steps() == Steps::Full;
+    fn between(&mut self, drill: &Drill<'_>, above: f64, leaves: bool) -> Acted {
+        let full = leaves || drill.kind.steps() == Steps::Full;
         let ratio = drill.cycle.rates.ratio;
         if !drill.kind.taps() {
             if full {

@@ -181,6 +181,11 @@ fn amounts(act: &mut Act<'_, '_>, kind: HoleCycle) -> HoleCycle {
         if let Some(decrement) = act.take(data::CYCLE_STEP_DECR) {
             act.state.cycle.pecks.decrement = decrement.value.abs();
         }
+        if kind.steps() == Steps::Small
+            && let Some(out) = act.take(data::CYCLE_STEP_OUT)
+        {
+            act.state.cycle.pecks.out = out.value.abs();
+        }
     }
     if (kind.steps() != Steps::None || kind.has_webs())
         && let Some(back) = act.take(data::CYCLE_STEP_BACK)

@@ -5,6 +5,7 @@
 //! limits and cancelling reach it. Decisions: docs/emulation.md, "Turning cycles".
 
 mod contour;
+mod lap;
 mod moves;
 mod words;
 
@@ -15,9 +16,10 @@ use counterpoint_motion::turning::{Contour as Shape, Refusal, pattern, peck, rou
 
 use crate::act::Act;
 use crate::action::entry::{Contour, Entry, entry_of_kind};
-use crate::state::turning::{ContourCycle, LathePlane, Reading, Task};
+use crate::state::turning::{ContourBlocks, ContourCycle, LathePlane, Reading, Task};
 use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
+use counterpoint_machine::ident::codes;
 use counterpoint_machine::ident::kind::CodeKind;
 use counterpoint_machine::ident::kind::turning::TurningCycle;
 use counterpoint_machine::index::BySlot;
@@ -31,17 +33,21 @@ pub(crate) const ENTRIES: &[Entry] = &[
         .contour(Contour::Ends),
     entry_of_kind!(
         CodeKind::Turning(kind @ (TurningCycle::Rough { .. } | TurningCycle::Pattern | TurningCycle::Peck { .. }
-            | TurningCycle::Single { .. })) => |act, _row, code| cycle(act, kind, code)
+            | TurningCycle::Single { .. } | TurningCycle::Lap(_))) => |act, _row, code| cycle(act, kind, code)
     )
     .moves()
     .contour(Contour::Leaves),
+    Entry::of(&[codes::TURN_LAP_STAY], |act, _, _| {
+        act.state.others.turning.stays = true;
+        Ok(())
+    }),
 ];
 
 fn finish(act: &mut Act<'_, '_>) -> Acted {
     let (first, last) = words::blocks(act);
     let blocks = contour_blocks(act, first, last)?;
     let feed = act.feed();
-    act.cut_contour(ContourCycle { blocks, task: Task::Finish, feed });
+    act.cut_contour(ContourCycle { blocks, task: Task::Finish { stays: false, off: 0 }, feed, feeds: [None; 2] });
     Ok(())
 }
 
@@ -57,12 +63,13 @@ fn cycle(act: &mut Act<'_, '_>, kind: TurningCycle, code: &PendingCode) -> Acted
         TurningCycle::Pattern => repeating(act, &plane),
         TurningCycle::Peck { along_x } => pecking(act, &plane, along_x),
         TurningCycle::Single { face } => single(act, &plane, face, code.modal),
+        TurningCycle::Lap(kind) => lap::cycle(act, &plane, kind),
     }
 }
 
 /// The numbers of the contour blocks; both are needed.
-fn contour_blocks(act: &mut Act<'_, '_>, first: Option<u32>, last: Option<u32>) -> Result<(u32, u32), diag::Halt> {
-    first.zip(last).ok_or_else(|| {
+fn contour_blocks(act: &mut Act<'_, '_>, first: Option<u32>, last: Option<u32>) -> Result<ContourBlocks, diag::Halt> {
+    first.zip(last).map(|(first, last)| ContourBlocks::Numbers(first, last)).ok_or_else(|| {
         let text =
             format!("the cycle needs the first and the last block of its contour (P and Q) in '{}'", act.block_text());
         act.alarm(&diag::CONTOUR_RANGE, text)
@@ -82,7 +89,7 @@ fn roughing(act: &mut Act<'_, '_>, plane: &LathePlane, face: bool) -> Acted {
         return Err(act.alarm(&diag::CONTOUR_DEPTH, text));
     }
     let feed = act.feed();
-    act.cut_contour(ContourCycle { blocks, task: Task::Rough(rough.settings, rough.pockets), feed });
+    act.cut_contour(ContourCycle { blocks, task: Task::Rough(rough.settings, rough.pockets), feed, feeds: [None; 2] });
     Ok(())
 }
 
@@ -101,7 +108,7 @@ fn repeating(act: &mut Act<'_, '_>, plane: &LathePlane) -> Acted {
     let relief = act.state.others.turning.relief;
     let feed = act.feed();
     let settings = pattern::Settings { relief, allowance, passes: repeats as u32 };
-    act.cut_contour(ContourCycle { blocks, task: Task::Pattern(settings), feed });
+    act.cut_contour(ContourCycle { blocks, task: Task::Pattern(settings), feed, feeds: [None; 2] });
     Ok(())
 }
 
@@ -182,14 +189,14 @@ pub(super) fn cut(act: &mut Act<'_, '_>, cycle: &ContourCycle, reading: Reading)
     };
     let shape = Shape { start: reading.start, elements: reading.elements, rapid: first.rapid };
     let refused = match cycle.task {
-        Task::Finish => None,
+        Task::Finish { .. } => None,
         Task::Rough(settings, pockets) => {
             let both = plane.axes.iter().all(|axis| first.coded & axis.bit() != 0);
             let pockets = pockets.unwrap_or(both && act.env.machine.turning.pockets);
             match rough::Rough::new(&shape, rough::Settings { pockets, ..settings }) {
                 Ok(rough) => {
                     act.check_feed(cycle.feed.0)?;
-                    rough.run(&mut Cutting::new(act, &plane, cycle.feed))?;
+                    rough.run(&mut Cutting::new(act, &plane, cycle.feed).with_feeds(cycle.feeds))?;
                     None
                 }
                 Err(refusal) => Some(refusal),

@@ -19,12 +19,19 @@ pub(super) struct Cutting<'x, 'k, 'a> {
     act: &'x mut Act<'k, 'a>,
     plane: LathePlane,
     feed: (Option<f64>, FeedUnit),
+    /// Its own feed, and those of changes.
+    feeds: [Option<f64>; 3],
 }
 
 impl<'x, 'k, 'a> Cutting<'x, 'k, 'a> {
     /// A cycle at this feed.
     pub(super) fn new(act: &'x mut Act<'k, 'a>, plane: &LathePlane, feed: (Option<f64>, FeedUnit)) -> Self {
-        Self { act, plane: *plane, feed }
+        Self { act, plane: *plane, feed, feeds: [feed.0, None, None] }
+    }
+
+    /// With feeds of changes.
+    pub(super) fn with_feeds(self, [first, second]: [Option<f64>; 2]) -> Self {
+        Self { feeds: [self.feed.0, first, second], ..self }
     }
 
     fn arc(&mut self, [from, to]: [Position; 2], (center, clockwise): ([f64; 2], bool), coded: u8) -> Acted {
@@ -46,6 +53,11 @@ impl Sink for Cutting<'_, '_, '_> {
 
     fn pass(&mut self) -> Acted {
         self.act.count_as_block()
+    }
+
+    fn use_feed(&mut self, number: usize) {
+        let own = self.feeds.iter().take(number + 1).rev().copied().flatten().next();
+        self.feed.0 = own.or(self.feed.0);
     }
 
     fn go(&mut self, to: Move) -> Acted {

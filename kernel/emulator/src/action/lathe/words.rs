@@ -34,7 +34,7 @@ pub(super) fn rough_settings(act: &mut Act<'_, '_>, face: bool) -> bool {
     depth.is_some() || retract.is_some()
 }
 
-/// What a rough cycle is told.
+/// Words of a rough cycle.
 pub(super) struct Rough {
     pub(super) settings: rough::Settings,
     /// With pockets, if a word says so.
@@ -51,7 +51,7 @@ pub(super) fn rough(act: &mut Act<'_, '_>, plane: &LathePlane, face: bool) -> Ro
     let pockets = value(act, data::TURN_TYPE).map(|kind| kind == 1.0);
     let turning = &act.state.others.turning;
     let (depth, retract) = (turning.depth, turning.retract);
-    Rough { settings: rough::Settings { face, depth, retract, allowance, semi, pockets: false }, pockets }
+    Rough { settings: rough::Settings { face, depth, retract, allowance, semi, pockets: false, lap: None }, pockets }
 }
 
 /// Allowances along Z and X; that of X counts as X is programmed.
@@ -97,7 +97,7 @@ pub(super) fn peck_settings(act: &mut Act<'_, '_>) -> bool {
     true
 }
 
-/// What a cycle of pecks is told beside its end.
+/// Words of a cycle of pecks besides its end.
 pub(super) struct Pecks {
     /// Along Z and X.
     pub(super) steps: [f64; 2],

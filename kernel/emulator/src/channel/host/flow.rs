@@ -4,7 +4,7 @@ use counterpoint_fault::{Acted, Halt};
 
 use crate::channel::Kernel;
 use crate::channel::flow::Pending;
-use counterpoint_dialect::{Call, Flow, Loops};
+use counterpoint_dialect::{Call, Flow, Loops, Shape};
 use counterpoint_program::spot::Spot;
 
 impl Flow for Kernel<'_> {
@@ -34,6 +34,10 @@ impl Flow for Kernel<'_> {
 
     fn calls_modally(&mut self, on: bool) {
         self.flow.modal_text = on;
+    }
+
+    fn cut_along(&mut self, shape: Shape) {
+        self.channel.state.others.turning.shape = Some(shape);
     }
 
     fn return_from(&mut self) {

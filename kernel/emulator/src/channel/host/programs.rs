@@ -35,15 +35,23 @@ impl Programs for Kernel<'_> {
     fn place(&self) -> Place {
         let frame = self.flow.frames.last();
         let range = frame.map_or(Range { number: None, first: 1, last: 0 }, |frame| frame.range);
-        let as_read = self.channel.text.edited.is_none() && self.macros.block.text.is_none();
         Place {
             file: self.channel.at.file,
             line: self.channel.at.line,
             range,
-            level: self.flow.level(),
-            as_read,
+            as_read: self.unchanged_line().is_some(),
             repeats: self.flow.repeats,
         }
+    }
+
+    #[inline]
+    fn unchanged_line(&self) -> Option<(FileId, u32)> {
+        let as_read = self.channel.text.edited.is_none() && self.macros.block.text.is_none();
+        as_read.then_some((self.channel.at.file, self.channel.at.line))
+    }
+
+    fn level(&self) -> usize {
+        self.flow.level()
     }
 
     fn spot(&self) -> Spot {

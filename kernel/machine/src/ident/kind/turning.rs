@@ -22,4 +22,17 @@ pub enum TurningCycle {
         /// The cut runs along X.
         face: bool,
     },
+    /// Along a contour with a name (Okuma LAP).
+    Lap(Lap),
+}
+
+/// A cycle along a contour with a name.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Lap {
+    /// Level by level (G85).
+    Bar,
+    /// Along the whole contour, each time nearer (G86).
+    Copy,
+    /// Once (G87).
+    Finish,
 }

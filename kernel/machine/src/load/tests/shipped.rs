@@ -28,6 +28,7 @@ fn all_machines_load_without_a_finding() {
     assert_eq!(
         package::shipped_names(),
         [
+            "citizen-3system",
             "fanuc-2path-lathe",
             "fanuc-3path-lathe",
             "fanuc-lathe",
@@ -35,6 +36,9 @@ fn all_machines_load_without_a_finding() {
             "haas-lathe",
             "haas-mill-turn",
             "heidenhain-mill",
+            "okuma-2turret",
+            "okuma-lathe",
+            "okuma-mill",
             "siemens-2channel",
             "siemens-lathe",
             "siemens-mill",
@@ -57,6 +61,9 @@ fn families_say_that_they_are_families_and_nothing_else() {
         "siemens-milling",
         "siemens-turning",
         "heidenhain-milling",
+        "okuma-common",
+        "okuma-milling",
+        "okuma-turning",
     ] {
         let loaded = load(&package::shipped(), name);
         assert!(loaded.machine.is_none());
@@ -108,7 +115,9 @@ G54-G59 CODE_COMP_WORKP_ON 100 14
 G54.1 CODE_COMP_EXTFIXT 100 14
 G61 CODE_EXACTSTOP_ON 100 15
 G64 CODE_EXACTSTOP_OFF 100 15
+G68 CODE_BALANCE_ON 100 0
 G68.1 CODE_LCS_ROTATE_ON 100 16
+G69 CODE_BALANCE_OFF 100 0
 G69 CODE_IGNORE 999 0
 G69.1 CODE_LCS_ROTATE_OFF 100 16
 G70 CODE_TURN_FINISH 500 1

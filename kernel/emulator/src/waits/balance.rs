@@ -1,0 +1,67 @@
+//! Balance cutting of Fanuc: two channels begin their cuts together.
+//!
+//! Facts: reference channel-synchronisation.md 1.3. Decisions: the code that switches it on is a wait of both channels, so is the
+//! first cut of each block, and so is the code that switches it off; those never are alarm PS0160. *Invariant:* two channels take
+//! part.
+
+use counterpoint_event::event::Primitive;
+use counterpoint_machine::ident::{CodeId, codes};
+use counterpoint_machine::model::Machine;
+use counterpoint_machine::rows::CodeForm;
+use counterpoint_sync::wait::{Key, Rule, Set, Wait};
+
+use super::{BALANCE, Said, all, channels, extra_rule};
+
+/// What the channels of balance cutting wait for together.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Stage {
+    /// The code that switches it on.
+    On,
+    /// The first cut of a block.
+    Cut,
+    /// The code that switches it off.
+    Off,
+}
+
+/// The rules of the stages, in their order.
+pub(super) fn rules(machine: &Machine) -> impl Iterator<Item = Rule> {
+    let word = |id: CodeId| {
+        let rows = machine.codes.iter().filter(|row| row.id == id && row.enable);
+        let mut words = rows.filter_map(|row| match row.form {
+            CodeForm::Register { register, min, .. } => Some(format!("{}{min}", machine.registers[register].name)),
+            _ => None,
+        });
+        words.next().unwrap_or_else(|| "BALANCE".to_owned())
+    };
+    let (on, off) = (word(codes::BALANCE_ON), word(codes::BALANCE_OFF));
+    let words = [on.clone(), format!("{on} cut"), off];
+    words.into_iter().map(|word| Rule { word: word.into(), numbered: false, ..Rule::plain("") })
+}
+
+/// The wait of a channel and its partner.
+///
+/// # Errors
+/// Why the list of channels is not possible.
+pub(crate) fn wait(machine: &Machine, said: Said) -> Result<Wait, String> {
+    let everybody = all(machine);
+    let named = said.list.map(|list| channels::named(list, machine.sync.paths, everybody)).transpose()?;
+    let parts = match named {
+        Some(named) => named.with(said.channel),
+        None => everybody,
+    };
+    if parts.count() != 2 {
+        return Err(format!("two channels cut in balance, not {}", parts.count()));
+    }
+    Ok(stage(machine, parts, Stage::On))
+}
+
+/// Another stage of the channels of a wait.
+pub(crate) fn at(machine: &Machine, wait: &Wait, to: Stage) -> Wait {
+    stage(machine, wait.parts, to)
+}
+
+fn stage(machine: &Machine, parts: Set, stage: Stage) -> Wait {
+    let number = stage as u32;
+    let key = Key { space: BALANCE, number };
+    Wait { primitive: Primitive::Barrier, key, named: None, parts, need: 0, rule: extra_rule(machine) + number as u16 }
+}

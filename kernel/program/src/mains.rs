@@ -1,0 +1,36 @@
+//! The main programs of a file: those that channels run by themselves.
+//!
+//! Facts: reference control-emulator.md 5.7, 8.1. *Invariant:* a file with text has a main program.
+
+use super::callers::{Called, Callers};
+use super::shape::Range;
+use super::source::Source;
+
+/// Main programs of a file: those that no other program of the file calls; the first one if all are called. Text before
+/// the first definition is one of its own if it comes to an end code or the program behind it is called; otherwise that
+/// program begins with it, since nothing skips a definition (reference control-emulator.md 5.7).
+pub(super) fn mains(source: &Source, callers: &Callers) -> Vec<Range> {
+    let ranges = source.programs();
+    if ranges.len() < 2 {
+        return ranges.to_vec();
+    }
+    let mut called = Called::default();
+    ranges.iter().for_each(|&range| callers.called(source, range, &mut called));
+    let is_main =
+        |range: Range| !called.has(source, range) && !callers.by_word(range) && !callers.returns(source, range);
+    let mut mains: Vec<Range> = ranges.iter().copied().filter(|&range| is_main(range)).collect();
+    if let [heading, next, ..] = ranges
+        && source.is_plain(*heading)
+        && is_main(*next)
+        && !callers.ends_in(source, *heading)
+    {
+        mains.retain(|range| range != heading);
+        if let Some(first) = mains.first_mut() {
+            first.first = heading.first;
+        }
+    }
+    if mains.is_empty() {
+        mains.extend(ranges.first());
+    }
+    mains
+}

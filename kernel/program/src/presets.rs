@@ -1,0 +1,52 @@
+//! Data of the part that a divided file carries: values of common variables that hold when its programs begin.
+//!
+//! Facts: reference channel-synchronisation.md 1.6 (`$0`). Decision: lines `#814=0000002500` of sections `$0`; a value without a
+//! decimal point counts least increments, 0.001 mm or 0.0001 inch. *Invariant:* only variables that all channels share; of
+//! several values of one variable the last one holds.
+
+use counterpoint_event::Unit;
+use counterpoint_machine::model::Machine;
+
+use super::source::Source;
+
+/// Common variables and their values, as the sections `$0` of a file give them.
+pub fn of<'s>(machine: &'s Machine, source: &'s Source) -> impl Iterator<Item = (u32, f64)> + 's {
+    let step = match machine.unit {
+        Unit::Mm => 1000.0,
+        Unit::Inch => 10_000.0,
+    };
+    let data = source.sections().iter().filter(|section| section.channel == 0);
+    let lines = data.flat_map(|section| source.walk(section.lines.0, section.lines.1));
+    let is_shared =
+        |number: u32| machine.variables.shared.iter().any(|(first, last)| (*first..=*last).contains(&number));
+    lines.filter_map(move |line| preset(source.line(line), step)).filter(move |(number, _)| is_shared(*number))
+}
+
+/// The variable of a line and its value.
+fn preset(line: &[u8], step: f64) -> Option<(u32, f64)> {
+    let text = std::str::from_utf8(line).ok()?.trim();
+    let (number, value) = text.strip_prefix('#')?.split_once('=')?;
+    let (number, value) = (number.trim(), value.trim());
+    let is_number =
+        |text: &str| !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_digit() || b".+-".contains(&byte));
+    if !is_number(value) || !number.bytes().all(|byte| byte.is_ascii_digit()) {
+        return None;
+    }
+    let written: f64 = value.parse().ok()?;
+    Some((number.parse().ok()?, if value.contains('.') { written } else { written / step }))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn values_count_least_increments_or_have_a_point() {
+        assert_eq!(preset(b"#814=0000002500", 10_000.0), Some((814, 0.25)));
+        assert_eq!(preset(b" #824 = -000001000 \r", 1000.0), Some((824, -1.0)));
+        assert_eq!(preset(b"#500=1.5", 1000.0), Some((500, 1.5)));
+        for line in [&b"A"[..], b"#500", b"#=1", b"#5OO=1", b"#500=[1]", b"#500=", b"#500=#501", b"#99999999999=1"] {
+            assert_eq!(preset(line, 1000.0), None);
+        }
+    }
+}
