@@ -162,6 +162,29 @@ async fn a_watch_outlives_a_restart_of_the_server_and_a_submit_is_accepted_once(
     second.stop().await;
 }
 
+#[tokio::test(flavor = "multi_thread")]
+async fn thousands_of_watches_on_one_connection_end_without_breaking_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let server = Server::start(folder.path()).await;
+    let client = Client::connect(&Settings::new(server.handle.url())).await.unwrap();
+    let job = submit(&client, program(3)).await;
+    client.wait(&job).await.unwrap();
+    let mut callers = tokio::task::JoinSet::new();
+    for _ in 0..64 {
+        let (client, job) = (client.clone(), job.clone());
+        callers.spawn(async move {
+            for _ in 0..60 {
+                let (.., status, reconnects) = follow(client.watch(&job, v1::WatchLevel::Everything)).await;
+                assert_eq!((status.state(), reconnects), (v1::JobState::Succeeded, 0));
+            }
+        });
+    }
+    while let Some(done) = callers.join_next().await {
+        done.unwrap();
+    }
+    server.stop().await;
+}
+
 #[tokio::test]
 async fn patience_ends_and_refusals_are_not_repeated() {
     let folder = tempfile::tempdir().unwrap();
