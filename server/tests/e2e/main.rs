@@ -21,6 +21,8 @@ mod damage;
 mod descriptors;
 mod doctor;
 #[cfg(target_os = "linux")]
+mod each_step;
+#[cfg(target_os = "linux")]
 mod faults;
 mod find;
 mod floods;
