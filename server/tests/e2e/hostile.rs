@@ -1,7 +1,6 @@
 //! Everything hostile at once against a server on the real emulator, as a process of its own: each case is answered by
 //! name, the work of others is done, and the server stays small.
 
-
 use counterpoint_proto::v1;
 use counterpoint_proto::v1::JobLimit as Limit;
 use counterpoint_proto::v1::blobs_client::BlobsClient;
