@@ -19,6 +19,9 @@ const HEARTBEAT: Duration = Duration::from_secs(5);
 /// Beyond two heartbeats, how long a silent stream counts as alive.
 const SILENCE: Duration = Duration::from_secs(10);
 
+/// Longest time in which the server closes the stream of a job that has ended.
+const CLOSING: Duration = Duration::from_secs(1);
+
 /// What a watch delivers.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Update {
@@ -100,8 +103,9 @@ impl Watch {
     /// When the server refuses, does not keep to the contract, or was not reached within the patience of the client.
     pub async fn next(&mut self) -> Result<Update, Error> {
         loop {
-            if let Some(status) = &self.ended {
-                return Ok(Update::Ended(Box::new(status.clone())));
+            if let Some(status) = self.ended.clone() {
+                self.close().await;
+                return Ok(Update::Ended(Box::new(status)));
             }
             if let Some(due) = self.due {
                 sleep_until(due).await;
@@ -148,6 +152,15 @@ impl Watch {
         }
     }
 
+    /// Reads the stream to its end. A stream that is dropped before is reset: after about a thousand streams that were
+    /// reset while the server was closing them, HTTP/2 gives up the connection with all other calls on it.
+    async fn close(&mut self) {
+        if let Some(stream) = &mut self.stream {
+            let _ = timeout(CLOSING, async { while let Ok(Some(_)) = stream.message().await {} }).await;
+        }
+        self.stream = None;
+    }
+
     fn take(&mut self, content: Content) -> Result<Option<Update>, Error> {
         Ok(match content {
             Content::Description(_) if std::mem::replace(&mut self.described, true) => None,
@@ -158,9 +171,8 @@ impl Watch {
                 Some(Update::Progress(progress))
             }
             Content::Ended(status) => {
-                self.ended = Some(status.clone());
-                self.stream = None;
-                Some(Update::Ended(Box::new(status)))
+                self.ended = Some(status);
+                None
             }
         })
     }

@@ -162,6 +162,61 @@ async fn a_watch_outlives_a_restart_of_the_server_and_a_submit_is_accepted_once(
     second.stop().await;
 }
 
+/// Passes connections on to a server and delivers the end of each stream (HEADERS with END_STREAM, RFC 9113 section 6.2)
+/// after what came before it.
+async fn late_ends(to: SocketAddr) -> SocketAddr {
+    let listener = TcpListener::bind("127.0.0.1:0").await.unwrap();
+    let address = listener.local_addr().unwrap();
+    tokio::spawn(async move {
+        while let Ok((near, _)) = listener.accept().await {
+            let (mut from_near, mut to_near) = near.into_split();
+            let (mut from_far, mut to_far) = TcpStream::connect(to).await?.into_split();
+            tokio::spawn(async move { tokio::io::copy(&mut from_near, &mut to_far).await });
+            tokio::spawn(async move {
+                loop {
+                    let mut frame = vec![0; 9];
+                    from_far.read_exact(&mut frame).await?;
+                    let length = u32::from_be_bytes([0, frame[0], frame[1], frame[2]]);
+                    frame.resize(9 + usize::try_from(length).unwrap(), 0);
+                    from_far.read_exact(&mut frame[9..]).await?;
+                    if frame[3] == 1 && frame[4] & 1 == 1 {
+                        tokio::time::sleep(Duration::from_millis(2)).await;
+                    }
+                    to_near.write_all(&frame).await?;
+                }
+                #[allow(unreachable_code)]
+                std::io::Result::Ok(())
+            });
+        }
+        std::io::Result::Ok(())
+    });
+    address
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_connection_outlives_many_watches_that_end() {
+    let folder = tempfile::tempdir().unwrap();
+    let server = Server::start(folder.path()).await;
+    let address = late_ends(server.handle.address()).await;
+    let client = Client::connect(&Settings::new(format!("http://{address}"))).await.unwrap();
+    let job = submit(&client, program(3)).await;
+    client.wait(&job).await.unwrap();
+    let mut callers = tokio::task::JoinSet::new();
+    for _ in 0..64 {
+        let (client, job) = (client.clone(), job.clone());
+        callers.spawn(async move {
+            for _ in 0..60 {
+                let (.., status, reconnects) = follow(client.watch(&job, v1::WatchLevel::Everything)).await;
+                assert_eq!((status.state(), reconnects), (v1::JobState::Succeeded, 0));
+            }
+        });
+    }
+    while let Some(done) = callers.join_next().await {
+        done.unwrap();
+    }
+    server.stop().await;
+}
+
 #[tokio::test]
 async fn patience_ends_and_refusals_are_not_repeated() {
     let folder = tempfile::tempdir().unwrap();

@@ -30,6 +30,7 @@ mod results;
 mod rpc;
 pub mod runner;
 pub mod service;
+mod spans;
 mod tenant;
 mod trace;
 

@@ -19,7 +19,7 @@ use tokio::net::TcpListener;
 use tonic::service::Routes;
 use tonic_health::server::HealthReporter;
 
-use crate::jobs::Core;
+use crate::jobs::{Core, Seen};
 use crate::local;
 use crate::local::disk::Disk;
 use crate::metrics::Metrics;
@@ -28,6 +28,7 @@ use crate::options::Options;
 use crate::reason::Refusal;
 use crate::rpc;
 use crate::runner::{Kernel, Runner};
+use crate::spans::Spans;
 
 /// Largest message in either direction, bytes.
 pub const MAX_MESSAGE: usize = 4 << 20;
@@ -58,6 +59,9 @@ pub enum Error {
     /// The address for monitoring is not one.
     #[error("'{0}' is not an address for metrics: expected ADDRESS:PORT, for example 127.0.0.1:9464")]
     Metrics(String),
+    /// Spans cannot be sent to the collector.
+    #[error("{0}")]
+    Spans(String),
     /// Calls cannot be guarded as asked.
     #[error("{0}")]
     Guard(String),
@@ -160,6 +164,7 @@ pub async fn build_with(options: Options, runner: impl Runner) -> Result<Service
 pub async fn build_on(options: Options, runner: impl Runner, disk: Disk) -> Result<Service, Error> {
     let metrics = Arc::new(Metrics::new());
     let gate = Arc::new(Gate::open(&options, metrics.clone()).map_err(Error::Guard)?);
+    let spans = Spans::to(&options.connections.otlp).map_err(Error::Spans)?;
     let address = options.listen;
     let listen = |error| Error::Listen { address, error };
     let listener = TcpListener::bind(address).await.map_err(listen)?;
@@ -176,7 +181,7 @@ pub async fn build_on(options: Options, runner: impl Runner, disk: Disk) -> Resu
     let data = move |reason: String| Error::Data { folder: folder.clone(), reason };
     let opened = tokio::task::spawn_blocking(move || {
         let seams = local::open(&options, disk, &metrics)?;
-        let core = Core::new(options, Box::new(runner), seams, metrics)?;
+        let core = Core::new(options, Box::new(runner), seams, Seen { metrics, spans })?;
         core.recover()?;
         Ok::<_, Refusal>(core)
     });
@@ -262,6 +267,7 @@ impl Service {
         let _ = tokio::task::spawn_blocking(move || {
             closed.ledger.close();
             closed.host.release();
+            closed.close_spans();
         })
         .await;
         tracing::info!("stopped");

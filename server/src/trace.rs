@@ -12,8 +12,12 @@ pub(crate) struct Context {
     pub(crate) trace: String,
     /// The span of the job, 16 lower-case hexadecimal digits.
     pub(crate) span: String,
+    /// The span of its last run, likewise.
+    pub(crate) run: String,
     /// The span of the client, likewise; empty = there is none.
     pub(crate) parent: String,
+    /// Whether the client records its trace; so does one that has none.
+    pub(crate) sampled: bool,
 }
 
 impl Context {
@@ -21,16 +25,15 @@ impl Context {
     pub(crate) fn of(job: &str, traceparent: &str) -> Self {
         let own: String = Sha256::digest(job).iter().map(|byte| format!("{byte:02x}")).collect();
         let (first, second) = own.split_at_checked(32).unwrap_or_default();
-        let span = second.get(..16).unwrap_or_default().to_owned();
-        match parse(traceparent) {
-            Some((trace, parent)) => Self { trace: trace.to_owned(), span, parent: parent.to_owned() },
-            None => Self { trace: first.to_owned(), span, parent: String::new() },
-        }
+        let (span, run) = second.split_at_checked(16).unwrap_or_default();
+        let (trace, parent, sampled) = parse(traceparent).unwrap_or((first, "", true));
+        Self { trace: trace.to_owned(), span: span.to_owned(), run: run.to_owned(), parent: parent.to_owned(), sampled }
     }
 }
 
-/// Trace and parent of a `traceparent`: version, trace, span and flags, as W3C Trace Context 3.2 has it.
-pub(crate) fn parse(traceparent: &str) -> Option<(&str, &str)> {
+/// Trace, parent, and whether the trace is recorded, of a `traceparent`: version, trace, span and flags, as W3C Trace
+/// Context 3.2 has it.
+pub(crate) fn parse(traceparent: &str) -> Option<(&str, &str, bool)> {
     let mut fields = traceparent.trim().split('-');
     let (version, trace, span, flags) = (fields.next()?, fields.next()?, fields.next()?, fields.next()?);
     let is_hex = |text: &str, digits: usize| {
@@ -39,7 +42,8 @@ pub(crate) fn parse(traceparent: &str) -> Option<(&str, &str)> {
     let is_set = |text: &str| text.bytes().any(|b| b != b'0');
     let known = is_hex(version, 2) && version != "ff" && (version != "00" || fields.next().is_none());
     let valid = is_hex(trace, 32) && is_set(trace) && is_hex(span, 16) && is_set(span) && is_hex(flags, 2);
-    (known && valid).then_some((trace, span))
+    let sampled = || u8::from_str_radix(flags, 16).is_ok_and(|flags| flags & 1 == 1);
+    (known && valid).then(|| (trace, span, sampled()))
 }
 
 #[cfg(test)]
@@ -58,6 +62,8 @@ mod tests {
         assert_ne!(context.span, Context::of("other", &sent).span);
         let own = Context::of("job", "");
         assert_eq!((own.trace.len(), own.span.len(), own.parent.as_str()), (32, 16, ""));
+        assert!(own.run.len() == 16 && own.run != own.span && own.sampled && context.sampled);
+        assert!(!Context::of("job", &format!("00-{TRACE}-{SPAN}-02")).sampled, "the client does not record its trace");
         assert_eq!(own.span, context.span);
     }
 

@@ -317,9 +317,8 @@ impl Core {
             lock(&self.board.deadlines).insert((deadline, live.id.clone()));
             return;
         }
+        self.ended(&ended);
         live.change(|record| *record = ended);
-        self.metrics.ended("FAILED");
-        self.metrics.limit(Reached::Deadline.name());
         self.changed(live);
         self.board.live.remove(&live.id);
     }

@@ -14,6 +14,7 @@ use super::live::Live;
 use crate::ledger::record::{Record, State};
 use crate::log::writer::Small;
 use crate::reason::Refusal;
+use crate::spans::Spans;
 
 /// Time between two attempts to make the end of a job durable.
 const PAUSE: Duration = Duration::from_millis(50);
@@ -27,16 +28,19 @@ pub(super) struct End {
     log: Option<Small>,
 }
 
-/// Ends that the ledger has answered.
+/// Ends that the ledger has answered, and where spans of jobs go.
 #[derive(Debug)]
-pub(crate) struct Ends(Sender<(End, Result<(), Refusal>)>);
+pub(crate) struct Ends {
+    answered: Sender<(End, Result<(), Refusal>)>,
+    spans: Spans,
+}
 
 impl Ends {
     /// Starts the thread; it ends with the last handle.
-    pub(super) fn start() -> io::Result<Self> {
-        let (send, receive) = channel();
+    pub(super) fn start(spans: Spans) -> io::Result<Self> {
+        let (answered, receive) = channel();
         std::thread::Builder::new().name("ends".to_owned()).spawn(move || finish(&receive))?;
-        Ok(Self(send))
+        Ok(Self { answered, spans })
     }
 }
 
@@ -47,7 +51,7 @@ impl End {
 
     /// Hands it over to the ledger.
     pub(super) fn keep(self) {
-        let (ends, core) = (self.core.ends.0.clone(), self.core.clone());
+        let (ends, core) = (self.core.ends.answered.clone(), self.core.clone());
         let (record, log) = (self.record.clone(), self.log.as_ref().map(|log| log.bytes.clone()));
         let then = move |kept| {
             // Without the thread the server is ending.
@@ -60,7 +64,7 @@ impl End {
     fn show(self) {
         let Self { core, live, record, log } = self;
         core.board.tally.ended(&record);
-        count(&core, &record);
+        core.ended(&record);
         core.host.unmark(&live.id);
         if let Some(log) = log.filter(|_| record.state.ended()) {
             live.tail.set(log.bytes.len() as u64, log.last_seq);
@@ -98,15 +102,23 @@ fn finish(ends: &Receiver<(End, Result<(), Refusal>)>) {
     }
 }
 
-/// Counts the end of a job.
-fn count(core: &Core, record: &Record) {
-    core.metrics.ended(match record.state {
-        State::Queued | State::Running => return,
-        State::Succeeded => "SUCCEEDED",
-        State::Failed => "FAILED",
-        State::Cancelled => "CANCELLED",
-    });
-    if let Some(reached) = record.runs.reached {
-        core.metrics.limit(reached.name());
+impl Core {
+    /// Lets monitoring see that a job has ended; others are left out.
+    pub(super) fn ended(&self, record: &Record) {
+        self.metrics.ended(match record.state {
+            State::Queued | State::Running => return,
+            State::Succeeded => "SUCCEEDED",
+            State::Failed => "FAILED",
+            State::Cancelled => "CANCELLED",
+        });
+        if let Some(reached) = record.runs.reached {
+            self.metrics.limit(reached.name());
+        }
+        self.ends.spans.ended(record);
+    }
+
+    /// Sends the spans that are left.
+    pub(crate) fn close_spans(&self) {
+        self.ends.spans.close();
     }
 }

@@ -96,7 +96,7 @@ impl Live {
     /// The span of the job, which continues the trace of its client.
     pub(super) fn span(&self) -> tracing::Span {
         let record = lock(&self.record);
-        let Context { trace, span, parent } = Context::of(&record.id, &record.runs.traceparent);
+        let Context { trace, span, parent, .. } = Context::of(&record.id, &record.runs.traceparent);
         let attempt = record.runs.attempt + 1;
         tracing::info_span!("job", id = record.id, tenant = record.tenant, attempt, trace, span, parent)
     }

@@ -44,6 +44,7 @@ use crate::places::Places;
 use crate::queue::Queue;
 use crate::reason::Refusal;
 use crate::runner::Runner;
+use crate::spans::Spans;
 use board::Board;
 use ends::Ends;
 use feed::{Feed, Removed};
@@ -63,6 +64,13 @@ pub(crate) struct Seams {
     pub(crate) logs: Arc<dyn Logs>,
     pub(crate) blobs: Arc<dyn Blobs>,
     pub(crate) host: Arc<dyn Host>,
+}
+
+/// What others see of the server while it works.
+#[derive(Debug)]
+pub(crate) struct Seen {
+    pub(crate) metrics: Arc<Metrics>,
+    pub(crate) spans: Spans,
 }
 
 /// What all parts of the server share.
@@ -123,13 +131,14 @@ impl Core {
         options: Options,
         runner: Box<dyn Runner>,
         seams: Seams,
-        metrics: Arc<Metrics>,
+        seen: Seen,
     ) -> Result<Arc<Self>, Refusal> {
         let Seams { ledger, queue, logs, blobs, host } = seams;
+        let Seen { metrics, spans } = seen;
         let uploads = Uploads::new(&options);
         Ok(Arc::new(Self {
             flusher: Flusher::start()?,
-            ends: Ends::start()?,
+            ends: Ends::start(spans)?,
             board: Board::new(queue, ledger.epoch()),
             ledger,
             machines: Machines::new(blobs.clone(), options.maxima.max_machine_bytes),
@@ -374,7 +383,7 @@ impl Core {
         let ended = Record { state: State::Cancelled, ended_ms: now_ms(), paused: false, ..record };
         self.ledger.update(ended.clone()).await?;
         live.change(|record| record.clone_from(&ended));
-        self.metrics.ended("CANCELLED");
+        self.ended(&ended);
         self.changed(live);
         self.board.live.remove(&live.id);
         Ok(ended)

@@ -67,7 +67,7 @@ group! {
         /// Most diagnostics kept of a channel
         max_diagnostics: u32 = MOST.diagnostics, "COUNTERPOINT_MAX_DIAGNOSTICS", "N";
         /// Most memory for variables, texts, files and results of a job, bytes
-        max_memory: u64 = 1 << 30, "COUNTERPOINT_MAX_MEMORY", "BYTES";
+        max_memory: u64 = 256 << 20, "COUNTERPOINT_MAX_MEMORY", "BYTES";
         /// Most steps of macros of a channel
         max_macro_steps: u64 = MOST.macro_steps, "COUNTERPOINT_MAX_MACRO_STEPS", "N";
         /// Most bytes of all files of a machine
@@ -94,6 +94,9 @@ group! {
         max_uploads_per_connection: usize = 32, "COUNTERPOINT_MAX_UPLOADS_PER_CONNECTION", "N";
         /// Address on which monitoring gets /metrics, /livez and /readyz over HTTP, without an identity; empty = none
         metrics: String = String::new(), "COUNTERPOINT_METRICS", "ADDRESS";
+        /// Collector that gets a span of each job by OTLP over gRPC, such as http://127.0.0.1:4317; empty = none. Takes a
+        /// server built with the feature otlp
+        otlp: String = String::new(), "COUNTERPOINT_OTLP", "URL";
     }
 }
 

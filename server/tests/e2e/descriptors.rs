@@ -25,10 +25,16 @@ impl Drop for Process {
 
 impl Process {
     pub fn start(folder: &std::path::Path) -> Self {
+        Self::start_with(folder, &["--preface-s", "600"])
+    }
+
+    /// Starts one with options.
+    pub fn start_with(folder: &std::path::Path, options: &[&str]) -> Self {
         let log = folder.join("stderr");
         let mut child = Command::new(env!("CARGO_BIN_EXE_counterpointd"))
-            .args(["--listen", "127.0.0.1:0", "--preface-s", "600", "--data"])
+            .args(["--listen", "127.0.0.1:0", "--data"])
             .arg(folder.join("data"))
+            .args(options)
             .env_remove("COUNTERPOINT_LOG")
             .stdout(Stdio::piped())
             .stderr(std::fs::File::create(&log).unwrap())

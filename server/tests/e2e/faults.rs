@@ -66,10 +66,14 @@ async fn load(server: &Server, disk: &BadDisk, caller: usize) -> Heard {
     heard
 }
 
-/// A submit whose file has been uploaded, if it could be.
 async fn request(server: &Server, id: &str) -> Option<v1::SubmitJobRequest> {
-    let content = script(id).as_bytes();
-    let upload = v1::UploadRequest { digest: digest(content), data: content.into(), size: None };
+    submission(server, id, script(id)).await
+}
+
+/// A submit whose file has been uploaded, if it could be.
+pub async fn submission(server: &Server, id: &str, script: &str) -> Option<v1::SubmitJobRequest> {
+    let content = script.as_bytes();
+    let upload = v1::UploadRequest { digest: digest(content), data: content.to_vec().into(), size: None };
     let uploaded = server.blobs().upload(tokio_stream::iter([upload])).await;
     let digest = uploaded.ok()?.into_inner().digest;
     Some(v1::SubmitJobRequest {
@@ -83,7 +87,7 @@ async fn request(server: &Server, id: &str) -> Option<v1::SubmitJobRequest> {
 
 /// Everything that is said about a job, without what differs between runs.
 #[derive(Debug, PartialEq)]
-struct Said {
+pub struct Said {
     state: v1::JobState,
     events: Vec<v1::Event>,
     summary: String,
@@ -107,7 +111,7 @@ macro_rules! text {
     };
 }
 
-async fn said(server: &Server, job: &str) -> Said {
+pub async fn said(server: &Server, job: &str) -> Said {
     let (id, mut results) = (job.to_owned(), server.results());
     let status = server.wait(job).await;
     assert!(status.ended_ms > 0, "{status:?}");

@@ -211,32 +211,50 @@ async fn only_machines_that_an_administrator_has_put_there_may_start_commands() 
     }
 }
 
+/// Asks reflection of a version for the names of all services; gives the code of a refusal.
+macro_rules! services {
+    ($version:ident, $connection:expr, $bearer:expr) => {{
+        use tonic_reflection::pb::$version as pb;
+        let mut client =
+            pb::server_reflection_client::ServerReflectionClient::with_interceptor($connection.clone(), $bearer);
+        let message_request = Some(pb::server_reflection_request::MessageRequest::ListServices(String::new()));
+        let request = pb::ServerReflectionRequest { message_request, ..Default::default() };
+        let answer = match client.server_reflection_info(tokio_stream::iter([request])).await {
+            Ok(mut answers) => answers.get_mut().message().await,
+            Err(status) => Err(status),
+        };
+        answer.map_err(|status| status.code()).map(|answer| match answer.unwrap().message_response.unwrap() {
+            pb::server_reflection_response::MessageResponse::ListServicesResponse(list) => {
+                list.service.into_iter().map(|service| service.name).collect::<Vec<_>>()
+            }
+            other => panic!("{other:?}"),
+        })
+    }};
+}
+
 #[tokio::test]
 async fn reflection_can_be_switched_off_and_needs_an_identity() {
-    use tonic_reflection::pb::v1::ServerReflectionRequest;
-    use tonic_reflection::pb::v1::server_reflection_client::ServerReflectionClient;
-    use tonic_reflection::pb::v1::server_reflection_request::MessageRequest;
     let folder = tempfile::tempdir().unwrap();
-    for (reflection, code) in [(true, Code::Ok), (false, Code::Unimplemented)] {
+    for reflection in [true, false] {
         let mut options = guarded(folder.path());
         options.guard.reflection = reflection;
         let token = grant(&options, "r", "t", Role::Read);
         let server = Server::start(options).await;
-        let ask = |bearer: Bearer| {
-            let mut client = ServerReflectionClient::with_interceptor(server.connection.clone(), bearer);
-            let message_request = Some(MessageRequest::ListServices(String::new()));
-            let request = ServerReflectionRequest { message_request, ..Default::default() };
-            async move {
-                match client.server_reflection_info(tokio_stream::iter([request])).await {
-                    Ok(mut answer) => {
-                        answer.get_mut().message().await.map_or_else(|status| status.code(), |_| Code::Ok)
-                    }
-                    Err(status) => status.code(),
+        let known = Bearer(Some(token));
+        let named = [services!(v1, server.connection, known.clone()), services!(v1alpha, server.connection, known)];
+        for services in named {
+            match services {
+                Ok(names) => {
+                    assert!(reflection && names.iter().any(|name| name == "counterpoint.v1.Jobs"), "{names:?}")
                 }
+                Err(code) => assert!(!reflection && code == Code::Unimplemented, "{code:?}"),
             }
-        };
-        assert_eq!(ask(Bearer(Some(token))).await, code);
-        assert_eq!(ask(Bearer(None)).await, Code::Unauthenticated);
+        }
+        for unknown in
+            [services!(v1, server.connection, Bearer(None)), services!(v1alpha, server.connection, Bearer(None))]
+        {
+            assert_eq!(unknown, Err(Code::Unauthenticated));
+        }
         server.stop().await;
     }
 }

@@ -21,17 +21,23 @@ mod damage;
 mod descriptors;
 mod doctor;
 #[cfg(target_os = "linux")]
+mod each_step;
+#[cfg(target_os = "linux")]
 mod faults;
 mod find;
+mod floods;
 mod folder;
 mod guard;
 mod guarded;
+#[cfg(target_os = "linux")]
+mod hostile;
 #[cfg(target_os = "linux")]
 mod killed;
 mod life;
 mod limits;
 mod metrics;
 mod operator;
+mod otlp;
 mod pause;
 mod rate;
 mod refusals;
