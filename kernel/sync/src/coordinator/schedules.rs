@@ -106,9 +106,9 @@ fn kernel(core: &Coordinator, channel: u16, kernels: u16, script: &[Op]) {
                     Met::Turn(mut turn) => {
                         let own = Finish { how: Terminal::Alarmed, file: 0, line: 0 };
                         match turn.arrive(waiting, own, &info()).0 {
-                            After::Go { t, micro, sync_point } => {
+                            After::Go { t, micro, sync_point, short } => {
                                 let tag = Tag { t, micro, channel };
-                                Wake::Released { tag, sync_point, by: channel, all: true, short: false }
+                                Wake::Released { tag, sync_point, by: channel, all: true, short }
                             }
                             After::Stand(_) => Wake::Turn,
                             After::Alarm { .. } | After::Illegal { .. } => unreachable!("no wait is refused"),
