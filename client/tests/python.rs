@@ -1,4 +1,4 @@
-//! The Python package against a server; skipped where Python has no grpcio.
+//! The Python package and its types against a server; skipped where Python has no grpcio.
 
 #![allow(missing_docs, clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::print_stderr)]
 
@@ -20,9 +20,11 @@ fn copy(from: &Path, to: &Path) {
 #[test]
 fn the_python_package_submits_watches_and_draws() {
     let python = std::env::var("COUNTERPOINT_PYTHON").unwrap_or_else(|_| "python3".to_owned());
-    let probe = Command::new(&python).args(["-c", "import grpc, grpc_tools"]).output();
+    let probe = Command::new(&python).args(["-c", "import grpc, grpc_tools, mypy_protobuf"]).output();
     if !probe.is_ok_and(|output| output.status.success()) {
-        eprintln!("skipped: {python} has no grpcio and grpcio-tools (COUNTERPOINT_PYTHON names another interpreter)");
+        eprintln!(
+            "skipped: {python} has no grpcio, grpcio-tools and mypy-protobuf (COUNTERPOINT_PYTHON names another interpreter)"
+        );
         return;
     }
     let folder = tempfile::tempdir().unwrap();
@@ -31,7 +33,15 @@ fn the_python_package_submits_watches_and_draws() {
     copy(&package.join("counterpoint"), &out.join("counterpoint"));
     let generated = Command::new(&python).arg(package.join("generate.py")).arg("--out").arg(&out).output().unwrap();
     assert!(generated.status.success(), "{}", String::from_utf8_lossy(&generated.stderr));
-    assert!(out.join("counterpoint/v1/jobs_pb2.pyi").is_file(), "messages have types");
+    for types in ["jobs_pb2.pyi", "jobs_pb2_grpc.pyi"] {
+        assert!(out.join("counterpoint/v1").join(types).is_file(), "messages and stubs have types");
+    }
+    if Command::new(&python).args(["-c", "import mypy"]).output().unwrap().status.success() {
+        let mut check = Command::new(&python);
+        check.args(["-m", "mypy", "--strict", "--cache-dir"]).arg(folder.path().join("mypy")).arg("counterpoint");
+        let output = check.current_dir(&out).output().unwrap();
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stdout));
+    }
     let runtime = tokio::runtime::Builder::new_multi_thread().enable_all().build().unwrap();
     let listen = "127.0.0.1:0".parse().unwrap();
     let options = Options { listen, data: folder.path().join("data"), grace_s: 0, ..Options::default() };

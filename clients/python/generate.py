@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
-"""Makes counterpoint/v1 from the contract: messages, their types (.pyi) and stubs.
+"""Makes counterpoint/v1 from the contract: messages and stubs, both with their types (.pyi).
 
 usage: generate.py [--out FOLDER]
 """
 
 import argparse
+import os
 import pathlib
 import sys
 
@@ -19,7 +20,10 @@ def main() -> int:
     out = parser.parse_args().out
     proto = HERE.parent.parent / "proto"
     files = sorted(str(file.relative_to(proto)) for file in proto.glob("counterpoint/v1/*.proto"))
-    options = [f"--python_out={out}", f"--pyi_out={out}", f"--grpc_python_out={out}"]
+    # The plug-ins of mypy-protobuf stand beside the interpreter, which need not be on the PATH.
+    os.environ["PATH"] = os.pathsep.join([str(pathlib.Path(sys.executable).parent), os.environ.get("PATH", "")])
+    options = [f"--python_out={out}", f"--mypy_out=quiet:{out}"]
+    options += [f"--grpc_python_out={out}", f"--mypy_grpc_out=quiet:{out}"]
     code = protoc.main(["protoc", f"-I{proto}", *options, *files])
     if code == 0:
         (out / "counterpoint" / "v1" / "__init__.py").write_text('"""Messages and stubs of the contract, generated."""\n')

@@ -7,12 +7,12 @@ import random
 import sys
 import time
 import uuid
-from typing import Any, Callable, Dict, Iterable, Iterator, List, Mapping, NamedTuple, Optional, Sequence, Tuple, Union
+from typing import Any, Callable, Dict, Iterable, Iterator, List, Mapping, NamedTuple, Optional, Sequence, Tuple, TypeVar, Union
 
 import grpc
 
 from .timeline import Timeline
-from .v1 import blobs_pb2, blobs_pb2_grpc, jobs_pb2, jobs_pb2_grpc, results_pb2, results_pb2_grpc
+from .v1 import blobs_pb2, blobs_pb2_grpc, event_pb2, jobs_pb2, jobs_pb2_grpc, results_pb2, results_pb2_grpc
 
 CHUNK = 64 * 1024
 #: Longest time without a message on a watch, s.
@@ -45,6 +45,7 @@ class JobFailed(Exception):
     """A job that could not be run at all."""
 
 
+T = TypeVar("T")
 Show = Callable[[List[Progress]], None]
 Programs = Union[Sequence[Union[str, pathlib.Path]], Mapping[str, bytes]]
 
@@ -132,7 +133,9 @@ class Client:
 
             self._again(lambda: self._blobs.Upload(chunks(), metadata=self._metadata))
 
-    def events(self, job: str, after: int = 0, level: int = jobs_pb2.WATCH_LEVEL_DIAGNOSTICS) -> Iterator[Any]:
+    def events(
+        self, job: str, after: int = 0, level: "jobs_pb2.WatchLevel.ValueType" = jobs_pb2.WATCH_LEVEL_DIAGNOSTICS
+    ) -> Iterator[jobs_pb2.WatchJobResponse]:
         """Messages of a watch, over broken connections: every event once and in order, the end last."""
         cursor, failures, since = after, 0, None
         while True:
@@ -198,7 +201,7 @@ class Client:
     def _whole(self, call: Callable[..., Iterable[Any]], request: Any) -> bytes:
         return bytes(self._again(lambda: b"".join(chunk.data for chunk in call(request, metadata=self._metadata))))
 
-    def _again(self, call: Callable[[], Any]) -> Any:
+    def _again(self, call: Callable[[], T]) -> T:
         failures, since = 0, time.monotonic()
         while True:
             try:
@@ -219,16 +222,18 @@ def _named(programs: Programs) -> List[Tuple[str, bytes]]:
 
 def _pause(failures: int) -> float:
     """From 0.1 s doubling to 10 s, half of it by chance."""
-    return min(0.1 * 2**min(failures, 10), 10.0) * random.uniform(0.5, 1.0)
+    return min(0.1 * float(1 << min(failures, 10)), 10.0) * random.uniform(0.5, 1.0)
 
 
-def _progress(channel: Any) -> Progress:
+def _progress(channel: jobs_pb2.ChannelProgress) -> Progress:
     state = jobs_pb2.ChannelState.Name(channel.state).replace("CHANNEL_STATE_", "").replace("_", " ").lower()
     return Progress(channel.name, state, channel.blocks, channel.percent, channel.t_ns / 1e9, channel.waiting_for)
 
 
-def _event(event: Any) -> Optional[Event]:
+def _event(event: event_pb2.Event) -> Optional[Event]:
     kind = event.WhichOneof("kind")
-    body = getattr(event, kind) if kind else None
+    if kind is None:
+        return None
+    body = getattr(event, kind)
     text = getattr(body, "text", "") or getattr(body, "key", "")
     return Event(event.seq, event.t_ns / 1e9, event.channel, event.line, kind, text) if text else None
