@@ -8,7 +8,7 @@ use counterpoint_proto::v1::admin_client::AdminClient;
 use counterpoint_proto::v1::jobs_client::JobsClient;
 use counterpoint_proto::v1::machines_client::MachinesClient;
 use counterpoint_proto::v1::operator_client::OperatorClient;
-use counterpoint_server::options::{Options, System};
+use counterpoint_server::options::{Embedded, Options, System};
 use counterpoint_server::service;
 
 use crate::error::Error;
@@ -40,7 +40,8 @@ impl Client {
         let data = tempfile::Builder::new().prefix("counterpoint-").tempdir();
         let data = data.map_err(Error::file(std::env::temp_dir()))?;
         let own = Options::ephemeral(data.path().to_owned());
-        let options = Options { log, system: System { allow_system, ..System::default() }, ..own };
+        let embedded = Embedded { log, ..own.embedded };
+        let options = Options { embedded, system: System { allow_system, ..System::default() }, ..own };
         let service = service::build(options).await.map_err(|error| Error::Connection(error.to_string()))?;
         let address = format!("http://{}", service.handle().address());
         // Ends with the runtime, when the command ends.

@@ -1,8 +1,8 @@
 //! What went wrong, for the report: causes before consequences, each once, with place, block and remedy.
 //!
-//! Errors are listed in the order in which they occurred, so a cause comes before its consequences; the verdict is the
-//! last error. Warnings and notes follow. *Invariant:* a diagnostic that repeats the verdict is shown only as the
-//! verdict.
+//! Errors are listed in the order in which they occurred, so a cause comes before its consequences: those that led to the
+//! verdict, the verdict, then later verdicts and errors. Warnings and notes follow. *Invariant:* a diagnostic that repeats
+//! the verdict is shown only as the verdict.
 
 use std::fmt::Write as _;
 
@@ -59,11 +59,15 @@ pub(crate) fn problems(summary: &Summary, most: usize) -> String {
     let several = summary.channels.iter().filter(|c| !c.program.is_empty()).count() > 1;
     let mut out = String::new();
     let mut explained = Vec::new();
-    for (diagnostic, count) in errors.iter().take(most) {
+    let errors_so_far = before_verdict(summary, errors).min(most);
+    for (diagnostic, count) in errors.iter().take(errors_so_far) {
         out.push_str(&one(diagnostic, *count, several, &mut explained));
     }
     if let Some(verdict) = &summary.verdict {
         out.push_str(&judged(summary, verdict, several));
+    }
+    for (diagnostic, count) in errors.iter().take(most).skip(errors_so_far) {
+        out.push_str(&one(diagnostic, *count, several, &mut explained));
     }
     for (diagnostic, count) in others.iter().take(most.saturating_sub(errors.len())) {
         out.push_str(&one(diagnostic, *count, several, &mut explained));
@@ -74,6 +78,14 @@ pub(crate) fn problems(summary: &Summary, most: usize) -> String {
     }
     let hint = "`counterpoint explain NUMBER` explains a diagnostic";
     format!("{out}\n  {}\n\n", styled(DIM, hint))
+}
+
+/// How many of the errors were reported before the verdict.
+fn before_verdict(summary: &Summary, errors: &[(&Diagnostic, usize)]) -> usize {
+    let Some(verdict) = &summary.verdict else { return errors.len() };
+    let Some(at) = summary.diagnostics.iter().position(|d| says(d, verdict)) else { return errors.len() };
+    let later = summary.diagnostics.get(at..).unwrap_or_default();
+    errors.iter().take_while(|(error, _)| !later.iter().any(|d| std::ptr::eq(d, *error))).count()
 }
 
 /// Errors, warnings, notes.
@@ -180,6 +192,23 @@ mod tests {
         );
         assert_eq!(text.matches("remedy: ").count(), 3, "{text}");
         assert!(!text.contains("channel 0"), "{text}");
+    }
+
+    #[test]
+    fn a_later_verdict_follows_the_first_one() {
+        let summary = summary(
+            r#"{"state":"FAILED","channels":[{"channel":1,"program":"a"},{"channel":2,"program":"b"}],
+            "verdict":{"kind":"CYCLE","text":"channels 1 and 2 wait for each other","members":[]},
+            "diagnostics":[
+                {"number":2900061,"severity":12,"channel":4,"text":"an alarm before"},
+                {"number":2900071,"severity":16,"channel":0,"text":"channels 1 and 2 wait for each other"},
+                {"number":2900071,"severity":16,"channel":0,"text":"channel 3 waits for channel 1"},
+                {"number":2001005,"severity":4,"channel":3,"text":"a warning"}]}"#,
+        );
+        let text = plain(&problems(&summary, 20));
+        let at = |part: &str| text.find(part).unwrap();
+        let order = ["an alarm before", "CYCLE 2900071", "channel 3 waits for channel 1", "a warning"].map(at);
+        assert!(order.is_sorted(), "{text}");
     }
 
     #[test]

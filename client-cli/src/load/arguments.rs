@@ -40,7 +40,7 @@ pub(crate) struct Load {
     /// Put load on a server on another machine
     #[arg(long)]
     pub(crate) allow_remote: bool,
-    /// Measure the processor time and memory of this process [default: the one that listens on the port of the server]
+    /// Measure processor time, memory, descriptors, threads and data folder of this process [default: the one that listens on the port of the server]
     #[arg(long, value_name = "PID")]
     pub(crate) server_pid: Option<u32>,
     #[command(flatten)]
@@ -84,6 +84,10 @@ pub(crate) struct Thresholds {
     /// Allow this many errors per 100 jobs
     #[arg(long, value_name = "PERCENT", value_parser = percent)]
     pub(crate) max_errors: Option<f64>,
+    /// Allow memory, descriptors, threads and data folder of the server to grow by this many per cent from the first
+    /// third of the measured time to the last (medians)
+    #[arg(long, value_name = "PERCENT", value_parser = percent)]
+    pub(crate) max_growth: Option<f64>,
     /// Require this many accepted jobs a second
     #[arg(long, value_name = "N", value_parser = rate)]
     pub(crate) min_submits: Option<f64>,

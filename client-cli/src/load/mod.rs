@@ -5,6 +5,8 @@
 
 pub(crate) mod arguments;
 mod drive;
+mod folder;
+mod growth;
 mod measure;
 mod mix;
 mod page;
@@ -114,8 +116,9 @@ async fn run(arguments: &Load, mix: Mix, pace: Pace, clients: Vec<Client>, mut p
     }
     live.clear();
     let measured = lock(&measured);
-    let thresholds = thresholds(&arguments.thresholds, &measured);
-    Report::new(name(&arguments.mix), &arguments.remote.server, pace, &measured, thresholds)
+    let growth = growth::growth(&measured.seconds);
+    let thresholds = thresholds(&arguments.thresholds, &measured, &growth);
+    Report::new(name(&arguments.mix), &arguments.remote.server, pace, &measured, (thresholds, growth))
 }
 
 fn name(path: &Path) -> String {

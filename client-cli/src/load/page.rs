@@ -4,6 +4,7 @@
 
 use std::fmt::Write as _;
 
+use super::growth::Growth;
 use super::measure::{Second, Stretch};
 use super::plot::{Plot, Scale, Series, escaped};
 use super::report::{Report, SHARES, Used};
@@ -89,12 +90,22 @@ fn counts(out: &mut String, report: &Report) {
         let word = if threshold.kept { "kept" } else { "missed" };
         (threshold.to_string(), format!("<span class=\"{word}\">{word}</span>"))
     };
+    let growth = |growth: &Growth| (growth.what.to_owned(), format!("{:+.1} %", growth.percent));
+    table("Growth from the first third of the time to the last", report.growth.iter().map(growth).collect());
     table("Thresholds", report.thresholds.iter().map(threshold).collect());
 }
 
-/// Points of a figure over time; seconds without it are left out.
+/// Most points of a line.
+const POINTS: usize = 600;
+
+/// Points of a figure over time; seconds without it are left out, and of many seconds each point is the mean of some.
 fn over_time(report: &Report, of: impl Fn(&Second) -> Option<f64>) -> Vec<(f64, f64)> {
-    report.seconds.iter().filter_map(|second| Some((second.at_s, of(second)?))).collect()
+    let points: Vec<_> = report.seconds.iter().filter_map(|second| Some((second.at_s, of(second)?))).collect();
+    let some = points.chunks(points.len().div_ceil(POINTS).max(1)).map(|some| {
+        let count = some.len() as f64;
+        (some.iter().map(|point| point.0).sum::<f64>() / count, some.iter().map(|point| point.1).sum::<f64>() / count)
+    });
+    some.collect()
 }
 
 fn plots(report: &Report) -> Vec<Plot> {
@@ -155,6 +166,17 @@ fn plots(report: &Report) -> Vec<Plot> {
             vec![series("cores", &|s| Some(s.process?.cores))],
         ));
         plots.push(plot("Memory of the server", "MiB", Scale::Linear, vec![series("memory", &mib)]));
+        plots.push(plot(
+            "Descriptors and threads of the server",
+            "",
+            Scale::Linear,
+            vec![
+                series("descriptors", &|s| Some(s.process?.descriptors as f64)),
+                series("threads", &|s| Some(s.process?.threads as f64)),
+            ],
+        ));
+        let folder = |s: &Second| s.process?.folder.map(|bytes| bytes as f64 / f64::from(1 << 20));
+        plots.push(plot("Data folder of the server", "MiB", Scale::Linear, vec![series("data", &folder)]));
     }
     plots
 }

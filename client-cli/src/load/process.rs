@@ -1,10 +1,12 @@
-//! Processor time and memory of the server when it runs on this machine.
+//! Processor time, memory, descriptors, threads and data folder of the server when it runs on this machine.
 //!
 //! Source: proc(5). Linux counts processor time there in hundredths of a second on every architecture.
 
 use std::time::Instant;
 
 use serde::Serialize;
+
+use super::folder::Folder;
 
 /// Ticks of a second.
 const TICKS: f64 = 100.0;
@@ -16,6 +18,12 @@ pub(super) struct Sample {
     pub(super) cores: f64,
     /// Memory in use, bytes.
     pub(super) rss: u64,
+    /// Open descriptors.
+    pub(super) descriptors: u64,
+    pub(super) threads: u64,
+    /// Bytes of the data folder, where it is known.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) folder: Option<u64>,
 }
 
 /// A process that is measured.
@@ -23,13 +31,14 @@ pub(super) struct Sample {
 pub(super) struct Process {
     pid: u32,
     last: (Instant, u64),
+    folder: Option<Folder>,
 }
 
 impl Process {
     /// The process with this id, or the one that listens on this port, if it may be looked at.
     pub(super) fn find(pid: Option<u32>, port: u16) -> Option<Self> {
         let pid = pid.or_else(|| listener(port))?;
-        Some(Self { pid, last: (Instant::now(), ticks(pid)?) })
+        Some(Self { pid, last: (Instant::now(), ticks(pid)?), folder: Folder::of(pid) })
     }
 
     /// What it used since the last call.
@@ -37,7 +46,15 @@ impl Process {
         let (now, ticks) = (Instant::now(), ticks(self.pid)?);
         let (then, before) = std::mem::replace(&mut self.last, (now, ticks));
         let seconds = now.duration_since(then).as_secs_f64().max(1e-3);
-        Some(Sample { cores: ticks.saturating_sub(before) as f64 / TICKS / seconds, rss: rss(self.pid)? })
+        let status = std::fs::read_to_string(format!("/proc/{}/status", self.pid)).ok()?;
+        let descriptors = std::fs::read_dir(format!("/proc/{}/fd", self.pid)).ok()?.count() as u64;
+        Some(Sample {
+            cores: ticks.saturating_sub(before) as f64 / TICKS / seconds,
+            rss: field(&status, "VmRSS:")? * 1024,
+            descriptors,
+            threads: field(&status, "Threads:")?,
+            folder: self.folder.as_ref().map(Folder::bytes),
+        })
     }
 }
 
@@ -49,10 +66,10 @@ fn ticks(pid: u32) -> Option<u64> {
     Some(user + system)
 }
 
-fn rss(pid: u32) -> Option<u64> {
-    let status = std::fs::read_to_string(format!("/proc/{pid}/status")).ok()?;
-    let line = status.lines().find_map(|line| line.strip_prefix("VmRSS:"))?;
-    Some(line.trim().trim_end_matches(" kB").trim().parse::<u64>().ok()? * 1024)
+/// A number of the `status` of a process; sizes are in KiB.
+fn field(status: &str, name: &str) -> Option<u64> {
+    let line = status.lines().find_map(|line| line.strip_prefix(name))?;
+    line.trim().trim_end_matches(" kB").trim().parse().ok()
 }
 
 /// The process that listens on a port.
@@ -92,6 +109,7 @@ mod tests {
         assert_eq!(process.pid, std::process::id());
         let sample = process.sample().unwrap();
         assert!(sample.rss > 1 << 20 && sample.cores >= 0.0, "{sample:?}");
+        assert!(sample.descriptors >= 3 && sample.threads >= 1 && sample.folder.is_none(), "{sample:?}");
     }
 
     #[test]

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 use super::drive::Pace;
+use super::growth::Growth;
 use super::measure::{Measured, Second, Stretch};
 use super::thresholds::Threshold;
 use crate::text;
@@ -32,6 +33,10 @@ pub(super) struct Used {
     pub(super) cores_mean: f64,
     pub(super) cores_max: f64,
     pub(super) rss_max: u64,
+    pub(super) descriptors_max: u64,
+    pub(super) threads_max: u64,
+    /// Bytes of the data folder at the end.
+    pub(super) folder: Option<u64>,
 }
 
 /// The report.
@@ -55,11 +60,19 @@ pub(super) struct Report {
     /// Of the server, if it is on this machine.
     pub(super) process: Option<Used>,
     pub(super) thresholds: Vec<Threshold>,
+    /// How the server grew while it was measured.
+    pub(super) growth: Vec<Growth>,
     pub(super) seconds: Vec<Second>,
 }
 
 impl Report {
-    pub(super) fn new(mix: String, server: &str, pace: Pace, measured: &Measured, thresholds: Vec<Threshold>) -> Self {
+    pub(super) fn new(
+        mix: String,
+        server: &str,
+        pace: Pace,
+        measured: &Measured,
+        (thresholds, growth): (Vec<Threshold>, Vec<Growth>),
+    ) -> Self {
         let seconds = measured.seconds_measured();
         let rate = |count: u64| count as f64 / seconds;
         let times = Stretch::ALL.into_iter().filter_map(|stretch| Some((stretch.name(), times(measured, stretch)?)));
@@ -77,6 +90,7 @@ impl Report {
             times_ms: times.collect(),
             process: used(&measured.seconds),
             thresholds,
+            growth,
             seconds: measured.seconds.clone(),
         }
     }
@@ -103,8 +117,17 @@ impl Report {
         }
         out += &text::table(&rows, 1);
         if let Some(used) = &self.process {
-            let Used { cores_mean, cores_max, rss_max } = used;
-            out += &format!("server: {cores_mean:.2} cores (most {cores_max:.2}), {} MiB at most\n", rss_max >> 20);
+            let Used { cores_mean, cores_max, rss_max, descriptors_max, threads_max, folder } = used;
+            out += &format!(
+                "server: {cores_mean:.2} cores (most {cores_max:.2}), {} MiB, {descriptors_max} descriptors, {threads_max} \
+                 threads at most",
+                rss_max >> 20
+            );
+            out += &folder.map_or_else(String::new, |bytes| format!(", {} MiB of data at the end", bytes >> 20));
+            out.push('\n');
+        }
+        for Growth { what, percent, .. } in self.growth.iter().filter(|growth| growth.percent != 0.0) {
+            out += &format!("{what}: {percent:+.1} % from the first third of the time to the last\n");
         }
         match self.errors.is_empty() {
             true => out += "no errors\n",
@@ -131,5 +154,8 @@ fn used(seconds: &[Second]) -> Option<Used> {
         cores_mean: measured.iter().map(|sample| sample.cores).sum::<f64>() / count as f64,
         cores_max: measured.iter().map(|sample| sample.cores).fold(0.0, f64::max),
         rss_max: measured.iter().map(|sample| sample.rss).max().unwrap_or(0),
+        descriptors_max: measured.iter().map(|sample| sample.descriptors).max().unwrap_or(0),
+        threads_max: measured.iter().map(|sample| sample.threads).max().unwrap_or(0),
+        folder: measured.last().and_then(|sample| sample.folder),
     })
 }

@@ -5,6 +5,7 @@ use std::time::Duration;
 use serde::Serialize;
 
 use super::arguments::Thresholds;
+use super::growth::Growth;
 use super::measure::{Measured, Stretch};
 
 /// A threshold and what was measured.
@@ -29,7 +30,7 @@ impl std::fmt::Display for Threshold {
 }
 
 /// All thresholds that were asked for.
-pub(super) fn thresholds(asked: &Thresholds, measured: &Measured) -> Vec<Threshold> {
+pub(super) fn thresholds(asked: &Thresholds, measured: &Measured, growth: &[Growth]) -> Vec<Threshold> {
     let seconds = measured.seconds_measured();
     let p99 = |stretch| measured.times(stretch).and_then(|times| times.ms(0.99));
     let ms = |limit: Option<Duration>| limit.map(|limit| limit.as_secs_f64() * 1e3);
@@ -56,7 +57,14 @@ pub(super) fn thresholds(asked: &Thresholds, measured: &Measured) -> Vec<Thresho
         let (limit, value) = (limit?, count as f64 / seconds);
         Some(Threshold { what, unit, limit, measured: Some(value), kept: value >= limit })
     });
-    most.chain(least).collect()
+    let grown = growth.iter().map(|growth| (growth.what, Some(growth.percent)));
+    // A server that could not be measured, or not for long enough, misses the threshold.
+    let grown = grown.chain(growth.is_empty().then_some(("growth of the server", None)));
+    let grown = grown.filter_map(|(what, measured)| {
+        let limit = asked.max_growth?;
+        Some(Threshold { what, unit: "%", limit, measured, kept: measured.is_some_and(|value| value <= limit) })
+    });
+    most.chain(least).chain(grown).collect()
 }
 
 #[cfg(test)]
@@ -64,6 +72,20 @@ mod tests {
     use tokio::time::Instant;
 
     use super::*;
+
+    #[test]
+    fn growth_beyond_the_limit_or_not_measured_misses_it() {
+        let start = Instant::now();
+        let measured = Measured::new((start, start + Duration::from_secs(3600)));
+        let asked = Thresholds { max_growth: Some(5.0), ..Thresholds::default() };
+        let growth = |what, percent| Growth { what, first: 1.0, last: 1.0, percent, per_hour: 0.0 };
+        let both = [growth("growth of memory", 5.0), growth("growth of threads", 5.1)];
+        let kept = |growth: &[Growth]| -> Vec<_> {
+            thresholds(&asked, &measured, growth).into_iter().map(|t| (t.what, t.kept)).collect()
+        };
+        assert_eq!(kept(&both), [("growth of memory", true), ("growth of threads", false)]);
+        assert_eq!(kept(&[]), [("growth of the server", false)]);
+    }
 
     #[test]
     fn what_was_not_measured_or_is_beyond_a_limit_misses_it() {
@@ -79,7 +101,7 @@ mod tests {
             min_events: Some(1.0),
             ..Thresholds::default()
         };
-        let kept: Vec<_> = thresholds(&asked, &measured).into_iter().map(|t| (t.what, t.kept)).collect();
+        let kept: Vec<_> = thresholds(&asked, &measured, &[]).into_iter().map(|t| (t.what, t.kept)).collect();
         assert_eq!(kept, [("p99 of submit", true), ("p99 of end", false), ("errors", false), ("events", false)]);
     }
 }
