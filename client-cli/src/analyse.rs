@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 use std::path::Path;
 
-use counterpoint_kernel::log::analysis::WhatIf;
+use counterpoint_kernel::log::analysis::{Analysis, WhatIf};
 use counterpoint_kernel::log::summary::{ChannelState, Summary};
 use serde::Serialize;
 
@@ -28,7 +28,7 @@ struct Question {
 #[derive(Debug, Serialize)]
 struct Answer<'a> {
     makespan_ns: i64,
-    analysis: &'a counterpoint_kernel::log::analysis::Analysis,
+    analysis: &'a Analysis,
     what_if: &'a [WhatIf],
 }
 
@@ -52,13 +52,14 @@ pub(crate) async fn analyse(arguments: Analyse) -> Result<u8, Error> {
             ))
         })?);
     }
+    let races = summary.analysis.races.clone();
+    let analysis = &Analysis { races, ..Analysis::of(&ends, &summary.waits) };
     if arguments.json {
-        let analysis = &counterpoint_kernel::log::analysis::Analysis::of(&ends, &summary.waits);
         let answer = Answer { makespan_ns: summary.makespan_ns, analysis, what_if: &what_if };
         let json = serde_json::to_string_pretty(&answer).map_err(|error| Error::Usage(error.to_string()))?;
         say::line(&json)?;
     } else {
-        say::data(shown(&summary, &ends, &what_if).as_bytes())?;
+        say::data(shown(&summary, analysis, &what_if).as_bytes())?;
     }
     Ok(0)
 }
@@ -93,8 +94,7 @@ fn question(text: &str) -> Result<Question, Error> {
     Ok(Question { channel, faster_ns: if slower { -ns } else { ns } })
 }
 
-fn shown(summary: &Summary, ends: &[(u16, i64)], what_if: &[WhatIf]) -> String {
-    let analysis = counterpoint_kernel::log::analysis::Analysis::of(ends, &summary.waits);
+fn shown(summary: &Summary, analysis: &Analysis, what_if: &[WhatIf]) -> String {
     let name = |number: u16| {
         let found = summary.channels.iter().find(|channel| channel.channel == number);
         format!("{number} {}", found.map_or("", |channel| &channel.name))
@@ -124,6 +124,16 @@ fn shown(summary: &Summary, ends: &[(u16, i64)], what_if: &[WhatIf]) -> String {
         let marks: Vec<&str> = analysis.redundant.iter().map(AsRef::as_ref).take(ROWS).collect();
         let _ = writeln!(out, "\nredundant: no time passes between the sync point before and {}", marks.join(", "));
         more(&mut out, analysis.redundant.len(), ROWS, "marks (--json shows all)");
+    }
+    if !analysis.races.is_empty() {
+        out.push_str("\nraces: only timing decides the value of these variables\n");
+        let mut rows = vec![row(&["variable", "channel and line"])];
+        for (variable, lines) in analysis.races.iter().take(ROWS) {
+            let lines: Vec<String> = lines.iter().map(|(channel, line)| format!("{channel}:{line}")).collect();
+            rows.push(vec![variable.to_string(), lines.join("  ")]);
+        }
+        out.push_str(&table(&rows, 1));
+        more(&mut out, analysis.races.len(), ROWS, "races (--json shows all)");
     }
     if !what_if.is_empty() {
         out.push_str("\nwhat if\n");

@@ -101,6 +101,23 @@ fn what_decides_the_cycle_time_is_analysed() {
     assert!(code(&wrong) == 2 && String::from_utf8_lossy(&wrong.stderr).contains("(channels: 1, 2)"));
 }
 
+/// Both turrets reach #100, and nothing orders them.
+#[test]
+fn races_are_analysed() {
+    let folder = tempfile::tempdir().unwrap();
+    let upper = program(folder.path(), "upper.nc", "O1\nG4 P1000\n#100=1\nM30\n");
+    let lower = program(folder.path(), "lower.nc", "O2\n#101=#100\nM30\n");
+    let out = folder.path().join("out").display().to_string();
+    let run = ["run", "-q", "--machine", "fanuc-2path-lathe", "--races", "warn", &upper, &lower, "--out", &out];
+    assert_eq!(code(&counterpoint(&run)), 0);
+    let output = counterpoint(&["analyse", &out, "--json"]);
+    let found: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(found["analysis"]["races"], serde_json::json!([["#100", {"1": 3, "2": 2}]]), "{found}");
+    let text = counterpoint(&["analyse", &out]);
+    let text = String::from_utf8_lossy(&text.stdout);
+    assert!(text.contains("only timing decides") && text.contains("1:3  2:2"), "{text}");
+}
+
 #[test]
 fn a_trace_and_a_log_file() {
     let folder = tempfile::tempdir().unwrap();

@@ -12,6 +12,7 @@ use counterpoint_kernel::log::info::Info;
 use counterpoint_kernel::machine::Machine;
 use counterpoint_kernel::machine::finding::Finding;
 use counterpoint_kernel::options::Options;
+use counterpoint_kernel::plans::Plans;
 
 /// What a job consists of, resolved.
 #[derive(Debug)]
@@ -43,14 +44,16 @@ pub trait Prepared: Send {
 }
 
 /// Runs jobs on the control emulator.
-#[derive(Debug, Clone, Copy, Default)]
-pub struct Kernel;
+#[derive(Debug, Default)]
+pub struct Kernel {
+    plans: Arc<Plans>,
+}
 
 impl Runner for Kernel {
     fn prepare(&self, task: Task, files: &dyn Files, stop: &Stop) -> Result<Box<dyn Prepared>, Vec<Finding>> {
         let spec = Spec { machine: task.machine, programs: task.programs, options: task.options };
         match Job::prepare_until(spec, files, stop) {
-            Ok(job) => Ok(Box::new(job)),
+            Ok(job) => Ok(Box::new(job.sharing(&self.plans))),
             Err(error) => Err(error.findings),
         }
     }

@@ -62,6 +62,7 @@ const CASES: &[Case] = &[
     Case("PS0030", 2_900_380, MILL, "", "G41 X10. D999"),
     Case("PS0031", 2_900_380, MILL, "", "G10 L10 R1."),
     Case("PS0032", 2_900_380, MILL, "", "G10 L10 P1 R1000."),
+    Case("PS0032", 2_900_460, MILL, "", "#2001=99999."),
     Case("PS0034", 2_018_005, MILL, OFFSET, "F100\nG41 D1\nG2 X10. Y0. I5."),
     Case("PS0034", 2_018_006, MILL, OFFSET, "F100\nG41 D1\nG1 X10. Y10.\nX20.\nG40\nG2 X30. Y10. I5."),
     Case("PS0035", 2_900_380, MILL, OFFSET, "F100\nG41 D1 G1 X5. Y5.\nG31 X10."),

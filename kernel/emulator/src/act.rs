@@ -177,6 +177,11 @@ impl Act<'_, '_> {
         self.kernel.flow.pass.effects = true;
     }
 
+    /// The block has let time pass, and nothing else, ns.
+    pub(crate) fn note_dwell(&mut self, ns: i64) {
+        self.kernel.flow.pass.dwell(ns);
+    }
+
     /// Counts as much work as a block within this one.
     ///
     /// # Errors
@@ -315,6 +320,11 @@ impl Act<'_, '_> {
     /// Cuts along contour blocks of the program.
     pub(crate) fn cut_contour(&mut self, cycle: ContourCycle) {
         self.kernel.ask(Pending::Contour(Box::new(cycle)));
+    }
+
+    /// Passes the data blocks that follow.
+    pub(crate) fn pass_data_blocks(&mut self) {
+        self.kernel.ask(Pending::DataBlocks);
     }
 
     /// Ends the program.

@@ -143,6 +143,8 @@ diagnostics! {
     UNKNOWN_MOVES 2900322 "unknown-code-moves" 8 false "unknown code ignored in a block that moves";
     ALARM_SOFTENED 2900323 "alarm-softened" 8 false "alarm with reduced severity";
     NO_RADIUS 2900324 "no-tool-radius" 4 false "compensation with an offset without a radius";
+    VARIABLE_VALUE 2900460 "variable-value" 12 true "value not possible for a system variable (PS0032)";
+    DATA_BLOCKS 2900461 "data-blocks-passed" 4 false "data blocks of the program not kept";
     REFUSED 2900380 "block-refused" 12 true "block refused by a rule of the control";
     MINUS_SIGN 2900381 "negative-value" 8 false "negative value not allowed at this address";
     DECIMAL_POINT 2900382 "illegal-decimal-point" 8 false "decimal point not allowed at this address";

@@ -13,4 +13,5 @@ pub use counterpoint_program as mcd;
 pub use counterpoint_results as log;
 pub mod job;
 mod multi;
+pub mod plans;
 mod prepared;

@@ -4,12 +4,15 @@ use std::sync::Arc;
 
 use counterpoint_lang::compile;
 
+use counterpoint_emulator::channel::plan::Plan;
 use counterpoint_event::info::Info;
 use counterpoint_machine::finding::Finding;
 use counterpoint_ports::control::Stop;
 use counterpoint_ports::files::Files;
 use counterpoint_program::sources::Sources;
 use counterpoint_program::spec::Spec;
+
+use crate::plans::{Plans, Wanted};
 
 /// A prepared job: programs are loaded and assigned to channels.
 #[derive(Debug)]
@@ -19,6 +22,8 @@ pub struct Job {
     sources: Sources,
     /// The machine's macros as its kernels run them.
     macros: Option<Arc<compile::Program>>,
+    /// Where plans of machines are kept.
+    plans: Option<Arc<Plans>>,
 }
 
 /// Why a job cannot be run at all.
@@ -82,7 +87,23 @@ impl Job {
         if stop.asked() {
             return Err(cancelled());
         }
-        Ok(Self { spec, info: Arc::new(info), sources, macros })
+        Ok(Self { spec, info: Arc::new(info), sources, macros, plans: None })
+    }
+
+    /// Takes the plan of its machine from these, and leaves it there for other jobs.
+    #[must_use]
+    pub fn sharing(self, plans: &Arc<Plans>) -> Self {
+        Self { plans: Some(Arc::clone(plans)), ..self }
+    }
+
+    /// What its kernels have worked out of the machine.
+    pub(crate) fn plan(&self) -> Arc<Plan> {
+        let (machine, opskip) = (&self.spec.machine, &*self.spec.options.opskip);
+        let wanted = Wanted { machine, opskip, hooks: self.macros.is_some() };
+        match &self.plans {
+            Some(plans) => plans.of(&wanted),
+            None => Arc::new(wanted.plan()),
+        }
     }
 
     /// What is fixed about the job.

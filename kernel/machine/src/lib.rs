@@ -19,6 +19,7 @@ pub mod refusals;
 pub mod rows;
 pub mod show;
 pub mod stored;
+pub mod system_variables;
 pub mod tables;
 mod toml;
 

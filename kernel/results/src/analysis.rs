@@ -32,7 +32,13 @@ pub struct Analysis {
     pub slack: BTreeMap<u16, i64>,
     /// Marks at which, in every pass, all channels had just continued from one sync point that they shared.
     pub redundant: Vec<Arc<str>>,
+    /// Variables whose value only timing decides: the line of each of the two accesses, by channel, in the order of the log.
+    #[serde(default)]
+    pub races: Vec<Race>,
 }
+
+/// Two accesses that race: the variable, and by channel the line.
+pub type Race = (Arc<str>, BTreeMap<u16, u32>);
 
 /// What a channel that is faster saves.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -84,7 +90,7 @@ fn course(courses: &mut [Course], channel: u16) -> Option<&mut Course> {
 }
 
 impl Analysis {
-    /// From the ends of the channels (number, ns) and the sync points of a job.
+    /// From the ends of the channels (number, ns) and the sync points of a job; races are not in these.
     #[must_use]
     pub fn of(ends: &[(u16, i64)], waits: &[SyncPoint]) -> Self {
         Self {
@@ -92,6 +98,7 @@ impl Analysis {
             critical: critical(ends, waits),
             slack: slack(ends, waits),
             redundant: redundant(waits),
+            races: Vec::new(),
         }
     }
 }

@@ -27,7 +27,11 @@ const CHUNK: usize = 16 * 1024;
 pub struct Digest {
     hasher: Hasher,
     form: Form,
+    /// Where the words of an event are put together.
+    scratch: Scratch,
 }
+
+type Scratch = [u64; MOST];
 
 /// The canonical form and what it leans on.
 #[derive(Debug, Default)]
@@ -96,7 +100,7 @@ impl Digest {
     #[must_use]
     pub fn new() -> Self {
         let out = Vec::with_capacity(CHUNK + 1024);
-        Self { hasher: Hasher::new(), form: Form { out, ..Form::default() } }
+        Self { hasher: Hasher::new(), form: Form { out, ..Form::default() }, scratch: [0; MOST] }
     }
 
     /// Adds the next event of the channel.
@@ -105,7 +109,7 @@ impl Digest {
         if self.form.expected(event) {
             return;
         }
-        self.form.event(event);
+        self.form.event(event, &mut self.scratch);
         if let Some((whole, _)) = self.form.out.split_at_checked(CHUNK) {
             self.hasher.update(whole);
             self.form.out.drain(..CHUNK);
@@ -134,15 +138,15 @@ pub fn log(channels: impl Iterator<Item = (u16, Digest)>) -> String {
 }
 
 /// Words of one event.
-struct Words {
-    words: [u64; MOST],
+struct Words<'s> {
+    words: &'s mut Scratch,
     count: usize,
 }
 
 /// Words an event has at most: its head, facts, feed, two positions, a centre, a length.
 const MOST: usize = 6 + 2 + 2 * MAX_AXES + 2 + 1;
 
-impl Words {
+impl Words<'_> {
     #[inline(always)]
     fn put(&mut self, word: u64) {
         if let Some(slot) = self.words.get_mut(self.count) {
@@ -201,7 +205,7 @@ impl Form {
         expected
     }
 
-    fn event(&mut self, event: &Event) {
+    fn event(&mut self, event: &Event, scratch: &mut Scratch) {
         let head = Head {
             over_ns: event.t_ns.wrapping_add(event.dur_ns),
             micro: event.micro,
@@ -211,7 +215,7 @@ impl Form {
         let last = std::mem::replace(&mut self.last, head);
         let mut flags = 0;
         // The first word is written last.
-        let mut words = Words { words: [0; MOST], count: 1 };
+        let mut words = Words { words: scratch, count: 1 };
         if event.t_ns == last.over_ns {
             flags |= flag::FOLLOWS;
         } else {
@@ -255,7 +259,7 @@ impl Form {
 
     /// The words of a motion; gives the axes that change, of the start and of the end.
     #[inline(always)]
-    fn motion(&mut self, motion: &Motion, words: &mut Words, flags: &mut u8) -> u64 {
+    fn motion(&mut self, motion: &Motion, words: &mut Words<'_>, flags: &mut u8) -> u64 {
         let facts = Facts {
             kind: motion.kind,
             feed_unit: motion.feed_unit,

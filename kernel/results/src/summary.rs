@@ -15,7 +15,7 @@ use serde::{Deserialize, Serialize};
 pub use crate::sync_points::{Arrival, SyncPoint, Waits};
 pub use crate::tools::Tool;
 
-use crate::analysis::Analysis;
+use crate::analysis::{Analysis, Race};
 use crate::late::Late;
 use crate::reported::{Reported, What};
 use counterpoint_event::event::{FileId, Origin, VerdictKind};
@@ -178,6 +178,7 @@ pub struct Findings {
     verdict: Option<Verdict>,
     diagnostics: Vec<Diagnostic>,
     highest_severity: u8,
+    races: Vec<Race>,
 }
 
 impl Channel {
@@ -202,7 +203,7 @@ impl Channel {
 impl Findings {
     /// For a job that has not logged anything yet.
     pub fn new(info: &Arc<Info>) -> Self {
-        Self { info: info.clone(), verdict: None, diagnostics: Vec::new(), highest_severity: 0 }
+        Self { info: info.clone(), verdict: None, diagnostics: Vec::new(), highest_severity: 0, races: Vec::new() }
     }
 
     /// The next one in the order of the log.
@@ -231,12 +232,16 @@ impl Findings {
         };
         let ran = channels.iter().filter(|channel| channel.state != ChannelState::NotStarted);
         let ends: Vec<(u16, i64)> = ran.map(|channel| (channel.channel, channel.end_ns)).collect();
-        let of = waits.clone();
+        let (of, races) = (waits.clone(), self.races);
+        let analysis = move || match ends.len() {
+            0 | 1 => Analysis::default(),
+            _ => Analysis { races, ..Analysis::of(&ends, &of) },
+        };
         Summary {
             state,
             highest_severity: self.highest_severity,
             makespan_ns: channels.iter().map(|c| c.end_ns).max().unwrap_or(0),
-            analysis: Late::new(move || if ends.len() < 2 { Analysis::default() } else { Analysis::of(&ends, &of) }),
+            analysis: Late::new(analysis),
             log_digest,
             channels,
             waits,
@@ -247,6 +252,10 @@ impl Findings {
 
     fn diagnostic(&mut self, reported: &Reported, diagnostic: &counterpoint_event::event::Diagnostic) {
         self.highest_severity = self.highest_severity.max(diagnostic.severity);
+        if let Some(race) = diagnostic.race.as_deref().filter(|_| self.races.len() < MAX_DIAGNOSTICS) {
+            let lines = [(race.channel, race.line), (reported.channel, reported.line)];
+            self.races.push((race.variable.as_ref().into(), lines.into()));
+        }
         if self.diagnostics.len() >= MAX_DIAGNOSTICS {
             return;
         }

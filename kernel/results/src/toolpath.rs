@@ -205,7 +205,7 @@ impl Track {
     /// The path continues where the motion starts.
     #[inline(always)]
     fn begin(&mut self, motion: &Motion, line: u32) {
-        if self.end != Some(motion.from) {
+        if !self.end.as_ref().is_some_and(|end| motion.starts_at(end)) {
             self.path.begin(self.eyes.point(&motion.from), line);
             self.end = Some(motion.from);
         }

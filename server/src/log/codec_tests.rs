@@ -79,6 +79,7 @@ fn kinds() -> Vec<Kind> {
             kernel: "TURRET".into(),
             origin: None,
             unrecognised: None,
+            race: None,
         })),
         Kind::Verdict(Box::new(Verdict {
             kind: VerdictKind::PartnerEnded,
@@ -176,6 +177,11 @@ fn kinds() -> Vec<Kind> {
             ..Diagnostic::default()
         })),
         release("M101", Primitive::Flag, 5, 3, "101", 2),
+        Kind::Diagnostic(Box::new(Diagnostic {
+            number: 2_900_440,
+            race: Some(Box::new(RaceWith { variable: "#100".into(), channel: 2, line: 7 })),
+            ..Diagnostic::default()
+        })),
     ]
 }
 

@@ -192,6 +192,7 @@ fn alarm(host: &mut dyn Host, fault: &Fault) -> Halt {
         Fault::Overflow => &diag::MACRO_OVERFLOW,
         Fault::Domain(..) => &diag::MACRO_DOMAIN,
         Fault::NoFunction(_) | Fault::KeptFunction(_) => &diag::MACRO_SYNTAX,
+        Fault::TooBig(_) => &diag::VARIABLE_VALUE,
         Fault::NoVariable(_) | Fault::ReadOnly(_) | Fault::Kept(_) => &diag::MACRO_VARIABLE,
     };
     let text = format!("{fault} in '{}'", host.block_text());
@@ -202,6 +203,7 @@ fn fault(index: u32, why: NotThere) -> Fault {
     match why {
         NotThere::Missing => Fault::NoVariable(f64::from(index)),
         NotThere::ReadOnly => Fault::ReadOnly(index),
+        NotThere::TooBig => Fault::TooBig(index),
         NotThere::Halt(halt) => Fault::Halt(halt),
     }
 }

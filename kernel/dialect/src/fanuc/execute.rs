@@ -156,7 +156,8 @@ fn assign(host: &mut dyn Host, target: &Target, value: &Expr) -> Result<(), Aban
     };
     match index {
         3000 => {
-            let text = format!("alarm {} raised by the program in '{}'", 3000.0 + number(value), host.block_text());
+            let alarm = f64::from(host.program_alarm()) + number(value);
+            let text = format!("alarm {alarm} raised by the program in '{}'", host.block_text());
             Err(host.alarm(&diag::MACRO_ALARM, text).into())
         }
         3006 => {
@@ -164,7 +165,6 @@ fn assign(host: &mut dyn Host, target: &Target, value: &Expr) -> Result<(), Aban
             host.log_message(&text);
             Ok(())
         }
-        3001..=3004 => Ok(()),
         _ => match Access::new(host).set(index, value) {
             Ok(()) => Ok(()),
             Err(fault) => abandons(host, &fault),

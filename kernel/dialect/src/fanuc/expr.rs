@@ -24,6 +24,8 @@ pub(super) enum Fault {
     Domain(&'static str, f64),
     #[error("variable #{0} does not exist")]
     NoVariable(f64),
+    #[error("the value is not possible for variable #{0}")]
+    TooBig(u32),
     #[error("variable #{0} cannot be written")]
     ReadOnly(u32),
     /// The identification macro wants the text to stay on the block.

@@ -34,6 +34,8 @@ pub enum NotThere {
     Missing,
     /// It can be read only.
     ReadOnly,
+    /// The value is not possible.
+    TooBig,
     /// The job was stopped.
     Halt(Halt),
 }
@@ -66,6 +68,9 @@ pub trait Values {
     /// # Errors
     /// It does not exist or cannot be written, or the job was stopped.
     fn set_number(&mut self, index: u32, value: f64) -> Result<(), NotThere>;
+
+    /// Number of an alarm that a program raises with 0.
+    fn program_alarm(&self) -> u32;
 
     /// A numbered variable is common, of all channels or of this one.
     fn is_common(&self, index: u32) -> bool;

@@ -91,5 +91,6 @@ fn dwell(act: &mut Act<'_, '_>, seconds: f64) -> Acted {
     let ns = crate::state::channel::nanoseconds(seconds);
     act.emit(ns, Kind::Dwell(Dwell));
     act.advance(ns);
+    act.note_dwell(ns);
     Ok(())
 }

@@ -31,37 +31,63 @@ enum What {
 /// Geometry of turning tools: their numbers are above this one.
 const GEOMETRY: u32 = 10_000;
 
-/// Sets an offset: L2 work, L20 extended work, L10 and L11 length and its wear, L12 and L13 radius and its wear; without L
-/// a turning tool, its wear or above 10,000 its geometry.
+/// Highest number of an extended work offset.
+const MOST_EXTENDED: u32 = 300;
+
+/// Kinds whose data follow in blocks of their own up to G11: tool life; parameters, pitch errors and parameters of axes.
+const DATA_BLOCKS: [f64; 4] = [3.0, 50.0, 51.0, 52.0];
+
+/// What L and P of G10 mean: L2 work, L20 extended work, L10 length, L11 or L1 its wear, L12 and L13 radius and its wear; for a
+/// turning tool L10 is its geometry and L11 or L1 its wear, without L a number above 10,000 is its geometry.
+///
+/// # Errors
+/// There is no such offset; the text says why.
+fn meant(kind: Option<f64>, number: Option<u32>, turning: bool) -> Result<What, &'static str> {
+    let Some(number) = number else { return Err("P is missing or is not a number of an offset") };
+    match kind {
+        Some(2.0) if number <= EXTENDED => Ok(What::Axes(Table::Work, number)),
+        Some(2.0) => Err("P of L2 is 0 for the external offset or 1 to 6 for G54 to G59"),
+        Some(20.0) if (1..=MOST_EXTENDED).contains(&number) => Ok(What::Axes(Table::Work, EXTENDED + number)),
+        Some(20.0) => Err("P of L20 is 1 to 300"),
+        _ if number == 0 => Err("P of a tool offset is at least 1"),
+        Some(10.0) if turning => Ok(What::Tool(Table::Length, Radii::Cutter, number)),
+        Some(1.0 | 11.0) if turning => Ok(What::Tool(Table::Wear, Radii::Wear, number)),
+        Some(10.0) => Ok(What::Length(Table::Length, number)),
+        Some(1.0 | 11.0) => Ok(What::Length(Table::Wear, number)),
+        Some(12.0) => Ok(What::Radius(Radii::Cutter, number)),
+        Some(13.0) => Ok(What::Radius(Radii::Wear, number)),
+        None if turning && number > GEOMETRY => Ok(What::Tool(Table::Length, Radii::Cutter, number - GEOMETRY)),
+        None if turning => Ok(What::Tool(Table::Wear, Radii::Wear, number)),
+        None => Err("L is missing"),
+        Some(_) => Err("L is not 1, 2, 10, 11, 12, 13 or 20"),
+    }
+}
+
+/// Sets an offset.
 pub(super) fn set(act: &mut Act<'_, '_>) -> Acted {
-    let whole = |value: f64| (0.0..=99_999.0).contains(&value).then_some(value as u32);
+    let whole = |value: f64| ((0.0..=99_999.0).contains(&value) && value.fract() == 0.0).then_some(value as u32);
     let kind = act.take(data::OFFSET_KIND).map(|datum| datum.value);
     let number = act.take(data::OFFSET_NUMBER).and_then(|datum| whole(datum.value));
-    let what = match (kind, number) {
-        (Some(2.0), Some(number)) => Some(What::Axes(Table::Work, number)),
-        (Some(20.0), Some(number)) if number > 0 => Some(What::Axes(Table::Work, EXTENDED + number)),
-        (Some(10.0), Some(number)) => Some(What::Length(Table::Length, number)),
-        (Some(11.0), Some(number)) => Some(What::Length(Table::Wear, number)),
-        (Some(12.0), Some(number)) => Some(What::Radius(Radii::Cutter, number)),
-        (Some(13.0), Some(number)) => Some(What::Radius(Radii::Wear, number)),
-        (None, Some(number)) if act.is_turning() && number > GEOMETRY => {
-            Some(What::Tool(Table::Length, Radii::Cutter, number - GEOMETRY))
-        }
-        (None, Some(number)) if act.is_turning() && number > 0 => Some(What::Tool(Table::Wear, Radii::Wear, number)),
-        _ => None,
-    };
-    let Some(what) = what else {
-        let text = format!("this kind of offset is not kept, '{}' sets nothing", act.block_text());
-        act.diagnose(&diag::OFFSET_NOT_KEPT, text);
-        act.take(data::OFFSET_VALUE);
-        act.targets();
+    if kind.is_some_and(|kind| DATA_BLOCKS.contains(&kind)) {
+        act.pass_data_blocks();
         return Ok(());
+    }
+    let what = match meant(kind, number, act.is_turning()) {
+        Ok(what) => what,
+        Err(why) => {
+            let text = format!("{why}: '{}' sets nothing", act.block_text());
+            act.diagnose(&diag::OFFSET_NOT_KEPT, text);
+            act.take(data::OFFSET_VALUE);
+            act.take(data::OFFSET_TIP);
+            act.targets();
+            return Ok(());
+        }
     };
     let kept = match what {
         What::Axes(table, number) => axes(act, table, number),
         What::Length(table, number) => length(act, table, number),
         What::Radius(table, number) => radius(act, table, number),
-        What::Tool(table, radii, number) => axes(act, table, number) && radius(act, radii, number),
+        What::Tool(table, radii, number) => axes(act, table, number) && radius(act, radii, number) && tip(act, number),
     };
     let (table, number) = match what {
         What::Axes(_, number) => ("workp", number),
@@ -114,4 +140,9 @@ fn radius(act: &mut Act<'_, '_>, table: Radii, number: u32) -> bool {
         Some(_) => false,
         None => true,
     }
+}
+
+/// A missing value changes nothing.
+fn tip(act: &mut Act<'_, '_>, number: u32) -> bool {
+    act.take(data::OFFSET_TIP).is_none_or(|datum| act.set_offset_tip(number, datum.value))
 }

@@ -3,6 +3,7 @@
 //! *Invariant:* every access of a channel passes here, with what it reaches and whether it writes, so whatever concerns all
 //! accesses hangs here. Facts: reference channel-synchronisation.md 2.4.
 
+use counterpoint_event::event::RaceWith;
 use counterpoint_fault::{self as diag, Acted, Facts, Halt};
 use counterpoint_ports::options::Races;
 use counterpoint_sync::races::{Access, Mode, Race, Variable};
@@ -87,10 +88,15 @@ impl Kernel<'_> {
             does(mode == Mode::Write),
             place(own),
         );
-        if self.channel.env.options.races == Races::Alarm {
-            return Err(self.fatal(&Facts { severity: 12, alarm: true, ..diag::SHARED_RACE }, text));
-        }
-        self.diagnose(&diag::SHARED_RACE, text);
-        Ok(())
+        let (channel, line) = (race.earlier.channel, race.earlier.line);
+        self.channel.reports.race = Some(Box::new(RaceWith { variable: name.into(), channel, line }));
+        let done = if self.channel.env.options.races == Races::Alarm {
+            Err(self.fatal(&Facts { severity: 12, alarm: true, ..diag::SHARED_RACE }, text))
+        } else {
+            self.diagnose(&diag::SHARED_RACE, text);
+            Ok(())
+        };
+        self.channel.reports.race = None;
+        done
     }
 }

@@ -3,11 +3,14 @@
 //! Facts: reference control-emulator.md 1.3. *Invariant:* a value is taken off the block at most once.
 
 use super::Kernel;
+use super::plan::Source;
+use counterpoint_event::info::Unit;
 use counterpoint_fault as diag;
 use counterpoint_machine::ident::DataId;
+use counterpoint_machine::ident::dimension::Dimension;
 use counterpoint_machine::index::AxisSlot;
 use counterpoint_machine::index::DataRowId;
-use counterpoint_program::block::Datum;
+use counterpoint_program::block::{Datum, Word};
 
 /// Stands for a remembered value among the registers of an identifier; no register has this bit, and every block does.
 pub(crate) const RECALLED: u128 = 1 << 127;
@@ -47,7 +50,10 @@ impl Kernel<'_> {
             if raw < source.min || raw > source.max {
                 self.out_of_range(source.row, raw);
             }
-            let mut value = (raw * source.mul + source.add) * self.channel.unit_factor(source.dimension);
+            let mut value = match source.dimension {
+                Dimension::Increments => self.counted(source, &word),
+                other => (raw * source.mul + source.add) * self.channel.unit_factor(other),
+            };
             if source.diameter_x {
                 value *= self.channel.diameter_factor();
             }
@@ -58,6 +64,19 @@ impl Kernel<'_> {
             return Some(Datum { value, incremental, absolute: false, raw });
         }
         if self.refuse(id) { None } else { self.recall(id) }
+    }
+
+    /// Length of a word that counts least increments: with a decimal point it is a length (reference turning-cycles.md 1).
+    #[cold]
+    fn counted(&self, source: &Source, word: &Word) -> f64 {
+        let text = self.text_bytes();
+        let pointed = text.get(word.start as usize..word.end as usize).is_some_and(|text| text.contains(&b'.'));
+        let (increments, dimension) = match (pointed, self.channel.env.machine.unit) {
+            (false, _) => (1.0, Dimension::Increments),
+            (true, Unit::Mm) => (1000.0, Dimension::Length),
+            (true, Unit::Inch) => (10_000.0, Dimension::Length),
+        };
+        (word.value * increments * source.mul + source.add) * self.channel.unit_factor(dimension)
     }
 
     /// The last value of modal data (reference control-emulator.md 1.3).

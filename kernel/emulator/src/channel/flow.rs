@@ -65,6 +65,8 @@ pub(crate) enum Pending {
     CallText(Box<dialect::Call>),
     /// A cycle along contour blocks of the program.
     Contour(Box<ContourCycle>),
+    /// Pass the data blocks that follow.
+    DataBlocks,
     /// Return, optionally to a sequence number of the caller.
     Return(Option<u32>),
     /// End of the program.

@@ -31,6 +31,7 @@ pub(crate) mod report;
 mod search;
 mod spindle;
 mod statement;
+mod system_variables;
 mod tool_data;
 mod unknown;
 pub(crate) mod variables;

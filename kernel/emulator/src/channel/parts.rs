@@ -36,7 +36,12 @@ pub(crate) struct DialectState {
 impl DialectState {
     pub(crate) fn new(machine: &Machine) -> Self {
         let kind = counterpoint_dialect::of(machine);
-        Self { kind, variables: ChannelVariables::default(), interpreter: kind.interpreter(machine), is_stale: false }
+        Self {
+            kind,
+            variables: ChannelVariables::new(&machine.variables),
+            interpreter: kind.interpreter(machine),
+            is_stale: false,
+        }
     }
 }
 

@@ -23,7 +23,7 @@ pub(crate) struct Pass {
     pub(crate) count: u64,
     /// Clock at the last jump.
     clock: i64,
-    /// Ticks since, ns.
+    /// Ticks and dwells since, ns.
     ticks: i64,
     /// Something happened since that a later pass could see.
     effects: bool,
@@ -52,6 +52,12 @@ impl Passes {
     /// The loop that jumped back last.
     pub(crate) fn last(&self) -> Pass {
         self.loops.last().copied().unwrap_or_default()
+    }
+
+    /// Time passes without any other effect, ns.
+    #[inline]
+    pub(crate) fn dwell(&mut self, ns: i64) {
+        self.loops.iter_mut().for_each(|pass| pass.ticks += ns);
     }
 
     /// A block of the loop that jumped back last, which has done nothing since but look.
@@ -141,7 +147,7 @@ impl Kernel<'_> {
         let (idle, tick) = (self.channel.at.idle_blocks, self.channel.env.machine.sync.poll_ns);
         self.channel.advance(tick);
         self.channel.at.idle_blocks = idle;
-        self.flow.pass.loops.iter_mut().for_each(|pass| pass.ticks += tick);
+        self.flow.pass.dwell(tick);
         tick
     }
 }

@@ -22,6 +22,34 @@ pub(crate) struct Refusals {
     free: u64,
     /// Registers of data words that rules without codes look for, bit by register.
     registers: u128,
+    /// What each of the first 63 rules wants of the words of a block.
+    words: Vec<Words>,
+}
+
+/// Stands among the registers of a block for a rule that looks for none; no register has this bit.
+const ANY_BLOCK: u128 = 1 << 127;
+
+/// What a rule wants of the words of a block, bit by register.
+#[derive(Debug)]
+struct Words {
+    /// One of these is there.
+    one: u128,
+    /// All of these are.
+    all: u128,
+    /// None of these is.
+    none: u128,
+}
+
+impl Words {
+    fn of(rule: &Refusal) -> Self {
+        let one = if rule.with == 0 { ANY_BLOCK } else { rule.with };
+        Self { one, all: rule.word.map_or(0, |word| word.register.bit()), none: rule.without }
+    }
+
+    #[inline(always)]
+    fn fit(&self, words: u128) -> bool {
+        words & self.one != 0 && words & self.all == self.all && words & self.none == 0
+    }
 }
 
 impl Refusals {
@@ -45,7 +73,21 @@ impl Refusals {
             machine.diagnostics.refusals.iter().filter(|rule| rule.codes.is_empty()).filter_map(|rule| rule.word);
         let registers = free.fold(0, |bits, word| bits | word.register.bit());
         let rows = machine.codes.map(|_, row| looks(row));
-        Some(Box::new(Self { rows, free: rules(&|rule| rule.codes.is_empty()), registers }))
+        let words = machine.diagnostics.refusals.iter().take(63).map(Words::of).collect();
+        Some(Box::new(Self { rows, free: rules(&|rule| rule.codes.is_empty()), registers, words }))
+    }
+
+    /// Of these rules those whose wants of the words of a block are met; the last bit stays as it is.
+    fn fitting(&self, rules: u64, words: u128) -> u64 {
+        let (mut left, mut fitting) = (rules & !bit(63), rules & bit(63));
+        while left != 0 {
+            let rule = left & left.wrapping_neg();
+            left ^= rule;
+            if self.words.get(rule.trailing_zeros() as usize).is_some_and(|wants| wants.fit(words)) {
+                fitting |= rule;
+            }
+        }
+        fitting
     }
 }
 
@@ -87,7 +129,11 @@ impl Kernel<'_> {
         let looked = |pending: &PendingCode| refusals.rows[pending.row];
         let rules = self.channel.block.pending.iter().fold(0, |bits, pending| bits | looked(pending));
         if rules != 0 || self.channel.block.present & refusals.registers != 0 {
-            return self.refused(rules | refusals.free);
+            let words = self.channel.block.words.iter().fold(ANY_BLOCK, |bits, word| bits | word.register.bit());
+            let rules = refusals.fitting(rules | refusals.free, words);
+            if rules != 0 {
+                return self.refused(rules, words);
+            }
         }
         Ok(())
     }
@@ -113,9 +159,8 @@ impl Kernel<'_> {
     }
 
     #[inline(never)]
-    fn refused(&mut self, rules: u64) -> Acted {
+    fn refused(&mut self, rules: u64, words: u128) -> Acted {
         let machine = self.channel.env.machine;
-        let words = self.channel.block.words.iter().fold(0_u128, |bits, word| bits | word.register.bit());
         let Some(rule) = named(&machine.diagnostics.refusals, rules).find(|rule| self.is_refused_by(rule, words))
         else {
             return Ok(());
@@ -125,10 +170,7 @@ impl Kernel<'_> {
     }
 
     fn is_refused_by(&self, rule: &Refusal, words: u128) -> bool {
-        if rule.with != 0 && words & rule.with == 0 || words & rule.without != 0 {
-            return false;
-        }
-        if rule.word.is_some_and(|word| words & word.register.bit() == 0 || !self.is_wrong(&word)) {
+        if !Words::of(rule).fit(words) || rule.word.is_some_and(|word| !self.is_wrong(&word)) {
             return false;
         }
         let mut pending = self

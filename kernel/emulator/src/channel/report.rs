@@ -65,7 +65,8 @@ impl Kernel<'_> {
                 self.channel.burden.result(text.len() + RESULT);
                 let unrecognised = self.channel.reports.take_unrecognised(facts.number, text);
                 let (number, text) = (facts.number, text.into());
-                let diagnostic = Diagnostic { number, severity, text, unrecognised, ..Diagnostic::default() };
+                let race = self.channel.reports.take_race(number);
+                let diagnostic = Diagnostic { number, severity, text, unrecognised, race, ..Diagnostic::default() };
                 self.emit(0, Kind::Diagnostic(Box::new(diagnostic)));
             }
         }

@@ -179,11 +179,15 @@ impl Kernel<'_> {
     }
 
     /// Tells other channels the speed that this channel's X drives.
+    #[inline(always)]
     pub(crate) fn follow_radius(&mut self) -> Acted {
+        if self.channel.state.spindle.shared { self.share_speed() } else { Ok(()) }
+    }
+
+    #[inline(never)]
+    fn share_speed(&mut self) -> Acted {
         let command = self.channel.state.spindle.command;
-        let Some(id) = self.channel.state.spindle.id.filter(|_| self.channel.state.spindle.shared) else {
-            return Ok(());
-        };
+        let Some(id) = self.channel.state.spindle.id else { return Ok(()) };
         if !command.css || command.driver != self.channel.at.channel {
             return Ok(());
         }

@@ -7,11 +7,9 @@ use rustc_hash::FxHashMap;
 
 use super::Kernel;
 use super::access::Door;
-use crate::state::frames::offsets::EXTENDED;
-use crate::state::modal::group;
+use super::system_variables::SystemValues;
 use counterpoint_dialect::{CallStack, NotThere, VACANT, is_vacant};
-use counterpoint_machine::ident::codes;
-use counterpoint_machine::index::{AxisSlot, BySlot};
+use counterpoint_machine::model::Variables;
 use counterpoint_sync::races::Mode;
 
 /// Local variables #1–#33 of one level.
@@ -29,6 +27,8 @@ pub(crate) struct ChannelVariables {
     pub(super) keeps_system: bool,
     /// Those values.
     kept: FxHashMap<u32, f64>,
+    /// What the machine keeps of its system variables.
+    pub(super) system: SystemValues,
 }
 
 impl Default for ChannelVariables {
@@ -39,11 +39,18 @@ impl Default for ChannelVariables {
             reads_zero: false,
             keeps_system: false,
             kept: FxHashMap::default(),
+            system: SystemValues::default(),
         }
     }
 }
 
 impl ChannelVariables {
+    /// With the values that variables of the channel have at the start.
+    pub(crate) fn new(variables: &Variables) -> Self {
+        let own = variables.system.initial.iter().copied().filter(|&(number, _)| within(&variables.channel, number));
+        Self { own: own.collect(), system: SystemValues::new(&variables.system), ..Self::default() }
+    }
+
     /// A macro call: fresh locals with the arguments.
     pub(crate) fn enter(&mut self, arguments: &[(u8, f64)]) {
         let mut locals = [VACANT; 34];
@@ -111,7 +118,7 @@ impl Kernel<'_> {
             }
             _ => match self.dialect.variables.kept.get(&index) {
                 Some(value) => Ok(*value),
-                None => self.system(index).ok_or(NotThere::Missing),
+                None => self.system_variable(index),
             },
         }
     }
@@ -153,42 +160,8 @@ impl Kernel<'_> {
                 self.dialect.variables.kept.insert(index, value);
                 Ok(())
             }
-            _ if self.system(index).is_some() || matches!(index, 0 | 3100) => Err(NotThere::ReadOnly),
-            _ => Err(NotThere::Missing),
-        }
-    }
-
-    /// System variables that can be read: positions, modal codes, clock, tool.
-    fn system(&self, index: u32) -> Option<f64> {
-        let axis = |base: u32| self.channel.state.place.layout.axes.id((index - base) as usize);
-        let at = |axis: AxisSlot| self.channel.programmed().at(axis);
-        let machine = |axis: AxisSlot| self.channel.machine_point(&self.channel.state.place.position).at(axis);
-        match index {
-            3001 => Some((self.channel.at.clock / 1_000_000) as f64),
-            3002 => Some(self.channel.at.clock as f64 / 3.6e12),
-            4001 => Some(match self.channel.state.modal.code(group::MOTION) {
-                Some(codes::RAPID) => 0.0,
-                Some(codes::INTERP_ARC_CLW) => 2.0,
-                Some(codes::INTERP_ARC_CCLW) => 3.0,
-                _ => 1.0,
-            }),
-            4014 if self.channel.state.place.in_force.work_offset > EXTENDED => Some(54.1),
-            4014 => Some(f64::from(self.channel.state.place.in_force.work_offset) + 53.0),
-            4130 => Some(f64::from(self.channel.state.place.in_force.work_offset.saturating_sub(EXTENDED))),
-            4109 => Some(
-                self.channel
-                    .state
-                    .modal
-                    .value(crate::state::modal::feed_of(self.channel.state.modal.code(group::FEED)).0)
-                    .unwrap_or(0.0),
-            ),
-            4119 => Some(self.channel.state.spindle.command.rpm),
-            4120 => Some(f64::from(self.channel.state.place.tools.current)),
-            5001..=5008 => axis(5001).map(at),
-            5021..=5028 => axis(5021).map(machine),
-            5041..=5048 => axis(5041).map(at),
-            5061..=5068 => axis(5061).map(|axis| self.channel.state.skip.end.at(axis)),
-            _ => None,
+            0 | 3100 => Err(NotThere::ReadOnly),
+            _ => self.set_system_variable(index, value),
         }
     }
 }

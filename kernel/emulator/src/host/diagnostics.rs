@@ -182,8 +182,9 @@ impl Kernel<'_> {
         let kernel = self.kernel_name().into();
         self.channel.burden.result(text.len() + RESULT);
         let unrecognised = self.channel.reports.take_unrecognised(number, &text);
+        let race = self.channel.reports.take_race(number);
         let text = text.into();
-        let diagnostic = Diagnostic { number, severity, text, operation, kernel, origin, unrecognised };
+        let diagnostic = Diagnostic { number, severity, text, operation, kernel, origin, unrecognised, race };
         self.emit(0, Kind::Diagnostic(Box::new(diagnostic)));
     }
 

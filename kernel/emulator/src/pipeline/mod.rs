@@ -6,6 +6,7 @@
 
 mod codes;
 mod contour;
+mod data_blocks;
 mod definitions;
 mod edit;
 mod follow;

@@ -43,15 +43,12 @@ impl Kernel<'_> {
             return done;
         }
         let sources = self.channel.env.sources;
-        let Some((file, range, line)) = self.frame().map(|f| (f.file, f.range, f.next)) else {
-            return Err(Halt::ProgramEnd(None));
-        };
-        if line > range.last {
+        let Some(frame) = self.frame() else { return Err(Halt::ProgramEnd(None)) };
+        let (file, line) = (frame.file, frame.next);
+        if line > frame.range.last {
             return self.text_ends();
         }
-        if let Some(frame) = self.frame() {
-            frame.next = line + 1;
-        }
+        frame.next = line + 1;
         let Some(source) = sources.get(file) else { return Err(Halt::ProgramEnd(None)) };
         let text = source.line(line);
         if text.iter().all(|b| matches!(b, b' ' | b'\t')) {
@@ -107,12 +104,8 @@ impl Kernel<'_> {
         {
             return Err(Halt::Stopped);
         }
-        if self.channel.at.blocks.is_multiple_of(256) && self.ports.coordinator.should_yield() {
-            self.flush();
-            self.ports.coordinator.yield_permit(self.channel.at.channel);
-        }
-        if self.channel.at.blocks.is_multiple_of(256) && self.channel.state.place.frames.is_some() {
-            self.flush_old()?;
+        if self.channel.at.blocks.is_multiple_of(256) {
+            self.now_and_then()?;
         }
         let number = self.channel.at.blocks;
         self.emit_as(0, |kind| match kind {
@@ -121,6 +114,17 @@ impl Kernel<'_> {
             other => *other = Kind::Block(Block { number }),
         });
         self.check_limits()
+    }
+
+    /// What is looked at every 256 blocks: whether another kernel waits for the processor, and moves kept back too long.
+    #[cold]
+    #[inline(never)]
+    fn now_and_then(&mut self) -> Acted {
+        if self.ports.coordinator.should_yield() {
+            self.flush();
+            self.ports.coordinator.yield_permit(self.channel.at.channel);
+        }
+        if self.channel.state.place.frames.is_some() { self.flush_old() } else { Ok(()) }
     }
 
     #[inline(always)]

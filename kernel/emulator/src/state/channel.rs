@@ -15,7 +15,7 @@ use super::burden::Burden;
 use super::cutter::Held;
 use super::waits::KnownWaits;
 use counterpoint_event::Letters;
-use counterpoint_event::event::{FileId, Unrecognised};
+use counterpoint_event::event::{FileId, RaceWith, Unrecognised};
 use counterpoint_event::info::Info;
 use counterpoint_fault as diag;
 use counterpoint_machine::Machine;
@@ -135,6 +135,8 @@ pub(crate) struct Reports {
     pub(crate) waits: KnownWaits,
     /// What the diagnostic that is about to be logged does not recognise.
     pub(crate) unrecognised: Option<Box<Unrecognised>>,
+    /// What the block of the diagnostic that is about to be logged races with.
+    pub(crate) race: Option<Box<RaceWith>>,
 }
 
 impl Reports {
@@ -142,13 +144,19 @@ impl Reports {
     pub(crate) fn take_unrecognised(&mut self, number: u32, text: &str) -> Option<Box<Unrecognised>> {
         self.unrecognised.take_if(|about| number == diag::NOT_RECOGNISED.number && about.to_string() == text)
     }
+
+    /// What the block of a diagnostic races with.
+    pub(crate) fn take_race(&mut self, number: u32) -> Option<Box<RaceWith>> {
+        self.race.take_if(|_| number == diag::SHARED_RACE.number)
+    }
 }
 
 impl Reports {
     /// None so far, on a machine with these rules of waits.
     pub(crate) fn new(rules: Rules) -> Self {
         let (diagnostics, alarms, raised) = (0, Alarms::default(), FxHashMap::default());
-        Self { diagnostics, alarms, raised, waits: KnownWaits::new(rules), unrecognised: Default::default() }
+        let (waits, unrecognised, race) = (KnownWaits::new(rules), None, None);
+        Self { diagnostics, alarms, raised, waits, unrecognised, race }
     }
 }
 

@@ -24,6 +24,21 @@ record! {
         pub origin: Option<Box<Origin>> = 6 [added],
         /// What nothing recognises, if that is what the diagnostic says.
         pub unrecognised: Option<Box<Unrecognised>> = 7 [wire],
+        /// What the block of the diagnostic races with, if that is what the diagnostic says.
+        pub race: Option<Box<RaceWith>> = 8 [wire],
+    }
+}
+
+record! {
+    /// The earlier one of two accesses to a variable that race.
+    #[derive(Debug, Clone, PartialEq, Eq, Default)]
+    pub struct RaceWith {
+        /// The variable as people know it.
+        pub variable: Box<str> = 1,
+        /// Channel of the earlier access.
+        pub channel: u16 = 2,
+        /// Line of the earlier access, from 1.
+        pub line: u32 = 3,
     }
 }
 

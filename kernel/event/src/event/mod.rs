@@ -31,7 +31,7 @@ use std::sync::Arc;
 pub use block::Block;
 pub use call::{Call, Return};
 pub use coolant::{Coolant, Outlet};
-pub use diagnostic::{Diagnostic, Origin, Unrecognised};
+pub use diagnostic::{Diagnostic, Origin, RaceWith, Unrecognised};
 pub use dwell::Dwell;
 pub use frame::Frame;
 pub use function::Function;

@@ -38,12 +38,7 @@ use counterpoint_sync::tag::Tag;
 /// Runs a prepared job; returns when every kernel has ended and the whole log has been received.
 pub(crate) fn run(job: &Job, files: &dyn Files, control: &Control, sink: &mut dyn Sink) -> Outcome {
     let machine = &*job.spec().machine;
-    let plan = Plan::new(
-        machine,
-        &job.spec().options.opskip,
-        &counterpoint_emulator::action::ACTIONS,
-        job.macros().map(|_| &counterpoint_emulator::hooks::POINTS),
-    );
+    let plan = job.plan();
     let (given, mut round) = (OnceLock::new(), Some(Round::default()));
     let mut written = WrittenFiles::new();
     let mut log = Log::new(sink);

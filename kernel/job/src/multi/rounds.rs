@@ -16,6 +16,7 @@ use counterpoint_emulator::waits::rules;
 use counterpoint_event::event::{Event, FileId, Kind, Phase};
 use counterpoint_fault as diag;
 use counterpoint_fault::Halt;
+use counterpoint_machine::Machine;
 use counterpoint_program::spec::Spec;
 use counterpoint_program::{layout, presets};
 use counterpoint_sync::merge::Message;
@@ -58,7 +59,7 @@ impl Round {
     ) -> Coordinator {
         let Spec { machine, options, .. } = job.spec();
         let fresh = || Shared {
-            variables: presets(job).collect(),
+            variables: kept_by_machine(machine).chain(presets(job)).collect(),
             spindles: vec![Spindle::default(); machine.spindles.len()],
             ..Shared::default()
         };
@@ -70,6 +71,12 @@ impl Round {
         coordinator.unordered(|order| (order.sync_points, order.races) = (self.sync_points, races));
         coordinator
     }
+}
+
+/// Values of common variables that the machine has kept.
+fn kept_by_machine(machine: &Machine) -> impl Iterator<Item = (u32, f64)> {
+    let shared = |number: u32| machine.variables.shared.iter().any(|&(first, last)| (first..=last).contains(&number));
+    machine.variables.system.initial.iter().copied().filter(move |&(number, _)| shared(number))
 }
 
 /// Values of common variables that the programs of the job bring with them.

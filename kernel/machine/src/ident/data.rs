@@ -253,6 +253,7 @@ data! {
     OFFSET_KIND true true Plain, None => "which table an offset is set in (Fanuc G10 L)";
     OFFSET_NUMBER true true Plain, None => "which offset is set (Fanuc G10 P)";
     OFFSET_VALUE true true Plain, None => "length or radius that is set (Fanuc G10 R)";
+    OFFSET_TIP true true Plain, None => "direction of the imaginary tip that is set (Fanuc G10 Q)";
     CORNER_LEGS true true Contour, Length => "chamfer at the end of the line, by what it takes of both lines (Fanuc ,C, Siemens CHR)";
     CORNER_FACE true true Contour, Length => "chamfer at the end of the line, by its own length (Siemens CHF)";
     CORNER_ROUND true true Contour, Length => "rounding at the end of the line, radius (Fanuc ,R, Siemens RND)";

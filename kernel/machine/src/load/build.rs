@@ -8,7 +8,7 @@ use super::{
     axes, calls, channels, codes, compensation, cycles, data, diagnostics, dialogs, format, habits, head, idle,
     initial, kinematics, macros, output, overlap, paths, pump, refusals, registers,
 };
-use super::{spindles, storage, subprograms, sync, tape, time, tool, variables, waits};
+use super::{spindles, storage, subprograms, sync, system_variables, tape, time, tool, variables, waits};
 use crate::ident;
 use crate::index::Table;
 use crate::model::Machine;
@@ -53,7 +53,8 @@ pub(super) fn machine(merged: &Merged, files: &dyn Files, check: &Check) -> Mach
     let initial = initial::read(&mut top, &names, &codes);
     let waits = waits::read(&mut top, (&codes, &names.registers), head.preprocessor, check);
     let sync = sync::read(&mut top, &channels, (&codes, waits), check);
-    let variables = variables::read(&mut top, check);
+    let system = system_variables::read(&mut top, &codes, &names.registers, check);
+    let variables = variables::read(&mut top, system, check);
     let around = calls::Around {
         registers: &names.registers,
         codes: &codes,

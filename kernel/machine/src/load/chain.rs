@@ -122,6 +122,10 @@ pub(super) fn row_name(path: &str, row: &Table) -> Option<String> {
             Some(format!("{} {}{}", identifier(row)?, form.unwrap_or_default(), axis.unwrap_or_default()))
         }
         "waits" => ["word", "text", "statement"].iter().find_map(|form| row.text(form)).map(str::to_owned),
+        "system_variables" => match &row.get("first")?.value {
+            Value::Integer(number) => Some(number.to_string()),
+            _ => None,
+        },
         "subprograms.calls" => row.text("word").map(str::to_owned),
         "refusals" => row.text("name").or_else(|| row.text("alarm")).map(str::to_owned),
         "data" => Some(format!("{} {}", identifier(row)?, row.text("register").unwrap_or_default())),

@@ -18,12 +18,31 @@ const MOST: usize = 4000;
 /// Order of a custom code.
 const CUSTOM_ORDER: u16 = 300;
 
+/// Systems of G codes that one control may be set to.
+const SYSTEMS: [(&str, &str); 3] = [("A", "A"), ("B", "B"), ("C", "C")];
+
+/// The row belongs to other systems of G codes than that of the machine.
+fn in_other_systems(section: &mut Section<'_>, system: &str) -> bool {
+    let Some(systems) = section.texts("systems") else { return false };
+    for (name, place) in &systems {
+        if SYSTEMS.iter().all(|(known, _)| known != name) {
+            section.error_at(
+                place,
+                format!("`systems` is a list of \"A\", \"B\" and \"C\", not of \"{}\"", name.escape_debug()),
+            );
+        }
+    }
+    systems.iter().all(|(name, _)| *name != system)
+}
+
 /// Reads the rows in file order.
 pub(super) fn read(top: &mut Section<'_>, names: &mut Names<'_>) -> Vec<CodeRow> {
     top.require("codes", "the words that fire codes");
     let mut rows: Vec<CodeRow> = Vec::new();
+    let system = top.table("control", "[control]").and_then(|mut control| control.choice("system", &SYSTEMS));
     for mut section in top.rows("codes", "[[codes]]", MOST) {
-        let Some(row) = read_row(&mut section, names) else {
+        let elsewhere = in_other_systems(&mut section, system.unwrap_or("A"));
+        let Some(row) = read_row(&mut section, names).filter(|_| !elsewhere) else {
             section.finish();
             continue;
         };

@@ -17,6 +17,8 @@ pub(super) fn read(top: &mut Section<'_>, preprocessor: Preprocessor) -> Habits 
     habits.speed_word = section.flag("speed_word").unwrap_or(habits.speed_word);
     let homes = [("workpiece", Home::Workpiece), ("machine", Home::Machine)];
     habits.home = section.choice("home", &homes).unwrap_or(habits.home);
+    // Which rows of `[[codes]]` count has been settled with those rows.
+    section.node("system");
     let orders = Rotations::ALL.map(|order| (order.name, order));
     habits.rotations = section.choice("rotations", &orders).unwrap_or(habits.rotations);
     habits.least_feed = section.above_zero("least_feed");

@@ -37,6 +37,7 @@ mod spindles;
 mod storage;
 mod subprograms;
 mod sync;
+mod system_variables;
 mod tape;
 mod time;
 mod tool;

@@ -311,7 +311,7 @@ pub enum RapidPath {
 }
 
 /// Program variables of the pre-processor.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Variables {
     /// Ranges of common variables that all channels share, inclusive.
     pub shared: Vec<(u32, u32)>,
@@ -319,6 +319,8 @@ pub struct Variables {
     pub channel: Vec<(u32, u32)>,
     /// Common variables with names (VC1) are each channel's own too.
     pub own_common: bool,
+    /// Those of the system.
+    pub system: crate::system_variables::SystemVariables,
 }
 
 /// Tool word, tools and offsets.

@@ -57,7 +57,9 @@ pub fn json(machine: &Machine) -> Value {
             "open": if machine.output.opened { "needed" } else { "not-needed" },
         },
         "variables": { "shared": machine.variables.shared, "channel": machine.variables.channel,
-            "own_common": machine.variables.own_common },
+            "own_common": machine.variables.own_common, "alarm_base": machine.variables.system.alarm,
+            "start_date": machine.variables.system.start.0, "start_time": machine.variables.system.start.1,
+            "initial": machine.variables.system.initial, "system": system(machine) },
         "tool": { "offset_digits": machine.tool.offset_digits, "offsets": tool_offsets(machine), "data": tool_data(machine) },
         "work_offsets": machine.work_offsets.iter().map(|values| by_axis(machine, values)).collect::<Vec<_>>(),
     })
@@ -338,4 +340,10 @@ fn tool_data(machine: &Machine) -> Vec<Value> {
 fn by_axis(machine: &Machine, values: &Table<AxisId, f64>) -> Value {
     let named = machine.axes.iter().zip(values).map(|(axis, value)| (axis.name.clone(), json!(value)));
     Value::Object(named.collect())
+}
+
+/// First and last number of each row of system variables, and whether programs may set them.
+fn system(machine: &Machine) -> Vec<Value> {
+    let rows = machine.variables.system.rows.iter();
+    rows.map(|row| json!({ "first": row.first, "last": row.last, "also": row.also, "write": row.writable })).collect()
 }

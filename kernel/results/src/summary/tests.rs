@@ -4,7 +4,8 @@ use super::*;
 use crate::testing::*;
 use counterpoint_event::Outcome;
 use counterpoint_event::event::{
-    Block, Dwell, Event, Function, Kind, Member as LogMember, MotionKind, Phase, Verdict as LogVerdict,
+    Block, Diagnostic as LogDiagnostic, Dwell, Event, Function, Kind, Member as LogMember, MotionKind, Phase, RaceWith,
+    Verdict as LogVerdict,
 };
 
 const S: i64 = 1_000_000_000;
@@ -109,4 +110,25 @@ fn the_list_of_diagnostics_is_bounded() {
         (0..10_010).map(|n| diagnostic(1, 1, 0, 2_001_005, if n == 10_009 { 8 } else { 4 }, "t")).collect();
     let summary = summary(&info, &events);
     assert_eq!((summary.diagnostics.len(), summary.highest_severity), (MAX_DIAGNOSTICS, 8));
+}
+
+#[test]
+fn races_are_in_the_analysis_with_both_lines() {
+    let info = lathe(&["#100=1", "#101=#100"]);
+    let race = |variable: &str, channel, line| RaceWith { variable: variable.into(), channel, line };
+    let report = |t_ns, channel, line, race| {
+        let race = Some(Box::new(race));
+        let diagnostic = LogDiagnostic { number: 2_900_440, race, ..LogDiagnostic::default() };
+        at(channel, line, t_ns, 0, Kind::Diagnostic(Box::new(diagnostic)))
+    };
+    let events = [
+        report(S, 1, 2, race("#100", 2, 5)),
+        report(2 * S, 2, 7, race("COUNT", 1, 4)),
+        life(1, 2 * S, Phase::ProgramEnd),
+        life(2, 3 * S, Phase::ProgramEnd),
+    ];
+    let expected = [("#100".into(), [(1, 2), (2, 5)].into()), ("COUNT".into(), [(1, 4), (2, 7)].into())];
+    assert_eq!(summary(&info, &events).analysis.races, expected);
+    let json = serde_json::to_value(&*summary(&info, &events).analysis).unwrap();
+    assert_eq!(json["races"][0], serde_json::json!(["#100", {"1": 2, "2": 5}]));
 }

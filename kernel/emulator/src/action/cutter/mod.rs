@@ -197,8 +197,7 @@ impl Act<'_, '_> {
         if !self.is_turning() || plane != codes::PLANE_ZX {
             return [0.0; 2];
         }
-        let tip = self.env.machine.tool.offsets.iter().find(|offset| offset.number == number).map_or(0, |own| own.tip);
-        TIPS.get(usize::from(tip)).copied().unwrap_or_default()
+        TIPS.get(usize::from(self.offset_tip(number))).copied().unwrap_or_default()
     }
 
     /// Takes a move: it may wait for the next one.

@@ -131,7 +131,7 @@ impl Kernel<'_> {
         match by.variable {
             Some(variable) => self.set_numbered(variable, by.value).map_err(|why| match why {
                 NotThere::Halt(halt) => halt,
-                NotThere::Missing | NotThere::ReadOnly => {
+                NotThere::Missing | NotThere::ReadOnly | NotThere::TooBig => {
                     let text = format!("variable #{variable} cannot be written in '{}'", self.block_text());
                     self.alarm(&diag::MACRO_VARIABLE, text)
                 }

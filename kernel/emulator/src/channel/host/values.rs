@@ -44,6 +44,10 @@ impl Values for Kernel<'_> {
         self.set_numbered(index, value)
     }
 
+    fn program_alarm(&self) -> u32 {
+        self.channel.env.machine.variables.system.alarm
+    }
+
     fn is_common(&self, index: u32) -> bool {
         Kernel::is_common(self, index)
     }

@@ -34,6 +34,7 @@ pub(crate) struct Offsets {
     worn_radius: BTreeMap<u32, f64>,
     radius: BTreeMap<u32, f64>,
     corner: BTreeMap<u32, f64>,
+    tip: BTreeMap<u32, u8>,
 }
 
 /// A table of offsets with a value per axis.
@@ -150,6 +151,24 @@ impl Channel<'_> {
             let own = self.env.machine.tool.offsets.iter().find(|o| o.number == number && table == Radii::Cutter);
             own.map_or(0.0, |own| own.radius)
         })
+    }
+
+    /// Direction of the imaginary tip, 0 to 9.
+    pub(crate) fn offset_tip(&self, number: u32) -> u8 {
+        let set = self.state.place.offsets.as_deref().and_then(|offsets| offsets.tip.get(&number)).copied();
+        let own = || self.env.machine.tool.offsets.iter().find(|offset| offset.number == number).map_or(0, |o| o.tip);
+        set.unwrap_or_else(own)
+    }
+
+    /// Sets the direction of the imaginary tip; `false` when there is no room for it or no such direction.
+    pub(crate) fn set_offset_tip(&mut self, number: u32, value: f64) -> bool {
+        let tips = &mut self.state.place.offsets.get_or_insert_default().tip;
+        let possible = (0.0..=9.0).contains(&value) && value.fract() == 0.0;
+        if !possible || tips.len() >= MOST && !tips.contains_key(&number) {
+            return false;
+        }
+        tips.insert(number, value as u8);
+        true
     }
 
     /// Sets a radius; `false` when there is no room for it or it is out of all bounds.

@@ -1,0 +1,411 @@
+//! System variables of the machine's rows: what they show, and what setting them does.
+//!
+//! Lengths and positions are in the units of the program. An offset that a program sets acts at once, and the machine does not
+//! move. Facts: reference fanuc-variables-and-alarms.md 1.3 to 1.6. *Invariant:* reading changes no value; nothing here
+//! depends on the clock of the computer.
+
+use rustc_hash::FxHashMap;
+
+use super::Kernel;
+use crate::state::frames::offsets::{BASE, EXTENDED, Radii, Table};
+use crate::state::modal::{feed_of, group};
+use counterpoint_dialect::{NotThere, is_vacant};
+use counterpoint_event::event::{MAX_AXES, Position};
+use counterpoint_machine::ident::codes;
+use counterpoint_machine::ident::dimension::Dimension;
+use counterpoint_machine::index::{AxisSlot, BySlot};
+use counterpoint_machine::rows::CodeForm;
+use counterpoint_machine::system_variables::{Column, Frame, Means, SystemVariables};
+
+/// Seconds of a day.
+const DAY: i64 = 86_400;
+
+/// The millisecond clock starts again from 0 after this value.
+const CLOCK_WRAP: f64 = 2_147_483_648.0;
+
+/// Largest value of an offset.
+const LARGEST_OFFSET: f64 = 9_999.999_9;
+
+/// Bit of the inch system among the settings.
+const INCH: u32 = 4;
+
+/// What a channel keeps of its system variables.
+#[derive(Debug, Default)]
+pub(crate) struct SystemValues {
+    /// Values by number, where programs have set one or the machine starts with one.
+    kept: FxHashMap<u32, f64>,
+    /// What the clocks (milliseconds, hours) show beyond simulated time.
+    clocks: [f64; 2],
+}
+
+impl SystemValues {
+    /// As the machine starts.
+    pub(super) fn new(variables: &SystemVariables) -> Self {
+        let system = variables.initial.iter().copied().filter(|&(number, _)| variables.find(number).is_some());
+        Self { kept: system.collect(), clocks: [0.0; 2] }
+    }
+
+    fn kept(&self, number: u32, first: f64) -> f64 {
+        self.kept.get(&number).copied().unwrap_or(first)
+    }
+}
+
+impl Kernel<'_> {
+    /// Value of a system variable.
+    ///
+    /// # Errors
+    /// The machine does not have it, or the job was stopped.
+    pub(super) fn system_variable(&mut self, number: u32) -> Result<f64, NotThere> {
+        let variables = &self.channel.env.machine.variables.system;
+        let Some((row, at)) = variables.find(number) else { return Err(NotThere::Missing) };
+        match &row.means {
+            Means::Alias(of) if *of + at < 1000 => self.numbered(of + at),
+            // A loop that looks at a clock ends without anybody's help.
+            means @ (Means::Milliseconds | Means::Hours | Means::Date | Means::TimeOfDay) => {
+                self.flow.pass.effects = true;
+                self.shown(means, number, at).ok_or(NotThere::Missing)
+            }
+            means => self.shown(means, number, at).ok_or(NotThere::Missing),
+        }
+    }
+
+    /// Sets a system variable.
+    ///
+    /// # Errors
+    /// The machine does not have it, it can only be read, the value is not possible, or the job was stopped.
+    pub(super) fn set_system_variable(&mut self, number: u32, value: f64) -> Result<(), NotThere> {
+        let variables = &self.channel.env.machine.variables.system;
+        let Some((row, at)) = variables.find(number) else { return Err(NotThere::Missing) };
+        if let Means::Alias(of) = row.means
+            && of + at < 1000
+        {
+            return self.set_numbered(of + at, value);
+        }
+        if !row.writable {
+            let exists = self.shown(&row.means, number, at).is_some();
+            return Err(if exists { NotThere::ReadOnly } else { NotThere::Missing });
+        }
+        self.flow.pass.effects = true;
+        let value = if is_vacant(value) { 0.0 } else { value };
+        match &row.means {
+            Means::WorkOffset { from, stride } => self.set_work_offset(from + at / stride, at % stride, value),
+            Means::WorkOffsetAxis { from, axis } => self.set_work_offset(from + at, u32::from(*axis), value),
+            Means::ToolOffset(column, wear) => self.set_tool_offset(*column, *wear, at + 1, value),
+            means => {
+                self.keep(means, number, value);
+                Ok(())
+            }
+        }
+    }
+
+    fn keep(&mut self, means: &Means, number: u32, value: f64) {
+        let clock = self.channel.at.clock;
+        let kept = &mut self.dialect.variables.system;
+        match means {
+            Means::Milliseconds => kept.clocks[0] = value - milliseconds(clock),
+            Means::Hours => kept.clocks[1] = value - hours(clock),
+            // As on the control: 32 bits, of which negative numbers have the highest.
+            Means::Bits(of) => {
+                let bits = value.clamp(-2_147_483_648.0, 4_294_967_295.0).round() as i64;
+                for bit in 0..32 {
+                    kept.kept.insert(of + bit, f64::from(u8::from(bits >> bit & 1 != 0)));
+                }
+            }
+            Means::Settings => {
+                let bits = value.clamp(0.0, 65_535.0).round() as u32;
+                kept.kept.insert(number, f64::from(bits & !INCH));
+                let inch = bits & INCH != 0;
+                let machine_inch = self.channel.env.machine.unit == counterpoint_event::info::Unit::Inch;
+                self.activate_code(if inch == machine_inch { codes::UNITS_PRIMARY } else { codes::UNITS_SECONDARY });
+                self.channel.state.secondary = inch != machine_inch;
+            }
+            Means::Bit(_) => {
+                kept.kept.insert(number, f64::from(u8::from(value >= 0.5)));
+            }
+            _ => {
+                kept.kept.insert(number, value);
+            }
+        }
+    }
+
+    /// What a row shows; none if the channel does not have it.
+    fn shown(&self, means: &Means, number: u32, at: u32) -> Option<f64> {
+        let variables = &self.channel.env.machine.variables.system;
+        let kept = &self.dialect.variables.system;
+        let clock = self.channel.at.clock;
+        Some(match means {
+            Means::Kept(first) | Means::Bit(first) => kept.kept(number, *first),
+            Means::Bits(of) => {
+                let bits = (0..32_u32).filter(|bit| kept.kept(of + bit, 0.0) >= 0.5);
+                let sum: u32 = bits.map(|bit| 1 << bit).sum();
+                f64::from(sum as i32)
+            }
+            Means::Alias(_) => return None,
+            Means::Milliseconds => (milliseconds(clock) + kept.clocks[0]).rem_euclid(CLOCK_WRAP),
+            Means::Hours => hours(clock) + kept.clocks[1],
+            Means::Date => f64::from(date(variables.start, clock)),
+            Means::TimeOfDay => f64::from(time_of_day(variables.start.1, clock)),
+            Means::Settings => {
+                let machine_inch = self.channel.env.machine.unit == counterpoint_event::info::Unit::Inch;
+                let inch = machine_inch != self.channel.state.secondary;
+                kept.kept(number, 0.0) + if inch { f64::from(INCH) } else { 0.0 }
+            }
+            Means::Mirrors => {
+                let mirror = self.channel.frame_values().mirror;
+                mirror.iter().zip([1.0, 2.0, 4.0]).filter(|(on, _)| **on != 0.0).map(|(_, bit)| bit).sum()
+            }
+            Means::MainProgram => self.program_number(),
+            Means::Modal(groups) => self.modal_word(*groups.get(at as usize)?),
+            Means::Address(letters) => self.address(*letters.get(at as usize)?),
+            Means::Position(frame, axes) => return self.position(*frame, axes.as_deref(), at as usize),
+            Means::WorkOffset { from, stride } => return self.work_offset_of(from + at / stride, at % stride),
+            Means::WorkOffsetAxis { from, axis } => return self.work_offset_of(from + at, u32::from(*axis)),
+            Means::ToolOffset(column, wear) => return self.tool_offset(*column, *wear, at + 1),
+        })
+    }
+
+    /// G number that is active in a group of the kernel.
+    fn modal_word(&self, (group, idle): (u16, f64)) -> f64 {
+        let modal = &self.channel.state.modal;
+        let place = &self.channel.state.place;
+        let Some(code) = modal.code(group).filter(|_| group != 0) else { return idle };
+        match code {
+            codes::COMP_WORKP_ON | codes::COMP_EXTFIXT if place.in_force.work_offset > EXTENDED => return 54.1,
+            codes::COMP_WORKP_ON => return f64::from(place.in_force.work_offset) + 53.0,
+            _ => {}
+        }
+        let machine = self.channel.env.machine;
+        let of_row = modal.row(group).map(|row| &machine.codes[row].form).and_then(|form| match form {
+            CodeForm::Register { register, min, .. } | CodeForm::RegisterAsData { register, min, .. }
+                if Some(*register) == self.plan.registers.g =>
+            {
+                Some(*min)
+            }
+            _ => None,
+        });
+        of_row.or_else(|| machine.variables.system.word(code)).unwrap_or(idle)
+    }
+
+    /// Number of the main program, 0 if it has none.
+    fn program_number(&self) -> f64 {
+        let info = self.channel.env.info.channels.iter().find(|info| info.number == self.channel.at.channel);
+        info.map_or(0.0, |info| digits(&info.program))
+    }
+
+    /// Last value of an address.
+    fn address(&self, letter: u8) -> f64 {
+        let channel = &self.channel;
+        let place = &channel.state.place;
+        match letter {
+            b'F' => {
+                let (feed, _) = feed_of(channel.state.modal.code(group::FEED));
+                channel.state.modal.value(feed).unwrap_or(0.0) / channel.unit_factor(Dimension::Feed)
+            }
+            b'S' => channel.state.spindle.command.rpm,
+            b't' => f64::from(place.tools.current),
+            b'T' if channel.is_turning() => {
+                let digits = channel.env.machine.tool.offset_digits;
+                f64::from(place.tools.current) * 10_f64.powi(i32::from(digits)) + f64::from(place.in_force.tool_offset)
+            }
+            b'T' if place.tools.chosen => f64::from(place.tools.selected),
+            b'T' => f64::from(place.tools.current),
+            b'D' => f64::from(place.compensation.diameter),
+            b'H' => f64::from(place.in_force.length_number),
+            b'N' => f64::from(channel.block.sequence.unwrap_or(0)),
+            b'O' => self
+                .flow
+                .frames
+                .get(1..)
+                .and_then(<[_]>::last)
+                .map_or_else(|| self.program_number(), |frame| digits(&frame.name)),
+            b'X' | b'Y' | b'Z' => {
+                let slot = self.tool_axis(letter - b'X');
+                slot.map_or(0.0, |slot| channel.programmed().at(slot) / self.length_factor(slot))
+            }
+            b'P' => f64::from(place.in_force.work_offset.saturating_sub(EXTENDED)),
+            _ => 0.0,
+        }
+    }
+
+    /// A value by axis of the channel, in units of the program; `axes` are the X, Y and Z axes in another order.
+    fn position(&self, frame: Frame, axes: Option<&[u8]>, at: usize) -> Option<f64> {
+        let channel = &self.channel;
+        let layout = &channel.state.place.layout;
+        let slot = match axes {
+            None => layout.axes.id(at)?,
+            Some(axes) => layout.cartesian.get(usize::from(*axes.get(at)?)).copied().flatten()?,
+        };
+        let values = match frame {
+            Frame::Local => self.local_shift(),
+            Frame::BlockEnd => channel.programmed(),
+            Frame::Machine => channel.machine_point(&channel.state.place.position),
+            Frame::Work => sum(channel.programmed(), channel.tool_shift()),
+            Frame::Skip => sum(channel.state.skip.end, channel.tool_shift()),
+            Frame::Tool => channel.tool_shift(),
+            Frame::Wear => self.in_force(Table::Wear),
+            Frame::Geometry => self.in_force(Table::Length),
+            Frame::Zero => [0.0; MAX_AXES],
+        };
+        Some(values.at(slot) / self.length_factor(slot))
+    }
+
+    fn local_shift(&self) -> Position {
+        let mut values = [0.0; MAX_AXES];
+        let shift = self.channel.frame_values().translation;
+        for (slot, value) in self.channel.state.place.layout.cartesian.iter().zip(shift) {
+            if let Some(slot) = slot {
+                *values.at_mut(*slot) = value;
+            }
+        }
+        values
+    }
+
+    fn in_force(&self, table: Table) -> Position {
+        let number = self.channel.state.place.in_force.tool_offset;
+        if number == BASE { [0.0; MAX_AXES] } else { self.channel.offset_values(table, number) }
+    }
+
+    /// Factor from lengths of the program to those of an axis.
+    fn length_factor(&self, axis: AxisSlot) -> f64 {
+        let turns = self.channel.state.place.layout.axes[axis].rotary;
+        if turns { 1.0 } else { self.channel.unit_factor(Dimension::Length) }
+    }
+
+    fn work_offset_of(&self, number: u32, axis: u32) -> Option<f64> {
+        let slot = self.channel.state.place.layout.axes.id(axis as usize)?;
+        Some(self.channel.offset_values(Table::Work, number).at(slot) / self.length_factor(slot))
+    }
+
+    fn set_work_offset(&mut self, number: u32, axis: u32, value: f64) -> Result<(), NotThere> {
+        let Some(slot) = self.channel.state.place.layout.axes.id(axis as usize) else {
+            return Err(NotThere::Missing);
+        };
+        let mut values = self.channel.offset_values(Table::Work, number);
+        *values.at_mut(slot) = value * self.length_factor(slot);
+        if self.set_offset(Table::Work, number, values) { Ok(()) } else { Err(NotThere::TooBig) }
+    }
+
+    fn tool_axis(&self, role: u8) -> Option<AxisSlot> {
+        self.channel.state.place.layout.cartesian.get(usize::from(role)).copied().flatten()
+    }
+
+    fn tool_offset(&self, column: Column, wear: bool, number: u32) -> Option<f64> {
+        let channel = &self.channel;
+        let (table, radii) = tables(wear);
+        let length = channel.unit_factor(Dimension::Length);
+        match column {
+            Column::Axis(role) => Some(channel.offset_values(table, number).at(self.tool_axis(role)?) / length),
+            Column::Radius => Some(channel.offset_radius(radii, number) / length),
+            Column::Diameter => Some(2.0 * channel.offset_radius(radii, number) / length),
+            Column::Tip => Some(f64::from(channel.offset_tip(number))),
+        }
+    }
+
+    fn set_tool_offset(&mut self, column: Column, wear: bool, number: u32, value: f64) -> Result<(), NotThere> {
+        if value.abs() > LARGEST_OFFSET {
+            return Err(NotThere::TooBig);
+        }
+        let (table, radii) = tables(wear);
+        let length = self.channel.unit_factor(Dimension::Length);
+        let done = match column {
+            Column::Axis(role) => {
+                let Some(slot) = self.tool_axis(role) else { return Err(NotThere::Missing) };
+                let mut values = self.channel.offset_values(table, number);
+                *values.at_mut(slot) = value * length;
+                self.set_offset(table, number, values)
+            }
+            Column::Radius => self.channel.set_offset_radius(radii, number, value * length),
+            Column::Diameter => self.channel.set_offset_radius(radii, number, value * length / 2.0),
+            Column::Tip => self.channel.set_offset_tip(number, value),
+        };
+        if done { Ok(()) } else { Err(NotThere::TooBig) }
+    }
+}
+
+fn tables(wear: bool) -> (Table, Radii) {
+    if wear { (Table::Wear, Radii::Wear) } else { (Table::Length, Radii::Cutter) }
+}
+
+fn sum(mut values: Position, more: Position) -> Position {
+    for (slot, more) in values.iter_mut().zip(more) {
+        *slot += more;
+    }
+    values
+}
+
+fn milliseconds(clock: i64) -> f64 {
+    (clock / 1_000_000) as f64
+}
+
+fn hours(clock: i64) -> f64 {
+    clock as f64 / 3.6e12
+}
+
+/// The number in the name of a program.
+fn digits(name: &str) -> f64 {
+    let start = name.find(|c: char| c.is_ascii_digit()).unwrap_or(name.len());
+    let text = name.get(start..).unwrap_or_default();
+    let end = text.find(|c: char| !c.is_ascii_digit()).unwrap_or(text.len());
+    text.get(..end).and_then(|text| text.parse().ok()).unwrap_or(0.0)
+}
+
+/// Seconds since midnight of the first day.
+fn seconds(start: u32, clock: i64) -> i64 {
+    let start = i64::from(start);
+    start / 10_000 * 3600 + start / 100 % 100 * 60 + start % 100 + clock / 1_000_000_000
+}
+
+/// Time of day as hhmmss, by the time at the start of the job and simulated time.
+fn time_of_day(start: u32, clock: i64) -> u32 {
+    let second = seconds(start, clock).rem_euclid(DAY);
+    (second / 3600 * 10_000 + second / 60 % 60 * 100 + second % 60) as u32
+}
+
+/// Date as yyyymmdd.
+fn date((first, start): (u32, u32), clock: i64) -> u32 {
+    let (mut year, mut month, mut day) = (first / 10_000, first / 100 % 100, first % 100);
+    let days = seconds(start, clock).div_euclid(DAY).clamp(0, 400);
+    for _ in 0..days {
+        day += 1;
+        if day > month_days(year, month) {
+            (day, month) = (1, month + 1);
+        }
+        if month > 12 {
+            (month, year) = (1, year + 1);
+        }
+    }
+    year * 10_000 + month * 100 + day
+}
+
+fn month_days(year: u32, month: u32) -> u32 {
+    let leap = year.is_multiple_of(4) && (!year.is_multiple_of(100) || year.is_multiple_of(400));
+    match month {
+        2 if leap => 29,
+        2 => 28,
+        4 | 6 | 9 | 11 => 30,
+        _ => 31,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SECOND: i64 = 1_000_000_000;
+
+    #[test]
+    fn date_and_time_follow_simulated_time_across_months_and_years() {
+        assert_eq!((date((20_261_122, 80_000), 0), time_of_day(80_000, 0)), (20_261_122, 80_000));
+        let night = 235_959;
+        assert_eq!(date((20_231_231, night), SECOND), 20_240_101);
+        assert_eq!(time_of_day(night, SECOND), 0);
+        assert_eq!(date((20_240_228, night), SECOND), 20_240_229);
+        assert_eq!(date((20_250_228, night), SECOND), 20_250_301);
+        assert_eq!(time_of_day(80_000, 3_661 * SECOND), 90_101);
+    }
+
+    #[test]
+    fn numbers_of_programs_are_read_from_their_names() {
+        assert_eq!(["O0042", "MAIN", "O9010.NC", ""].map(digits), [42.0, 0.0, 9010.0, 0.0]);
+    }
+}
