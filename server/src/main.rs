@@ -167,7 +167,7 @@ fn main() -> ExitCode {
     }
     logging();
     match tokio::runtime::Builder::new_multi_thread().enable_all().thread_name("rpc").build() {
-        Ok(runtime) => match runtime.block_on(serve(options)) {
+        Ok(runtime) => match runtime.block_on(serve(options, arguments.config.as_deref())) {
             Ok(()) => ExitCode::SUCCESS,
             Err(error) => fail(3, &error),
         },
@@ -187,7 +187,7 @@ fn logging() {
     tracing_subscriber::fmt().with_env_filter(filter).with_ansi(colours).with_writer(std::io::stderr).init();
 }
 
-async fn serve(options: Options) -> Result<(), service::Error> {
+async fn serve(options: Options, config: Option<&Path>) -> Result<(), service::Error> {
     let service = service::build(options).await?;
     let handle = service.handle();
     println!("listening on {}", handle.url());
@@ -197,7 +197,7 @@ async fn serve(options: Options) -> Result<(), service::Error> {
     }
     tokio::select! {
         result = service.run(std::future::pending()) => result,
-        () = signals(handle.clone()) => Ok(()),
+        () = signals(handle.clone(), config) => Ok(()),
         () = tell(manager.as_ref(), &handle) => Ok(()),
     }
 }
@@ -213,9 +213,21 @@ async fn tell(manager: Option<&Manager>, handle: &service::Handle) {
     tokio::join!(manager.watch(|| handle.alive()), stopping);
 }
 
+/// Reads the tables of tenants again; the old ones stay when the file has an error.
+#[cfg(unix)]
+fn tenants_again(handle: &service::Handle, config: &Path) {
+    match Options::from_file(config) {
+        Ok(options) => {
+            handle.set_tenants(options.tenants);
+            tracing::info!("tables of tenants read again");
+        }
+        Err(error) => tracing::error!(%error, "tables of tenants cannot be read again, the old ones stay"),
+    }
+}
+
 /// Passes signals on to the server. If signal handlers cannot be installed, waits forever.
 #[cfg(unix)]
-async fn signals(handle: service::Handle) {
+async fn signals(handle: service::Handle, config: Option<&Path>) {
     use tokio::signal::unix::{SignalKind, signal};
     if let (Ok(mut terminate), Ok(mut interrupt), Ok(mut hangup)) =
         (signal(SignalKind::terminate()), signal(SignalKind::interrupt()), signal(SignalKind::hangup()))
@@ -224,7 +236,10 @@ async fn signals(handle: service::Handle) {
             tokio::select! {
                 _ = terminate.recv() => handle.stop(),
                 _ = interrupt.recv() => handle.stop(),
-                _ = hangup.recv() => handle.reload(),
+                _ = hangup.recv() => {
+                    handle.reload();
+                    config.into_iter().for_each(|config| tenants_again(&handle, config));
+                }
             }
         }
     }
@@ -233,7 +248,7 @@ async fn signals(handle: service::Handle) {
 
 /// Passes signals on to the server. If signal handlers cannot be installed, waits forever.
 #[cfg(not(unix))]
-async fn signals(handle: service::Handle) {
+async fn signals(handle: service::Handle, _config: Option<&Path>) {
     while tokio::signal::ctrl_c().await.is_ok() {
         handle.stop();
     }

@@ -31,6 +31,9 @@ pub(crate) const TABLE: &[(&str, &str, &str)] = &[
         "gauge",
         "Time since the acceptance of the job that has waited longest, by `tenant` and `priority`",
     ),
+    ("counterpoint_tenant_running", "gauge", "Jobs on workers, by `tenant`"),
+    ("counterpoint_tenant_stored_bytes", "gauge", "Bytes of logs, files and results of ended jobs, by `tenant`"),
+    ("counterpoint_tenant_cpu_seconds", "gauge", "Processor time of the jobs that ended today (UTC), by `tenant`"),
     ("counterpoint_jobs_running", "gauge", "Jobs that run or whose end is being stored"),
     ("counterpoint_events_total", "counter", "Events of all runs"),
     ("counterpoint_blocks_total", "counter", "Blocks of runs that are over"),
@@ -54,6 +57,22 @@ pub(crate) struct Waiting {
     pub(crate) priority: &'static str,
     pub(crate) jobs: i64,
     pub(crate) age_s: i64,
+}
+
+/// What one tenant uses of its quotas.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub(crate) struct Used {
+    pub(crate) running: i64,
+    pub(crate) bytes: i64,
+    pub(crate) cpu_s: i64,
+}
+
+/// Jobs and bytes of tenants.
+#[derive(Debug, Default)]
+struct Tenants {
+    running: Family<ByTenant, Gauge>,
+    bytes: Family<ByTenant, Gauge>,
+    cpu_s: Family<ByTenant, Gauge>,
 }
 
 /// Calls of the contract.
@@ -93,6 +112,7 @@ pub(crate) struct Metrics {
     registry: Registry,
     calls: Calls,
     pub(crate) jobs: Jobs,
+    tenants: Tenants,
     pub(crate) watchers: Gauge,
     pub(crate) lag: Gauge,
     pub(crate) storage: Storage,
@@ -114,6 +134,7 @@ impl Metrics {
         let seconds = Family::new_with_constructor(times as fn() -> Histogram);
         let calls = Calls { total: Family::default(), seconds };
         let jobs = Jobs::default();
+        let tenants = Tenants::default();
         let storage = Storage {
             commit_seconds: times(),
             syncs: Counter::default(),
@@ -132,6 +153,9 @@ impl Metrics {
         register(all, "counterpoint_jobs_queued", jobs.queued.clone());
         register(all, "counterpoint_jobs_paused", jobs.paused.clone());
         register(all, "counterpoint_queue_age_seconds", jobs.age.clone());
+        register(all, "counterpoint_tenant_running", tenants.running.clone());
+        register(all, "counterpoint_tenant_stored_bytes", tenants.bytes.clone());
+        register(all, "counterpoint_tenant_cpu_seconds", tenants.cpu_s.clone());
         register(all, "counterpoint_jobs_running", jobs.running.clone());
         register(all, "counterpoint_events_total", jobs.events.clone());
         register(all, "counterpoint_blocks_total", jobs.blocks.clone());
@@ -141,7 +165,7 @@ impl Metrics {
         register(all, "counterpoint_syncs_total", storage.syncs.clone());
         register(all, "counterpoint_free_bytes", storage.free_bytes.clone());
         register(all, "counterpoint_ledger_writable", storage.writable.clone());
-        Self { registry, calls, jobs, watchers, lag, storage }
+        Self { registry, calls, jobs, tenants, watchers, lag, storage }
     }
 
     /// Counts an answered call; `call` is one of few names.
@@ -180,6 +204,18 @@ impl Metrics {
         }
     }
 
+    /// Sets what each tenant uses. A tenant that uses nothing is shown no longer.
+    pub(crate) fn tenants(&self, used: impl Iterator<Item = (String, Used)>) {
+        let Tenants { running, bytes, cpu_s } = &self.tenants;
+        [running, bytes, cpu_s].iter().for_each(|family| family.clear());
+        for (tenant, used) in used.filter(|(_, used)| *used != Used::default()) {
+            let labels = [("tenant", tenant)];
+            running.get_or_create(&labels).set(used.running);
+            bytes.get_or_create(&labels).set(used.bytes);
+            cpu_s.get_or_create(&labels).set(used.cpu_s);
+        }
+    }
+
     /// All of it as a text that Prometheus reads.
     pub(crate) fn text(&self) -> String {
         let mut text = String::new();
@@ -213,7 +249,11 @@ mod tests {
         metrics.limit("wall_ms");
         let waiting = Waiting { tenant: "a".to_owned(), priority: "low", jobs: 3, age_s: 7 };
         metrics.queue([waiting].into_iter(), [("b".to_owned(), 2)].into_iter());
+        let used = Used { running: 1, bytes: 40, cpu_s: 2 };
+        metrics.tenants([("c".to_owned(), used), ("d".to_owned(), Used::default())].into_iter());
         let text = metrics.text();
+        assert!(text.contains("counterpoint_tenant_stored_bytes{tenant=\"c\"} 40"), "{text}");
+        assert!(!text.contains("tenant=\"d\""), "a tenant that uses nothing is not shown");
         let shown: BTreeSet<(&str, &str)> =
             text.lines().filter_map(|line| line.strip_prefix("# TYPE ")?.split_once(' ')).collect();
         let row =

@@ -1,8 +1,9 @@
 //! Settings of the server: flags over environment over configuration file over defaults.
 //!
-//! Invariant: every option exists in all three forms under one name (`queue` = `--queue` = `COUNTERPOINT_QUEUE`),
-//! and [`Options::to_toml`] prints a file that gives the same options again.
+//! Invariant: every option exists in all three forms under one name (`queue` = `--queue` = `COUNTERPOINT_QUEUE`), but for
+//! the tables of single tenants, which only a file has; and [`Options::to_toml`] prints a file that gives the same options again.
 
+use std::collections::BTreeMap;
 use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
 
@@ -10,9 +11,11 @@ use counterpoint_kernel::options::Limits;
 use serde::{Deserialize, Serialize};
 
 mod groups;
+mod tenants;
 
 pub use groups::{Connections, ConnectionsFlags, Guard, GuardFlags, Maxima, MaximaFlags};
 pub use groups::{Quotas, QuotasFlags, Retention, RetentionFlags, System, SystemFlags};
+pub use tenants::Tenant;
 
 /// Options of a server.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -50,13 +53,27 @@ pub struct Options {
     /// How long things are kept.
     #[serde(flatten)]
     pub retention: Retention,
-    /// Nothing survives: no fsync, ledger in memory. For a server that lives as long as one command.
+    /// What single tenants may have and keep instead.
+    pub tenants: BTreeMap<String, Tenant>,
+    /// How it lives inside of a command.
     #[serde(skip)]
+    pub embedded: Embedded,
+}
+
+/// How a server lives inside of a command; no file and no flag sets this.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Embedded {
+    /// Nothing survives: no fsync, ledger in memory. For a server that lives as long as one command.
     pub ephemeral: bool,
     /// Keep the event log of a job. Without it there are no listings, events and event watches; only a server that
     /// knows that nobody will ask (a command that runs one job) leaves it away.
-    #[serde(skip, default = "yes")]
     pub log: bool,
+}
+
+impl Default for Embedded {
+    fn default() -> Self {
+        Self { ephemeral: false, log: true }
+    }
 }
 
 impl Default for Options {
@@ -75,14 +92,10 @@ impl Default for Options {
             quotas: Quotas::default(),
             connections: Connections::default(),
             retention: Retention::default(),
-            ephemeral: false,
-            log: true,
+            tenants: BTreeMap::new(),
+            embedded: Embedded::default(),
         }
     }
-}
-
-fn yes() -> bool {
-    true
 }
 
 /// Why options cannot be had.
@@ -142,7 +155,8 @@ impl Options {
             ..Maxima::default()
         };
         let own = Self { maxima, ..Self::default() };
-        Self { listen: SocketAddr::from(([127, 0, 0, 1], 0)), data, ephemeral: true, grace_s: 0, ..own }
+        let embedded = Embedded { ephemeral: true, log: true };
+        Self { listen: SocketAddr::from(([127, 0, 0, 1], 0)), data, embedded, grace_s: 0, ..own }
     }
 
     /// Jobs at the same time, resolved.
@@ -232,7 +246,7 @@ mod tests {
     fn printed_options_read_back_the_same() {
         let options = Options { queue: 7, ..Options::default() };
         let back = Options::parse(&options.to_toml()).unwrap();
-        assert_eq!(Options { ephemeral: false, ..back }, options);
+        assert_eq!(back, options);
     }
 
     #[test]
@@ -240,5 +254,17 @@ mod tests {
         let flags = Flags { queue: Some(9), ..Flags::default() };
         assert_eq!(flags.over(Options::default()).queue, 9);
         assert!(Options::parse("quue = 3").is_err());
+    }
+
+    #[test]
+    fn a_tenant_of_its_own_has_what_its_table_says_and_the_rest_as_all() {
+        let text = "tenant_queued = 5\ntenant_cpu_s = 60\n[tenants.cell]\nqueued = 9\ncpu_s = 0\nkeep_jobs = 3\n";
+        let options = Options::parse(text).unwrap();
+        let (cell, other) = (options.tenants["cell"].quotas(&options.quotas), &options.quotas);
+        assert_eq!((cell.tenant_queued, cell.tenant_cpu_s, cell.tenant_running), (9, 0, 0));
+        assert_eq!((other.tenant_queued, other.tenant_cpu_s), (5, 60));
+        assert_eq!(Options::parse(&options.to_toml()).unwrap(), options);
+        let unknown = Options::parse("[tenants.cell]\nqueue = 9\n").unwrap_err().to_string();
+        assert!(unknown.contains("queue") && unknown.contains("queued"), "{unknown}");
     }
 }

@@ -29,9 +29,14 @@ impl<K: Eq + Hash + Clone> Places<K> {
 
     /// A place, if there is one for this owner.
     pub(crate) fn take(self: &Arc<Self>, owner: K) -> Option<Place<K>> {
+        self.take_of(owner, self.most_each)
+    }
+
+    /// A place, if this owner has fewer than so many.
+    pub(crate) fn take_of(self: &Arc<Self>, owner: K, most_each: usize) -> Option<Place<K>> {
         let mut taken = self.taken.lock().unwrap_or_else(PoisonError::into_inner);
         let own = taken.1.get(&owner).copied().unwrap_or(0);
-        if taken.0 >= self.most || own >= self.most_each {
+        if taken.0 >= self.most || own >= most_each {
             return None;
         }
         taken.0 += 1;

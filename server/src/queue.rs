@@ -7,7 +7,7 @@
 //! tenant may let wait, but takes no turn. Invariant: a
 //! job is waiting, running or being stored, and never two of these.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeSet, HashMap};
 use std::fmt::Debug;
 use std::time::Instant;
 
@@ -36,6 +36,9 @@ pub(crate) struct Ticket<'a> {
 
 /// Jobs that wait, and who has a place. Calls do not block.
 pub(crate) trait Queue: Send + Debug {
+    /// Lets each tenant have `most` workers, and single tenants other numbers; 0 = without limit. Jobs that run continue.
+    fn let_run(&mut self, most: usize, own: HashMap<String, usize>);
+
     /// Jobs that wait, also those held back.
     fn len(&self) -> usize;
 

@@ -86,13 +86,15 @@ pub enum Refusal {
         oldest: u64,
     },
     /// A tenant has used up what it may.
-    #[error("the tenant '{tenant}' has reached its quota {quota}: {text}")]
+    #[error("the tenant '{tenant}' has reached its quota {quota} of {limit}: {text}")]
     Quota {
         /// The tenant.
         tenant: String,
         /// Option that sets the quota.
         quota: &'static str,
-        /// What it has used.
+        /// How much that allows.
+        limit: u64,
+        /// What it has used, and what to do.
         text: String,
     },
     /// The admission queue is full.
@@ -161,8 +163,8 @@ impl Refusal {
     }
 
     /// A quota that is reached.
-    pub(crate) fn quota(tenant: &str, quota: &'static str, text: String) -> Self {
-        Self::Quota { tenant: tenant.to_owned(), quota, text }
+    pub(crate) fn quota(tenant: &str, quota: &'static str, limit: u64, text: String) -> Self {
+        Self::Quota { tenant: tenant.to_owned(), quota, limit, text }
     }
 
     /// What a status without details says, which the transport has made.
@@ -230,7 +232,9 @@ impl Refusal {
             Self::Draining { cursor } => pair("cursor", cursor.to_string()),
             Self::CursorBeyondLog { last, .. } => pair("last_seq", last.to_string()),
             Self::CursorTooOld { oldest, .. } => pair("oldest", oldest.to_string()),
-            Self::Quota { quota, .. } => pair("quota", (*quota).to_owned()),
+            Self::Quota { quota, limit, .. } => {
+                HashMap::from([("quota".to_owned(), (*quota).to_owned()), ("limit".to_owned(), limit.to_string())])
+            }
             Self::MissingBlobs(digests) => {
                 pair("digests", digests.iter().take(16).cloned().collect::<Vec<_>>().join(","))
             }
@@ -248,8 +252,9 @@ impl From<Refusal> for Status {
             Refusal::InvalidField { field, text } => {
                 details.add_bad_request_violation(field, text);
             }
-            Refusal::Quota { tenant, quota, text } => {
-                details.add_quota_failure_violation(format!("tenant:{tenant}"), format!("{quota}: {text}"));
+            Refusal::Quota { tenant, quota, limit, text } => {
+                let text = format!("the quota {quota} is {limit}: {text}");
+                details.add_quota_failure_violation(format!("tenant:{tenant}"), text);
             }
             Refusal::MachineInvalid(violations) => {
                 for (place, text) in violations.iter().take(20) {

@@ -3,6 +3,7 @@
 //! Invariant: [`Service::run`] returns within the grace time plus two seconds of the stop signal, whatever clients
 //! do (a client that never answers would hold a graceful shutdown forever).
 
+use std::collections::BTreeMap;
 use std::future::Future;
 use std::net::SocketAddr;
 use std::sync::Arc;
@@ -24,7 +25,7 @@ use crate::local;
 use crate::local::disk::Disk;
 use crate::metrics::Metrics;
 use crate::net::{self, Gate};
-use crate::options::Options;
+use crate::options::{Options, Tenant};
 use crate::reason::Refusal;
 use crate::rpc;
 use crate::runner::{Kernel, Runner};
@@ -124,6 +125,13 @@ impl Handle {
         self.gate.reload();
     }
 
+    /// Replaces the tables of single tenants: their quotas, and what is kept of them.
+    pub fn set_tenants(&self, tenants: BTreeMap<String, Tenant>) {
+        if let Some(core) = self.core.upgrade() {
+            core.set_tenants(tenants);
+        }
+    }
+
     /// Whether the server still looks after its jobs; for a watchdog.
     #[must_use]
     pub fn alive(&self) -> bool {
@@ -146,7 +154,7 @@ impl Handle {
 /// # Errors
 /// When the address or the data folder cannot be used.
 pub async fn build(options: Options) -> Result<Service, Error> {
-    build_with(options, Kernel).await
+    build_with(options, Kernel::default()).await
 }
 
 /// Builds a server that runs jobs with `runner`.

@@ -25,8 +25,8 @@ const LONGEST_PAUSE: Duration = Duration::from_secs(60);
 
 /// The queue, and places in it.
 #[derive(Debug)]
-struct Waiting {
-    jobs: Box<dyn Queue>,
+pub(super) struct Waiting {
+    pub(super) jobs: Box<dyn Queue>,
     /// Places given to submits whose ledger entry is under way, by tenant.
     reserved: HashMap<String, usize>,
 }
@@ -35,7 +35,7 @@ struct Waiting {
 #[derive(Debug)]
 pub(super) struct Board {
     pub(super) live: DashMap<String, Arc<Live>>,
-    queue: Mutex<Waiting>,
+    pub(super) queue: Mutex<Waiting>,
     recent: Mutex<Recent>,
     /// Jobs with a deadline that has not been reached, in its order.
     deadlines: Mutex<BTreeSet<(i64, String)>>,
@@ -119,11 +119,12 @@ impl Core {
         if self.drain.begun() {
             return Err(Refusal::Draining { cursor: 0 });
         }
+        let most = self.quotas_of(tenant).tenant_queued;
         let mut queue = lock(&self.board.queue);
         let own = queue.jobs.waiting_of(tenant) + queue.reserved.get(tenant).copied().unwrap_or(0);
-        let quota = self.options.quotas.tenant_queued;
-        if quota > 0 && own >= quota {
-            return Err(Refusal::quota(tenant, "tenant_queued", format!("{quota} jobs wait")));
+        if most > 0 && own >= most {
+            let text = format!("{own} jobs wait: submit again after some of them have started, or cancel some");
+            return Err(Refusal::quota(tenant, "tenant_queued", most as u64, text));
         }
         let free = self.options.slots().saturating_sub(queue.jobs.workers());
         let all = queue.jobs.len() + queue.reserved.values().sum::<usize>();
@@ -249,7 +250,7 @@ impl Core {
         }
         self.changed(live);
         let bytes = live.finished().map_or(0, |finished| finished.bytes);
-        let gone = lock(&self.board.recent).push(live.id.clone(), bytes, self.options.ephemeral);
+        let gone = lock(&self.board.recent).push(live.id.clone(), bytes, self.options.embedded.ephemeral);
         for gone in gone {
             self.board.live.remove_if(&gone, |_, live| live.state().ended());
         }

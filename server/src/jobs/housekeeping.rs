@@ -7,9 +7,9 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use super::Core;
-use crate::ledger::Keep;
 use crate::ledger::record::now_ms;
-use crate::options::Retention;
+use crate::ledger::{Keep, Kept};
+use crate::options::Tenant;
 use crate::reason::Refusal;
 
 /// Between two looks at whether there is anything to do.
@@ -21,7 +21,7 @@ const GROUP: usize = 256;
 
 /// Removes folders of jobs that the ledger does not know: the server died between removing row and folder.
 pub(super) fn remove_folders_without_a_row(core: &Core) -> Result<(), Refusal> {
-    if core.options.ephemeral {
+    if core.options.embedded.ephemeral {
         return Ok(());
     }
     for id in core.logs.jobs()? {
@@ -35,17 +35,16 @@ pub(super) fn remove_folders_without_a_row(core: &Core) -> Result<(), Refusal> {
 
 /// Starts the thread that clears away; it ends with the core.
 pub(super) fn start(core: &Arc<Core>) -> Result<(), Refusal> {
-    if core.options.ephemeral {
+    if core.options.embedded.ephemeral {
         return Ok(());
     }
-    let keep = keep(&core.options.retention);
     let grace = Duration::from_secs(core.options.retention.blob_grace_s);
     let core = Arc::downgrade(core);
     let work = move || {
         let mut next = Instant::now();
         while let Some(core) = core.upgrade() {
             core.ledger.serve_backups();
-            note("ended jobs beyond what is to be kept", remove_expired(&core, &keep));
+            note("ended jobs beyond what is to be kept", remove_expired(&core, &keep(&core)));
             if next <= Instant::now() {
                 note("blobs that nothing needs", collect_blobs(&core, grace));
                 next = Instant::now() + (grace / 10).clamp(TICK, LONGEST);
@@ -58,11 +57,20 @@ pub(super) fn start(core: &Arc<Core>) -> Result<(), Refusal> {
     Ok(())
 }
 
-fn keep(options: &Retention) -> Keep {
+fn keep(core: &Core) -> Keep {
+    let options = &core.options;
     let limit = |value: u64| Some(value).filter(|value| *value > 0);
-    let age_ms = limit(options.keep_s).map(|s| i64::try_from(s.saturating_mul(1000)).unwrap_or(i64::MAX));
+    let age = |s: u64| limit(s).map(|s| i64::try_from(s.saturating_mul(1000)).unwrap_or(i64::MAX));
+    let own = |own: &Tenant| Kept {
+        age_ms: age(own.keep_s.unwrap_or(options.retention.keep_s)),
+        jobs: limit(own.keep_jobs.unwrap_or(options.retention.tenant_keep_jobs)),
+        bytes: limit(own.keep_bytes.unwrap_or(options.retention.tenant_keep_bytes)),
+    };
+    let own = core.tenants().iter().map(|(name, tenant)| (name.clone(), own(tenant))).collect();
+    let options = &options.retention;
     Keep {
-        age_ms,
+        own,
+        age_ms: age(options.keep_s),
         jobs: limit(options.keep_jobs),
         bytes: limit(options.keep_bytes),
         tenant_jobs: limit(options.tenant_keep_jobs),
@@ -73,7 +81,7 @@ fn keep(options: &Retention) -> Keep {
 impl Core {
     /// Clears away now; gives how many jobs and blobs were removed.
     pub(crate) fn collect(&self) -> Result<(u64, u64), Refusal> {
-        let jobs = remove_expired(self, &keep(&self.options.retention))?;
+        let jobs = remove_expired(self, &keep(self))?;
         let blobs = collect_blobs(self, Duration::from_secs(self.options.retention.blob_grace_s))?;
         Ok((jobs, blobs))
     }

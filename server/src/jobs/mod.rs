@@ -18,6 +18,7 @@ mod observe;
 pub(crate) mod operator;
 pub(crate) mod progress;
 mod recent;
+pub(crate) mod shares;
 mod sink;
 pub(crate) mod streams;
 mod system;
@@ -25,7 +26,6 @@ mod tally;
 pub(crate) mod worker;
 
 use std::collections::HashMap;
-use std::net::SocketAddr;
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -34,13 +34,12 @@ use crate::connections::Connections;
 use crate::drain::Drain;
 use crate::host::Host;
 use crate::ledger::record::{Record, State, now_ms};
-use crate::ledger::{Ledger, Submitted, day, recovered};
+use crate::ledger::{Ledger, Submitted, recovered};
 use crate::log::Logs;
 use crate::log::kept::Kept;
 use crate::machines::{Machines, is_shipped};
 use crate::metrics::Metrics;
 use crate::options::Options;
-use crate::places::Places;
 use crate::queue::Queue;
 use crate::reason::Refusal;
 use crate::runner::Runner;
@@ -51,6 +50,7 @@ use feed::{Feed, Removed};
 pub(crate) use files::Sandbox;
 use flusher::Flusher;
 use live::Live;
+use shares::Shares;
 use streams::Streams;
 
 /// Between two looks at jobs that wait for the disk, the ledger or their time.
@@ -89,35 +89,7 @@ pub(crate) struct Core {
     flusher: Flusher,
     ends: Ends,
     board: Board,
-    pub(crate) uploads: Uploads,
-}
-
-/// Places for uploads.
-#[derive(Debug)]
-pub(crate) struct Uploads {
-    by_connection: Arc<Places<Option<SocketAddr>>>,
-    by_tenant: Arc<Places<String>>,
-}
-
-impl Uploads {
-    fn new(options: &Options) -> Self {
-        let limits = &options.connections;
-        let each = match options.quotas.tenant_uploads {
-            0 => usize::MAX,
-            most => most,
-        };
-        Self {
-            by_connection: Arc::new(Places::new(limits.max_uploads, limits.max_uploads_per_connection)),
-            by_tenant: Arc::new(Places::new(usize::MAX, each)),
-        }
-    }
-
-    /// A place for an upload, given back when dropped.
-    pub(crate) fn take(&self, peer: Option<SocketAddr>, tenant: &str) -> Result<impl Send + use<>, Refusal> {
-        let place = self.by_connection.take(peer).ok_or(Refusal::TooManyUploads)?;
-        let quota = || Refusal::quota(tenant, "tenant_uploads", "so many uploads are under way".to_owned());
-        Ok((place, self.by_tenant.take(tenant.to_owned()).ok_or_else(quota)?))
-    }
+    shares: Shares,
 }
 
 impl std::fmt::Debug for Core {
@@ -135,8 +107,7 @@ impl Core {
     ) -> Result<Arc<Self>, Refusal> {
         let Seams { ledger, queue, logs, blobs, host } = seams;
         let Seen { metrics, spans } = seen;
-        let uploads = Uploads::new(&options);
-        Ok(Arc::new(Self {
+        let core = Arc::new(Self {
             flusher: Flusher::start()?,
             ends: Ends::start(spans)?,
             board: Board::new(queue, ledger.epoch()),
@@ -150,9 +121,11 @@ impl Core {
             metrics,
             streams: Arc::default(),
             connections: Arc::default(),
-            uploads,
+            shares: Shares::new(&options),
             options,
-        }))
+        });
+        core.let_run();
+        Ok(core)
     }
 
     /// Puts back into the queue what a server before this one left unfinished, and begins to run jobs.
@@ -211,14 +184,14 @@ impl Core {
 
     /// Whether a name belongs to a shipped machine. In a server of one command its one user may replace those.
     pub(crate) fn reserved(&self, name: &str) -> bool {
-        !self.options.ephemeral && is_shipped(name)
+        !self.options.embedded.ephemeral && is_shipped(name)
     }
 
     /// Whether there is enough disk space for new work.
     pub(crate) fn room(&self) -> Result<(), Refusal> {
         let least = self.options.min_free_bytes;
         match self.host.free() {
-            Some(free) if free < least && !self.options.ephemeral => Err(Refusal::DiskFull(least)),
+            Some(free) if free < least && !self.options.embedded.ephemeral => Err(Refusal::DiskFull(least)),
             _ => Ok(()),
         }
     }
@@ -297,27 +270,6 @@ impl Core {
             Ok(Some(record)) if !record.state.ended() => self.wait_in_queue(&live),
             _ => drop(self.board.live.remove(&live.id)),
         }
-    }
-
-    /// Refuses new work of a tenant that has used up what it may.
-    pub(crate) fn within_quotas(&self, tenant: &str) -> Result<(), Refusal> {
-        let quotas = &self.options.quotas;
-        if quotas.tenant_bytes == 0 && quotas.tenant_cpu_s == 0 {
-            return Ok(());
-        }
-        let usage = self.ledger.usage(tenant)?;
-        if quotas.tenant_bytes > 0 && usage.bytes >= quotas.tenant_bytes {
-            return Err(Refusal::quota(tenant, "tenant_bytes", format!("{} bytes are stored", usage.bytes)));
-        }
-        let seconds = usage.cpu_us_on(day(now_ms())) / 1_000_000;
-        if quotas.tenant_cpu_s > 0 && seconds >= quotas.tenant_cpu_s {
-            return Err(Refusal::quota(
-                tenant,
-                "tenant_cpu_s",
-                format!("its jobs have taken {seconds} s of processor time today"),
-            ));
-        }
-        Ok(())
     }
 
     /// The newest state of a record.

@@ -5,8 +5,9 @@
 use std::collections::BTreeMap;
 
 use super::Core;
+use crate::ledger::day;
 use crate::ledger::record::{Priority, State, now_ms};
-use crate::metrics::Waiting;
+use crate::metrics::{Used, Waiting};
 
 impl Core {
     /// Sets the gauges.
@@ -35,6 +36,7 @@ impl Core {
             age_s: now.saturating_sub(oldest).max(0) / 1000,
         });
         self.metrics.queue(waiting, paused.into_iter());
+        self.observe_tenants();
         let count = |value: usize| i64::try_from(value).unwrap_or(i64::MAX);
         self.metrics.jobs.running.set(count(*self.running().borrow()));
         let (watchers, lag) = self.streams.count();
@@ -42,6 +44,23 @@ impl Core {
         self.metrics.lag.set(i64::try_from(lag).unwrap_or(i64::MAX));
         self.metrics.storage.free_bytes.set(self.host.free().map_or(0, |free| i64::try_from(free).unwrap_or(i64::MAX)));
         self.metrics.storage.writable.set(i64::from(*self.ledger.writable().borrow()));
+    }
+
+    /// Sets what each tenant uses of its quotas.
+    fn observe_tenants(&self) {
+        let number = |value: u64| i64::try_from(value).unwrap_or(i64::MAX);
+        let mut used: BTreeMap<String, Used> = BTreeMap::new();
+        for live in self.workers().running {
+            live.peek(|record| used.entry(record.tenant.clone()).or_default().running += 1);
+        }
+        let today = day(now_ms());
+        // What cannot be read now is shown the next time.
+        for (tenant, usage) in self.ledger.usages().unwrap_or_default() {
+            let used = used.entry(tenant).or_default();
+            used.bytes = number(usage.bytes);
+            used.cpu_s = number(usage.cpu_us_on(today) / 1_000_000);
+        }
+        self.metrics.tenants(used.into_iter());
     }
 
     /// Why no job would be accepted now; `None` if one would be.

@@ -29,7 +29,7 @@ pub(crate) struct JobSink<'a> {
 
 impl<'a> JobSink<'a> {
     pub(crate) fn new(live: &'a Arc<Live>, core: &'a Core, builder: ResultsBuilder) -> Self {
-        let (flusher, events, logged) = (&core.flusher, &core.metrics.jobs.events, core.options.log);
+        let (flusher, events, logged) = (&core.flusher, &core.metrics.jobs.events, core.options.embedded.log);
         Self { live, flusher, events, logged, builder, files: WrittenFiles::new(), dropped: false, error: None }
     }
 }

@@ -238,7 +238,7 @@ fn run(core: &Core, live: &Arc<Live>) -> Result<Ran, Refusal> {
     }
     let control = Arc::new(control);
     live.prepared(Run { info: info.clone(), control: control.clone() });
-    if core.options.log {
+    if core.options.embedded.log {
         let head = description(&info).encode_to_vec();
         live.begin_log(Writer::new(core.logs.begin(&live.id)?, live.tail.clone(), &info, &head));
     }
@@ -353,7 +353,7 @@ fn keep(core: &Arc<Core>, live: &Live, mut finished: Finished, bytes: u64) -> Re
     let finished = Arc::new(finished);
     live.keep(finished.clone());
     let mut stored = finished.bytes;
-    if core.options.ephemeral {
+    if core.options.embedded.ephemeral {
         return Ok((finished, stored));
     }
     if let Some(files) = files {

@@ -47,13 +47,33 @@ pub(crate) struct Keep {
     /// How many of one tenant, and how many bytes.
     pub(crate) tenant_jobs: Option<u64>,
     pub(crate) tenant_bytes: Option<u64>,
+    /// Tenants of which other amounts are kept.
+    pub(crate) own: BTreeMap<String, Kept>,
+}
+
+/// What is kept of the ended jobs of one tenant.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub(crate) struct Kept {
+    /// How long, ms.
+    pub(crate) age_ms: Option<i64>,
+    /// How many.
+    pub(crate) jobs: Option<u64>,
+    /// How many bytes.
+    pub(crate) bytes: Option<u64>,
 }
 
 impl Keep {
+    /// What is kept of a tenant.
+    pub(crate) fn of(&self, tenant: &str) -> Kept {
+        let all = || Kept { age_ms: self.age_ms, jobs: self.tenant_jobs, bytes: self.tenant_bytes };
+        self.own.get(tenant).copied().unwrap_or_else(all)
+    }
+
     /// Whether everything is kept.
     pub(crate) fn everything(&self) -> bool {
         let limits = [self.jobs, self.bytes, self.tenant_jobs, self.tenant_bytes];
-        self.age_ms.is_none() && limits.iter().all(Option::is_none)
+        let own = self.own.values().all(|own| *own == Kept::default());
+        own && self.age_ms.is_none() && limits.iter().all(Option::is_none)
     }
 }
 
@@ -179,6 +199,9 @@ pub(crate) trait Ledger: Send + Sync + Debug {
 
     /// Jobs that had not ended when the server went down, in order of submission.
     fn unfinished(&self) -> Result<Vec<Record>, Refusal>;
+
+    /// What each tenant has used.
+    fn usages(&self) -> Result<Vec<(String, Usage)>, Refusal>;
 
     /// What a tenant has used.
     fn usage(&self, tenant: &str) -> Result<Usage, Refusal>;

@@ -30,14 +30,14 @@ use store::Store;
 /// Takes the data folder and opens what is in it.
 pub(crate) fn open(options: &Options, disk: Disk, metrics: &Arc<Metrics>) -> Result<Seams, Refusal> {
     let disk = disk.counting(&metrics.storage.syncs);
-    let store = Store::open(options.data.clone(), !options.ephemeral, disk)?;
-    let blobs: Arc<dyn Blobs> = match options.ephemeral {
+    let store = Store::open(options.data.clone(), !options.embedded.ephemeral, disk)?;
+    let blobs: Arc<dyn Blobs> = match options.embedded.ephemeral {
         true => Arc::new(LocalBlobs::in_memory(options.maxima.max_blob_bytes)),
         false => Arc::new(LocalBlobs::new(store.clone(), options.maxima.max_blob_bytes)),
     };
     Ok(Seams {
         ledger: Arc::new(LocalLedger::open(&store, metrics.clone())?),
-        queue: Box::new(LocalQueue::new(options.quotas.tenant_running)),
+        queue: Box::new(LocalQueue::default()),
         logs: Arc::new(store.clone()),
         blobs,
         host: Arc::new(store),

@@ -48,7 +48,7 @@ impl Service for Blobs {
         request: Request<Streaming<v1::UploadRequest>>,
     ) -> Result<Response<v1::UploadResponse>, Status> {
         let caller = Caller::of(&request)?;
-        let _place = self.0.uploads.take(request.remote_addr(), caller.tenant())?;
+        let _place = self.0.upload(request.remote_addr(), caller.tenant())?;
         let patience = self.0.options.connections.upload_stall_s;
         let mut chunks = request.into_inner();
         let first = next(&mut chunks, patience).await?.unwrap_or_default();

@@ -200,7 +200,7 @@ impl Ended {
         blocking(move || {
             let record = ended(&core, &caller, &id)?;
             let Some(log) = core.kept_log(&id)? else {
-                let lost = record.events > 0 && core.options.log;
+                let lost = record.events > 0 && core.options.embedded.log;
                 return Err(if lost { damage("it is gone").into() } else { Refusal::NoResults(id) });
             };
             let sandbox = Sandbox::new(core.blobs.of(&record.tenant), &record.files);

@@ -1,13 +1,16 @@
 //! What is cleared away: blobs that nothing needs, folders of jobs without a row, ended jobs beyond those to be kept.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
+use std::sync::atomic::Ordering;
 use std::time::{Duration, SystemTime};
 
 use counterpoint_proto::v1;
 use counterpoint_server::access::Role;
-use counterpoint_server::options::{Options, Retention};
+use counterpoint_server::options::{Options, Retention, Tenant};
 
 use crate::guarded::*;
+use crate::share::server_until;
 use crate::support::*;
 use crate::upgrade::folder_1;
 
@@ -248,5 +251,71 @@ async fn a_tenant_with_many_ended_jobs_loses_its_own_oldest() {
     }
     assert_eq!(many.list().await, kept);
     assert_eq!(few.list().await, [jobs[0].clone(), jobs[2].clone()]);
+    server.stop().await;
+}
+
+/// Bytes of the folder of a job.
+fn bytes(folder: &Path, job: &str) -> u64 {
+    let files = std::fs::read_dir(folder.join("jobs").join(job)).unwrap();
+    files.map(|file| file.unwrap().metadata().unwrap().len()).sum()
+}
+
+async fn until_own(caller: &As, expected: &[&String]) {
+    for _ in 0..2000 {
+        if caller.list().await.iter().eq(expected.iter().copied()) {
+            return;
+        }
+        tokio::time::sleep(Duration::from_millis(5)).await;
+    }
+    panic!("{:?} is not {expected:?}", caller.list().await);
+}
+
+/// A tenant beyond its bytes loses the jobs of its own that ended first, whatever was accepted first; a job that runs or
+/// waits stays, those of others stay, and a restart changes nothing of that.
+#[tokio::test]
+async fn a_tenant_beyond_its_bytes_loses_its_own_jobs_that_ended_first_also_after_a_restart() {
+    const MACHINE: &str = "fanuc-2path-lathe";
+    let folder = tempfile::tempdir().unwrap();
+    let mut options = Options { workers: 2, ..guarded(folder.path()) };
+    let tokens = ["few", "many"].map(|tenant| grant(&options, tenant, tenant, Role::Submit));
+    let server = Server::start(options.clone()).await;
+    let [few, many] = [0, 1].map(|at: usize| As::new(&server, &tokens[at]));
+    let mut others = Vec::new();
+    for name in ["f-1", "f-2"] {
+        let job = few.submit(name, MACHINE, "EVENTS 20000").await.unwrap().job_id;
+        few.wait(&job).await;
+        others.push(job);
+    }
+    let first = many.submit("m-1", MACHINE, "EVENTS 20000\nHANG").await.unwrap().job_id;
+    server_until(&many, &first, v1::JobState::Running).await;
+    let second = many.submit("m-2", MACHINE, "EVENTS 20000").await.unwrap().job_id;
+    let ended = many.wait(&second).await.ended_ms;
+    while SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap().as_millis() <= ended as u128 {
+        std::thread::yield_now();
+    }
+    server.script.hang.store(false, Ordering::SeqCst);
+    assert!(many.wait(&first).await.ended_ms > ended);
+    server.script.hang.store(true, Ordering::SeqCst);
+    let running = many.submit("m-3", MACHINE, "HANG").await.unwrap().job_id;
+    let data = folder.path().join("data");
+    let most = bytes(&data, &first) * 3 / 2;
+    let own = Tenant { running: Some(1), keep_bytes: Some(most), ..Tenant::default() };
+    let waits = many.submit("m-4", MACHINE, "EVENTS 20000").await.unwrap().job_id;
+    many.wait(&waits).await;
+    options.tenants = BTreeMap::from([("many".to_owned(), own)]);
+    // The two that ended first; the last one is all that its bytes allow.
+    server.handle.set_tenants(options.tenants.clone());
+    until_own(&many, &[&running, &waits]).await;
+    assert_eq!(few.list().await, others);
+    server.stop().await;
+
+    let server = Server::start(options).await;
+    let [few, many] = [0, 1].map(|at: usize| As::new(&server, &tokens[at]));
+    let next = many.submit("m-5", MACHINE, "EVENTS 20000").await.unwrap().job_id;
+    server.script.hang.store(false, Ordering::SeqCst);
+    many.wait(&next).await;
+    many.wait(&running).await;
+    until_own(&many, &[&running, &next]).await;
+    assert_eq!(few.list().await, others);
     server.stop().await;
 }

@@ -52,7 +52,7 @@ impl Process {
         log.lines().filter(|line| line.contains(with)).map(str::to_owned).collect()
     }
 
-    async fn until(&self, with: &str) -> String {
+    pub async fn until(&self, with: &str) -> String {
         for _ in 0..2000 {
             if let Some(line) = self.lines(with).pop() {
                 return line;

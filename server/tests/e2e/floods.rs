@@ -1,4 +1,4 @@
-//! Floods of HTTP/2 frames: each ends with GOAWAY, and others are served meanwhile.
+//! Floods of HTTP/2 frames: each ends with GOAWAY or is read no further, and others are served meanwhile.
 
 use std::time::Duration;
 
@@ -23,6 +23,10 @@ const END_HEADERS: u8 = 4;
 const ENHANCE_YOUR_CALM: u32 = 11;
 /// A server that has not ended a flood by then does not end it.
 const PATIENCE: Duration = Duration::from_secs(20);
+/// A server that reads nothing for so long reads no more.
+const STALL: Duration = Duration::from_secs(1);
+/// Far more than the buffers of a connection hold, bytes.
+const MOST: usize = 256 << 20;
 
 /// A kind of flood.
 #[derive(Debug, Clone, Copy)]
@@ -84,8 +88,19 @@ fn message(message: &impl prost::Message) -> Vec<u8> {
     out
 }
 
-/// Writes frames until the server lets go.
-async fn pour(mut to: OwnedWriteHalf, job: String, flood: Flood) {
+/// What has become of a flood.
+#[derive(Debug, PartialEq, Eq)]
+pub enum Answer {
+    /// The server has sent GOAWAY with this code.
+    Away(u32),
+    /// The server has closed the connection.
+    Closed,
+    /// The server has read no more for [`STALL`].
+    Unread,
+}
+
+/// Writes frames until the server lets go or reads no more.
+async fn pour(mut to: OwnedWriteHalf, job: String, flood: Flood) -> Answer {
     let mut out = PREFACE.to_vec();
     out.extend(frame(SETTINGS, 0, 0, &[]));
     let watch = "/counterpoint.v1.Jobs/WatchJob";
@@ -98,7 +113,7 @@ async fn pour(mut to: OwnedWriteHalf, job: String, flood: Flood) {
         Flood::Continuation => out.extend(frame(HEADERS, 0, 1, &block(watch))),
         Flood::RapidReset | Flood::Pings | Flood::Settings => {}
     }
-    let (block, mut stream) = (block(watch), 1_u32);
+    let (block, mut stream, mut poured) = (block(watch), 1_u32, 0);
     loop {
         for _ in 0..100 {
             match flood {
@@ -114,14 +129,17 @@ async fn pour(mut to: OwnedWriteHalf, job: String, flood: Flood) {
                 Flood::Settings => out.extend(frame(SETTINGS, 0, 0, &[])),
             }
         }
-        if to.write_all(&out).await.is_err() {
-            return;
+        match tokio::time::timeout(STALL, to.write_all(&out)).await {
+            Ok(Ok(())) => poured += out.len(),
+            Ok(Err(_)) => return Answer::Closed,
+            Err(_) => return Answer::Unread,
         }
+        assert!(poured <= MOST, "the server reads {flood:?} without an end");
         out.clear();
     }
 }
 
-/// Reads frames up to a GOAWAY with an error; gives its code, none if the server has just closed.
+/// Reads frames up to a GOAWAY with an error; none if the server has just closed.
 async fn away(mut from: OwnedReadHalf) -> Option<u32> {
     loop {
         let mut head = [0; 9];
@@ -138,21 +156,21 @@ async fn away(mut from: OwnedReadHalf) -> Option<u32> {
     }
 }
 
-/// Floods a server with a job that is running; gives the code with which it ended that.
-pub async fn flood(address: &str, job: &str, flood: Flood) -> Option<u32> {
+/// Floods a server with a job that is running, until it answers.
+pub async fn flood(address: &str, job: &str, flood: Flood) -> Answer {
     let (from, to) = TcpStream::connect(address).await.unwrap().into_split();
     let poured = tokio::spawn(pour(to, job.to_owned(), flood));
-    let code = match flood {
+    let answer = match flood {
         // Whoever does not read the answers is not read from either: that holds no more than the buffers of a connection.
         Flood::Pings | Flood::Settings => {
-            tokio::time::sleep(Duration::from_millis(500)).await;
+            let answer = poured.await.unwrap();
             drop(from);
-            None
+            return answer;
         }
         _ => tokio::time::timeout(PATIENCE, away(from)).await.unwrap_or_else(|_| panic!("{flood:?} does not end")),
     };
     poured.abort();
-    code
+    answer.map_or(Answer::Closed, Answer::Away)
 }
 
 #[tokio::test(flavor = "multi_thread")]
@@ -162,8 +180,12 @@ async fn floods_of_frames_are_sent_away_and_others_are_served() {
     let running = server.submit("running", "EVENTS 3\nHANG").await;
     server.until(&running, v1::JobState::Running).await;
     let address = server.handle.address().to_string();
-    for kind in [Flood::RapidReset, Flood::Continuation, Flood::EmptyData, Flood::TinyData] {
-        assert_eq!(flood(&address, &running, kind).await, Some(ENHANCE_YOUR_CALM), "{kind:?}");
+    for kind in Flood::ALL {
+        let expected = match kind {
+            Flood::Pings | Flood::Settings => Answer::Unread,
+            _ => Answer::Away(ENHANCE_YOUR_CALM),
+        };
+        assert_eq!(flood(&address, &running, kind).await, expected, "{kind:?}");
     }
     let mut floods = tokio::task::JoinSet::new();
     for kind in Flood::ALL {

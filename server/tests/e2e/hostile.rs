@@ -18,6 +18,9 @@ use crate::support::{digest, reason};
 /// Most memory of the server.
 const MEMORY: u64 = 1 << 30;
 
+/// Most diagnostics that a job keeps, whatever it asks for.
+const MOST_DIAGNOSTICS: usize = 10_000;
+
 /// The most that a client can write into its limits.
 fn most() -> v1::JobLimits {
     v1::JobLimits {
@@ -81,6 +84,19 @@ impl Caller {
         }
     }
 
+    async fn until_running(&self, job: &str) {
+        for _ in 0..20_000 {
+            let status = self.jobs().get_job(v1::GetJobRequest { job_id: job.into() }).await.unwrap().into_inner();
+            let status = status.status.unwrap();
+            assert_eq!(status.ended_ms, 0, "{status:?}");
+            if status.state() == v1::JobState::Running {
+                return;
+            }
+            tokio::time::sleep(std::time::Duration::from_millis(5)).await;
+        }
+        panic!("{job} never ran");
+    }
+
     /// What the summary of a job says last: verdict and diagnostics, or why there is none.
     async fn summary(&self, job: &str) -> String {
         let request = v1::GetSummaryRequest { job_id: job.into() };
@@ -95,7 +111,8 @@ impl Caller {
         let summary: serde_json::Value = serde_json::from_slice(&text).unwrap();
         let diagnostics = summary["diagnostics"].as_array().unwrap();
         let first: Vec<_> = diagnostics.iter().take(3).map(|one| format!("{} {}", one["name"], one["text"])).collect();
-        format!("{} {first:?}", summary["verdict"]["text"])
+        assert!(diagnostics.len() <= MOST_DIAGNOSTICS, "{} diagnostics are kept", diagnostics.len());
+        format!("{} {first:?} of {}", summary["verdict"]["text"], diagnostics.len())
     }
 
     /// Puts a machine with a macro at each tool change.
@@ -144,14 +161,16 @@ async fn every_hostile_case_is_answered_by_name_and_the_server_stays_small() {
     for (name, machine, program, limit, named) in [
         ("endless", "fanuc-mill", b"O1\nN1 G4 P1\nGOTO 1\n".to_vec(), Limit::MaxJobBytes, ""),
         ("loop", "fanuc-mill", b"O1\nN1 #1=#1+1\nGOTO 1\n".to_vec(), Limit::MaxJobBytes, ""),
-        ("diagnostics", "fanuc-mill", b"O1\nN1 G1 Q7\nGOTO 1\n".to_vec(), Limit::MaxJobBytes, ""),
+        ("diagnostics", "fanuc-mill", b"O1\nN1 G1 Q7\nGOTO 1\n".to_vec(), Limit::MaxJobBytes, "] of 10000"),
         ("hoard", "hoard", b"O1\nN1 T3 M06\nT4 M06\nGOTO 1\n".to_vec(), Limit::Memory, "HOARD"),
         ("spin", "spin", b"O1\nT3 M06\nM30\n".to_vec(), Limit::Unspecified, "macro-steps-limit"),
         ("line", "fanuc-mill", line.clone(), Limit::Unspecified, "block-too-long"),
     ] {
         jobs.push((name, client.submit(name, machine, &program, Some(most())).await, limit, named));
     }
-    let cancelled = client.submit("cancelled", "fanuc-mill", &[&line[..], b"X1\n"].concat(), Some(most())).await;
+    // The longest blocks that the server takes, again and again.
+    let long = [b"O1\nN1 ".as_slice(), &b"X1".repeat((1 << 19) - 8), b"\nGOTO 1\n"].concat();
+    let cancelled = client.submit("cancelled", "fanuc-mill", &long, Some(most())).await;
 
     // Case 8: connections that say nothing, begin to speak, or upload without end.
     let mut silent = Vec::new();
@@ -177,6 +196,7 @@ async fn every_hostile_case_is_answered_by_name_and_the_server_stays_small() {
     // Somebody else's work is done meanwhile.
     let other = connect().await;
     let honest = other.submit("honest", "fanuc-mill", b"O1\nG21 G90 G94 F100\nG1 X1.\nM30\n", None).await;
+    client.until_running(&cancelled).await;
     let cancel = v1::CancelJobRequest { job_id: cancelled.clone() };
     client.jobs().cancel_job(cancel).await.unwrap();
     floods.join_all().await;

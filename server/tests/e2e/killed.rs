@@ -230,16 +230,29 @@ async fn long_queue() {
         submit(number).await;
     }
     let (before, begin) = (resident(process.0.id()), Instant::now());
-    let mut callers = tokio::task::JoinSet::new();
+    let (mut callers, mut times) = (tokio::task::JoinSet::new(), Vec::new());
     for number in 100..jobs {
         if callers.len() >= 64 {
-            callers.join_next().await;
+            times.extend(callers.join_next().await.unwrap());
         }
-        callers.spawn(submit(number));
+        let submitted = submit(number);
+        callers.spawn(async move {
+            let begin = Instant::now();
+            submitted.await;
+            begin.elapsed()
+        });
     }
-    callers.join_all().await;
+    times.extend(callers.join_all().await);
+    times.sort();
+    println!("submit: p50 {:?}, p99 {:?}", times[times.len() / 2], times[times.len() * 99 / 100]);
     let each = (resident(process.0.id()) - before) / (jobs - 100).max(1);
     println!("{jobs} jobs queued in {:?}, {each} bytes of memory each", begin.elapsed());
+    for states in [vec![], vec![v1::JobState::Queued.into()], vec![v1::JobState::Running.into()]] {
+        let (mut client, begin) = (JobsClient::new(channel.clone()), Instant::now());
+        let request = v1::ListJobsRequest { states: states.clone(), page_size: 50, ..Default::default() };
+        let page = client.list_jobs(request).await.unwrap().into_inner();
+        println!("a page of {} jobs, states {states:?}: {:?}", page.jobs.len(), begin.elapsed());
+    }
     process.0.kill().unwrap();
     drop(process);
     let begin = Instant::now();

@@ -48,6 +48,7 @@ async fn metrics_follow_jobs_calls_and_watches() {
         ("counterpoint_jobs_ended_total{state=\"SUCCEEDED\"}", 1.0),
         ("counterpoint_jobs_queued{tenant=\"default\",priority=\"normal\"}", 1.0),
         ("counterpoint_jobs_running", 1.0),
+        ("counterpoint_tenant_running{tenant=\"default\"}", 1.0),
         ("counterpoint_calls_total{call=\"SubmitJob\",code=\"Ok\"}", 3.0),
         ("counterpoint_call_seconds_count{call=\"SubmitJob\"}", 3.0),
         ("counterpoint_watchers", 1.0),

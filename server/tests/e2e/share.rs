@@ -1,15 +1,18 @@
 //! Shares of tenants: turns, quotas, places in the queue; priorities and deadlines of jobs.
 
+use std::collections::BTreeMap;
 use std::sync::atomic::Ordering;
 use std::time::{SystemTime, UNIX_EPOCH};
 
 use counterpoint_proto::v1;
 use counterpoint_proto::v1::watch_job_response::Content;
 use counterpoint_server::access::Role;
-use counterpoint_server::options::{Options, Quotas};
+use counterpoint_server::options::{Options, Quotas, Tenant};
 use tonic::{Code, Status};
 use tonic_types::StatusExt;
 
+use crate::descriptors::Process;
+use crate::floods::{Flood, flood};
 use crate::guarded::*;
 use crate::support::*;
 
@@ -49,7 +52,12 @@ fn quota(status: &Status) -> String {
     let details = status.get_error_details();
     let violation = &details.quota_failure().unwrap().violations[0];
     assert_eq!(violation.subject, "tenant:noisy");
-    details.error_info().unwrap().metadata["quota"].clone()
+    let metadata = &details.error_info().unwrap().metadata;
+    let (name, limit) = (metadata["quota"].clone(), &metadata["limit"]);
+    let (begin, remedy) = (format!("the quota {name} is {limit}: "), ["submit again", "upload again", "delete"]);
+    let text = &violation.description;
+    assert!(text.starts_with(&begin) && remedy.iter().any(|part| text.contains(part)), "{text}");
+    name
 }
 
 #[tokio::test]
@@ -81,8 +89,8 @@ async fn waiting(caller: &As) -> usize {
     caller.jobs().list_jobs(request).await.unwrap().into_inner().jobs.len()
 }
 
-/// One identity has endless jobs on all workers, ten thousand in the queue, its quota full and its calls limited; the
-/// other one does its work beside that, sees nothing of it and stops nothing.
+/// One identity has endless jobs on all workers, ten thousand in the queue, its quota full, and floods the server with
+/// frames; the other one does its work beside that, sees nothing of it and stops nothing.
 #[tokio::test]
 async fn neither_of_two_identities_slows_sees_or_stops_the_other_under_load() {
     const QUEUE: usize = 10_000;
@@ -97,11 +105,18 @@ async fn neither_of_two_identities_slows_sees_or_stops_the_other_under_load() {
     }
     let queue = many(&noisy, "n", "EVENTS 1", QUEUE).await;
     assert_eq!(quota(&noisy.submit("more", LATHE, "EVENTS 1").await.unwrap_err()), "tenant_queued");
+    let address = server.handle.address().to_string();
+    let mut floods = tokio::task::JoinSet::new();
+    for kind in Flood::ALL {
+        let (address, job) = (address.clone(), endless[0].clone());
+        floods.spawn(async move { flood(&address, &job, kind).await });
+    }
     // No job of the queue takes a turn, and every worker is taken: those of the other one run all the same.
     for number in 0..10 {
         let own = quiet.submit(&format!("q-{number}"), LATHE, "EVENTS 3").await.unwrap().job_id;
         assert_eq!(quiet.wait(&own).await.state(), v1::JobState::Succeeded);
     }
+    floods.join_all().await;
     let first = v1::GetJobRequest { job_id: queue[0].clone() };
     let first = noisy.jobs().get_job(first).await.unwrap().into_inner().status.unwrap();
     assert_eq!((first.state(), first.attempt), (v1::JobState::Queued, 0));
@@ -130,7 +145,58 @@ async fn neither_of_two_identities_slows_sees_or_stops_the_other_under_load() {
     server.stop().await;
 }
 
-async fn server_until(caller: &As, job: &str, state: v1::JobState) {
+#[tokio::test]
+async fn a_tenant_with_a_table_of_its_own_has_its_quota_and_the_others_that_of_all() {
+    let folder = tempfile::tempdir().unwrap();
+    let quotas = Quotas { tenant_queued: 4, ..Quotas::default() };
+    let own = Tenant { queued: Some(2), uploads: Some(1), ..Tenant::default() };
+    let tenants = BTreeMap::from([("noisy".to_owned(), own)]);
+    let (server, noisy, quiet) = two(Options { workers: 1, quotas, tenants, ..guarded(folder.path()) }).await;
+    for (caller, name, most) in [(&noisy, "n", 2), (&quiet, "q", 4)] {
+        let running = caller.submit(&format!("{name}-runs"), LATHE, "HANG").await.unwrap().job_id;
+        server_until(caller, &running, v1::JobState::Running).await;
+        many(caller, name, "EVENTS 1", most).await;
+        let refused = caller.submit(&format!("{name}-more"), LATHE, "EVENTS 1").await.unwrap_err();
+        assert_eq!(refused.get_error_details().error_info().unwrap().metadata["quota"], "tenant_queued");
+        assert_eq!(waiting(caller).await, most);
+    }
+    server.script.hang.store(false, Ordering::SeqCst);
+    server.stop().await;
+}
+
+/// On the real server: the file says what a tenant may have, and a file with an error changes nothing.
+#[tokio::test]
+async fn tables_of_tenants_are_read_again_on_sighup() {
+    const ENDLESS: &str = "O1\nN1 G4 P1\nGOTO 1\n";
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("counterpoint.toml");
+    std::fs::write(&file, "[tenants.default]\nqueued = 1\nrunning = 1\n").unwrap();
+    let server = Process::start_with(folder.path(), &["--workers", "2", "--config", file.to_str().unwrap()]);
+    let hang_up = |text: &str| {
+        std::fs::write(&file, text).unwrap();
+        let process = rustix::process::Pid::from_raw(i32::try_from(server.child.id()).unwrap()).unwrap();
+        rustix::process::kill_process(process, rustix::process::Signal::HUP).unwrap();
+    };
+    let endpoint = tonic::transport::Endpoint::from_shared(format!("http://{}", server.address)).unwrap();
+    let caller = As { connection: endpoint.connect().await.unwrap(), bearer: Bearer(None) };
+    let limit = |status: Status| status.get_error_details().error_info().unwrap().metadata["limit"].clone();
+    let running = caller.submit("runs", "fanuc-mill", ENDLESS).await.unwrap().job_id;
+    server_until(&caller, &running, v1::JobState::Running).await;
+    let first = caller.submit("waits-1", "fanuc-mill", ENDLESS).await.unwrap().job_id;
+    assert_eq!(limit(caller.submit("waits-2", "fanuc-mill", ENDLESS).await.unwrap_err()), "1");
+    hang_up("[tenants.default]\nqueued = 2\nrunning = 1\n");
+    server.until("tables of tenants read again").await;
+    caller.submit("waits-2", "fanuc-mill", ENDLESS).await.unwrap();
+    hang_up("[tenants.default]\nqueue = 9\n");
+    server.until("tables of tenants cannot be read again").await;
+    assert_eq!(limit(caller.submit("waits-3", "fanuc-mill", ENDLESS).await.unwrap_err()), "2");
+    assert_eq!(waiting(&caller).await, 2, "the second worker is not for this tenant");
+    hang_up("");
+    // Without a table of its own it has what all have: the second worker, too.
+    server_until(&caller, &first, v1::JobState::Running).await;
+}
+
+pub async fn server_until(caller: &As, job: &str, state: v1::JobState) {
     for _ in 0..1000 {
         let get = v1::GetJobRequest { job_id: job.into() };
         if caller.jobs().get_job(get).await.unwrap().into_inner().status.unwrap().state() == state {
@@ -251,9 +317,12 @@ async fn uploads_of_a_tenant_are_limited_and_others_upload() {
     let slow = tokio::spawn(async move { blobs.upload(tokio_stream::wrappers::ReceiverStream::new(receive)).await });
     send.send(first).await.unwrap();
     // What has come of it lies there.
-    while std::fs::read_dir(folder.path().join("data/tmp")).unwrap().next().is_none() {
-        tokio::time::sleep(std::time::Duration::from_millis(2)).await;
-    }
+    let begun = async {
+        while std::fs::read_dir(folder.path().join("data/tmp")).unwrap().next().is_none() {
+            tokio::time::sleep(std::time::Duration::from_millis(2)).await;
+        }
+    };
+    tokio::time::timeout(std::time::Duration::from_secs(20), begun).await.expect("the upload has begun");
     assert_eq!(quota(&noisy.upload(b"other").await.unwrap_err()), "tenant_uploads");
     quiet.upload(b"other").await.unwrap();
     send.send(v1::UploadRequest { data: "ow".into(), ..Default::default() }).await.unwrap();

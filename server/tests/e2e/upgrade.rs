@@ -18,6 +18,9 @@ const REQUEST: TableDefinition<'_, &str, &str> = TableDefinition::new("request_i
 const MACHINE: TableDefinition<'_, &str, &[u8]> = TableDefinition::new("machine");
 const META: TableDefinition<'_, &str, u64> = TableDefinition::new("meta");
 
+/// The schema of this version.
+const NOW: u64 = 7;
+
 /// A row as schema 1 began: without answers, limits of the server and counters of the host.
 pub fn row_1(id: &str, request: &str, state: &str, script: &str) -> Value {
     let ended = !matches!(state, "QUEUED" | "RUNNING");
@@ -245,7 +248,7 @@ async fn the_time_that_tenants_have_used_keeps_its_unit() {
 
 #[tokio::test]
 async fn ledgers_of_all_earlier_schemas_are_opened_and_their_jobs_found_finished_and_run_again() {
-    for schema in 1..=6 {
+    for schema in 1..NOW {
         let folder = tempfile::tempdir().unwrap();
         let jobs = folder_of(folder.path(), schema).await;
         let server = Server::start(options(folder.path())).await;
@@ -281,7 +284,7 @@ async fn ledgers_of_all_earlier_schemas_are_opened_and_their_jobs_found_finished
         server.jobs().delete_job(v1::DeleteJobRequest { job_id: jobs["ended"].clone() }).await.unwrap();
         server.stop().await;
         assert_eq!(counterpoint_server::doctor::examine(folder.path(), false).unwrap(), [], "{schema}");
-        assert!(self::schema(folder.path()) > schema);
+        assert_eq!(self::schema(folder.path()), NOW, "a later schema needs a folder of this one here");
     }
 }
 

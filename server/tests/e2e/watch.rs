@@ -1,6 +1,6 @@
 //! Watching: cursors, levels, slow readers.
 
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use counterpoint_proto::v1;
 use counterpoint_proto::v1::watch_job_response::Content;
@@ -93,9 +93,8 @@ async fn a_slow_watcher_gets_everything_and_slows_nobody() {
     let job = server.submit("r", "EVENTS 200000").await;
     let slow = server.watch(&job, 0, v1::WatchLevel::Everything).await;
     let mut paced = server.watch(&job, 0, v1::WatchLevel::Blocks).await;
-    let begun = Instant::now();
+    // Neither of them reads anything until the job has ended.
     assert_eq!(server.wait(&job).await.state(), v1::JobState::Succeeded);
-    assert!(begun.elapsed() < Duration::from_secs(10), "the job waited for its watchers");
     let mut last = 0;
     for read in 0.. {
         if read < 200 {
@@ -125,8 +124,12 @@ async fn unread_progress_does_not_kill_the_connection() {
     for _ in 0..100 {
         streams.push(server.watch(&job, 0, v1::WatchLevel::Progress).await);
     }
-    for _ in 0..5 {
-        tokio::time::sleep(Duration::from_millis(110)).await;
+    // As many have been sent to each of them as this one has got.
+    let mut read = server.watch(&job, 0, v1::WatchLevel::Progress).await;
+    let mut progress = 0;
+    while progress < 5 {
+        let message = tokio::time::timeout(Duration::from_secs(20), read.message()).await.expect("progress is sent");
+        progress += u32::from(matches!(message.unwrap().unwrap().content, Some(Content::Progress(_))));
         server.status(&job).await;
     }
     server.script.hang.store(false, std::sync::atomic::Ordering::SeqCst);

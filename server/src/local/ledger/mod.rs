@@ -344,6 +344,10 @@ impl Ledger for LocalLedger {
         index::unfinished(&self.snapshot()?)
     }
 
+    fn usages(&self) -> Result<Vec<(String, Usage)>, Refusal> {
+        usage::all(&self.snapshot()?)
+    }
+
     fn usage(&self, tenant: &str) -> Result<Usage, Refusal> {
         usage::of(&self.snapshot()?, tenant)
     }

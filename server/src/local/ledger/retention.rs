@@ -8,7 +8,7 @@ use redb::{ReadTransaction, ReadableTable, ReadableTableMetadata, TableDefinitio
 
 use super::{JOB, readable, storage};
 use crate::ledger::record::Record;
-use crate::ledger::{Ended, Keep};
+use crate::ledger::{Ended, Keep, Kept};
 use crate::local::store::Store;
 use crate::reason::Refusal;
 
@@ -100,7 +100,14 @@ pub(super) fn expired(txn: &ReadTransaction, keep: &Keep, now_ms: i64, most: usi
     let table = txn.open_table(ENDED).map_err(storage)?;
     let mut all = Sum { jobs: table.len().map_err(storage)?, bytes: 0 };
     let mut tenants: BTreeMap<String, Sum> = BTreeMap::new();
-    let by_tenant = keep.tenant_jobs.is_some() || keep.tenant_bytes.is_some();
+    let counts = |kept: &Kept| kept.jobs.is_some() || kept.bytes.is_some();
+    let by_tenant = counts(&keep.of("")) || keep.own.values().any(counts);
+    let crowds = |tenant: &str, own: &Sum| {
+        let kept = keep.of(tenant);
+        own.over(kept.jobs, kept.bytes)
+    };
+    let old = |ended_ms: i64, age: Option<i64>| age.is_some_and(|age| ended_ms < now_ms.saturating_sub(age));
+    let shortest = keep.own.values().map(|own| own.age_ms).chain([keep.age_ms]).flatten().min();
     if keep.bytes.is_some() || by_tenant {
         for row in table.iter().map_err(storage)? {
             let row = row.map_err(storage)?.1;
@@ -113,25 +120,25 @@ pub(super) fn expired(txn: &ReadTransaction, keep: &Keep, now_ms: i64, most: usi
             }
         }
     }
-    let mut crowded = tenants.values().filter(|own| own.over(keep.tenant_jobs, keep.tenant_bytes)).count();
+    let mut crowded = tenants.iter().filter(|(tenant, own)| crowds(tenant, own)).count();
     let mut found = Vec::new();
     for row in table.iter().map_err(storage)? {
         let (key, row) = row.map_err(storage)?;
         let ((ended_ms, id), (bytes, tenant)) = (key.value(), row.value());
-        let over =
-            keep.age_ms.is_some_and(|age| ended_ms < now_ms.saturating_sub(age)) || all.over(keep.jobs, keep.bytes);
-        if found.len() >= most || !over && crowded == 0 {
+        let too_many = all.over(keep.jobs, keep.bytes);
+        if found.len() >= most || !too_many && crowded == 0 && !old(ended_ms, shortest) {
             break;
         }
+        let over = too_many || old(ended_ms, keep.of(tenant).age_ms);
         let own = tenants.get_mut(tenant);
-        let own_over = own.as_ref().is_some_and(|own| own.over(keep.tenant_jobs, keep.tenant_bytes));
+        let own_over = own.as_ref().is_some_and(|own| crowds(tenant, own));
         if !over && !own_over {
             continue;
         }
         all.subtract(bytes);
         if let Some(own) = own {
             own.subtract(bytes);
-            crowded -= usize::from(own_over && !own.over(keep.tenant_jobs, keep.tenant_bytes));
+            crowded -= usize::from(own_over && !crowds(tenant, own));
         }
         found.push(Ended { id: id.to_owned(), ended_ms });
     }
@@ -208,5 +215,15 @@ mod tests {
         assert_eq!(expired(Keep { tenant_bytes: Some(30), ..keep() }, 9), "acd");
         assert_eq!(expired(Keep { tenant_jobs: Some(2), jobs: Some(3), ..keep() }, 9), "ab", "what goes counts once");
         assert_eq!(expired(Keep { tenant_bytes: Some(75), age_ms: Some(750), ..keep() }, 9), "abc");
+        let own = |kept| BTreeMap::from([("one".to_owned(), kept)]);
+        let kept = Kept::default;
+        assert_eq!(expired(Keep { own: own(Kept { jobs: Some(1), ..kept() }), ..keep() }, 9), "ac");
+        assert_eq!(expired(Keep { own: own(Kept { age_ms: Some(650), ..kept() }), ..keep() }, 9), "ac");
+        assert_eq!(expired(Keep { own: own(kept()), tenant_jobs: Some(1), age_ms: Some(750), ..keep() }, 9), "b");
+        assert_eq!(
+            expired(Keep { own: own(Kept { bytes: Some(75), ..kept() }), tenant_jobs: Some(1), ..keep() }, 9),
+            "abc"
+        );
+        assert_eq!(expired(Keep { own: own(kept()), bytes: Some(105), ..keep() }, 9), "ab", "all count for the whole");
     }
 }

@@ -25,6 +25,16 @@ pub(super) fn of(txn: &ReadTransaction, tenant: &str) -> Result<Usage, Refusal> 
     Ok(row.unwrap_or_default())
 }
 
+/// What each tenant has used.
+pub(super) fn all(txn: &ReadTransaction) -> Result<Vec<(String, Usage)>, Refusal> {
+    let table = txn.open_table(USAGE).map_err(storage)?;
+    let rows = table.iter().map_err(storage)?.map(|row| {
+        let (tenant, row) = row.map_err(storage)?;
+        Ok((tenant.value().to_owned(), usage(row.value())))
+    });
+    rows.collect()
+}
+
 fn change(txn: &WriteTransaction, tenant: &str, change: impl FnOnce(&mut Usage)) -> Result<(), Refusal> {
     let mut table = txn.open_table(USAGE).map_err(storage)?;
     let mut now = table.get(tenant).map_err(storage)?.map(|row| usage(row.value())).unwrap_or_default();

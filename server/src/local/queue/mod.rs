@@ -44,8 +44,9 @@ pub(crate) struct LocalQueue {
     /// Jobs in lines.
     spots: HashMap<String, (Arc<str>, Spot)>,
     last_ordinal: u64,
-    /// Most jobs of one tenant on workers; 0 = without limit.
+    /// Most jobs of one tenant on workers, and of tenants for which that is another number; 0 = without limit.
     most_running: usize,
+    own_running: HashMap<String, usize>,
     running: Vec<Run>,
     /// Jobs whose run is over and whose end is being stored.
     storing: BTreeSet<String>,
@@ -54,11 +55,6 @@ pub(crate) struct LocalQueue {
 }
 
 impl LocalQueue {
-    /// A queue that lets each tenant have so many workers; 0 = without limit.
-    pub(crate) fn new(most_running: usize) -> Self {
-        Self { most_running, ..Self::default() }
-    }
-
     /// The name of a tenant as it is kept.
     fn tenant(&self, tenant: &str) -> Arc<str> {
         self.lines.get_key_value(tenant).map_or_else(|| tenant.into(), |(name, _)| name.clone())
@@ -88,7 +84,8 @@ impl LocalQueue {
 
     /// Whether a tenant may have another worker.
     fn may_run(&self, tenant: &Arc<str>) -> bool {
-        self.most_running == 0 || self.lines.get(tenant).is_none_or(|line| line.running < self.most_running)
+        let most = self.own_running.get(&**tenant).copied().unwrap_or(self.most_running);
+        most == 0 || self.lines.get(tenant).is_none_or(|line| line.running < most)
     }
 
     /// The tenant whose turn it is. Tenants that have used up their credit go to the end; when all have, all get as many
@@ -129,6 +126,10 @@ impl LocalQueue {
 }
 
 impl Queue for LocalQueue {
+    fn let_run(&mut self, most: usize, own: HashMap<String, usize>) {
+        (self.most_running, self.own_running) = (most, own);
+    }
+
     fn len(&self) -> usize {
         self.waiting() + self.paused.len()
     }
@@ -183,7 +184,8 @@ impl Queue for LocalQueue {
             return None;
         }
         let free = self.running.len() < slots;
-        if let Some(due) = self.again.iter().position(|(at, _, _)| *at <= now).filter(|_| free) {
+        let due = |(at, _, tenant): &(Instant, String, Arc<str>)| *at <= now && self.may_run(tenant);
+        if let Some(due) = self.again.iter().position(due).filter(|_| free) {
             let (_, id, tenant) = self.again.remove(due);
             return Some(self.begin(id, tenant, now));
         }

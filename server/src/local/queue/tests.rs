@@ -176,7 +176,8 @@ fn a_tenant_that_has_no_worker_gets_one_beside_the_long_jobs_of_others() {
 #[test]
 fn a_tenant_has_no_more_workers_than_its_quota() {
     let now = Instant::now();
-    let mut queue = LocalQueue::new(1);
+    let mut queue = LocalQueue::default();
+    queue.let_run(1, HashMap::new());
     for (id, tenant) in [("a1", "a"), ("a2", "a"), ("b1", "b"), ("b2", "b")] {
         queue.push(ticket(id, tenant), Entry::Accepted(now));
     }
@@ -185,13 +186,46 @@ fn a_tenant_has_no_more_workers_than_its_quota() {
     assert_eq!((first, queue.next(4, now)), (["a1".to_owned(), "b1".to_owned()], None));
     queue.free("b1", now);
     assert_eq!(queue.next(4, now).as_deref(), Some("b2"));
+    // A job that waits for another run needs a worker of its tenant, too.
+    queue.push(ticket("a0", "a"), Entry::Again(now));
+    assert_eq!(queue.next(4, now), None);
+    queue.let_run(1, HashMap::from([("a".to_owned(), 2)]));
+    assert_eq!((queue.next(4, now).as_deref(), queue.next(4, now)), (Some("a0"), None));
+}
+
+/// A tenant submits one job after the other beside ten thousand of another: its share of the starts is the half that it
+/// would have beside a tenant like itself, within a tenth.
+#[test]
+fn a_tenant_beside_ten_thousand_jobs_of_another_has_its_share_of_the_starts() {
+    const STARTS: usize = 400;
+    let mut now = Instant::now();
+    let mut queue = LocalQueue::default();
+    for number in 0..10_000 {
+        queue.push(ticket(&format!("noisy-{number}"), "noisy"), Entry::Accepted(now));
+    }
+    let (mut quiet, mut between) = (0, 0);
+    queue.push(ticket("quiet-0", "quiet"), Entry::Accepted(now));
+    for _ in 0..STARTS {
+        let id = queue.next(1, now).unwrap();
+        now += Duration::from_millis(10);
+        let own = id.starts_with("quiet");
+        between = if own { 0 } else { between + 1 };
+        assert!(between <= 2, "two jobs of the other one at the most run before the next of this one");
+        queue.free(&id, now);
+        if own {
+            quiet += 1;
+            queue.push(ticket(&format!("quiet-{quiet}"), "quiet"), Entry::Accepted(now));
+        }
+    }
+    assert!(quiet * 10 >= STARTS / 2 * 9, "{quiet} of {STARTS} starts");
 }
 
 /// Whatever happens, a job is in one place, and lines and the ring hold what the jobs say.
 #[test]
 fn the_books_of_the_queue_agree_after_anything() {
     let begin = Instant::now();
-    let mut queue = LocalQueue::new(3);
+    let mut queue = LocalQueue::default();
+    queue.let_run(3, HashMap::new());
     let (mut waiting, mut running) = (Vec::<(String, String)>::new(), Vec::<String>::new());
     let mut random = 99_u64;
     for step in 0..20_000_usize {

@@ -1,0 +1,43 @@
+//! What single tenants may have and keep, where that differs from what all tenants may.
+//!
+//! Only the configuration file has these, one table a tenant: `[tenants.NAME]`. Invariant: what the table of a tenant
+//! does not name is as for all.
+
+use serde::{Deserialize, Serialize};
+
+use super::Quotas;
+
+/// What one tenant may have and keep instead of what all may; 0 = without limit.
+#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Tenant {
+    /// Most jobs that wait.
+    pub queued: Option<usize>,
+    /// Most jobs that run at the same time.
+    pub running: Option<usize>,
+    /// Most bytes of logs, files and results of ended jobs.
+    pub bytes: Option<u64>,
+    /// Most uploads at the same time.
+    pub uploads: Option<usize>,
+    /// Seconds of processor time on a day (UTC).
+    pub cpu_s: Option<u64>,
+    /// Seconds that an ended job is kept.
+    pub keep_s: Option<u64>,
+    /// Most ended jobs that are kept.
+    pub keep_jobs: Option<u64>,
+    /// Most bytes of logs, files and results of ended jobs that are kept.
+    pub keep_bytes: Option<u64>,
+}
+
+impl Tenant {
+    /// What the tenant may have where `all` may have that.
+    pub(crate) fn quotas(&self, all: &Quotas) -> Quotas {
+        Quotas {
+            tenant_queued: self.queued.unwrap_or(all.tenant_queued),
+            tenant_running: self.running.unwrap_or(all.tenant_running),
+            tenant_bytes: self.bytes.unwrap_or(all.tenant_bytes),
+            tenant_uploads: self.uploads.unwrap_or(all.tenant_uploads),
+            tenant_cpu_s: self.cpu_s.unwrap_or(all.tenant_cpu_s),
+        }
+    }
+}
