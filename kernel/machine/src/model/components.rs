@@ -20,16 +20,3 @@ pub struct Component {
     /// What its control does.
     pub machine: Arc<Machine>,
 }
-
-impl Machine {
-    /// Components that may work in a channel, with their places in the list.
-    pub fn components_of(&self, channel: u16) -> impl Iterator<Item = (usize, &Component)> {
-        self.components.iter().enumerate().filter(move |(_, component)| component.channels.contains(&channel))
-    }
-
-    /// What a channel works with when its program begins: its first component, or the machine itself.
-    #[must_use]
-    pub fn at_start(&self, channel: u16) -> &Machine {
-        self.components_of(channel).next().map_or(self, |(_, component)| &component.machine)
-    }
-}
