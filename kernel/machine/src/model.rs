@@ -1,10 +1,12 @@
 //! The checked machine definition as the kernel uses it.
 
 mod behaviour;
+mod external;
 pub mod paths;
 mod waits;
 
 pub use behaviour::*;
+pub use external::*;
 pub use waits::*;
 
 use super::ident::{CodeId, DataId, Name};

@@ -16,6 +16,7 @@ mod defaults;
 mod diagnostics;
 mod dialogs;
 mod digits;
+mod external;
 mod format;
 mod habits;
 mod head;
