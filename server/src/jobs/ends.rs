@@ -67,7 +67,7 @@ impl End {
         core.ended(&record);
         core.host.unmark(&live.id);
         if let Some(log) = log.filter(|_| record.state.ended()) {
-            live.tail.set(log.bytes.len() as u64, log.last_seq);
+            live.tail().set(log.bytes.len() as u64, log.last_seq);
         }
         live.change(|now| *now = Record { cancel: now.cancel, paused: now.paused && !record.state.ended(), ..record });
         core.free(&live);

@@ -51,7 +51,8 @@ pub(crate) struct Live {
     cancel: AtomicBool,
     /// The run is to end, for whatever reason.
     stop: Mutex<Stop>,
-    pub(crate) tail: Arc<Tail>,
+    /// End of the log; made when somebody asks, as most jobs that wait have no use for it yet.
+    tail: OnceLock<Arc<Tail>>,
     run: Mutex<Option<Arc<Run>>>,
     finished: OnceLock<Arc<Finished>>,
     /// Log of the running job; locked for the time of one append or write.
@@ -59,7 +60,7 @@ pub(crate) struct Live {
     /// The log will be written soon.
     promised: AtomicBool,
     /// Where dialogs wait for the operator.
-    pub(crate) desk: Arc<Desk>,
+    desk: OnceLock<Arc<Desk>>,
     limits: Mutex<RunLimits>,
     /// Held while the job is paused or resumed, so that ledger and memory agree.
     pub(super) holding: tokio::sync::Mutex<()>,
@@ -77,9 +78,9 @@ impl Live {
             state: watch::Sender::new(record.state),
             cancel: AtomicBool::new(record.cancel),
             stop: Mutex::default(),
-            desk: Arc::new(Desk::new(&record.answers)),
+            desk: OnceLock::new(),
             record: Mutex::new(record),
-            tail: Arc::new(Tail::new()),
+            tail: OnceLock::new(),
             run: Mutex::default(),
             finished: OnceLock::new(),
             writer: Mutex::new(None),
@@ -99,6 +100,16 @@ impl Live {
         let Context { trace, span, parent, .. } = Context::of(&record.id, &record.runs.traceparent);
         let attempt = record.runs.attempt + 1;
         tracing::info_span!("job", id = record.id, tenant = record.tenant, attempt, trace, span, parent)
+    }
+
+    /// End of its log.
+    pub(crate) fn tail(&self) -> &Arc<Tail> {
+        self.tail.get_or_init(|| Arc::new(Tail::new()))
+    }
+
+    /// Where its dialogs wait, with what was answered in runs before.
+    pub(crate) fn desk(&self) -> &Arc<Desk> {
+        self.desk.get_or_init(|| Arc::new(Desk::new(&lock(&self.record).answers)))
     }
 
     pub(crate) fn state(&self) -> State {
@@ -129,7 +140,7 @@ impl Live {
     /// Forgets a run that the host failed or a pause has stopped; the job will be run again, and watchers stay at their cursors.
     pub(crate) fn forget_run(&self) {
         drop(self.end_log());
-        self.tail.begin_again();
+        self.tail().begin_again();
         *lock(&self.run) = None;
         self.renew();
     }
@@ -137,7 +148,7 @@ impl Live {
     /// Whatever was to end the last run does not end the next one.
     pub(super) fn renew(&self) {
         *lock(&self.stop) = Stop::default();
-        self.desk.begin_again(&self.record().answers);
+        self.desk().begin_again(&self.record().answers);
     }
 
     /// Processor time of the threads of the run.
@@ -226,7 +237,7 @@ impl Live {
     /// Stops the run without a cancel on the record: the job will be run again.
     pub(crate) fn interrupt(&self) {
         self.stop().ask();
-        self.desk.close();
+        self.desk().close();
     }
 
     /// Hands the log over for the time of the run.
@@ -248,7 +259,7 @@ impl Live {
         let (bytes, unwritten) = (log.bytes(), log.unwritten());
         drop(writer);
         self.check_bytes(bytes);
-        Ok(unwritten && self.tail.followed() && !self.promised.swap(true, Ordering::SeqCst))
+        Ok(unwritten && self.tail().followed() && !self.promised.swap(true, Ordering::SeqCst))
     }
 
     /// Whether events may have come that are not written yet.

@@ -20,7 +20,7 @@ pub(crate) struct Stream {
 impl Stream {
     /// Events of the log that have not been sent.
     fn lag(&self) -> u64 {
-        self.live.tail.position().last_seq.saturating_sub(self.cursor.load(Ordering::Relaxed))
+        self.live.tail().position().last_seq.saturating_sub(self.cursor.load(Ordering::Relaxed))
     }
 }
 

@@ -229,8 +229,8 @@ fn run(core: &Core, live: &Arc<Live>) -> Result<Ran, Refusal> {
     let info = prepared.info().clone();
     let mut control = Control::new(info.channels.len()).with_stop(stop).with_cpu_clock(cpu::of_this_thread);
     if record.options.attended {
-        live.desk.set_patience(Duration::from_secs(core.options.system.operator_wait_s));
-        control = control.with_operator(live.desk.clone());
+        live.desk().set_patience(Duration::from_secs(core.options.system.operator_wait_s));
+        control = control.with_operator(live.desk().clone());
     }
     if core.options.system.allow_system && record.machine.trusted {
         let shell = Shell::new(core.host.scratch(), core.options.system.system_wait_s);
@@ -240,7 +240,7 @@ fn run(core: &Core, live: &Arc<Live>) -> Result<Ran, Refusal> {
     live.prepared(Run { info: info.clone(), control: control.clone() });
     if core.options.embedded.log {
         let head = description(&info).encode_to_vec();
-        live.begin_log(Writer::new(core.logs.begin(&live.id)?, live.tail.clone(), &info, &head));
+        live.begin_log(Writer::new(core.logs.begin(&live.id)?, live.tail().clone(), &info, &head));
     }
     let mut sink = JobSink::new(live, core, ResultsBuilder::new(&info));
     let outcome = prepared.run(&files, &control, &mut sink);

@@ -29,7 +29,7 @@ fn worker(live: &Live) -> v1::WorkerInfo {
         started_ms: record.runs.started_ms,
         attempt: record.runs.attempt,
         blocks: progress.unwrap_or(0),
-        events: live.tail.position().last_seq,
+        events: live.tail().position().last_seq,
     }
 }
 

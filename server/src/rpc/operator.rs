@@ -75,7 +75,7 @@ impl Attend {
 
     /// Until the job ends or the client leaves.
     async fn talk(&mut self, mut said: Streaming<v1::AttendRequest>) -> Result<(), Refusal> {
-        let (mut changes, mut state) = (self.live.desk.follow(), self.live.follow());
+        let (mut changes, mut state) = (self.live.desk().follow(), self.live.follow());
         let mut drain = self.core.drain.follow();
         loop {
             if self.show().await.is_err() {
@@ -101,7 +101,7 @@ impl Attend {
 
     /// Tells what has been opened and closed since the last time; an error: the client has gone.
     async fn show(&mut self) -> Result<(), ()> {
-        let questions = self.live.desk.questions();
+        let questions = self.live.desk().questions();
         let open: BTreeSet<u64> = questions.iter().map(|question| question.id).collect();
         let closed: Vec<u64> = self.shown.difference(&open).copied().collect();
         for id in closed {
@@ -124,15 +124,15 @@ impl Attend {
             }
         };
         // A question that somebody else has answered is reported as closed.
-        let Some((channel, dialog)) = self.live.desk.claim(id) else { return Ok(()) };
+        let Some((channel, dialog)) = self.live.desk().claim(id) else { return Ok(()) };
         let answer = answer.map(|answer| Answer { dialog, ..answer });
         let kept = self.core.ledger.answered(self.live.id.clone(), channel, answer.clone()).await;
         if let Err(refusal) = kept {
-            self.live.desk.answer(id, None);
+            self.live.desk().answer(id, None);
             return Err(refusal);
         }
         self.live.change(|record| record.answers.push((channel, answer.clone())));
-        self.live.desk.answer(id, answer);
+        self.live.desk().answer(id, answer);
         Ok(())
     }
 }

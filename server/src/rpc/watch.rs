@@ -128,7 +128,7 @@ impl Watch {
     }
 
     async fn serve(&mut self, out: &Out) -> Result<(), Over> {
-        let (mut states, mut tail) = (self.live.follow(), self.live.tail.follow());
+        let (mut states, mut tail) = (self.live.follow(), self.live.tail().follow());
         let mut drain = self.core.drain.follow();
         self.progress(out, true).await?;
         let live = self.live.clone();
@@ -306,7 +306,7 @@ fn from_ledger(core: &Core, id: &str) -> Result<Arc<Live>, Refusal> {
     let bytes = core.kept_log(id)?.map_or(0, |log| log.length().unwrap_or(0));
     let events = record.events;
     let live = Live::new(record);
-    live.tail.set(bytes, events);
+    live.tail().set(bytes, events);
     Ok(Arc::new(live))
 }
 
