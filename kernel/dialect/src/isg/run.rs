@@ -79,7 +79,11 @@ impl Isg {
             Err(mistake) => return Err(mistake.clone().into()),
         };
         // All marks are asked, so that each of them counts as read.
-        if line.skips.iter().fold(false, |skips, level| host.skips(*level) || skips) {
+        let mut skipped = false;
+        for level in &line.skips {
+            skipped |= host.skips(*level);
+        }
+        if skipped {
             return Ok(None);
         }
         let mut left = Left::default();

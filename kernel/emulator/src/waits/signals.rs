@@ -1,7 +1,7 @@
 //! Signals of ISG and Beckhoff controls: `#SIGNAL [ID7 CH2]`, `#WAIT [ID7 CH1]`, `#SIGNAL REMOVE`, `#SIGNAL READ`.
 //!
 //! Facts: reference channel-synchronisation.md 1.7; the numbers in texts are those of the control's alarms. Decisions: with a list a channel
-//! may name itself; a signal without a list and without a count is one for each channel, or stays until it is removed, as the row
+//! may name itself; a signal without a list and without a count is one for each other channel, or stays until it is removed, as the row
 //! of the machine says; with a count it is for so many waits of whichever channels. *Invariant:* all numbers count in one family.
 
 use counterpoint_dialect::Signal;
@@ -88,7 +88,7 @@ pub(crate) fn signal(
         None if row.signals.stays && named.is_none() => Lasts::Always,
         None => Lasts::Each,
     };
-    let to = named.unwrap_or(all(machine));
+    let to = named.unwrap_or(if lasts == Lasts::Each { all(machine).without(channel) } else { all(machine) });
     let shown = Wait { primitive: Primitive::Signal, key, named, parts: to.with(channel), need: 0, rule };
     Ok((Send { key, to, broadcast: named.is_none(), lasts }, shown))
 }

@@ -250,7 +250,7 @@ fn a_signal_that_three_kernels_share() {
         &[
             &[Run(2), Do(Share, 1), Run(1), Do(Share, 2), Do(Remove, 2), Run(1), Do(Share, 1), Act],
             &[Run(1), Listen(1), Act],
-            &[Listen(1), Act, Listen(2), Act],
+            &[Listen(1), Act, Run(2), Listen(2), Act],
         ],
         &[213.0, 411.0, 412.0],
     );
