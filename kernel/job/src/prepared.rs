@@ -4,8 +4,10 @@ use std::sync::Arc;
 
 use counterpoint_lang::compile;
 
+use counterpoint_emulator::channel::components::Component;
 use counterpoint_emulator::channel::plan::Plan;
 use counterpoint_event::info::Info;
+use counterpoint_machine::Machine;
 use counterpoint_machine::finding::Finding;
 use counterpoint_ports::control::Stop;
 use counterpoint_ports::files::Files;
@@ -22,6 +24,8 @@ pub struct Job {
     sources: Sources,
     /// The machine's macros as its kernels run them.
     macros: Option<Arc<compile::Program>>,
+    /// The same of each component of a composite machine.
+    components: Vec<Option<Arc<compile::Program>>>,
     /// Where plans of machines are kept.
     plans: Option<Arc<Plans>>,
 }
@@ -78,16 +82,18 @@ impl Job {
             Ok(assigned) => assigned,
             Err(findings) => return Err(PrepareError { findings, cancelled: false }),
         };
-        let macros = spec
-            .machine
-            .macros
-            .as_deref()
-            .map(|macros| macros.program_for(spec.machine.macro_environment(), info.trace));
-        let macros = macros.or_else(|| has_embedded(&info, files, stop).then(|| Arc::new(compile::Program::new())));
+        let embedded = has_embedded(&info, files, stop).then(|| Arc::new(compile::Program::new()));
+        let compiled = |machine: &Machine| {
+            let own = machine.macros.as_deref();
+            let own = own.map(|macros| macros.program_for(machine.macro_environment(), info.trace));
+            own.or_else(|| embedded.clone())
+        };
+        let macros = compiled(&spec.machine);
+        let components = spec.machine.components.iter().map(|component| compiled(&component.machine)).collect();
         if stop.asked() {
             return Err(cancelled());
         }
-        Ok(Self { spec, info: Arc::new(info), sources, macros, plans: None })
+        Ok(Self { spec, info: Arc::new(info), sources, macros, components, plans: None })
     }
 
     /// Takes the plan of its machine from these, and leaves it there for other jobs.
@@ -96,14 +102,18 @@ impl Job {
         Self { plans: Some(Arc::clone(plans)), ..self }
     }
 
-    /// What its kernels have worked out of the machine.
-    pub(crate) fn plan(&self) -> Arc<Plan> {
-        let (machine, opskip) = (&self.spec.machine, &*self.spec.options.opskip);
-        let wanted = Wanted { machine, opskip, hooks: self.macros.is_some() };
-        match &self.plans {
-            Some(plans) => plans.of(&wanted),
-            None => Arc::new(wanted.plan()),
-        }
+    /// What its kernels have worked out of the machine, and of each component of a composite.
+    pub(crate) fn plans(&self) -> (Arc<Plan>, Vec<Arc<Plan>>) {
+        let of = |machine: &Arc<Machine>, macros: bool| {
+            let wanted = Wanted { machine, opskip: &self.spec.options.opskip, hooks: macros };
+            match &self.plans {
+                Some(plans) => plans.of(&wanted),
+                None => Arc::new(wanted.plan()),
+            }
+        };
+        let components = self.spec.machine.components.iter().zip(&self.components);
+        let components = components.map(|(component, macros)| of(&component.machine, macros.is_some()));
+        (of(&self.spec.machine, self.macros.is_some()), components.collect())
     }
 
     /// What is fixed about the job.
@@ -126,5 +136,24 @@ impl Job {
     /// The machine's macros as its kernels run them.
     pub(crate) fn macros(&self) -> Option<&Arc<compile::Program>> {
         self.macros.as_ref()
+    }
+
+    /// The components of a composite machine as its kernels work with them.
+    pub(crate) fn components<'a>(&'a self, plans: &'a [Arc<Plan>]) -> Vec<Component<'a>> {
+        let all = self.spec.machine.components.iter().zip(plans).zip(&self.components);
+        let fitted = all.map(|((component, plan), macros)| Component {
+            designator: &component.designator,
+            name: &component.name,
+            channels: &component.channels,
+            machine: &component.machine,
+            plan,
+            macros: macros.as_ref(),
+        });
+        fitted.collect()
+    }
+
+    /// One of its kernels runs macros, which need a large stack.
+    pub(crate) fn has_macros(&self) -> bool {
+        self.macros.is_some() || self.components.iter().any(Option::is_some)
     }
 }

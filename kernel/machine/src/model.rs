@@ -1,11 +1,13 @@
 //! The checked machine definition as the kernel uses it.
 
 mod behaviour;
+mod components;
 mod external;
 pub mod paths;
 mod waits;
 
 pub use behaviour::*;
+pub use components::Component;
 pub use external::*;
 pub use waits::*;
 
@@ -104,6 +106,8 @@ pub struct Machine {
     pub diagnostics: Diagnostics,
     /// Files stored with the machine, `//ICAMFS/…`, sorted by path.
     pub storage: Vec<StoredFile>,
+    /// What a composite machine is made of; empty for any other.
+    pub components: Vec<Component>,
     /// Dense lookups compiled from the rows.
     pub tables: Tables,
 }

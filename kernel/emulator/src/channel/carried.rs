@@ -8,6 +8,7 @@ use counterpoint_lang::pattern::Memory;
 use rustc_hash::FxHashMap;
 
 use super::Kernel;
+use super::components::Turns;
 use super::flow::Flow;
 use super::parts::DialectState;
 use crate::macros::runtime::Runtime;
@@ -49,13 +50,14 @@ pub struct Carried {
     flow: Flow,
     dialect: DialectState,
     macros: Box<Runtime>,
+    turns: Turns,
 }
 
 impl Kernel<'_> {
     /// Takes the kernel apart by name, so that a new part of it is either carried on or begins again here.
     fn into_carried(self) -> Carried {
         let events = self.ports.emitter.count();
-        let Self { channel, ports: _, plan: _, flow, dialect, macros } = self;
+        let Self { channel, ports: _, plan: _, flow, dialect, macros, components } = self;
         let Channel { env: _, at, block: _, text, acting: _, state, reports, burden, held: _ } = channel;
         let At { channel, clock, micro: _, file: _, line: _, blocks, idle_blocks } = at;
         let BlockText { edited: _, tape } = text;
@@ -74,6 +76,7 @@ impl Kernel<'_> {
             flow,
             dialect,
             macros,
+            turns: components.turns,
         }
     }
 
@@ -88,6 +91,10 @@ impl Kernel<'_> {
         self.flow = carried.flow;
         self.dialect = carried.dialect;
         self.macros = carried.macros;
+        self.components.turns = carried.turns;
+        if let Some(component) = self.components.current() {
+            (self.channel.env.machine, self.plan) = (component.machine, component.plan);
+        }
         self.ports.emitter.count_from(carried.events);
     }
 }
@@ -95,7 +102,7 @@ impl Kernel<'_> {
 impl Kernel<'_> {
     /// The end of its life.
     pub(crate) fn lived(self, halt: Halt, ended: Option<Tag>) -> Lived {
-        let hook = self.channel.env.machine.macros.as_deref().and_then(|macros| macros.hook(Hook::MachineShutdown));
+        let hook = self.channel.env.whole.macros.as_deref().and_then(|macros| macros.hook(Hook::MachineShutdown));
         let channel = self.channel.at.channel;
         let left = (hook.is_some() && matches!(halt, Halt::ProgramEnd(_))).then(|| Box::new(self.into_carried()));
         Lived { channel, halt, ended, left }

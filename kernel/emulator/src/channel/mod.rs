@@ -10,6 +10,7 @@ mod burden;
 mod calls;
 pub mod carried;
 mod code_time;
+pub mod components;
 pub(crate) mod custom_macro;
 mod cycle_codes;
 mod cycle_event;
@@ -37,6 +38,7 @@ mod unknown;
 pub(crate) mod variables;
 mod wait;
 
+use components::Components;
 use counterpoint_fault::Halt;
 use counterpoint_lang::pattern::Memory;
 use emit::{Emitter, blank};
@@ -66,12 +68,14 @@ pub struct Kernel<'a> {
     pub(crate) dialect: DialectState,
     /// What the macros of the machine remember; empty without any.
     pub macros: Box<Runtime>,
+    /// Components of a composite machine.
+    pub(crate) components: Components<'a>,
 }
 
 impl<'a> Kernel<'a> {
     /// A kernel at the start of its life.
     pub fn new(setup: Setup<'a>, channel: &MachineChannel) -> Self {
-        let Setup { env, ports, plan } = setup;
+        let Setup { env, ports, plan, components } = setup;
         let tape = (plan.edits.tape.as_ref().map(|tape| tape.start).unwrap_or_default(), Memory::default());
         let machine = env.machine;
         Self {
@@ -91,6 +95,7 @@ impl<'a> Kernel<'a> {
             flow: Flow::default(),
             dialect: DialectState::new(machine),
             macros: Box::default(),
+            components: Components::of(components, channel.number),
         }
     }
 }

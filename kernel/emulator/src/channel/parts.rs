@@ -1,5 +1,6 @@
 //! The parts of a kernel beside its channel: the ways out of it, and its pre-processor.
 
+use super::components::Component;
 use super::emit::Emitter;
 use super::plan::Plan;
 use super::variables::ChannelVariables;
@@ -53,4 +54,6 @@ pub struct Setup<'a> {
     pub ports: Ports<'a>,
     /// The machine, prepared.
     pub plan: &'a Plan,
+    /// The components of a composite machine, prepared, as its list has them.
+    pub components: &'a [Component<'a>],
 }

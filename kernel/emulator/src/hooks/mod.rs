@@ -4,6 +4,7 @@
 
 mod block;
 mod codes;
+mod components;
 mod embedded;
 mod events;
 mod nested;
@@ -17,7 +18,7 @@ use crate::channel::hook_points::{BlockHooks, CodeHooks, HookPoints, ProgramHook
 /// The points of a machine with macros.
 pub static POINTS: HookPoints = HookPoints {
     block: BlockHooks {
-        next: |kernel| kernel.next_issued(),
+        next: |kernel| kernel.change_component().or_else(|| kernel.next_issued()),
         begin: |kernel| kernel.begin_text(None),
         edit: |kernel| kernel.edit_block(),
         preprocessed: |kernel| kernel.after_preprocessor(),

@@ -30,14 +30,21 @@ fn command_line(info: &Info) -> String {
 }
 
 impl Kernel<'_> {
-    /// Sets up the macros of the kernel's machine.
+    /// With the macros of the kernel's machine.
     pub fn with_macros(mut self, program: Option<&Arc<Program>>) -> Self {
+        self.set_up_macros(program);
+        self
+    }
+
+    /// Sets up the macros of the kernel's machine.
+    pub(crate) fn set_up_macros(&mut self, program: Option<&Arc<Program>>) {
         let none = Macros::default();
         // A machine without macros has a program nevertheless if its programs have embedded code.
         let macros = self.channel.env.machine.macros.as_deref().unwrap_or(&none);
         let memory = self.channel.shares().macros;
-        let Some(program) = program else { return self };
-        let kernels = self.channel.env.machine.channels.len();
+        let Some(program) = program else { return };
+        // A composite has a master also for one channel.
+        let kernels = self.channel.env.machine.channels.len() + usize::from(self.components.is_composite());
         let mut runtime = Runtime::new(macros, program, self.channel.kernel_number(), (kernels, memory));
         runtime.arguments.slots = self.six_axes();
         runtime.books.columns = self.travel_columns();
@@ -46,8 +53,7 @@ impl Kernel<'_> {
         store.set(names().extension, Value::text(extension));
         store.set(names().parameters, Value::text(self.channel.env.info.parameters.as_str()));
         store.set(names().command_line, Value::text(command_line(self.channel.env.info)));
-        self.macros = Box::new(runtime);
-        self
+        *self.macros = runtime;
     }
 
     /// The macro of a hook that may run now.

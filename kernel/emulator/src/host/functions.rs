@@ -78,6 +78,7 @@ impl Kernel<'_> {
             HostFn::SetWorkOffset => self.write_offset(Table::Work, arguments)?,
             HostFn::LocalFrame => self.give_frame(arguments)?,
             HostFn::File(function) => self.file_function(state, function, arguments)?,
+            HostFn::Absent(AbsentFn::Apply) if self.components.is_composite() => self.ask_for_component(arguments)?,
             HostFn::Absent(function) => self.absent(state, function),
         })
     }
@@ -91,6 +92,28 @@ impl Kernel<'_> {
             state.warn(Fault::new(Number::NO_MODEL, format!("{} {}", of.name(), without::why(function))));
         }
         of.result().map_or(Value::Null, Kind::initial)
+    }
+
+    /// `$FAPPLY`: another component works in this channel from the next block on.
+    fn ask_for_component(&mut self, arguments: &[Value]) -> Outcome<Value> {
+        if self.channel.at.channel == 0 || self.inside(Hook::Declaration) || self.inside(Hook::ProgramShutdown) {
+            return Self::not_here("$FAPPLY");
+        }
+        let keyword = |code: &i32| counterpoint_lang::ident::minor_name(*code);
+        let wanted = match arguments.first() {
+            Some(Value::Keyword(code)) => keyword(code).unwrap_or(""),
+            _ => text(arguments, 0).trim(),
+        };
+        let (components, channel) = (&mut self.components, self.channel.at.channel);
+        let Some(place) = components.named(wanted, channel) else {
+            let own = components.all.iter().filter(|component| component.channels.contains(&channel));
+            let own = own.map(|component| component.designator).collect::<Vec<_>>().join(", ");
+            let text = format!("channel {channel} has no component '{wanted}'; its components are {own}");
+            return Err(Fault::new(Number::BAD_VALUE, text));
+        };
+        let changes = components.turns.wanted.or(components.turns.now) != Some(place);
+        components.turns.wanted = Some(place).filter(|place| components.turns.now != Some(*place));
+        Ok(Value::Logical(changes))
     }
 
     /// `$FCERST`: continues with another file after the shutdown macro has ended.

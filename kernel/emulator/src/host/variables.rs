@@ -4,6 +4,7 @@
 //! name. What the kernel does not know itself is kept here with its first value. Facts: reference system-variables.md;
 //! positions and decisions: docs/emulation.md.
 
+mod components;
 mod coolant;
 mod cycles;
 mod frames;
@@ -67,7 +68,7 @@ fn source(name: &str) -> Source {
         return Source::Position(place);
     }
     let own = [cycles::find, spindles::find, threads::find, coolant::find];
-    let own = own.into_iter().chain([kernels::find, frames::find, offsets::find, tip::find]);
+    let own = own.into_iter().chain([kernels::find, frames::find, offsets::find, tip::find, components::find]);
     let found = [program::find, state::find].into_iter().chain(own).find_map(|find| find(name));
     match found {
         Some((read, write)) => Source::State(read, write),

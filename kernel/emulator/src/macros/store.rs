@@ -155,6 +155,12 @@ impl Store {
         self.values.iter().chain(self.elements.values())
     }
 
+    /// Times and counts go on where another component has left them.
+    pub(crate) fn continue_times(&mut self, of: &Self) {
+        (self.times, self.added_times, self.moving, self.idle) = (of.times, of.added_times, of.moving, of.idle);
+        (self.counts, self.listed) = (of.counts, of.listed.clone());
+    }
+
     /// Sets an element.
     pub fn set_element(&mut self, index: u32, (first, second): (i64, i64), value: Value) {
         self.elements.insert((index, first, second), value);

@@ -52,11 +52,13 @@ impl Channel<'_> {
     }
 }
 
-/// What a run is about; it does not change while the kernel runs.
+/// What a run is about; while the kernel runs, nothing of it changes but the component.
 #[derive(Clone, Copy)]
 pub struct Environment<'a> {
-    /// The checked machine.
+    /// What the control does: the checked machine, or the component that a channel of a composite works with.
     pub machine: &'a Machine,
+    /// The machine of the job.
+    pub whole: &'a Machine,
     /// The description of the job.
     pub info: &'a Info,
     /// The program files, as the channel sees them.

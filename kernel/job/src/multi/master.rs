@@ -40,7 +40,7 @@ impl<'a> Assembly<'a> {
     /// Runs Declaration and Machine Startup; none if the machine has no master's macros.
     pub(super) fn master_startup(self, log: &mut dyn FnMut(&Event) -> bool) -> Option<Master> {
         let machine = &self.job.spec().machine;
-        if machine.macros.is_none() || machine.channels.len() < 2 {
+        if machine.macros.is_none() || machine.channels.len() < 2 && machine.components.is_empty() {
             return None;
         }
         let (name, axes) = ("MASTER".to_owned(), Table::default());

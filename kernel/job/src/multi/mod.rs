@@ -21,6 +21,7 @@ use stream::Stream;
 use crate::prepared::Job;
 use counterpoint_emulator::channel::Kernel;
 use counterpoint_emulator::channel::carried::{Carried, Lived};
+use counterpoint_emulator::channel::components::Component;
 use counterpoint_emulator::channel::emit::{Emitter, Target};
 use counterpoint_emulator::channel::parts::{Ports, Setup};
 use counterpoint_emulator::channel::plan::Plan;
@@ -38,7 +39,8 @@ use counterpoint_sync::tag::Tag;
 /// Runs a prepared job; returns when every kernel has ended and the whole log has been received.
 pub(crate) fn run(job: &Job, files: &dyn Files, control: &Control, sink: &mut dyn Sink) -> Outcome {
     let machine = &*job.spec().machine;
-    let plan = job.plan();
+    let (plan, plans) = job.plans();
+    let components = job.components(&plans);
     let (given, mut round) = (OnceLock::new(), Some(Round::default()));
     let mut written = WrittenFiles::new();
     let mut log = Log::new(sink);
@@ -49,7 +51,8 @@ pub(crate) fn run(job: &Job, files: &dyn Files, control: &Control, sink: &mut dy
             None => (None, None),
         };
         let coordinator = now.coordinator(job, sender);
-        let assembly = Assembly { job, plan: &plan, coordinator: &coordinator, files, control, given: &given };
+        let (coordinator, components) = (&coordinator, components.as_slice());
+        let assembly = Assembly { job, plan: &plan, components, coordinator, files, control, given: &given };
         let starting = assembly.begin(&mut now, &mut |event| log.note(event));
         if log.refused {
             coordinator.abort();
@@ -154,6 +157,7 @@ type Feeds<'a> = (&'a mut Backlog, Option<Feeder>);
 struct Assembly<'a> {
     job: &'a Job,
     plan: &'a Plan,
+    components: &'a [Component<'a>],
     coordinator: &'a Coordinator,
     files: &'a dyn Files,
     control: &'a Control,
@@ -280,7 +284,7 @@ impl<'a> Assembly<'a> {
                     })
                 };
                 let mut thread = std::thread::Builder::new().name(format!("kernel-{number}"));
-                if self.job.macros().is_some() {
+                if self.job.has_macros() {
                     thread = thread.stack_size(counterpoint_emulator::macros::STACK);
                 }
                 match thread.spawn_scoped(scope, work) {
@@ -328,10 +332,15 @@ impl<'a> Assembly<'a> {
     where
         'a: 'k,
     {
-        let Self { job, plan, coordinator, files, control, given } = self;
+        let Self { job, plan, components, coordinator, files, control, given } = self;
+        let own = components.iter().find(|component| component.channels.contains(&channel.number));
+        let whole = &*job.spec().machine;
+        let (machine, plan, macros) =
+            own.map_or((whole, plan, job.macros()), |own| (own.machine, own.plan, own.macros));
         let coordinator = Port::new(coordinator, switch);
         let env = Environment {
-            machine: &job.spec().machine,
+            machine,
+            whole,
             info: job.info(),
             sources: job.sources().seen_by(channel.number),
             options: &job.spec().options,
@@ -340,7 +349,7 @@ impl<'a> Assembly<'a> {
         };
         let emitter = Emitter::new(channel.number, coordinator, target);
         let ports = Ports { coordinator, control, progress, emitter };
-        let mut kernel = Kernel::new(Setup { env, ports, plan }, channel).with_macros(job.macros());
+        let mut kernel = Kernel::new(Setup { env, ports, plan, components }, channel).with_macros(macros);
         for ((program, name, channel), at) in given.get().into_iter().flatten().zip(1..) {
             kernel.set_program_of(at, program, name, *channel);
         }

@@ -5,8 +5,8 @@
 use super::chain::Merged;
 use super::names::Names;
 use super::{
-    axes, calls, channels, codes, compensation, cycles, data, diagnostics, dialogs, external, format, habits, head,
-    idle, initial, kinematics, macros, output, overlap, paths, pump, refusals, registers,
+    axes, calls, channels, codes, compensation, components, cycles, data, diagnostics, dialogs, external, format,
+    habits, head, idle, initial, kinematics, macros, output, overlap, paths, pump, refusals, registers,
 };
 use super::{spindles, storage, subprograms, sync, system_variables, tape, time, tool, variables, waits};
 use crate::ident;
@@ -14,11 +14,19 @@ use crate::index::Table;
 use crate::model::Machine;
 use crate::tables::Tables;
 use crate::toml::check::Check;
+use crate::toml::node::Place;
 use crate::toml::section::Section;
 use counterpoint_ports::files::Files;
 
 /// Builds the machine; whether it is any good is for the findings to say.
-pub(super) fn machine(merged: &Merged, files: &dyn Files, check: &Check) -> Machine {
+///
+/// A component has the declaration macro of its composite, too. Gives the rows of a composite's components as well.
+pub(super) fn machine(
+    merged: &Merged,
+    files: &dyn Files,
+    common: Option<(&str, &Place)>,
+    check: &Check,
+) -> (Machine, Vec<components::Row>) {
     let mut top = Section::new(&merged.table, merged.start.clone(), "the machine file", check);
     top.text("extends");
     if top.flag("abstract") == Some(true) {
@@ -37,6 +45,7 @@ pub(super) fn machine(merged: &Merged, files: &dyn Files, check: &Check) -> Mach
     let axes = axes::read(&mut top, &names, &data);
     let spindles = spindles::read(&mut top, check);
     let channels = channels::read(&mut top, &axes, &spindles, check);
+    let components = components::read(&mut top, head.kind, &channels, check);
     let mut codes = codes::read(&mut top, &mut names);
     let time = time::read(&mut top, &names, &mut codes);
     let cycles = cycles::read(&mut top, head.unit);
@@ -67,7 +76,7 @@ pub(super) fn machine(merged: &Merged, files: &dyn Files, check: &Check) -> Mach
     let work_offsets = tool::read_work(&mut top, &axes, check);
     let storage = storage::read(&mut top, files);
     let mut shown = Vec::new();
-    let macros = macros::read(&mut top, &names, (&codes, &data), files, &storage, &mut shown);
+    let macros = macros::read(&mut top, &names, (&codes, &data), (files, &storage, common), &mut shown);
     idle::check(&mut top, &codes, head.preprocessor, channels.len(), check);
     overlap::check_custom(&codes, &names.codes, macros.as_deref(), check);
     let tape_editor = tape::read(&mut top);
@@ -77,7 +86,7 @@ pub(super) fn machine(merged: &Merged, files: &dyn Files, check: &Check) -> Mach
     top.finish();
     let (codes, data): (Table<_, _>, Table<_, _>) = (codes.into_iter().collect(), data.into_iter().collect());
     let tables = Tables::new(&names.registers, &codes, &data, &names.data);
-    Machine {
+    let machine = Machine {
         name: head.name,
         number: head.number,
         revision: head.revision,
@@ -119,6 +128,8 @@ pub(super) fn machine(merged: &Merged, files: &dyn Files, check: &Check) -> Mach
         dialogs,
         diagnostics,
         storage,
+        components: Vec::new(),
         tables,
-    }
+    };
+    (machine, components)
 }

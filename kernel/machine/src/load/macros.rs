@@ -29,8 +29,7 @@ pub(super) fn read(
     top: &mut Section<'_>,
     names: &Names<'_>,
     (codes, data): (&[CodeRow], &[DataRow]),
-    files: &dyn Files,
-    stored: &[StoredFile],
+    (files, stored, common): (&dyn Files, &[StoredFile], Option<(&str, &Place)>),
     shown: &mut Vec<(String, Place)>,
 ) -> Option<Arc<Macros>> {
     let mut section = top.table("macros", "[macros]")?;
@@ -42,6 +41,11 @@ pub(super) fn read(
     let program_of = &mut program;
     let mut compiler =
         Compiler { names, codes, data, files, stored, program: program_of, strong, uninitialised, shown };
+    if let Some((file, place)) = common {
+        // It runs in the master kernel; here it says which GLOBAL variables there are.
+        compiler.add(file, place, Kind::Declaration, Available::of(Hook::Declaration));
+        compiler.program.globals_are_objects = true;
+    }
     compiler.hook(&mut section, Hook::Declaration, &mut macros.hooks);
     for (file, place) in section.texts("functions").unwrap_or_default() {
         compiler.add(file, place, Kind::Library, Available::FUNCTIONS);

@@ -10,6 +10,7 @@ mod chain;
 mod channels;
 mod codes;
 mod compensation;
+mod components;
 mod cycles;
 mod data;
 mod defaults;
@@ -50,9 +51,12 @@ mod word;
 #[cfg(test)]
 mod tests;
 
+use std::sync::Arc;
+
 use super::finding::Finding;
-use super::model::Machine;
+use super::model::{Component, Machine};
 use super::toml::check::Check;
+use super::toml::node::Table;
 use counterpoint_ports::files::Files;
 
 /// A machine, or why there is none.
@@ -71,10 +75,43 @@ pub fn load(files: &dyn Files, folder: &str) -> Loaded {
     let check = Check::default();
     let machine = chain::read(files, folder, &check).map(|mut merged| {
         questionnaire::expand(&mut merged.table, &check);
+        let plain = merged.table.clone();
         waits::expand(&mut merged.table);
-        build::machine(&merged, files, &check)
+        let (mut machine, rows) = build::machine(&merged, files, None, &check);
+        if !rows.is_empty() {
+            components::check_macros(&plain, &check);
+            machine.components = made_of(&machine, &plain, &rows, files, &check);
+        }
+        machine
     });
     let findings = check.into_findings();
     let usable = !findings.iter().any(|finding| finding.error);
     Loaded { machine: machine.filter(|_| usable), findings }
+}
+
+/// The components of a composite machine. What is wrong in a section that they have from it is reported once, as its own.
+fn made_of(
+    composite: &Machine,
+    table: &Table,
+    rows: &[components::Row],
+    files: &dyn Files,
+    check: &Check,
+) -> Vec<Component> {
+    let mut made = Vec::new();
+    for row in rows {
+        let own = Check::default();
+        let Some(merged) = chain::read(files, &row.folder, &own) else {
+            own.into_findings().into_iter().for_each(|finding| check.error(&row.place, finding.text));
+            continue;
+        };
+        let mut merged = components::fit(merged, table, row);
+        questionnaire::expand(&mut merged.table, &own);
+        waits::expand(&mut merged.table);
+        let (machine, _) = build::machine(&merged, files, components::declaration(table), &own);
+        components::check_fit(&machine, composite, row, &own);
+        own.pass_on(check, |finding| finding.error || finding.file != composite.file);
+        let (designator, name) = (row.designator.clone(), row.name.clone());
+        made.push(Component { designator, name, channels: row.channels.clone(), machine: Arc::new(machine) });
+    }
+    made
 }

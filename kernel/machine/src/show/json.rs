@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 
 use super::{Show, register, sorted_codes, word, written};
 use crate::index::{AxisId, RegisterId, SpindleId, Table};
-use crate::model::{Axis, Channel, Heights, Machine, WaitRow};
+use crate::model::{Axis, Channel, Component, Heights, Machine, WaitRow};
 use crate::rows::{CodeForm, CodeRow, DataRow, NumberFormat, Register};
 
 /// The whole machine.
@@ -62,7 +62,18 @@ pub fn json(machine: &Machine) -> Value {
             "initial": machine.variables.system.initial, "system": system(machine),
             "external": external(machine), "other_external": machine.variables.external.any },
         "tool": { "offset_digits": machine.tool.offset_digits, "offsets": tool_offsets(machine), "data": tool_data(machine) },
+        "components": machine.components.iter().map(component).collect::<Vec<_>>(),
         "work_offsets": machine.work_offsets.iter().map(|values| by_axis(machine, values)).collect::<Vec<_>>(),
+    })
+}
+
+fn component(component: &Component) -> Value {
+    json!({
+        "designator": component.designator,
+        "name": component.name,
+        "channels": component.channels,
+        "machine": component.machine.name,
+        "file": component.machine.file,
     })
 }
 
@@ -76,7 +87,7 @@ pub fn part(machine: &Machine, what: Show) -> Value {
         Show::Codes => &["codes"],
         Show::Data => &["data"],
         Show::Axes => &["axes"],
-        Show::Channels => &["channels", "spindles"],
+        Show::Channels => &["channels", "spindles", "components"],
         Show::Groups => &["groups"],
         Show::Macros => &["macros"],
         Show::Refusals => &["refusals"],

@@ -307,5 +307,15 @@ pub(super) fn channels(machine: &Machine) -> String {
             spindle.run_up.to_string(),
         ]);
     }
-    format!("{}\n{}", grid.text(), spindles.text())
+    let both = format!("{}\n{}", grid.text(), spindles.text());
+    if machine.components.is_empty() {
+        return both;
+    }
+    let mut components = Grid::new(&["component", "name", "channels", "definition"]);
+    for component in &machine.components {
+        let channels: Vec<String> = component.channels.iter().map(u16::to_string).collect();
+        let (designator, name) = (component.designator.clone(), component.name.clone());
+        components.row([designator, name, channels.join(" "), component.machine.file.clone()]);
+    }
+    format!("{both}\n{}", components.text())
 }

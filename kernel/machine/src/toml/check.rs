@@ -74,6 +74,11 @@ impl Check {
         findings
     }
 
+    /// Hands over those findings that are wanted.
+    pub(crate) fn pass_on(self, to: &Check, wanted: impl Fn(&Finding) -> bool) {
+        self.into_findings().into_iter().filter(wanted).for_each(|finding| to.push(finding));
+    }
+
     fn push(&self, finding: Finding) {
         let broken = self.broken.borrow();
         if finding.line > 0 && broken.iter().any(|at| *at.file == *finding.file && at.line == finding.line) {

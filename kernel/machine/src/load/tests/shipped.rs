@@ -29,6 +29,7 @@ fn all_machines_load_without_a_finding() {
         package::shipped_names(),
         [
             "citizen-3system",
+            "composite-millturn",
             "fanuc-2path-lathe",
             "fanuc-3path-lathe",
             "fanuc-lathe",

@@ -1,0 +1,80 @@
+//! The components of a composite machine, as a kernel has them.
+//!
+//! *Invariant:* a channel works with one component at a time. The macros of the others stay as they were left; what the machine
+//! itself remembers (positions, tools, offsets, spindles, variables of programs) is the channel's. Facts: reference
+//! control-emulator.md 8.3.
+
+use std::sync::Arc;
+
+use counterpoint_lang::compile::Program;
+use counterpoint_machine::Machine;
+
+use super::plan::Plan;
+use crate::macros::runtime::Runtime;
+
+/// A component, prepared.
+#[derive(Clone, Copy)]
+pub struct Component<'a> {
+    /// The minor word by which macros name it.
+    pub designator: &'a str,
+    /// Its name for people.
+    pub name: &'a str,
+    /// Channels that it may work in.
+    pub channels: &'a [u16],
+    /// Its definition.
+    pub machine: &'a Machine,
+    /// The definition, prepared.
+    pub plan: &'a Plan,
+    /// Its macros as kernels run them.
+    pub macros: Option<&'a Arc<Program>>,
+}
+
+/// Which component a channel works with.
+#[derive(Debug, Default)]
+pub(crate) struct Turns {
+    /// Place of the one in work; none on a machine that is no composite.
+    pub(crate) now: Option<usize>,
+    /// Place of the one before.
+    pub(crate) before: Option<usize>,
+    /// Place of the one that a macro has asked for.
+    pub(crate) wanted: Option<usize>,
+    /// Macros of components that have worked here, by place.
+    pub(crate) kept: Vec<(usize, Box<Runtime>)>,
+}
+
+/// The components of the machine, and the one in work.
+#[derive(Default)]
+pub(crate) struct Components<'a> {
+    pub(crate) all: &'a [Component<'a>],
+    pub(crate) turns: Turns,
+}
+
+impl<'a> Components<'a> {
+    /// All of the machine, with the first one of a channel in work.
+    pub(crate) fn of(all: &'a [Component<'a>], channel: u16) -> Self {
+        let now = all.iter().position(|component| component.channels.contains(&channel));
+        Self { all, turns: Turns { now, ..Turns::default() } }
+    }
+
+    /// The machine is a composite.
+    pub(crate) fn is_composite(&self) -> bool {
+        !self.all.is_empty()
+    }
+
+    /// The one in work; none on a machine that is no composite, and in its master.
+    pub(crate) fn current(&self) -> Option<&'a Component<'a>> {
+        self.turns.now.and_then(|now| self.all.get(now))
+    }
+
+    /// The one before.
+    pub(crate) fn previous(&self) -> Option<&'a Component<'a>> {
+        self.turns.before.and_then(|before| self.all.get(before))
+    }
+
+    /// Place of the one that a designator names in a channel.
+    pub(crate) fn named(&self, designator: &str, channel: u16) -> Option<usize> {
+        let is =
+            |one: &Component<'_>| one.designator.eq_ignore_ascii_case(designator) && one.channels.contains(&channel);
+        self.all.iter().position(is)
+    }
+}

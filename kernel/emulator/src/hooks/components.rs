@@ -1,0 +1,109 @@
+//! A channel of a composite machine changes its component: `$FAPPLY`.
+//!
+//! Facts: reference control-emulator.md 8.3, functions.md 9. Decisions: the change takes place before the next block, after what
+//! the macros of the block in process still do; the component's Declaration runs when it is first in work; modal codes that
+//! the new component has in the same group stay active, all others are those that it begins with, and no canned cycle
+//! stays active; blocks that EXEC/NEXT has left for later are those of the new component.
+
+use counterpoint_event::event::Kind;
+use counterpoint_event::event::Message;
+use counterpoint_fault::Acted;
+use counterpoint_machine::Machine;
+use counterpoint_machine::macros::model::Hook;
+
+use crate::channel::Kernel;
+use crate::state::arc::Arcs;
+use crate::state::cycle::Cycle;
+use crate::state::modal::{Modal, group};
+use crate::state::position::Place;
+use crate::state::thread::Threads;
+use crate::state::turning::Turning;
+
+impl Kernel<'_> {
+    /// Changes the component, if a macro has asked for another one and none is running; none if nothing is to be done.
+    pub(crate) fn change_component(&mut self) -> Option<Acted> {
+        self.components.turns.wanted?;
+        if !self.macros.calls.running.is_empty() {
+            return None;
+        }
+        let to = self.components.turns.wanted.take()?;
+        // A change counts as a block, so that startup macros that ask for each other indefinitely reach a limit.
+        self.channel.at.blocks += 1;
+        self.channel.at.idle_blocks += 1;
+        let done = self.check_limits().and_then(|()| self.take_component(to));
+        Some(done.and_then(|()| self.follow()))
+    }
+
+    fn take_component(&mut self, to: usize) -> Acted {
+        self.plain_macro(Hook::ProgramShutdown)?;
+        self.flush_lookahead()?;
+        let Some(next) = self.components.all.get(to).copied() else { return Ok(()) };
+        let turns = &mut self.components.turns;
+        let left = turns.now.replace(to);
+        turns.before = left;
+        let known = turns.kept.iter().position(|(place, _)| *place == to).map(|at| turns.kept.swap_remove(at).1);
+        let first = known.is_none();
+        let mut old = std::mem::replace(&mut self.macros, known.unwrap_or_default());
+        let before = self.channel.env.machine;
+        (self.channel.env.machine, self.plan) = (next.machine, next.plan);
+        if first {
+            self.set_up_macros(next.macros);
+        }
+        let (new, shown) = (&mut *self.macros, &mut *old);
+        std::mem::swap(&mut new.issued, &mut shown.issued);
+        std::mem::swap(&mut new.books, &mut shown.books);
+        std::mem::swap(&mut new.tools, &mut shown.tools);
+        new.variables.store.continue_times(&shown.variables.store);
+        if let Some(left) = left {
+            self.components.turns.kept.push((left, old));
+        }
+        self.fit_state(before);
+        self.channel.text.tape = (
+            next.plan.edits.tape.as_ref().map(|tape| tape.start).unwrap_or_default(),
+            std::mem::take(&mut self.channel.text.tape.1),
+        );
+        let text = format!("component {}", next.name).into();
+        self.emit(0, Kind::Message(Message { text, printed: false }));
+        if first {
+            self.plain_macro(Hook::Declaration)?;
+        }
+        self.plain_macro(Hook::ProgramStartup)
+    }
+
+    /// The state as the new definition has it; what the machine itself remembers stays.
+    fn fit_state(&mut self, before: &Machine) {
+        let machine = self.channel.env.machine;
+        let old = std::mem::replace(&mut self.channel.state.modal, Modal::new(machine));
+        self.initial_codes();
+        let state = &mut self.channel.state;
+        for (of, id, row) in old.saved() {
+            let name = &before.code_names[id];
+            let Some(new) = machine.code_names.find(|own| own == name).filter(|_| of != group::CYCLE) else { continue };
+            let same = |at: &counterpoint_machine::rows::CodeRow| at.enable && at.id == new && at.group == of;
+            let form = row.map(|row| &before.codes[row].form);
+            let rows = || machine.codes.entries().filter(|(_, row)| same(row));
+            let found = rows().find(|(_, row)| Some(&row.form) == form).or_else(|| rows().next());
+            match found {
+                Some((row, _)) => state.modal.activate(of, new, Some(row)),
+                None if row.is_none() => state.modal.activate(of, new, None),
+                None => {}
+            }
+        }
+        for (id, name) in before.data_names.entries() {
+            if let Some(value) = old.value(id)
+                && let Some(new) = machine.data_names.find(|own| own == name)
+            {
+                state.modal.remember(new, value);
+            }
+        }
+        state.secondary = state.modal.code(group::UNITS) == Some(counterpoint_machine::ident::codes::UNITS_SECONDARY);
+        (state.cycle, state.arcs) = (Cycle::new(machine), Arcs::default());
+        *state.threads = Threads::new(machine);
+        state.others.turning = Turning::new(machine);
+        let channel = machine.channels.iter().find(|channel| channel.number == self.channel.at.channel);
+        if let Some(channel) = channel {
+            state.place.layout = Place::new(machine, channel).layout;
+        }
+        self.channel.block.clear();
+    }
+}

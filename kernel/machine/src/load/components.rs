@@ -1,0 +1,169 @@
+//! `[[components]]`: the definitions that a composite machine is made of.
+//!
+//! A component is a machine file of its own, or a family. What the components have in common is the composite's and takes
+//! the place of their own sections: axes, channels, spindles, waits, the shape of programs, tools and work offsets.
+//! Invariants: units and pre-processor of all components are those of the composite; each channel has a component; the
+//! macros of a component see the GLOBAL variables of the composite, and its own ones are its object's.
+
+use crate::model::{Channel, Machine, MachineKind};
+use crate::toml::check::Check;
+use crate::toml::merge::merge;
+use crate::toml::node::{Entry, Node, Place, Table, Value};
+use crate::toml::section::Section;
+use counterpoint_lang::ident::minor_code;
+
+use super::chain::{Merged, row_name};
+
+/// Most components of a machine.
+const MOST: usize = 99;
+
+/// Sections that a component has from its composite.
+const COMMON: [&str; 8] = ["axes", "channels", "spindles", "waits", "sync", "format", "tool", "work_offsets"];
+
+/// Macros that a composite has; all others are its components'.
+const OWN_MACROS: [&str; 3] = ["declaration", "machine_startup", "machine_shutdown"];
+
+/// A row of the section.
+pub(super) struct Row {
+    pub(super) designator: String,
+    pub(super) name: String,
+    /// Folder of the machine file.
+    pub(super) folder: String,
+    pub(super) channels: Vec<u16>,
+    /// What the composite's file adds to the definition, as a file that extends it.
+    pub(super) add: Option<Table>,
+    /// Where the folder is named.
+    pub(super) place: Place,
+}
+
+/// Reads the rows.
+pub(super) fn read(top: &mut Section<'_>, kind: MachineKind, channels: &[Channel], check: &Check) -> Vec<Row> {
+    let mut rows: Vec<Row> = Vec::new();
+    for mut section in top.rows("components", "[[components]]", MOST) {
+        if let Some(row) = read_row(&mut section, channels, check) {
+            if rows.iter().any(|other| other.designator == row.designator) {
+                section.error("designator", format!("another component has the designator {}", row.designator));
+            }
+            rows.push(row);
+        }
+        section.finish();
+    }
+    match kind {
+        MachineKind::Composite => {
+            top.require("components", "the definitions that the composite machine is made of");
+            let has = |channel: &Channel| rows.iter().any(|row| row.channels.contains(&channel.number));
+            if let Some(channel) = channels.iter().find(|channel| !has(channel)).filter(|_| !rows.is_empty()) {
+                check.missing(top.place_of("components"), format!("channel {} has no component", channel.number));
+            }
+        }
+        _ if !rows.is_empty() => top.error("components", "only a machine of the type composite has components"),
+        _ => {}
+    }
+    rows
+}
+
+fn read_row(row: &mut Section<'_>, channels: &[Channel], check: &Check) -> Option<Row> {
+    row.require("designator", "the minor word by which macros name the component (TURN, MILL)");
+    let designator = row.name("designator", 24).map(str::to_ascii_uppercase);
+    if let Some(word) = designator.as_deref().filter(|word| minor_code(word).is_none()) {
+        row.error("designator", format!("{word} is no minor word of the macro language; TURN, MILL, DRILL are some"));
+    }
+    let name = row.name("name", 32).map(str::to_owned);
+    row.require("machine", "the folder of the definition");
+    let folder = row.text("machine").map(str::to_owned);
+    let mut own = Vec::new();
+    for node in row.list("channels").unwrap_or_default() {
+        let channel = channels.iter().find(|channel| match node.value {
+            Value::Integer(number) => number == i64::from(channel.number),
+            _ => false,
+        });
+        match channel {
+            Some(channel) => own.push(channel.number),
+            None => check.error(&node.place, "`channels` lists numbers of channels of this machine"),
+        }
+    }
+    if own.is_empty() {
+        row.require("channels", "the channels that the component works in");
+    }
+    own.sort_unstable();
+    own.dedup();
+    let add = row.free_table("add").cloned();
+    for key in COMMON.iter().chain(&["extends", "abstract", "components"]) {
+        if let Some(node) = add.as_ref().and_then(|add| add.get(key)) {
+            check.error(&node.place, format!("`{key}` is no matter of a component"));
+        }
+    }
+    let (designator, place) = (designator?, row.place_of("machine").clone());
+    Some(Row {
+        name: name.unwrap_or_else(|| designator.clone()),
+        designator,
+        folder: folder?,
+        channels: own,
+        add,
+        place,
+    })
+}
+
+/// The file of a component with what it has from its composite.
+pub(super) fn fit(mut component: Merged, composite: &Table, row: &Row) -> Merged {
+    if let Some(add) = &row.add {
+        component.table = merge(component.table, add.clone(), row_name);
+    }
+    let table = &mut component.table;
+    table.remove("abstract");
+    for key in COMMON {
+        table.remove(key);
+        table.entries.extend(composite.entries.iter().find(|entry| entry.key == key).cloned());
+    }
+    let place = row.place.clone();
+    if table.get("ce").is_none() {
+        table.entries.push(entry("ce", &place, Value::Table(Table::default())));
+    }
+    if let Some(ce) = table.table_mut("ce").filter(|ce| ce.get("name").is_none()) {
+        ce.entries.push(entry("name", &place, Value::Text(row.name.clone())));
+    }
+    component
+}
+
+fn entry(key: &str, place: &Place, value: Value) -> Entry {
+    Entry { key: key.to_owned(), place: place.clone(), node: Node { place: place.clone(), value } }
+}
+
+/// The declaration macro of a composite, whose GLOBAL variables its components see: name of the file, and where it is named.
+pub(super) fn declaration(composite: &Table) -> Option<(&str, &Place)> {
+    let Value::Table(macros) = &composite.get("macros")?.value else { return None };
+    Some((macros.text("declaration")?, &macros.get("declaration")?.place))
+}
+
+/// Reports macros of a composite that never run.
+pub(super) fn check_macros(composite: &Table, check: &Check) {
+    let Some(Value::Table(macros)) = composite.get("macros").map(|node| &node.value) else { return };
+    let never = |entry: &&Entry| {
+        !OWN_MACROS.contains(&entry.key.as_str()) && !matches!(&*entry.key, "strong" | "warn_unassigned" | "functions")
+    };
+    for entry in macros.entries.iter().filter(never) {
+        check.warning(
+            &entry.place,
+            format!("`{}` of a composite machine never runs: its components have their own", entry.key),
+        );
+    }
+}
+
+/// Reports a component that cannot work beside the others.
+pub(super) fn check_fit(component: &Machine, composite: &Machine, row: &Row, check: &Check) {
+    let differs = |what: &str, own: &str, wanted: &str| {
+        let text =
+            format!("the {what} of a component must be that of the composite: {} has {own}, not {wanted}", row.folder);
+        check.error(&row.place, text);
+    };
+    if component.unit != composite.unit {
+        let word = |unit| if unit == counterpoint_event::Unit::Inch { "inch" } else { "mm" };
+        differs("unit", word(component.unit), word(composite.unit));
+    }
+    if component.preprocessor != composite.preprocessor {
+        differs("pre-processor", component.preprocessor.row().name, composite.preprocessor.row().name);
+    }
+    if component.kind == MachineKind::Composite || component.kind == MachineKind::MergingLathe {
+        check.error(&row.place, "a component is a mill or a lathe");
+    }
+}
