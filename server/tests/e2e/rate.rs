@@ -1,4 +1,4 @@
-//! How many tiny jobs end, and how many stored events are watched, in a second. Run by hand, in release, on a quiet machine:
+//! How many tiny jobs end and how many stored events are watched in a second, and how old live events are. Run by hand, in release, on a quiet machine:
 //! `cargo test --release -p counterpoint-server --test e2e rate -- --ignored --nocapture`.
 
 #![allow(clippy::print_stdout)]
@@ -137,5 +137,27 @@ async fn stored_events_watched_per_second() {
         let events = (watched_jobs.len() * EVENTS) as f64;
         println!("{what}: {:.1} M events/s, {:.0} MB/s", events / seconds / 1e6, bytes as f64 / seconds / 1e6);
     }
+    server.stop().await;
+}
+
+/// How long an event of a running job takes to its watcher when one comes every 5 ms.
+#[tokio::test(flavor = "multi_thread")]
+#[ignore = "a measurement"]
+async fn live_events_reach_their_watcher() {
+    let folder = tempfile::tempdir().unwrap();
+    let server = Server::start(options(folder.path())).await;
+    let job = server.submit("r", "PACED 2000").await;
+    let mut stream = server.watch(&job, 0, v1::WatchLevel::Everything).await;
+    let mut times = Vec::new();
+    while let Some(message) = stream.message().await.unwrap() {
+        if let Some(v1::watch_job_response::Content::Batch(batch)) = message.content {
+            let now = clock();
+            times.extend(batch.events.iter().map(|event| now - event.t_ns));
+        }
+    }
+    assert_eq!(times.len(), 2000);
+    times.sort_unstable();
+    let at = |share: usize| times[times.len() * share / 1000] as f64 / 1e6;
+    println!("live events: p50 {:.2} ms, p99 {:.2} ms, p99.9 {:.2} ms", at(500), at(990), at(999));
     server.stop().await;
 }

@@ -6,8 +6,8 @@
 
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
-use std::sync::{Arc, Mutex};
-use std::time::Duration;
+use std::sync::{Arc, LazyLock, Mutex};
+use std::time::{Duration, Instant};
 
 use counterpoint_kernel::control::{Control, Stop};
 use counterpoint_kernel::dialog::Dialog;
@@ -147,6 +147,12 @@ impl Ready {
     }
 }
 
+/// Nanoseconds of a clock that all of this process shares; `PACED` events carry them as their time.
+pub fn clock() -> i64 {
+    static BEGIN: LazyLock<Instant> = LazyLock::new(Instant::now);
+    BEGIN.elapsed().as_nanos() as i64
+}
+
 /// Gives events to the log and to the results.
 fn send(sink: &mut dyn Sink, seq: u64, batch: &[Event]) -> bool {
     if let Some(builder) = sink.results() {
@@ -191,6 +197,13 @@ impl Prepared for Ready {
                 ("HANG", _) => {
                     while self.own.hang.load(Ordering::SeqCst) && !control.cancelled() {
                         std::thread::sleep(Duration::from_millis(2));
+                    }
+                }
+                ("PACED", count) => {
+                    for _ in 0..count.parse::<u64>().unwrap() {
+                        std::thread::sleep(Duration::from_millis(5));
+                        assert!(send(sink, seq, &[Event { t_ns: clock(), ..event(seq) }]));
+                        seq += 1;
                     }
                 }
                 ("BURN", ms) => burn(Duration::from_millis(ms.parse().unwrap())),
