@@ -13,6 +13,7 @@ mod explore;
 pub mod idle;
 
 use crate::channels::Channels;
+use crate::primitives::Letter;
 use crate::races::Races;
 use crate::shared::Shared;
 use crate::tag::Tag;
@@ -380,7 +381,15 @@ impl Order {
     /// # Errors
     /// Why it cannot.
     pub fn act(&mut self, tag: Tag, act: Act) -> Result<(), String> {
-        let released = self.waits.act(tag, act)?;
+        self.act_with(tag, act, None)
+    }
+
+    /// The same; values go with a signal.
+    ///
+    /// # Errors
+    /// Why it cannot.
+    pub fn act_with(&mut self, tag: Tag, act: Act, letter: Option<Letter>) -> Result<(), String> {
+        let released = self.waits.act_with(tag, act, letter)?;
         if let Some(races) = &mut self.races {
             races.act(tag.channel, act);
         }
