@@ -238,6 +238,9 @@ impl Kernel<'_> {
             for channel in order.waits.places.channels() {
                 if channel == own_channel {
                     members.push(Member { channel, file, line, waiting_for: Vec::new() });
+                } else if let Some((sentence, member)) = order.polling(channel, info) {
+                    sentences.push(sentence);
+                    members.push(member);
                 } else if let Some(sentence) = verdict::waiting_sentence(channel, &order.waits, info) {
                     sentences.push(sentence);
                     members.push(verdict::member(channel, &order.waits));
@@ -277,16 +280,10 @@ impl Kernel<'_> {
         }
     }
 
-    /// No other channel is left to change what a polling loop reads.
-    pub(crate) fn is_alone(&mut self) -> Result<bool, Halt> {
-        let channel = self.channel.at.channel;
-        self.shared(|order| order.alone(channel))
-    }
-
-    /// A loop that only reads shared variables is hopeless once a whole pass of it has run alone.
-    pub(crate) fn spinning(&mut self, line: u32) -> Halt {
+    /// A loop that only reads shared variables is hopeless once nobody is left to change them.
+    pub(crate) fn spinning(&mut self, line: u32, names: &str) -> Halt {
         let place = verdict::place(self.channel.env.info, self.channel.at.file, line);
-        let reason = format!("polls at {place} for a variable that nobody is left to change");
+        let reason = format!("polls {names} at {place}, and nobody is left to change that");
         self.limit(&reason, None)
     }
 }
