@@ -14,6 +14,7 @@ pub mod idle;
 pub mod spin;
 
 use crate::channels::Channels;
+use crate::primitives::Letter;
 use crate::races::Races;
 use crate::shared::Shared;
 use crate::tag::Tag;
@@ -386,7 +387,15 @@ impl Order {
     /// # Errors
     /// Why it cannot.
     pub fn act(&mut self, tag: Tag, act: Act) -> Result<(), String> {
-        let released = self.waits.act(tag, act)?;
+        self.act_with(tag, act, None)
+    }
+
+    /// The same; values go with a signal.
+    ///
+    /// # Errors
+    /// Why it cannot.
+    pub fn act_with(&mut self, tag: Tag, act: Act, letter: Option<Letter>) -> Result<(), String> {
+        let released = self.waits.act_with(tag, act, letter)?;
         if let Some(races) = &mut self.races {
             races.act(tag.channel, act);
         }
