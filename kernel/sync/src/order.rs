@@ -11,6 +11,7 @@ pub mod arrive;
 #[cfg(test)]
 mod explore;
 pub mod idle;
+pub mod spin;
 
 use crate::channels::Channels;
 use crate::primitives::Letter;
@@ -104,6 +105,8 @@ struct Seat {
     wake: Option<Wake>,
     /// What it runs when it is started.
     program: Option<idle::Program>,
+    /// The loop that it could not leave at its last pass.
+    spin: Option<spin::Spin>,
 }
 
 /// The kernels of a job and what they share.
@@ -116,6 +119,8 @@ pub struct Order {
     stop: Option<Tag>,
     /// Sync points so far.
     pub sync_points: u64,
+    /// Changes of what is shared so far.
+    changes: u64,
     /// Channels that a verdict has been given on.
     judged: Set,
     /// Variables, spindles and files that the kernels share.
@@ -130,7 +135,15 @@ pub struct Order {
 impl Order {
     /// The order of a run that begins.
     pub fn new(channels: Channels, shared: Shared, waits: Waits) -> Self {
-        let seat = || Seat { status: Status::Running, bound: 0, since: 0, arriving: None, wake: None, program: None };
+        let seat = || Seat {
+            status: Status::Running,
+            bound: 0,
+            since: 0,
+            arriving: None,
+            wake: None,
+            program: None,
+            spin: None,
+        };
         let seats = (0..channels.count()).map(|_| seat()).collect();
         let (acting, stop, effects) = (None, None, Vec::new());
         Self {
@@ -139,6 +152,7 @@ impl Order {
             acting,
             stop,
             sync_points: 0,
+            changes: 0,
             judged: Set::default(),
             shared,
             waits,
@@ -266,14 +280,6 @@ impl Order {
     pub fn is_free(&self, channel: u16) -> bool {
         let seat = self.seats.get(self.channels.index(channel));
         self.acting != Some(channel) && seat.is_some_and(|seat| seat.status == Status::Running && seat.wake.is_none())
-    }
-
-    /// No other kernel runs or is about to act.
-    pub fn alone(&self, channel: u16) -> bool {
-        self.seats
-            .iter()
-            .zip(self.channels.numbers())
-            .all(|(seat, &other)| other == channel || matches!(seat.status, Status::Blocked | Status::Done))
     }
 
     /// The kernel gives its turn back.

@@ -208,7 +208,7 @@ fn follow(kernel: &mut Kernel<'_>, after: After, logged: &Logged) -> Acted {
         }
         After::Alarm { text, verdict } => {
             let halt = kernel.fatal(&diag::WAIT_MISMATCH, text);
-            kernel.emit_verdict(verdict);
+            kernel.log_verdict(verdict);
             Err(halt)
         }
         After::Illegal { text } => Err(impossible(kernel, &text)),
