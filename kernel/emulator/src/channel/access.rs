@@ -29,7 +29,7 @@ pub(crate) enum Door<'n> {
 
 impl Door<'_> {
     /// The variable that it leads to.
-    fn variable(self) -> Option<Variable> {
+    pub(super) fn variable(self) -> Option<Variable> {
         match self {
             Self::Common(index) => Some(Variable::Common(index)),
             Self::Named(name) => Some(Variable::Named(name.into())),
@@ -40,7 +40,7 @@ impl Door<'_> {
 }
 
 impl Kernel<'_> {
-    /// Reaches what all channels share, in tag order.
+    /// Reaches what all channels share, in tag order. Whoever steps through the job may stop it after a write.
     ///
     /// # Errors
     /// The job was stopped before, or a race is an alarm.
@@ -50,6 +50,14 @@ impl Kernel<'_> {
         mode: Mode,
         operation: impl FnOnce(&mut Shared) -> R,
     ) -> Result<R, Halt> {
+        let result = self.reach(door, mode, operation);
+        if mode == Mode::Write && self.ports.control.interferes() && result.is_ok() {
+            self.has_written(door);
+        }
+        result
+    }
+
+    fn reach<R>(&mut self, door: Door<'_>, mode: Mode, operation: impl FnOnce(&mut Shared) -> R) -> Result<R, Halt> {
         // What the machine's own macros do at the start and at the end of a kernel stands in no line.
         if self.channel.env.options.races.is_off() || self.channel.at.line == 0 || self.channel.at.channel == 0 {
             return self.shared(|order| operation(&mut order.shared));
@@ -68,15 +76,20 @@ impl Kernel<'_> {
         Ok(result)
     }
 
-    fn report_race(&mut self, variable: &Variable, own: Access, mode: Mode, race: Race) -> Acted {
-        let name = match variable {
+    /// A shared variable as people know it.
+    pub(super) fn name_of_variable(&self, variable: &Variable) -> String {
+        match variable {
             Variable::Common(index) => format!("#{index}"),
             Variable::Named(name) => name.to_string(),
             Variable::Global(index) => {
                 let name = self.macros.program.globals.get(*index as usize);
                 name.cloned().unwrap_or_else(|| format!("GLOBAL {index}"))
             }
-        };
+        }
+    }
+
+    fn report_race(&mut self, variable: &Variable, own: Access, mode: Mode, race: Race) -> Acted {
+        let name = self.name_of_variable(variable);
         let does = |wrote| if wrote { "writes" } else { "reads" };
         let place = |access: Access| verdict::place(self.channel.env.info, access.file, access.line);
         let text = format!(
