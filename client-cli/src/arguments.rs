@@ -73,6 +73,8 @@ pub(crate) enum Command {
     Watch(Watch),
     /// Answer the dialogs of a job that was submitted with --attend
     Attend(Follow),
+    /// Step through a job that was submitted with --step; commands as for `run --step`
+    Step(Follow),
     /// Wait for the end of a job
     Wait(Follow),
     /// List the jobs of a server
@@ -165,10 +167,8 @@ pub(crate) struct Inputs {
     /// Answer the dialogs of the machine from this TOML file: `[[answers]]` with dialog, button, values
     #[arg(long, value_name = "FILE")]
     pub(crate) answers: Option<PathBuf>,
-    /// Ask the operator when a dialog has no prepared answer: `run` asks on this terminal (the default there), `submit`
-    /// leaves the question to `counterpoint attend`. Without this flag such a dialog fails
-    #[arg(long)]
-    pub(crate) attend: bool,
+    #[command(flatten)]
+    pub(crate) operator: Attended,
     /// Stop the run at this simulated time, in seconds [default: 86400]
     #[arg(long, value_name = "SECONDS", value_parser = positive)]
     pub(crate) max_time: Option<f64>,
@@ -178,6 +178,19 @@ pub(crate) struct Inputs {
     /// Stop the run when the variables, texts, files and results of the job need more than this memory, in MiB
     #[arg(long, value_name = "MIB", value_parser = clap::value_parser!(u64).range(1..))]
     pub(crate) max_memory: Option<u64>,
+}
+
+/// What the operator does while the job runs.
+#[derive(Debug, Clone, Copy, Default, Args)]
+pub(crate) struct Attended {
+    /// Ask the operator when a dialog has no prepared answer: `run` asks on this terminal (the default there), `submit`
+    /// leaves the question to `counterpoint attend`. Without this flag such a dialog fails
+    #[arg(long)]
+    pub(crate) attend: bool,
+    /// Step through the job: `run` reads commands from standard input (`help` lists them) and writes stops to standard output,
+    /// `submit` leaves the job to `counterpoint step`
+    #[arg(long)]
+    pub(crate) step: bool,
 }
 
 /// What follows from a race over a shared variable.

@@ -185,12 +185,13 @@ impl Attendant {
     }
 }
 
-fn gone() -> Error {
+/// The connection is lost.
+pub(crate) fn gone() -> Error {
     Error::Connection("the server ended the stream".to_owned())
 }
 
 /// Reads standard input on a separate thread, so that the command can end without waiting for input.
-fn lines() -> mpsc::UnboundedReceiver<String> {
+pub(crate) fn lines() -> mpsc::UnboundedReceiver<String> {
     let (send, receive) = mpsc::unbounded_channel();
     let read = move || {
         for line in std::io::stdin().lock().lines() {

@@ -13,6 +13,9 @@ use counterpoint_server::service;
 
 use crate::error::Error;
 
+/// Ten years, s.
+const LONG: u64 = 315_360_000;
+
 /// A client.
 #[derive(Debug)]
 pub(crate) struct Client {
@@ -35,13 +38,16 @@ impl Client {
         Ok(Self { server, embedded: false, _data: None })
     }
 
-    /// Starts a server in this process and connects to it over loopback; `allow_system`: macros may start commands.
-    pub(crate) async fn embed(log: bool, allow_system: bool) -> Result<Self, Error> {
+    /// Starts a server in this process and connects to it over loopback. `patient`: a job that is stepped through stands until
+    /// its person comes back.
+    pub(crate) async fn embed(log: bool, allow_system: bool, patient: bool) -> Result<Self, Error> {
         let data = tempfile::Builder::new().prefix("counterpoint-").tempdir();
         let data = data.map_err(Error::file(std::env::temp_dir()))?;
         let own = Options::ephemeral(data.path().to_owned());
         let embedded = Embedded { log, ..own.embedded };
-        let options = Options { embedded, system: System { allow_system, ..System::default() }, ..own };
+        let usual = System { allow_system, ..System::default() };
+        let system = if patient { System { operator_wait_s: LONG, ..usual } } else { usual };
+        let options = Options { embedded, system, ..own };
         let service = service::build(options).await.map_err(|error| Error::Connection(error.to_string()))?;
         let address = format!("http://{}", service.handle().address());
         // Ends with the runtime, when the command ends.
@@ -54,7 +60,7 @@ impl Client {
     pub(crate) async fn at(address: Option<&str>) -> Result<Self, Error> {
         match address {
             Some(address) => Self::connect(address).await,
-            None => Self::embed(false, false).await,
+            None => Self::embed(false, false, false).await,
         }
     }
 

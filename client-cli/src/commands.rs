@@ -10,6 +10,7 @@ use crate::client::Client;
 use crate::error::Error;
 use crate::outcome::ended;
 use crate::progress::Progress;
+use crate::step::{Interrupt, Stepper};
 use crate::text::time;
 use crate::{admin, analyse, completions, jobs, load, machines, macros, results, run, say};
 
@@ -23,6 +24,7 @@ pub(crate) async fn dispatch(command: Command) -> Result<u8, Error> {
         }
         Command::Watch(arguments) => jobs::watch(arguments).await,
         Command::Attend(arguments) => attend(arguments).await,
+        Command::Step(arguments) => step(arguments).await,
         Command::Wait(arguments) => wait(arguments).await,
         Command::Jobs(arguments) => jobs::list(arguments).await,
         Command::Rerun(arguments) => jobs::rerun(arguments).await,
@@ -93,6 +95,21 @@ async fn attend(Follow { of: arguments, strict }: Follow) -> Result<u8, Error> {
         match attendant.next().await? {
             Next::Question(question) => attendant.answer(question).await?,
             Next::Ended(status) => return Ok(ended(&status, strict)),
+        }
+    }
+}
+
+/// Steps through a job until it ends; an interrupt pauses a job that runs, and ends the command if it stands.
+async fn step(Follow { of: arguments, strict }: Follow) -> Result<u8, Error> {
+    let client = Client::connect(&arguments.remote.server).await?;
+    let (stepper, interrupt) = (Stepper::start(&client, &arguments.job).await?, Interrupt::default());
+    let mut driven = std::pin::pin!(stepper.drive(&interrupt));
+    loop {
+        tokio::select! {
+            status = &mut driven => return Ok(ended(&status?, strict)),
+            _ = tokio::signal::ctrl_c() => if !interrupt.pause() {
+                return Err(Error::Connection("interrupted".to_owned()));
+            },
         }
     }
 }

@@ -29,6 +29,7 @@ mod report;
 mod results;
 mod run;
 mod say;
+mod step;
 mod summary;
 mod text;
 mod timeline;

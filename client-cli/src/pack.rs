@@ -404,7 +404,7 @@ mod tests {
             trace: String::new(),
             param: String::new(),
             answers: None,
-            attend: false,
+            operator: crate::arguments::Attended::default(),
             threads: 0,
             max_time: None,
             max_blocks: None,

@@ -17,6 +17,7 @@ use crate::outcome::{exit_code, not_run};
 use crate::progress::{Progress, Steps};
 use crate::report::report;
 use crate::say::{self, DIM, styled};
+use crate::step::{Interrupt, Stepper};
 use crate::summary::Summary;
 use crate::timeline::{Timeline, draw};
 use crate::{guess, jobs, machines, pack, results};
@@ -39,18 +40,23 @@ pub(crate) async fn run(arguments: Run) -> Result<u8, Error> {
 /// Runs the job; returns how it ended, and the plain exit code if it could not be run.
 async fn carry_out(arguments: Run) -> Result<(v1::JobStatus, Option<u8>), (Stage, Error)> {
     let at = |stage: Stage| move |error: Error| (stage, error);
+    if arguments.inputs.operator.step && (arguments.inputs.operator.attend || arguments.json || arguments.quiet) {
+        let text = "--step reads standard input and writes stops to standard output: it goes without --attend, --json and --quiet";
+        return Err((Stage::Programs, Error::Usage(text.to_owned())));
+    }
     let pack = pack::job(&arguments.inputs).map_err(at(Stage::Programs))?;
     let draws = !arguments.no_timeline && !arguments.quiet && !arguments.json;
-    let embedded = Client::embed(arguments.needs_log(), arguments.allow_system).await;
+    let embedded = Client::embed(arguments.needs_log(), arguments.allow_system, arguments.inputs.operator.step).await;
     let client = embedded.map_err(at(Stage::Submission))?;
     let name = machine(&client, &arguments.inputs, arguments.quiet).await.map_err(at(Stage::Machine))?;
     let first = pack.programs.first().map(|p| p.path.clone()).unwrap_or_default();
     let request = v1::SubmitJobRequest { request_id: counterpoint_client::request_id(), ..Default::default() };
-    let person = std::io::stdin().is_terminal() && std::io::stderr().is_terminal();
-    let attended = arguments.inputs.attend || person && !arguments.quiet && !arguments.json;
+    let stepped = arguments.inputs.operator.step;
+    let person = !stepped && std::io::stdin().is_terminal() && std::io::stderr().is_terminal();
+    let attended = arguments.inputs.operator.attend || person && !arguments.quiet && !arguments.json;
     let job = submit_pack(&client, &arguments.inputs, pack, name, (request, attended)).await;
     let job = job.map_err(at(Stage::Submission))?;
-    let status = follow(&client, &job, (arguments.quiet, attended)).await.map_err(at(Stage::Submission))?;
+    let status = follow(&client, &job, (arguments.quiet, attended, stepped)).await.map_err(at(Stage::Submission))?;
     if let Some(code) = not_run(&status) {
         return Ok((status, Some(code)));
     }
@@ -104,7 +110,7 @@ pub(crate) async fn submit(arguments: Submit) -> Result<u8, Error> {
     let client = Client::connect(&arguments.remote.server).await?;
     let name = machine(&client, &arguments.inputs, false).await?;
     let request = jobs::request(&arguments.request);
-    let job = submit_pack(&client, &arguments.inputs, pack, name, (request, arguments.inputs.attend)).await?;
+    let job = submit_pack(&client, &arguments.inputs, pack, name, (request, arguments.inputs.operator.attend)).await?;
     say::data(format!("{job}\n").as_bytes())?;
     Ok(0)
 }
@@ -148,6 +154,7 @@ async fn submit_pack(
             parameters: inputs.param.clone(),
             answers,
             attended,
+            stepped: inputs.operator.step,
             ignore_waits: inputs.ignore_waits.clone(),
             threads: inputs.threads,
             races: match inputs.races {
@@ -162,18 +169,27 @@ async fn submit_pack(
     Ok(client.submit(request).await?.job_id)
 }
 
-/// Follows a job to its end; the first interrupt cancels the job, the second ends the command.
-async fn follow(client: &Client, job: &str, (quiet, attended): (bool, bool)) -> Result<v1::JobStatus, Error> {
+/// Follows a job to its end; the first interrupt cancels the job, the second ends the command. One that is stepped through and
+/// runs is paused instead.
+async fn follow(
+    client: &Client,
+    job: &str,
+    (quiet, attended, stepped): (bool, bool, bool),
+) -> Result<v1::JobStatus, Error> {
     let mut watch = client.watch(job, v1::WatchLevel::Progress);
-    let progress = RefCell::new(Progress::new(quiet));
+    let progress = RefCell::new(Progress::new(quiet || stepped));
     let asking = Cell::new(false);
     let attendant = if attended { Some(Attendant::start(client, job).await?) } else { None };
+    let interrupt = Interrupt::default();
+    let stepper = if stepped { Some(Stepper::start(client, job).await?) } else { None };
+    let mut stepping = std::pin::pin!(step(stepper, &interrupt));
     let mut attending = std::pin::pin!(attend(attendant, &progress, &asking));
     let mut interrupts = 0;
     loop {
         tokio::select! {
             // Ends with an error only: the watch reports the end of the job.
             Err(error) = &mut attending => return Err(error),
+            Err(error) = &mut stepping => return Err(error),
             update = watch.next() => match update? {
                 Update::Progress(_) if asking.get() => {}
                 Update::Progress(now) => progress.borrow_mut().show(&now),
@@ -184,6 +200,9 @@ async fn follow(client: &Client, job: &str, (quiet, attended): (bool, bool)) -> 
                 Update::Description(_) | Update::Events(_) => {}
             },
             signal = tokio::signal::ctrl_c(), if interrupts < 2 => {
+                if signal.is_ok() && interrupt.pause() {
+                    continue;
+                }
                 interrupts += 1;
                 if signal.is_err() || interrupts == 2 {
                     return Err(Error::Connection("interrupted".to_owned()));
@@ -192,6 +211,14 @@ async fn follow(client: &Client, job: &str, (quiet, attended): (bool, bool)) -> 
             }
         }
     }
+}
+
+/// Carries out the commands of whoever steps through the job; the watch reports its end.
+async fn step(stepper: Option<Stepper>, interrupt: &Interrupt) -> Result<std::convert::Infallible, Error> {
+    if let Some(stepper) = stepper {
+        stepper.drive(interrupt).await?;
+    }
+    std::future::pending().await
 }
 
 /// Answers all questions; hides the progress bars while a question is open.

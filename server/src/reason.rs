@@ -64,6 +64,12 @@ pub enum Refusal {
     /// The job was submitted without an operator.
     #[error("job '{0}' was submitted without options.attended, its dialogs are not put to an operator")]
     NotAttended(String),
+    /// The job was submitted to run by itself.
+    #[error("job '{0}' was submitted without options.stepped, it runs by itself")]
+    NotStepped(String),
+    /// Somebody else steps through the job.
+    #[error("another client steps through job '{0}'")]
+    SteppedAlready(String),
     /// The job has no log, because it could not be run.
     #[error("job '{0}' has no results: it was never run")]
     NoResults(String),
@@ -201,6 +207,8 @@ impl Refusal {
             Self::MachineInvalid(_) => ("MACHINE_INVALID", Code::InvalidArgument),
             Self::JobNotEnded(_) => ("JOB_NOT_ENDED", Code::FailedPrecondition),
             Self::NotAttended(_) => ("NOT_ATTENDED", Code::FailedPrecondition),
+            Self::NotStepped(_) => ("NOT_STEPPED", Code::FailedPrecondition),
+            Self::SteppedAlready(_) => ("STEPPED_ALREADY", Code::FailedPrecondition),
             Self::NoResults(_) => ("NO_RESULTS", Code::FailedPrecondition),
             Self::CursorBeyondLog { .. } => ("CURSOR_BEYOND_LOG", Code::OutOfRange),
             Self::CursorTooOld { .. } => ("CURSOR_TOO_OLD", Code::OutOfRange),

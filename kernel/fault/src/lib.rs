@@ -149,6 +149,7 @@ diagnostics! {
     MINUS_SIGN 2900381 "negative-value" 8 false "negative value not allowed at this address";
     DECIMAL_POINT 2900382 "illegal-decimal-point" 8 false "decimal point not allowed at this address";
     NO_LEAD 2900383 "no-thread-lead" 8 false "thread without a lead";
+    CHANNEL_RESET 2900370 "channel-reset" 12 true "channel reset by the operator";
     WAIT_IMPOSSIBLE 2900385 "wait-impossible" 12 true "wait, signal or release not possible";
     WAIT_LISTS 2900386 "wait-lists" 4 false "channels name different partners at one mark (16949)";
     STATEMENT_ARGUMENTS 2900387 "illegal-mark-or-channel" 12 true "mark or channel of a statement not possible";

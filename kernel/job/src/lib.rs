@@ -8,10 +8,11 @@
 pub use counterpoint_event as event;
 pub use counterpoint_fault as diag;
 pub use counterpoint_machine as machine;
-pub use counterpoint_ports::{control, dialog, files, options, system};
+pub use counterpoint_ports::{control, dialog, files, options, step as operator, system};
 pub use counterpoint_program as mcd;
 pub use counterpoint_results as log;
 pub mod job;
 mod multi;
 pub mod plans;
 mod prepared;
+mod step;

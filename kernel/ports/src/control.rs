@@ -7,6 +7,8 @@ use std::time::Duration;
 
 pub use crate::Stop;
 use crate::dialog::operator::Operator;
+pub use crate::state::State;
+use crate::step::Console;
 use crate::system::System;
 use counterpoint_event::event::Wait;
 
@@ -21,6 +23,7 @@ pub struct Control {
     jitter: Option<Box<dyn Fn(u16) + Send + Sync>>,
     operator: Option<Arc<dyn Operator>>,
     system: Option<Arc<dyn System>>,
+    console: Option<Arc<dyn Console>>,
     used: Used,
     reached: OnceLock<Limit>,
 }
@@ -71,6 +74,7 @@ impl Control {
     #[must_use]
     pub fn with_stop(mut self, stop: Stop) -> Self {
         self.stop = stop;
+        self.stop.set_stepped(self.console.is_some());
         self
     }
 
@@ -105,6 +109,32 @@ impl Control {
     #[must_use]
     pub fn system(&self) -> Option<&dyn System> {
         self.system.as_deref()
+    }
+
+    /// Somebody steps through the job. It runs in the sequential mode and stops before its first block.
+    #[must_use]
+    pub fn with_console(mut self, console: Arc<dyn Console>) -> Self {
+        self.console = Some(console);
+        self.stop.set_stepped(true);
+        self
+    }
+
+    /// Who steps through the job.
+    #[must_use]
+    pub fn console(&self) -> Option<&dyn Console> {
+        self.console.as_deref()
+    }
+
+    /// Nobody steps through the job any more.
+    pub fn end_steps(&self) {
+        self.stop.set_stepped(false);
+    }
+
+    /// The job is to end, or somebody steps through it: one look for both.
+    #[must_use]
+    #[inline(always)]
+    pub fn interferes(&self) -> bool {
+        self.stop.interferes()
     }
 
     /// Measures the threads of the run with a clock of the processor time of the thread that asks.
@@ -195,29 +225,6 @@ pub struct Progress {
     /// [`State`] as a number.
     pub state: AtomicU8,
     standing: Mutex<Option<Arc<Wait>>>,
-}
-
-/// What a channel does right now.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-#[repr(u8)]
-pub enum State {
-    /// Not yet started.
-    #[default]
-    Ready = 0,
-    /// Executing blocks.
-    Running = 1,
-    /// Standing at a meeting point.
-    Waiting = 2,
-    /// Program ended.
-    Ended = 3,
-    /// Alarm.
-    Alarmed = 4,
-    /// No program.
-    NotStarted = 5,
-    /// Stopped by a limit or cancel.
-    Stopped = 6,
-    /// Can never go on.
-    Blocked = 7,
 }
 
 impl Progress {

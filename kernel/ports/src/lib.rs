@@ -1,5 +1,5 @@
-//! What a job is given from outside: its files, options and limits, the answers to its dialogs and its operator, commands of
-//! the operating system, and the request to end.
+//! What a job is given from outside: its files, options and limits, the answers to its dialogs and its operator, the
+//! console of whoever steps through it, commands of the operating system, and the request to end.
 //!
 //! Invariant: traits and plain data only; nothing here opens a file, starts a command or waits.
 
@@ -8,6 +8,8 @@ pub mod dialog;
 pub mod files;
 pub mod options;
 mod shares;
+mod state;
+pub mod step;
 mod stop;
 pub mod system;
 

@@ -29,6 +29,9 @@ pub struct Options {
     /// Somebody attends the job: dialogs without an answer are put to the operator.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub attended: bool,
+    /// Somebody steps through the job: it stops before its first block.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub stepped: bool,
     /// What follows when two channels reach one shared variable in an order that only timing decides.
     #[serde(skip_serializing_if = "Races::is_off")]
     pub races: Races,

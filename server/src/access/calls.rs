@@ -45,6 +45,7 @@ pub(crate) const CALLS: &[(&str, &str, Role)] = &[
     ("counterpoint.v1.Results", "ListFiles", Role::Read),
     ("counterpoint.v1.Results", "GetFile", Role::Read),
     ("counterpoint.v1.Operator", "Attend", Role::Operate),
+    ("counterpoint.v1.Operator", "Debug", Role::Operate),
     ("counterpoint.v1.Admin", "ListConnections", Role::Admin),
     ("counterpoint.v1.Admin", "ListStreams", Role::Admin),
     ("counterpoint.v1.Admin", "ListWorkers", Role::Admin),

@@ -15,6 +15,7 @@ use tokio::sync::watch;
 
 use super::board::late;
 use super::operator::Desk;
+use super::step::Stepping;
 use crate::ledger::record::{Reached, Record, State, now_ms};
 use crate::log::kept::Kept;
 use crate::log::tail::Tail;
@@ -61,6 +62,8 @@ pub(crate) struct Live {
     promised: AtomicBool,
     /// Where dialogs wait for the operator.
     desk: OnceLock<Arc<Desk>>,
+    /// Where the commands of whoever steps through the job wait.
+    stepping: OnceLock<Arc<Stepping>>,
     limits: Mutex<RunLimits>,
     /// Held while the job is paused or resumed, so that ledger and memory agree.
     pub(super) holding: tokio::sync::Mutex<()>,
@@ -79,6 +82,7 @@ impl Live {
             cancel: AtomicBool::new(record.cancel),
             stop: Mutex::default(),
             desk: OnceLock::new(),
+            stepping: OnceLock::new(),
             record: Mutex::new(record),
             tail: OnceLock::new(),
             run: Mutex::default(),
@@ -110,6 +114,11 @@ impl Live {
     /// Where its dialogs wait, with what was answered in runs before.
     pub(crate) fn desk(&self) -> &Arc<Desk> {
         self.desk.get_or_init(|| Arc::new(Desk::new(&lock(&self.record).answers)))
+    }
+
+    /// The console of the job.
+    pub(crate) fn stepping(&self) -> &Arc<Stepping> {
+        self.stepping.get_or_init(|| Arc::new(Stepping::new()))
     }
 
     pub(crate) fn state(&self) -> State {
@@ -149,6 +158,9 @@ impl Live {
     pub(super) fn renew(&self) {
         *lock(&self.stop) = Stop::default();
         self.desk().begin_again(&self.record().answers);
+        if let Some(stepping) = self.stepping.get() {
+            stepping.begin_again();
+        }
     }
 
     /// Processor time of the threads of the run.

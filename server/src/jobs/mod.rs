@@ -20,6 +20,7 @@ pub(crate) mod progress;
 mod recent;
 pub(crate) mod shares;
 mod sink;
+pub(crate) mod step;
 pub(crate) mod streams;
 mod system;
 mod tally;

@@ -166,7 +166,8 @@ fn wire(id: u64, question: &Question<'_>) -> v1::Question {
     }
 }
 
-fn value(value: &Value) -> v1::DialogValue {
+/// A value on the wire.
+pub(crate) fn value(value: &Value) -> v1::DialogValue {
     use v1::dialog_value::Value as Wire;
     let value = match value {
         Value::Flag(flag) => Wire::Flag(*flag),

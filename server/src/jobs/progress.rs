@@ -47,7 +47,8 @@ fn waits(channel: u16, wait: &Wait) -> String {
     format!("{} with {}", wait.key, others.join(", "))
 }
 
-fn wire(state: State) -> v1::ChannelState {
+/// A state on the wire.
+pub(crate) fn wire(state: State) -> v1::ChannelState {
     match state {
         State::Ready => v1::ChannelState::Ready,
         State::Running => v1::ChannelState::Running,

@@ -232,6 +232,10 @@ fn run(core: &Core, live: &Arc<Live>) -> Result<Ran, Refusal> {
         live.desk().set_patience(Duration::from_secs(core.options.system.operator_wait_s));
         control = control.with_operator(live.desk().clone());
     }
+    if record.options.stepped {
+        live.stepping().set_patience(Duration::from_secs(core.options.system.operator_wait_s));
+        control = control.with_console(live.stepping().clone());
+    }
     if core.options.system.allow_system && record.machine.trusted {
         let shell = Shell::new(core.host.scratch(), core.options.system.system_wait_s);
         control = control.with_system(Arc::new(shell));

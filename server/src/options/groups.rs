@@ -169,7 +169,8 @@ group! {
         allow_system: bool = false, "COUNTERPOINT_ALLOW_SYSTEM", "BOOL" [num_args = 0..=1, default_missing_value = "true"];
         /// Seconds after which such a command is ended
         system_wait_s: u64 = 60, "COUNTERPOINT_SYSTEM_WAIT_S", "SECONDS";
-        /// Seconds that a dialog of an attended job waits for the operator before it fails
+        /// Seconds that a dialog of an attended job waits for the operator before it fails, and that a job that is stepped
+        /// through stands without a command before it runs on
         operator_wait_s: u64 = 600, "COUNTERPOINT_OPERATOR_WAIT_S", "SECONDS";
     }
 }

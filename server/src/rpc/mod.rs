@@ -4,6 +4,7 @@
 
 mod admin;
 mod blobs;
+mod debug;
 mod jobs;
 mod machines;
 mod operator;

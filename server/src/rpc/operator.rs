@@ -1,4 +1,4 @@
-//! Service `Operator`: one client that attends one job.
+//! Service `Operator`: one client that attends one job; `Debug` stands in a file of its own.
 //!
 //! Invariant: an answer is in the ledger before the kernel gets it, so a run that dies is run again with it.
 
@@ -27,6 +27,7 @@ type Out = mpsc::Sender<Result<v1::AttendResponse, Status>>;
 #[tonic::async_trait]
 impl Service for Operator {
     type AttendStream = ReceiverStream<Result<v1::AttendResponse, Status>>;
+    type DebugStream = super::debug::Answers;
 
     async fn attend(
         &self,
@@ -50,6 +51,14 @@ impl Service for Operator {
             }
         }
         Ok(Response::new(ReceiverStream::new(receive)))
+    }
+
+    async fn debug(
+        &self,
+        request: Request<Streaming<v1::DebugRequest>>,
+    ) -> Result<Response<Self::DebugStream>, Status> {
+        let caller = Caller::of(&request)?;
+        super::debug::debug(&self.0, caller, request.into_inner()).await
     }
 }
 

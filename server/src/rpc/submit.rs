@@ -187,7 +187,8 @@ fn programs(core: &Core, programs: &[v1::Program], files: &BTreeMap<String, Stri
     programs.iter().enumerate().map(one).collect()
 }
 
-fn small<T: TryFrom<u64>>(field: &str, value: u64, min: u64, max: u64) -> Result<T, Refusal> {
+/// A number between limits.
+pub(super) fn small<T: TryFrom<u64>>(field: &str, value: u64, min: u64, max: u64) -> Result<T, Refusal> {
     let refuse = || Refusal::field(field, format!("must be {min} to {max}"));
     if !(min..=max).contains(&value) {
         return Err(refuse());
@@ -206,6 +207,7 @@ fn options(options: v1::JobOptions) -> Result<Options, Refusal> {
         trace: options.trace,
         answers: options.answers.into_iter().map(answer).collect(),
         attended: options.attended,
+        stepped: options.stepped,
         parameters: options.parameters,
         races: match v1::RaceCheck::try_from(options.races) {
             Ok(v1::RaceCheck::Unspecified) => Races::Off,

@@ -70,6 +70,12 @@ async fn each_role_may_do_what_it_is_for() {
     assert_eq!(refused(submit.operator().attend(attend()).await), denied);
     assert_eq!(refused(operate.operator().attend(attend()).await).1, "NOT_ATTENDED");
     assert_eq!(refused(admin.operator().attend(attend()).await).1, "NOT_ATTENDED");
+    let debug = || {
+        let first = v1::debug_request::Content::JobId(job.clone());
+        tokio_stream::iter([v1::DebugRequest { content: Some(first) }])
+    };
+    assert_eq!(refused(submit.operator().debug(debug()).await), denied);
+    assert_eq!(refused(operate.operator().debug(debug()).await).1, "NOT_STEPPED");
     admin.jobs().cancel_job(cancel).await.unwrap();
 
     let unknown = (Code::Unauthenticated, "UNAUTHENTICATED".to_owned());

@@ -46,6 +46,7 @@ mod share;
 mod signed;
 #[cfg(target_os = "linux")]
 mod stalled;
+mod step;
 mod storage;
 mod submit;
 mod support;

@@ -30,6 +30,7 @@ fn everything() -> v1::JobOptions {
             .into(),
         }],
         attended: false,
+        stepped: false,
         parameters: "-SHIFT=2".into(),
         races: v1::RaceCheck::Warn as i32,
     }

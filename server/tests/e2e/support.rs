@@ -2,7 +2,7 @@
 //!
 //! A program is a script: `EVENTS n`, `HANG` (until cancelled), `PANIC`, `REFUSE`, `SLOW` (prepared until
 //! it is stopped), `ALARM`, `ASK name` (a dialog; what
-//! is pressed becomes a diagnostic), `SYSTEM` (whether commands are allowed becomes one), `WRITE path` (a file with that path as its text), one per line.
+//! is pressed becomes a diagnostic), `STEP` (stands until a command lets it go on), `SYSTEM` (whether commands are allowed becomes one), `WRITE path` (a file with that path as its text), one per line.
 
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
@@ -18,6 +18,7 @@ use counterpoint_kernel::job::{Outcome, Sink};
 use counterpoint_kernel::log::event::*;
 use counterpoint_kernel::log::info::{Axis, Channel, File, Info, Room, Unit};
 use counterpoint_kernel::machine::finding::Finding;
+use counterpoint_kernel::operator::{Command, Console, Heard, Report, Said};
 use counterpoint_kernel::options::Limits;
 use counterpoint_proto::v1;
 use counterpoint_proto::v1::blobs_client::BlobsClient;
@@ -173,6 +174,20 @@ fn burn(time: Duration) {
     }
 }
 
+/// Stands at a place until a command lets it go on; `Show` shows the place.
+fn stand(console: &dyn Console, control: &Control, place: &str) {
+    let report = Report { reason: place.into(), ..Report::default() };
+    console.say(Said::Stopped(report.clone()));
+    while !control.cancelled() {
+        match console.wait(Duration::from_millis(20)) {
+            Heard::Command(command) if command.runs() || command == Command::Detach => break,
+            Heard::Command(_) => console.say(Said::State(report.clone())),
+            Heard::Nothing => {}
+            Heard::Gone => break,
+        }
+    }
+}
+
 impl Prepared for Ready {
     fn info(&self) -> &Arc<Info> {
         &self.info
@@ -224,6 +239,11 @@ impl Prepared for Ready {
                     }));
                     assert!(send(sink, seq, &[Event { kind, ..event(seq) }]));
                     seq += 1;
+                }
+                ("STEP", place) => {
+                    if let Some(console) = control.console() {
+                        stand(console, control, place);
+                    }
                 }
                 ("SYSTEM", _) => {
                     let text = if control.system().is_some() { "allowed" } else { "refused" };

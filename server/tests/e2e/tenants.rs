@@ -62,8 +62,10 @@ async fn a_job_of_another_tenant_is_not_there_for_any_call() {
         unknown(results().list_files(v1::ListFilesRequest { job_id: job_id.clone(), ..Default::default() }).await);
         let file = v1::GetFileRequest { job_id: job_id.clone(), path: "a.txt".into() };
         unknown(results().get_file(file).await);
-        let first = v1::AttendRequest { content: Some(v1::attend_request::Content::JobId(job_id)) };
+        let first = v1::AttendRequest { content: Some(v1::attend_request::Content::JobId(job_id.clone())) };
         unknown(other.operator().attend(tokio_stream::iter([first])).await);
+        let first = v1::DebugRequest { content: Some(v1::debug_request::Content::JobId(job_id)) };
+        unknown(other.operator().debug(tokio_stream::iter([first])).await);
     }
     assert!(other.list().await.is_empty());
     assert_eq!(one.list().await, [ended, running.clone()]);

@@ -38,7 +38,7 @@ fn reach<R>(order: &mut Order, mode: Mode, operation: impl FnOnce(&mut Shared) -
 
 impl Door<'_> {
     /// The variable that it leads to.
-    fn variable(self) -> Option<Variable> {
+    pub(super) fn variable(self) -> Option<Variable> {
         match self {
             Self::Common(index) => Some(Variable::Common(index)),
             Self::Named(name) => Some(Variable::Named(name.into())),
@@ -49,11 +49,24 @@ impl Door<'_> {
 }
 
 impl Kernel<'_> {
-    /// Reaches what all channels share, in tag order.
+    /// Reaches what all channels share, in tag order. Whoever steps through the job may stop it after a write.
     ///
     /// # Errors
     /// The job was stopped before, or a race is an alarm.
     pub(crate) fn access<R>(
+        &mut self,
+        door: Door<'_>,
+        mode: Mode,
+        operation: impl FnOnce(&mut Shared) -> R,
+    ) -> Result<R, Halt> {
+        let result = self.access_in_order(door, mode, operation);
+        if mode == Mode::Write && self.ports.control.interferes() && result.is_ok() {
+            self.has_written(door);
+        }
+        result
+    }
+
+    fn access_in_order<R>(
         &mut self,
         door: Door<'_>,
         mode: Mode,

@@ -126,7 +126,9 @@ impl Kernel<'_> {
             ended = Some(self.tag());
             let finish = Finish { how, file: self.channel.at.file, line: self.channel.at.line };
             let (tag, info) = (self.tag(), self.channel.env.info);
+            // A reset ends one channel, whatever an alarm would do.
             let stop_all = halt == Halt::Alarm
+                && !self.channel.reports.reset
                 && self.channel.env.machine.sync.alarm_scope == counterpoint_machine::model::AlarmScope::All;
             let verdict = self.shared(|order| {
                 order.finish(tag, finish);

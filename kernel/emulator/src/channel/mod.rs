@@ -32,6 +32,7 @@ pub(crate) mod report;
 mod search;
 mod spindle;
 mod statement;
+pub mod step;
 mod system_variables;
 mod tool_data;
 mod unknown;

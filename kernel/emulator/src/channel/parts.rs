@@ -8,6 +8,7 @@ use crate::state::channel::Environment;
 use counterpoint_dialect::{self, Dialect, Interpreter};
 use counterpoint_machine::Machine;
 use counterpoint_ports::control::{Control, Progress};
+use counterpoint_ports::step::Stepper;
 use counterpoint_sync::coordinator::switch::Port;
 
 /// The ways out of a kernel: to the other kernels, to whoever started the job, to the log.
@@ -20,6 +21,8 @@ pub struct Ports<'a> {
     pub progress: &'a Progress,
     /// To the log.
     pub emitter: Emitter<'a>,
+    /// To whoever steps through the job.
+    pub stepper: Option<&'a dyn Stepper>,
 }
 
 /// The dialect of a channel.

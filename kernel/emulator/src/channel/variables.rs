@@ -70,6 +70,15 @@ impl ChannelVariables {
         self.calls.leave();
     }
 
+    /// Those that have a value: the ones of the running program first, each part ascending; at most so many.
+    pub(super) fn with_value(&self, most: usize) -> Vec<(u32, f64)> {
+        let locals = (0..).zip(self.calls.here()).filter(|(_, value)| !is_vacant(**value));
+        let mut own: Vec<_> = self.own.iter().chain(&self.kept).map(|(number, value)| (*number, *value)).collect();
+        own.sort_unstable_by_key(|(number, _)| *number);
+        own.retain(|(_, value)| !is_vacant(*value));
+        locals.map(|(number, value)| (number, *value)).chain(own).take(most).collect()
+    }
+
     fn local(&self, index: u32) -> f64 {
         self.calls.here().get(index as usize).copied().unwrap_or(VACANT)
     }

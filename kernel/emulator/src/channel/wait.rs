@@ -35,6 +35,9 @@ impl Kernel<'_> {
     /// Waits for other channels.
     pub(crate) fn wait(&mut self, wait: wait::Wait) -> Acted {
         self.flow.pass.effects = true;
+        if self.ports.control.interferes() {
+            self.comes_to_wait(&wait);
+        }
         match wait.primitive {
             Primitive::Barrier | Primitive::Flag | Primitive::Order | Primitive::Count => arrive(self, wait),
             Primitive::Signal | Primitive::Join | Primitive::Lease => wait_unless_over(self, wait).map(|_| ()),

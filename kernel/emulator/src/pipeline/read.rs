@@ -99,10 +99,9 @@ impl Kernel<'_> {
         self.ports.progress.line.store(self.channel.at.line, Relaxed);
         self.ports.progress.file.store(u32::from(self.channel.at.file), Relaxed);
         self.ports.progress.t_ns.store(self.channel.at.clock, Relaxed);
-        if !self.ports.coordinator.publish(self.channel.at.channel, self.channel.at.clock)
-            || self.ports.control.cancelled()
-        {
-            return Err(Halt::Stopped);
+        let goes_on = self.ports.coordinator.publish(self.channel.at.channel, self.channel.at.clock);
+        if !goes_on || self.ports.control.interferes() {
+            self.interfered(goes_on)?;
         }
         if self.channel.at.blocks.is_multiple_of(256) {
             self.now_and_then()?;

@@ -139,6 +139,8 @@ pub(crate) struct Reports {
     pub(crate) unrecognised: Option<Box<Unrecognised>>,
     /// What the block of the diagnostic that is about to be logged races with.
     pub(crate) race: Option<Box<RaceWith>>,
+    /// The operator has reset the channel.
+    pub(crate) reset: bool,
 }
 
 impl Reports {
@@ -157,8 +159,8 @@ impl Reports {
     /// None so far, on a machine with these rules of waits.
     pub(crate) fn new(rules: Rules) -> Self {
         let (diagnostics, alarms, raised) = (0, Alarms::default(), FxHashMap::default());
-        let (waits, unrecognised, race) = (KnownWaits::new(rules), None, None);
-        Self { diagnostics, alarms, raised, waits, unrecognised, race }
+        let (waits, unrecognised, race, reset) = (KnownWaits::new(rules), None, None, false);
+        Self { diagnostics, alarms, raised, waits, unrecognised, race, reset }
     }
 }
 

@@ -19,6 +19,7 @@ use rounds::Round;
 use stream::Stream;
 
 use crate::prepared::Job;
+use crate::step::Director;
 use counterpoint_emulator::channel::Kernel;
 use counterpoint_emulator::channel::carried::{Carried, Lived};
 use counterpoint_emulator::channel::components::Component;
@@ -31,6 +32,7 @@ use counterpoint_event::event::{Event, Kind, Phase};
 use counterpoint_machine::model::Channel;
 use counterpoint_ports::control::{Control, Progress, State};
 use counterpoint_ports::files::Files;
+use counterpoint_ports::step::Stepper;
 use counterpoint_program::shape::Range;
 use counterpoint_sync::order::idle::Program;
 use counterpoint_sync::sink::{Sink, WrittenFiles};
@@ -42,6 +44,7 @@ pub(crate) fn run(job: &Job, files: &dyn Files, control: &Control, sink: &mut dy
     let (plan, plans) = job.plans();
     let components = job.components(&plans);
     let (given, mut round) = (OnceLock::new(), Some(Round::default()));
+    let director = control.console().map(|console| Director::new(console, control, job.info()));
     let mut written = WrittenFiles::new();
     let mut log = Log::new(sink);
     while let Some(mut now) = round.take() {
@@ -50,9 +53,9 @@ pub(crate) fn run(job: &Job, files: &dyn Files, control: &Control, sink: &mut dy
             Some((merger, feeders, sender)) => (Some((merger, feeders)), Some(sender)),
             None => (None, None),
         };
-        let coordinator = now.coordinator(job, sender);
-        let (coordinator, components) = (&coordinator, components.as_slice());
-        let assembly = Assembly { job, plan: &plan, components, coordinator, files, control, given: &given };
+        let coordinator = now.coordinator(job, (director.is_some(), sender));
+        let (coordinator, components, director) = (&coordinator, components.as_slice(), director.as_ref());
+        let assembly = Assembly { job, plan: &plan, components, coordinator, files, control, director, given: &given };
         let starting = assembly.begin(&mut now, &mut |event| log.note(event));
         if log.refused {
             coordinator.abort();
@@ -161,6 +164,8 @@ struct Assembly<'a> {
     coordinator: &'a Coordinator,
     files: &'a dyn Files,
     control: &'a Control,
+    /// Chooses who goes on in a job that somebody steps through.
+    director: Option<&'a Director<'a>>,
     /// Programs and channels of the kernels as Machine Startup left them, by kernel; nothing without a master.
     given: &'a OnceLock<Vec<master::KernelInput>>,
 }
@@ -332,7 +337,7 @@ impl<'a> Assembly<'a> {
     where
         'a: 'k,
     {
-        let Self { job, plan, components, coordinator, files, control, given } = self;
+        let Self { job, plan, components, coordinator, files, control, director, given } = self;
         let own = components.iter().find(|component| component.channels.contains(&channel.number));
         let whole = &*job.spec().machine;
         let (machine, plan, macros) =
@@ -348,7 +353,8 @@ impl<'a> Assembly<'a> {
             trace: Some(job.info().trace).filter(|letters| !letters.is_empty()),
         };
         let emitter = Emitter::new(channel.number, coordinator, target);
-        let ports = Ports { coordinator, control, progress, emitter };
+        let stepper = director.map(|director| director as &dyn Stepper);
+        let ports = Ports { coordinator, control, progress, emitter, stepper };
         let mut kernel = Kernel::new(Setup { env, ports, plan, components }, channel).with_macros(macros);
         for ((program, name, channel), at) in given.get().into_iter().flatten().zip(1..) {
             kernel.set_program_of(at, program, name, *channel);

@@ -13,7 +13,9 @@ use super::coordinator::Coordinator;
 use super::coordinator::switch::{Pause, Switch};
 use super::stream::Stream;
 use super::{Assembly, Feeds, Start};
+use crate::step::{Candidate, Director};
 use counterpoint_emulator::channel::carried::Lived;
+use counterpoint_emulator::channel::step::common;
 
 /// Bytes of the stack of a kernel without macros, those of a thread of its own.
 const STACK: usize = 2 << 20;
@@ -31,52 +33,77 @@ struct Turn<'s> {
 
 /// Starts all kernels, each within the scope of those before it, and runs them to their end.
 fn scoped<'k>(
-    coordinator: &Coordinator,
     mut rest: impl Iterator<Item = (u16, ScopedCoroutine<'k, (), Pause, End, DefaultStack>)>,
     turns: Vec<Turn<'_>>,
-    between: &mut dyn FnMut(),
+    scheduler: &mut Scheduler<'_>,
 ) -> Vec<End> {
     match rest.next() {
         Some((channel, coroutine)) => coroutine.scope(|coroutine| {
             // The earlier kernels live longer than this one.
             let mut turns = turns;
             turns.push(Turn { channel, coroutine, pause: None });
-            scoped(coordinator, rest, turns, between)
+            scoped(rest, turns, scheduler)
         }),
-        None => take_turns(coordinator, turns, between),
+        None => scheduler.take_turns(turns),
     }
 }
 
-/// Runs the kernels until all have come to their end.
-fn take_turns(coordinator: &Coordinator, mut turns: Vec<Turn<'_>>, between: &mut dyn FnMut()) -> Vec<End> {
-    let mut ends = Vec::new();
-    while let Some(next) = next_turn(coordinator, &turns) {
-        let Some(turn) = turns.get_mut(next) else { break };
-        match turn.coroutine.resume(()) {
-            CoroutineResult::Yield(pause) => turn.pause = Some(pause),
-            CoroutineResult::Return(end) => {
-                ends.push(end);
-                turns.swap_remove(next);
+/// Gives the thread to one kernel after the other.
+struct Scheduler<'s> {
+    coordinator: &'s Coordinator,
+    /// Chooses who goes on in a job that somebody steps through; and the names of GLOBALs.
+    director: Option<(&'s Director<'s>, &'s [String])>,
+    /// What is done whenever no kernel runs.
+    between: &'s mut dyn FnMut(),
+}
+
+impl Scheduler<'_> {
+    /// Runs the kernels until all have come to their end.
+    fn take_turns(&mut self, mut turns: Vec<Turn<'_>>) -> Vec<End> {
+        let mut ends = Vec::new();
+        while let Some(next) = self.next_turn(&turns) {
+            let Some(turn) = turns.get_mut(next) else { break };
+            match turn.coroutine.resume(()) {
+                CoroutineResult::Yield(pause) => turn.pause = Some(pause),
+                CoroutineResult::Return(end) => {
+                    ends.push(end);
+                    turns.swap_remove(next);
+                }
+            }
+            (self.between)();
+        }
+        ends
+    }
+
+    /// The kernel that goes on: of those with something to do the one that is furthest behind, or whoever the operator wants.
+    /// One that needs an empty chunk comes last: the others bring the merger on. `None`: all have come to their end.
+    fn next_turn(&self, turns: &[Turn<'_>]) -> Option<usize> {
+        let coordinator = self.coordinator;
+        let ready = |turn: &Turn<'_>| turn.pause != Some(Pause::Sleep) || !coordinator.sleeps(turn.channel);
+        if let Some((director, globals)) = self.director {
+            let candidate = |turn: &Turn<'_>| Candidate {
+                channel: turn.channel,
+                ready: ready(turn),
+                far_ahead: turn.pause == Some(Pause::Chunk),
+                bound: coordinator.bound(turn.channel),
+            };
+            let candidates: Vec<_> = turns.iter().map(candidate).collect();
+            let mut common = || coordinator.unordered(|order| common(&order.shared, globals));
+            if let Some(next) = director.next(&candidates, &mut common) {
+                return Some(next);
             }
         }
-        between();
+        let order = |turn: &Turn<'_>| (turn.pause == Some(Pause::Chunk), coordinator.bound(turn.channel), turn.channel);
+        let next = |turns: &[Turn<'_>]| {
+            let able = turns.iter().enumerate().filter(|(_, turn)| ready(turn));
+            able.min_by_key(|(_, turn)| order(turn)).map(|(at, _)| at)
+        };
+        next(turns).or_else(|| {
+            // All remaining kernels sleep, which must not happen: stop the job instead of hanging.
+            (!turns.is_empty()).then(|| coordinator.abort());
+            next(turns)
+        })
     }
-    ends
-}
-
-/// The kernel that goes on: of those with something to do the one that is furthest behind. One that needs an empty chunk
-/// comes last: the others bring the merger on. `None`: all have come to their end.
-fn next_turn(coordinator: &Coordinator, turns: &[Turn<'_>]) -> Option<usize> {
-    let ready = |turn: &Turn<'_>| turn.pause != Some(Pause::Sleep) || !coordinator.sleeps(turn.channel);
-    let order = |turn: &Turn<'_>| (turn.pause == Some(Pause::Chunk), coordinator.bound(turn.channel), turn.channel);
-    let next = |turns: &[Turn<'_>]| {
-        turns.iter().enumerate().filter(|(_, turn)| ready(turn)).min_by_key(|(_, turn)| order(turn)).map(|(at, _)| at)
-    };
-    next(turns).or_else(|| {
-        // All remaining kernels sleep, which must not happen: stop the job instead of hanging.
-        (!turns.is_empty()).then(|| coordinator.abort());
-        next(turns)
-    })
 }
 
 impl<'a> Assembly<'a> {
@@ -111,7 +138,10 @@ impl<'a> Assembly<'a> {
         }
         let mut lived = Vec::new();
         let mut panic = None;
-        for end in scoped(self.coordinator, coroutines.into_iter(), Vec::new(), &mut between) {
+        let globals = self.job.macros().map_or(&[][..], |program| &program.globals);
+        let director = self.director.map(|director| (director, globals));
+        let mut scheduler = Scheduler { coordinator: self.coordinator, director, between: &mut between };
+        for end in scoped(coroutines.into_iter(), Vec::new(), &mut scheduler) {
             match end {
                 Ok(one) => lived.push(one),
                 Err(payload) => panic = Some(payload),

@@ -51,11 +51,11 @@ pub(super) struct Again {
 }
 
 impl Round {
-    /// The coordinator of its kernels.
+    /// The coordinator of its kernels; those of a job that somebody steps through share one thread.
     pub(super) fn coordinator(
         &mut self,
         job: &Job,
-        messages: Option<crossbeam_channel::Sender<Message>>,
+        (stepped, messages): (bool, Option<crossbeam_channel::Sender<Message>>),
     ) -> Coordinator {
         let Spec { machine, options, .. } = job.spec();
         let fresh = || Shared {
@@ -66,7 +66,8 @@ impl Round {
         let shared = self.shared.take().unwrap_or_else(fresh);
         let channels = Channels::new(machine.channels.iter().map(|channel| channel.number));
         let waits = Waits::new(channels.clone(), rules(machine), machine.sync.release_ns);
-        let coordinator = Coordinator::new(channels.clone(), usize::from(options.threads), shared, waits, messages);
+        let threads = if stepped { 1 } else { usize::from(options.threads) };
+        let coordinator = Coordinator::new(channels.clone(), threads, shared, waits, messages);
         let races = (!options.races.is_off() && channels.count() > 1).then(|| Box::new(Races::new(channels)));
         coordinator.unordered(|order| (order.sync_points, order.races) = (self.sync_points, races));
         coordinator

@@ -20,6 +20,8 @@ pub enum Pause {
     Sleep,
     /// It needs an empty chunk, which the merger gives back.
     Chunk,
+    /// Somebody steps through the job and says who goes on.
+    Step,
 }
 
 /// How a kernel waits.
@@ -91,6 +93,17 @@ impl<'a> Port<'a> {
     pub fn catch_up(self, tag: Tag) {
         if self.core.is_free(tag.channel) {
             let _ = self.enter(tag, &mut (), |()| ());
+        }
+    }
+
+    /// Lets whoever steps through the job choose the kernel that goes on. `false`: there is no other one on this thread.
+    pub fn pause_for_step(self) -> bool {
+        match self.switch {
+            Switch::Thread => false,
+            Switch::Coroutine(yielder) => {
+                yielder.suspend(Pause::Step);
+                true
+            }
         }
     }
 

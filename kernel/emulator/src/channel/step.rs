@@ -1,0 +1,117 @@
+//! Where whoever steps through the job may stop a kernel: before a block, where it comes to a wait, after a write of a variable
+//! that channels share.
+//!
+//! *Invariant:* nothing here changes what the kernel does next, a reset excepted; a kernel that nobody steps through never gets
+//! here.
+
+use counterpoint_fault::{self as diag, Acted, Halt};
+use counterpoint_lang::value::Value;
+use counterpoint_ports::dialog::answers::Value as Shown;
+use counterpoint_ports::step::{Event, Go, Seen, Stepper};
+use counterpoint_sync::shared::Shared;
+use counterpoint_sync::wait;
+
+use super::Kernel;
+use super::access::Door;
+
+/// Most variables that are shown.
+const MOST: usize = 1000;
+
+impl Kernel<'_> {
+    /// The job is to end, or somebody steps through it. `goes_on`: nobody has stopped the job before this block.
+    #[cold]
+    #[inline(never)]
+    pub(crate) fn interfered(&mut self, goes_on: bool) -> Acted {
+        if !goes_on || self.ports.control.cancelled() {
+            return Err(Halt::Stopped);
+        }
+        let Some(stepper) = self.ports.stepper else { return Ok(()) };
+        stepper.stands(self.seen());
+        self.hold(stepper);
+        let (channel, clock) = (self.channel.at.channel, self.channel.at.clock);
+        if self.ports.control.cancelled() || !self.ports.coordinator.publish(channel, clock) {
+            return Err(Halt::Stopped);
+        }
+        match stepper.goes(channel) {
+            Go::On => Ok(()),
+            Go::Reset => {
+                self.channel.reports.reset = true;
+                let text = format!("channel {channel} is reset by the operator before '{}'", self.block_text());
+                Err(self.fatal(&diag::CHANNEL_RESET, text))
+            }
+        }
+    }
+
+    /// The kernel comes to a wait.
+    #[cold]
+    #[inline(never)]
+    pub(super) fn comes_to_wait(&mut self, wait: &wait::Wait) {
+        let known = self.channel.reports.waits.wait(wait);
+        self.comes_to(Event::Wait(&known, wait.key.number));
+    }
+
+    /// The kernel has written what all channels share.
+    #[cold]
+    #[inline(never)]
+    pub(super) fn has_written(&mut self, door: Door<'_>) {
+        let Some(variable) = door.variable() else { return };
+        let name = self.variable_name(&variable);
+        let value = self.ports.coordinator.unordered(|order| match door {
+            Door::Common(index) => order.shared.variables.get(&index).copied(),
+            _ => None,
+        });
+        self.comes_to(Event::Write(&name, value));
+    }
+
+    fn comes_to(&mut self, event: Event<'_>) {
+        let Some(stepper) = self.ports.stepper.filter(|_| self.channel.at.channel > 0) else { return };
+        if !self.ports.control.cancelled() && stepper.comes_to(event, &mut || self.seen()) {
+            self.hold(stepper);
+        }
+    }
+
+    /// Waits until whoever steps lets this kernel go on.
+    fn hold(&self, stepper: &dyn Stepper) {
+        let coordinator = self.ports.coordinator;
+        if !coordinator.pause_for_step() {
+            let globals = &self.macros.program.globals;
+            stepper.hold_alone(self.channel.at.channel, &mut || {
+                coordinator.unordered(|order| common(&order.shared, globals))
+            });
+        }
+    }
+
+    fn seen(&self) -> Seen {
+        let at = &self.channel.at;
+        Seen {
+            channel: at.channel,
+            file: at.file,
+            line: at.line,
+            t_ns: at.clock,
+            position: self.channel.state.place.position,
+            variables: self.dialect.variables.with_value(MOST),
+        }
+    }
+}
+
+/// Variables that all channels share and that have a value: numbered ones, named ones, GLOBALs of macros by their names.
+pub fn common(shared: &Shared, globals: &[String]) -> Vec<(String, Shown)> {
+    let mut numbers: Vec<_> = shared.variables.iter().map(|(number, value)| (*number, *value)).collect();
+    numbers.sort_unstable_by_key(|(number, _)| *number);
+    let mut named: Vec<_> = shared.named.iter().filter_map(|(name, value)| Some((&**name, shown(value)?))).collect();
+    named.sort_unstable_by_key(|(name, _)| *name);
+    let numbers = numbers.into_iter().map(|(number, value)| (format!("#{number}"), Shown::Number(value)));
+    let named = named.into_iter().map(|(name, value)| (name.to_owned(), value));
+    let globals = globals.iter().zip(&shared.globals).filter_map(|(name, value)| Some((name.clone(), shown(value)?)));
+    numbers.chain(named).chain(globals).take(MOST).collect()
+}
+
+/// A value that a person can read at a glance.
+fn shown(value: &Value) -> Option<Shown> {
+    match value {
+        Value::Real(number) => Some(Shown::Number(*number)),
+        Value::Logical(flag) => Some(Shown::Flag(*flag)),
+        Value::Text(text) => Some(Shown::Text(text.to_string())),
+        _ => None,
+    }
+}

@@ -1,0 +1,172 @@
+//! Breakpoints: waits, writes of shared variables, lines, times.
+//!
+//! Invariant: they look at what a kernel has come to and change nothing.
+
+use counterpoint_event::info::Info;
+use counterpoint_ports::step::{Breakpoint, Event, Seen, Spot};
+
+/// Breakpoints of a job at most.
+const MOST: usize = 1000;
+
+/// The breakpoints of a job.
+#[derive(Debug, Default)]
+pub(super) struct Breakpoints {
+    list: Vec<Set>,
+    last_id: u32,
+}
+
+/// A breakpoint, and how often it was hit.
+#[derive(Debug)]
+struct Set {
+    of: Breakpoint,
+    hits: u32,
+}
+
+impl Breakpoints {
+    /// All of them.
+    pub(super) fn all(&self) -> Vec<Breakpoint> {
+        self.list.iter().map(|set| set.of.clone()).collect()
+    }
+
+    /// Sets one; gives it with its number.
+    pub(super) fn add(&mut self, breakpoint: Breakpoint) -> Result<Breakpoint, String> {
+        if self.list.len() >= MOST {
+            return Err(format!("there are {MOST} breakpoints already: delete some"));
+        }
+        match &breakpoint.spot {
+            Spot::Write(name) if name.trim().is_empty() => {
+                return Err("a breakpoint on a write needs the name of a variable, such as #500".to_owned());
+            }
+            Spot::Line { line: 0, .. } => return Err("lines count from 1".to_owned()),
+            Spot::Time(ns) if *ns < 0 => return Err("simulated time begins at 0".to_owned()),
+            _ => {}
+        }
+        self.last_id += 1;
+        let of = Breakpoint { id: self.last_id, ..breakpoint };
+        self.list.push(Set { of: of.clone(), hits: 0 });
+        Ok(of)
+    }
+
+    /// Deletes one by its number, 0 = all.
+    pub(super) fn remove(&mut self, id: u32) -> Result<(), String> {
+        if id > 0 && !self.list.iter().any(|set| set.of.id == id) {
+            return Err(format!("there is no breakpoint {id}"));
+        }
+        self.list.retain(|set| id > 0 && set.of.id != id);
+        Ok(())
+    }
+
+    /// Counts a hit of each breakpoint there; the number of the first one that stops the run.
+    fn hit(&mut self, is_there: impl Fn(&Spot) -> bool) -> Option<u32> {
+        let mut stops = None;
+        for set in self.list.iter_mut().filter(|set| is_there(&set.of.spot)) {
+            set.hits = set.hits.saturating_add(1);
+            if set.hits.is_multiple_of(set.of.count.max(1)) {
+                stops.get_or_insert(set.of.id);
+            }
+        }
+        let spent = |set: &Set| {
+            let stopped = set.hits > 0 && set.hits.is_multiple_of(set.of.count.max(1)) && is_there(&set.of.spot);
+            stopped && (set.of.once || matches!(set.of.spot, Spot::Time(_)))
+        };
+        self.list.retain(|set| !spent(set));
+        stops
+    }
+
+    /// Why the run stops within a block, as what its channel does.
+    pub(super) fn hit_by(&mut self, event: Event<'_>) -> Option<String> {
+        if self.list.is_empty() {
+            return None;
+        }
+        let id = self.hit(|spot| match (spot, event) {
+            (Spot::Wait(key), Event::Wait(wait, number)) => is_wait(key, (&wait.key, &wait.mark), number),
+            (Spot::Write(wanted), Event::Write(name, _)) => is_same(wanted, name),
+            _ => false,
+        })?;
+        Some(match event {
+            Event::Wait(wait, _) => format!("comes to {} (breakpoint {id})", wait.key),
+            Event::Write(name, Some(value)) => format!("has written {name}={value} (breakpoint {id})"),
+            Event::Write(name, None) => format!("has written {name} (breakpoint {id})"),
+        })
+    }
+
+    /// Why the run stops before a block, as what its channel does.
+    pub(super) fn hit_before(&mut self, seen: &Seen, info: &Info) -> Option<String> {
+        if self.list.is_empty() {
+            return None;
+        }
+        let file = info.file_name(seen.file);
+        let id = self.hit(|spot| match spot {
+            Spot::Line { file: wanted, line } => *line == seen.line && is_file(wanted, file),
+            Spot::Time(ns) => seen.t_ns >= *ns,
+            Spot::Wait(_) | Spot::Write(_) => false,
+        })?;
+        Some(format!("comes to {file}:{} (breakpoint {id})", seen.line))
+    }
+}
+
+/// The same but for blanks and letter case.
+fn is_same(one: &str, other: &str) -> bool {
+    let letters = |text: &str| text.chars().filter(|c| !c.is_whitespace()).map(|c| c.to_ascii_uppercase()).collect();
+    let (one, other): (String, String) = (letters(one), letters(other));
+    one == other
+}
+
+/// A wait by its whole text, its mark, its number, or its text without the list of channels.
+fn is_wait(wanted: &str, (text, mark): (&str, &str), number: u32) -> bool {
+    let word = text.split([' ', 'P', 'p']).next().unwrap_or("");
+    wanted.trim().is_empty()
+        || is_same(wanted, text)
+        || is_same(wanted, mark)
+        || is_same(wanted, word)
+        || wanted.trim().parse() == Ok(number)
+}
+
+/// A file by its path or the end of it.
+fn is_file(wanted: &str, name: &str) -> bool {
+    let end = name.strip_suffix(wanted);
+    wanted.is_empty() || end.is_some_and(|before| before.is_empty() || before.ends_with(['/', '\\']))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn wait(key: &str) -> Breakpoint {
+        Breakpoint { id: 0, spot: Spot::Wait(key.into()), count: 0, once: false }
+    }
+
+    #[test]
+    fn a_wait_is_known_by_text_word_mark_and_number() {
+        for wanted in ["M101 P12", "m101p12", "M101", "101", " 101 ", ""] {
+            assert!(is_wait(wanted, ("M101 P12", "101"), 101), "{wanted}");
+        }
+        for wanted in ["M102", "10", "M101 P13"] {
+            assert!(!is_wait(wanted, ("M101 P12", "101"), 101), "{wanted}");
+        }
+        assert!(is_wait("WAITM(10, 1, 2)", ("WAITM(10,1,2)", "WAITM10"), 10));
+        assert!(is_wait("10", ("WAITM(10,1,2)", "WAITM10"), 10));
+    }
+
+    #[test]
+    fn a_file_is_known_by_the_end_of_its_path() {
+        assert!(is_file("p1.nc", "jobs/p1.nc") && is_file("jobs/p1.nc", "jobs/p1.nc") && is_file("", "x"));
+        assert!(!is_file("1.nc", "jobs/p1.nc") && !is_file("p2.nc", "jobs/p1.nc"));
+    }
+
+    #[test]
+    fn a_breakpoint_counts_and_may_be_spent() {
+        let mut set = Breakpoints::default();
+        assert_eq!(set.add(Breakpoint { count: 2, once: true, ..wait("") }).unwrap().id, 1);
+        assert_eq!(set.add(wait("102")).unwrap().id, 2);
+        assert_eq!(set.hit(|spot| matches!(spot, Spot::Wait(key) if key.is_empty())), None);
+        assert_eq!(set.hit(|spot| matches!(spot, Spot::Wait(key) if key.is_empty())), Some(1));
+        assert_eq!(set.all().len(), 1, "the first one is spent");
+        assert_eq!(set.hit(|_| true), Some(2));
+        assert_eq!(set.remove(1), Err("there is no breakpoint 1".to_owned()));
+        assert_eq!(set.remove(0), Ok(()));
+        assert_eq!(set.hit(|_| true), None);
+        assert!(set.add(Breakpoint { spot: Spot::Write(" ".into()), ..wait("") }).is_err());
+        assert!(set.add(Breakpoint { spot: Spot::Line { file: String::new(), line: 0 }, ..wait("") }).is_err());
+    }
+}

@@ -1,0 +1,134 @@
+//! Which kernel goes on, or why the run stands.
+//!
+//! Invariant: a function of what the operator has commanded and of where the kernels are in simulated time; never of the clock.
+
+use counterpoint_event::info::Info;
+use counterpoint_ports::step::Go;
+
+use super::{Candidate, State};
+
+/// What the operator wants.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Goal {
+    /// The run stands.
+    Stand,
+    /// To run until a breakpoint or the end.
+    Free,
+    /// So many blocks of whichever channel is furthest behind.
+    Next(u32),
+    /// So many blocks of one channel.
+    One {
+        channel: u16,
+        blocks: u32,
+        /// It stood at a wait when the step began.
+        stood: bool,
+    },
+    /// As many blocks of each channel as it has left.
+    All,
+}
+
+/// What is to be done.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) enum Decision {
+    /// This kernel goes on.
+    Run(usize),
+    /// The run stands: the channel that is the cause (0 = none), and why.
+    Stop(u16, String),
+}
+
+/// Where the kernels are.
+pub(super) struct Standing<'k> {
+    pub(super) kernels: &'k [Candidate],
+    /// Whether a channel stands at a wait.
+    pub(super) waits: &'k dyn Fn(u16) -> bool,
+}
+
+/// Of the kernels that have something to do and may, the one that is furthest behind. One that is too far ahead comes last.
+pub(super) fn furthest_behind(kernels: &[Candidate], may: impl Fn(u16) -> bool) -> Option<usize> {
+    let able = kernels.iter().enumerate().filter(|(_, kernel)| kernel.ready && may(kernel.channel));
+    able.min_by_key(|(_, kernel)| (kernel.far_ahead, kernel.bound, kernel.channel)).map(|(at, _)| at)
+}
+
+impl State {
+    /// The channel may begin a block, or is within one.
+    fn may(&self, number: u16) -> bool {
+        let Some(channel) = self.channels.iter().find(|channel| channel.number == number) else { return true };
+        let held = channel.held && !channel.reset || self.goal == Goal::All && channel.left == 0;
+        !(channel.at_block && held)
+    }
+
+    /// What is to be done now.
+    pub(super) fn decide(&mut self, standing: &Standing<'_>, info: &Info) -> Decision {
+        if let Some((channel, reason)) = self.stop.take() {
+            return Decision::Stop(channel, reason);
+        }
+        let kernels = standing.kernels;
+        let mut chosen = None;
+        if let Goal::One { channel, stood, .. } = self.goal {
+            let Some(at) = kernels.iter().position(|kernel| kernel.channel == channel) else {
+                return Decision::Stop(channel, format!("channel {channel} has come to its end"));
+            };
+            let kernel = kernels.get(at).filter(|kernel| kernel.ready && !kernel.far_ahead);
+            if kernel.is_none() && !stood && (standing.waits)(channel) {
+                return Decision::Stop(channel, format!("channel {channel} stands at a wait"));
+            }
+            chosen = kernel.filter(|kernel| self.may(kernel.channel)).map(|_| at);
+        }
+        let Some(at) = chosen.or_else(|| furthest_behind(kernels, |channel| self.may(channel))) else {
+            let reason = if self.goal == Goal::All { "step" } else { "no channel can go on" };
+            return Decision::Stop(0, self.with_holds(reason));
+        };
+        let Some(kernel) = kernels.get(at) else { return Decision::Run(at) };
+        // A channel that is too far ahead goes on when the others come up; held ones and those whose step is done do not.
+        let limited = self.goal == Goal::All || self.channels.iter().any(|one| one.held);
+        if kernel.far_ahead && limited && self.ahead == Some(kernel.channel) {
+            self.ahead = None;
+            let reason = format!("channel {} cannot run further ahead of the others", kernel.channel);
+            return Decision::Stop(kernel.channel, self.with_holds(&reason));
+        }
+        self.ahead = kernel.far_ahead.then_some(kernel.channel);
+        match self.before(kernel.channel, info) {
+            Some(reason) => Decision::Stop(kernel.channel, reason),
+            None => Decision::Run(at),
+        }
+    }
+
+    /// A reason, and which channels are on feed hold.
+    fn with_holds(&self, reason: &str) -> String {
+        let held: Vec<String> =
+            self.channels.iter().filter(|one| one.held && one.at_block).map(|one| one.number.to_string()).collect();
+        if held.is_empty() { reason.to_owned() } else { format!("{reason}; on feed hold: {}", held.join(", ")) }
+    }
+
+    /// Why the run stands before the block that a channel is to begin.
+    fn before(&mut self, number: u16, info: &Info) -> Option<String> {
+        let channel = self.channels.iter_mut().find(|channel| channel.number == number)?;
+        if !channel.at_block {
+            return None;
+        }
+        let seen = channel.seen.as_ref()?;
+        if !std::mem::replace(&mut channel.looked, true)
+            && let Some(reason) = self.breakpoints.hit_before(seen, info)
+        {
+            return Some(format!("channel {number} {reason}"));
+        }
+        match self.goal {
+            Goal::Next(0) => Some("step".to_owned()),
+            Goal::One { channel, blocks: 0, .. } if channel == number => Some("step".to_owned()),
+            _ => None,
+        }
+    }
+
+    /// A kernel goes on with its block.
+    pub(super) fn goes(&mut self, number: u16) -> Go {
+        match &mut self.goal {
+            Goal::Next(blocks) => *blocks = blocks.saturating_sub(1),
+            Goal::One { channel, blocks, .. } if *channel == number => *blocks = blocks.saturating_sub(1),
+            _ => {}
+        }
+        let Some(channel) = self.channel(number) else { return Go::On };
+        channel.at_block = false;
+        channel.left = channel.left.saturating_sub(1);
+        if std::mem::take(&mut channel.reset) { Go::Reset } else { Go::On }
+    }
+}

@@ -1,0 +1,43 @@
+//! What the operator is told about where everything is.
+
+use counterpoint_event::info::{self, BLOCK_TEXT};
+use counterpoint_ports::control::State as Doing;
+use counterpoint_ports::dialog::answers::Value;
+use counterpoint_ports::step::{ChannelReport, Common, Report};
+
+use super::{Channel, Director, State};
+
+impl Director<'_> {
+    /// Where everything is, and why the run stands.
+    pub(super) fn report(&self, state: &State, (channel, reason): (u16, &str), common: &mut Common<'_>) -> Report {
+        Report {
+            reason: reason.to_owned(),
+            channel,
+            channels: self.info.channels.iter().zip(&state.channels).map(|(of, one)| self.channel(of, one)).collect(),
+            variables: common(),
+            breakpoints: state.breakpoints.all(),
+        }
+    }
+
+    fn channel(&self, of: &info::Channel, one: &Channel) -> ChannelReport {
+        let index = self.info.channel_index(of.number);
+        let progress = index.and_then(|index| self.control.progress().get(index));
+        let state = progress.map_or(Doing::NotStarted, |now| now.state());
+        let seen = one.seen.clone().unwrap_or_default();
+        let reached = progress.map_or(0, |now| now.t_ns.load(std::sync::atomic::Ordering::Relaxed));
+        let axes = of.axes.iter().zip(seen.position).filter(|_| one.seen.is_some());
+        ChannelReport {
+            channel: of.number,
+            state,
+            file: one.seen.as_ref().map_or_else(String::new, |seen| self.info.file_name(seen.file).to_owned()),
+            line: seen.line,
+            block: self.info.block_text(seen.file, seen.line, BLOCK_TEXT).into_owned(),
+            t_ns: seen.t_ns.max(reached),
+            wait: progress.and_then(|now| now.waiting_for()),
+            held: one.held,
+            in_block: !one.at_block && matches!(state, Doing::Running | Doing::Waiting),
+            positions: axes.map(|(axis, value)| (axis.name.clone(), value)).collect(),
+            variables: seen.variables.iter().map(|(n, value)| (format!("#{n}"), Value::Number(*value))).collect(),
+        }
+    }
+}

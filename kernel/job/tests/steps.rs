@@ -1,0 +1,397 @@
+//! Jobs that somebody steps through.
+
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::indexing_slicing, missing_docs)]
+
+use std::collections::VecDeque;
+use std::sync::{Arc, Mutex};
+use std::time::Duration;
+
+use counterpoint_kernel::control::{Control, State, Stop};
+use counterpoint_kernel::dialog::answers::Value;
+use counterpoint_kernel::files::Memory;
+use counterpoint_kernel::job::{Job, Outcome, Program, Sink, Spec};
+use counterpoint_kernel::log::builder::ResultsBuilder;
+use counterpoint_kernel::log::event::Event;
+use counterpoint_kernel::log::summary::{self, ChannelState, Summary};
+use counterpoint_kernel::machine::{load, package};
+use counterpoint_kernel::operator::{Breakpoint, Command, Console, Heard, Report, Said, Spot, Whom};
+use counterpoint_kernel::options::Options;
+
+const S: i64 = 1_000_000_000;
+
+#[derive(Default)]
+struct Log(Vec<Event>);
+
+impl Sink for Log {
+    fn events(&mut self, _first_seq: u64, batch: &[Event]) -> bool {
+        self.0.extend_from_slice(batch);
+        true
+    }
+}
+
+/// What the operator commands, each at a stop, and what is said to that.
+#[derive(Default)]
+struct Script {
+    commands: Mutex<VecDeque<Command>>,
+    said: Mutex<Vec<Said>>,
+    /// Ends the job when the commands are used up; otherwise the operator leaves.
+    cancels: Option<Stop>,
+}
+
+impl Console for Script {
+    fn poll(&self) -> Heard {
+        Heard::Nothing
+    }
+
+    fn wait(&self, _at_most: Duration) -> Heard {
+        match (self.commands.lock().unwrap().pop_front(), &self.cancels) {
+            (Some(command), _) => Heard::Command(command),
+            (None, Some(stop)) => {
+                stop.ask();
+                Heard::Nothing
+            }
+            (None, None) => Heard::Gone,
+        }
+    }
+
+    fn say(&self, said: Said) {
+        self.said.lock().unwrap().push(said);
+    }
+}
+
+fn job(machine: &str, programs: &[&str], threads: u16) -> (Job, Memory) {
+    let machine = load(&package::shipped(), machine).machine.expect("shipped machine");
+    let mut files = Memory::default();
+    let mut list = Vec::new();
+    for (index, text) in programs.iter().enumerate() {
+        let name = format!("jobs/p{}.nc", index + 1);
+        files.insert(name.clone(), text.as_bytes());
+        list.push(Program { file: name, number: None, section: None, channel: None });
+    }
+    let options = Options { threads, ..Options::default() };
+    let spec = Spec { machine: machine.into(), programs: list, options };
+    (Job::prepare(spec, &files).expect("a job that can run"), files)
+}
+
+fn ended(job: &Job, log: &Log, outcome: &Outcome) -> Summary {
+    let mut builder = ResultsBuilder::new(job.info());
+    log.0.iter().for_each(|event| builder.event(event));
+    builder.finish(outcome).summary
+}
+
+/// Runs a job as it is.
+fn free(machine: &str, programs: &[&str]) -> Summary {
+    let (job, files) = job(machine, programs, 0);
+    let mut log = Log::default();
+    let outcome = job.run(&files, &Control::new(job.info().channels.len()), &mut log);
+    ended(&job, &log, &outcome)
+}
+
+/// Runs a job with these commands; gives also what was said.
+fn stepped(machine: &str, programs: &[&str], commands: Vec<Command>, cancelled: bool) -> (Summary, Vec<Said>) {
+    let (job, files) = job(machine, programs, 0);
+    let stop = Stop::default();
+    let script =
+        Script { commands: Mutex::new(commands.into()), cancels: cancelled.then(|| stop.clone()), ..Script::default() };
+    let script = Arc::new(script);
+    let control = Control::new(job.info().channels.len()).with_stop(stop).with_console(script.clone());
+    let mut log = Log::default();
+    let outcome = job.run(&files, &control, &mut log);
+    let said = std::mem::take(&mut *script.said.lock().unwrap());
+    (ended(&job, &log, &outcome), said)
+}
+
+/// Lines of the channels at each stop, with its reason.
+fn stops(said: &[Said]) -> Vec<(String, Vec<u32>)> {
+    let stop = |said: &Said| match said {
+        Said::Stopped(report) => Some((report.reason.clone(), report.channels.iter().map(|one| one.line).collect())),
+        _ => None,
+    };
+    said.iter().filter_map(stop).collect()
+}
+
+fn reports(said: &[Said]) -> Vec<&Report> {
+    let report = |said| match said {
+        &Said::Stopped(ref report) | &Said::State(ref report) => Some(report),
+        _ => None,
+    };
+    said.iter().filter_map(report).collect()
+}
+
+fn step(whom: Whom, blocks: u32) -> Command {
+    Command::Step { whom, blocks }
+}
+
+fn at(spot: Spot) -> Command {
+    Command::Add(Breakpoint { id: 0, spot, count: 0, once: false })
+}
+
+fn line(file: &str, line: u32) -> Spot {
+    Spot::Line { file: file.into(), line }
+}
+
+/// 2 s, a meeting, 1 s; 0.5 s, the meeting, 3 s.
+const TWO: [&str; 2] = ["G4P2000\nM101\nG4P1000\nM30\n", "G4P500\nM101\nG4P3000\nM30\n"];
+
+#[test]
+fn blocks_of_one_channel_and_of_all() {
+    let commands = vec![
+        step(Whom::One(1), 1),
+        step(Whom::One(1), 1),
+        step(Whom::All, 1),
+        step(Whom::Next, 1),
+        step(Whom::One(2), 1),
+        // The end of channel 2 comes after that of channel 1, with which the job ends.
+        step(Whom::One(2), 1),
+    ];
+    let (summary, said) = stepped("fanuc-2path-lathe", &TWO, commands, false);
+    assert_eq!(
+        stops(&said),
+        [
+            ("step".into(), vec![1, 1]),
+            // The dwell of channel 1 is over, channel 2 has not begun.
+            ("step".into(), vec![2, 1]),
+            ("channel 1 stands at a wait".into(), vec![2, 1]),
+            // Channel 1 is within its block and channel 2 does one.
+            ("step".into(), vec![2, 2]),
+            // The meeting: both are at their third block.
+            ("step".into(), vec![3, 3]),
+            ("step".into(), vec![3, 4]),
+        ]
+    );
+    assert_eq!(summary.log_digest, free("fanuc-2path-lathe", &TWO).log_digest);
+    let first = reports(&said)[2];
+    let one = &first.channels[0];
+    assert_eq!((one.state, one.t_ns, one.in_block, &*one.block), (State::Waiting, 2 * S, true, "M101"));
+    assert_eq!(&*one.wait.as_ref().unwrap().key, "M101");
+    let two = &first.channels[1];
+    assert_eq!((two.state, two.t_ns, two.in_block, &*two.block), (State::Running, 0, false, "G4P500"));
+}
+
+#[test]
+fn a_block_under_way_is_the_first_of_a_step() {
+    let commands = vec![at(Spot::Wait(String::new())), Command::Continue, step(Whom::One(2), 1), step(Whom::One(2), 1)];
+    let (_, said) = stepped("fanuc-2path-lathe", &TWO, commands, false);
+    assert_eq!(
+        stops(&said)[1..],
+        [
+            ("channel 2 comes to M101 (breakpoint 1)".into(), vec![2, 2]),
+            ("channel 2 stands at a wait".into(), vec![2, 2]),
+            // Channel 1 is needed, and stopped where it comes to the wait.
+            ("channel 1 comes to M101 (breakpoint 1)".into(), vec![2, 2]),
+        ]
+    );
+    let commands = vec![
+        Command::Add(Breakpoint { id: 0, spot: Spot::Wait("M101".into()), count: 1, once: true }),
+        Command::Continue,
+        step(Whom::One(2), 1),
+        step(Whom::One(2), 1),
+        step(Whom::Next, 1),
+    ];
+    let (_, said) = stepped("fanuc-2path-lathe", &TWO, commands, false);
+    let after: Vec<(String, Vec<u32>)> = stops(&said)[3..].to_vec();
+    assert_eq!(after, [("step".to_owned(), vec![3, 3]), ("step".to_owned(), vec![4, 3])]);
+    assert_eq!(reports(&said)[4].channels[1].t_ns, 2 * S);
+}
+
+#[test]
+fn breakpoints_at_waits_lines_times_and_writes() {
+    let programs = ["G4P1000\n#500=7\nM101\n#500=8\nM30\n", "#1=3\nG50X50.Z2.\nG4P500\nM101\n#501=#500\nM30\n"];
+    let commands = vec![
+        at(Spot::Time(400_000_000)),
+        at(line("p1.nc", 2)),
+        at(Spot::Wait("101".into())),
+        at(Spot::Write("#500".into())),
+        at(line("p1.nc", 9)),
+        Command::Remove(5),
+        Command::Continue,
+        Command::Continue,
+        Command::Continue,
+        Command::Continue,
+        Command::Continue,
+        Command::Continue,
+        Command::Continue,
+    ];
+    let (summary, said) = stepped("fanuc-2path-lathe", &programs, commands, false);
+    let reasons: Vec<String> = stops(&said).into_iter().skip(1).map(|(reason, _)| reason).collect();
+    assert_eq!(
+        reasons,
+        [
+            // The first block that begins at 0.4 s or later, in the order of simulated time.
+            "channel 2 comes to jobs/p2.nc:4 (breakpoint 1)",
+            "channel 2 comes to M101 (breakpoint 3)",
+            "channel 1 comes to jobs/p1.nc:2 (breakpoint 2)",
+            "channel 1 has written #500=7 (breakpoint 4)",
+            "channel 1 comes to M101 (breakpoint 3)",
+            "channel 1 has written #500=8 (breakpoint 4)",
+        ]
+    );
+    assert_eq!(summary.log_digest, free("fanuc-2path-lathe", &programs).log_digest);
+    assert_eq!(summary.state, summary::State::Succeeded);
+    let stopped: Vec<&Report> = reports(&said).into_iter().filter(|report| !report.reason.is_empty()).collect();
+    let written = stopped[4];
+    assert_eq!(written.variables, [("#500".to_owned(), Value::Number(7.0))]);
+    assert!(written.channels[0].in_block && written.channels[0].line == 2);
+    let of_two = &written.channels[1];
+    assert_eq!(of_two.variables[..1], [("#1".to_owned(), Value::Number(3.0))]);
+    assert_eq!(of_two.positions, [("X".to_owned(), 50.0), ("Z".to_owned(), 2.0)]);
+    assert_eq!((of_two.state, of_two.line), (State::Waiting, 4));
+    let ids: Vec<u32> = written.breakpoints.iter().map(|breakpoint| breakpoint.id).collect();
+    assert_eq!(ids, [2, 3, 4], "the time is over, the fifth one was deleted");
+}
+
+#[test]
+fn feed_hold_lets_the_others_run_and_takes_no_simulated_time() {
+    let commands = vec![Command::Hold(1), Command::Continue, Command::Resume(0), Command::Continue];
+    let (summary, said) = stepped("fanuc-2path-lathe", &TWO, commands, false);
+    let free = free("fanuc-2path-lathe", &TWO);
+    assert_eq!(stops(&said)[1..], [("no channel can go on; on feed hold: 1".to_owned(), vec![1, 2])]);
+    let held = &reports(&said)[2].channels;
+    assert_eq!((held[0].held, held[0].t_ns, held[1].held, held[1].state), (true, 0, false, State::Waiting));
+    assert_eq!((summary.log_digest, summary.makespan_ns), (free.log_digest, 5 * S));
+}
+
+#[test]
+fn a_reset_ends_one_channel() {
+    let commands = vec![step(Whom::All, 1), Command::Reset(2), Command::Continue];
+    let (summary, said) = stepped("fanuc-2path-lathe", &TWO, commands, false);
+    assert_eq!(summary.state, summary::State::Failed);
+    assert_eq!(summary.channels[1].state, ChannelState::Alarmed);
+    assert_eq!(summary.channels[1].end_ns, S / 2);
+    let numbers: Vec<u32> = summary.diagnostics.iter().map(|diagnostic| diagnostic.number).collect();
+    assert!(numbers.contains(&2_900_370), "{numbers:?}");
+    assert_eq!(summary.channels[0].state, ChannelState::Blocked, "its partner is missing: {said:?}");
+}
+
+#[test]
+fn what_cannot_be_done_is_refused() {
+    let commands = vec![
+        step(Whom::One(3), 1),
+        Command::Hold(3),
+        Command::Reset(0),
+        Command::Remove(1),
+        Command::Hold(2),
+        step(Whom::One(2), 1),
+        Command::Resume(2),
+        step(Whom::One(2), 2),
+        Command::Reset(2),
+        Command::Pause,
+        Command::Continue,
+    ];
+    let (summary, said) = stepped("fanuc-2path-lathe", &TWO, commands, false);
+    let refused: Vec<&str> = said
+        .iter()
+        .filter_map(|said| match said {
+            Said::Refused(text) => Some(text.as_str()),
+            _ => None,
+        })
+        .collect();
+    assert_eq!(
+        refused,
+        [
+            "the job has no channel 3; it has 1, 2",
+            "the job has no channel 3; it has 1, 2",
+            "a reset is for one channel: reset 1",
+            "there is no breakpoint 1",
+            "channel 2 is on feed hold: resume it first",
+            "channel 2 stands at a wait; it can be reset before its next block, once its partner has come",
+        ]
+    );
+    assert_eq!(summary.state, summary::State::Succeeded);
+}
+
+#[test]
+fn the_only_channel_of_a_job_is_stepped_through_as_well() {
+    let programs = ["#1=1\nWHILE[#1LT4]DO1\n#1=#1+1\nG4P100\nEND1\n#500=#1\nM30\n"];
+    let commands = vec![
+        step(Whom::Next, 3),
+        Command::Hold(1),
+        Command::Continue,
+        Command::Resume(1),
+        at(Spot::Write("#500".into())),
+        Command::Continue,
+    ];
+    let (summary, said) = stepped("fanuc-mill", &programs, commands, false);
+    assert_eq!(
+        stops(&said),
+        [
+            ("step".into(), vec![1]),
+            ("step".into(), vec![4]),
+            ("no channel can go on; on feed hold: 1".into(), vec![4]),
+            ("channel 1 has written #500=4 (breakpoint 1)".into(), vec![6]),
+        ]
+    );
+    assert_eq!(summary.log_digest, free("fanuc-mill", &programs).log_digest);
+    assert_eq!(summary.makespan_ns, 300_000_000);
+}
+
+#[test]
+fn a_cancel_ends_a_run_that_stands() {
+    let (summary, said) = stepped("fanuc-2path-lathe", &TWO, vec![step(Whom::All, 1)], true);
+    assert_eq!(summary.state, summary::State::Cancelled);
+    assert_eq!(stops(&said).len(), 2);
+}
+
+/// Three turrets that meet in pairs, share variables, poll and call.
+fn busy() -> Vec<String> {
+    let path = |own: u32| {
+        let mut text = format!("O{own}\n#1=0\n");
+        for round in 0..6_u32 {
+            text += &format!("G4P{}\n#{}=#{}+{own}\n", 100 * own + 10 * round, 500 + round % 3, 500 + (round + 1) % 3);
+            match round % 3 {
+                0 => text += "M110P123\n",
+                1 if own != 3 => text += "M111P12\n",
+                2 if own != 1 => text += "M112P23\n",
+                _ => text += "G4P7\n",
+            }
+        }
+        text + if own == 1 { "#520=1\nM30\n" } else { "WHILE[#520NE1]DO1\nEND1\nM30\n" }
+    };
+    let preset = "#500=1\n#501=2\n#502=3\n#520=0\nM110P123\n";
+    (1..=3)
+        .map(|own| if own == 1 { preset.to_owned() + &path(1) } else { "M110P123\n".to_owned() + &path(own) })
+        .collect()
+}
+
+#[test]
+fn any_commands_give_the_log_of_a_free_run() {
+    let texts = busy();
+    let programs: Vec<&str> = texts.iter().map(String::as_str).collect();
+    let free = free("fanuc-3path-lathe", &programs);
+    assert_eq!(free.state, summary::State::Succeeded, "{:?}", free.diagnostics);
+    let mut x = 0x2545_f491_4f6c_dd1d_u64;
+    let mut next = |below: u64| {
+        x ^= x << 13;
+        x ^= x >> 7;
+        x ^= x << 17;
+        x % below
+    };
+    for run in 0..60 {
+        let mut commands = Vec::new();
+        for _ in 0..next(60) {
+            let channel = next(4) as u16;
+            let blocks = 1 + next(4) as u32;
+            commands.push(match next(9) {
+                0..=2 => step(Whom::One(channel.max(1)), blocks),
+                3 => step(Whom::All, blocks),
+                4 => step(Whom::Next, blocks),
+                5 => Command::Hold(channel),
+                6 => Command::Resume(channel),
+                7 => Command::Add(Breakpoint {
+                    id: 0,
+                    spot: match next(4) {
+                        0 => Spot::Wait(["", "110", "M111"][next(3) as usize].into()),
+                        1 => Spot::Write(format!("#{}", 500 + next(3))),
+                        2 => line("", 1 + next(20) as u32),
+                        _ => Spot::Time(next(4 * S as u64) as i64),
+                    },
+                    count: blocks,
+                    once: next(2) == 0,
+                }),
+                _ => Command::Continue,
+            });
+        }
+        let (summary, said) = stepped("fanuc-3path-lathe", &programs, commands, false);
+        assert_eq!(summary.log_digest, free.log_digest, "run {run}: {:?}", stops(&said));
+    }
+}

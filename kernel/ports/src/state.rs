@@ -1,0 +1,24 @@
+//! What a channel does, as those see it who watch the job or step through it.
+
+/// What a channel does right now.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[repr(u8)]
+pub enum State {
+    /// Not yet started.
+    #[default]
+    Ready = 0,
+    /// Executing blocks.
+    Running = 1,
+    /// Standing at a meeting point.
+    Waiting = 2,
+    /// Program ended.
+    Ended = 3,
+    /// Alarm.
+    Alarmed = 4,
+    /// No program.
+    NotStarted = 5,
+    /// Stopped by a limit or cancel.
+    Stopped = 6,
+    /// Can never go on.
+    Blocked = 7,
+}

@@ -1,0 +1,224 @@
+//! Stepping through a job: what its operator may command, and what the operator is told.
+//!
+//! Two sides: a [`Console`] is where commands come from (a terminal, a stream of the server); a [`Stepper`] is what a kernel asks
+//! before a block, at a wait and after a write. Invariant: neither changes what a kernel does next, only when; a reset is the only
+//! command that changes the log.
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use crate::dialog::answers::Value;
+use crate::state::State;
+use counterpoint_event::event::Wait;
+use counterpoint_event::{FileId, Position};
+
+/// What the operator commands.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Command {
+    /// Runs a number of blocks.
+    Step {
+        /// Of which channels.
+        whom: Whom,
+        /// How many, of each of them.
+        blocks: u32,
+    },
+    /// Runs until a breakpoint or the end.
+    Continue,
+    /// Stops before the next block.
+    Pause,
+    /// Sets a breakpoint.
+    Add(Breakpoint),
+    /// Deletes a breakpoint by its number; 0 = all.
+    Remove(u32),
+    /// Feed hold: the channel starts no further block; 0 = all.
+    Hold(u16),
+    /// Ends a feed hold; 0 = all.
+    Resume(u16),
+    /// Resets a channel: its program ends before its next block.
+    Reset(u16),
+    /// Tells where everything is.
+    Show,
+    /// The operator leaves: the job runs to its end.
+    Detach,
+}
+
+impl Command {
+    /// The job runs on by it, so that the answer is the next stop.
+    #[must_use]
+    pub fn runs(&self) -> bool {
+        matches!(self, Self::Step { .. } | Self::Continue)
+    }
+}
+
+/// Channels that a step is for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Whom {
+    /// The one that is furthest behind in simulated time.
+    Next,
+    /// This one; others run only as far as it needs them.
+    One(u16),
+    /// Each of them.
+    All,
+}
+
+/// A place at which a run stops.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Breakpoint {
+    /// Its number, from 1; 0 before it is set.
+    pub id: u32,
+    /// Where.
+    pub spot: Spot,
+    /// It stops at every `count`-th hit; 0 and 1: at every one.
+    pub count: u32,
+    /// It is deleted when it stops the run.
+    pub once: bool,
+}
+
+/// Where a breakpoint is.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Spot {
+    /// Where a channel comes to a wait, by its text (`M101 P12`), word (`M101`) or mark (`101`); empty = any wait.
+    Wait(String),
+    /// After a channel has written a variable that channels share (`#500`, or a name).
+    Write(String),
+    /// Before a block of a file, by path or by the end of it; empty = any file.
+    Line {
+        /// File.
+        file: String,
+        /// Line, from 1.
+        line: u32,
+    },
+    /// Before the first block that begins at this time or later, ns.
+    Time(i64),
+}
+
+/// What the operator is told. Every command has one answer; that of a command that runs is the next stop.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Said {
+    /// The run has stopped.
+    Stopped(Report),
+    /// Where everything is.
+    State(Report),
+    /// A breakpoint is set, with its number.
+    Added(Breakpoint),
+    /// The command is not possible, and why.
+    Refused(String),
+}
+
+/// Where everything is.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Report {
+    /// Why the run stands, for a person.
+    pub reason: String,
+    /// The channel that the reason is about; 0 = none.
+    pub channel: u16,
+    /// All channels, ascending.
+    pub channels: Vec<ChannelReport>,
+    /// Variables that channels share and that have a value, by name.
+    pub variables: Vec<(String, Value)>,
+    /// Breakpoints.
+    pub breakpoints: Vec<Breakpoint>,
+}
+
+/// Where a channel is.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct ChannelReport {
+    /// Its number.
+    pub channel: u16,
+    /// What it does.
+    pub state: State,
+    /// File of its block.
+    pub file: String,
+    /// Line of its block; 0 = it has not come to one yet.
+    pub line: u32,
+    /// Text of the block.
+    pub block: String,
+    /// Simulated time, ns.
+    pub t_ns: i64,
+    /// What it waits for.
+    pub wait: Option<Arc<Wait>>,
+    /// Feed hold.
+    pub held: bool,
+    /// The block is under way; otherwise it is the next one.
+    pub in_block: bool,
+    /// Programmed positions by axis, in the work frame.
+    pub positions: Vec<(String, f64)>,
+    /// Variables of its own that have a value, those of the running program first, as of the beginning of the block.
+    pub variables: Vec<(String, Value)>,
+}
+
+/// What a kernel tells about itself.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Seen {
+    /// Its channel.
+    pub channel: u16,
+    /// File of the block.
+    pub file: FileId,
+    /// Line of the block.
+    pub line: u32,
+    /// Simulated time, ns.
+    pub t_ns: i64,
+    /// Programmed position.
+    pub position: Position,
+    /// Numbered variables of its own that have a value.
+    pub variables: Vec<(u32, f64)>,
+}
+
+/// What a kernel has come to within a block.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Event<'e> {
+    /// It comes to a wait.
+    Wait(&'e Wait, u32),
+    /// It has written a shared variable: its name, and the value if it is a number.
+    Write(&'e str, Option<f64>),
+}
+
+/// Whether a kernel executes its next block.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Go {
+    /// It does.
+    On,
+    /// Its program ends here.
+    Reset,
+}
+
+/// What all channels share, when somebody asks.
+pub type Common<'c> = dyn FnMut() -> Vec<(String, Value)> + 'c;
+
+/// What the kernels of a job ask that somebody steps through.
+pub trait Stepper: Sync {
+    /// A kernel stands before a block.
+    fn stands(&self, seen: Seen);
+
+    /// A kernel has come to something within its block; `true`: the run stops here.
+    fn comes_to(&self, event: Event<'_>, seen: &mut dyn FnMut() -> Seen) -> bool;
+
+    /// For the only kernel of a job: waits until it may go on.
+    fn hold_alone(&self, channel: u16, common: &mut Common<'_>);
+
+    /// A kernel goes on with its block.
+    fn goes(&self, channel: u16) -> Go;
+}
+
+/// What a console gives.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Heard {
+    /// A command.
+    Command(Command),
+    /// Nothing yet.
+    Nothing,
+    /// Nobody will command anything any more: the job runs to its end.
+    Gone,
+}
+
+/// Where the commands for a job come from.
+pub trait Console: Send + Sync {
+    /// The next command, if one is there. Cheap, since it is asked before every block.
+    fn poll(&self) -> Heard;
+
+    /// The next command. Waits for it at most so long; who asks looks at the end of the job in between.
+    fn wait(&self, at_most: Duration) -> Heard;
+
+    /// Tells the operator something.
+    fn say(&self, said: Said);
+}

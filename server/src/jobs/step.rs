@@ -1,0 +1,182 @@
+//! The console of a job: commands of the client that steps through it, on their way to the run, and what the run says.
+//!
+//! Invariants: one client at a time; a run that stands without a command for longer than the patience of the server goes on by
+//! itself; what a client has not read holds back its next commands, so nothing here grows.
+
+use std::collections::VecDeque;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Condvar, Mutex, PoisonError};
+use std::time::{Duration, Instant};
+
+use counterpoint_kernel::operator::{Command, Console, Heard, Said};
+use tokio::sync::mpsc;
+
+use super::live::lock;
+
+/// Where the commands for a job wait.
+#[derive(Debug)]
+pub(crate) struct Stepping {
+    inner: Mutex<Inner>,
+    /// For the run: a command came.
+    came: Condvar,
+    /// A command waits.
+    pending: AtomicBool,
+}
+
+#[derive(Debug)]
+struct Inner {
+    commands: VecDeque<Command>,
+    /// To the client.
+    client: Option<mpsc::UnboundedSender<Said>>,
+    /// Where the run stands, if it does.
+    stop: Option<Said>,
+    /// When the run came to a stand, or the last command came.
+    since: Instant,
+    /// The client wants no more stops, in later runs of the job neither.
+    detached: bool,
+    patience: Duration,
+}
+
+impl Stepping {
+    pub(crate) fn new() -> Self {
+        let (commands, since) = (VecDeque::new(), Instant::now());
+        let inner = Inner { commands, client: None, stop: None, since, detached: false, patience: Duration::ZERO };
+        Self { inner: Mutex::new(inner), came: Condvar::new(), pending: AtomicBool::new(false) }
+    }
+
+    /// How long a run stands without a command.
+    pub(crate) fn set_patience(&self, patience: Duration) {
+        lock(&self.inner).patience = patience;
+    }
+
+    /// The job is run again from its start.
+    pub(crate) fn begin_again(&self) {
+        let mut inner = lock(&self.inner);
+        inner.commands.clear();
+        inner.stop = None;
+    }
+
+    /// A client comes; it learns where the run stands. `None`: there is another one.
+    pub(crate) fn come(&self) -> Option<mpsc::UnboundedReceiver<Said>> {
+        let mut inner = lock(&self.inner);
+        if inner.client.as_ref().is_some_and(|client| !client.is_closed()) {
+            return None;
+        }
+        let (send, receive) = mpsc::unbounded_channel();
+        if let Some(stop) = &inner.stop {
+            let _ = send.send(stop.clone());
+        }
+        inner.client = Some(send);
+        Some(receive)
+    }
+
+    /// The client commands something.
+    pub(crate) fn command(&self, command: Command) {
+        let mut inner = lock(&self.inner);
+        inner.detached |= command == Command::Detach;
+        inner.commands.push_back(command);
+        inner.since = Instant::now();
+        self.pending.store(true, Ordering::Release);
+        drop(inner);
+        self.came.notify_all();
+    }
+
+    fn taken(&self, inner: &mut Inner) -> Heard {
+        let command = inner.take();
+        self.pending.store(!inner.commands.is_empty() || inner.detached, Ordering::Release);
+        command.map_or(Heard::Nothing, Heard::Command)
+    }
+}
+
+impl Inner {
+    fn take(&mut self) -> Option<Command> {
+        let command = self.commands.pop_front().or_else(|| self.detached.then_some(Command::Detach))?;
+        if command.runs() || command == Command::Detach {
+            self.stop = None;
+        }
+        Some(command)
+    }
+}
+
+impl Console for Stepping {
+    fn poll(&self) -> Heard {
+        if !self.pending.load(Ordering::Acquire) {
+            return Heard::Nothing;
+        }
+        let mut inner = lock(&self.inner);
+        self.taken(&mut inner)
+    }
+
+    fn wait(&self, at_most: Duration) -> Heard {
+        let mut inner = lock(&self.inner);
+        if inner.commands.is_empty() && !inner.detached {
+            let left = inner.patience.saturating_sub(inner.since.elapsed());
+            if left.is_zero() {
+                inner.stop = None;
+                return Heard::Gone;
+            }
+            let waited = self.came.wait_timeout(inner, at_most.min(left));
+            inner = waited.unwrap_or_else(PoisonError::into_inner).0;
+        }
+        self.taken(&mut inner)
+    }
+
+    fn say(&self, said: Said) {
+        let mut inner = lock(&self.inner);
+        if matches!(said, Said::Stopped(_)) {
+            (inner.stop, inner.since) = (Some(said.clone()), Instant::now());
+        }
+        if let Some(client) = &inner.client {
+            let _ = client.send(said);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use counterpoint_kernel::operator::Report;
+
+    use super::*;
+
+    fn stopped(reason: &str) -> Said {
+        Said::Stopped(Report { reason: reason.into(), ..Report::default() })
+    }
+
+    #[test]
+    fn one_client_at_a_time_which_learns_where_the_run_stands() {
+        let console = Stepping::new();
+        console.set_patience(Duration::from_secs(3600));
+        console.say(stopped("a"));
+        let mut first = console.come().unwrap();
+        assert_eq!(first.try_recv(), Ok(stopped("a")));
+        assert!(console.come().is_none());
+        console.command(Command::Show);
+        console.command(Command::Continue);
+        assert_eq!(console.poll(), Heard::Command(Command::Show));
+        assert_eq!(console.wait(Duration::from_secs(3600)), Heard::Command(Command::Continue));
+        assert_eq!(console.poll(), Heard::Nothing);
+        drop(first);
+        let mut next = console.come().expect("the first one has gone");
+        assert!(next.try_recv().is_err(), "the run does not stand");
+        console.say(stopped("b"));
+        assert_eq!(next.try_recv(), Ok(stopped("b")));
+    }
+
+    #[test]
+    fn nobody_waits_for_ever() {
+        let console = Stepping::new();
+        console.say(stopped("a"));
+        assert_eq!(console.wait(Duration::from_secs(3600)), Heard::Gone, "no patience at all");
+        assert!(console.come().unwrap().try_recv().is_err(), "the run goes on");
+        console.set_patience(Duration::from_secs(3600));
+        console.say(stopped("b"));
+        assert_eq!(console.wait(Duration::from_millis(1)), Heard::Nothing);
+        console.begin_again();
+        assert!(lock(&console.inner).stop.is_none());
+        console.command(Command::Detach);
+        console.begin_again();
+        console.say(stopped("c"));
+        assert_eq!(console.poll(), Heard::Command(Command::Detach), "a later run does not stand either");
+        assert_eq!(console.wait(Duration::from_secs(3600)), Heard::Command(Command::Detach));
+    }
+}

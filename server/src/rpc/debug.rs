@@ -1,0 +1,234 @@
+//! Call `Operator.Debug`: one client that steps through one job.
+//!
+//! Invariant: at most so many commands are under way, and each has one answer, so a client that sends without reading holds back
+//! itself and nothing else.
+
+use std::sync::Arc;
+
+use counterpoint_kernel::operator::{Breakpoint, ChannelReport, Command, Report, Said, Spot, Whom};
+use counterpoint_proto::v1;
+use counterpoint_proto::v1::breakpoint::At;
+use counterpoint_proto::v1::debug_command::What;
+use counterpoint_proto::v1::debug_request::Content as Told;
+use counterpoint_proto::v1::debug_response::Content;
+use tokio::sync::mpsc;
+use tokio_stream::wrappers::ReceiverStream;
+use tonic::{Response, Status, Streaming};
+use tracing::Instrument as _;
+
+use super::job;
+use super::submit::small;
+use crate::access::Caller;
+use crate::jobs::Core;
+use crate::jobs::describe::status;
+use crate::jobs::live::Live;
+use crate::jobs::operator::value;
+use crate::jobs::progress::wire;
+use crate::reason::Refusal;
+
+/// What the client hears.
+pub(super) type Answers = ReceiverStream<Result<v1::DebugResponse, Status>>;
+
+/// Commands without an answer at most.
+const UNDER_WAY: usize = 16;
+
+/// Most bytes of a text in a command.
+const TEXT: usize = 1000;
+
+/// Lets a client step through a job.
+pub(super) async fn debug(
+    core: &Arc<Core>,
+    caller: Caller,
+    mut told: Streaming<v1::DebugRequest>,
+) -> Result<Response<Answers>, Status> {
+    let Some(Told::JobId(id)) = told.message().await?.and_then(|first| first.content) else {
+        return Err(Refusal::field("content", "the first message must name the job (job_id)").into());
+    };
+    let record = job(core, &caller, &id)?;
+    if !record.options.stepped {
+        return Err(Refusal::NotStepped(id).into());
+    }
+    let (send, receive) = mpsc::channel(4);
+    match core.live(&id) {
+        None => drop(send.try_send(Ok(message(Content::Ended(status(record)))))),
+        Some(live) => {
+            let Some(said) = live.stepping().come() else { return Err(Refusal::SteppedAlready(id).into()) };
+            let span = tracing::info_span!("debug", job = id);
+            let debug = Debug { core: core.clone(), live, send, said, under_way: 0 };
+            tokio::spawn(debug.run(told).instrument(span));
+        }
+    }
+    Ok(Response::new(ReceiverStream::new(receive)))
+}
+
+fn message(content: Content) -> v1::DebugResponse {
+    v1::DebugResponse { content: Some(content) }
+}
+
+/// A client that steps.
+struct Debug {
+    core: Arc<Core>,
+    live: Arc<Live>,
+    send: mpsc::Sender<Result<v1::DebugResponse, Status>>,
+    /// What the run says.
+    said: mpsc::UnboundedReceiver<Said>,
+    /// Commands without an answer.
+    under_way: usize,
+}
+
+impl Debug {
+    async fn run(mut self, told: Streaming<v1::DebugRequest>) {
+        if let Err(refusal) = self.talk(told).await {
+            let _ = self.send.send(Err(refusal.into())).await;
+        }
+    }
+
+    /// Until the job ends or the client leaves. A client that has detached may end its side and hears of the end.
+    async fn talk(&mut self, mut told: Streaming<v1::DebugRequest>) -> Result<(), Refusal> {
+        let mut state = self.live.follow();
+        let mut drain = self.core.drain.follow();
+        let mut detached = false;
+        loop {
+            if state.borrow_and_update().ended() {
+                let _ = self.send.send(Ok(message(Content::Ended(status(self.live.record()))))).await;
+                return Ok(());
+            }
+            let next = tokio::select! {
+                biased;
+                Some(said) = self.said.recv() => Next::Said(Box::new(said)),
+                changed = state.changed() => if changed.is_err() { return Ok(()) } else { continue },
+                _ = drain.wait_for(|begun| *begun) => return Err(Refusal::Draining { cursor: 0 }),
+                () = self.send.closed() => return Ok(()),
+                next = told.message(), if !detached && self.under_way < UNDER_WAY => Next::Told(next),
+            };
+            match next {
+                Next::Said(said) => {
+                    self.under_way = self.under_way.saturating_sub(1);
+                    if self.send.send(Ok(message(answer(*said)))).await.is_err() {
+                        return Ok(());
+                    }
+                }
+                Next::Told(told) => {
+                    let told = told.map_err(|status| Refusal::of_transport(&status))?;
+                    let command = match told.and_then(|told| told.content) {
+                        None => return Ok(()),
+                        Some(Told::JobId(_)) => {
+                            return Err(Refusal::field("job_id", "may be given in the first message only"));
+                        }
+                        Some(Told::Command(of)) => command(of)?,
+                    };
+                    detached = command == Command::Detach;
+                    self.under_way += 1;
+                    self.live.stepping().command(command);
+                }
+            }
+        }
+    }
+}
+
+/// What comes next.
+enum Next {
+    /// From the run.
+    Said(Box<Said>),
+    /// From the client.
+    Told(Result<Option<v1::DebugRequest>, Status>),
+}
+
+fn channel(field: &str, number: u32) -> Result<u16, Refusal> {
+    small(&format!("command.{field}"), u64::from(number), 0, 9999)
+}
+
+fn command(command: v1::DebugCommand) -> Result<Command, Refusal> {
+    Ok(match command.what.ok_or_else(|| Refusal::field("command.what", "is missing"))? {
+        What::Step(v1::DebugStep { all: true, channel: 0, blocks }) => Command::Step { whom: Whom::All, blocks },
+        What::Step(v1::DebugStep { all: true, .. }) => {
+            return Err(Refusal::field("command.step.all", "and a channel exclude each other"));
+        }
+        What::Step(v1::DebugStep { channel: 0, blocks, .. }) => Command::Step { whom: Whom::Next, blocks },
+        What::Step(v1::DebugStep { channel: number, blocks, .. }) => {
+            Command::Step { whom: Whom::One(channel("step.channel", number)?), blocks }
+        }
+        What::Action(action) => match v1::DebugAction::try_from(action) {
+            Ok(v1::DebugAction::Continue) => Command::Continue,
+            Ok(v1::DebugAction::Pause) => Command::Pause,
+            Ok(v1::DebugAction::Show) => Command::Show,
+            Ok(v1::DebugAction::Detach) => Command::Detach,
+            Ok(v1::DebugAction::Unspecified) | Err(_) => {
+                return Err(Refusal::field("command.action", "is not a value of DebugAction"));
+            }
+        },
+        What::Add(breakpoint) => Command::Add(added(breakpoint)?),
+        What::Remove(id) => Command::Remove(id),
+        What::Hold(number) => Command::Hold(channel("hold", number)?),
+        What::Resume(number) => Command::Resume(channel("resume", number)?),
+        What::Reset(number) => Command::Reset(channel("reset", number)?),
+    })
+}
+
+fn added(breakpoint: v1::Breakpoint) -> Result<Breakpoint, Refusal> {
+    let v1::Breakpoint { at, count, once, .. } = breakpoint;
+    let short = |field: &str, text: String| {
+        let refuse = || Refusal::field(format!("command.add.{field}"), format!("has more than {TEXT} bytes"));
+        if text.len() <= TEXT { Ok(text) } else { Err(refuse()) }
+    };
+    let spot = match at.ok_or_else(|| Refusal::field("command.add.at", "is missing"))? {
+        At::Wait(key) => Spot::Wait(short("wait", key)?),
+        At::Write(name) => Spot::Write(short("write", name)?),
+        At::Line(v1::BreakLine { file, line }) => Spot::Line { file: short("line.file", file)?, line },
+        At::TNs(ns) => Spot::Time(ns),
+    };
+    Ok(Breakpoint { id: 0, spot, count, once })
+}
+
+fn answer(said: Said) -> Content {
+    match said {
+        Said::Stopped(report) => Content::Stopped(state(report)),
+        Said::State(report) => Content::State(state(report)),
+        Said::Added(breakpoint) => Content::Added(shown(breakpoint)),
+        Said::Refused(text) => Content::Refused(text),
+    }
+}
+
+fn shown(breakpoint: Breakpoint) -> v1::Breakpoint {
+    let Breakpoint { id, spot, count, once } = breakpoint;
+    let at = match spot {
+        Spot::Wait(key) => At::Wait(key),
+        Spot::Write(name) => At::Write(name),
+        Spot::Line { file, line } => At::Line(v1::BreakLine { file, line }),
+        Spot::Time(ns) => At::TNs(ns),
+    };
+    v1::Breakpoint { id, at: Some(at), count, once }
+}
+
+fn state(report: Report) -> v1::DebugState {
+    let Report { reason, channel, channels, variables, breakpoints } = report;
+    v1::DebugState {
+        reason,
+        channel: u32::from(channel),
+        channels: channels.into_iter().map(channel_state).collect(),
+        variables: variables.iter().map(|(name, of)| variable(name, value(of))).collect(),
+        breakpoints: breakpoints.into_iter().map(shown).collect(),
+    }
+}
+
+fn variable(name: &str, value: v1::DialogValue) -> v1::DebugVariable {
+    v1::DebugVariable { name: name.to_owned(), value: Some(value) }
+}
+
+fn channel_state(report: ChannelReport) -> v1::DebugChannel {
+    use v1::dialog_value::Value::Number;
+    let number = |of: f64| v1::DialogValue { value: Some(Number(of)) };
+    v1::DebugChannel {
+        channel: u32::from(report.channel),
+        state: wire(report.state).into(),
+        file: report.file,
+        line: report.line,
+        block: report.block,
+        t_ns: report.t_ns,
+        waiting_for: report.wait.as_ref().map_or_else(String::new, |wait| wait.key.to_string()),
+        held: report.held,
+        in_block: report.in_block,
+        positions: report.positions.iter().map(|(axis, of)| variable(axis, number(*of))).collect(),
+        variables: report.variables.iter().map(|(name, of)| variable(name, value(of))).collect(),
+    }
+}
