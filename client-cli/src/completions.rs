@@ -52,8 +52,8 @@ mod tests {
     #[test]
     fn machines_are_completed_by_name_and_folder() {
         for (shell, folders) in [
-            (Shell::Bash, "compgen -d -W \"citizen-3system fanuc-2path-lathe fanuc-3path-lathe fanuc-lathe"),
-            (Shell::Zsh, ":{compadd -- citizen-3system fanuc-2path-lathe fanuc-3path-lathe fanuc-lathe"),
+            (Shell::Bash, "compgen -d -W \"citizen-3system composite-millturn fanuc-2path-lathe fanuc-3path-lathe"),
+            (Shell::Zsh, ":{compadd -- citizen-3system composite-millturn fanuc-2path-lathe fanuc-3path-lathe"),
             (Shell::Fish, "-r -a \"citizen-3system"),
         ] {
             let script = script(shell);

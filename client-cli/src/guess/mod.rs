@@ -8,6 +8,7 @@ mod signs;
 
 use std::fs;
 use std::io::Read as _;
+use std::ops::RangeInclusive;
 
 use crate::error::Error;
 use crate::pack::{self, Inside};
@@ -30,7 +31,9 @@ pub(crate) struct Guess {
 }
 
 /// The machine for programs as they stand on the command line.
-pub(crate) fn machine(programs: &[String]) -> Result<Guess, Error> {
+///
+/// `waits` are the M codes that are waiting codes.
+pub(crate) fn machine(programs: &[String], waits: &RangeInclusive<u32>) -> Result<Guess, Error> {
     let mut signs = Vec::new();
     for program in programs {
         let (path, inside) = pack::program(program)?;
@@ -49,7 +52,7 @@ pub(crate) fn machine(programs: &[String]) -> Result<Guess, Error> {
         signs.extend(signs::of(&name, &text, number).into_iter().map(|sign| (name.clone(), sign)));
     }
     let evidence = Evidence { signs, several: programs.len() > 1 };
-    evidence.judge(pack::channels(programs), programs)
+    evidence.judge(pack::channels(programs, waits), programs)
 }
 
 /// Text of a program: UTF-8, UTF-16 with a byte order mark, or bytes of which only ASCII matters.
@@ -243,6 +246,7 @@ const TOO_MANY: &str = "no such machine with as many channels is shipped";
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::settings::WAITS;
 
     fn guess(files: &[(&str, &str)]) -> Result<Guess, String> {
         let folder = tempfile::tempdir().unwrap();
@@ -252,7 +256,7 @@ mod tests {
             path.display().to_string()
         };
         let programs: Vec<_> = files.iter().map(path).collect();
-        machine(&programs).map_err(|error| error.to_string())
+        machine(&programs, &WAITS).map_err(|error| error.to_string())
     }
 
     #[test]
@@ -299,7 +303,7 @@ mod tests {
                 "okuma-lathe",
                 "the file ending .MIN (p.MIN), T010101 (line 2), G50 S2500 (line 1)",
             ),
-            ("p.nc", "$PART.MIN%\nG96 S180\n", "okuma-lathe", "$PART.MIN% (line 1), G96 S180 (line 2)"),
+            ("p.nc", "$PART.MIN%\nG96 S180\n", "okuma-lathe", "$NAME% (line 1), G96 S180 (line 2)"),
             ("p.nc", "NLAP1 G81\n", "okuma-lathe", "NLAP (line 1)"),
             ("p.nc", "G15 H1\nT1 M6\n", "okuma-mill", "G15 H1 (line 1), T1 M6 (line 2)"),
             (
@@ -308,7 +312,7 @@ mod tests {
                 "okuma-2turret",
                 "the file ending .min (p.min), G14 (line 1), G96 S150 (line 2)",
             ),
-            ("p.nc", "O1\nG13\nM110\nG14\nO2\n", "okuma-2turret", "G13 and G14 (line 4), G14 (line 4)"),
+            ("p.nc", "O1\nG13\nM110\nG14 (B)\nO2\n", "okuma-2turret", "G13 and G14 (line 4), G14 (line 4)"),
             ("p.nc", "O1\n$1\nG50 S2500\nM30\n$2\nM30\n", "citizen-3system", "$1 (line 2), $2 (line 5)"),
             ("p.nc", "$0\n#814=10\n$1\nT1 M6\n", "citizen-3system", "$0 (line 1), $1 (line 3)"),
             // Pocket milling of a Haas, its second spindle and the end of polar interpolation are no turrets.
@@ -343,13 +347,22 @@ mod tests {
     }
 
     #[test]
+    fn waiting_codes_are_those_of_the_settings() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("both.nc");
+        fs::write(&path, "O1\nT0101\nM901\nM99\nO2\nT0202\nM901\nM99\n").unwrap();
+        let of = |waits| machine(&[path.display().to_string()], &waits).unwrap().machine;
+        assert_eq!((of(900..=999), of(WAITS)), ("fanuc-2path-lathe", "fanuc-lathe"));
+    }
+
+    #[test]
     fn a_program_of_a_file_is_judged_alone() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("both.nc");
         fs::write(&path, "O1\nT1 M6\nG43 H1\nM30\nO2\nG50 S2000\nT0101\nM30\n").unwrap();
-        let of = |number: &str| machine(&[format!("{}#{number}", path.display())]).unwrap().machine;
+        let of = |number: &str| machine(&[format!("{}#{number}", path.display())], &WAITS).unwrap().machine;
         assert_eq!((of("1"), of("O2")), ("fanuc-mill", "fanuc-lathe"));
-        let error = machine(&[format!("{}#3", path.display())]).unwrap_err().to_string();
+        let error = machine(&[format!("{}#3", path.display())], &WAITS).unwrap_err().to_string();
         assert!(error.ends_with("both.nc' has no program O3"), "{error}");
     }
 

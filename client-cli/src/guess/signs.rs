@@ -74,7 +74,7 @@ pub(super) fn of(name: &str, text: &str, number: Option<u32>) -> Vec<Sign> {
         }
         signs.block(&words);
         // A block with nothing else: on other controls G13 mills a circle, and G14 has words or no G13 beside it.
-        let alone = |code: &str| matches!(line.as_str().strip_prefix('G'), Some(number) if number == code);
+        let alone = |number: &str| matches!(code.trim().strip_prefix('G'), Some(digits) if digits == number);
         upper |= alone("13");
         if alone("14") {
             signs.add(Kind::Turrets, "G14", 3);
