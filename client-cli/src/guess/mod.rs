@@ -86,7 +86,9 @@ impl Evidence {
 
     fn of(&self, kind: Kind) -> impl Iterator<Item = &(String, Sign)> {
         // A sign that several programs show counts once.
-        let first = move |at: usize, sign: &Sign| self.signs.iter().take(at).all(|(_, other)| other.text != sign.text);
+        let first = move |at: usize, sign: &Sign| {
+            self.signs.iter().take(at).all(|(_, o)| (o.kind, &o.text) != (sign.kind, &sign.text))
+        };
         self.signs
             .iter()
             .enumerate()

@@ -199,7 +199,7 @@ impl Signs {
                 ("CALL OO", Kind::Okuma),
                 ("NLAP", Kind::Okuma),
             ];
-            if bare.starts_with("NLAP") {
+            if unnumbered.starts_with("NLAP") {
                 self.add(Kind::Lathe, "NLAP", 3);
             }
             const TURNING: [&str; 7] = ["DIAMON", "DIAMOF", "DIAM90", "CYCLE93", "CYCLE95", "CYCLE97", "CYCLE99"];
