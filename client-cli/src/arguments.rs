@@ -387,6 +387,14 @@ pub(crate) enum Machine {
         #[command(flatten)]
         at: At,
     },
+    /// Write a folder for a machine of your own, based on a shipped one
+    New {
+        /// Folder to write, which must not exist; its name is the name of the machine
+        folder: PathBuf,
+        /// Shipped machine to start from
+        #[arg(long, value_name = "NAME")]
+        from: String,
+    },
     /// List the machines
     List {
         #[command(flatten)]

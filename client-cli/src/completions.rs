@@ -51,13 +51,14 @@ mod tests {
 
     #[test]
     fn machines_are_completed_by_name_and_folder() {
+        let names = package::shipped_names().join(" ");
         for (shell, folders) in [
-            (Shell::Bash, "compgen -d -W \"citizen-3system composite-millturn fanuc-2path-lathe fanuc-3path-lathe"),
-            (Shell::Zsh, ":{compadd -- citizen-3system composite-millturn fanuc-2path-lathe fanuc-3path-lathe"),
-            (Shell::Fish, "-r -a \"citizen-3system"),
+            (Shell::Bash, format!("compgen -d -W \"{names}\"")),
+            (Shell::Zsh, format!(":{{compadd -- {names}; _files -/}}")),
+            (Shell::Fish, "-r -a \"citizen-3system".to_owned()),
         ] {
             let script = script(shell);
-            assert!(script.contains(folders), "{shell}: {script}");
+            assert!(script.contains(&folders), "{shell}: {script}");
         }
     }
 }

@@ -1,4 +1,4 @@
-//! The commands for machines: check, list, show, and upload for a job.
+//! The commands for machines: check, new, list, show, and upload for a job.
 
 use std::path::Path;
 
@@ -10,11 +10,12 @@ use crate::arguments::{Machine, Part};
 use crate::client::Client;
 use crate::error::Error;
 use crate::text::table;
-use crate::{findings, pack, say};
+use crate::{findings, own_machine, pack, say};
 
 pub(crate) async fn dispatch(command: Machine) -> Result<u8, Error> {
     match command {
         Machine::Check { machine, at } => check(&machine, at.server.as_deref()).await,
+        Machine::New { folder, from } => own_machine::create(&folder, &from),
         Machine::List { at } => list(at.server.as_deref()).await,
         Machine::Delete { machine, remote } => delete(machine, &remote.server).await,
         Machine::Show { machine, part, json, at } => show(&machine, part, json, at.server.as_deref()).await,

@@ -21,6 +21,7 @@ mod load;
 mod machines;
 mod macros;
 mod outcome;
+mod own_machine;
 mod pack;
 mod problems;
 mod progress;

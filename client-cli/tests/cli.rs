@@ -535,6 +535,30 @@ fn machines_can_be_listed_shown_checked_and_come_from_a_folder() {
 }
 
 #[test]
+fn a_machine_of_ones_own_begins_as_a_shipped_one() {
+    let folder = tempfile::tempdir().unwrap();
+    let own = folder.path().join("our-lathe").display().to_string();
+    let new = |from: &str, to: &str| counterpoint(&["machine", "new", to, "--from", from]);
+    assert_eq!(code(&new("fanuc-lathe", &own)), 0);
+    assert_eq!(code(&counterpoint(&["machine", "check", &own])), 0);
+    let path = program(folder.path(), "part.nc", "O1\nG0 X50. Z2.\nG1 Z-10. F.2 S500 M3\nM30\n");
+    let end = |machine: &str| {
+        let output = counterpoint(&["run", "--json", "--machine", machine, &path]);
+        let summary: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+        (code(&output), summary["makespan_ns"].clone())
+    };
+    assert_eq!(end(&own), end("fanuc-lathe"));
+    let refused = |output: std::process::Output, words: &str| {
+        let status = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert!(code(&output) == 2 && status.contains(words), "{status}");
+    };
+    refused(new("fanuc-lathe", &own), "exists already");
+    refused(new("fanuc-late", &format!("{own}-2")), "did you mean fanuc-lathe?");
+    refused(new("fanuc-lathe", &folder.path().join("fanuc-mill").display().to_string()), "is a shipped machine");
+    refused(new("fanuc-lathe", &folder.path().join("a b").display().to_string()), "letters, digits");
+}
+
+#[test]
 fn a_closed_pipe_is_no_panic() {
     let mut command = Command::new(env!("CARGO_BIN_EXE_counterpoint"));
     let mut child = command

@@ -13,6 +13,7 @@ mod fanuc;
 mod heidenhain;
 mod host;
 mod interpreter;
+mod isg;
 mod kept;
 mod numeric;
 mod okuma;
@@ -27,7 +28,7 @@ pub use call_stack::CallStack;
 pub use definition::{Dialect, Unknown};
 pub use host::{
     Answer, AxisPlace, Call, Coordination, Flow, Frames, Loops, MadeWord, Modes, NotThere, Operands, Place, Programs,
-    Report, Shape, Values, Words,
+    Report, Shape, Signal, Values, Words,
 };
 pub use interpreter::{Interpreter, MacroCall, Remaining, Setting};
 pub use numeric::{VACANT, is_vacant};

@@ -3,13 +3,13 @@
 //! *Invariant:* every pre-processor that a machine definition can name has its dialect here.
 
 use super::definition::Dialect;
-use super::{fanuc, heidenhain, okuma, plain, siemens};
+use super::{fanuc, heidenhain, isg, okuma, plain, siemens};
 use counterpoint_machine::Machine;
 use counterpoint_machine::preprocessor::Preprocessor;
 
 /// A new dialect is one line here, one in the table of [`Preprocessor`], and its folder.
-static DIALECTS: [&dyn Dialect; 5] =
-    [&plain::Control, &fanuc::Control, &okuma::Control, &siemens::Control, &heidenhain::Control];
+static DIALECTS: [&dyn Dialect; 6] =
+    [&plain::Control, &fanuc::Control, &okuma::Control, &siemens::Control, &heidenhain::Control, &isg::Control];
 
 /// All dialects.
 pub fn all() -> impl Iterator<Item = &'static dyn Dialect> {

@@ -8,16 +8,18 @@ mod channels;
 mod fanuc;
 mod line_up;
 mod siemens;
+mod signals;
 mod statements;
 
 pub(crate) use line_up::of_systems;
+pub(crate) use signals::{signal, signal_number, signal_wait};
 pub(crate) use statements::{Statement, by_statement, known_channel, operands};
 
 use counterpoint_event::event::Primitive;
 use counterpoint_machine::index::RegisterId;
 use counterpoint_machine::model::{self, Machine, WaitAct, WaitRow};
 use counterpoint_machine::rows::{CodeForm, CodeRow};
-use counterpoint_sync::wait::{Absent, Act, Key, Rule, Rules, Set, Style, Wait};
+use counterpoint_sync::wait::{Absent, Act, Key, Lasts, Rule, Rules, Send, Set, Style, Wait};
 
 /// The rule of the start by a head; the marks of both heads follow.
 const START: u16 = 0;
@@ -60,7 +62,7 @@ pub fn rules(machine: &Machine) -> Rules {
     let start = std::iter::once(Rule::plain("START"));
     let heads = HEADS.into_iter().chain(['M']).map(|letter| fanuc::rule(&letter.to_string()));
     let letters = machine.registers.iter().map(|register| fanuc::rule(&letter(&register.name).to_string()));
-    let rows = machine.sync.waits.iter().map(rule);
+    let rows = machine.sync.waits.iter().map(|row| rule(machine, row));
     Rules::new(start.chain(heads).chain(letters).chain(rows).chain(balance::rules(machine)))
 }
 
@@ -74,15 +76,16 @@ fn letter(name: &str) -> char {
 }
 
 /// The rule of a row of `[[waits]]`.
-fn rule(row: &WaitRow) -> Rule {
+fn rule(machine: &Machine, row: &WaitRow) -> Rule {
     Rule {
-        word: row.word.as_str().into(),
+        word: if row.signals.keys { signals::word(row) } else { row.word.as_str().into() },
         numbered: match &row.form {
             Some(form) => !matches!(form, CodeForm::Text(_)),
             None => statements::has_mark(row.primitive),
         } || row.line_up,
         list: " P".into(),
         style: match row.form {
+            None if row.signals.keys => Style::Keys,
             None => Style::Statement,
             Some(_) if row.line_up => Style::LineUp,
             Some(_) => Style::Word,
@@ -94,6 +97,7 @@ fn rule(row: &WaitRow) -> Rule {
             model::Mismatch::Siemens => Some(siemens::MISMATCH),
         },
         absent: if row.absent_counts { Absent::Counts } else { Absent::Missed },
+        signals: signals::rule(machine, row),
     }
 }
 
@@ -117,7 +121,7 @@ pub(crate) fn head_mark(letter: char, number: u32, heads: Set) -> Wait {
 pub(crate) fn start(by: u16, heads: Set) -> (Act, Wait) {
     let key = Key { space: 'S' as u16, number: u32::from(by) };
     let wait = Wait { primitive: Primitive::Signal, key, named: None, parts: heads, need: 0, rule: START };
-    (Act::Signal { key, to: heads, broadcast: false }, wait)
+    (Act::Signal(Send { key, to: heads.without(by), broadcast: false, lasts: Lasts::Each }), wait)
 }
 
 fn barrier(letter: char, number: u32, (named, parts): (Option<Set>, Set), rule: u16) -> Wait {
@@ -181,11 +185,17 @@ fn by_row(machine: &Machine, (index, row): (u16, &WaitRow), said: Said) -> Resul
         _ => 0,
     };
     let key = Key { space, number };
-    Ok(of_row(machine, (index, row), key, (named, parts)))
+    Ok(of_row(machine, (index, row), key, (named, parts), said.channel))
 }
 
-/// What a row means for a mark and channels.
-fn of_row(machine: &Machine, (index, row): (u16, &WaitRow), key: Key, (named, parts): (Option<Set>, Set)) -> Meaning {
+/// What a row means for a mark and channels, in the channel with the number `own`.
+fn of_row(
+    machine: &Machine,
+    (index, row): (u16, &WaitRow),
+    key: Key,
+    (named, parts): (Option<Set>, Set),
+    own: u16,
+) -> Meaning {
     let broadcast = row.primitive == Primitive::Signal && named.is_none();
     let need = if broadcast { 1 } else { row.need };
     let rule = REGISTERS + machine.registers.len() as u16 + index;
@@ -195,7 +205,10 @@ fn of_row(machine: &Machine, (index, row): (u16, &WaitRow), key: Key, (named, pa
         WaitAct::Wait | WaitAct::Select | WaitAct::Start => Meaning::Wait(wait),
         WaitAct::Set => Meaning::Act(Act::Set(key), wait),
         WaitAct::Clear => Meaning::Act(Act::Clear(key), wait),
-        WaitAct::Signal => Meaning::Act(Act::Signal { key, to: parts, broadcast }, wait),
+        WaitAct::Signal => {
+            let send = Send { key, to: parts.without(own), broadcast, lasts: Lasts::Each };
+            Meaning::Act(Act::Signal(send), wait)
+        }
         WaitAct::Release => Meaning::Act(Act::Release(key), wait),
     }
 }

@@ -174,6 +174,11 @@ diagnostics! {
     CONTOUR_REPEATS 2900413 "contour-repeats" 8 true "number of repetitions of a contour zero or negative";
     COUNT_WITHOUT_PARTNER 2900420 "count-without-partner" 4 false "counted wait without a partner";
     SHARED_RACE 2900440 "shared-variable-race" 4 false "shared variable reached by two channels in no fixed order";
+    SIGNALS_FULL 2900435 "signals-full" 12 true "more signals and waits than the control can keep (250001)";
+    SIGNAL_STATEMENT 2900436 "signal-statement" 12 true "statement of signals that is not possible (ISG)";
+    SIGNAL_ORDER 2900437 "signal-order" 4 false "wait for a signal before an older one of the same channel (250002)";
+    EXTERNAL_VARIABLE 2900438 "external-variable" 12 true "external variable not there, or not accessible so (ISG)";
+    SIGNAL_VALUE 2900439 "signal-values" 12 true "values of a signal that are not taken over (21549)";
     BALANCE_ILLEGAL 2900421 "balance-cut-illegal" 12 true "balance cutting commanded wrongly (PS0163)";
     CYCLE_REFUSED 2900450 "cycle-refused" 12 true "cycle that the control refuses";
     OKUMA_DRAWING 2900451 "drawing-ignored" 0 false "statements for the screen that change neither path nor time (Okuma)";

@@ -2,11 +2,13 @@
 
 mod behaviour;
 mod components;
+mod external;
 pub mod paths;
 mod waits;
 
 pub use behaviour::*;
 pub use components::Component;
+pub use external::*;
 pub use waits::*;
 
 use super::ident::{CodeId, DataId, Name};

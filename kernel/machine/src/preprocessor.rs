@@ -17,6 +17,10 @@ pub struct Row {
     pub semicolon_comments: bool,
     /// Statements of its own may be rows of `[[waits]]`.
     pub wait_statements: bool,
+    /// Such statements have key words in brackets.
+    pub wait_keys: bool,
+    /// Its variables of the machine's PLC are rows of `[[external]]`.
+    pub external_variables: bool,
 }
 
 /// A row for plain words only, and the defaults of the others.
@@ -26,14 +30,24 @@ const PLAIN: Row = Row {
     frame_increments: false,
     semicolon_comments: false,
     wait_statements: false,
+    wait_keys: false,
+    external_variables: false,
 };
 
-static ROWS: [Row; 5] = [
+static ROWS: [Row; 6] = [
     PLAIN,
     Row { name: "fanuc", calls_by_word: true, ..PLAIN },
     Row { name: "okuma", ..PLAIN },
     Row { name: "siemens", frame_increments: true, semicolon_comments: true, wait_statements: true, ..PLAIN },
     Row { name: "heidenhain", semicolon_comments: true, ..PLAIN },
+    Row {
+        name: "isg",
+        semicolon_comments: true,
+        wait_statements: true,
+        wait_keys: true,
+        external_variables: true,
+        ..PLAIN
+    },
 ];
 
 /// Pre-processor of a control.

@@ -11,8 +11,10 @@ pub mod arrive;
 #[cfg(test)]
 mod explore;
 pub mod idle;
+pub mod spin;
 
 use crate::channels::Channels;
+use crate::primitives::Letter;
 use crate::races::Races;
 use crate::shared::Shared;
 use crate::tag::Tag;
@@ -103,6 +105,8 @@ struct Seat {
     wake: Option<Wake>,
     /// What it runs when it is started.
     program: Option<idle::Program>,
+    /// The loop that it could not leave at its last pass.
+    spin: Option<spin::Spin>,
 }
 
 /// The kernels of a job and what they share.
@@ -115,6 +119,8 @@ pub struct Order {
     stop: Option<Tag>,
     /// Sync points so far.
     pub sync_points: u64,
+    /// Changes of what is shared so far.
+    changes: u64,
     /// Channels that a verdict has been given on.
     judged: Set,
     /// Variables, spindles and files that the kernels share.
@@ -129,7 +135,15 @@ pub struct Order {
 impl Order {
     /// The order of a run that begins.
     pub fn new(channels: Channels, shared: Shared, waits: Waits) -> Self {
-        let seat = || Seat { status: Status::Running, bound: 0, since: 0, arriving: None, wake: None, program: None };
+        let seat = || Seat {
+            status: Status::Running,
+            bound: 0,
+            since: 0,
+            arriving: None,
+            wake: None,
+            program: None,
+            spin: None,
+        };
         let seats = (0..channels.count()).map(|_| seat()).collect();
         let (acting, stop, effects) = (None, None, Vec::new());
         Self {
@@ -138,6 +152,7 @@ impl Order {
             acting,
             stop,
             sync_points: 0,
+            changes: 0,
             judged: Set::default(),
             shared,
             waits,
@@ -267,14 +282,6 @@ impl Order {
         self.acting != Some(channel) && seat.is_some_and(|seat| seat.status == Status::Running && seat.wake.is_none())
     }
 
-    /// No other kernel runs or is about to act.
-    pub fn alone(&self, channel: u16) -> bool {
-        self.seats
-            .iter()
-            .zip(self.channels.numbers())
-            .all(|(seat, &other)| other == channel || matches!(seat.status, Status::Blocked | Status::Done))
-    }
-
     /// The kernel gives its turn back.
     pub fn leave(&mut self, channel: u16) {
         if self.acting == Some(channel) {
@@ -380,7 +387,15 @@ impl Order {
     /// # Errors
     /// Why it cannot.
     pub fn act(&mut self, tag: Tag, act: Act) -> Result<(), String> {
-        let released = self.waits.act(tag, act)?;
+        self.act_with(tag, act, None)
+    }
+
+    /// The same; values go with a signal.
+    ///
+    /// # Errors
+    /// Why it cannot.
+    pub fn act_with(&mut self, tag: Tag, act: Act, letter: Option<Letter>) -> Result<(), String> {
+        let released = self.waits.act_with(tag, act, letter)?;
         if let Some(races) = &mut self.races {
             races.act(tag.channel, act);
         }

@@ -14,7 +14,9 @@ mod order;
 mod signal;
 
 use crate::wait::{Act, Missing, Places, Rules, Set, Wait, Waiting};
+
 use counterpoint_event::event::Primitive;
+pub use signal::Letter;
 
 /// Most marks that are set, signals that are kept or leases that are held at one time.
 const MOST: usize = 10_000;
@@ -61,7 +63,8 @@ impl Memory {
             Primitive::Flag => self.flags.set(channel, wait.key),
             Primitive::Order => self.reached.arrive(channel, wait),
             Primitive::Lease => self.leases.arrive(channel, wait.key),
-            Primitive::Barrier | Primitive::Count | Primitive::Signal | Primitive::Join => {}
+            Primitive::Signal => self.signals.arrive(channel, wait),
+            Primitive::Barrier | Primitive::Count | Primitive::Join => {}
         }
         matches!(wait.primitive, Primitive::Flag | Primitive::Order)
     }
@@ -77,7 +80,7 @@ impl Memory {
             Primitive::Count => count::missing(channel, wait, scene, |other, own| {
                 own.primitive != Primitive::Count && !self.missing(other, own, places, rules).is_none()
             }),
-            Primitive::Signal => self.signals.missing(channel, wait),
+            Primitive::Signal => self.signals.missing(channel, wait, rules.is_to_itself(wait)),
             Primitive::Join => join::missing(channel, wait, scene),
             Primitive::Lease => self.leases.missing(channel, wait, scene),
         }
@@ -95,10 +98,10 @@ impl Memory {
     }
 
     /// A channel continues: what it uses up.
-    pub(crate) fn depart(&mut self, channel: u16, wait: &Wait) {
+    pub(crate) fn depart(&mut self, channel: u16, wait: &Wait, rules: &Rules) {
         match wait.primitive {
             Primitive::Flag => self.flags.clear(channel, wait.key),
-            Primitive::Signal => self.signals.depart(channel, wait),
+            Primitive::Signal => self.signals.depart(channel, wait, rules.is_to_itself(wait)),
             Primitive::Lease => self.leases.depart(channel, wait.key),
             Primitive::Barrier | Primitive::Order | Primitive::Count | Primitive::Join => {}
         }
@@ -106,16 +109,34 @@ impl Memory {
 
     /// A channel gives its wait up.
     pub(crate) fn abandon(&mut self, channel: u16, wait: &Wait) {
-        if wait.primitive == Primitive::Lease {
-            self.leases.abandon(channel, wait.key);
+        match wait.primitive {
+            Primitive::Lease => self.leases.abandon(channel, wait.key),
+            Primitive::Signal => self.signals.abandon(channel, wait.key),
+            Primitive::Barrier | Primitive::Flag | Primitive::Order | Primitive::Count | Primitive::Join => {}
         }
     }
 
-    /// A channel does something for others.
+    /// The number of a signal that a sender of this wait sent before, if the control minds.
+    pub(crate) fn older_signal(&self, channel: u16, wait: &Wait, rules: &Rules) -> Option<u32> {
+        let minds = rules.of(wait).is_some_and(|rule| rule.signals.in_order);
+        if minds && wait.primitive == Primitive::Signal { self.signals.older(channel, wait) } else { None }
+    }
+
+    /// Values that came with the signals of the last wait of a channel.
+    pub(crate) fn letters(&mut self, channel: u16) -> Vec<Letter> {
+        self.signals.letters(channel)
+    }
+
+    /// A channel does something for others; a signal may have values with it.
     ///
     /// # Errors
     /// Why it cannot.
-    pub(crate) fn act(&mut self, channel: u16, act: Act) -> Result<(), String> {
+    pub(crate) fn act(
+        &mut self,
+        channel: u16,
+        (act, letter): (Act, Option<Letter>),
+        rules: &Rules,
+    ) -> Result<(), String> {
         match act {
             Act::Set(key) => {
                 if let Some(reason) = self.flags.illegal(key) {
@@ -128,7 +149,11 @@ impl Memory {
                 self.flags.clear(channel, key);
                 Ok(())
             }
-            Act::Signal { key, to, broadcast } => self.signals.send(channel, key, to, broadcast),
+            Act::Signal(send) => self.signals.send(channel, send, letter, rules.most_signals()),
+            Act::Remove { range, to } => {
+                self.signals.remove(range, to);
+                Ok(())
+            }
             Act::Release(key) => self.leases.release(channel, key),
         }
     }

@@ -11,7 +11,7 @@ mod tests;
 use std::collections::{BTreeMap, BTreeSet};
 
 use crate::channels::Channels;
-use crate::wait::{Act, Key, Set, Wait};
+use crate::wait::{Act, Key, Send, Set, Wait};
 use counterpoint_event::event::{FileId, Primitive};
 
 /// Most pairs of lines that are reported, and most variables that are followed.
@@ -160,9 +160,9 @@ impl Races {
         }
         match act {
             Act::Set(key) => self.publish_at(channel, Primitive::Flag, key),
-            Act::Signal { key, .. } => self.publish_at(channel, Primitive::Signal, key),
+            Act::Signal(Send { key, .. }) => self.publish_at(channel, Primitive::Signal, key),
             Act::Release(key) => self.publish_at(channel, Primitive::Lease, key),
-            Act::Clear(_) => {}
+            Act::Clear(_) | Act::Remove { .. } => {}
         }
     }
 

@@ -5,7 +5,7 @@ use counterpoint_event::{Letters, Unit};
 
 use crate::channels::Channels;
 use crate::order::idle::Program;
-use crate::wait::{Act, Key, Mismatch, Reaction, Rule, Rules, Set, Wait};
+use crate::wait::{Act, Key, Lasts, Marks, Mismatch, Reaction, Rule, Rules, Send, Set, Wait};
 use crate::waits::Waits;
 use counterpoint_event::event::Primitive;
 
@@ -47,6 +47,11 @@ pub(crate) fn wait(primitive: Primitive, number: u32, channels: u16) -> Wait {
     Wait { primitive, key: key(number), named: None, parts: Set::up_to(channels), need, rule: 0 }
 }
 
+/// A wait for a signal that any of channels 1 to `channels` sends to everybody.
+pub(crate) fn listening(number: u32, channels: u16) -> Wait {
+    Wait { need: 1, ..wait(Primitive::Signal, number, channels) }
+}
+
 /// A program that a channel can be started with.
 pub(crate) fn program() -> Program {
     Program { file: 0, lines: (1, 1), name: "P".into() }
@@ -61,6 +66,12 @@ pub(crate) enum Deed {
     Clear,
     /// Sends a signal of its own to all.
     Send,
+    /// Sends a signal to everybody, of which each receiver gets one.
+    Call,
+    /// Sends a signal to everybody that one wait can use.
+    Share,
+    /// Removes a signal to everybody.
+    Remove,
     /// Gives a lease back.
     Free,
 }
@@ -72,7 +83,10 @@ impl Deed {
         match self {
             Self::Set => Act::Set(key),
             Self::Clear => Act::Clear(key),
-            Self::Send => Act::Signal { key, to: Set::up_to(channels), broadcast: false },
+            Self::Send => Act::Signal(Send { key, to: Set::up_to(channels), broadcast: false, lasts: Lasts::Each }),
+            Self::Call => Act::Signal(Send { key, to: Set::up_to(channels), broadcast: true, lasts: Lasts::Each }),
+            Self::Share => Act::Signal(Send { key, to: Set::up_to(channels), broadcast: true, lasts: Lasts::Times(1) }),
+            Self::Remove => Act::Remove { range: Marks { space: 0, first: number, last: number }, to: None },
             Self::Free => Act::Release(key),
         }
     }

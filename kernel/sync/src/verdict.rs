@@ -62,9 +62,23 @@ fn kind(dead: Set, waits: &Waits) -> VerdictKind {
         VerdictKind::PartnerEnded
     } else if reached.iter().any(leases) {
         VerdictKind::LeaseCycle
+    } else if reached.iter().any(|channel| is_mismatch(channel, reached, waits)) {
+        VerdictKind::Mismatch
     } else {
         VerdictKind::Cycle
     }
+}
+
+/// A channel stands at the mark of one that it waits for, but they wait there for different channels.
+fn is_mismatch(channel: u16, among: Set, waits: &Waits) -> bool {
+    let Some(own) = waits.places.at(channel).filter(|own| own.wait.primitive == Primitive::Barrier) else {
+        return false;
+    };
+    waits.missing(channel).channels.and(among).iter().filter_map(|partner| waits.places.at(partner)).any(|other| {
+        other.wait.primitive == Primitive::Barrier
+            && other.wait.key == own.wait.key
+            && other.wait.parts != own.wait.parts
+    })
 }
 
 /// A channel as a member, with what it waits for.

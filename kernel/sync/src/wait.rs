@@ -40,6 +40,41 @@ pub struct Wait {
     pub rule: u16,
 }
 
+/// A signal that is sent to each of these channels.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub struct Send {
+    /// Its mark.
+    pub key: Key,
+    /// Who gets one.
+    pub to: Set,
+    /// It is for everybody: waits for any sender take it, those for named senders do not.
+    pub broadcast: bool,
+    /// When it is used up.
+    pub lasts: Lasts,
+}
+
+/// How many waits a signal is for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Lasts {
+    /// One of each receiver.
+    Each,
+    /// So many: of each receiver, or of all of them together if it is for everybody.
+    Times(u32),
+    /// All, until it is removed; for everybody only.
+    Always,
+}
+
+/// Marks with numbers from the first to the last.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub struct Marks {
+    /// Their family.
+    pub space: u16,
+    /// First number.
+    pub first: u32,
+    /// Last number.
+    pub last: u32,
+}
+
 /// What a channel does for others at once, without waiting itself.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Act {
@@ -47,14 +82,14 @@ pub enum Act {
     Set(Key),
     /// Deletes the own flag of a mark.
     Clear(Key),
-    /// Sends a signal to each of these channels; each of them uses it up with one wait.
-    Signal {
-        /// Its mark.
-        key: Key,
-        /// Who gets one.
-        to: Set,
-        /// It is for everybody: waits for any sender take it, those for named senders do not.
-        broadcast: bool,
+    /// Sends a signal.
+    Signal(Send),
+    /// Removes signals that nobody has used: of a single number the oldest one, of several numbers all.
+    Remove {
+        /// Their marks.
+        range: Marks,
+        /// Whose signals; none: those that were sent to everybody.
+        to: Option<Set>,
     },
     /// Gives back what the channel holds.
     Release(Key),
@@ -106,6 +141,21 @@ pub struct Rule {
     pub absent: Absent,
     /// A partner that waits at a wait of this primitive counts as arrived.
     pub met_by: Option<Primitive>,
+    /// What signals mean to the control.
+    pub signals: Signals,
+}
+
+/// What a control makes of signals.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Signals {
+    /// Word with which a partner sends what this wait waits for, if it is another word.
+    pub sent_by: Option<Box<str>>,
+    /// A channel may send signals to itself.
+    pub to_itself: bool,
+    /// The control warns of a wait while an older signal of the same sender has not been used.
+    pub in_order: bool,
+    /// Most signals and waits for signals that are kept at one time.
+    pub most: Option<u32>,
 }
 
 /// How a wait is written.
@@ -117,6 +167,8 @@ pub enum Style {
     Statement,
     /// A mark, the channels, and L with the number: `!12L1`.
     LineUp,
+    /// A statement with key words in brackets: `#WAIT [ID7 CH1 CH2]`.
+    Keys,
 }
 
 impl Rule {
@@ -131,6 +183,7 @@ impl Rule {
             mismatch: None,
             absent: Absent::Missed,
             met_by: None,
+            signals: Signals::default(),
         }
     }
 }
@@ -153,6 +206,16 @@ impl Rules {
     /// Absent partners count as arrived.
     pub(crate) fn counts_absent(&self, wait: &Wait) -> bool {
         self.of(wait).is_some_and(|rule| rule.absent == Absent::Counts)
+    }
+
+    /// A channel may send the signal of this wait to itself.
+    pub(crate) fn is_to_itself(&self, wait: &Wait) -> bool {
+        self.of(wait).is_some_and(|rule| rule.signals.to_itself)
+    }
+
+    /// Most signals that the control keeps, if it has a limit.
+    pub(crate) fn most_signals(&self) -> Option<usize> {
+        self.0.iter().find_map(|rule| rule.signals.most).map(|most| most as usize)
     }
 
     /// Channels that wait at a wait of this primitive count as arrived at a wait.
@@ -185,6 +248,14 @@ impl Rules {
             let channels = wait.named.into_iter().flat_map(Set::iter).map(u32::from);
             let arguments: Vec<String> = number.into_iter().chain(channels).map(|number| number.to_string()).collect();
             return format!("{}({})", rule.word, arguments.join(","));
+        }
+        if rule.style == Style::Keys {
+            let mut out = format!("{} [ID{}", rule.word, wait.key.number);
+            for channel in wait.named.into_iter().flat_map(Set::iter) {
+                let _ = write!(out, " CH{channel}");
+            }
+            out.push(']');
+            return out;
         }
         let mut out = rule.word.to_string();
         if rule.numbered {

@@ -12,7 +12,7 @@ mod tests;
 use std::fmt::Write as _;
 
 use crate::channels::Channels;
-use crate::primitives::Memory;
+use crate::primitives::{Letter, Memory};
 use crate::tag::Tag;
 use crate::wait::{Act, Finish, Missing, Places, Reaction, Rules, Set, Terminal, Wait, Waiting};
 use counterpoint_event::event::{Member, Primitive};
@@ -139,7 +139,7 @@ impl Waits {
         let (channel, wait) = (arriving.tag.channel, &arriving.wait);
         let passes = self.missing_at(channel, wait).is_none() && self.memory.illegal(arriving).is_none();
         if passes {
-            self.memory.depart(channel, wait);
+            self.memory.depart(channel, wait, &self.rules);
             self.places.pass(*arriving, arriving.tag.t);
         }
         passes
@@ -208,8 +208,26 @@ impl Waits {
     /// # Errors
     /// Why it cannot.
     pub fn act(&mut self, tag: Tag, act: Act) -> Result<Vec<Released>, String> {
-        self.memory.act(tag.channel, act)?;
+        self.act_with(tag, act, None)
+    }
+
+    /// The same; values go with a signal.
+    ///
+    /// # Errors
+    /// Why it cannot.
+    pub fn act_with(&mut self, tag: Tag, act: Act, letter: Option<Letter>) -> Result<Vec<Released>, String> {
+        self.memory.act(tag.channel, (act, letter), &self.rules)?;
         Ok(self.settle(tag))
+    }
+
+    /// The number of a signal that a sender of this wait sent before the one that is waited for, if the control minds.
+    pub fn older_signal(&self, channel: u16, wait: &Wait) -> Option<u32> {
+        self.memory.older_signal(channel, wait, &self.rules)
+    }
+
+    /// Values that came with the signals of the last wait of a channel; they are given once.
+    pub fn letters(&mut self, channel: u16) -> Vec<Letter> {
+        self.memory.letters(channel)
     }
 
     /// All waits that are over, by what the operation at this tag changed: first all of them are found, then they end.
@@ -232,7 +250,7 @@ impl Waits {
         let after = tag.t + self.release_ns;
         for channel in channels.iter() {
             if let Some(waiting) = self.places.leave(channel) {
-                self.memory.depart(channel, &waiting.wait);
+                self.memory.depart(channel, &waiting.wait, &self.rules);
                 self.places.pass(waiting, after);
             }
         }

@@ -11,7 +11,7 @@ use std::time::{Duration, Instant};
 use super::live::Live;
 
 /// Longest time that an event of a watched job stays in memory only.
-const DELAY: Duration = Duration::from_millis(10);
+const DELAY: Duration = Duration::from_millis(5);
 
 /// Jobs whose logs are to be written soon, in the order of their time.
 #[derive(Debug, Clone)]

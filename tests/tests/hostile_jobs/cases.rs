@@ -92,6 +92,7 @@ pub fn machine(base: &str, toml: &str, files: &[(&str, &str)]) -> Arc<Machine> {
 pub const SIEMENS: &str =
     "preprocessor = \"siemens\"\n\n[format]\nrws = \"\"\nrws_at = \"none\"\ncomment = [\";\", \"\"]\n";
 pub const OKUMA: &str = "preprocessor = \"okuma\"\n";
+pub const ISG: &str = "preprocessor = \"isg\"\n";
 pub const HEIDENHAIN: &str = "preprocessor = \"heidenhain\"\n";
 
 /// A macro that runs before every block; the program loops without time.
@@ -282,6 +283,21 @@ fn programs() -> Vec<Case> {
             "MCALL SUB\nAGAIN: X1\nX2\nGOTOB AGAIN\nM30\n%_N_SUB_SPF\nG90\nM17\n".into(),
             &[LIMIT, 2_900_040, 2_900_060],
         ),
+        dialect("isg: deep brackets", ISG, format!("P1={}1\n", "[".repeat(8000)), &[SYNTAX]),
+        dialect("isg: deep parameters", ISG, format!("P1={}1\n", "P".repeat(8000)), &[SYNTAX]),
+        dialect(
+            "isg: distinct lines",
+            ISG,
+            distinct(|line| format!("P{}={line}\n", line % 300), "$GOTO N1\n", "N1\n"),
+            &[LIMIT],
+        ),
+        dialect(
+            "isg: deep control blocks",
+            ISG,
+            format!("{}$BREAK\n{}", "$DO\n".repeat(50_000), "$ENDDO\n".repeat(50_000)),
+            &[LIMIT],
+        ),
+        dialect("isg: big arrays", ISG, "N1\nV.P.A[100][100]\nV.P.B[9999]\n$GOTO N1\n".into(), &[LIMIT]),
         dialect("okuma: deep brackets", OKUMA, format!("VC1={}1\n", "[".repeat(8000)), &[SYNTAX, BRACKETS]),
         dialect(
             "okuma: deep brackets of a megabyte",

@@ -227,12 +227,29 @@ fn of_lathes() -> Vec<Case> {
             &["%_N_A_MPF\nLOOP\nG1 X1 F1\nX2\nENDLOOP\nINIT(2,\"B\")\nM30\n%_N_B_MPF\nM30\n"],
             &[LIMIT],
         ),
+        isg(
+            "isg: signals without end",
+            &["$DO\n#SIGNAL [ID1 CH2]\n#SIGNAL [ID2]\n$ENDDO\n", "G04 X1\nM30\n"],
+            &[2_900_435],
+        ),
+        isg(
+            "isg: signals there and back without end",
+            &["$DO\n#SIGNAL [ID1 CH2]\n#WAIT [ID2 CH2]\n$ENDDO\n", "$DO\n#WAIT [ID1 CH1]\n#SIGNAL [ID2 CH1]\n$ENDDO\n"],
+            &[LIMIT],
+        ),
+        isg("isg: signals that are read without end", &["$DO\n#SIGNAL READ [ID1 CH2]\n$ENDDO\n"; 2], &[LIMIT]),
         many_channels("26 channels that meet", 26, |own| format!("O{own}\nN1 M101 P67108863\nG4 P{own}\nGOTO1\n"))
             .with_options(FEW_BLOCKS),
         many_channels("32 channels that share", 32, |own| format!("O{own}\nN1 #500=#500+{own}\nGOTO1\n"))
             .with_options(FEW_BLOCKS),
         many_channels("32 channels on their own", 32, |own| format!("O{own}\nN1 G0 X{own}.\nX0\nGOTO1\n")),
     ]
+}
+
+/// Channels of a mill with an ISG kernel.
+fn isg(name: &'static str, programs: &[&str], ends_with: &'static [u32]) -> Case {
+    let programs = programs.iter().map(|program| (*program).to_owned()).collect();
+    Case::new(name, machine("isg-3channel", "", &[]), programs, ends_with)
 }
 
 /// Both channels of a Siemens lathe.

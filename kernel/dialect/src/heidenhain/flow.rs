@@ -116,6 +116,7 @@ impl Heidenhain {
                 return Ok(());
             }
             frame.repeats.push((here.line, left - 1));
+            host.effect();
             self.keeping = true;
             return host.go_to(line);
         }

@@ -1,7 +1,7 @@
 //! What channels do for each other by statements: they wait, and let each other continue.
 
 use counterpoint_event::FileId;
-use counterpoint_fault::Acted;
+use counterpoint_fault::{Acted, Halt};
 use counterpoint_program::shape::Range;
 
 /// What a statement between channels takes.
@@ -17,6 +17,21 @@ pub enum Operands {
     Program,
 }
 
+/// What a statement says of a signal.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Signal {
+    /// Its number.
+    pub number: f64,
+    /// The last number of a range.
+    pub last: Option<f64>,
+    /// Channels that get it, or that send it; none: everybody, anybody.
+    pub channels: Vec<f64>,
+    /// How many waits can use it.
+    pub uses: Option<f64>,
+    /// Values that go with it, by index.
+    pub values: Vec<(u8, f64)>,
+}
+
 /// Statements between channels. Which there are and what they mean is data of the machine (`[[waits]]`).
 pub trait Coordination {
     /// What a statement with this name takes; `None` if it is not one between channels.
@@ -30,6 +45,24 @@ pub trait Coordination {
     /// # Errors
     /// Its mark or its channels are not possible, the control refuses the wait, or the job was stopped.
     fn coordinate(&mut self, statement: &str, mark: i64, channels: &[i64]) -> Acted;
+
+    /// Sends a signal by the statement with this name.
+    ///
+    /// # Errors
+    /// Its number or its channels are not possible, the control can keep no more signals, or the job was stopped.
+    fn send(&mut self, statement: &str, signal: &Signal) -> Acted;
+
+    /// Removes signals that nobody has used.
+    ///
+    /// # Errors
+    /// Those of [`Coordination::send`].
+    fn remove_signal(&mut self, statement: &str, signal: &Signal) -> Acted;
+
+    /// Waits for a signal, or takes it if it is there: the values that came with it; none if it is not there.
+    ///
+    /// # Errors
+    /// Those of [`Coordination::send`], and nobody is left to send it.
+    fn receive(&mut self, statement: &str, signal: &Signal, waits: bool) -> Result<Option<Vec<(u8, f64)>>, Halt>;
 
     /// Selects the program that a channel runs when it is started; none if there is no such program.
     ///

@@ -114,6 +114,12 @@ pub trait Flow {
     /// The block after another one of the program.
     fn after(&self, block: Spot) -> Spot;
 
+    /// Everything that was programmed so far is executed before what follows.
+    ///
+    /// # Errors
+    /// What stops the channel meanwhile.
+    fn catch_up(&mut self) -> Acted;
+
     /// Loops that the programs are in.
     fn loops(&mut self) -> &mut Loops;
 

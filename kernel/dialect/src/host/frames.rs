@@ -52,6 +52,9 @@ pub trait Frames {
     /// program counts now.
     fn local_frame(&self) -> [f64; 12];
 
+    /// Compensation of the tool radius is on, so that moves are kept back.
+    fn keeps_moves_back(&self) -> bool;
+
     /// Number of the work offset in force, 0 for none.
     fn work_offset(&self) -> u32;
 

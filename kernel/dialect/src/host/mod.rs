@@ -12,7 +12,7 @@ mod report;
 mod values;
 mod words;
 
-pub use coordination::{Coordination, Operands};
+pub use coordination::{Coordination, Operands, Signal};
 pub use flow::{Call, Flow, Loops, Shape};
 pub use frames::{AxisPlace, Frames, Modes};
 pub use programs::{Place, Programs};

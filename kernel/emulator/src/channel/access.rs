@@ -6,6 +6,7 @@
 use counterpoint_event::event::RaceWith;
 use counterpoint_fault::{self as diag, Acted, Facts, Halt};
 use counterpoint_ports::options::Races;
+use counterpoint_sync::order::Order;
 use counterpoint_sync::races::{Access, Mode, Race, Variable};
 use counterpoint_sync::shared::Shared;
 use counterpoint_sync::verdict;
@@ -25,6 +26,14 @@ pub(crate) enum Door<'n> {
     Spindle,
     /// A file; lines of several channels in one file are an ordered log, so they are not judged.
     File,
+}
+
+/// Carries out an access; one that writes may end what others wait for in loops.
+fn reach<R>(order: &mut Order, mode: Mode, operation: impl FnOnce(&mut Shared) -> R) -> R {
+    if mode == Mode::Write {
+        order.change();
+    }
+    operation(&mut order.shared)
 }
 
 impl Door<'_> {
@@ -50,17 +59,22 @@ impl Kernel<'_> {
         mode: Mode,
         operation: impl FnOnce(&mut Shared) -> R,
     ) -> Result<R, Halt> {
+        let variable = door.variable();
+        match &variable {
+            Some(variable) if mode != Mode::Write => self.flow.pass.polls(variable),
+            _ => self.flow.pass.effects |= mode == Mode::Write,
+        }
         // What the machine's own macros do at the start and at the end of a kernel stands in no line.
         if self.channel.env.options.races.is_off() || self.channel.at.line == 0 || self.channel.at.channel == 0 {
-            return self.shared(|order| operation(&mut order.shared));
+            return self.shared(|order| reach(order, mode, operation));
         }
-        let Some(variable) = door.variable() else { return self.shared(|order| operation(&mut order.shared)) };
+        let Some(variable) = variable else { return self.shared(|order| reach(order, mode, operation)) };
         let mode = if mode == Mode::Read && self.is_polling() { Mode::Poll } else { mode };
         let at = &self.channel.at;
         let own = Access { channel: at.channel, file: at.file, line: at.line };
         let (result, races) = self.shared(|order| {
             let races = order.races.as_mut().map(|races| races.access(&variable, own, mode)).unwrap_or_default();
-            (operation(&mut order.shared), races)
+            (reach(order, mode, operation), races)
         })?;
         for race in races {
             self.report_race(&variable, own, mode, race)?;
@@ -68,15 +82,20 @@ impl Kernel<'_> {
         Ok(result)
     }
 
-    fn report_race(&mut self, variable: &Variable, own: Access, mode: Mode, race: Race) -> Acted {
-        let name = match variable {
+    /// A variable as programs call it.
+    pub(crate) fn variable_name(&self, variable: &Variable) -> String {
+        match variable {
             Variable::Common(index) => format!("#{index}"),
             Variable::Named(name) => name.to_string(),
             Variable::Global(index) => {
                 let name = self.macros.program.globals.get(*index as usize);
                 name.cloned().unwrap_or_else(|| format!("GLOBAL {index}"))
             }
-        };
+        }
+    }
+
+    fn report_race(&mut self, variable: &Variable, own: Access, mode: Mode, race: Race) -> Acted {
+        let name = self.variable_name(variable);
         let does = |wrote| if wrote { "writes" } else { "reads" };
         let place = |access: Access| verdict::place(self.channel.env.info, access.file, access.line);
         let text = format!(

@@ -163,34 +163,29 @@ impl Kernel<'_> {
         });
     }
 
-    /// Logs a verdict as an event of the master.
+    /// Logs a verdict as an event of the master, with its diagnostic.
     pub(crate) fn emit_verdict(&mut self, verdict: Verdict) {
         let facts: &Facts = match verdict.kind {
             VerdictKind::Limit => &diag::LIMIT_REACHED,
-            VerdictKind::Mismatch => &diag::WAIT_MISMATCH,
             _ => &diag::DEADLOCK,
         };
         let (file, line) = verdict.members.first().map_or((0, 0), |m| (m.file, m.line));
         let custom = self.customised(facts.number, (facts.severity, true), verdict.text.to_string());
         let (severity, text) = custom.unwrap_or((facts.severity, String::new()));
         let diagnostic = Diagnostic { number: facts.number, severity, text: text.into(), ..Diagnostic::default() };
-        for kind in [
-            (verdict.kind != VerdictKind::Mismatch).then(|| Kind::Diagnostic(Box::new(diagnostic))),
-            Some(Kind::Verdict(Box::new(verdict))),
-        ]
-        .into_iter()
-        .flatten()
-        {
-            self.push_event(Event {
-                t_ns: self.channel.at.clock,
-                micro: self.channel.at.micro,
-                dur_ns: 0,
-                channel: 0,
-                file,
-                line,
-                kind,
-            });
-        }
+        self.log_of_master((file, line), Kind::Diagnostic(Box::new(diagnostic)));
+        self.log_verdict(verdict);
+    }
+
+    /// Logs a verdict whose channels have said the rest by their alarms.
+    pub(crate) fn log_verdict(&mut self, verdict: Verdict) {
+        let place = verdict.members.first().map_or((0, 0), |m| (m.file, m.line));
+        self.log_of_master(place, Kind::Verdict(Box::new(verdict)));
+    }
+
+    fn log_of_master(&mut self, (file, line): (FileId, u32), kind: Kind) {
+        let (t_ns, micro) = (self.channel.at.clock, self.channel.at.micro);
+        self.push_event(Event { t_ns, micro, dur_ns: 0, channel: 0, file, line, kind });
     }
 
     /// Limits of the job that one channel can reach.
@@ -243,6 +238,9 @@ impl Kernel<'_> {
             for channel in order.waits.places.channels() {
                 if channel == own_channel {
                     members.push(Member { channel, file, line, waiting_for: Vec::new() });
+                } else if let Some((sentence, member)) = order.polling(channel, info) {
+                    sentences.push(sentence);
+                    members.push(member);
                 } else if let Some(sentence) = verdict::waiting_sentence(channel, &order.waits, info) {
                     sentences.push(sentence);
                     members.push(verdict::member(channel, &order.waits));
@@ -282,16 +280,10 @@ impl Kernel<'_> {
         }
     }
 
-    /// No other channel is left to change what a polling loop reads.
-    pub(crate) fn is_alone(&mut self) -> Result<bool, Halt> {
-        let channel = self.channel.at.channel;
-        self.shared(|order| order.alone(channel))
-    }
-
-    /// A loop that only reads shared variables is hopeless once a whole pass of it has run alone.
-    pub(crate) fn spinning(&mut self, line: u32) -> Halt {
+    /// A loop that only reads shared variables is hopeless once nobody is left to change them.
+    pub(crate) fn spinning(&mut self, line: u32, names: &str) -> Halt {
         let place = verdict::place(self.channel.env.info, self.channel.at.file, line);
-        let reason = format!("polls at {place} for a variable that nobody is left to change");
+        let reason = format!("polls {names} at {place}, and nobody is left to change that");
         self.limit(&reason, None)
     }
 }

@@ -3,9 +3,13 @@
 //! A loop is known by its jump back. *Invariant:* time passes in every loop that takes none, whatever loops, calls or jumps
 //! lie inside it. Facts: reference channel-synchronisation.md (polling), control-emulator.md 5.7.
 
+use std::sync::Arc;
+
 use super::Kernel;
 use counterpoint_event::event::FileId;
 use counterpoint_fault::Acted;
+use counterpoint_sync::order::spin::Lap;
+use counterpoint_sync::races::Variable;
 
 /// Loops that are remembered at a time. After as many jumps back without time a tick passes in any case.
 const MOST: usize = 32;
@@ -27,10 +31,12 @@ pub(crate) struct Pass {
     ticks: i64,
     /// Something happened since that a later pass could see.
     effects: bool,
-    /// A shared variable was read since.
-    polled: bool,
-    /// Nobody else was left to change a variable when this pass began.
-    alone: bool,
+    /// Shared variables read since, by place in the list of [`Passes`].
+    reads: u64,
+    /// Macro steps until then.
+    steps: u64,
+    /// If nothing has happened but reading: changes of what is shared until then, and the print of the channel's own state.
+    begun: Option<(u64, u64)>,
 }
 
 /// The loops that a channel is in, the one that jumped back last at the end.
@@ -38,8 +44,15 @@ pub(crate) struct Pass {
 pub(crate) struct Passes {
     /// Something happened since the last jump back that a later pass could see.
     pub(crate) effects: bool,
-    /// A shared variable was read since the last jump back.
-    pub(crate) polled: bool,
+    /// An own variable has changed since the last jump back, or a program was called. The same values at the begin and at the
+    /// end of a pass mean the same next pass.
+    pub(crate) changes: bool,
+    /// Shared variables read since the last jump back, by place in the list.
+    reads: u64,
+    /// Those that have been read in this program; from the 64th on all have one place.
+    variables: Vec<Variable>,
+    /// The names of some of them.
+    names: Option<(u64, Arc<str>)>,
     /// The condition of a loop is evaluated.
     pub(crate) condition: bool,
     loops: Vec<Pass>,
@@ -60,19 +73,36 @@ impl Passes {
         self.loops.iter_mut().for_each(|pass| pass.ticks += ns);
     }
 
+    /// A shared variable is read.
+    pub(crate) fn polls(&mut self, variable: &Variable) {
+        let place = self.variables.iter().position(|known| known == variable).unwrap_or_else(|| {
+            if self.variables.len() < 64 {
+                self.variables.push(variable.clone());
+            }
+            self.variables.len() - 1
+        });
+        self.reads |= 1 << place;
+    }
+
+    /// The program of a loop has returned: its loops are over.
+    pub(crate) fn leave(&mut self, depth: usize) {
+        self.loops.retain(|pass| pass.depth <= depth);
+    }
+
     /// A block of the loop that jumped back last, which has done nothing since but look.
     fn looks(&self, (file, line): (FileId, u32), depth: usize) -> bool {
         let (of, first, last) = self.last().key;
-        !self.effects && self.last().depth == depth && of == file && (first..=last).contains(&line)
+        !self.effects && !self.changes && self.last().depth == depth && of == file && (first..=last).contains(&line)
     }
 
     /// The loop jumps back at this clock: what it was at its last jump, if it is known. Loops inside it are forgotten:
     /// they begin again.
     fn jump(&mut self, key: Key, depth: usize, clock: i64) -> Option<Pass> {
-        let (effects, polled) = (std::mem::take(&mut self.effects), std::mem::take(&mut self.polled));
+        let (effects, reads) = (std::mem::take(&mut self.effects), std::mem::take(&mut self.reads));
+        self.changes = false;
         for pass in &mut self.loops {
             pass.effects |= effects;
-            pass.polled |= polled;
+            pass.reads |= reads;
         }
         if self.clock != clock {
             (self.clock, self.jumps) = (clock, 0);
@@ -117,23 +147,57 @@ impl Kernel<'_> {
             if pass.clock == self.channel.at.clock {
                 pass.ticks += self.tick();
             }
-            if pass.polled {
+            if pass.reads != 0 {
                 // A tick is not progress, unless the loop looks at what others may change.
                 self.channel.at.idle_blocks = 0;
             }
-            if pass.polled && !pass.effects && pass.clock + pass.ticks == self.channel.at.clock {
-                next.alone = self.is_alone()?;
-                if next.alone && pass.alone {
-                    self.flow.pass.loops.push(next);
-                    return Err(self.spinning(target));
-                }
+            let waits = pass.clock + pass.ticks == self.channel.at.clock;
+            if pass.reads != 0 && !pass.effects && waits && pass.steps == self.channel.burden.steps {
+                let lap = Lap { file, lines: (target, from), count: next.count, reads: pass.reads };
+                self.end_lap(lap, pass, next)?;
+                return Ok(());
             }
         } else if self.flow.pass.jumps > MOST {
             self.tick();
         }
-        next.clock = self.channel.at.clock;
+        (next.clock, next.steps) = (self.channel.at.clock, self.channel.burden.steps);
         self.flow.pass.loops.push(next);
         Ok(())
+    }
+
+    /// Ends a pass that has only read.
+    fn end_lap(&mut self, lap: Lap, pass: Pass, mut next: Pass) -> Acted {
+        let print = self.own_print();
+        let begun = pass.begun.filter(|(_, before)| *before == print).map(|(changes, _)| changes);
+        let channel = self.channel.at.channel;
+        let names = self.names(lap.reads);
+        let (changes, hopeless) = self.shared(|order| order.lap(channel, lap, begun, &names))?;
+        next.begun = Some((changes, print));
+        (next.clock, next.steps) = (self.channel.at.clock, self.channel.burden.steps);
+        self.flow.pass.loops.push(next);
+        if hopeless { Err(self.spinning(lap.lines.0, &names)) } else { Ok(()) }
+    }
+
+    /// The shared variables in these places, as programs call them; made once for the passes of a loop.
+    fn names(&mut self, reads: u64) -> Arc<str> {
+        if let Some((of, names)) = &self.flow.pass.names
+            && *of == reads
+        {
+            return Arc::clone(names);
+        }
+        let read = self.flow.pass.variables.iter().enumerate().filter(|(at, _)| reads >> at & 1 == 1);
+        let names: Vec<String> = read.map(|(_, variable)| self.variable_name(variable)).collect();
+        let names: Arc<str> = names.join(", ").into();
+        self.flow.pass.names = Some((reads, Arc::clone(&names)));
+        names
+    }
+
+    /// Print of what decides where the channel goes besides what it reads: its variables, and the repeats of its programs.
+    fn own_print(&self) -> u64 {
+        let repeats = self.flow.frames.iter().filter(|frame| frame.repeats > 0);
+        repeats.fold(self.dialect.variables.print(), |all, frame| {
+            (all ^ u64::from(frame.repeats)).wrapping_mul(0x9e37_79b9_7f4a_7c15)
+        })
     }
 
     /// A variable that is read now decides how long a loop waits.

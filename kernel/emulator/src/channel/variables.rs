@@ -20,6 +20,8 @@ type Locals = [f64; 34];
 pub(crate) struct ChannelVariables {
     calls: CallStack<Locals>,
     own: FxHashMap<u32, f64>,
+    /// Print of those that have been written: equal while their values are.
+    print: u64,
     /// What has no value, and what does not exist, is 0.
     pub(super) reads_zero: bool,
     /// System variables that programs write keep their values; otherwise the identification macro is asked where to write
@@ -36,6 +38,7 @@ impl Default for ChannelVariables {
         Self {
             calls: CallStack::new([VACANT; 34]),
             own: FxHashMap::default(),
+            print: 0,
             reads_zero: false,
             keeps_system: false,
             kept: FxHashMap::default(),
@@ -71,11 +74,28 @@ impl ChannelVariables {
         self.calls.here().get(index as usize).copied().unwrap_or(VACANT)
     }
 
+    fn set_own(&mut self, index: u32, value: f64) {
+        let before = self.own.insert(index, value).unwrap_or(VACANT);
+        self.print ^= print(index, before) ^ print(index, value);
+    }
+
+    /// Print of what the running program can see: equal while all values are.
+    pub(crate) fn print(&self) -> u64 {
+        let locals = self.calls.here().iter().zip(0..);
+        locals.fold(self.print, |all, (value, index)| all ^ print(index, *value))
+    }
+
     fn set_local(&mut self, index: u32, value: f64) {
         if let Some(slot) = self.calls.here_mut().get_mut(index as usize) {
             *slot = value;
         }
     }
+}
+
+/// Print of a variable with its value. Two prints of different values are equal once in 2^64.
+fn print(index: u32, value: f64) -> u64 {
+    let mix = |x: u64| (x ^ x >> 32).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+    mix(mix(value.to_bits() ^ mix(u64::from(index) + 1)) + 1)
 }
 
 fn within(ranges: &[(u32, u32)], index: u32) -> bool {
@@ -106,13 +126,11 @@ impl Kernel<'_> {
         match index {
             0 | 3100 => Ok(VACANT),
             1..=33 => Ok(self.dialect.variables.local(index)),
-            _ if within(&self.channel.env.machine.variables.shared, index) => {
-                self.flow.pass.polled = true;
-                self.access(Door::Common(index), Mode::Read, |shared| {
+            _ if within(&self.channel.env.machine.variables.shared, index) => self
+                .access(Door::Common(index), Mode::Read, |shared| {
                     shared.variables.get(&index).copied().unwrap_or(VACANT)
                 })
-                .map_err(NotThere::Halt)
-            }
+                .map_err(NotThere::Halt),
             _ if within(&self.channel.env.machine.variables.channel, index) => {
                 Ok(self.dialect.variables.own.get(&index).copied().unwrap_or(VACANT))
             }
@@ -132,27 +150,23 @@ impl Kernel<'_> {
     pub(super) fn set_numbered(&mut self, index: u32, value: f64) -> Result<(), NotThere> {
         match index {
             1..=33 => {
-                // A change that the next pass can see is an effect; writing the same value is none.
-                if self.dialect.variables.local(index).to_bits() != value.to_bits() {
-                    self.flow.pass.effects = true;
-                }
+                // Writing the same value changes nothing for the next pass.
+                self.flow.pass.changes |= self.dialect.variables.local(index).to_bits() != value.to_bits();
                 self.dialect.variables.set_local(index, value);
                 Ok(())
             }
-            _ if within(&self.channel.env.machine.variables.shared, index) => {
-                self.flow.pass.effects = true;
-                self.access(Door::Common(index), Mode::Write, |shared| {
+            _ if within(&self.channel.env.machine.variables.shared, index) => self
+                .access(Door::Common(index), Mode::Write, |shared| {
                     if is_vacant(value) {
                         shared.variables.remove(&index);
                     } else {
                         shared.variables.insert(index, value);
                     }
                 })
-                .map_err(NotThere::Halt)
-            }
+                .map_err(NotThere::Halt),
             _ if within(&self.channel.env.machine.variables.channel, index) => {
-                self.flow.pass.effects = true;
-                self.dialect.variables.own.insert(index, value);
+                self.flow.pass.changes = true;
+                self.dialect.variables.set_own(index, value);
                 Ok(())
             }
             _ if self.dialect.variables.keeps_system && index >= 1000 => {

@@ -11,6 +11,7 @@ use super::Kernel;
 use counterpoint_event::event::{Kind, Primitive, Release, Verdict, Wait};
 use counterpoint_fault as diag;
 use counterpoint_ports::control::State;
+use counterpoint_sync::Letter;
 use counterpoint_sync::coordinator::turn::Met;
 use counterpoint_sync::order::Wake;
 use counterpoint_sync::order::arrive::After;
@@ -36,7 +37,7 @@ impl Kernel<'_> {
         self.flow.pass.effects = true;
         match wait.primitive {
             Primitive::Barrier | Primitive::Flag | Primitive::Order | Primitive::Count => arrive(self, wait),
-            Primitive::Signal | Primitive::Join | Primitive::Lease => wait_unless_over(self, wait),
+            Primitive::Signal | Primitive::Join | Primitive::Lease => wait_unless_over(self, wait).map(|_| ()),
         }
     }
 
@@ -44,13 +45,49 @@ impl Kernel<'_> {
     pub(crate) fn let_continue(&mut self, act: wait::Act, shown: wait::Wait) -> Acted {
         self.flow.pass.effects = true;
         let what = match act {
-            wait::Act::Set(_) | wait::Act::Signal { .. } => "set",
-            wait::Act::Clear(_) => "clear",
+            wait::Act::Set(_) | wait::Act::Signal(_) => "set",
+            wait::Act::Clear(_) | wait::Act::Remove { .. } => "clear",
             wait::Act::Release(_) => "release",
         };
         show(self, &shown, what);
         let tag = self.tag();
         self.shared(|order| order.act(tag, act))?.map_err(|reason| impossible(self, &reason))
+    }
+
+    /// Sends a signal with values, or removes signals.
+    pub(crate) fn signal(&mut self, act: wait::Act, letter: Option<Letter>, shown: wait::Wait) -> Acted {
+        self.flow.pass.effects = true;
+        show(self, &shown, if matches!(act, wait::Act::Signal(_)) { "set" } else { "clear" });
+        let tag = self.tag();
+        self.shared(|order| order.act_with(tag, act, letter))?.map_err(|reason| {
+            let text = format!("250001 {reason}, in '{}'", self.block_text());
+            self.alarm(&diag::SIGNALS_FULL, text)
+        })
+    }
+
+    /// Waits for signals: the values that came with them.
+    pub(crate) fn await_signal(&mut self, wait: wait::Wait) -> Result<Vec<Letter>, Halt> {
+        self.flow.pass.effects = true;
+        if self.channel.reports.waits.rules.of(&wait).is_some_and(|rule| rule.signals.in_order) {
+            let channel = self.channel.at.channel;
+            if let Some(older) = self.shared(|order| order.waits.older_signal(channel, &wait))? {
+                let awaited = wait.key.number;
+                let text = format!(
+                    "250002 signal {older} was sent before signal {awaited} and is not used yet, at '{}'",
+                    self.block_text()
+                );
+                self.diagnose(&diag::SIGNAL_ORDER, text);
+            }
+        }
+        wait_for_signals(self, wait)
+    }
+
+    /// Takes signals if they are there: the values that came with them.
+    pub(crate) fn read_signal(&mut self, wait: wait::Wait) -> Result<Option<Vec<Letter>>, Halt> {
+        self.flow.pass.effects = true;
+        let (waiting, _) = arrival(self, wait);
+        let channel = self.channel.at.channel;
+        self.shared(|order| order.pass(&waiting).then(|| order.waits.letters(channel)))
     }
 }
 
@@ -123,25 +160,40 @@ fn arrive(kernel: &mut Kernel<'_>, wait: wait::Wait) -> Acted {
 }
 
 /// Continues at once if what is waited for has happened, without an entry in the list of sync points; waits otherwise.
-fn wait_unless_over(kernel: &mut Kernel<'_>, wait: wait::Wait) -> Acted {
+///
+/// Gives the values that came with signals that were there.
+fn wait_unless_over(kernel: &mut Kernel<'_>, wait: wait::Wait) -> Result<Option<Vec<Letter>>, Halt> {
     let since_ns = kernel.channel.at.clock;
     let (waiting, own) = arrival(kernel, wait);
     let info = kernel.channel.env.info;
-    let after = kernel.shared(|order| (!order.pass(&waiting)).then(|| order.arrive(waiting, own, info).0))?;
+    let channel = kernel.channel.at.channel;
+    let after = kernel.shared(|order| {
+        if order.pass(&waiting) { Ok(order.waits.letters(channel)) } else { Err(order.arrive(waiting, own, info).0) }
+    })?;
     match after {
-        None => {
+        Ok(letters) => {
             show(kernel, &wait, "go");
-            Ok(())
+            return Ok(Some(letters));
         }
-        Some(After::Illegal { text }) => Err(impossible(kernel, &text)),
-        Some(after) => {
+        Err(After::Illegal { text }) => return Err(impossible(kernel, &text)),
+        Err(after) => {
             let logged = Logged::new(kernel, &wait, since_ns);
             match after {
-                After::Stand(verdict) => stand(kernel, verdict, &logged),
-                after => follow(kernel, after, &logged),
+                After::Stand(verdict) => stand(kernel, verdict, &logged)?,
+                after => follow(kernel, after, &logged)?,
             }
         }
     }
+    Ok(None)
+}
+
+/// Waits for signals: the values that came with them.
+fn wait_for_signals(kernel: &mut Kernel<'_>, wait: wait::Wait) -> Result<Vec<Letter>, Halt> {
+    if let Some(letters) = wait_unless_over(kernel, wait)? {
+        return Ok(letters);
+    }
+    let channel = kernel.channel.at.channel;
+    kernel.shared(|order| order.waits.letters(channel))
 }
 
 /// Does what an arrival means that leaves nothing to wait for.
@@ -156,7 +208,7 @@ fn follow(kernel: &mut Kernel<'_>, after: After, logged: &Logged) -> Acted {
         }
         After::Alarm { text, verdict } => {
             let halt = kernel.fatal(&diag::WAIT_MISMATCH, text);
-            kernel.emit_verdict(verdict);
+            kernel.log_verdict(verdict);
             Err(halt)
         }
         After::Illegal { text } => Err(impossible(kernel, &text)),

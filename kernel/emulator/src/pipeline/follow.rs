@@ -168,7 +168,7 @@ impl Kernel<'_> {
         let level = self.flow.frames.len() as u16;
         self.emit(0, Kind::Call(Call { program: frame.name.clone(), level }));
         self.flow.repeats = true;
-        self.flow.pass.effects = true;
+        self.flow.pass.changes = true;
         self.flow.frames.push(frame);
         self.interpreter_call();
     }
@@ -195,6 +195,7 @@ impl Kernel<'_> {
                 self.dialect.variables.leave();
             }
             self.interpreter_return();
+            self.flow.pass.leave(self.flow.frames.len());
             let level = self.flow.level();
             self.flow.loops.return_to(level);
             if let Some(back) = &frame.back {

@@ -23,7 +23,7 @@ pub(super) fn has_mark(primitive: Primitive) -> bool {
     !matches!(primitive, Primitive::Join)
 }
 
-fn find<'m>(machine: &'m Machine, name: &str) -> Option<(u16, &'m WaitRow)> {
+pub(super) fn find<'m>(machine: &'m Machine, name: &str) -> Option<(u16, &'m WaitRow)> {
     let rows = (0..).zip(&machine.sync.waits);
     rows.into_iter().find(|(_, row)| row.form.is_none() && row.word.eq_ignore_ascii_case(name))
 }
@@ -63,7 +63,7 @@ pub(crate) fn by_statement(
     }
     let parts = if channels.is_empty() { everybody } else { named.with(channel) };
     let named = (!channels.is_empty()).then_some(named);
-    Ok(Statement::Meaning(of_row(machine, (index, row), Key { space: 0, number }, (named, parts))))
+    Ok(Statement::Meaning(of_row(machine, (index, row), Key { space: 0, number }, (named, parts), channel)))
 }
 
 /// A channel of the machine by its number.

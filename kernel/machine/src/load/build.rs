@@ -5,8 +5,8 @@
 use super::chain::Merged;
 use super::names::Names;
 use super::{
-    axes, calls, channels, codes, compensation, components, cycles, data, diagnostics, dialogs, format, habits, head,
-    idle, initial, kinematics, macros, output, overlap, paths, pump, refusals, registers,
+    axes, calls, channels, codes, compensation, components, cycles, data, diagnostics, dialogs, external, format,
+    habits, head, idle, initial, kinematics, macros, output, overlap, paths, pump, refusals, registers,
 };
 use super::{spindles, storage, subprograms, sync, system_variables, tape, time, tool, variables, waits};
 use crate::ident;
@@ -63,7 +63,8 @@ pub(super) fn machine(
     let waits = waits::read(&mut top, (&codes, &names.registers), head.preprocessor, check);
     let sync = sync::read(&mut top, &channels, (&codes, waits), check);
     let system = system_variables::read(&mut top, &codes, &names.registers, check);
-    let variables = variables::read(&mut top, system, check);
+    let external = external::read(&mut top, head.preprocessor, check);
+    let variables = variables::read(&mut top, (system, external), check);
     let around = calls::Around {
         registers: &names.registers,
         codes: &codes,

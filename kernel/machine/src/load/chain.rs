@@ -111,7 +111,7 @@ fn heritage(mut parent: Table) -> Table {
 /// By what a child's row finds the parent's row it replaces.
 pub(super) fn row_name(path: &str, row: &Table) -> Option<String> {
     match path {
-        "registers" | "axes" | "dialogs" | "macros.code" | "macros.data" | "tool.names" => {
+        "registers" | "axes" | "dialogs" | "macros.code" | "macros.data" | "tool.names" | "external" => {
             row.text("name").map(str::to_owned)
         }
         "codes" => {

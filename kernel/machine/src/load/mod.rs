@@ -17,6 +17,7 @@ mod defaults;
 mod diagnostics;
 mod dialogs;
 mod digits;
+mod external;
 mod format;
 mod habits;
 mod head;

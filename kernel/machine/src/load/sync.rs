@@ -12,6 +12,9 @@ use crate::toml::section::Section;
 /// Longest delay in seconds.
 const LONGEST: f64 = 86_400.0;
 
+/// Largest limit of signals.
+const MOST_SIGNALS: i64 = 100_000;
+
 /// Tick of a polling loop, ns, when the file does not say.
 const POLL_NS: i64 = 1_000_000;
 
@@ -28,6 +31,7 @@ pub(super) fn read(
         alarm_scope: AlarmScope::Own,
         release_ns: 0,
         poll_ns: POLL_NS,
+        signals: None,
         waits,
     };
     let Some(mut section) = top.table("sync", "[sync]") else { return sync };
@@ -39,6 +43,7 @@ pub(super) fn read(
     sync.alarm_scope = section.choice("alarm_scope", &scopes).unwrap_or(AlarmScope::Own);
     sync.release_ns = nanoseconds(&mut section, "release").unwrap_or(0);
     sync.poll_ns = nanoseconds(&mut section, "poll").unwrap_or(POLL_NS);
+    sync.signals = section.integer("signals", 1..=MOST_SIGNALS).map(|most| most as u32);
     if sync.poll_ns < 1 {
         section.error("poll", "`poll` must be at least 1e-9 s: a polling loop must take time");
     }

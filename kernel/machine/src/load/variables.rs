@@ -3,7 +3,7 @@
 //! Invariant: ranges run upwards, start at 100 and do not overlap. Facts: reference channel-synchronisation.md 1.3.
 
 use super::system_variables;
-use crate::model::Variables;
+use crate::model::{Externals, Variables};
 use crate::system_variables::SystemVariables;
 use crate::toml::check::Check;
 use crate::toml::node::{Node, Value};
@@ -16,14 +16,20 @@ const FIRST: i64 = 100;
 const LAST: i64 = 99_999;
 
 /// Reads the section.
-pub(super) fn read(top: &mut Section<'_>, system: SystemVariables, check: &Check) -> Variables {
-    let mut variables = Variables { shared: Vec::new(), channel: Vec::new(), own_common: false, system };
+pub(super) fn read(
+    top: &mut Section<'_>,
+    (system, external): (SystemVariables, Externals),
+    check: &Check,
+) -> Variables {
+    let mut variables = Variables { shared: Vec::new(), channel: Vec::new(), own_common: false, external, system };
     let Some(mut section) = top.table("variables", "[variables]") else { return variables };
     let mut taken: Vec<(u32, u32)> = Vec::new();
     variables.shared = ranges(&mut section, "shared", &mut taken, check);
     variables.channel = ranges(&mut section, "channel", &mut taken, check);
     system_variables::read_settings(&mut section, &mut variables.system, check);
     variables.own_common = section.flag("own_common").unwrap_or(false);
+    let others = [("alarm", false), ("global", true)];
+    variables.external.any = section.choice("other_external", &others).unwrap_or(false);
     section.finish();
     variables
 }

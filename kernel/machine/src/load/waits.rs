@@ -7,7 +7,7 @@ use counterpoint_event::event::Primitive;
 
 use crate::ident::codes;
 use crate::index::RegisterId;
-use crate::model::{Mismatch, WaitAct, WaitRow};
+use crate::model::{Mismatch, SignalRow, WaitAct, WaitRow};
 use crate::preprocessor::Preprocessor;
 use crate::rows::{CodeForm, CodeRow, Register};
 use crate::toml::check::Check;
@@ -73,7 +73,7 @@ pub(super) fn read(
         for key in OF_CODES {
             section.node(key);
         }
-        let row = read_row(&mut section, check);
+        let row = read_row(&mut section, preprocessor.row().wait_keys, check);
         let statement = statement(&mut section, preprocessor);
         let place = section.place().clone();
         section.finish();
@@ -103,7 +103,7 @@ fn statement(section: &mut Section<'_>, preprocessor: Preprocessor) -> Option<St
     Some(name)
 }
 
-fn read_row(section: &mut Section<'_>, check: &Check) -> Option<WaitRow> {
+fn read_row(section: &mut Section<'_>, keys: bool, check: &Check) -> Option<WaitRow> {
     if FORMS.iter().all(|form| section.node(form).is_none()) {
         check
             .error(section.place(), "[[waits]] needs a form: `word` (\"M100-M149\"), `text`, `line_up` or `statement`");
@@ -137,6 +137,7 @@ fn read_row(section: &mut Section<'_>, check: &Check) -> Option<WaitRow> {
     let mismatch = section.choice("mismatch", &mismatches).unwrap_or(Mismatch::Free);
     let met_by = section.choice("met_by", &[("order", Primitive::Order)]);
     let line_up = section.name("line_up", 1).filter(|mark| line_up_mark(section, mark));
+    let signals = signals(section, keys);
     let primitive = primitive?;
     check_row(section, check, (primitive, act, mismatch));
     Some(WaitRow {
@@ -151,7 +152,22 @@ fn read_row(section: &mut Section<'_>, check: &Check) -> Option<WaitRow> {
         line_up: line_up.is_some(),
         absent_counts: absent.unwrap_or(primitive == Primitive::Order),
         mismatch,
+        signals,
     })
+}
+
+/// What a row says of signals.
+fn signals(section: &mut Section<'_>, keys: bool) -> SignalRow {
+    let stays = section.choice("broadcast", &[("each", false), ("stays", true)]).unwrap_or(false);
+    let in_order = section.flag("in_order").unwrap_or(false);
+    let keys = keys && section.node("statement").is_some();
+    if stays && !keys {
+        section.error("broadcast", "only statements with key words can remove a signal that stays");
+    }
+    if in_order && !keys {
+        section.error("in_order", "`in_order` is for statements with key words");
+    }
+    SignalRow { keys, stays, in_order }
 }
 
 /// A mark that words begin with at which systems line up, if it can be one.
@@ -196,6 +212,12 @@ fn check_row(section: &mut Section<'_>, check: &Check, (primitive, act, mismatch
     }
     if section.node("need").is_some() && primitive != Primitive::Count {
         check.warning(section.place_of("need"), "`need` is for a count: this primitive needs all channels of its list");
+    }
+    if section.node("broadcast").is_some() && act != WaitAct::Signal {
+        check.warning(section.place_of("broadcast"), "`broadcast` is for `act = \"signal\"`");
+    }
+    if section.node("in_order").is_some() && (primitive != Primitive::Signal || act != WaitAct::Wait) {
+        check.warning(section.place_of("in_order"), "`in_order` is for waits for signals");
     }
     if section.node("highest").is_some() && section.node("statement").is_none() {
         check.warning(section.place_of("highest"), "`highest` is for a `statement`: a word has a range of numbers");

@@ -143,6 +143,8 @@ pub struct Sync {
     pub release_ns: i64,
     /// Tick of a polling loop, ns.
     pub poll_ns: i64,
+    /// Most signals and waits for signals that are kept at one time.
+    pub signals: Option<u32>,
     /// Words and texts of `[[waits]]`.
     pub waits: Vec<super::WaitRow>,
 }
@@ -319,6 +321,8 @@ pub struct Variables {
     pub channel: Vec<(u32, u32)>,
     /// Common variables with names (VC1) are each channel's own too.
     pub own_common: bool,
+    /// Variables that programs and the PLC share.
+    pub external: super::Externals,
     /// Those of the system.
     pub system: crate::system_variables::SystemVariables,
 }

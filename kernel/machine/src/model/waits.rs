@@ -31,6 +31,19 @@ pub struct WaitRow {
     pub line_up: bool,
     /// Which pairs of waits are refused.
     pub mismatch: Mismatch,
+    /// What is particular to signals.
+    pub signals: SignalRow,
+}
+
+/// What a row says of signals.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct SignalRow {
+    /// The statement has key words in brackets, and a channel may send to itself.
+    pub keys: bool,
+    /// A signal to everybody stays until it is removed; otherwise each receiver uses up its own.
+    pub stays: bool,
+    /// A wait while an older signal of the sender has not been used is a warning.
+    pub in_order: bool,
 }
 
 impl WaitRow {

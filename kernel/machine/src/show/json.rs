@@ -59,7 +59,8 @@ pub fn json(machine: &Machine) -> Value {
         "variables": { "shared": machine.variables.shared, "channel": machine.variables.channel,
             "own_common": machine.variables.own_common, "alarm_base": machine.variables.system.alarm,
             "start_date": machine.variables.system.start.0, "start_time": machine.variables.system.start.1,
-            "initial": machine.variables.system.initial, "system": system(machine) },
+            "initial": machine.variables.system.initial, "system": system(machine),
+            "external": external(machine), "other_external": machine.variables.external.any },
         "tool": { "offset_digits": machine.tool.offset_digits, "offsets": tool_offsets(machine), "data": tool_data(machine) },
         "components": machine.components.iter().map(component).collect::<Vec<_>>(),
         "work_offsets": machine.work_offsets.iter().map(|values| by_axis(machine, values)).collect::<Vec<_>>(),
@@ -247,8 +248,29 @@ fn sync(machine: &Machine) -> Value {
         "alarm_scope": word(sync.alarm_scope),
         "release_ns": sync.release_ns,
         "poll_ns": sync.poll_ns,
+        "signals": sync.signals,
         "waits": sync.waits.iter().map(wait).collect::<Vec<_>>(),
     })
+}
+
+fn external(machine: &Machine) -> Vec<Value> {
+    let rows = machine.variables.external.rows.iter();
+    rows.map(|row| {
+        json!({
+            "name": row.name,
+            "scope": if row.own { "channel" } else { "global" },
+            "synchronous": row.synchronous,
+            "access": match (row.readable, row.writable) {
+                (true, true) => "read-write",
+                (true, false) => "read",
+                _ => "write",
+            },
+            "type": word(row.kind),
+            "elements": row.elements,
+            "value": row.value,
+        })
+    })
+    .collect()
 }
 
 fn wait(wait: &WaitRow) -> Value {
@@ -262,6 +284,8 @@ fn wait(wait: &WaitRow) -> Value {
         "met_by": wait.met_by.map(word),
         "line_up": wait.line_up,
         "mismatch": word(wait.mismatch),
+        "broadcast": if wait.signals.stays { "stays" } else { "each" },
+        "in_order": wait.signals.in_order,
     })
 }
 

@@ -12,7 +12,7 @@ use crate::order::Wake;
 use crate::order::arrive::After;
 use crate::shared::Shared;
 use crate::tag::Tag;
-use crate::testing::{Deed, info, program, wait, waits};
+use crate::testing::{Deed, info, listening, program, wait, waits};
 use crate::wait::{Finish, Terminal, Waiting};
 use counterpoint_event::event::Primitive::{self, Barrier, Count, Flag, Join, Lease, Signal};
 
@@ -28,6 +28,8 @@ enum Op {
     Act,
     /// A wait of all kernels.
     At(Primitive, u32),
+    /// A wait for a signal that anybody sends to everybody.
+    Listen(u32),
     /// Something done for others.
     Do(Deed, u32),
     /// The end of a program; the script continues when another kernel starts the next one.
@@ -40,8 +42,8 @@ enum Op {
     Stop,
 }
 
-use Deed::{Free, Send, Set};
-use Op::{Act, At, Away, Begin, Do, Rest, Run, Stop};
+use Deed::{Call, Free, Remove, Send, Set, Share};
+use Op::{Act, At, Away, Begin, Do, Listen, Rest, Run, Stop};
 
 /// Runs a kernel; its operations go into the list of variables, in their order.
 fn kernel(core: &Coordinator, channel: u16, kernels: u16, script: &[Op]) {
@@ -99,8 +101,13 @@ fn kernel(core: &Coordinator, channel: u16, kernels: u16, script: &[Op]) {
                     _ => return core.done(channel, |_| ()),
                 }
             }
-            At(primitive, number) => {
-                let waiting = Waiting { wait: wait(*primitive, *number, kernels), tag, file: 0, line: 0 };
+            At(..) | Listen(_) => {
+                let wait = match op {
+                    At(primitive, number) => wait(*primitive, *number, kernels),
+                    Listen(number) => listening(*number, kernels),
+                    _ => unreachable!("no wait"),
+                };
+                let waiting = Waiting { wait, tag, file: 0, line: 0 };
                 let mut wake = match port.meet(waiting, &mut (), |()| (), |(), _| false) {
                     Met::Woken(wake) => wake,
                     Met::Turn(mut turn) => {
@@ -225,6 +232,27 @@ fn signals_of_two_kernels() {
     tried(
         &[&[At(Signal, 1), Act, At(Signal, 1), Act], &[Run(1), Do(Send, 1), Run(1), Do(Send, 1), Act]],
         &[111.0, 211.0, 212.0],
+    );
+}
+
+#[test]
+fn a_signal_to_everybody_of_three_kernels() {
+    tried(
+        &[&[Run(1), Do(Call, 1), Run(2), Act], &[Listen(1), Act], &[Listen(1), Act, Run(1), Act]],
+        &[112.0, 113.0, 203.0, 301.0],
+    );
+}
+
+/// Who has waited longest gets the one signal; a signal that is removed ends no wait.
+#[test]
+fn a_signal_that_three_kernels_share() {
+    tried(
+        &[
+            &[Run(2), Do(Share, 1), Run(1), Do(Share, 2), Do(Remove, 2), Run(1), Do(Share, 1), Act],
+            &[Run(1), Listen(1), Act],
+            &[Listen(1), Act, Run(2), Listen(2), Act],
+        ],
+        &[213.0, 411.0, 412.0],
     );
 }
 

@@ -9,7 +9,7 @@ use std::fmt::Write as _;
 
 use super::arrive::After;
 use super::*;
-use crate::testing::{Deed, info, program, wait, waits};
+use crate::testing::{Deed, info, listening, program, wait, waits};
 use crate::wait::{Finish, Terminal};
 use counterpoint_event::event::Primitive::{self, Barrier, Count, Flag, Join, Lease, Signal};
 use counterpoint_event::event::Verdict;
@@ -23,6 +23,8 @@ enum Op {
     Act,
     /// A wait of all kernels with this primitive and number.
     At(Primitive, u32),
+    /// A wait for a signal with this number that anybody sends to everybody.
+    Listen(u32),
     /// Something done for others, with this number.
     Do(Deed, u32),
     /// The end of a program; the script continues when another kernel starts the next one.
@@ -37,8 +39,8 @@ enum Op {
     End,
 }
 
-use Deed::{Clear, Free, Send, Set};
-use Op::{Act, At, Away, Begin, Do, End, Rest, Run, Stop};
+use Deed::{Call, Clear, Free, Remove, Send, Set, Share};
+use Op::{Act, At, Away, Begin, Do, End, Listen, Rest, Run, Stop};
 
 /// What a kernel does next.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -117,8 +119,14 @@ impl World {
         Tag { t, micro, channel: index as u16 + 1 }
     }
 
-    fn waiting(&self, index: usize, (primitive, number): (Primitive, u32)) -> Waiting {
-        Waiting { wait: wait(primitive, number, self.players.len() as u16), tag: self.tag(index), file: 0, line: 0 }
+    fn waiting(&self, index: usize, op: Op) -> Option<Waiting> {
+        let channels = self.players.len() as u16;
+        let wait = match op {
+            At(primitive, number) => wait(primitive, number, channels),
+            Listen(number) => listening(number, channels),
+            _ => return None,
+        };
+        Some(Waiting { wait, tag: self.tag(index), file: 0, line: 0 })
     }
 
     /// Steps that can be taken now.
@@ -205,8 +213,7 @@ impl World {
                 }
                 op => {
                     player.next = Next::Answer(op);
-                    let arriving =
-                        if let At(what, number) = op { Some(self.waiting(index, (what, number))) } else { None };
+                    let arriving = self.waiting(index, op);
                     self.order.request(tag, arriving);
                     self.settle();
                 }
@@ -267,9 +274,10 @@ impl World {
                 self.players[index].next = Next::Answer(op);
                 self.judged(verdict);
             }
-            At(what, number) => {
+            At(..) | Listen(_) => {
                 let own = Finish { how: Terminal::Alarmed, file: 0, line: 0 };
-                match self.order.arrive(self.waiting(index, (what, number)), own, &info()).0 {
+                let Some(waiting) = self.waiting(index, op) else { return };
+                match self.order.arrive(waiting, own, &info()).0 {
                     After::Go { t, micro, .. } => self.players[index].clock = (t, micro),
                     After::Stand(verdict) => {
                         self.players[index].next = Next::Answer(op);
@@ -398,6 +406,7 @@ fn all_schedules_with_counts() {
 #[test]
 fn all_schedules_with_signals() {
     pairs([Run(1), At(Signal, 1), Do(Send, 1), Act]);
+    pairs([Run(1), Listen(1), Do(Call, 1), Do(Share, 1), Do(Remove, 1)]);
 }
 
 #[test]

@@ -1,5 +1,5 @@
 use super::*;
-use crate::wait::Wait;
+use crate::wait::{Lasts, Wait};
 
 const V: Variable = Variable::Common(100);
 
@@ -80,7 +80,12 @@ fn an_order_number_orders_up_to_the_first_that_is_large_enough() {
 fn signals_leases_starts_and_ends_order() {
     let acts: [(Act, Wait); 2] = [
         (
-            Act::Signal { key: Key { space: 1, number: 1 }, to: Set::up_to(3), broadcast: false },
+            Act::Signal(Send {
+                key: Key { space: 1, number: 1 },
+                to: Set::up_to(3),
+                broadcast: false,
+                lasts: Lasts::Each,
+            }),
             wait(Primitive::Signal, 1, &[1, 2]),
         ),
         (Act::Release(Key { space: 1, number: 1 }), wait(Primitive::Lease, 1, &[1, 2, 3])),

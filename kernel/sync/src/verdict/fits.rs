@@ -18,9 +18,14 @@ pub(super) fn hints(dead: Set, waits: &Waits, info: &Info) -> Vec<String> {
     let mut said = Set::default();
     for channel in dead.iter() {
         let Some(own) = waits.places.at(channel).filter(|own| is_mark(own.wait.primitive)) else { continue };
+        // Another code ends this wait: what the partner stands at is no slip.
+        let sent = waits.rules.of(&own.wait).is_some_and(|rule| rule.signals.sent_by.is_some());
         for partner in waits.missing(channel).channels.iter() {
             let mutual = said.has(partner) && waits.missing(partner).channels.has(channel);
-            if mutual || waits.missing(partner).channels.has(channel) && standing(own, partner, waits).is_some() {
+            if sent {
+                out.extend(written(own, partner, waits, info));
+            } else if mutual || waits.missing(partner).channels.has(channel) && standing(own, partner, waits).is_some()
+            {
                 out.extend(standing(own, partner, waits).filter(|_| !mutual));
             } else {
                 out.extend(written(own, partner, waits, info));
@@ -60,7 +65,9 @@ fn written(own: &Waiting, partner: u16, waits: &Waits, info: &Info) -> Option<St
     let behind = || (first.max(here.saturating_sub(MOST))..=here).rev().find(has);
     let found = ahead.map(|line| (line, "ahead of it")).or_else(|| behind().map(|line| (line, "behind it")));
     let Some((line, side)) = found else {
-        let code = if rule.style == Style::LineUp || !rule.numbered {
+        let code = if let Some(word) = &rule.signals.sent_by {
+            format!("{word} [ID{}]", own.wait.key.number)
+        } else if rule.style == Style::LineUp || !rule.numbered {
             waits.rules.text(&own.wait)
         } else {
             format!("{}{}", rule.word, own.wait.key.number)
@@ -74,7 +81,7 @@ fn written(own: &Waiting, partner: u16, waits: &Waits, info: &Info) -> Option<St
 /// A line has the mark of a wait, whatever its list of channels.
 fn mentions(line: &str, rule: &Rule, wait: &Wait) -> bool {
     let text = plain(line, rule.style);
-    let word = rule.word.to_ascii_uppercase();
+    let word = rule.signals.sent_by.as_ref().unwrap_or(&rule.word).to_ascii_uppercase();
     if word.is_empty() {
         return false;
     }
@@ -96,13 +103,19 @@ fn mentions(line: &str, rule: &Rule, wait: &Wait) -> bool {
                     after.strip_prefix('(').is_some_and(|rest| !rule.numbered || number(rest) == Some(wait.key.number))
                 }
                 Style::LineUp => label().is_some_and(|(_, rest)| number(rest) == Some(wait.key.number)),
+                Style::Keys => {
+                    let keys = after.strip_prefix("SYN").unwrap_or(after).strip_prefix('[');
+                    let id = keys.and_then(|keys| keys.split_once("ID")).map(|(_, rest)| rest);
+                    id.is_some_and(|id| number(id.strip_prefix('=').unwrap_or(id)) == Some(wait.key.number))
+                }
             }
     })
 }
 
 /// A line in capitals, without blanks and comments.
 fn plain(line: &str, style: Style) -> String {
-    let line = if style == Style::Statement { line.split(';').next().unwrap_or_default() } else { line };
+    let ends_at_semicolon = matches!(style, Style::Statement | Style::Keys);
+    let line = if ends_at_semicolon { line.split(';').next().unwrap_or_default() } else { line };
     let mut depth = 0_u32;
     let mut out = String::with_capacity(line.len());
     for c in line.chars().filter(|c| !c.is_whitespace()) {
@@ -127,7 +140,7 @@ fn is_mark(primitive: Primitive) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::wait::Key;
+    use crate::wait::{Key, Signals};
 
     #[test]
     fn marks_in_lines() {
@@ -143,7 +156,14 @@ mod tests {
         let statement = Rule { style: Style::Statement, ..Rule::plain("WAITM") };
         let line_up = Rule { style: Style::LineUp, ..Rule::plain("!") };
         let text = Rule { numbered: false, ..Rule::plain("SYNC") };
+        let signals = Signals { sent_by: Some("#SIGNAL".into()), ..Signals::default() };
+        let keys = Rule { style: Style::Keys, signals, ..Rule::plain("#WAIT") };
         for (line, rule, number, has) in [
+            ("N5 #SIGNAL [ID7 CH1 CH2]", &keys, 7, true),
+            ("#signal syn [ CH=2 ID=7 ]", &keys, 7, true),
+            ("#SIGNAL [ID70 CH1]", &keys, 7, false),
+            ("#WAIT [ID7 CH1]", &keys, 7, false),
+            ("G4 X1 ; #SIGNAL [ID7]", &keys, 7, false),
             ("N10 M101 P12", &word, 101, true),
             ("m0101", &word, 101, true),
             ("M1011", &word, 101, false),

@@ -4,7 +4,7 @@
 use std::collections::HashSet;
 
 use super::*;
-use crate::wait::{Key, Rule, Rules};
+use crate::wait::{Key, Lasts, Marks, Rule, Rules, Send};
 
 /// Numbers that are the same in every run of the test.
 struct Numbers(u64);
@@ -42,8 +42,13 @@ fn steps(primitive: Primitive) -> Vec<Step> {
         let key = Key { space: 0, number };
         match primitive {
             Primitive::Signal => {
-                steps.push(Step::Act(Act::Signal { key, to: Set::up_to(CHANNELS), broadcast: false }));
-                steps.push(Step::Act(Act::Signal { key, to: Set::up_to(CHANNELS), broadcast: true }));
+                let send =
+                    |broadcast, lasts| Step::Act(Act::Signal(Send { key, to: Set::up_to(CHANNELS), broadcast, lasts }));
+                steps.push(send(false, Lasts::Each));
+                steps.push(send(true, Lasts::Each));
+                steps.push(send(true, Lasts::Times(1)));
+                let range = Marks { space: 0, first: number, last: number };
+                steps.push(Step::Act(Act::Remove { range, to: None }));
                 steps.push(Step::Arrive(Wait { named: None, ..wait(primitive, number, &[1, 2, 3], 1) }));
             }
             Primitive::Flag => steps.push(Step::Act(Act::Set(key))),

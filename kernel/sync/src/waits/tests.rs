@@ -1,5 +1,5 @@
 use super::*;
-use crate::wait::{Absent, Key, Mismatch, Rule, Terminal};
+use crate::wait::{Absent, Key, Lasts, Marks, Mismatch, Rule, Send, Terminal};
 
 /// Channels by number.
 fn set(channels: &[u16]) -> Set {
@@ -220,7 +220,7 @@ fn a_count_takes_whoever_comes() {
 fn each_signal_ends_one_wait() {
     let mut waits = waits(3);
     let from_1 = wait(Primitive::Signal, 7, &[1, 2]);
-    let send = |to: &[u16]| Act::Signal { key: key(7), to: set(to), broadcast: false };
+    let send = |to: &[u16]| Act::Signal(Send { key: key(7), to: set(to), broadcast: false, lasts: Lasts::Each });
     assert_eq!(act(&mut waits, tag(1, 1), send(&[2])), NOBODY);
     assert!(waits.pass(&at(2, 2, from_1)));
     assert!(!waits.pass(&at(2, 2, from_1)), "it is used up");
@@ -236,10 +236,10 @@ fn each_signal_ends_one_wait() {
 fn a_signal_to_everybody_needs_a_wait_for_anybody() {
     let mut waits = waits(3);
     let any = Wait { need: 1, named: None, ..wait(Primitive::Signal, 7, &[1, 2, 3]) };
-    let all = Act::Signal { key: key(7), to: Set::up_to(3), broadcast: true };
+    let all = Act::Signal(Send { key: key(7), to: Set::up_to(3), broadcast: true, lasts: Lasts::Each });
     assert_eq!(continue_by(&mut waits, at(3, 1, any)), NOBODY);
     assert_eq!(waits.missing(3), Missing::any(set(&[1, 2])));
-    let directed = Act::Signal { key: key(7), to: set(&[3]), broadcast: false };
+    let directed = Act::Signal(Send { key: key(7), to: set(&[3]), broadcast: false, lasts: Lasts::Each });
     assert_eq!(act(&mut waits, tag(1, 2), directed), NOBODY, "that one is for a wait that names channel 1");
     waits.finish(1, ended());
     assert!(waits.hopeful(3), "channel 2 can still send");
@@ -250,9 +250,26 @@ fn a_signal_to_everybody_needs_a_wait_for_anybody() {
 }
 
 #[test]
+fn a_signal_that_all_share_ends_the_longest_wait() {
+    let mut waits = waits(3);
+    let any = Wait { need: 1, named: None, ..wait(Primitive::Signal, 7, &[1, 2, 3]) };
+    let send = |lasts| Act::Signal(Send { key: key(7), to: Set::up_to(3), broadcast: true, lasts });
+    assert_eq!(continue_by(&mut waits, at(3, 1, any)), NOBODY);
+    assert_eq!(continue_by(&mut waits, at(2, 2, any)), NOBODY);
+    assert_eq!(act(&mut waits, tag(1, 3), send(Lasts::Times(1))), [(vec![3], 3)]);
+    assert_eq!(act(&mut waits, tag(1, 4), send(Lasts::Times(2))), [(vec![2], 4)]);
+    assert!(waits.pass(&at(3, 5, any)) && !waits.pass(&at(3, 5, any)), "one use was left");
+    assert_eq!(act(&mut waits, tag(1, 6), send(Lasts::Always)), NOBODY);
+    assert!(waits.pass(&at(3, 7, any)) && waits.pass(&at(3, 7, any)));
+    let remove = Act::Remove { range: Marks { space: 0, first: 7, last: 7 }, to: None };
+    assert_eq!(act(&mut waits, tag(1, 8), remove), NOBODY);
+    assert!(!waits.pass(&at(3, 9, any)));
+}
+
+#[test]
 fn kept_signals_are_bounded() {
     let mut waits = waits(2);
-    let send = |number| Act::Signal { key: key(number), to: set(&[2]), broadcast: false };
+    let send = |number| Act::Signal(Send { key: key(number), to: set(&[2]), broadcast: false, lasts: Lasts::Each });
     for number in 0..10_000 {
         assert_eq!(waits.act(tag(1, 0), send(number)), Ok(Vec::new()));
     }

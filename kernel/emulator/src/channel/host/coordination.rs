@@ -5,11 +5,13 @@ use counterpoint_event::event::Kind;
 use counterpoint_fault as diag;
 use counterpoint_fault::{Acted, Halt};
 use counterpoint_program::shape::Range;
+use counterpoint_sync::Letter;
 use counterpoint_sync::order::idle::Program;
+use counterpoint_sync::wait::{Act, Marks};
 
 use crate::channel::Kernel;
 use crate::waits::{self, Meaning, Statement};
-use counterpoint_dialect::{Coordination, Operands};
+use counterpoint_dialect::{Coordination, Operands, Signal};
 
 impl Coordination for Kernel<'_> {
     fn coordinates(&self, statement: &str) -> Option<Operands> {
@@ -37,6 +39,52 @@ impl Coordination for Kernel<'_> {
         }
     }
 
+    fn send(&mut self, statement: &str, signal: &Signal) -> Acted {
+        self.flush_lookahead()?;
+        let channel = self.channel.at.channel;
+        let (send, shown) = match waits::signal(self.channel.env.machine, statement, channel, signal) {
+            Ok(sent) => sent,
+            Err(reason) => return Err(wrong_signal(self, &reason)),
+        };
+        let letter = (!signal.values.is_empty()).then(|| signal.values.as_slice().into());
+        self.signal(Act::Signal(send), letter, shown)
+    }
+
+    fn remove_signal(&mut self, statement: &str, signal: &Signal) -> Acted {
+        self.flush_lookahead()?;
+        let channel = self.channel.at.channel;
+        let (send, shown) = match waits::signal(self.channel.env.machine, statement, channel, signal) {
+            Ok(sent) => sent,
+            Err(reason) => return Err(wrong_signal(self, &reason)),
+        };
+        let last = signal
+            .last
+            .map_or(Ok(send.key.number), |last| waits::signal_number(self.channel.env.machine, statement, last));
+        let last = match last {
+            Ok(last) => last,
+            Err(reason) => return Err(wrong_signal(self, &reason)),
+        };
+        let range = Marks { space: send.key.space, first: send.key.number, last };
+        let to = (!send.broadcast).then_some(send.to);
+        self.signal(Act::Remove { range, to }, None, shown)
+    }
+
+    fn receive(&mut self, statement: &str, signal: &Signal, waits: bool) -> Result<Option<Vec<(u8, f64)>>, Halt> {
+        self.flush_lookahead()?;
+        let channel = self.channel.at.channel;
+        let wait = match waits::signal_wait(self.channel.env.machine, statement, channel, signal) {
+            Ok(wait) => wait,
+            Err(reason) => return Err(wrong_signal(self, &reason)),
+        };
+        if waits && self.channel.env.options.ignore_waits.contains(&channel) {
+            self.emit(0, Kind::mode("sync passed without waiting"));
+            let letters = self.read_signal(wait)?.unwrap_or_default();
+            return Ok(Some(values(&letters)));
+        }
+        let letters = if waits { Some(self.await_signal(wait)?) } else { self.read_signal(wait)? };
+        Ok(letters.map(|letters| values(&letters)))
+    }
+
     fn select(&mut self, channel: i64, name: &str, program: Option<(FileId, Range)>) -> Acted {
         let channel = match waits::known_channel(self.channel.env.machine, channel) {
             Ok(channel) => channel,
@@ -46,6 +94,17 @@ impl Coordination for Kernel<'_> {
             program.map(|(file, range)| Program { file, lines: (range.first, range.last), name: name.into() });
         Kernel::select(self, channel, program)
     }
+}
+
+/// All values of some signals.
+fn values(letters: &[Letter]) -> Vec<(u8, f64)> {
+    letters.iter().flat_map(|letter| letter.iter().copied()).collect()
+}
+
+/// A statement of signals is not possible.
+fn wrong_signal(kernel: &mut Kernel<'_>, reason: &str) -> Halt {
+    let text = format!("{reason}, in '{}'", kernel.block_text());
+    kernel.alarm(&diag::SIGNAL_STATEMENT, text)
 }
 
 /// The arguments of a statement are not possible.

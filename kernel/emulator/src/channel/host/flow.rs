@@ -24,6 +24,10 @@ impl Flow for Kernel<'_> {
         Kernel::after(self, block)
     }
 
+    fn catch_up(&mut self) -> Acted {
+        self.flush_lookahead()
+    }
+
     fn loops(&mut self) -> &mut Loops {
         &mut self.flow.loops
     }

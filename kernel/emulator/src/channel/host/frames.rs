@@ -76,6 +76,10 @@ impl Frames for Kernel<'_> {
         rows
     }
 
+    fn keeps_moves_back(&self) -> bool {
+        self.channel.is_compensated()
+    }
+
     fn work_offset(&self) -> u32 {
         self.channel.state.place.in_force.work_offset
     }

@@ -11,12 +11,10 @@ use counterpoint_sync::races::Mode;
 
 impl Values for Kernel<'_> {
     fn shared(&mut self, name: &str) -> Result<Option<Value>, Halt> {
-        self.flow.pass.polled = true;
         self.access(Door::Named(name), Mode::Read, |shared| shared.named.get(name).cloned())
     }
 
     fn set_shared(&mut self, name: &str, value: Option<Value>) -> Acted {
-        self.flow.pass.effects = true;
         let limit = self.channel.shares().common;
         let growth = name.len() + 200 + value.as_ref().and_then(Value::as_text).map_or(0, str::len);
         let over = self.access(Door::Named(name), Mode::Write, |shared| match value {

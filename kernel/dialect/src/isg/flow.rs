@@ -1,0 +1,247 @@
+//! Control blocks, jumps and calls, executed.
+//!
+//! Facts: reference channel-synchronisation.md 1.7. Decisions: FOR asks for its last value and its step after each pass and ends beyond the
+//! last value in the direction of the step; a branch of SWITCH runs on into the next one unless it breaks. A subprogram `L NAME` is a
+//! file of that name, with or without its ending, beside the calling one or stored with the machine. Invariant: nothing is
+//! remembered of a loop, its partners are found in the text.
+
+use std::sync::Arc;
+
+use super::expr::{Expr, Variable};
+use super::line::{Control, Item, Target};
+use super::places::{Block, Kind, Places};
+use super::{Fault, Isg, Outcome};
+use crate::host::{Call, Host};
+use crate::search::Search;
+use counterpoint_event::FileId;
+use counterpoint_fault as diag;
+use counterpoint_program::shape::Range;
+
+fn loop_fault<T>(text: &str) -> Outcome<T> {
+    Err(Fault::Alarm(&diag::MACRO_LOOP, text.to_owned()))
+}
+
+impl Isg {
+    /// Labels and control blocks of a file.
+    pub(super) fn places(&mut self, host: &dyn Host, file: FileId) -> Arc<Places> {
+        self.places.get(file, || host.source(file).map(|source| Places::of(&source)).unwrap_or_default())
+    }
+
+    /// The control block of the block in process.
+    fn block_here(&mut self, host: &mut dyn Host) -> Outcome<Block> {
+        let place = host.place();
+        let places = self.places(host, place.file);
+        match places.block(place.line).filter(|block| block.last >= place.range.first) {
+            Some(block) => Ok(block.clone()),
+            None => loop_fault("the control block has no matching statement"),
+        }
+    }
+
+    fn go(&mut self, host: &mut dyn Host, line: u32) -> Outcome<()> {
+        self.caching = true;
+        let range = host.place().range;
+        if line < range.first || line > range.last.saturating_add(1) {
+            return Err(Fault::Alarm(&diag::JUMP_TARGET, "the jump leaves its program".to_owned()));
+        }
+        Ok(host.go_to(line)?)
+    }
+
+    fn is_true(&mut self, host: &mut dyn Host, condition: &Expr) -> Outcome<bool> {
+        Ok(self.value(host, condition)? != 0.0)
+    }
+
+    /// The condition of a loop.
+    fn repeats(&mut self, host: &mut dyn Host, condition: &Expr) -> Outcome<bool> {
+        host.tests_loop(true);
+        let holds = self.is_true(host, condition);
+        host.tests_loop(false);
+        holds
+    }
+
+    /// What another line of the program says.
+    fn item_at(&mut self, host: &mut dyn Host, line: u32) -> Outcome<Option<Control>> {
+        let file = host.place().file;
+        let line = self.line_of(host, file, line);
+        let line = match &*line {
+            Ok(line) => line,
+            Err(mistake) => return Err(mistake.clone().into()),
+        };
+        Ok(line
+            .items
+            .iter()
+            .find_map(|item| if let Item::Control(control) = item { Some(control.clone()) } else { None }))
+    }
+
+    /// Executes a control block.
+    pub(super) fn control(&mut self, host: &mut dyn Host, control: &Control) -> Outcome<()> {
+        match control {
+            Control::Mark => Ok(()),
+            Control::If(condition, Some(target)) => {
+                if self.is_true(host, condition)? {
+                    self.jump(host, target)
+                } else {
+                    Ok(())
+                }
+            }
+            Control::Goto(target) => self.jump(host, target),
+            Control::If(condition, None) => {
+                let block = self.block_here(host)?;
+                if self.is_true(host, condition)? { Ok(()) } else { self.branch(host, &block) }
+            }
+            // The branch before it has run.
+            Control::Else | Control::ElseIf(_) => {
+                let block = self.block_here(host)?;
+                self.go(host, block.last.saturating_add(1))
+            }
+            Control::Switch(value) => {
+                let block = self.block_here(host)?;
+                let value = self.value(host, value)?;
+                self.choose(host, &block, value)
+            }
+            Control::Case(_) => self.block_here(host).map(|_| ()),
+            Control::While(condition) => {
+                let block = self.block_here(host)?;
+                if self.repeats(host, condition)? { Ok(()) } else { self.go(host, block.last.saturating_add(1)) }
+            }
+            Control::Until(condition) => {
+                let block = self.block_here(host)?;
+                if self.repeats(host, condition)? { Ok(()) } else { self.go(host, block.first.saturating_add(1)) }
+            }
+            Control::For(variable, first, last, step) => {
+                let block = self.block_here(host)?;
+                let first = self.value(host, first)?;
+                self.assign(host, variable, first)?;
+                if self.goes_on(host, (variable, first), (last, step))? {
+                    return Ok(());
+                }
+                self.go(host, block.last.saturating_add(1))
+            }
+            Control::EndFor => {
+                let block = self.block_here(host)?;
+                let Some(Control::For(variable, _, last, step)) = self.item_at(host, block.first)? else {
+                    return loop_fault("$ENDFOR has no $FOR");
+                };
+                let value = self.read(host, &variable)? + self.value(host, &step)?;
+                self.assign(host, &variable, value)?;
+                if self.goes_on(host, (&variable, value), (&last, &step))? {
+                    return self.go(host, block.first.saturating_add(1));
+                }
+                Ok(())
+            }
+            Control::EndWhile => {
+                let block = self.block_here(host)?;
+                self.go(host, block.first)
+            }
+            Control::EndDo => {
+                let block = self.block_here(host)?;
+                self.go(host, block.first.saturating_add(1))
+            }
+            Control::Break => {
+                let block = self.block_here(host)?;
+                self.go(host, block.last.saturating_add(1))
+            }
+            Control::Continue => {
+                let block = self.block_here(host)?;
+                match block.kind {
+                    Kind::While => self.go(host, block.first),
+                    Kind::Do => self.go(host, block.first.saturating_add(1)),
+                    _ => self.go(host, block.last),
+                }
+            }
+        }
+    }
+
+    /// The variable of FOR is not beyond its last value.
+    fn goes_on(
+        &mut self,
+        host: &mut dyn Host,
+        (_, value): (&Variable, f64),
+        (last, step): (&Expr, &Expr),
+    ) -> Outcome<bool> {
+        let (last, step) = (self.value(host, last)?, self.value(host, step)?);
+        if step == 0.0 {
+            return loop_fault("the step of $FOR is 0");
+        }
+        Ok(if step > 0.0 { value <= last } else { value >= last })
+    }
+
+    /// The condition of IF does not hold: the first ELSEIF that does, else ELSE, else the end.
+    fn branch(&mut self, host: &mut dyn Host, block: &Block) -> Outcome<()> {
+        for mark in &block.marks {
+            let holds = match self.item_at(host, *mark)? {
+                Some(Control::ElseIf(condition)) => self.is_true(host, &condition)?,
+                _ => true,
+            };
+            if holds {
+                return self.go(host, mark.saturating_add(1));
+            }
+        }
+        self.go(host, block.last.saturating_add(1))
+    }
+
+    /// The CASE of a value, else DEFAULT, else the end.
+    fn choose(&mut self, host: &mut dyn Host, block: &Block, value: f64) -> Outcome<()> {
+        let mut default = block.last;
+        for mark in &block.marks {
+            match self.item_at(host, *mark)? {
+                Some(Control::Case(case)) => {
+                    if self.value(host, &case)? == value {
+                        return self.go(host, mark.saturating_add(1));
+                    }
+                }
+                _ => default = *mark,
+            }
+        }
+        self.go(host, default.saturating_add(1))
+    }
+
+    fn jump(&mut self, host: &mut dyn Host, target: &Target) -> Outcome<()> {
+        let place = host.place();
+        let places = self.places(host, place.file);
+        let around = places.program(place.range, place.line);
+        let (found, shown) = match target {
+            Target::Number(number) => {
+                let number = self.value(host, number)?;
+                let label =
+                    if number.fract() == 0.0 && (0.0..=1e9).contains(&number) { Some(number as u32) } else { None };
+                let find = |label| places.numbers().find(&label, Search::Around, place.line, around);
+                (label.and_then(find), format!("block N{number}"))
+            }
+            Target::Name(name) => {
+                (places.names().find(name.as_str(), Search::Around, place.line, around), format!("label [{name}]"))
+            }
+        };
+        match found {
+            Some(line) => self.go(host, line),
+            None => Err(Fault::Alarm(&diag::JUMP_TARGET, format!("{shown} not found in the program"))),
+        }
+    }
+
+    /// A call of a local subprogram, or of a file.
+    pub(super) fn call(&mut self, host: &mut dyn Host, local: bool, name: &str) -> Outcome<()> {
+        self.caching = true;
+        let place = if local {
+            let file = host.place().file;
+            self.places(host, file).subprogram(name).map(|range| (file, range))
+        } else {
+            self.file(host, name)?
+        };
+        host.call(Call { name: Arc::from(name), place, passes: 1, closes: true });
+        Ok(())
+    }
+
+    /// The main program of a file.
+    fn file(&mut self, host: &mut dyn Host, name: &str) -> Outcome<Option<(FileId, Range)>> {
+        let files = host.files();
+        let last = |file: &str| file.rsplit(['/', '\\']).next().unwrap_or(file).to_ascii_uppercase();
+        let wanted = last(name);
+        let stem = |file: &str| last(file).rsplit_once('.').map_or_else(|| last(file), |(stem, _)| stem.to_owned());
+        let exact = files.iter().position(|file| last(file) == wanted);
+        let Some(at) = exact.or_else(|| files.iter().position(|file| stem(file) == wanted)) else { return Ok(None) };
+        let file = at as FileId;
+        host.load(file)?;
+        let main = self.places(host, file).main();
+        let whole = || host.source(file).map(|source| Range { number: None, first: 1, last: source.lines() });
+        Ok(main.or_else(whole).map(|range| (file, range)))
+    }
+}

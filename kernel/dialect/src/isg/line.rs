@@ -1,0 +1,358 @@
+//! What a block says, read once.
+//!
+//! Facts: reference channel-synchronisation.md 1.7. Decisions: `G04` may have its time without an address; a text that is neither word
+//! nor statement stays on the block for the tables of the machine. Invariant: items are in the order of the text.
+
+use super::cursor::{Cursor, Mistake, plain};
+use super::expr::{Expr, Reader, Variable, is_value, is_variable};
+use super::signals::{self, Statement};
+
+/// A block.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub(super) struct Line {
+    /// Marks of optional skip before the block.
+    pub(super) skips: Vec<Option<u8>>,
+    /// Block number, as it is written.
+    pub(super) number: Option<String>,
+    pub(super) items: Vec<Item>,
+}
+
+/// Part of a block.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) enum Item {
+    /// An address with its value; `spelled` if that is a number as written.
+    Word {
+        name: char,
+        value: Expr,
+        spelled: Option<String>,
+    },
+    /// The time of a dwell without an address.
+    Time(Expr),
+    /// `#TIME`.
+    Dwell(Expr),
+    Set(Variable, Expr),
+    /// A variable alone, between `#VAR` and `#ENDVAR`.
+    Declare(Variable),
+    Control(Control),
+    Signal(Box<Statement>),
+    /// `#MSG`.
+    Message(String),
+    /// `LL NAME`, which is in the same file, or `L NAME`, a file.
+    Call {
+        local: bool,
+        name: String,
+    },
+    /// M17 or M29.
+    Return,
+    /// Understood, and without effect here.
+    Idle,
+    /// For the tables of the machine.
+    Text(String),
+}
+
+/// A control block.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) enum Control {
+    If(Expr, Option<Target>),
+    ElseIf(Expr),
+    Else,
+    While(Expr),
+    /// Variable, first value, last value, step.
+    For(Variable, Expr, Expr, Expr),
+    Until(Expr),
+    Switch(Expr),
+    Case(Expr),
+    Goto(Target),
+    Break,
+    Continue,
+    EndWhile,
+    EndFor,
+    EndDo,
+    /// Nothing happens at it: ENDIF, DO, REPEAT, DEFAULT, ENDSWITCH.
+    Mark,
+}
+
+/// Where a jump leads.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) enum Target {
+    Number(Expr),
+    Name(String),
+}
+
+/// Head of a block: skips, number, label.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub(super) struct Head {
+    pub(super) skips: Vec<Option<u8>>,
+    pub(super) number: Option<String>,
+    pub(super) label: Option<String>,
+}
+
+/// Reads the head of a block.
+pub(super) fn head(cursor: &mut Cursor<'_>) -> Head {
+    let mut head = Head::default();
+    while cursor.take(b'/') {
+        let level = cursor.run(|byte| byte.is_ascii_digit());
+        head.skips.push(level.parse().ok());
+    }
+    if cursor.peek() == Some(b'N') && cursor.ahead(1).is_some_and(|byte| byte.is_ascii_digit()) {
+        cursor.at += 1;
+        head.number = Some(cursor.run(|byte| byte.is_ascii_digit()).to_owned());
+        if cursor.here() == Some(b':') {
+            cursor.at += 1;
+        }
+    }
+    if cursor.peek() == Some(b'[') {
+        let mut ahead = cursor.clone();
+        ahead.at += 1;
+        let name = ahead.run(|byte| byte != b']').trim();
+        if ahead.take(b']') && !name.is_empty() {
+            head.label = Some(name.to_owned());
+            cursor.at = ahead.at;
+        }
+    }
+    head
+}
+
+/// Reads a block.
+pub(super) fn read(text: &[u8]) -> Result<Line, Mistake> {
+    let upper = plain(text);
+    let mut cursor = Cursor::new(&upper);
+    let head = head(&mut cursor);
+    let mut line = Line { skips: head.skips, number: head.number, items: Vec::new() };
+    let mut dwells = false;
+    while cursor.peek().is_some() {
+        let item = item(&mut cursor, text, dwells)?;
+        if let Item::Word { name: 'G', value, .. } = &item {
+            dwells |= value.as_constant() == Some(&4.0);
+        }
+        line.items.push(item);
+    }
+    Ok(line)
+}
+
+fn item(cursor: &mut Cursor<'_>, text: &[u8], dwells: bool) -> Result<Item, Mistake> {
+    let start = cursor.at;
+    match cursor.here() {
+        Some(b'$') => {
+            cursor.at += 1;
+            control(cursor).map(Item::Control)
+        }
+        Some(b'#') => hash(cursor, text),
+        _ if is_variable(cursor) => {
+            let variable = Reader::new(cursor).variable()?;
+            if cursor.peek() == Some(b'=') {
+                cursor.at += 1;
+                return Ok(Item::Set(variable, Reader::new(cursor).expression()?));
+            }
+            if dwells {
+                cursor.at = start;
+                return Ok(Item::Time(Reader::new(cursor).sum()?));
+            }
+            Ok(Item::Declare(variable))
+        }
+        Some(b'L') if call_name(cursor).is_some() => {
+            let (local, name, end) = call_name(cursor).unwrap_or_default();
+            cursor.at = end;
+            Ok(Item::Call { local, name })
+        }
+        Some(letter @ b'A'..=b'Z') => Ok(word(cursor, letter)?.unwrap_or_else(|| rest_of_text(cursor, text, start))),
+        Some(b'0'..=b'9' | b'.') if dwells => Ok(Item::Time(Reader::new(cursor).sum()?)),
+        _ => Ok(rest_of_text(cursor, text, start)),
+    }
+}
+
+/// An address with its value.
+fn word(cursor: &mut Cursor<'_>, letter: u8) -> Result<Option<Item>, Mistake> {
+    let mut ahead = cursor.clone();
+    ahead.at += 1;
+    let close = ahead.here();
+    if close != Some(b'=') && !is_value(&ahead) {
+        // A number may stand apart from its address.
+        let blank = matches!(close, Some(b' ' | b'\t'));
+        if !blank || !matches!(ahead.peek(), Some(b'0'..=b'9' | b'.' | b'-' | b'=')) {
+            return Ok(None);
+        }
+    }
+    ahead.take(b'=');
+    ahead.peek();
+    let start = ahead.at;
+    let value = Reader::new(&mut ahead).sum()?;
+    let spelled = ahead.between(start).trim().to_owned();
+    cursor.at = ahead.at;
+    if letter == b'M' && matches!(value.as_constant(), Some(17.0 | 29.0)) {
+        return Ok(Some(Item::Return));
+    }
+    let spelled = value.as_constant().map(|_| spelled);
+    Ok(Some(Item::Word { name: char::from(letter), value, spelled }))
+}
+
+/// Text up to a blank outside of brackets.
+fn rest_of_text(cursor: &mut Cursor<'_>, text: &[u8], start: usize) -> Item {
+    let mut depth = 0_usize;
+    cursor.at = start;
+    while let Some(byte) = cursor.here() {
+        match byte {
+            b'[' => depth += 1,
+            b']' => depth = depth.saturating_sub(1),
+            b' ' | b'\t' if depth == 0 => break,
+            _ => {}
+        }
+        cursor.at += 1;
+    }
+    Item::Text(String::from_utf8_lossy(text.get(start..cursor.at).unwrap_or_default()).trim().to_owned())
+}
+
+/// `L NAME` or `LL NAME`: whether it is local, the name, where it ends.
+fn call_name(cursor: &Cursor<'_>) -> Option<(bool, String, usize)> {
+    let mut ahead = cursor.clone();
+    ahead.at += 1;
+    let local = ahead.here() == Some(b'L');
+    ahead.at += usize::from(local);
+    if !matches!(ahead.here(), Some(b' ' | b'\t')) {
+        return None;
+    }
+    ahead.peek();
+    let name = ahead.run(|byte| !b" \t\r()[];,#$\"".contains(&byte)).to_owned();
+    // `L 5` is a word.
+    name.starts_with(|c: char| !c.is_ascii_digit() && c != '-' && c != '=').then_some((local, name, ahead.at))
+}
+
+fn target(cursor: &mut Cursor<'_>) -> Result<Target, Mistake> {
+    if cursor.take(b'[') {
+        let name = cursor.run(|byte| byte != b']').trim().to_owned();
+        cursor.expect(b']', "']'")?;
+        return Ok(Target::Name(name));
+    }
+    cursor.expect(b'N', "N with a number, or a label in brackets")?;
+    Ok(Target::Number(Reader::new(cursor).sum()?))
+}
+
+fn control(cursor: &mut Cursor<'_>) -> Result<Control, Mistake> {
+    let start = cursor.at;
+    let word = cursor.run(|byte| byte.is_ascii_alphabetic());
+    let control = match word {
+        "IF" => {
+            let condition = Reader::new(cursor).expression()?;
+            let jumps = cursor.key("$GOTO");
+            Control::If(condition, if jumps { Some(target(cursor)?) } else { None })
+        }
+        "ELSEIF" => Control::ElseIf(Reader::new(cursor).expression()?),
+        "ELSE" => Control::Else,
+        "WHILE" => Control::While(Reader::new(cursor).expression()?),
+        "UNTIL" => Control::Until(Reader::new(cursor).expression()?),
+        "SWITCH" => Control::Switch(Reader::new(cursor).expression()?),
+        "CASE" => {
+            let value = Reader::new(cursor).expression()?;
+            cursor.take(b':');
+            Control::Case(value)
+        }
+        "DEFAULT" => {
+            cursor.take(b':');
+            Control::Mark
+        }
+        "FOR" => {
+            cursor.peek();
+            let variable = Reader::new(cursor).variable()?;
+            cursor.expect(b'=', "'='")?;
+            let mut value = |comma: bool| {
+                if comma {
+                    cursor.expect(b',', "','")?;
+                }
+                Reader::new(cursor).expression()
+            };
+            Control::For(variable, value(false)?, value(true)?, value(true)?)
+        }
+        "GOTO" => Control::Goto(target(cursor)?),
+        "BREAK" => Control::Break,
+        "CONTINUE" => Control::Continue,
+        "ENDWHILE" => Control::EndWhile,
+        "ENDFOR" => Control::EndFor,
+        "ENDDO" => Control::EndDo,
+        "ENDIF" | "DO" | "REPEAT" | "ENDSWITCH" => Control::Mark,
+        _ => return Err(Mistake::syntax(format!("${word} at column {start} is no statement"))),
+    };
+    cursor.end()?;
+    Ok(control)
+}
+
+/// Statements with `#`.
+fn hash(cursor: &mut Cursor<'_>, text: &[u8]) -> Result<Item, Mistake> {
+    let start = cursor.at;
+    cursor.at += 1;
+    let word = cursor.run(|byte| byte.is_ascii_alphabetic());
+    let item = match word {
+        "SIGNAL" | "WAIT" if signals::is_one(word, cursor) => Item::Signal(Box::new(signals::read(word, cursor)?)),
+        "TIME" => Item::Dwell(Reader::new(cursor).sum()?),
+        "VAR" | "ENDVAR" => Item::Idle,
+        "FLUSH" => {
+            let _ = cursor.word("WAIT") || cursor.word("CONTINUE");
+            Item::Idle
+        }
+        "MSG" => {
+            let rest = text.get(cursor.at..).unwrap_or_default();
+            let mut quotes = rest.split(|byte| *byte == b'"');
+            let (Some(_), Some(message), Some(_)) = (quotes.next(), quotes.next(), quotes.next()) else {
+                return Err(Mistake::expected("a text in quotation marks", cursor.at));
+            };
+            cursor.run(|_| true);
+            Item::Message(String::from_utf8_lossy(message).into_owned())
+        }
+        _ => {
+            cursor.at = start;
+            cursor.run(|_| true);
+            let text = text.get(start..cursor.at).unwrap_or_default();
+            Item::Text(String::from_utf8_lossy(text).trim().to_owned())
+        }
+    };
+    cursor.end()?;
+    Ok(item)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn items(text: &str) -> Vec<Item> {
+        read(text.as_bytes()).unwrap().items
+    }
+
+    fn spelled(items: &[Item]) -> Vec<(char, Option<&str>)> {
+        let word = |item: &Item| match item {
+            Item::Word { name, spelled, .. } => (*name, spelled.clone()),
+            other => panic!("{other:?}"),
+        };
+        items.iter().map(word).map(|(name, spelled)| (name, spelled.map(|s| &*s.leak()))).collect()
+    }
+
+    #[test]
+    fn words_with_values() {
+        let line = items("N10 G01 X10.5 Y-3 Z[P1+2] F=V.E.FEED");
+        let expected = [('G', Some("01")), ('X', Some("10.5")), ('Y', Some("-3")), ('Z', None), ('F', None)];
+        assert_eq!(spelled(&line), expected);
+        assert_eq!(spelled(&items("XP1 YSIN[30] Z 4")), [('X', None), ('Y', None), ('Z', Some("4"))]);
+        assert!(matches!(items("G04 2.5")[..], [Item::Word { .. }, Item::Time(_)]));
+        assert!(matches!(items("G04 P1")[..], [Item::Word { .. }, Item::Time(_)]));
+        assert!(matches!(items("M17")[..], [Item::Return]));
+    }
+
+    #[test]
+    fn heads() {
+        let line = read(b"/2 N10: [LOOP] G0").unwrap();
+        assert_eq!((line.skips, line.number.as_deref(), line.items.len()), (vec![Some(2)], Some("10"), 1));
+        assert_eq!(head(&mut Cursor::new(b"[AGAIN]")).label.as_deref(), Some("AGAIN"));
+    }
+
+    #[test]
+    fn statements() {
+        assert!(matches!(items("$IF P1 > 3 $GOTO N50")[..], [Item::Control(Control::If(_, Some(Target::Number(_))))]));
+        assert!(matches!(items("$FOR P1 = 1, 10, 2")[..], [Item::Control(Control::For(..))]));
+        assert!(matches!(items("$GOTO [END]")[..], [Item::Control(Control::Goto(Target::Name(_)))]));
+        assert!(matches!(items("V.P.COUNT = 3")[..], [Item::Set(..)]));
+        assert!(matches!(items("#TIME 2.5")[..], [Item::Dwell(_)]));
+        assert_eq!(items("LL UP1"), [Item::Call { local: true, name: "UP1".to_owned() }]);
+        assert_eq!(items("L sub.nc"), [Item::Call { local: false, name: "SUB.NC".to_owned() }]);
+        assert_eq!(items("#MSG [\"Part (done)\"]"), [Item::Message("Part (done)".to_owned())]);
+        assert_eq!(items("#HSC ON [A 1]"), [Item::Text("#HSC ON [A 1]".to_owned())]);
+        assert!(read(b"$WHILE P1 < 3 X5").is_err() && read(b"$FOO").is_err());
+    }
+}

@@ -1,0 +1,305 @@
+//! A block, executed item by item.
+//!
+//! Facts: reference channel-synchronisation.md 1.7. Decisions: the time of a dwell without an address is that of X; what only the machine
+//! knows is asked of its identification macro, and without an answer it is an alarm. Invariant: words keep their order; a block
+//! that leaves none leaves no text.
+
+use counterpoint_fault as diag;
+use counterpoint_lang::value::Value;
+
+use super::cursor::Cursor;
+use super::expr::{Expr, Own, Reader, Variable};
+use super::line::Item;
+use super::{Fault, Isg, Outcome, no_variable, places};
+use crate::expression::{Evaluate, Stack};
+use crate::host::{Answer, Host};
+use crate::numeric::{Function, Operator, truth};
+
+/// Most elements that a declaration makes.
+const ELEMENTS: f64 = 10_000.0;
+
+/// Evaluates with the variables of a kernel.
+struct Eval<'e> {
+    isg: &'e mut Isg,
+    host: &'e mut dyn Host,
+}
+
+impl Evaluate<f64, Own> for Eval<'_> {
+    type Stop = Fault;
+
+    fn own(&mut self, own: &Own, stack: &mut Stack<f64>) -> Outcome<f64> {
+        match own {
+            Own::Variable(variable) => self.isg.read(self.host, variable),
+            Own::PowerOfTen => finite(Some(libm::pow(10.0, stack.pop())), "DEXP"),
+        }
+    }
+
+    fn apply(&mut self, function: Function, value: f64) -> Outcome<f64> {
+        finite(function.value(value), function.name())
+    }
+
+    fn combine(&mut self, operator: Operator, left: f64, right: f64) -> Outcome<f64> {
+        match operator.value(left, right) {
+            None => Err(Fault::Alarm(&diag::MACRO_DIVISION, "division by zero".to_owned())),
+            value => finite(value, "the operator"),
+        }
+    }
+}
+
+fn finite(value: Option<f64>, name: &str) -> Outcome<f64> {
+    match value {
+        Some(value) if value.is_finite() => Ok(value),
+        _ => Err(Fault::Alarm(&diag::MACRO_DOMAIN, format!("{name} has no value here"))),
+    }
+}
+
+/// Words that are left.
+#[derive(Debug, Default)]
+struct Left(String);
+
+impl Left {
+    fn add(&mut self, word: &str) {
+        if !self.0.is_empty() {
+            self.0.push(' ');
+        }
+        self.0.push_str(word);
+    }
+}
+
+impl Isg {
+    /// Executes a block: the text of the words that are left.
+    pub(super) fn carry_out(&mut self, host: &mut dyn Host, text: &[u8]) -> Outcome<Option<String>> {
+        let place = host.place();
+        if places::is_head(text) {
+            return program_head(host).map(|()| None);
+        }
+        let line = self.read_line((place.file, place.line), text, place.as_read);
+        let line = match &*line {
+            Ok(line) => line,
+            Err(mistake) => return Err(mistake.clone().into()),
+        };
+        // All marks are asked, so that each of them counts as read.
+        let mut skipped = false;
+        for level in &line.skips {
+            skipped |= host.skips(*level);
+        }
+        if skipped {
+            return Ok(None);
+        }
+        let mut left = Left::default();
+        for item in &line.items {
+            self.item(host, item, &mut left)?;
+        }
+        if left.0.is_empty() {
+            return Ok(None);
+        }
+        match line.number.as_ref().filter(|_| host.is_register("N")) {
+            Some(number) => Ok(Some(format!("N{number} {}", left.0))),
+            None => Ok(Some(left.0)),
+        }
+    }
+
+    fn item(&mut self, host: &mut dyn Host, item: &Item, left: &mut Left) -> Outcome<()> {
+        match item {
+            Item::Word { name, value, spelled } => {
+                let value = self.value(host, value)?;
+                let name = name.to_string();
+                let word = host.word(&name, value, spelled.as_deref());
+                left.add(&word.unwrap_or_else(|| format!("{name}{value}")));
+            }
+            Item::Time(time) => {
+                let time = self.value(host, time)?;
+                left.add(&host.word("X", time, None).unwrap_or_else(|| format!("X{time}")));
+            }
+            Item::Dwell(time) => {
+                let time = self.value(host, time)?;
+                left.add("G4");
+                left.add(&host.word("X", time, None).unwrap_or_else(|| format!("X{time}")));
+            }
+            Item::Set(variable, value) => {
+                let value = self.value(host, value)?;
+                self.assign(host, variable, value)?;
+            }
+            Item::Declare(variable) => self.declare(host, variable)?,
+            Item::Control(control) => self.control(host, control)?,
+            Item::Signal(statement) => {
+                if host.coordinates(statement.row()).is_none() {
+                    let text = format!("the machine has no statement #{}", statement.row());
+                    return Err(Fault::Alarm(&diag::SIGNAL_STATEMENT, text));
+                }
+                self.signal(host, statement)?;
+            }
+            Item::Message(text) => host.show(text),
+            Item::Call { local, name } => self.call(host, *local, name)?,
+            Item::Return => host.return_from(),
+            Item::Idle => {}
+            Item::Text(text) => left.add(text),
+        }
+        Ok(())
+    }
+
+    /// Value of an expression.
+    pub(super) fn value(&mut self, host: &mut dyn Host, expr: &Expr) -> Outcome<f64> {
+        if let Some(value) = expr.as_constant() {
+            return Ok(*value);
+        }
+        Eval { isg: self, host }.evaluate(expr)
+    }
+
+    /// The number of a parameter.
+    fn number(&mut self, host: &mut dyn Host, number: &Expr) -> Outcome<u32> {
+        let number = self.value(host, number)?;
+        if number.fract() == 0.0 && (0.0..=1e9).contains(&number) {
+            return Ok(number as u32);
+        }
+        no_variable(format!("P{number} is no parameter"))
+    }
+
+    /// A name with the values of its indices.
+    fn full_name(&mut self, host: &mut dyn Host, name: &str, indices: &[Expr]) -> Outcome<String> {
+        let mut full = name.to_owned();
+        for index in indices {
+            full.push_str(&format!("[{}]", self.value(host, index)?));
+        }
+        Ok(full)
+    }
+
+    /// The one index of an external variable.
+    fn index(&mut self, host: &mut dyn Host, name: &str, indices: &[Expr]) -> Outcome<Option<f64>> {
+        match indices {
+            [] => Ok(None),
+            [index] => self.value(host, index).map(Some),
+            _ => no_variable(format!("{name} has one index at the most")),
+        }
+    }
+
+    /// Value of a variable.
+    pub(super) fn read(&mut self, host: &mut dyn Host, variable: &Variable) -> Outcome<f64> {
+        let (full, value) = match variable {
+            Variable::Parameter(number, indices) if indices.is_empty() => {
+                let number = self.number(host, number)?;
+                match self.store.parameter(number) {
+                    Some(value) => return Ok(value),
+                    None => (format!("P{number}"), None),
+                }
+            }
+            Variable::Parameter(number, indices) => {
+                let name = format!("P{}", self.number(host, number)?);
+                let full = self.full_name(host, &name, indices)?;
+                let value = self.store.named(&full);
+                (full, value)
+            }
+            Variable::Named(name, indices) => {
+                if name.starts_with("V.E.") {
+                    let index = self.index(host, name, indices)?;
+                    return self.store.read_external(host, name, index);
+                }
+                let full = self.full_name(host, name, indices)?;
+                let value = match self.store.named(&full) {
+                    None => self.system(host, &full),
+                    value => value,
+                };
+                (full, value)
+            }
+        };
+        match value {
+            Some(value) => Ok(value),
+            None => self.asked(host, &full),
+        }
+    }
+
+    /// Variables of the control that the kernel knows.
+    fn system(&self, host: &dyn Host, name: &str) -> Option<f64> {
+        if name == "V.G.SIGNAL_READ" {
+            return Some(truth(self.signal_read));
+        }
+        let axis = name.strip_prefix("V.A.ABS.")?;
+        host.axes().into_iter().find(|place| place.is(axis)).map(|place| place.work)
+    }
+
+    /// What only the machine knows.
+    fn asked(&mut self, host: &mut dyn Host, name: &str) -> Outcome<f64> {
+        match host.identify(name, None)?.unless(name) {
+            Answer::Drop | Answer::Keep => Ok(0.0),
+            Answer::Instead(answer) => {
+                let upper = answer.to_ascii_uppercase();
+                let mut cursor = Cursor::new(upper.as_bytes());
+                let expr = Reader::new(&mut cursor).expression()?;
+                cursor.end()?;
+                self.value(host, &expr)
+            }
+            Answer::Unknown => no_variable(format!("{name} has no value")),
+        }
+    }
+
+    /// Sets a variable.
+    pub(super) fn assign(&mut self, host: &mut dyn Host, variable: &Variable, value: f64) -> Outcome<()> {
+        let changed = match variable {
+            Variable::Parameter(number, indices) => {
+                let number = self.number(host, number)?;
+                if indices.is_empty() {
+                    self.store.set_parameter(number, value)?
+                } else {
+                    let full = self.full_name(host, &format!("P{number}"), indices)?;
+                    self.store.set_named(&full, value)?
+                }
+            }
+            Variable::Named(name, indices) => {
+                if name.starts_with("V.E.") {
+                    let index = self.index(host, name, indices)?;
+                    return self.store.write_external(host, (name, index), value);
+                }
+                let full = self.full_name(host, name, indices)?;
+                if ["V.P.", "V.L.", "V.S."].iter().any(|family| full.starts_with(family)) {
+                    self.store.set_named(&full, value)?
+                } else {
+                    return match host.identify(&full, Some(&Value::Real(value)))?.unless(&full) {
+                        Answer::Drop | Answer::Keep | Answer::Instead(_) => Ok(()),
+                        Answer::Unknown => no_variable(format!("{full} cannot be set")),
+                    };
+                }
+            }
+        };
+        if changed {
+            host.effect();
+        }
+        Ok(())
+    }
+
+    /// A variable alone: it begins with 0, an array with so many elements, unless it has a value.
+    fn declare(&mut self, host: &mut dyn Host, variable: &Variable) -> Outcome<()> {
+        let (name, indices) = match variable {
+            Variable::Named(name, indices) if !name.starts_with("V.E.") => (name.to_string(), indices),
+            _ => return Err(Fault::Alarm(&diag::MACRO_SYNTAX, "expected '=' after the variable".to_owned())),
+        };
+        let mut sizes = Vec::new();
+        for index in indices {
+            sizes.push(self.value(host, index)?);
+        }
+        let count: f64 = sizes.iter().product();
+        if sizes.iter().any(|size| size.fract() != 0.0 || *size < 1.0) || count > ELEMENTS {
+            return no_variable(format!("{name} cannot have so many elements"));
+        }
+        for at in 0..count as usize {
+            let (mut rest, mut index) = (at, String::new());
+            for size in sizes.iter().rev() {
+                index = format!("[{}]{index}", rest % *size as usize);
+                rest /= *size as usize;
+            }
+            let full = format!("{name}{index}");
+            if self.store.named(&full).is_none() {
+                self.store.set_named(&full, 0.0)?;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The head of a program: the next one is not run into.
+fn program_head(host: &mut dyn Host) -> Outcome<()> {
+    let place = host.place();
+    let source = host.source(place.file);
+    let is_first =
+        source.is_none_or(|source| (place.range.first..place.line).all(|line| !places::is_head(source.line(line))));
+    if is_first { Ok(()) } else { Ok(host.go_to(place.range.last.saturating_add(1))?) }
+}
