@@ -7,6 +7,7 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
 use crate::remote::Remote;
+use crate::settings::Setting;
 pub(crate) use jobs::{JobFilter, Jobs, Priority, RequestArgs, Rerun, State, Watch, When};
 
 const EXAMPLES: &str = "\
@@ -208,6 +209,9 @@ pub(crate) enum RaceCheck {
 pub(crate) struct Run {
     #[command(flatten)]
     pub(crate) inputs: Inputs,
+    /// Set a datum of the machine for this run: `waits=FIRST-LAST`, the M codes that are waiting codes
+    #[arg(long, value_name = "KEY=VALUE")]
+    pub(crate) set: Vec<Setting>,
     /// Write listings, events, summary, timeline, toolpath and the files of macros into this folder
     #[arg(long, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,

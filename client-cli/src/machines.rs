@@ -110,6 +110,11 @@ pub(crate) fn known(client: &Client, machine: &str) -> Result<(), Error> {
 /// Uploads a machine folder to the server; returns `name@revision`.
 pub(crate) async fn put_machine(client: &Client, folder: &Path) -> Result<String, Error> {
     let (name, files) = pack::machine(folder)?;
+    put_files(client, name, files).await
+}
+
+/// Uploads the files of a machine to the server; returns `name@revision`.
+pub(crate) async fn put_files(client: &Client, name: String, files: pack::Files) -> Result<String, Error> {
     client.upload(&files.blobs()).await?;
     let files = machine_files(files);
     let request = v1::PutMachineRequest { name: name.clone(), files };

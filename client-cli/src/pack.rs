@@ -6,6 +6,7 @@
 use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
 use std::fs;
+use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 
 use counterpoint_client::Blob;
@@ -244,7 +245,7 @@ fn whole_folder(files: &mut Files, root: &Path, folder: &Path, name: &str, depth
 
 /// Number of channels that the programs are written for: one per program file, but a single file with waiting codes has
 /// one per program in it, and an archive one per main program.
-pub(crate) fn channels(programs: &[String]) -> usize {
+pub(crate) fn channels(programs: &[String], waiting: &RangeInclusive<u32>) -> usize {
     let [program] = programs else { return programs.len() };
     if program.contains('#') {
         return 1;
@@ -260,9 +261,18 @@ pub(crate) fn channels(programs: &[String]) -> usize {
         if archived && line.trim_ascii_end().to_ascii_uppercase().ends_with(b"_MPF") {
             mains += 1;
         }
-        waits |= line.windows(4).any(|w| matches!(w, [b'M' | b'm', b'1', b'0'..=b'9', b'0'..=b'9']));
+        waits |= has_code(line, waiting);
     }
     if waits { definitions.max(mains).max(1) } else { mains.max(1) }
+}
+
+/// A line has an M code of the range.
+fn has_code(line: &[u8], range: &RangeInclusive<u32>) -> bool {
+    line.split(|b| matches!(b, b'M' | b'm')).skip(1).any(|rest| {
+        let digits = rest.iter().take_while(|b| b.is_ascii_digit());
+        let number = digits.fold(0_u32, |number, b| number.saturating_mul(10).saturating_add(u32::from(b - b'0')));
+        range.contains(&number)
+    })
 }
 
 #[cfg(test)]

@@ -17,10 +17,11 @@ use crate::outcome::{exit_code, not_run};
 use crate::progress::{Progress, Steps};
 use crate::report::report;
 use crate::say::{self, DIM, styled};
+use crate::settings::{self, Setting};
 use crate::step::{Interrupt, Stepper};
 use crate::summary::Summary;
 use crate::timeline::{Timeline, draw};
-use crate::{guess, jobs, machines, pack, results};
+use crate::{changed_machine, guess, jobs, machines, pack, results};
 
 /// Runs programs on a server in this process.
 pub(crate) async fn run(arguments: Run) -> Result<u8, Error> {
@@ -48,7 +49,8 @@ async fn carry_out(arguments: Run) -> Result<(v1::JobStatus, Option<u8>), (Stage
     let draws = !arguments.no_timeline && !arguments.quiet && !arguments.json;
     let embedded = Client::embed(arguments.needs_log(), arguments.allow_system, arguments.inputs.operator.step).await;
     let client = embedded.map_err(at(Stage::Submission))?;
-    let name = machine(&client, &arguments.inputs, arguments.quiet).await.map_err(at(Stage::Machine))?;
+    let name =
+        machine(&client, &arguments.inputs, &arguments.set, arguments.quiet).await.map_err(at(Stage::Machine))?;
     let first = pack.programs.first().map(|p| p.path.clone()).unwrap_or_default();
     let request = v1::SubmitJobRequest { request_id: counterpoint_client::request_id(), ..Default::default() };
     let stepped = arguments.inputs.operator.step;
@@ -108,7 +110,7 @@ fn files_report(out: &mut String, files: &[v1::WrittenFile], kept: bool) {
 pub(crate) async fn submit(arguments: Submit) -> Result<u8, Error> {
     let pack = pack::job(&arguments.inputs)?;
     let client = Client::connect(&arguments.remote.server).await?;
-    let name = machine(&client, &arguments.inputs, false).await?;
+    let name = machine(&client, &arguments.inputs, &[], false).await?;
     let request = jobs::request(&arguments.request);
     let job = submit_pack(&client, &arguments.inputs, pack, name, (request, arguments.inputs.operator.attend)).await?;
     say::data(format!("{job}\n").as_bytes())?;
@@ -116,21 +118,33 @@ pub(crate) async fn submit(arguments: Submit) -> Result<u8, Error> {
 }
 
 /// The machine to run on; a machine folder is uploaded first.
-async fn machine(client: &Client, inputs: &Inputs, quiet: bool) -> Result<String, Error> {
+async fn machine(client: &Client, inputs: &Inputs, set: &[Setting], quiet: bool) -> Result<String, Error> {
     let Some(machine) = &inputs.machine else {
-        let guess = guess::machine(&inputs.programs)?;
+        let guess = guess::machine(&inputs.programs, &settings::waits(set))?;
         if !quiet {
             let text =
                 format!("machine {}, guessed from {}; use --machine to choose another", guess.machine, guess.why);
             say::status_line(styled(DIM, text));
         }
-        return Ok(guess.machine.to_owned());
+        return with_settings(client, guess.machine, set).await;
     };
     if pack::is_folder(machine) {
-        return machines::put_machine(client, Path::new(machine)).await;
+        return match set {
+            [] => machines::put_machine(client, Path::new(machine)).await,
+            set => with_settings(client, machine, set).await,
+        };
     }
     machines::known(client, machine)?;
-    Ok(machine.clone())
+    with_settings(client, machine, set).await
+}
+
+/// The machine itself, or, with settings, a revision of it that has them.
+async fn with_settings(client: &Client, machine: &str, set: &[Setting]) -> Result<String, Error> {
+    if set.is_empty() {
+        return Ok(machine.to_owned());
+    }
+    let (name, files) = changed_machine::machine(machine, set)?;
+    machines::put_files(client, name, files).await
 }
 
 async fn submit_pack(

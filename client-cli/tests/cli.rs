@@ -284,6 +284,37 @@ fn a_machine_is_guessed_with_a_reason_or_asked_for() {
 }
 
 #[test]
+fn waiting_codes_are_set_for_one_run() {
+    let folder = tempfile::tempdir().unwrap();
+    let upper = program(folder.path(), "upper.nc", "O1\nG4 X1.\nM901\nG4 X2.\nM30\n");
+    let lower = program(folder.path(), "lower.nc", "O2\nG4 X4.\nM901\nM30\n");
+    let run = |more: &[&str]| {
+        let output = counterpoint(&[&["run", "--json", &upper, &lower], more].concat());
+        let summary: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap_or_default();
+        (code(&output), summary["makespan_ns"].as_i64(), String::from_utf8_lossy(&output.stderr).into_owned())
+    };
+    // The upper turret waits from 1 s to 4 s and ends at 6 s.
+    // So it does on a machine of one's own that has the row from a shipped one.
+    let own = folder.path().join("our-lathe");
+    std::fs::create_dir(&own).unwrap();
+    let definition = "extends = \"fanuc-2path-lathe\"\n[ce]\nname = \"our-lathe\"\nnumber = 99\nrevision = 1\n";
+    std::fs::write(own.join("machine.toml"), definition).unwrap();
+    let own = own.display().to_string();
+    for machine in [&[][..], &["--machine", "fanuc-2path-lathe"], &["--machine", &own]] {
+        let (status, time, text) = run(&[machine, &["--set", "waits=900-999"]].concat());
+        assert_eq!((status, time), (0, Some(6_000_000_000)), "{text}");
+    }
+    assert_eq!(run(&["--machine", "fanuc-2path-lathe"]).0, 1, "M901 is not a code of the machine");
+    let refused = |more: &[&str], with: &str| {
+        let (status, _, text) = run(more);
+        assert!(status == 2 && text.contains(with), "{text}");
+    };
+    refused(&["--set", "waits=9"], "no range");
+    refused(&["--set", "rapid=9"], "no such key 'rapid': the keys are waits=FIRST-LAST");
+    refused(&["--machine", "siemens-2channel", "--set", "waits=900-999"], "has no range of M codes that wait");
+}
+
+#[test]
 fn warnings_are_counted_and_strict_makes_them_an_error() {
     let folder = tempfile::tempdir().unwrap();
     let clean = program(folder.path(), "clean.nc", "O1\nG0 X1.\nM30\n");

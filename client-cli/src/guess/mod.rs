@@ -8,6 +8,7 @@ mod signs;
 
 use std::fs;
 use std::io::Read as _;
+use std::ops::RangeInclusive;
 
 use crate::error::Error;
 use crate::pack::{self, Inside};
@@ -30,7 +31,9 @@ pub(crate) struct Guess {
 }
 
 /// The machine for programs as they stand on the command line.
-pub(crate) fn machine(programs: &[String]) -> Result<Guess, Error> {
+///
+/// `waits` are the M codes that are waiting codes.
+pub(crate) fn machine(programs: &[String], waits: &RangeInclusive<u32>) -> Result<Guess, Error> {
     let mut signs = Vec::new();
     for program in programs {
         let (path, inside) = pack::program(program)?;
@@ -49,7 +52,7 @@ pub(crate) fn machine(programs: &[String]) -> Result<Guess, Error> {
         signs.extend(signs::of(&name, &text, number).into_iter().map(|sign| (name.clone(), sign)));
     }
     let evidence = Evidence { signs, several: programs.len() > 1 };
-    evidence.judge(pack::channels(programs), programs)
+    evidence.judge(pack::channels(programs, waits), programs)
 }
 
 /// Text of a program: UTF-8, UTF-16 with a byte order mark, or bytes of which only ASCII matters.
@@ -67,6 +70,9 @@ fn decode(bytes: &[u8]) -> String {
     }
 }
 
+/// A shipped machine, and the kinds whose signs chose it among those of its control.
+type Chosen = (&'static str, &'static [Kind]);
+
 /// Signs, each with the name of its file.
 struct Evidence {
     signs: Vec<(String, Sign)>,
@@ -80,7 +86,9 @@ impl Evidence {
 
     fn of(&self, kind: Kind) -> impl Iterator<Item = &(String, Sign)> {
         // A sign that several programs show counts once.
-        let first = move |at: usize, sign: &Sign| self.signs.iter().take(at).all(|(_, other)| other.text != sign.text);
+        let first = move |at: usize, sign: &Sign| {
+            self.signs.iter().take(at).all(|(_, o)| (o.kind, &o.text) != (sign.kind, &sign.text))
+        };
         self.signs
             .iter()
             .enumerate()
@@ -102,40 +110,81 @@ impl Evidence {
         signs.into_iter().take(NAMED).map(one).collect::<Vec<_>>().join(", ")
     }
 
+    /// The heaviest signs of several kinds, each sign once.
+    fn named_all(&self, kinds: &[Kind]) -> String {
+        let mut all: Vec<String> = Vec::new();
+        for kind in kinds {
+            for sign in self.named(*kind).split(", ").filter(|sign| !sign.is_empty()) {
+                if all.iter().all(|known| known != sign) {
+                    all.push(sign.to_owned());
+                }
+            }
+        }
+        all.join(", ")
+    }
+
     /// A program for a control other than Fanuc's.
     fn other_control(&self, kind: Kind, channels: usize) -> Result<Guess, Error> {
-        let (mill, lathe) = (self.weight(Kind::Mill), self.weight(Kind::Lathe));
-        let iso = self.of(Kind::Heidenhain).any(|(_, sign)| sign.text.ends_with('*'));
         let machine = match kind {
-            Kind::Siemens if channels == 2 && mill > lathe => {
-                Err("no such milling machine with two channels is shipped")
-            }
-            Kind::Siemens if channels == 2 => Ok(("siemens-2channel", Some(Kind::Lathe))),
-            Kind::Siemens if lathe > mill => Ok(("siemens-lathe", Some(Kind::Lathe))),
-            Kind::Siemens if mill > lathe => Ok(("siemens-mill", Some(Kind::Mill))),
-            Kind::Siemens => Err("siemens-mill and siemens-lathe are shipped, and nothing shows which one it is for"),
-            Kind::Heidenhain if !iso => Ok(("heidenhain-mill", None)),
-            Kind::Heidenhain => Err("the shipped machine has no ISO words; describe yours (docs/tutorial-control.md)"),
-            _ => Err("no machine of this kind is shipped; describe yours (docs/tutorial-control.md)"),
-        };
-        let machine = match machine {
-            Ok((name, _)) if channels > 1 && name != "siemens-2channel" => {
-                Err("no such machine with as many channels is shipped")
-            }
-            machine => machine,
+            Kind::Siemens => self.siemens(channels),
+            Kind::Heidenhain => self.heidenhain(channels),
+            Kind::Okuma => self.okuma(channels),
+            _ => self.sections(channels),
         };
         match machine {
-            Ok((machine, shows)) => {
-                let shown = shows.map(|shows| self.named(shows)).filter(|shown| !shown.is_empty());
-                let also = shown.map(|shown| format!(", {shown}")).unwrap_or_default();
-                Ok(Guess { machine, why: format!("{}{also}", self.named(kind)) })
-            }
+            Ok((machine, shows)) => Ok(Guess { machine, why: self.named_all(&[&[kind][..], shows].concat()) }),
             Err(why) => Err(Error::Usage(format!(
                 "no machine given, and the program is for {}, judging by {}: {why}; {ASK}",
                 kind.control().unwrap_or_default(),
                 self.named(kind)
             ))),
         }
+    }
+
+    fn siemens(&self, channels: usize) -> Result<Chosen, &'static str> {
+        let (mill, lathe) = (self.weight(Kind::Mill), self.weight(Kind::Lathe));
+        match channels {
+            2 if mill > lathe => Err("no such milling machine with two channels is shipped"),
+            2 => Ok(("siemens-2channel", &[Kind::Lathe])),
+            _ if mill == lathe => {
+                Err("siemens-mill and siemens-lathe are shipped, and nothing shows which one it is for")
+            }
+            1 if lathe > mill => Ok(("siemens-lathe", &[Kind::Lathe])),
+            1 => Ok(("siemens-mill", &[Kind::Mill])),
+            _ => Err(TOO_MANY),
+        }
+    }
+
+    fn heidenhain(&self, channels: usize) -> Result<Chosen, &'static str> {
+        let iso = self.of(Kind::Heidenhain).any(|(_, sign)| sign.text.ends_with('*'));
+        match channels {
+            _ if iso => Err("the shipped machine has no ISO words; describe yours (docs/tutorial-control.md)"),
+            1 => Ok(("heidenhain-mill", &[])),
+            _ => Err(TOO_MANY),
+        }
+    }
+
+    /// One file is one program for both turrets, whatever O-programs it has.
+    fn okuma(&self, channels: usize) -> Result<Chosen, &'static str> {
+        let (mill, lathe) = (self.weight(Kind::Mill), self.weight(Kind::Lathe));
+        match if self.several { channels } else { 1 } {
+            1 if self.weight(Kind::Turrets) > 0 => Ok(("okuma-2turret", &[Kind::Turrets, Kind::Lathe])),
+            1 if lathe > mill => Ok(("okuma-lathe", &[Kind::Lathe])),
+            1 if mill > lathe => Ok(("okuma-mill", &[Kind::Mill])),
+            1 => Err("okuma-mill and okuma-lathe are shipped, and nothing shows which one it is for"),
+            2 if mill > lathe => Err("no such milling machine with two channels is shipped"),
+            2 => Ok(("okuma-2turret", &[Kind::Turrets, Kind::Lathe])),
+            _ => Err(TOO_MANY),
+        }
+    }
+
+    /// One file has the sections of all systems.
+    fn sections(&self, channels: usize) -> Result<Chosen, &'static str> {
+        let beyond = |text: &str| matches!(text.as_bytes(), [b'$', b'4'..=b'9']);
+        if self.several && channels > 3 || self.of(Kind::Sections).any(|(_, sign)| beyond(&sign.text)) {
+            return Err("citizen-3system has three systems");
+        }
+        Ok(("citizen-3system", &[]))
     }
 
     fn judge(&self, channels: usize, programs: &[String]) -> Result<Guess, Error> {
@@ -194,9 +243,12 @@ impl Evidence {
 /// What to do when nothing can be guessed.
 const ASK: &str = "use --machine NAME (`counterpoint machine list` shows the names) or --machine DIR";
 
+const TOO_MANY: &str = "no such machine with as many channels is shipped";
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::settings::WAITS;
 
     fn guess(files: &[(&str, &str)]) -> Result<Guess, String> {
         let folder = tempfile::tempdir().unwrap();
@@ -206,7 +258,7 @@ mod tests {
             path.display().to_string()
         };
         let programs: Vec<_> = files.iter().map(path).collect();
-        machine(&programs).map_err(|error| error.to_string())
+        machine(&programs, &WAITS).map_err(|error| error.to_string())
     }
 
     #[test]
@@ -244,6 +296,38 @@ mod tests {
     }
 
     #[test]
+    fn controls_of_one_file_with_all_channels_are_known_by_their_heads() {
+        let of = |name: &str, text: &str| guess(&[(name, text)]).map(|g| (g.machine, g.why));
+        for (name, text, machine, why) in [
+            (
+                "p.MIN",
+                "G50 S2500\nT010101\n",
+                "okuma-lathe",
+                "the file ending .MIN (p.MIN), T010101 (line 2), G50 S2500 (line 1)",
+            ),
+            ("p.nc", "$PART.MIN%\nG96 S180\n", "okuma-lathe", "$NAME% (line 1), G96 S180 (line 2)"),
+            ("p.nc", "NLAP1 G81\n", "okuma-lathe", "NLAP (line 1)"),
+            ("p.nc", "G15 H1\nT1 M6\n", "okuma-mill", "G15 H1 (line 1), T1 M6 (line 2)"),
+            (
+                "p.min",
+                "G14\nG96 S150\n",
+                "okuma-2turret",
+                "the file ending .min (p.min), G14 (line 1), G96 S150 (line 2)",
+            ),
+            ("p.nc", "O1\nG13\nM110\nG14 (B)\nO2\n", "okuma-2turret", "G13 and G14 (line 4), G14 (line 4)"),
+            ("p.nc", "O1\n$1\nG50 S2500\nM30\n$2\nM30\n", "citizen-3system", "$1 (line 2), $2 (line 5)"),
+            ("p.nc", "$0\n#814=10\n$1\nT1 M6\n", "citizen-3system", "$0 (line 1), $1 (line 3)"),
+            // Pocket milling of a Haas, its second spindle and the end of polar interpolation are no turrets.
+            ("p.nc", "G13 I5. D1 F100.\nG14\nT1 M6\n", "fanuc-mill", "T1 M6 (line 3)"),
+            ("p.nc", "G13.1\nG50 S900\n", "fanuc-lathe", "G50 S900 (line 2)"),
+        ] {
+            assert_eq!(of(name, text), Ok((machine, why.to_owned())), "{text}");
+        }
+        let both = guess(&[("a.min", "G13\nG50 S900\n"), ("b.min", "G14\nG97 S500\n")]).unwrap();
+        assert_eq!(both.machine, "okuma-2turret");
+    }
+
+    #[test]
     fn what_cannot_be_guessed_is_refused() {
         let refused = |files: &[(&str, &str)], with: &str| {
             let error = guess(files).unwrap_err();
@@ -256,11 +340,21 @@ mod tests {
         refused(&[("p.nc", "%PART G71 *\nN10 G00 X1*\n")], "has no ISO words");
         refused(&[("a.mpf", "G96 S200\n"), ("b.mpf", "M30\n"), ("c.mpf", "M30\n")], "as many channels");
         refused(&[("a.mpf", "T1 M6\nWAITM(1,1,2)\n"), ("b.mpf", "M30\n")], "milling machine with two channels");
-        refused(&[("p.MIN", "G50 S2500\n")], "Okuma");
-        refused(&[("p.nc", "$PART.MIN%\nG50 S2500\n")], "Okuma");
-        refused(&[("p.nc", "$1\nG50 S2500\nM30\n$2\nM30\n")], "$1 (line 1)");
+        refused(&[("p.MIN", "G0 X50\n")], "okuma-mill and okuma-lathe are shipped");
+        refused(&[("a.MIN", "T1 M6\n"), ("b.MIN", "G0 Y2\n")], "milling machine with two channels");
+        refused(&[("a.MIN", "G13\n"), ("b.MIN", "G14\n"), ("c.MIN", "G50 S99\n")], "as many channels");
+        refused(&[("p.nc", "$1\nM30\n$2\nM30\n$4\nM30\n")], "judging by $1 (line 1), $2 (line 3), $4 (line 5)");
         refused(&[("a.nc", "T1 M6\nG43 H1\n"), ("b.nc", "T2 M6\n")], "2 programs show milling");
         refused(&[("a", "M30"), ("b", "M30"), ("c", "M30"), ("d", "M30")], "4 channels");
+    }
+
+    #[test]
+    fn waiting_codes_are_those_of_the_settings() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("both.nc");
+        fs::write(&path, "O1\nT0101\nM901\nM99\nO2\nT0202\nM901\nM99\n").unwrap();
+        let of = |waits| machine(&[path.display().to_string()], &waits).unwrap().machine;
+        assert_eq!((of(900..=999), of(WAITS)), ("fanuc-2path-lathe", "fanuc-lathe"));
     }
 
     #[test]
@@ -268,9 +362,9 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("both.nc");
         fs::write(&path, "O1\nT1 M6\nG43 H1\nM30\nO2\nG50 S2000\nT0101\nM30\n").unwrap();
-        let of = |number: &str| machine(&[format!("{}#{number}", path.display())]).unwrap().machine;
+        let of = |number: &str| machine(&[format!("{}#{number}", path.display())], &WAITS).unwrap().machine;
         assert_eq!((of("1"), of("O2")), ("fanuc-mill", "fanuc-lathe"));
-        let error = machine(&[format!("{}#3", path.display())]).unwrap_err().to_string();
+        let error = machine(&[format!("{}#3", path.display())], &WAITS).unwrap_err().to_string();
         assert!(error.ends_with("both.nc' has no program O3"), "{error}");
     }
 

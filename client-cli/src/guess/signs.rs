@@ -16,15 +16,17 @@ pub(super) enum Kind {
     Siemens,
     Heidenhain,
     Okuma,
+    /// Blocks of the lower turret of an Okuma lathe.
+    Turrets,
     /// One file with `$1` and `$2` sections.
     Sections,
 }
 
 impl Kind {
-    /// The control of a sign that no shipped machine has.
+    /// The control that the sign belongs to, if it is not one of Fanuc's kind.
     pub(super) fn control(self) -> Option<&'static str> {
         match self {
-            Self::Mill | Self::Lathe | Self::Haas | Self::Live => None,
+            Self::Mill | Self::Lathe | Self::Haas | Self::Live | Self::Turrets => None,
             Self::Siemens => Some("a Siemens control"),
             Self::Heidenhain => Some("a Heidenhain control"),
             Self::Okuma => Some("an Okuma control"),
@@ -53,6 +55,7 @@ pub(super) fn of(name: &str, text: &str, number: Option<u32>) -> Vec<Sign> {
     let mut signs = Signs { all: Vec::new(), line: 0 };
     signs.file(name);
     let (mut semicolons, mut current) = (0, None);
+    let mut upper = false;
     for (index, line) in text.replace("\r\n", "\n").split(['\n', '\r']).enumerate() {
         signs.line = index + 1;
         let line = line.trim().to_ascii_uppercase();
@@ -70,6 +73,16 @@ pub(super) fn of(name: &str, text: &str, number: Option<u32>) -> Vec<Sign> {
             signs.add(Kind::Haas, "blocks that end with ;", 1);
         }
         signs.block(&words);
+        // A block with nothing else: on other controls G13 mills a circle, and G14 has words or no G13 beside it.
+        let alone = |number: &str| matches!(code.trim().strip_prefix('G'), Some(digits) if digits == number);
+        upper |= alone("13");
+        if alone("14") {
+            signs.add(Kind::Turrets, "G14", 3);
+        }
+    }
+    if let (true, Some(line)) = (upper, signs.line_of(Kind::Turrets)) {
+        signs.line = line;
+        signs.add(Kind::Okuma, "G13 and G14", 3);
     }
     signs.all
 }
@@ -134,13 +147,17 @@ impl Signs {
         }
     }
 
+    fn line_of(&self, kind: Kind) -> Option<usize> {
+        self.all.iter().find(|sign| sign.kind == kind).map(|sign| sign.line)
+    }
+
     /// Adds the signs of a file name ending.
     fn file(&mut self, name: &str) {
         let Some((_, ending)) = name.rsplit_once('.') else { return };
         let kind = match ending.to_ascii_lowercase().as_str() {
             "mpf" | "spf" | "arc" => Kind::Siemens,
             "h" | "i" => Kind::Heidenhain,
-            "min" | "ssb" => Kind::Okuma,
+            "min" | "sub" | "ssb" => Kind::Okuma,
             _ => return,
         };
         self.add(kind, format!("the file ending .{ending}"), 3);
@@ -182,6 +199,9 @@ impl Signs {
                 ("CALL OO", Kind::Okuma),
                 ("NLAP", Kind::Okuma),
             ];
+            if unnumbered.starts_with("NLAP") {
+                self.add(Kind::Lathe, "NLAP", 3);
+            }
             const TURNING: [&str; 7] = ["DIAMON", "DIAMOF", "DIAM90", "CYCLE93", "CYCLE95", "CYCLE97", "CYCLE99"];
             if let Some(name) = TURNING.iter().find(|name| bare.contains(**name)) {
                 self.add(Kind::Siemens, *name, 3);
@@ -226,6 +246,7 @@ impl Signs {
                 self.add(Kind::Lathe, format!("T{tool}"), 2);
             } else if digits == 6 && tool.bytes().all(|b| b.is_ascii_digit()) {
                 self.add(Kind::Okuma, format!("T{tool}"), 3);
+                self.add(Kind::Lathe, format!("T{tool}"), 2);
             }
         }
         if !has("Y") && (has("U") || has("W")) && code("G", &[10, 65, 66]).is_none() {
@@ -242,6 +263,10 @@ impl Signs {
         }
         if let (Some(_), Some(offset)) = (code("G", &[43]), value("H")) {
             self.add(Kind::Mill, format!("G43 H{offset}"), 3);
+        }
+        if let (Some(_), Some(offset)) = (code("G", &[15]), value("H")) {
+            self.add(Kind::Okuma, format!("G15 H{offset}"), 3);
+            self.add(Kind::Mill, format!("G15 H{offset}"), 2);
         }
         if code("G", &[49]).is_some() {
             self.add(Kind::Mill, "G49", 2);

@@ -1,0 +1,150 @@
+//! A machine with other data for one run.
+//!
+//! The files of the machine and of the families it extends are taken together, the value is replaced in them, and the run gets
+//! the changed machine. Invariants: lines keep their numbers, so that findings name the place in the user's file; a key that
+//! changes nothing on the machine is refused.
+
+use std::ops::RangeInclusive;
+use std::path::Path;
+
+use counterpoint_client::Blob;
+use counterpoint_kernel::files::Files as _;
+use counterpoint_kernel::machine::package;
+
+use crate::error::Error;
+use crate::pack::{self, Files};
+use crate::settings::Setting;
+
+/// What the name of a shipped machine ends with after a setting; the server keeps the names of shipped machines to itself.
+const CHANGED: &str = "-set";
+
+/// A shipped machine or a folder, with all families, and the settings in it; returns the name of the machine, too.
+pub(crate) fn machine(machine: &str, settings: &[Setting]) -> Result<(String, Files), Error> {
+    let own = pack::is_folder(machine);
+    let (name, mut files) =
+        if own { pack::machine(Path::new(machine))? } else { (machine.to_owned(), Files::default()) };
+    let chain = chain(&mut files, &name);
+    for setting in settings {
+        let Setting::Waits(range) = setting;
+        let mut changed = false;
+        for folder in &chain {
+            let path = definition(folder);
+            let Some(text) = files.0.get(&path).map(|blob| String::from_utf8_lossy(blob.content()).into_owned()) else {
+                continue;
+            };
+            if let Some(text) = with_waits(&text, range) {
+                files.0.insert(path, Blob::new(text.into_bytes()));
+                changed = true;
+            }
+        }
+        if !changed {
+            return Err(Error::Usage(format!(
+                "--set waits: machine '{machine}' has no range of M codes that wait (a row of [[waits]] with a word, or of \
+                 CODE_SYNC_REG)"
+            )));
+        }
+    }
+    if own {
+        return Ok((name, files));
+    }
+    let (changed, inside) = (format!("{name}{CHANGED}"), format!("{name}/"));
+    let renamed = |path: String| match path.strip_prefix(&inside) {
+        Some(rest) => format!("{changed}/{rest}"),
+        None => path,
+    };
+    let files = Files(files.0.into_iter().map(|(path, blob)| (renamed(path), blob)).collect());
+    Ok((changed, files))
+}
+
+fn definition(folder: &str) -> String {
+    format!("{folder}/machine.toml")
+}
+
+/// The folders of a machine and its families; those that are shipped are added to the files.
+fn chain(files: &mut Files, name: &str) -> Vec<String> {
+    let shipped = package::shipped();
+    let mut chain: Vec<String> = Vec::new();
+    let mut next = Some(name.to_owned());
+    while let Some(folder) = next.take().filter(|folder| !chain.contains(folder)) {
+        if !files.0.contains_key(&definition(&folder)) {
+            let inside = format!("{folder}/");
+            for path in shipped.list().into_iter().filter(|path| path.starts_with(&inside)) {
+                if let Ok(content) = shipped.read(&path) {
+                    files.0.entry(path).or_insert_with(|| Blob::new(content.to_vec()));
+                }
+            }
+        }
+        let Some(blob) = files.0.get(&definition(&folder)) else { break };
+        let table = toml::from_str::<toml::Table>(&String::from_utf8_lossy(blob.content())).ok();
+        next = table.and_then(|table| table.get("extends")?.as_str().map(str::to_owned));
+        chain.push(folder);
+    }
+    chain
+}
+
+/// The text of a definition with another range of waiting codes; `None` if it has none.
+fn with_waits(text: &str, range: &RangeInclusive<u32>) -> Option<String> {
+    let lines: Vec<&str> = text.split_inclusive('\n').collect();
+    let mut out = String::with_capacity(text.len() + 16);
+    let mut changed = false;
+    for section in sections(&lines) {
+        let of = |key: &str| section.iter().find_map(|line| value(line, key));
+        let head = section.first().map_or("", |line| line.trim());
+        let waits = head.starts_with("[[waits]]") || head.starts_with("[[codes]]") && of("id") == Some("CODE_SYNC_REG");
+        for line in section {
+            match value(line, "word").filter(|word| waits && is_range(word)) {
+                Some(word) => {
+                    out.push_str(&line.replacen(word, &format!("M{}-M{}", range.start(), range.end()), 1));
+                    changed = true;
+                }
+                None => out.push_str(line),
+            }
+        }
+    }
+    changed.then_some(out)
+}
+
+/// The lines of each section, its head first.
+fn sections<'a, 'l>(lines: &'a [&'l str]) -> impl Iterator<Item = &'a [&'l str]> {
+    lines.chunk_by(|_, next| !next.starts_with('['))
+}
+
+/// The text that a line gives to a key.
+fn value<'l>(line: &'l str, key: &str) -> Option<&'l str> {
+    let rest = line.trim_start().strip_prefix(key)?.trim_start().strip_prefix('=')?;
+    rest.trim_start().strip_prefix('"')?.split('"').next()
+}
+
+/// `M100-M199`.
+fn is_range(word: &str) -> bool {
+    let number = |text: &str| text.strip_prefix('M').is_some_and(|digits| digits.parse::<u32>().is_ok());
+    word.split_once('-').is_some_and(|(first, last)| number(first) && number(last))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_the_range_of_waiting_codes_is_replaced() {
+        let text = "a = 1\n[[codes]]\nid = \"CODE_IGNORE\"\nword = \"M20-M29\"\n[[codes]]\nid = \"CODE_SYNC_REG\" # waits\n\
+                    word = \"M100-M199\" # these\n[[waits]]\nword = \"M50\"\n[[waits]]\nword = \"M300-M310\"\n";
+        let with = with_waits(text, &(900..=999)).unwrap();
+        assert_eq!(with, text.replace("M100-M199", "M900-M999").replace("M300-M310", "M900-M999"));
+        assert_eq!(with_waits("[[waits]]\nword = \"M50\"\n", &(900..=999)), None);
+    }
+
+    #[test]
+    fn a_machine_comes_with_its_families() {
+        let (name, files) = machine("fanuc-2path-lathe", &[Setting::Waits(900..=999)]).unwrap();
+        let text = |path: &str| String::from_utf8_lossy(files.0.get(path).unwrap().content()).into_owned();
+        assert_eq!(name, "fanuc-2path-lathe-set");
+        assert!(text("fanuc-2path-lathe-set/machine.toml").contains("word = \"M900-M999\""));
+        assert_eq!(
+            text("fanuc-common/machine.toml").as_bytes(),
+            include_bytes!("../../machines/fanuc-common/machine.toml")
+        );
+        let error = machine("fanuc-mill", &[Setting::Waits(900..=999)]).unwrap_err().to_string();
+        assert!(error.contains("machine 'fanuc-mill' has no range of M codes that wait"), "{error}");
+    }
+}

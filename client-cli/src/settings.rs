@@ -1,0 +1,69 @@
+//! `--set KEY=VALUE`: which data of the machine a run may set, and to what.
+
+use std::ops::RangeInclusive;
+use std::str::FromStr;
+
+/// The keys with their values.
+const KEYS: &str = "waits=FIRST-LAST (M codes that are waiting codes, for example waits=900-999)";
+
+/// M codes that are waiting codes of the shipped machines.
+pub(crate) const WAITS: RangeInclusive<u32> = 100..=199;
+
+/// Highest number of an M code.
+const HIGHEST: u32 = 99_999_999;
+
+/// One datum of the machine.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) enum Setting {
+    /// M codes that are waiting codes.
+    Waits(RangeInclusive<u32>),
+}
+
+impl FromStr for Setting {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let (key, value) = text.split_once('=').ok_or_else(|| format!("a value is missing: give {KEYS}"))?;
+        match key.trim() {
+            "waits" => {
+                let (first, last) = value.split_once('-').ok_or_else(|| format!("no range: give {KEYS}"))?;
+                let number = |text: &str| text.trim().trim_start_matches(['M', 'm']).parse::<u32>().ok();
+                match (number(first), number(last)) {
+                    (Some(first), Some(last)) if 1 <= first && first < last && last <= HIGHEST => {
+                        Ok(Self::Waits(first..=last))
+                    }
+                    _ => Err(format!(
+                        "'{value}' is not a range of M codes: the first must be at least 1 and below the last"
+                    )),
+                }
+            }
+            other => Err(format!("no such key '{other}': the keys are {KEYS}")),
+        }
+    }
+}
+
+/// The waiting codes that a guess looks for.
+pub(crate) fn waits(settings: &[Setting]) -> RangeInclusive<u32> {
+    settings.last().map_or(WAITS, |Setting::Waits(range)| range.clone())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_setting_has_a_known_key_and_a_range() {
+        assert_eq!("waits=900-999".parse(), Ok(Setting::Waits(900..=999)));
+        assert_eq!("waits=M200-M299".parse(), Ok(Setting::Waits(200..=299)));
+        for (text, with) in [
+            ("waits", "a value is missing"),
+            ("waits=900", "no range"),
+            ("waits=999-900", "is not a range"),
+            ("waits=0-9", "is not a range"),
+            ("rapids=1", "no such key 'rapids': the keys are waits="),
+        ] {
+            let error = text.parse::<Setting>().unwrap_err();
+            assert!(error.contains(with), "{error}");
+        }
+    }
+}
