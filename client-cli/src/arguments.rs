@@ -10,7 +10,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use crate::remote::Remote;
 use crate::settings::Setting;
 pub(crate) use jobs::{JobFilter, Jobs, Priority, RequestArgs, Rerun, State, Watch, When};
-pub(crate) use machines::{At, Machine, Part};
+pub(crate) use machines::{Machine, Part};
 
 const EXAMPLES: &str = "\
 Examples:
