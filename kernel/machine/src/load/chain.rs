@@ -122,6 +122,7 @@ pub(super) fn row_name(path: &str, row: &Table) -> Option<String> {
             Some(format!("{} {}{}", identifier(row)?, form.unwrap_or_default(), axis.unwrap_or_default()))
         }
         "waits" => ["word", "text", "statement"].iter().find_map(|form| row.text(form)).map(str::to_owned),
+        "components" => row.text("designator").map(str::to_owned),
         "system_variables" => match &row.get("first")?.value {
             Value::Integer(number) => Some(number.to_string()),
             _ => None,
