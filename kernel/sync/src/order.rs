@@ -73,6 +73,13 @@ pub enum Wake {
         /// What to run.
         program: idle::Program,
     },
+    /// Others did something while the kernel rested in a loop: it continues with the pass that begins at this tag.
+    Roused {
+        /// Begin of the pass.
+        tag: Tag,
+        /// Passes that it has left out.
+        passes: u64,
+    },
     /// No kernel is left that could end this wait.
     Over,
     /// The job was stopped.
@@ -107,6 +114,8 @@ struct Seat {
     program: Option<idle::Program>,
     /// The loop that it could not leave at its last pass.
     spin: Option<spin::Spin>,
+    /// It rests in that loop.
+    nap: Option<spin::Nap>,
 }
 
 /// The kernels of a job and what they share.
@@ -119,8 +128,12 @@ pub struct Order {
     stop: Option<Tag>,
     /// Sync points so far.
     pub sync_points: u64,
+    /// Tag of the last operation.
+    now: Tag,
     /// Changes of what is shared so far.
     changes: u64,
+    /// Kernels that rest in a loop.
+    napping: Set,
     /// Channels that a verdict has been given on.
     judged: Set,
     /// Variables, spindles and files that the kernels share.
@@ -143,6 +156,7 @@ impl Order {
             wake: None,
             program: None,
             spin: None,
+            nap: None,
         };
         let seats = (0..channels.count()).map(|_| seat()).collect();
         let (acting, stop, effects) = (None, None, Vec::new());
@@ -152,7 +166,9 @@ impl Order {
             acting,
             stop,
             sync_points: 0,
+            now: Tag { t: 0, micro: 0, channel: 0 },
             changes: 0,
+            napping: Set::default(),
             judged: Set::default(),
             shared,
             waits,
@@ -242,6 +258,7 @@ impl Order {
             if !self.is_next(tag) {
                 return Some(tag);
             }
+            self.now = tag;
             let waits = &self.waits;
             let seat = self.seats.get_mut(self.channels.index(tag.channel))?;
             let arriving = seat.arriving.take();
@@ -292,12 +309,14 @@ impl Order {
     /// The kernel waits until another one resumes it.
     pub fn block(&mut self, channel: u16) {
         self.rest(channel, Status::Blocked, BLOCKED);
+        self.rouse();
     }
 
     /// The kernel is finished.
     pub fn done(&mut self, channel: u16) {
         self.leave(channel);
         self.rest(channel, Status::Done, DONE);
+        self.rouse();
     }
 
     fn rest(&mut self, channel: u16, status: Status, bound: i64) {
@@ -314,7 +333,10 @@ impl Order {
     pub fn resume(&mut self, channel: u16, wake: Wake) {
         if let Some(seat) = self.seat(channel) {
             let t = match &wake {
-                Wake::Released { tag, .. } | Wake::Alarm { tag, .. } | Wake::Started { tag, .. } => tag.t,
+                Wake::Released { tag, .. }
+                | Wake::Alarm { tag, .. }
+                | Wake::Started { tag, .. }
+                | Wake::Roused { tag, .. } => tag.t,
                 // What it does at its end has its place in the order too.
                 Wake::Turn | Wake::Over | Wake::Stopped if seat.status == Status::Blocked => seat.since,
                 Wake::Turn | Wake::Over | Wake::Stopped => seat.bound,
@@ -327,7 +349,10 @@ impl Order {
 
     fn wake(&mut self, channel: u16, wake: Wake) {
         let tag = match &wake {
-            Wake::Released { tag, .. } | Wake::Alarm { tag, .. } | Wake::Started { tag, .. } => Some(*tag),
+            Wake::Released { tag, .. }
+            | Wake::Alarm { tag, .. }
+            | Wake::Started { tag, .. }
+            | Wake::Roused { tag, .. } => Some(*tag),
             Wake::Turn | Wake::Over | Wake::Stopped => None,
         };
         if let Some(seat) = self.seat(channel) {
@@ -343,6 +368,7 @@ impl Order {
         }
         self.stop = Some(tag);
         self.effects.push(Effect::Stop(tag));
+        self.napping = Set::default();
         for index in 0..self.seats.len() {
             let (Some(seat), Some(&channel)) = (self.seats.get_mut(index), self.channels.numbers().get(index)) else {
                 break;
@@ -354,6 +380,7 @@ impl Order {
             };
             if after {
                 seat.arriving = None;
+                seat.nap = None;
                 self.resume(channel, Wake::Stopped);
             }
         }

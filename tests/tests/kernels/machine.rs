@@ -7,9 +7,13 @@ use counterpoint_kernel::files::Memory;
 use counterpoint_kernel::machine::package::{Overlay, shipped};
 use counterpoint_kernel::machine::{Machine, load};
 
+/// Time of a pass of a loop that only reads, ns: other things happen in whole milliseconds.
+pub const TICK: i64 = 701_300;
+
 const WORDS: &str = "
 [sync]
 dialect = \"none\"
+poll = 0.0007013
 
 [[data]]
 id = \"REG_SYNC_PATHS\"

@@ -153,7 +153,7 @@ fn times_and_ends_are_those_of_the_model() {
         let work = Work::texts(Arc::clone(&machines[usize::from(channels) - 2]), &texts, options);
         let summary = work.results(None).unwrap().0.summary;
         let end = |channel: &Channel| match channel.state {
-            ChannelState::Ended => End::At(channel.end_ns as u64 / 1_000_000),
+            ChannelState::Ended => End::At(channel.end_ns),
             ChannelState::Alarmed => End::Alarm,
             _ => End::Never,
         };

@@ -3,13 +3,14 @@
 
 use std::collections::BTreeMap;
 
+use super::machine::TICK;
 use super::programs::{Set, Step};
 
 /// How a channel ends.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum End {
-    /// At this time, ms.
-    At(u64),
+    /// At this time, ns.
+    At(i64),
     /// Stopped by an alarm.
     Alarm,
     /// It waits or polls for ever.
@@ -20,11 +21,13 @@ pub enum End {
 struct Channel {
     steps: Vec<Step>,
     at: usize,
-    t: u64,
+    t: i64,
     waits: bool,
     ended: bool,
     /// Stopped by an alarm.
     stopped: bool,
+    /// It has jumped back in a poll.
+    polls: bool,
 }
 
 #[derive(Default)]
@@ -37,10 +40,12 @@ struct Model {
     leases: BTreeMap<u32, (Option<usize>, Vec<usize>)>,
     variables: Set,
     /// When somebody did something for others last, and who.
-    last: Option<(u64, usize)>,
+    last: Option<(i64, usize)>,
     /// Two channels did something for others at one instant: who came first is not for this model.
     tie: bool,
 }
+
+const MS: i64 = 1_000_000;
 
 fn has(set: Set, channel: usize) -> bool {
     set & (1 << channel) != 0
@@ -98,7 +103,7 @@ impl Model {
             return self.settle(t);
         };
         if let Step::Dwell(ms) = step {
-            self.channels[own].t += ms;
+            self.channels[own].t += ms as i64 * MS;
             self.channels[own].at += 1;
             return;
         }
@@ -137,10 +142,15 @@ impl Model {
             Step::Put(mark) => self.leases.entry(mark).or_default().0 = None,
             Step::Write(mark) => self.variables |= 1 << mark,
             Step::Poll(mark, ms) if !has(self.variables, mark as usize) => {
-                self.channels[own].t += ms;
+                let channel = &mut self.channels[own];
+                // The first jump back makes the loop known, each later one takes a tick.
+                channel.t += match ms {
+                    0 if std::mem::replace(&mut channel.polls, true) => TICK,
+                    _ => ms as i64 * MS,
+                };
                 return;
             }
-            Step::Poll(..) => {}
+            Step::Poll(..) => self.channels[own].polls = false,
             Step::Dwell(_) | Step::Loop(..) | Step::Call(..) | Step::Other(_) => unreachable!(),
         }
         if !self.channels[own].waits {
@@ -150,13 +160,13 @@ impl Model {
     }
 
     /// Somebody does something that others may see.
-    fn touches(&mut self, own: usize, t: u64) {
+    fn touches(&mut self, own: usize, t: i64) {
         self.tie |= self.last.is_some_and(|(when, who)| when == t && who != own);
         self.last = Some((t, own));
     }
 
     /// Lets channels go on until nobody can.
-    fn settle(&mut self, t: u64) {
+    fn settle(&mut self, t: i64) {
         loop {
             let free: Vec<usize> = (0..self.channels.len()).filter(|&own| self.is_free(own)).collect();
             if free.is_empty() {

@@ -206,7 +206,7 @@ impl<'a> Writer<'a> {
             }
             14 | 15 => {
                 let (one, other) = self.two();
-                let fast = self.content == Content::All && self.numbers.below(2) == 0;
+                let fast = self.numbers.below(2) == 0;
                 let every = if fast { 0 } else { 3 + self.numbers.below(40) };
                 self.push(programs, one, Step::Write(mark));
                 self.push(programs, other, Step::Poll(mark, every));

@@ -1,14 +1,17 @@
 //! Passes of loops: a pass that takes no time costs a tick, and one that only polls may be hopeless.
 //!
 //! A loop is known by its jump back. *Invariant:* time passes in every loop that takes none, whatever loops, calls or jumps
-//! lie inside it. Facts: reference channel-synchronisation.md (polling), control-emulator.md 5.7.
+//! lie inside it. A kernel whose passes are all alike rests; what it leaves out would have had no effect but time. Facts:
+//! reference channel-synchronisation.md (polling), control-emulator.md 5.7.
 
 use std::sync::Arc;
 
 use super::Kernel;
 use counterpoint_event::event::FileId;
-use counterpoint_fault::Acted;
-use counterpoint_sync::order::spin::Lap;
+use counterpoint_event::event::Kind;
+use counterpoint_fault::{Acted, Halt};
+use counterpoint_sync::order::Wake;
+use counterpoint_sync::order::spin::{After, Lap};
 use counterpoint_sync::races::Variable;
 
 /// Loops that are remembered at a time. After as many jumps back without time a tick passes in any case.
@@ -144,8 +147,11 @@ impl Kernel<'_> {
         let mut next = Pass { key, depth, count: 1, ..Pass::default() };
         if let Some(mut pass) = known {
             next.count = pass.count + 1;
+            let mut every = None;
             if pass.clock == self.channel.at.clock {
-                pass.ticks += self.tick();
+                let tick = self.tick();
+                pass.ticks += tick;
+                every = Some(tick);
             }
             if pass.reads != 0 {
                 // A tick is not progress, unless the loop looks at what others may change.
@@ -154,8 +160,7 @@ impl Kernel<'_> {
             let waits = pass.clock + pass.ticks == self.channel.at.clock;
             if pass.reads != 0 && !pass.effects && waits && pass.steps == self.channel.burden.steps {
                 let lap = Lap { file, lines: (target, from), count: next.count, reads: pass.reads };
-                self.end_lap(lap, pass, next)?;
-                return Ok(());
+                return self.end_lap(lap, pass, next, every);
             }
         } else if self.flow.pass.jumps > MOST {
             self.tick();
@@ -165,17 +170,44 @@ impl Kernel<'_> {
         Ok(())
     }
 
-    /// Ends a pass that has only read.
-    fn end_lap(&mut self, lap: Lap, pass: Pass, mut next: Pass) -> Acted {
+    /// Ends a pass that has only read. If it took no time but its tick, the channel may rest: `every` is the tick, ns.
+    fn end_lap(&mut self, mut lap: Lap, pass: Pass, mut next: Pass, every: Option<i64>) -> Acted {
         let print = self.own_print();
         let begun = pass.begun.filter(|(_, before)| *before == print).map(|(changes, _)| changes);
-        let channel = self.channel.at.channel;
         let names = self.names(lap.reads);
-        let (changes, hopeless) = self.shared(|order| order.lap(channel, lap, begun, &names))?;
+        let changes = loop {
+            let tag = self.tag();
+            match self.shared(|order| order.lap(tag, lap, begun, &names, every))? {
+                After::Pass(changes) => break changes,
+                After::Hopeless => {
+                    self.flow.pass.loops.push(next);
+                    return Err(self.spinning(lap.lines.0, &names));
+                }
+                After::Rest => {
+                    let passes = self.rest(every.unwrap_or_default(), &names)?;
+                    lap.count += passes;
+                    next.count = lap.count;
+                }
+            }
+        };
         next.begun = Some((changes, print));
         (next.clock, next.steps) = (self.channel.at.clock, self.channel.burden.steps);
         self.flow.pass.loops.push(next);
-        if hopeless { Err(self.spinning(lap.lines.0, &names)) } else { Ok(()) }
+        Ok(())
+    }
+
+    /// Rests while all passes are alike: those left out.
+    fn rest(&mut self, every: i64, names: &str) -> Result<u64, Halt> {
+        let (coordinator, channel) = (self.ports.coordinator, self.channel.at.channel);
+        let wake = coordinator.wait(channel, self, |kernel| kernel.flush());
+        self.ports.control.disturb(channel);
+        let Wake::Roused { tag, passes } = wake else { return Err(Halt::Stopped) };
+        let time = tag.t - self.channel.at.clock;
+        debug_assert_eq!(u128::try_from(time), Ok(u128::from(passes) * every as u128));
+        self.channel.advance(time);
+        self.flow.pass.dwell(time);
+        self.emit(0, Kind::mode(format!("polled {names} {passes} times")));
+        Ok(passes)
     }
 
     /// The shared variables in these places, as programs call them; made once for the passes of a loop.

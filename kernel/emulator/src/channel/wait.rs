@@ -237,7 +237,7 @@ fn woken(kernel: &mut Kernel<'_>, wake: Wake, logged: &Logged) -> Acted {
         }
         Wake::Over if kernel.ports.control.cancelled() => Err(Halt::Stopped),
         Wake::Over => Err(Halt::Blocked),
-        Wake::Stopped | Wake::Turn | Wake::Started { .. } => Err(Halt::Stopped),
+        Wake::Stopped | Wake::Turn | Wake::Started { .. } | Wake::Roused { .. } => Err(Halt::Stopped),
     }
 }
 

@@ -10,6 +10,7 @@ use super::turn::Met;
 use crate::channels::Channels;
 use crate::order::Wake;
 use crate::order::arrive::After;
+use crate::order::spin::{self, Lap};
 use crate::shared::Shared;
 use crate::tag::Tag;
 use crate::testing::{Deed, info, listening, program, wait, waits};
@@ -36,6 +37,8 @@ enum Op {
     Rest,
     /// Starts this kernel.
     Begin(u16),
+    /// A loop with ticks of two until so many operations have been carried out.
+    Poll(usize),
     /// A wait for the merger.
     Away,
     /// The end of the job.
@@ -43,7 +46,7 @@ enum Op {
 }
 
 use Deed::{Call, Free, Remove, Send, Set, Share};
-use Op::{Act, At, Away, Begin, Do, Listen, Rest, Run, Stop};
+use Op::{Act, At, Away, Begin, Do, Listen, Poll, Rest, Run, Stop};
 
 /// Runs a kernel; its operations go into the list of variables, in their order.
 fn kernel(core: &Coordinator, channel: u16, kernels: u16, script: &[Op]) {
@@ -60,10 +63,43 @@ fn kernel(core: &Coordinator, channel: u16, kernels: u16, script: &[Op]) {
                 }
             }
             Away => core.away(tag, shuttle::thread::yield_now),
+            Poll(count) => {
+                let lap = Lap { file: 0, lines: (1, 2), count: 1, reads: 1 };
+                let mut begun = None;
+                loop {
+                    let tag = Tag { t, micro, channel };
+                    let Ok(mut turn) = port.enter(tag, &mut (), |()| ()) else { break 'script };
+                    if turn.shared.variables.len() >= *count {
+                        break;
+                    }
+                    match turn.lap(tag, lap, begun, &"#100".into(), Some(2)) {
+                        spin::After::Pass(changes) => {
+                            drop(turn);
+                            begun = Some(changes);
+                            (t, micro) = (t + 2, 0);
+                            if !core.publish(channel, t) {
+                                break 'script;
+                            }
+                        }
+                        spin::After::Rest => {
+                            drop(turn);
+                            match port.wait(channel, &mut (), |()| ()) {
+                                Wake::Roused { tag, .. } => (t, micro) = (tag.t, tag.micro),
+                                _ => break 'script,
+                            }
+                        }
+                        spin::After::Hopeless => {
+                            turn.stop(tag);
+                            break 'script;
+                        }
+                    }
+                }
+            }
             Act => match port.enter(tag, &mut (), |()| ()) {
                 Ok(mut turn) => {
                     let key = turn.shared.variables.len() as u32;
                     turn.shared.variables.insert(key, t as f64 * 100.0 + f64::from(micro * 10 + u32::from(channel)));
+                    turn.change();
                     micro += 1;
                 }
                 Err(_) => break,
@@ -241,6 +277,16 @@ fn a_signal_to_everybody_of_three_kernels() {
         &[&[Run(1), Do(Call, 1), Run(2), Act], &[Listen(1), Act], &[Listen(1), Act, Run(1), Act]],
         &[112.0, 113.0, 203.0, 301.0],
     );
+}
+
+#[test]
+fn polls_of_three_kernels() {
+    tried(&[&[Poll(1), Act], &[Run(5), Act, Run(4), Act], &[Poll(2), Act]], &[502.0, 601.0, 603.0, 902.0]);
+}
+
+#[test]
+fn polls_that_never_end() {
+    tried(&[&[Poll(9), Act], &[Run(5), Act, Poll(7)], &[Run(9), Act, At(Barrier, 1)]], &[502.0, 903.0]);
 }
 
 /// Who has waited longest gets the one signal; a signal that is removed ends no wait.

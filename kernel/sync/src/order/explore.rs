@@ -8,6 +8,7 @@ use std::collections::{BTreeSet, HashSet};
 use std::fmt::Write as _;
 
 use super::arrive::After;
+use super::spin::{self, Lap};
 use super::*;
 use crate::testing::{Deed, info, listening, program, wait, waits};
 use crate::wait::{Finish, Terminal};
@@ -31,6 +32,10 @@ enum Op {
     Rest,
     /// Starts this kernel.
     Begin(u16),
+    /// A change of what is shared.
+    Write,
+    /// A loop with ticks of two until there are so many changes.
+    Poll(u64),
     /// A wait for the merger.
     Away,
     /// An alarm that stops the job.
@@ -40,7 +45,7 @@ enum Op {
 }
 
 use Deed::{Call, Clear, Free, Remove, Send, Set, Share};
-use Op::{Act, At, Away, Begin, Do, End, Listen, Rest, Run, Stop};
+use Op::{Act, At, Away, Begin, Do, End, Listen, Poll, Rest, Run, Stop, Write};
 
 /// What a kernel does next.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -64,6 +69,8 @@ struct Player {
     clock: (i64, u32),
     bound: i64,
     need: i64,
+    /// Changes at the begin of its pass, if it polls.
+    begun: Option<u64>,
     /// What became of it.
     fate: &'static str,
 }
@@ -100,6 +107,7 @@ impl World {
             clock: (0, 0),
             bound: 0,
             need: i64::MAX,
+            begun: None,
             fate: "",
         };
         let mut order = Order::new(channels, Shared::default(), waits(count));
@@ -237,6 +245,10 @@ impl World {
                     Wake::Released { tag, .. } | Wake::Started { tag, .. } => {
                         self.players[index].clock = (tag.t, tag.micro);
                     }
+                    Wake::Roused { tag, .. } => {
+                        self.players[index].clock = (tag.t, tag.micro);
+                        self.players[index].script.push(op);
+                    }
                     Wake::Over => self.end(index, "over", None),
                     Wake::Alarm { .. } => self.end(index, "alarm", None),
                     Wake::Stopped => self.end(index, "stopped", None),
@@ -248,8 +260,35 @@ impl World {
 
     fn act(&mut self, index: usize, op: Op) {
         let (tag, channel) = (self.tag(index), index as u16 + 1);
-        self.log.push((tag, op));
+        if !matches!(op, Poll(_)) {
+            self.log.push((tag, op));
+        }
         match op {
+            Write => {
+                self.order.change();
+                self.players[index].clock.1 += 1;
+            }
+            Poll(count) if self.order.changes >= count => {
+                self.log.push((tag, op));
+                (self.players[index].begun, self.players[index].clock.1) = (None, tag.micro + 1);
+            }
+            Poll(_) => {
+                let lap = Lap { file: 0, lines: (1, 2), count: 1, reads: 1 };
+                let begun = self.players[index].begun;
+                match self.order.lap(tag, lap, begun, &"#100".into(), Some(2)) {
+                    spin::After::Pass(changes) => {
+                        let player = &mut self.players[index];
+                        player.begun = Some(changes);
+                        player.script.extend([op, Run(2)]);
+                    }
+                    spin::After::Rest => self.players[index].next = Next::Answer(op),
+                    spin::After::Hopeless => {
+                        self.verdicts.push(format!("{tag:?} hopeless"));
+                        self.order.stop(tag);
+                        return self.end(index, "hopeless", None);
+                    }
+                }
+            }
             Act => self.players[index].clock.1 += 1,
             Stop => {
                 self.order.stop(tag);
@@ -362,8 +401,8 @@ fn explore(scripts: &[&[Op]]) -> (BTreeSet<String>, usize) {
 fn one_outcome(scripts: &[&[Op]]) {
     let (outcomes, states) = explore(scripts);
     assert!(states > 1);
-    let stops = scripts.iter().any(|script| script.contains(&Stop));
-    if !stops {
+    let stops = |op: &Op| matches!(op, Stop | Poll(_));
+    if !scripts.iter().any(|script| script.iter().any(stops)) {
         assert_eq!(outcomes.len(), 1, "{scripts:?}\n{outcomes:#?}");
         return;
     }
@@ -453,6 +492,21 @@ fn all_schedules_of_primitives_of_three_kernels() {
         [&[At(Join, 0), Act], &[Run(1)], &[Act, Run(2)]],
         [&[At(Lease, 1), Run(1), Do(Free, 1)], &[At(Lease, 1), Act], &[Run(1), At(Lease, 1)]],
         [&[At(Lease, 1), Run(1), At(Lease, 2)], &[At(Lease, 2), Run(1), At(Lease, 1)], &[At(Join, 0)]],
+    ] {
+        one_outcome(&[one, two, three]);
+    }
+}
+
+#[test]
+fn all_schedules_with_polls() {
+    pairs([Run(1), Write, Poll(1), Poll(2)]);
+    pairs([Run(3), Write, Poll(1), Stop]);
+    for [one, two, three] in [
+        [&[Poll(1), Act][..], &[Run(3), Write][..], &[Poll(1), Run(1), Act][..]],
+        [&[Poll(2), Act], &[Run(3), Write, Run(2), Act], &[Run(4), Write]],
+        [&[Poll(1)], &[Run(3), At(Barrier, 1)], &[Run(1)]],
+        [&[Poll(2)], &[Run(3), Poll(1)], &[Run(6), Write]],
+        [&[Poll(1), At(Barrier, 1)], &[At(Barrier, 1), Act], &[Run(5), Write, At(Barrier, 1)]],
     ] {
         one_outcome(&[one, two, three]);
     }
