@@ -259,9 +259,10 @@ impl Coordinator {
     /// Does what the order has decided.
     fn apply(&self, inner: &mut Inner) {
         let mut effects = inner.order.effects();
+        self.set_bounds(&effects);
         for effect in effects.drain(..) {
             match effect {
-                Effect::Bound(channel, t) => self.set_bound(channel, t),
+                Effect::Bound(..) => {}
                 Effect::Blocked(channel) => self.stream_blocked(inner, channel),
                 Effect::Woken(channel, tag) => {
                     let index = self.channels.index(channel);
@@ -284,6 +285,21 @@ impl Coordinator {
             }
         }
         inner.order.recycle(effects);
+    }
+
+    /// Sets the bounds of those that continue before the bounds of those that stand or end: otherwise whoever looks at this very
+    /// moment would see nobody that can still act.
+    fn set_bounds(&self, effects: &[Effect]) {
+        let bound = |effect: &Effect| if let Effect::Bound(channel, t) = *effect { Some((channel, t)) } else { None };
+        for (channel, t) in effects.iter().filter_map(bound).filter(|(_, t)| *t < BLOCKED) {
+            self.set_bound(channel, t);
+        }
+        for (at, (channel, t)) in effects.iter().enumerate().filter_map(|(at, effect)| Some((at, bound(effect)?))) {
+            let mut later = effects.iter().skip(at + 1).filter_map(bound);
+            if t >= BLOCKED && !later.any(|(other, _)| other == channel) {
+                self.set_bound(channel, t);
+            }
+        }
     }
 
     fn set_bound(&self, channel: u16, t: i64) {

@@ -29,6 +29,17 @@ fn machines() -> Vec<Arc<Machine>> {
     (2..=MOST_CHANNELS).map(machine::machine).collect()
 }
 
+/// Says which case it was if a test panics in it.
+struct Case(u64, Vec<String>);
+
+impl Drop for Case {
+    fn drop(&mut self) {
+        if std::thread::panicking() {
+            eprintln!("case {}: {:#?}", self.0, self.1);
+        }
+    }
+}
+
 fn texts(programs: &[Vec<Step>]) -> Vec<String> {
     (1..).zip(programs).map(|(own, steps)| Text::of(own, steps)).collect()
 }
@@ -114,6 +125,7 @@ fn scheduling_changes_no_byte_of_any_result() {
         let races = [Races::Off, Races::Warn, Races::Alarm][numbers.below(3) as usize];
         let options = Options { limits: limits(&mut numbers), races, ..Options::default() };
         let work = Work::texts(Arc::clone(&machines[usize::from(channels) - 2]), &texts, options);
+        let _case = Case(case, texts.clone());
         let oracle = run(&work, 1, true, None);
         let expected = files(&oracle);
         for (threads, logged) in [(1, false), (2, true), (8, false), (64, true), (0, false)] {

@@ -26,9 +26,11 @@ impl Coordinator {
     /// The kernel is finished, and all its events are sent. `last` is done before: its end may concern others.
     pub fn done(&self, channel: u16, last: impl FnOnce(&mut Order)) {
         let mut inner = self.lock();
-        inner.send(Message::Done(channel));
         last(&mut inner.order);
         inner.order.done(channel);
+        // Whoever continues because of this end does so in the log before the merger stops waiting for this channel.
+        self.apply(&mut inner);
+        inner.send(Message::Done(channel));
         if self.limited {
             self.release_permit(&mut inner);
         }

@@ -52,7 +52,8 @@ impl Nap {
     /// Passes left out, and the begin of the next one: the first that can see what happens at this tag.
     fn until(self, tag: Tag, channel: u16) -> (u64, Tag) {
         let whole = (tag.t - self.from).div_euclid(self.every).max(0);
-        let begin = |passes: i64| Tag { t: self.from.saturating_add(self.every.saturating_mul(passes)), micro: 0, channel };
+        let begin =
+            |passes: i64| Tag { t: self.from.saturating_add(self.every.saturating_mul(passes)), micro: 0, channel };
         let passes = if whole > 0 && begin(whole) > tag { whole } else { whole + 1 };
         (passes.unsigned_abs(), begin(passes))
     }
@@ -216,7 +217,10 @@ mod tests {
     fn the_last_one_finds_that_nobody_is_left() {
         let mut order = order();
         let lap = |order: &mut Order, own| order.lap(tag(own, 0), LAP, Some(0), &"#100".into(), Some(TICK));
-        assert_eq!([lap(&mut order, 1), lap(&mut order, 2), lap(&mut order, 3)], [After::Rest, After::Rest, After::Hopeless]);
+        assert_eq!(
+            [lap(&mut order, 1), lap(&mut order, 2), lap(&mut order, 3)],
+            [After::Rest, After::Rest, After::Hopeless]
+        );
         order.now = tag(3, 4 * TICK);
         assert!(order.polling(1, &info()).unwrap().0.contains("it looped 9 times"), "{:?}", order.polling(1, &info()));
     }
