@@ -199,12 +199,19 @@ impl Coordinator {
     }
 
     /// No other kernel will do anything before this time, nor has stopped the job before it; the largest time when
-    /// all the others are done. A kernel that is blocked can only be resumed by this one, so it holds at this one's time.
+    /// all the others are done. A kernel that is blocked is resumed by this one or by one that is not blocked, so it holds at
+    /// the least of their times.
     pub fn floor(&self, channel: u16) -> i64 {
         let least = || {
             let others = self.slots.iter().zip(self.channels.numbers()).filter(|(_, other)| **other != channel);
-            let least = others.map(|(slot, _)| slot.bound.load(SeqCst)).min().unwrap_or(i64::MAX);
-            let least = if least == BLOCKED { self.bound(channel) } else { least };
+            let (mut least, mut blocked) = (i64::MAX, false);
+            for (slot, _) in others {
+                match slot.bound.load(SeqCst) {
+                    BLOCKED => blocked = true,
+                    bound => least = least.min(bound),
+                }
+            }
+            let least = if blocked { least.min(self.bound(channel)) } else { least };
             // A kernel that has stopped the job is done: the stop is looked at after its bound.
             least.min(self.stop_t.load(SeqCst))
         };
@@ -323,5 +330,35 @@ impl Coordinator {
                 *blocked = true;
             }
         }
+    }
+}
+
+#[cfg(all(test, not(feature = "shuttle")))]
+mod tests {
+    use super::*;
+    use crate::testing::waits;
+
+    #[test]
+    fn nobody_seems_later_than_who_can_resume_a_blocked_one() {
+        let core = Coordinator::new(Channels::new(1..=3), 0, Shared::default(), waits(3), None);
+        assert!(core.publish(1, 1000) && core.publish(3, 40));
+        core.unordered(|order| order.block(2));
+        // Channel 3 can resume channel 2 at 40, and channel 2 can stop the job then.
+        assert_eq!((core.floor(1), core.floor(3), core.floor(2)), (40, 40, 40));
+        assert!(core.publish(3, 2000));
+        assert_eq!((core.floor(1), core.floor(3)), (1000, 1000));
+        core.done(1, |_| ());
+        assert_eq!(core.floor(3), 2000);
+    }
+
+    #[test]
+    fn whoever_is_resumed_has_a_bound_before_who_resumed_it_has_none() {
+        let core = Coordinator::new(Channels::new(1..=2), 0, Shared::default(), waits(2), None);
+        assert!(core.publish(1, 50));
+        core.unordered(|order| order.block(2));
+        core.set_bounds(&[Effect::Bound(1, BLOCKED), Effect::Bound(1, 60), Effect::Bound(2, 60)]);
+        assert_eq!((core.bound(1), core.bound(2)), (60, 60));
+        core.set_bounds(&[Effect::Bound(2, 70), Effect::Bound(2, BLOCKED)]);
+        assert_eq!(core.bound(2), BLOCKED);
     }
 }
