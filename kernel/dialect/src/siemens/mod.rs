@@ -26,6 +26,7 @@ mod modal;
 mod run;
 mod settings;
 mod statement;
+mod stored;
 mod system;
 #[cfg(test)]
 mod tests;
@@ -82,6 +83,8 @@ pub(crate) struct Siemens {
     variables: variables::Variables,
     /// Timers `$AC_TIMER`: value, and the time at which it had it while it runs.
     timers: FxHashMap<i64, (f64, Option<i64>)>,
+    /// System variables that only keep what is written.
+    stored: stored::Stored,
     /// Frames that the program has assigned.
     frames: frames::Assigned,
     /// DEFINE: texts for names.
@@ -185,6 +188,7 @@ impl Interpreter for Siemens {
         if !reset {
             self.variables = before.variables.for_next_program();
             self.timers = before.timers;
+            self.stored = before.stored;
             self.defines = before.defines;
             self.settings = before.settings;
         }
@@ -226,7 +230,7 @@ impl Interpreter for Siemens {
     }
 
     fn memory(&self) -> u64 {
-        let names = self.externals.len() + self.found.len() + self.timers.len() + self.spellings.len();
+        let names = self.externals.len() + self.found.len() + self.timers.len() + self.stored.len() + self.spellings.len();
         (self.variables.bytes() + names * 100 + self.defines.bytes() + self.places.bytes() + self.read.bytes()) as u64
     }
 }

@@ -1,6 +1,6 @@
 //! System variables that the emulation knows by itself.
 //!
-//! Facts: reference control-emulator.md 5.4: a small set. Decisions: positions are those of the programmed point;
+//! Facts: reference control-emulator.md 5.4: a small set; those that only keep what is written are in `stored`. Decisions: positions are those of the programmed point;
 //! `$AC_TIME`, the time since the block began, is 0, since a block is read when it begins; the run time of the program
 //! is the simulated time of the channel. Invariant: what is not known here is none, so that it is reported.
 
@@ -24,7 +24,7 @@ impl Siemens {
             return Ok(Some(frame));
         }
         Ok(Some(match name.name.as_str() {
-            "$P_EP" | "$AA_IW" => Data::Real(self.position(host, name, false)?),
+            "$P_EP" | "$AA_IW" | "$AA_IB" => Data::Real(self.position(host, name, false)?),
             "$AA_IM" => Data::Real(self.position(host, name, true)?),
             "$P_TOOLNO" => Data::Int(i64::from(host.tool())),
             "$P_UIFRNUM" => Data::Int(i64::from(host.work_offset())),
@@ -42,13 +42,13 @@ impl Siemens {
                 Data::Bool(given.is_some_and(|given| given.is_there()))
             }
             "$AC_TIME" => Data::Real(0.0),
-            "$AC_CYCLE_TIME" | "$AC_OPERATING_TIME" => Data::Real(seconds(host.clock())),
+            "$AC_CYCLE_TIME" | "$AC_OPERATING_TIME" | "$AC_PROG_NET_TIME" => Data::Real(seconds(host.clock())),
             "$AC_TIMER" => {
                 let number = self.only_index(host, name)?;
                 let (value, since) = self.timers.get(&number).copied().unwrap_or((0.0, None));
                 Data::Real(value + since.map_or(0.0, |since| seconds(host.clock().saturating_sub(since))))
             }
-            _ => return Ok(None),
+            _ => return self.stored_value(host, name),
         }))
     }
 
@@ -74,6 +74,9 @@ impl Siemens {
             };
             self.timers.insert(timer, state);
             host.effect();
+            return Ok(Some(Vec::new()));
+        }
+        if self.store_value(host, name, value)? {
             return Ok(Some(Vec::new()));
         }
         self.set_control_frame(host, name, value)

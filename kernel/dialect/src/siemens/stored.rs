@@ -1,0 +1,179 @@
+//! System variables that keep what programs write, and such that are always the same here.
+//!
+//! Facts: reference siemens-cycles.md 4 (variables programs read) and 3 (data of tools). Decisions: markers, parameters, parts and
+//! setting data belong to the channel, data of the PLC interface and outputs to all channels; inputs are 0 unless a macro of the
+//! machine answers. Of the data of tools only those are kept that change no path. *Invariants:* nothing that would move an axis
+//! is kept here, so that it is reported instead of ignored; the number of kept values is bounded.
+
+use rustc_hash::FxHashMap;
+
+use super::expression::Name;
+use super::value::{Data, Type};
+use super::{Outcome, Siemens, syntax, wrong_type};
+use crate::host::Host;
+
+/// Most values that are kept.
+const MOST: usize = 100_000;
+
+/// Whose values they are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Scope {
+    /// Of the channel, gone at a reset.
+    Channel,
+    /// Of all channels.
+    All,
+    /// Inputs: a program cannot set them.
+    Input,
+    /// Of the channel; reading what was never written is an error.
+    Setting,
+}
+
+/// A family of variables.
+#[derive(Debug, Clone, Copy)]
+struct Row {
+    name: &'static str,
+    kind: Type,
+    scope: Scope,
+    /// Smallest and largest index of each dimension.
+    sizes: &'static [(i64, i64)],
+}
+
+const fn row(name: &'static str, kind: Type, scope: Scope, sizes: &'static [(i64, i64)]) -> Row {
+    Row { name, kind, scope, sizes }
+}
+
+const ONE: &[(i64, i64)] = &[(1, 1000)];
+const ZERO: &[(i64, i64)] = &[(0, 999)];
+const PLC: &[(i64, i64)] = &[(0, 1023)];
+const TOOL: &[(i64, i64)] = &[(1, 32_000)];
+const EDGE: &[(i64, i64)] = &[(1, 32_000), (1, 12)];
+
+const ROWS: &[Row] = &[
+    row("$AC_MARKER", Type::Int, Scope::Channel, ZERO),
+    row("$AC_PARAM", Type::Real, Scope::Channel, ZERO),
+    row("$AC_TOTAL_PARTS", Type::Real, Scope::Channel, &[]),
+    row("$AC_REQUIRED_PARTS", Type::Real, Scope::Channel, &[]),
+    row("$AC_ACTUAL_PARTS", Type::Real, Scope::Channel, &[]),
+    row("$AC_SPECIAL_PARTS", Type::Real, Scope::Channel, &[]),
+    row("$A_DBB", Type::Int, Scope::All, PLC),
+    row("$A_DBW", Type::Int, Scope::All, PLC),
+    row("$A_DBD", Type::Int, Scope::All, PLC),
+    row("$A_DBR", Type::Real, Scope::All, PLC),
+    row("$A_OUT", Type::Bool, Scope::All, ONE),
+    row("$A_OUTA", Type::Real, Scope::All, ONE),
+    row("$A_IN", Type::Bool, Scope::Input, ONE),
+    row("$A_INA", Type::Real, Scope::Input, ONE),
+    row("$TC_DP10", Type::Real, Scope::Channel, EDGE),
+    row("$TC_DP11", Type::Real, Scope::Channel, EDGE),
+    row("$TC_DP24", Type::Real, Scope::Channel, EDGE),
+    row("$TC_DP25", Type::Real, Scope::Channel, EDGE),
+    row("$TC_DPH", Type::Int, Scope::Channel, EDGE),
+    row("$TC_DPNT", Type::Real, Scope::Channel, EDGE),
+    row("$TC_TP1", Type::Int, Scope::Channel, TOOL),
+    row("$TC_TP3", Type::Int, Scope::Channel, TOOL),
+    row("$TC_TP4", Type::Int, Scope::Channel, TOOL),
+    row("$TC_TP5", Type::Int, Scope::Channel, TOOL),
+    row("$TC_TP6", Type::Int, Scope::Channel, TOOL),
+    row("$TC_TP7", Type::Int, Scope::Channel, TOOL),
+    row("$TC_TP8", Type::Int, Scope::Channel, TOOL),
+    row("$TC_TP9", Type::Int, Scope::Channel, TOOL),
+    row("$TC_TP10", Type::Int, Scope::Channel, TOOL),
+    row("$TC_TP11", Type::Int, Scope::Channel, TOOL),
+    row("$TC_MOP1", Type::Real, Scope::Channel, EDGE),
+    row("$TC_MOP2", Type::Real, Scope::Channel, EDGE),
+    row("$TC_MOP3", Type::Int, Scope::Channel, EDGE),
+    row("$TC_MOP4", Type::Int, Scope::Channel, EDGE),
+];
+
+/// Setting data of the control, the channel and its axes: kept as they are written.
+const SETTINGS: [&str; 3] = ["$SN_", "$SC_", "$SA_"];
+/// Those that would change paths or offsets: they are not kept but reported.
+const EFFECTIVE: [&str; 4] =
+    ["$SC_FRAME_OFFSET_INCR_PROG", "$SC_TOOL_OFFSET_INCR_PROG", "$SC_MIRROR_TOOL_LENGTH", "$SC_TOOL_LENGTH_CONST"];
+
+fn row_of(name: &str) -> Option<Row> {
+    let setting = || {
+        let is = SETTINGS.iter().any(|prefix| name.starts_with(prefix)) && !EFFECTIVE.contains(&name);
+        is.then(|| row("", Type::Real, Scope::Setting, &[]))
+    };
+    ROWS.iter().find(|row| row.name == name).copied().or_else(setting)
+}
+
+/// Values that were written.
+#[derive(Debug, Default)]
+pub(super) struct Stored(FxHashMap<String, Data>);
+
+impl Stored {
+    /// How many there are.
+    pub(super) fn len(&self) -> usize {
+        self.0.len()
+    }
+}
+
+impl Siemens {
+    /// Value of such a variable; none if it is not one.
+    pub(super) fn stored_value(&mut self, host: &mut dyn Host, name: &Name) -> Outcome<Option<Data>> {
+        let fixed = match name.name.as_str() {
+            "$P_NUM_SPINDLES" | "$MN_SCALING_SYSTEM_IS_METRIC" => Some(1),
+            "$P_TRAFO" => Some(0),
+            _ => None,
+        };
+        if let Some(value) = fixed {
+            return Ok(Some(Data::Int(value)));
+        }
+        if matches!(name.name.as_str(), "$AC_DTEW" | "$AA_DTEW") {
+            // A block is read when it begins, and then nothing is left of the one before.
+            return Ok(Some(Data::Real(0.0)));
+        }
+        let Some(row) = row_of(&name.name) else { return Ok(None) };
+        let key = self.key(host, name, &row)?;
+        match row.scope {
+            Scope::Input | Scope::All => {
+                let found = host.shared(&key)?;
+                Ok(Some(found.and_then(|value| row.kind.taken_from(&value)).unwrap_or_else(|| row.kind.initial())))
+            }
+            Scope::Channel => Ok(Some(self.stored.0.get(&key).cloned().unwrap_or_else(|| row.kind.initial()))),
+            Scope::Setting => Ok(self.stored.0.get(&key).cloned()),
+        }
+    }
+
+    /// Keeps a value; false if the variable is not one that keeps it.
+    pub(super) fn store_value(&mut self, host: &mut dyn Host, name: &Name, value: &Data) -> Outcome<bool> {
+        let Some(row) = row_of(&name.name).filter(|row| row.scope != Scope::Input) else { return Ok(false) };
+        let key = self.key(host, name, &row)?;
+        let value = match row.kind.hold(value.clone()) {
+            Ok(value) => value,
+            Err(text) => return wrong_type(format!("{text}, for {}", name.name)),
+        };
+        host.effect();
+        if row.scope == Scope::All {
+            host.set_shared(&key, Some(value.value()))?;
+            return Ok(true);
+        }
+        if self.stored.0.len() >= MOST && !self.stored.0.contains_key(&key) {
+            return wrong_type(format!("more than {MOST} system variables are written"));
+        }
+        self.stored.0.insert(key, value);
+        Ok(true)
+    }
+
+    /// The name with its indices, which are within their limits.
+    fn key(&mut self, host: &mut dyn Host, name: &Name, row: &Row) -> Outcome<String> {
+        let mut key = name.name.clone();
+        if row.scope == Scope::Setting {
+            // Their indices are numbers or axes.
+            return self.written(host, name);
+        }
+        if name.index.len() != row.sizes.len() {
+            return syntax(format!("{} has {} indices, not {}", name.name, row.sizes.len(), name.index.len()));
+        }
+        for (index, (low, high)) in name.index.iter().zip(row.sizes) {
+            let number = self.whole_number(host, index)?;
+            if !(*low..=*high).contains(&number) {
+                return wrong_type(format!("17020 index {number} of {} is not from {low} to {high}", name.name));
+            }
+            key = format!("{key}[{number}]");
+        }
+        Ok(key)
+    }
+}
