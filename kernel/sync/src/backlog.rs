@@ -19,6 +19,8 @@ const MOST: usize = 16 << 10;
 const LOOK_EVERY: usize = 128;
 /// Events that wait for a moment when the kernel has nothing better to do.
 const PUT_OFF: usize = 256;
+/// A chunk is sparse that fills less than this part of its room.
+const SPARSE: usize = 2;
 /// Events that are taken at once: little work for the short time while the kernel waits for another one.
 const SLICE: usize = 16;
 
@@ -84,8 +86,14 @@ impl Backlog {
         true
     }
 
-    /// Makes a chunk of events that can be shared, and leaves the room of an old chunk with its events.
+    /// Makes a chunk of events that can be shared, and leaves the room of an old chunk with its events. A few events get no more
+    /// room than they need: at a storm of waits many such chunks may wait for other kernels.
     pub fn share(&mut self, events: &mut Vec<Event>) -> Chunk {
+        if self.spare.is_empty() && events.len() < events.capacity() / SPARSE {
+            let mut few = Vec::with_capacity(events.len());
+            few.append(events);
+            return Arc::new(few);
+        }
         let mut chunk = self.spare.pop().unwrap_or_default();
         if let Some(room) = Arc::get_mut(&mut chunk) {
             std::mem::swap(room, events);
@@ -93,9 +101,9 @@ impl Backlog {
         chunk
     }
 
-    /// Takes a chunk back that the log has read. It is used again unless it waits here.
+    /// Takes a chunk back that the log has read. It is used again unless it waits here or has little room.
     pub fn return_chunk(&mut self, chunk: Chunk) {
-        if Arc::strong_count(&chunk) == 1 {
+        if Arc::strong_count(&chunk) == 1 && chunk.capacity() >= SLICE {
             self.spare.push(chunk);
         }
     }
@@ -226,12 +234,24 @@ mod tests {
     #[test]
     fn a_chunk_is_used_again_when_neither_the_log_nor_the_results_need_it() {
         let mut backlog = Backlog::new(1, None, u64::MAX);
-        let chunk = backlog.share(&mut events(1..11));
+        let chunk = backlog.share(&mut events(1..21));
         let log = chunk.clone();
         backlog.put(chunk, 0);
         backlog.return_chunk(log);
         assert!(backlog.spare.is_empty());
         backlog.take_all(100);
         assert_eq!(backlog.spare.len(), 1);
+    }
+
+    #[test]
+    fn a_few_events_take_no_more_room_than_they_need() {
+        let mut backlog = Backlog::new(1, None, u64::MAX);
+        let mut full = Vec::with_capacity(512);
+        full.extend(events(1..4));
+        let chunk = backlog.share(&mut full);
+        assert_eq!((chunk.len(), chunk.capacity(), full.len(), full.capacity()), (3, 3, 0, 512));
+        // What has little room is not kept for more events.
+        backlog.return_chunk(chunk);
+        assert!(backlog.spare.is_empty());
     }
 }

@@ -230,7 +230,8 @@ impl Interpreter for Siemens {
     }
 
     fn memory(&self) -> u64 {
-        let names = self.externals.len() + self.found.len() + self.timers.len() + self.stored.len() + self.spellings.len();
+        let names =
+            self.externals.len() + self.found.len() + self.timers.len() + self.stored.len() + self.spellings.len();
         (self.variables.bytes() + names * 100 + self.defines.bytes() + self.places.bytes() + self.read.bytes()) as u64
     }
 }
