@@ -81,9 +81,7 @@ fn wrong_type<T>(text: impl Into<String>) -> Outcome<T> {
 #[derive(Debug, Default)]
 pub(crate) struct Siemens {
     variables: variables::Variables,
-    /// Timers `$AC_TIMER`: value, and the time at which it had it while it runs.
-    timers: FxHashMap<i64, (f64, Option<i64>)>,
-    /// System variables that only keep what is written.
+    /// System variables that keep what is written.
     stored: stored::Stored,
     /// Frames that the program has assigned.
     frames: frames::Assigned,
@@ -187,7 +185,6 @@ impl Interpreter for Siemens {
         let before = std::mem::take(self);
         if !reset {
             self.variables = before.variables.for_next_program();
-            self.timers = before.timers;
             self.stored = before.stored;
             self.defines = before.defines;
             self.settings = before.settings;
@@ -230,8 +227,7 @@ impl Interpreter for Siemens {
     }
 
     fn memory(&self) -> u64 {
-        let names =
-            self.externals.len() + self.found.len() + self.timers.len() + self.stored.len() + self.spellings.len();
+        let names = self.externals.len() + self.found.len() + self.stored.len() + self.spellings.len();
         (self.variables.bytes() + names * 100 + self.defines.bytes() + self.places.bytes() + self.read.bytes()) as u64
     }
 }

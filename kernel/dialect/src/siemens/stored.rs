@@ -101,12 +101,16 @@ fn row_of(name: &str) -> Option<Row> {
 
 /// Values that were written.
 #[derive(Debug, Default)]
-pub(super) struct Stored(FxHashMap<String, Data>);
+pub(super) struct Stored {
+    /// Timers `$AC_TIMER`: value, and the time at which it had it while it runs.
+    pub(super) timers: FxHashMap<i64, (f64, Option<i64>)>,
+    values: FxHashMap<String, Data>,
+}
 
 impl Stored {
     /// How many there are.
     pub(super) fn len(&self) -> usize {
-        self.0.len()
+        self.timers.len() + self.values.len()
     }
 }
 
@@ -132,8 +136,8 @@ impl Siemens {
                 let found = host.shared(&key)?;
                 Ok(Some(found.and_then(|value| row.kind.taken_from(&value)).unwrap_or_else(|| row.kind.initial())))
             }
-            Scope::Channel => Ok(Some(self.stored.0.get(&key).cloned().unwrap_or_else(|| row.kind.initial()))),
-            Scope::Setting => Ok(self.stored.0.get(&key).cloned()),
+            Scope::Channel => Ok(Some(self.stored.values.get(&key).cloned().unwrap_or_else(|| row.kind.initial()))),
+            Scope::Setting => Ok(self.stored.values.get(&key).cloned()),
         }
     }
 
@@ -150,10 +154,10 @@ impl Siemens {
             host.set_shared(&key, Some(value.value()))?;
             return Ok(true);
         }
-        if self.stored.0.len() >= MOST && !self.stored.0.contains_key(&key) {
+        if self.stored.values.len() >= MOST && !self.stored.values.contains_key(&key) {
             return wrong_type(format!("more than {MOST} system variables are written"));
         }
-        self.stored.0.insert(key, value);
+        self.stored.values.insert(key, value);
         Ok(true)
     }
 

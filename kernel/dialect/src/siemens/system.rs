@@ -45,7 +45,7 @@ impl Siemens {
             "$AC_CYCLE_TIME" | "$AC_OPERATING_TIME" | "$AC_PROG_NET_TIME" => Data::Real(seconds(host.clock())),
             "$AC_TIMER" => {
                 let number = self.only_index(host, name)?;
-                let (value, since) = self.timers.get(&number).copied().unwrap_or((0.0, None));
+                let (value, since) = self.stored.timers.get(&number).copied().unwrap_or((0.0, None));
                 Data::Real(value + since.map_or(0.0, |since| seconds(host.clock().saturating_sub(since))))
             }
             _ => return self.stored_value(host, name),
@@ -67,12 +67,12 @@ impl Siemens {
             let value = number(value)?;
             let state = if value < 0.0 {
                 // A negative value stops it where it is.
-                let (value, since) = self.timers.get(&timer).copied().unwrap_or((0.0, None));
+                let (value, since) = self.stored.timers.get(&timer).copied().unwrap_or((0.0, None));
                 (value + since.map_or(0.0, |since| seconds(host.clock().saturating_sub(since))), None)
             } else {
                 (value, Some(host.clock()))
             };
-            self.timers.insert(timer, state);
+            self.stored.timers.insert(timer, state);
             host.effect();
             return Ok(Some(Vec::new()));
         }
