@@ -19,7 +19,10 @@ pub trait Report {
     fn diagnose(&mut self, facts: &'static Facts, text: String);
 
     /// Reports a word of the block that nothing recognises.
-    fn report_unrecognised(&mut self, word: &str);
+    ///
+    /// # Errors
+    /// The machine has an alarm for that: no part of the block acts.
+    fn report_unrecognised(&mut self, word: &str) -> Acted;
 
     /// Reports a diagnostic with a severity of its own.
     fn report(&mut self, facts: &'static Facts, severity: u8, text: String);

@@ -84,7 +84,7 @@ impl Siemens {
         let word = [address.as_str(), self.sign(host, &address), text.as_str()].concat();
         if address.len() > 1 && splits(&address) && !has_word && !host.is_code_text(&word) {
             // The scanner would read a word of the letter and its extension.
-            host.report_unrecognised(&word);
+            host.report_unrecognised(&word)?;
             return Ok(());
         }
         left.add(&word);

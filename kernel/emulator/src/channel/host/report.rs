@@ -4,7 +4,7 @@ use counterpoint_fault::{Acted, Facts, Halt};
 
 use crate::channel::Kernel;
 use crate::channel::access::Door;
-use counterpoint_dialect::Report;
+use counterpoint_dialect::{Report, Unknown};
 use counterpoint_event::event::{Kind, Message};
 use counterpoint_fault as diag;
 use counterpoint_machine::model::Output;
@@ -23,9 +23,18 @@ impl Report for Kernel<'_> {
         self.plan.hooks.is_some() && self.plan.scanner.remarks(text).iter().any(|(is_message, ..)| *is_message)
     }
 
-    fn report_unrecognised(&mut self, word: &str) {
+    fn report_unrecognised(&mut self, word: &str) -> Acted {
         let place = format!("'{}'", self.block_text());
+        if self.channel.env.machine.habits.unknown_alarms {
+            let why = self.dialect.kind.unknown_text(word, Unknown::Word);
+            return Err(Kernel::alarm(
+                self,
+                &diag::UNKNOWN_TEXT,
+                format!("{why} in {place}; no part of the block acts"),
+            ));
+        }
         Kernel::report_unrecognised(self, word, place);
+        Ok(())
     }
 
     fn diagnose(&mut self, facts: &'static Facts, text: String) {
