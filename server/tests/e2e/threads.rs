@@ -19,22 +19,48 @@ const PROGRAMS: [(&str, &str); 2] = [
     ("c2.nc", "%\nO2\nG0 X50. Z5.\nM101\nG1 Z-20. F0.3\nM102\nG1 Z-40.\nG0 X60.\nM30\n%\n"),
 ];
 
-/// Names of the threads that run jobs, and numbers of those that run at this moment or wait for a core.
-fn threads(process: u32) -> (Vec<String>, BTreeSet<String>) {
-    let (mut names, mut busy) = (Vec::new(), BTreeSet::new());
-    for task in std::fs::read_dir(format!("/proc/{process}/task")).unwrap() {
-        // A thread may end meanwhile.
-        let Ok(stat) = std::fs::read_to_string(task.unwrap().path().join("stat")) else { continue };
-        let (head, tail) = stat.rsplit_once(')').unwrap();
-        let (number, name) = head.split_once(" (").unwrap();
-        if name.starts_with("kernel-") || name.starts_with("job") {
-            names.push(name.to_owned());
-            if tail.trim_start().starts_with('R') {
-                busy.insert(number.to_owned());
+/// Set in the flags of a thread from the moment at which it ends (`PF_EXITING` of Linux): whoever joins it goes on
+/// before it leaves the table of processes.
+const EXITING: u64 = 4;
+
+/// Threads of a server that run jobs.
+#[derive(Default)]
+struct Threads {
+    /// Those of single kernels.
+    kernels: BTreeSet<String>,
+    /// Those of kernels and jobs that run at this moment or wait for a core.
+    busy: BTreeSet<String>,
+}
+
+impl Threads {
+    fn of(process: u32) -> Self {
+        let mut threads = Self::default();
+        for task in std::fs::read_dir(format!("/proc/{process}/task")).unwrap() {
+            // A thread may end meanwhile.
+            let Ok(stat) = std::fs::read_to_string(task.unwrap().path().join("stat")) else { continue };
+            let (head, tail) = stat.rsplit_once(')').unwrap();
+            let (number, name) = head.split_once(" (").unwrap();
+            let fields: Vec<&str> = tail.split_whitespace().collect();
+            let kernel = name.starts_with("kernel-");
+            if fields[6].parse::<u64>().unwrap() & EXITING != 0 || !(kernel || name.starts_with("job")) {
+                continue;
+            }
+            if kernel {
+                threads.kernels.insert(number.to_owned());
+            }
+            if fields[0] == "R" {
+                threads.busy.insert(number.to_owned());
             }
         }
+        threads
     }
-    (names, busy)
+
+    /// Those that two looks have seen. Threads are looked at one after the other, so one look may see two that never
+    /// lived together; those that a second look sees again were all there when the first one ended.
+    fn and(&self, later: &Self) -> Self {
+        let both = |a: &BTreeSet<String>, b: &BTreeSet<String>| a.intersection(b).cloned().collect();
+        Self { kernels: both(&self.kernels, &later.kernels), busy: both(&self.busy, &later.busy) }
+    }
 }
 
 #[tokio::test(flavor = "multi_thread")]
@@ -52,13 +78,10 @@ async fn a_thousand_jobs_of_two_channels_keep_no_more_threads_busy_than_there_ar
     }
     let cores = std::thread::available_parallelism().unwrap().get();
     let (mut kernels, mut busy, mut last) = (0, 0, String::new());
-    let mut before = BTreeSet::new();
     let mut look = || {
-        let (names, now) = threads(server.child.id());
-        kernels = names.iter().filter(|name| name.starts_with("kernel-")).count().max(kernels);
-        // The threads are looked at one after the other: busy are those that are so twice.
-        busy = now.intersection(&before).count().max(busy);
-        before = now;
+        let first = Threads::of(server.child.id());
+        let threads = first.and(&Threads::of(server.child.id()));
+        (kernels, busy) = (threads.kernels.len().max(kernels), threads.busy.len().max(busy));
     };
     for number in 0..JOBS {
         let programs = PROGRAMS.map(|(path, _)| v1::Program { path: path.into(), ..Default::default() });
