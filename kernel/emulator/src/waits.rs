@@ -6,11 +6,13 @@
 pub(crate) mod balance;
 mod channels;
 mod fanuc;
+pub(crate) mod leases;
 mod line_up;
 mod siemens;
 mod signals;
 mod statements;
 
+pub use leases::of_axis;
 pub(crate) use line_up::of_systems;
 pub(crate) use signals::{signal, signal_number, signal_wait};
 pub(crate) use statements::{Statement, by_statement, known_channel, operands};
@@ -34,6 +36,8 @@ const REGISTERS: u16 = 5;
 const BY_REGISTER: u16 = 0x4000;
 /// Balance cutting; a letter is below it.
 const BALANCE: u16 = 0x3fff;
+/// Axes and spindles that channels exchange.
+const LEASE: u16 = 0x3ffe;
 const BY_ROW: u16 = 0x8000;
 
 /// What a word of the program means.
@@ -98,6 +102,7 @@ fn rule(machine: &Machine, row: &WaitRow) -> Rule {
         },
         absent: if row.absent_counts { Absent::Counts } else { Absent::Missed },
         signals: signals::rule(machine, row),
+        names: if statements::takes_axes(row) { leases::names(machine) } else { Default::default() },
     }
 }
 
@@ -210,5 +215,6 @@ fn of_row(
             Meaning::Act(Act::Signal(send), wait)
         }
         WaitAct::Release => Meaning::Act(Act::Release(key), wait),
+        WaitAct::Take | WaitAct::Give => Meaning::Act(Act::Take(key), wait),
     }
 }

@@ -154,6 +154,7 @@ diagnostics! {
     WAIT_LISTS 2900386 "wait-lists" 4 false "channels name different partners at one mark (16949)";
     STATEMENT_ARGUMENTS 2900387 "illegal-mark-or-channel" 12 true "mark or channel of a statement not possible";
     CHANNEL_NOT_STARTED 2900388 "channel-not-started" 12 true "program of a channel cannot be selected or started";
+    AXIS_NOT_HELD 2900389 "axis-not-held" 12 true "axis that another channel holds, or none";
     CORNER_ALONE 2900395 "corner-without-next-line" 8 false "corner without a line after it";
     CORNER_NEXT 2900396 "corner-before-other-move" 8 false "corner before a move that has none";
     CORNER_TWICE 2900397 "corner-twice" 8 false "two corners in one block";

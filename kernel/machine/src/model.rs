@@ -229,6 +229,8 @@ pub struct Axis {
     pub center: [f64; 3],
     /// How absolute words turn a rotary axis.
     pub turn: Turn,
+    /// Channels exchange it; this one has it at the start.
+    pub master: Option<u16>,
 }
 
 /// How an absolute word turns a rotary axis.

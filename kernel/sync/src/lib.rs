@@ -25,4 +25,4 @@ pub mod wait;
 pub mod waits;
 
 pub use hoard::weight;
-pub use primitives::Letter;
+pub use primitives::{Letter, Moved};

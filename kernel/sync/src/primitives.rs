@@ -13,9 +13,10 @@ mod lease;
 mod order;
 mod signal;
 
-use crate::wait::{Act, Missing, Places, Rules, Set, Wait, Waiting};
+use crate::wait::{Act, Key, Missing, Places, Rules, Set, Wait, Waiting};
 
 use counterpoint_event::event::Primitive;
+pub use lease::Moved;
 pub use signal::Letter;
 
 /// Most marks that are set, signals that are kept or leases that are held at one time.
@@ -155,6 +156,24 @@ impl Memory {
                 Ok(())
             }
             Act::Release(key) => self.leases.release(channel, key),
+            Act::Take(key) => {
+                self.leases.take(channel, key);
+                Ok(())
+            }
+            Act::Give { key, to } => self.leases.give(channel, key, to),
         }
+    }
+
+    /// A channel moves an axis that channels exchange.
+    ///
+    /// # Errors
+    /// Another channel holds it, or nobody does.
+    pub(crate) fn moves(&mut self, channel: u16, key: Key, moved: Moved) -> Result<(), Option<u16>> {
+        self.leases.moves(channel, key, moved)
+    }
+
+    /// Who holds something, and the last move of it.
+    pub(crate) fn lease(&self, key: Key) -> (Option<u16>, Option<Moved>) {
+        self.leases.state(key)
     }
 }

@@ -162,7 +162,8 @@ impl Races {
             Act::Set(key) => self.publish_at(channel, Primitive::Flag, key),
             Act::Signal(Send { key, .. }) => self.publish_at(channel, Primitive::Signal, key),
             Act::Release(key) => self.publish_at(channel, Primitive::Lease, key),
-            Act::Clear(_) | Act::Remove { .. } => {}
+            Act::Give { key, .. } => self.publish_at(channel, Primitive::Lease, key),
+            Act::Clear(_) | Act::Remove { .. } | Act::Take(_) => {}
         }
     }
 

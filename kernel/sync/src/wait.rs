@@ -93,6 +93,15 @@ pub enum Act {
     },
     /// Gives back what the channel holds.
     Release(Key),
+    /// Takes what another channel holds.
+    Take(Key),
+    /// Passes on what the channel holds.
+    Give {
+        /// What.
+        key: Key,
+        /// Who gets it.
+        to: u16,
+    },
 }
 
 /// What a partner that has ended or has no program means for a wait.
@@ -143,6 +152,8 @@ pub struct Rule {
     pub met_by: Option<Primitive>,
     /// What signals mean to the control.
     pub signals: Signals,
+    /// Names of the marks, by their numbers; empty: marks are numbers.
+    pub names: Arc<[Box<str>]>,
 }
 
 /// What a control makes of signals.
@@ -184,7 +195,13 @@ impl Rule {
             absent: Absent::Missed,
             met_by: None,
             signals: Signals::default(),
+            names: Arc::default(),
         }
+    }
+
+    /// The mark with this number, as the program writes it.
+    fn marked(&self, number: u32) -> String {
+        self.names.get(number as usize).map_or_else(|| number.to_string(), |name| name.to_string())
     }
 }
 
@@ -231,6 +248,7 @@ impl Rules {
             Some(rule) if rule.numbered && rule.word.len() == 1 && wait.primitive != Primitive::Signal => {
                 number.to_string()
             }
+            Some(rule) if !rule.names.is_empty() => rule.marked(number),
             Some(rule) if rule.numbered => format!("{}{number}", rule.word),
             Some(rule) => rule.word.to_string(),
         }
@@ -244,9 +262,9 @@ impl Rules {
             return format!("{}{channels}L{}", rule.word, wait.key.number);
         }
         if rule.style == Style::Statement {
-            let number = rule.numbered.then_some(wait.key.number);
-            let channels = wait.named.into_iter().flat_map(Set::iter).map(u32::from);
-            let arguments: Vec<String> = number.into_iter().chain(channels).map(|number| number.to_string()).collect();
+            let mark = rule.numbered.then(|| rule.marked(wait.key.number));
+            let channels = wait.named.into_iter().flat_map(Set::iter).map(|channel| channel.to_string());
+            let arguments: Vec<String> = mark.into_iter().chain(channels).collect();
             return format!("{}({})", rule.word, arguments.join(","));
         }
         if rule.style == Style::Keys {

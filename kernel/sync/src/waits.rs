@@ -12,9 +12,9 @@ mod tests;
 use std::fmt::Write as _;
 
 use crate::channels::Channels;
-use crate::primitives::{Letter, Memory};
+use crate::primitives::{Letter, Memory, Moved};
 use crate::tag::Tag;
-use crate::wait::{Act, Finish, Missing, Places, Reaction, Rules, Set, Terminal, Wait, Waiting};
+use crate::wait::{Act, Finish, Key, Missing, Places, Reaction, Rules, Set, Terminal, Wait, Waiting};
 use counterpoint_event::event::{Member, Primitive};
 
 /// Channels that continue together.
@@ -228,6 +228,25 @@ impl Waits {
     /// Values that came with the signals of the last wait of a channel; they are given once.
     pub fn letters(&mut self, channel: u16) -> Vec<Letter> {
         self.memory.letters(channel)
+    }
+
+    /// A channel holds this from the begin of the job on.
+    pub fn hold(&mut self, channel: u16, key: Key) {
+        // What nobody holds can be given to anybody.
+        let _ = self.memory.act(channel, (Act::Take(key), None), &self.rules);
+    }
+
+    /// A channel moves an axis that channels exchange.
+    ///
+    /// # Errors
+    /// The channel that holds it, if any does: it is not this one.
+    pub fn moves(&mut self, channel: u16, key: Key, moved: Moved) -> Result<(), Option<u16>> {
+        self.memory.moves(channel, key, moved)
+    }
+
+    /// Who holds something, and the last move of it; none while it stands where the job found it.
+    pub fn lease(&self, key: Key) -> (Option<u16>, Option<Moved>) {
+        self.memory.lease(key)
     }
 
     /// All waits that are over, by what the operation at this tag changed: first all of them are found, then they end.

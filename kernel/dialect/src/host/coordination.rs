@@ -15,6 +15,10 @@ pub enum Operands {
     Channels,
     /// A channel, and the program that it is to run.
     Program,
+    /// Axes.
+    Axes,
+    /// Pairs of an axis and the channel that gets it.
+    AxesAndChannels,
 }
 
 /// What a statement says of a signal.
@@ -45,6 +49,12 @@ pub trait Coordination {
     /// # Errors
     /// Its mark or its channels are not possible, the control refuses the wait, or the job was stopped.
     fn coordinate(&mut self, statement: &str, mark: i64, channels: &[i64]) -> Acted;
+
+    /// Executes a statement about an axis that channels exchange, and the channel that gets it.
+    ///
+    /// # Errors
+    /// The channel cannot have the axis, another one holds it where that is not possible, or the job was stopped.
+    fn exchange(&mut self, statement: &str, axis: &str, channel: Option<i64>) -> Acted;
 
     /// Sends a signal by the statement with this name.
     ///

@@ -17,15 +17,18 @@ impl Siemens {
     /// Executes a statement between channels; whether it is one.
     pub(super) fn coordination(&mut self, host: &mut dyn Host, name: &str, arguments: &[Argument]) -> Outcome<bool> {
         let Some(operands) = host.coordinates(name) else { return Ok(false) };
-        if operands == Operands::Program {
-            return self.select(host, name, arguments).map(|()| true);
+        match operands {
+            Operands::Program => return self.select(host, name, arguments).map(|()| true),
+            Operands::Axes => return self.exchange(host, name, (arguments, 1)).map(|()| true),
+            Operands::AxesAndChannels => return self.exchange(host, name, (arguments, 2)).map(|()| true),
+            Operands::MarkAndChannels | Operands::Channels | Operands::Marks => {}
         }
         let mut numbers = Vec::with_capacity(arguments.len());
         for (at, argument) in arguments.iter().enumerate() {
             let is_channel = match operands {
                 Operands::MarkAndChannels => at > 0,
                 Operands::Channels => true,
-                Operands::Marks | Operands::Program => false,
+                _ => false,
             };
             numbers.push(self.mark_or_channel(host, (name, argument), is_channel)?);
         }
@@ -41,9 +44,51 @@ impl Siemens {
             }
             (Operands::MarkAndChannels, _) => return wrong(format!("{name} needs a mark and channels")),
             (Operands::Channels, _) => return wrong(format!("{name} needs a channel")),
-            (Operands::Marks | Operands::Program, _) => return wrong(format!("{name} needs a mark")),
+            _ => return wrong(format!("{name} needs a mark")),
         }
         Ok(true)
+    }
+
+    /// GET, GETD and RELEASE: axes; AXTOCHAN: pairs of an axis and a channel.
+    fn exchange(
+        &mut self,
+        host: &mut dyn Host,
+        statement: &str,
+        (arguments, each): (&[Argument], usize),
+    ) -> Outcome<()> {
+        if arguments.is_empty() || !arguments.len().is_multiple_of(each) {
+            let needs = if each == 2 { "pairs of an axis and a channel" } else { "an axis" };
+            return wrong(format!("{statement} needs {needs}"));
+        }
+        for pair in arguments.chunks(each) {
+            let [axis, channel @ ..] = pair else { continue };
+            let axis = self.axis_or_spindle(host, (statement, axis))?;
+            let channel = match channel {
+                [channel] => Some(self.mark_or_channel(host, (statement, channel), true)?),
+                _ => None,
+            };
+            host.exchange(statement, &axis, channel)?;
+        }
+        Ok(())
+    }
+
+    /// Name of an axis or a spindle as an argument: `C1`, `S2`, `SPI(2)`, a variable of the type AXIS, a text.
+    fn axis_or_spindle(&mut self, host: &mut dyn Host, (statement, argument): (&str, &Argument)) -> Outcome<String> {
+        if let Ok(Some(expression)) = &argument.value
+            && let Some(name) = as_name(expression)
+            && name.index.is_empty()
+            && !self.variables.knows(&name.name)
+        {
+            return Ok(name.name.clone());
+        }
+        let spindle = argument.text.trim().to_ascii_uppercase();
+        if let Some(number) = spindle.strip_prefix("SPI(").and_then(|rest| rest.strip_suffix(')')) {
+            return Ok(format!("S{}", number.trim()));
+        }
+        match self.argument(host, argument)? {
+            Some(Data::Axis(name) | Data::Text(name)) => Ok(name),
+            _ => wrong(format!("{} is not an axis for {statement}", argument.text)),
+        }
     }
 
     /// INIT: a channel, the path of its program, and whether a program that is missing is reported here (`"S"`, as without) or

@@ -17,6 +17,7 @@ mod cycle_event;
 pub(crate) mod data;
 mod diagnostics;
 pub mod emit;
+mod exchange;
 pub(crate) mod flow;
 mod frame;
 pub(crate) mod hook_points;

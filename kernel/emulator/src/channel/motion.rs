@@ -49,6 +49,9 @@ impl Kernel<'_> {
         if self.channel.state.place.clamped != 0 {
             self.check_clamps(motion);
         }
+        if self.channel.state.place.layout.exchanged != 0 {
+            self.exchanged_move(seconds, motion)?;
+        }
         self.channel.block.flags.moved = true;
         self.flow.pass.effects = true;
         if self.plan.rules.keeps_last_move {

@@ -146,9 +146,19 @@ impl Kernel<'_> {
         let wrong = |register: RegisterId| {
             self.channel.state.place.layout.bounds.foreign & register.bit() != 0 && self.channel.block.has(register)
         };
+        let exchanged = |register: RegisterId| {
+            let layout = &self.channel.state.place.layout;
+            let moves = |id| machine.tables.data_of_register[register].iter().any(|&row| machine.data[row].id == id);
+            let own =
+                layout.axes.entries().filter(|(slot, axis)| layout.exchanged & slot.bit() != 0 && moves(axis.data));
+            own.fold(0, |slots, (slot, _)| slots | slot.bit())
+        };
         let ignored = |register: RegisterId| rows().any(|row| row.ignores.contains(&register));
-        let mut words = self.channel.block.words.iter().filter(|word| wrong(word.register) && !ignored(word.register));
-        let Some(word) = words.next() else { return Ok(()) };
+        let words = || self.channel.block.words.iter().filter(|word| wrong(word.register) && !ignored(word.register));
+        let Some(word) = words().find(|word| exchanged(word.register) == 0) else {
+            let slots = words().fold(0, |slots, word| slots | exchanged(word.register));
+            return self.check_exchanged(slots);
+        };
         let word = self.span_text((word.start, word.end));
         let text = format!(
             "channel {} has no axis for {word} in '{}'; no part of the block acts",

@@ -51,6 +51,8 @@ impl Kernel<'_> {
             wait::Act::Set(_) | wait::Act::Signal(_) => "set",
             wait::Act::Clear(_) | wait::Act::Remove { .. } => "clear",
             wait::Act::Release(_) => "release",
+            wait::Act::Take(_) => "take",
+            wait::Act::Give { .. } => "give",
         };
         show(self, &shown, what);
         let tag = self.tag();
@@ -101,7 +103,7 @@ fn not_startable(kernel: &mut Kernel<'_>, reason: &str) -> Halt {
 }
 
 /// What the channel does at its wait is not possible.
-fn impossible(kernel: &mut Kernel<'_>, reason: &str) -> Halt {
+pub(super) fn impossible(kernel: &mut Kernel<'_>, reason: &str) -> Halt {
     let text = format!("{reason}, in '{}'", kernel.block_text());
     kernel.fatal(&diag::WAIT_IMPOSSIBLE, text)
 }
@@ -188,6 +190,12 @@ fn wait_unless_over(kernel: &mut Kernel<'_>, wait: wait::Wait) -> Result<Option<
         }
     }
     Ok(None)
+}
+
+/// Waits for something that comes by itself.
+pub(super) fn wait_until(kernel: &mut Kernel<'_>, wait: wait::Wait, after: After) -> Acted {
+    let logged = Logged::new(kernel, &wait, kernel.channel.at.clock);
+    follow(kernel, after, &logged)
 }
 
 /// Waits for signals: the values that came with them.

@@ -49,6 +49,8 @@ pub(crate) struct Layout {
     pub(crate) bounds: Bounds,
     /// Axes whose absolute words are angles, not positions, bit by axis.
     pub(crate) angles: u8,
+    /// Axes that channels exchange, bit by axis.
+    pub(crate) exchanged: u8,
     /// Channel axis of the X, Y and Z roles.
     pub(crate) cartesian: [Option<AxisSlot>; 3],
 }
@@ -144,6 +146,7 @@ impl Place {
                 rotary: axes.iter().any(|axis| axis.rotary),
                 bounds,
                 angles: angles(machine, &axes),
+                exchanged: exchanged(machine, &axes),
                 axes,
                 cartesian,
             },
@@ -160,10 +163,16 @@ impl Place {
     }
 }
 
-/// Registers that only move axes which the channel does not have; none where such words are no alarms.
+/// Registers of axes that channels exchange, and where such words are alarms, those that only move axes which the channel does
+/// not have.
 fn foreign(machine: &Machine, axes: &Table<AxisSlot, Axis>) -> u128 {
+    let exchanged = machine.tables.data_of_register.entries().filter(|(_, rows)| {
+        let mut ids = rows.iter().map(|&row| machine.data[row].id);
+        ids.any(|id| axes.iter().any(|axis| axis.data == id && machine.axes[axis.machine].master.is_some()))
+    });
+    let exchanged = exchanged.fold(0, |bits, (register, _)| bits | register.bit());
     if !machine.stops_at(&diag::AXIS_NOT_IN_CHANNEL) {
-        return 0;
+        return exchanged;
     }
     let registers = machine.tables.data_of_register.entries();
     let foreign = registers.filter(|(_, rows)| {
@@ -173,7 +182,13 @@ fn foreign(machine: &Machine, axes: &Table<AxisSlot, Axis>) -> u128 {
         let moves = ids.clone().any(|id| id.kind().is_axis());
         only && moves && !ids.any(|id| axes.iter().any(|axis| axis.data == id))
     });
-    foreign.fold(0, |bits, (register, _)| bits | register.bit())
+    foreign.fold(exchanged, |bits, (register, _)| bits | register.bit())
+}
+
+/// Axes of a channel that channels exchange, bit by axis.
+fn exchanged(machine: &Machine, axes: &Table<AxisSlot, Axis>) -> u8 {
+    let is = |axis: &Axis| machine.axes[axis.machine].master.is_some();
+    axes.entries().filter(|(_, axis)| is(axis)).fold(0, |bits, (slot, _)| bits | slot.bit())
 }
 
 /// Axes of a channel whose absolute words are angles, bit by axis.

@@ -28,14 +28,21 @@ pub(super) fn find<'m>(machine: &'m Machine, name: &str) -> Option<(u16, &'m Wai
     rows.into_iter().find(|(_, row)| row.form.is_none() && row.word.eq_ignore_ascii_case(name))
 }
 
+/// A statement of this row is about axes and spindles.
+pub(super) fn takes_axes(row: &WaitRow) -> bool {
+    row.primitive == Primitive::Lease && row.form.is_none()
+}
+
 /// What a statement takes; `None` if it is not one of `[[waits]]`.
 pub(crate) fn operands(machine: &Machine, name: &str) -> Option<Operands> {
     let (_, row) = find(machine, name)?;
     Some(match (row.primitive, row.act) {
+        (Primitive::Lease, WaitAct::Give) => Operands::AxesAndChannels,
+        (Primitive::Lease, _) => Operands::Axes,
         (_, WaitAct::Select) => Operands::Program,
         (Primitive::Join, _) => Operands::Channels,
         (_, WaitAct::Wait | WaitAct::Signal | WaitAct::Start) => Operands::MarkAndChannels,
-        (_, WaitAct::Set | WaitAct::Clear | WaitAct::Release) => Operands::Marks,
+        (_, WaitAct::Set | WaitAct::Clear | WaitAct::Release | WaitAct::Take | WaitAct::Give) => Operands::Marks,
     })
 }
 

@@ -12,7 +12,7 @@ use crate::prepared::Job;
 use counterpoint_emulator::channel::Kernel;
 use counterpoint_emulator::channel::carried::{Carried, Lived};
 use counterpoint_emulator::macros::parts::Restart;
-use counterpoint_emulator::waits::rules;
+use counterpoint_emulator::waits::{of_axis, rules};
 use counterpoint_event::event::{Event, FileId, Kind, Phase};
 use counterpoint_fault as diag;
 use counterpoint_fault::Halt;
@@ -65,7 +65,10 @@ impl Round {
         };
         let shared = self.shared.take().unwrap_or_else(fresh);
         let channels = Channels::new(machine.channels.iter().map(|channel| channel.number));
-        let waits = Waits::new(channels.clone(), rules(machine), machine.sync.release_ns);
+        let mut waits = Waits::new(channels.clone(), rules(machine), machine.sync.release_ns);
+        for (axis, master) in machine.axes.entries().filter_map(|(axis, row)| Some((axis, row.master?))) {
+            waits.hold(master, of_axis(axis));
+        }
         let threads = if stepped { 1 } else { usize::from(options.threads) };
         let coordinator = Coordinator::new(channels.clone(), threads, shared, waits, messages);
         let races = (!options.races.is_off() && channels.count() > 1).then(|| Box::new(Races::new(channels)));

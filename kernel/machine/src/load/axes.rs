@@ -57,6 +57,7 @@ fn read_row(row: &mut Section<'_>, names: &Names<'_>) -> Option<Axis> {
     if turn != Turn::Position && !role.is_rotary() {
         row.error("turn", "only a rotary axis takes the shortest way or the direction of a sign");
     }
+    let master = row.integer("master", 1..=99).map(|number| number as u16);
     Some(Axis {
         name: name?.to_owned(),
         letter: letter?.to_owned(),
@@ -71,6 +72,7 @@ fn read_row(row: &mut Section<'_>, names: &Names<'_>) -> Option<Axis> {
         vector,
         center,
         turn,
+        master,
     })
 }
 

@@ -1,6 +1,6 @@
 //! `[[channels]]`: the paths of the control and the axes each one moves.
 //!
-//! Invariant: an axis belongs to one channel, and no two axes of a channel answer to the same word.
+//! Invariant: an axis that channels do not exchange belongs to one of them, and no two axes of a channel answer to the same word.
 
 use crate::index::{AxisId, AxisSlot, SpindleId, Table};
 use crate::model::{Axis, Channel, Spindle};
@@ -33,6 +33,7 @@ pub(super) fn read(
         check.missing(top.place_of("channels"), "a machine needs at least one channel");
     }
     check_idle(top, &channels, axes, check);
+    check_masters(top, &channels, axes, check);
     channels.sort_by_key(|channel| channel.number);
     channels
 }
@@ -141,9 +142,39 @@ fn check_twins(row: &Section<'_>, channel: &Channel, others: &[Channel], axes: &
         } else if other.name == channel.name {
             row.error("name", format!("there is already a channel with the name \"{}\"", channel.name));
         }
-        for axis in channel.axes.iter().filter(|axis| other.axes.as_slice().contains(axis)) {
-            let name = &axes[*axis].name;
-            row.error("axes", format!("axis {name} already belongs to channel {}", other.number));
+        let shared = channel.axes.iter().filter(|axis| other.axes.as_slice().contains(axis));
+        for axis in shared.map(|axis| &axes[*axis]).filter(|axis| axis.master.is_none()) {
+            let text = format!(
+                "axis {} already belongs to channel {}; `master` in its row of [[axes]] lets channels exchange it",
+                axis.name, other.number
+            );
+            row.error("axes", text);
+        }
+    }
+}
+
+/// Axes that channels exchange: the one that has an axis at the start lists it, and so does another one.
+fn check_masters(top: &mut Section<'_>, channels: &[Channel], axes: &Table<AxisId, Axis>, check: &Check) {
+    let Some(Value::Array(rows)) = top.node("axes").map(|node| &node.value) else { return };
+    for (id, axis) in axes.entries() {
+        let Some(master) = axis.master else { continue };
+        let place = rows.iter().find_map(|row| match &row.value {
+            Value::Table(table) if table.text("name") == Some(&axis.name) => Some(&row.place),
+            _ => None,
+        });
+        let Some(place) = place else { continue };
+        let listing: Vec<u16> = channels
+            .iter()
+            .filter(|channel| channel.axes.as_slice().contains(&id))
+            .map(|channel| channel.number)
+            .collect();
+        let name = &axis.name;
+        if !listing.contains(&master) {
+            check
+                .error(place, format!("`master` of axis {name} is channel {master}, which does not list it in `axes`"));
+        } else if listing.len() < 2 {
+            check
+                .warning(place, format!("`master` of axis {name} has no effect: only channel {master} lists the axis"));
         }
     }
 }

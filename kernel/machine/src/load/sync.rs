@@ -32,6 +32,7 @@ pub(super) fn read(
         release_ns: 0,
         poll_ns: POLL_NS,
         signals: None,
+        asks_for_axes: false,
         waits,
     };
     let Some(mut section) = top.table("sync", "[sync]") else { return sync };
@@ -44,6 +45,8 @@ pub(super) fn read(
     sync.release_ns = nanoseconds(&mut section, "release").unwrap_or(0);
     sync.poll_ns = nanoseconds(&mut section, "poll").unwrap_or(POLL_NS);
     sync.signals = section.integer("signals", 1..=MOST_SIGNALS).map(|most| most as u32);
+    let exchanges = [("commanded", false), ("automatic", true)];
+    sync.asks_for_axes = section.choice("exchange", &exchanges).unwrap_or(false);
     if sync.poll_ns < 1 {
         section.error("poll", "`poll` must be at least 1e-9 s: a polling loop must take time");
     }

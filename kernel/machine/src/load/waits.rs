@@ -125,6 +125,8 @@ fn read_row(section: &mut Section<'_>, keys: bool, check: &Check) -> Option<Wait
         ("clear", WaitAct::Clear),
         ("signal", WaitAct::Signal),
         ("release", WaitAct::Release),
+        ("take", WaitAct::Take),
+        ("give", WaitAct::Give),
         ("select", WaitAct::Select),
         ("start", WaitAct::Start),
     ];
@@ -189,11 +191,12 @@ fn check_row(section: &mut Section<'_>, check: &Check, (primitive, act, mismatch
         WaitAct::Set | WaitAct::Clear => primitive == Primitive::Flag,
         WaitAct::Signal => primitive == Primitive::Signal,
         WaitAct::Release => primitive == Primitive::Lease,
+        WaitAct::Take | WaitAct::Give => primitive == Primitive::Lease && section.node("statement").is_some(),
         WaitAct::Select | WaitAct::Start => primitive == Primitive::Join && section.node("statement").is_some(),
     };
     if !fits {
         let text = "`act` does not go with this primitive: flags are set and cleared, signals are sent by \"signal\", leases \
-                    are given back by \"release\", and statements \"select\" and \"start\" the programs of a join";
+                    are given back by \"release\", and statements \"take\" and \"give\" them, or \"select\" and \"start\" the programs of a join";
         section.error("act", text);
     }
     let fits = match mismatch {

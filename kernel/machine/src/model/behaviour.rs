@@ -145,6 +145,8 @@ pub struct Sync {
     pub poll_ns: i64,
     /// Most signals and waits for signals that are kept at one time.
     pub signals: Option<u32>,
+    /// A word of an axis that channels exchange asks for the axis by itself.
+    pub asks_for_axes: bool,
     /// Words and texts of `[[waits]]`.
     pub waits: Vec<super::WaitRow>,
 }

@@ -67,6 +67,10 @@ pub enum WaitAct {
     Signal,
     /// Gives back what the channel holds.
     Release,
+    /// Takes what another channel holds.
+    Take,
+    /// Passes on what the channel holds.
+    Give,
     /// Selects the program of a channel.
     Select,
     /// Starts the selected programs of channels.

@@ -6,7 +6,7 @@ use counterpoint_event::info::Info;
 use super::{Order, Wake};
 use crate::tag::Tag;
 use crate::verdict;
-use crate::wait::{Finish, Set, Terminal, Waiting};
+use crate::wait::{Act, Finish, Key, Set, Terminal, Waiting};
 use crate::waits::Arrival;
 
 /// What the arrival means for the arriving kernel.
@@ -47,6 +47,19 @@ impl Order {
         }
         self.judged = Set(self.judged.0 | dead.0);
         Some(verdict::of(dead, t, &self.waits, info))
+    }
+
+    /// A channel takes what another one holds; if that is an axis that moves, it waits for the end of the move.
+    ///
+    /// # Errors
+    /// Why it cannot.
+    pub fn take(&mut self, tag: Tag, key: Key) -> Result<Option<After>, String> {
+        self.act(tag, Act::Take(key))?;
+        let end = self.waits.lease(key).1.map(|moved| moved.end_ns).filter(|end| *end > tag.t);
+        Ok(end.map(|t| {
+            self.sync_points += 1;
+            After::Go { t, micro: 0, sync_point: self.sync_points, short: false }
+        }))
     }
 
     /// Carries out the arrival of a channel at a wait, with what the control warns of.

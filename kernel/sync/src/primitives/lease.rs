@@ -1,7 +1,8 @@
 //! Lease: an axis or a spindle belongs to one channel at a time; who asks first gets it first.
 //!
-//! *Invariant:* a queue stands in the order of tags; what nobody holds has no queue once waits are settled. Facts: reference
-//! channel-synchronisation.md 1.9, scenario M11.
+//! A channel may also take what another one holds, or pass on what it holds itself. With an axis goes the place where its last
+//! holder has moved it. *Invariant:* a queue stands in the order of tags; what nobody holds has no queue once waits are settled.
+//! Facts: reference channel-synchronisation.md 1.4, 1.9, scenario M11.
 
 use std::collections::BTreeMap;
 
@@ -14,6 +15,19 @@ struct Lease {
     holder: Option<u16>,
     /// Who waits for it, first come first.
     queue: Vec<u16>,
+    /// Where an axis has been moved; none while it stands where the job found it.
+    moved: Option<Moved>,
+}
+
+/// The last move of an axis that channels exchange.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Moved {
+    /// Where it ends, machine frame.
+    pub to: f64,
+    /// When it ends, ns.
+    pub end_ns: i64,
+    /// Who has moved it.
+    pub by: u16,
 }
 
 /// Leases that somebody holds or waits for.
@@ -65,8 +79,42 @@ impl Leases {
         Ok(())
     }
 
+    /// Takes it from whoever holds it, before all who ask for it.
+    pub(super) fn take(&mut self, channel: u16, key: Key) {
+        self.0.entry(key).or_default().holder = Some(channel);
+    }
+
+    /// Passes on what the channel holds, or what nobody does.
+    pub(super) fn give(&mut self, channel: u16, key: Key, to: u16) -> Result<(), String> {
+        let lease = self.0.entry(key).or_default();
+        match lease.holder {
+            Some(holder) if holder != channel => Err(format!("channel {holder} holds it")),
+            _ => {
+                lease.holder = Some(to);
+                Ok(())
+            }
+        }
+    }
+
+    /// The holder moves it; otherwise who holds it.
+    pub(super) fn moves(&mut self, channel: u16, key: Key, moved: Moved) -> Result<(), Option<u16>> {
+        match self.0.get_mut(&key) {
+            Some(lease) if lease.holder == Some(channel) => {
+                lease.moved = Some(moved);
+                Ok(())
+            }
+            lease => Err(lease.and_then(|lease| lease.holder)),
+        }
+    }
+
+    /// Who holds it, and where it has been moved.
+    pub(super) fn state(&self, key: Key) -> (Option<u16>, Option<Moved>) {
+        self.0.get(&key).map_or((None, None), |lease| (lease.holder, lease.moved))
+    }
+
     fn forget_if_free(&mut self, key: Key) {
-        if self.0.get(&key).is_some_and(|lease| lease.holder.is_none() && lease.queue.is_empty()) {
+        let free = |lease: &Lease| lease.holder.is_none() && lease.queue.is_empty() && lease.moved.is_none();
+        if self.0.get(&key).is_some_and(free) {
             self.0.remove(&key);
         }
     }

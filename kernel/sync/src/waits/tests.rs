@@ -314,6 +314,34 @@ fn a_lease_goes_to_who_asks_first() {
 }
 
 #[test]
+fn a_lease_can_be_taken_and_passed_on() {
+    let mut waits = waits(3);
+    let lease = wait(Primitive::Lease, 1, &[1, 2, 3]);
+    waits.hold(1, key(1));
+    assert_eq!(continue_by(&mut waits, at(3, 1, lease)), NOBODY);
+    // Channel 2 takes it before channel 3, which asked earlier.
+    assert_eq!(act(&mut waits, tag(2, 2), Act::Take(key(1))), NOBODY);
+    assert_eq!(waits.missing(3).channels, set(&[2]));
+    assert_eq!(waits.act(tag(1, 3), Act::Give { key: key(1), to: 3 }), Err("channel 2 holds it".to_owned()));
+    assert_eq!(act(&mut waits, tag(2, 4), Act::Give { key: key(1), to: 3 }), [(vec![3], 4)]);
+    assert_eq!(waits.lease(key(1)).0, Some(3));
+}
+
+#[test]
+fn only_the_holder_moves_an_axis_and_the_next_one_finds_it_there() {
+    let mut waits = waits(2);
+    let moved = |by| Moved { to: 90.0, end_ns: 5, by };
+    assert_eq!(waits.moves(1, key(1), moved(1)), Err(None));
+    waits.hold(1, key(1));
+    assert_eq!(waits.moves(2, key(1), moved(2)), Err(Some(1)));
+    assert_eq!(waits.moves(1, key(1), moved(1)), Ok(()));
+    assert_eq!(act(&mut waits, tag(1, 6), Act::Release(key(1))), NOBODY);
+    assert_eq!(waits.lease(key(1)), (None, Some(moved(1))));
+    assert!(waits.pass(&at(2, 7, wait(Primitive::Lease, 1, &[1, 2]))));
+    assert_eq!(waits.lease(key(1)), (Some(2), Some(moved(1))));
+}
+
+#[test]
 fn leases_in_a_circle_are_dead() {
     let mut waits = waits(2);
     let lease = |number| wait(Primitive::Lease, number, &[1, 2]);

@@ -39,6 +39,10 @@ impl Coordination for Kernel<'_> {
         }
     }
 
+    fn exchange(&mut self, statement: &str, axis: &str, channel: Option<i64>) -> Acted {
+        Kernel::exchange(self, statement, axis, channel)
+    }
+
     fn send(&mut self, statement: &str, signal: &Signal) -> Acted {
         self.flush_lookahead()?;
         let channel = self.channel.at.channel;

@@ -387,7 +387,29 @@ spindle = 7"#
 number = 2
 axes = ["X1"]"#
         ),
-        ["3:8: error: axis X1 already belongs to channel 1"]
+        ["3:8: error: axis X1 already belongs to channel 1; `master` in its row of [[axes]] lets channels exchange it"]
+    );
+    assert_eq!(
+        after(
+            r#"[[axes]]
+name = "C1"
+rapid = 3600
+master = 1
+[[axes]]
+name = "C2"
+rapid = 3600
+data = "REG_AXIS_BT"
+master = 2
+[[channels]]
+number = 2
+axes = ["C1", "C2"]"#
+        ),
+        [
+            "1:1: error: `master` of axis C1 is channel 1, which does not list it in `axes`",
+            "1:1: warning: no word can move axis C1: no row of [[data]] has REG_AXIS_CT",
+            "5:1: warning: no word can move axis C2: no row of [[data]] has REG_AXIS_BT",
+            "5:1: warning: `master` of axis C2 has no effect: only channel 2 lists the axis"
+        ]
     );
     assert_eq!(
         after(
