@@ -197,7 +197,7 @@ async fn tables_of_tenants_are_read_again_on_sighup() {
 }
 
 pub async fn server_until(caller: &As, job: &str, state: v1::JobState) {
-    for _ in 0..1000 {
+    for _ in 0..6000 {
         let get = v1::GetJobRequest { job_id: job.into() };
         if caller.jobs().get_job(get).await.unwrap().into_inner().status.unwrap().state() == state {
             return;
