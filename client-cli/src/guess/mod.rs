@@ -212,6 +212,10 @@ impl Evidence {
                 self.named(Kind::Mill),
                 self.named(Kind::Lathe)
             ))),
+            1 if mill > lathe && self.weight(Kind::HaasMill) > 0 => {
+                let why = format!("{}, {}", self.named(Kind::Mill), self.named(Kind::HaasMill));
+                Ok(Guess { machine: "haas-mill", why })
+            }
             1 if mill > lathe => Ok(Guess { machine: "fanuc-mill", why: self.named(Kind::Mill) }),
             1 if self.weight(Kind::Live) > 0 => {
                 let why = format!("{}, {}", self.named(Kind::Lathe), self.named(Kind::Live));
@@ -318,7 +322,10 @@ mod tests {
             ("p.nc", "O1\n$1\nG50 S2500\nM30\n$2\nM30\n", "citizen-3system", "$1 (line 2), $2 (line 5)"),
             ("p.nc", "$0\n#814=10\n$1\nT1 M6\n", "citizen-3system", "$0 (line 1), $1 (line 3)"),
             // Pocket milling of a Haas, its second spindle and the end of polar interpolation are no turrets.
-            ("p.nc", "G13 I5. D1 F100.\nG14\nT1 M6\n", "fanuc-mill", "T1 M6 (line 3)"),
+            ("p.nc", "G13 I5. D1 F100.\nG14\nT1 M6\n", "haas-mill", "T1 M6 (line 3), G13 I (line 1)"),
+            ("p.nc", "T1 M6\nG154 P3 X0 Y0\n", "haas-mill", "T1 M6 (line 1), Y (line 2), G154 P (line 2)"),
+            ("p.nc", "T1 M6\nM97 P100 L2\n", "haas-mill", "T1 M6 (line 1), M97 P (line 2)"),
+            ("p.nc", "T1 M6\nG70 I20. J0 L6\n", "haas-mill", "T1 M6 (line 1), G70 I L (line 2)"),
             ("p.nc", "G13.1\nG50 S900\n", "fanuc-lathe", "G50 S900 (line 2)"),
         ] {
             assert_eq!(of(name, text), Ok((machine, why.to_owned())), "{text}");

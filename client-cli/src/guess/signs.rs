@@ -11,6 +11,8 @@ pub(super) enum Kind {
     Lathe,
     /// A lathe of the Haas kind: blocks that end with a semicolon, depths in millimetres or inches.
     Haas,
+    /// Words that only mills of the Haas kind have.
+    HaasMill,
     /// A lathe with live tools or a Y axis.
     Live,
     Siemens,
@@ -26,7 +28,7 @@ impl Kind {
     /// The control that the sign belongs to, if it is not one of Fanuc's kind.
     pub(super) fn control(self) -> Option<&'static str> {
         match self {
-            Self::Mill | Self::Lathe | Self::Haas | Self::Live | Self::Turrets => None,
+            Self::Mill | Self::Lathe | Self::Haas | Self::HaasMill | Self::Live | Self::Turrets => None,
             Self::Siemens => Some("a Siemens control"),
             Self::Heidenhain => Some("a Heidenhain control"),
             Self::Okuma => Some("an Okuma control"),
@@ -239,6 +241,18 @@ impl Signs {
             if matches!(g, 71..=72) && value("D").is_some_and(|depth| depth.contains('.')) {
                 self.add(Kind::Haas, format!("G{g} D with a point"), 2);
             }
+        }
+        if let Some(g) = code("G", &[12, 13]).filter(|_| has("I")) {
+            self.add(Kind::HaasMill, format!("G{g} I"), 3);
+        }
+        if let Some(g) = code("G", &[70, 71, 72]).filter(|_| has("I") && has("L") && !has("P")) {
+            self.add(Kind::HaasMill, format!("G{g} I L"), 3);
+        }
+        if let Some(g) = code("G", &[154, 187]).filter(|_| has("P")) {
+            self.add(Kind::HaasMill, format!("G{g} P"), 3);
+        }
+        if code("M", &[97]).is_some() && has("P") {
+            self.add(Kind::HaasMill, "M97 P", 3);
         }
         if let (Some(tool), None) = (value("T"), code("M", &[6])) {
             let digits = tool.len();

@@ -34,7 +34,10 @@ fn add(dir: &Dir<'_>, files: &mut Memory) {
 pub fn shipped_names() -> Vec<String> {
     let files = shipped();
     let folders = files.list().into_iter().filter_map(|path| path.strip_suffix("/machine.toml").map(str::to_owned));
-    folders.filter(|folder| !is_family(&files, folder)).collect()
+    let mut names: Vec<String> = folders.filter(|folder| !is_family(&files, folder)).collect();
+    // The paths stand in another order: a hyphen comes before the slash.
+    names.sort_unstable();
+    names
 }
 
 /// Whether a folder holds a family: `abstract = true` before the first section.

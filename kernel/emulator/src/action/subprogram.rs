@@ -54,7 +54,7 @@ pub(super) fn call(act: &mut Act<'_, '_>) -> Acted {
     Ok(())
 }
 
-/// Call of the blocks from one sequence number or label to another in the current file.
+/// Call of the blocks from one sequence number or label to another in the current file; without the other, to a return.
 pub(super) fn call_range(act: &mut Act<'_, '_>) -> Acted {
     let numbers = [data::CALSUB_BLOCK_START, data::CALSUB_BLOCK_END].map(|id| act.take(id).map(|d| d.value));
     let labels = [data::LABEL, data::LABEL_END].map(|id| act.take(id).map(|d| d.value));
@@ -62,6 +62,13 @@ pub(super) fn call_range(act: &mut Act<'_, '_>) -> Acted {
     let by_labels = numbers == [None; 2] && labels != [None; 2];
     let number = |v: f64| (v >= 0.0 && v <= f64::from(u32::MAX) && v.fract() == 0.0).then_some(v as u32);
     let [first, last] = if by_labels { labels } else { numbers }.map(|value| value.and_then(number));
+    if let (Some(first), None) = (first, numbers[1])
+        && !by_labels
+    {
+        let passes = repeat.map_or(1, |count| act.passes(count)).max(1);
+        act.call_from(first, passes);
+        return Ok(());
+    }
     let (Some(first), Some(last)) = (first, last) else {
         let what = if by_labels { "label" } else { "sequence number" };
         let text = format!("a range call needs its first and last {what} in '{}'", act.block_text());

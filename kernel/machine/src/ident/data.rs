@@ -243,6 +243,7 @@ data! {
     CYCLE_STEP true true Plain, Length => "named by the variable pages, missing in the annex";
     CYCLE_STEP_DECR true true Plain, Length => "named by the variable pages, missing in the annex";
     CYCLE_STEP_OUT true true Plain, Length => "depth between full retracts of a cycle that breaks chips (Okuma G83 J, G183 L)";
+    CYCLE_STEP_MIN true true Plain, Length => "smallest step under a decrement (Haas G73 and G83 K)";
     CYCLE_REPEAT true true Plain, None => "how often a cycle is carried out (Fanuc K or L)";
     CYCLE_WEB_START_2 true true Plain, None => "where a further web of a hole begins";
     CYCLE_WEB_DEPTH_2 true true Plain, Length => "where it ends";

@@ -178,8 +178,15 @@ fn amounts(act: &mut Act<'_, '_>, kind: HoleCycle) -> HoleCycle {
         if let Some(step) = act.take(data::CYCLE_STEP) {
             act.state.cycle.pecks.first = Some(step.value.abs());
         }
-        if let Some(decrement) = act.take(data::CYCLE_STEP_DECR) {
+        let decrement = act.take(data::CYCLE_STEP_DECR);
+        if let Some(decrement) = decrement {
             act.state.cycle.pecks.decrement = decrement.value.abs();
+        }
+        // One word may be the depth between full retracts, or where there is a decrement the smallest step.
+        if (decrement.is_some() || kind.steps() != Steps::Small)
+            && let Some(least) = act.take(data::CYCLE_STEP_MIN)
+        {
+            act.state.cycle.pecks.least = least.value.abs();
         }
         if kind.steps() == Steps::Small
             && let Some(out) = act.take(data::CYCLE_STEP_OUT)
