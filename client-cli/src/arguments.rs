@@ -130,10 +130,8 @@ pub(crate) struct Inputs {
     /// FILE#NAME the program or section of that name (`PART_1`, `$2`, `G14`)
     #[arg(required = true, value_name = "PROGRAM")]
     pub(crate) programs: Vec<String>,
-    /// Run on this machine: a name, or a folder with machine.toml [default: guessed from the programs, or refused if they
-    /// do not show it]
-    #[arg(long, value_name = "NAME|DIR")]
-    pub(crate) machine: Option<String>,
+    #[command(flatten)]
+    pub(crate) on: On,
     /// Add files that the programs may call (a folder adds all its files)
     #[arg(long = "with", value_name = "FILE|DIR")]
     pub(crate) with: Vec<PathBuf>,
@@ -183,6 +181,22 @@ pub(crate) struct Inputs {
     pub(crate) max_memory: Option<u64>,
 }
 
+/// The machine of a job.
+#[derive(Debug, Clone, Default, Args)]
+pub(crate) struct On {
+    /// Run on this machine: a name, or a folder with machine.toml [default: guessed from the programs, or refused if they
+    /// do not show it]
+    #[arg(long, value_name = "NAME|DIR")]
+    pub(crate) machine: Option<String>,
+    /// Set a datum of the machine for this run: `waits=FIRST-LAST`, the M codes that are waiting codes
+    #[arg(long, value_name = "KEY=VALUE")]
+    pub(crate) set: Vec<Setting>,
+    /// Take tools, tool offsets and work offsets from this table: TOML rows as in a machine definition, or a CSV file with a
+    /// column `number`
+    #[arg(long, value_name = "FILE")]
+    pub(crate) tools: Option<PathBuf>,
+}
+
 /// What the operator does while the job runs.
 #[derive(Debug, Clone, Copy, Default, Args)]
 pub(crate) struct Attended {
@@ -211,9 +225,6 @@ pub(crate) enum RaceCheck {
 pub(crate) struct Run {
     #[command(flatten)]
     pub(crate) inputs: Inputs,
-    /// Set a datum of the machine for this run: `waits=FIRST-LAST`, the M codes that are waiting codes
-    #[arg(long, value_name = "KEY=VALUE")]
-    pub(crate) set: Vec<Setting>,
     /// Write listings, events, summary, timeline, toolpath and the files of macros into this folder
     #[arg(long, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,

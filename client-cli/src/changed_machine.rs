@@ -14,9 +14,13 @@ use counterpoint_kernel::machine::package;
 use crate::error::Error;
 use crate::pack::{self, Files};
 use crate::settings::Setting;
+use crate::tools::Tools;
 
 /// What the name of a shipped machine ends with after a setting; the server keeps the names of shipped machines to itself.
 const CHANGED: &str = "-set";
+
+/// What the name of a machine ends with that has the tools of a run.
+const TOOLS: &str = "-tools";
 
 /// A shipped machine or a folder, with all families, and the settings in it; returns the name of the machine, too.
 pub(crate) fn machine(machine: &str, settings: &[Setting]) -> Result<(String, Files), Error> {
@@ -54,6 +58,26 @@ pub(crate) fn machine(machine: &str, settings: &[Setting]) -> Result<(String, Fi
     };
     let files = Files(files.0.into_iter().map(|(path, blob)| (renamed(path), blob)).collect());
     Ok((changed, files))
+}
+
+/// A machine that extends this one by the tools of a file; its files and the tools are given, too.
+pub(crate) fn with_tools(machine: &str, mut files: Files, path: &Path) -> Result<(String, Files, Tools), Error> {
+    let mut known = Files(files.0.clone());
+    let chain = chain(&mut known, machine);
+    let texts = chain.iter().filter_map(|folder| known.0.get(&definition(folder)));
+    let axis = texts.into_iter().find_map(|blob| tool_axis(&String::from_utf8_lossy(blob.content())));
+    let mut tools = Tools::read(path, axis.as_deref())?;
+    let name = format!("{machine}{TOOLS}");
+    files.0.insert(definition(&name), Blob::new(tools.definition(&name, machine).into_bytes()));
+    Ok((name, files, tools))
+}
+
+/// The first axis Z that a definition describes.
+fn tool_axis(text: &str) -> Option<String> {
+    let table = toml::from_str::<toml::Table>(text).ok()?;
+    let axes = table.get("axes")?.as_array()?;
+    let mut names = axes.iter().filter_map(|axis| axis.get("name")?.as_str());
+    names.find(|name| name.trim_end_matches(|c: char| c.is_ascii_digit()) == "Z").map(str::to_owned)
 }
 
 fn definition(folder: &str) -> String {

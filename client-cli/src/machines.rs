@@ -10,6 +10,7 @@ use crate::arguments::{Machine, Part};
 use crate::client::Client;
 use crate::error::Error;
 use crate::text::table;
+use crate::tools::Tools;
 use crate::{findings, own_machine, pack, say};
 
 pub(crate) async fn dispatch(command: Machine) -> Result<u8, Error> {
@@ -110,26 +111,45 @@ pub(crate) fn known(client: &Client, machine: &str) -> Result<(), Error> {
 /// Uploads a machine folder to the server; returns `name@revision`.
 pub(crate) async fn put_machine(client: &Client, folder: &Path) -> Result<String, Error> {
     let (name, files) = pack::machine(folder)?;
-    put_files(client, name, files).await
+    put_files(client, name, files, None).await
 }
 
-/// Uploads the files of a machine to the server; returns `name@revision`.
-pub(crate) async fn put_files(client: &Client, name: String, files: pack::Files) -> Result<String, Error> {
+/// Uploads the files of a machine to the server; returns `name@revision`. Findings in rows of a table of tools name its lines.
+pub(crate) async fn put_files(
+    client: &Client,
+    name: String,
+    files: pack::Files,
+    tools: Option<&Tools>,
+) -> Result<String, Error> {
+    let own = format!("{name}/machine.toml");
+    let place = |file: &str, line: u32| tools.filter(|_| file == own).and_then(|tools| tools.place(line));
     client.upload(&files.blobs()).await?;
     let files = machine_files(files);
     let request = v1::PutMachineRequest { name: name.clone(), files };
     match client.machines().put_machine(request).await {
         Ok(response) => {
             let response = response.into_inner();
-            findings::print(&response.findings);
+            let mut findings = response.findings;
+            for finding in &mut findings {
+                if let Some((file, line)) = place(&finding.file, finding.line) {
+                    (finding.file, finding.line, finding.column) = (file.to_owned(), line, 0);
+                }
+            }
+            findings::print(&findings);
             let machine = response.machine.unwrap_or_default();
             Ok(format!("{}@{}", machine.name, machine.revision))
         }
         Err(status) => {
             for violation in tonic_types::StatusExt::get_error_details(&status).bad_request().into_iter() {
-                violation.field_violations.iter().for_each(|v| {
-                    say::status_line(format_args!("{}: {}", v.field, v.description));
-                });
+                for v in &violation.field_violations {
+                    let mut parts = v.field.splitn(3, ':');
+                    let file = parts.next().unwrap_or_default();
+                    let line = parts.next().and_then(|line| line.parse().ok()).unwrap_or(0);
+                    match place(file, line) {
+                        Some((file, line)) => say::status_line(format_args!("{file}:{line}: {}", v.description)),
+                        None => say::status_line(format_args!("{}: {}", v.field, v.description)),
+                    }
+                }
             }
             Err(status.into())
         }

@@ -35,6 +35,7 @@ mod step;
 mod summary;
 mod text;
 mod timeline;
+mod tools;
 
 use std::process::ExitCode;
 

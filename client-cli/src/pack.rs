@@ -405,7 +405,7 @@ mod tests {
         let at = |name: &str| folder.path().join(name).display().to_string();
         let inputs = Inputs {
             programs: vec![at("part.nc"), at("other/part.nc"), at("part.nc#2")],
-            machine: None,
+            on: crate::arguments::On::default(),
             with: vec![folder.path().join("lib")],
             opskip: crate::arguments::Levels::default(),
             opstop: false,

@@ -17,7 +17,7 @@ use crate::outcome::{exit_code, not_run};
 use crate::progress::{Progress, Steps};
 use crate::report::report;
 use crate::say::{self, DIM, styled};
-use crate::settings::{self, Setting};
+use crate::settings;
 use crate::step::{Interrupt, Stepper};
 use crate::summary::Summary;
 use crate::timeline::{Timeline, draw};
@@ -49,8 +49,7 @@ async fn carry_out(arguments: Run) -> Result<(v1::JobStatus, Option<u8>), (Stage
     let draws = !arguments.no_timeline && !arguments.quiet && !arguments.json;
     let embedded = Client::embed(arguments.needs_log(), arguments.allow_system, arguments.inputs.operator.step).await;
     let client = embedded.map_err(at(Stage::Submission))?;
-    let name =
-        machine(&client, &arguments.inputs, &arguments.set, arguments.quiet).await.map_err(at(Stage::Machine))?;
+    let name = machine(&client, &arguments.inputs, arguments.quiet).await.map_err(at(Stage::Machine))?;
     let first = pack.programs.first().map(|p| p.path.clone()).unwrap_or_default();
     let request = v1::SubmitJobRequest { request_id: counterpoint_client::request_id(), ..Default::default() };
     let stepped = arguments.inputs.operator.step;
@@ -110,41 +109,46 @@ fn files_report(out: &mut String, files: &[v1::WrittenFile], kept: bool) {
 pub(crate) async fn submit(arguments: Submit) -> Result<u8, Error> {
     let pack = pack::job(&arguments.inputs)?;
     let client = Client::connect(&arguments.remote.server).await?;
-    let name = machine(&client, &arguments.inputs, &[], false).await?;
+    let name = machine(&client, &arguments.inputs, false).await?;
     let request = jobs::request(&arguments.request);
     let job = submit_pack(&client, &arguments.inputs, pack, name, (request, arguments.inputs.operator.attend)).await?;
     say::data(format!("{job}\n").as_bytes())?;
     Ok(0)
 }
 
-/// The machine to run on; a machine folder is uploaded first.
-async fn machine(client: &Client, inputs: &Inputs, set: &[Setting], quiet: bool) -> Result<String, Error> {
-    let Some(machine) = &inputs.machine else {
-        let guess = guess::machine(&inputs.programs, &settings::waits(set))?;
+/// The machine to run on; one of a folder, or one with other data, is uploaded first.
+async fn machine(client: &Client, inputs: &Inputs, quiet: bool) -> Result<String, Error> {
+    let Some(machine) = &inputs.on.machine else {
+        let guess = guess::machine(&inputs.programs, &settings::waits(&inputs.on.set))?;
         if !quiet {
             let text =
                 format!("machine {}, guessed from {}; use --machine to choose another", guess.machine, guess.why);
             say::status_line(styled(DIM, text));
         }
-        return with_settings(client, guess.machine, set).await;
+        return changed(client, guess.machine, inputs).await;
     };
-    if pack::is_folder(machine) {
-        return match set {
-            [] => machines::put_machine(client, Path::new(machine)).await,
-            set => with_settings(client, machine, set).await,
-        };
+    if !pack::is_folder(machine) {
+        machines::known(client, machine)?;
     }
-    machines::known(client, machine)?;
-    with_settings(client, machine, set).await
+    changed(client, machine, inputs).await
 }
 
-/// The machine itself, or, with settings, a revision of it that has them.
-async fn with_settings(client: &Client, machine: &str, set: &[Setting]) -> Result<String, Error> {
-    if set.is_empty() {
-        return Ok(machine.to_owned());
+/// The machine itself, or, with settings or a table of tools, a revision of it that has them.
+async fn changed(client: &Client, machine: &str, inputs: &Inputs) -> Result<String, Error> {
+    let folder = pack::is_folder(machine);
+    let (name, files) = match (inputs.on.set.as_slice(), folder) {
+        ([], false) => (machine.to_owned(), pack::Files::default()),
+        ([], true) => pack::machine(Path::new(machine))?,
+        (set, _) => changed_machine::machine(machine, set)?,
+    };
+    match &inputs.on.tools {
+        None if files.0.is_empty() => Ok(name),
+        None => machines::put_files(client, name, files, None).await,
+        Some(path) => {
+            let (name, files, tools) = changed_machine::with_tools(&name, files, path)?;
+            machines::put_files(client, name, files, Some(&tools)).await
+        }
     }
-    let (name, files) = changed_machine::machine(machine, set)?;
-    machines::put_files(client, name, files).await
 }
 
 async fn submit_pack(
