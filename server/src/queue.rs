@@ -73,6 +73,10 @@ pub(crate) trait Queue: Send + Debug {
     /// Jobs on workers.
     fn running(&self) -> Vec<String>;
 
+    /// Jobs on workers that are to let others have their core, so that no more than `slots` jobs use one: of tenants with
+    /// several jobs on workers, those that began last.
+    fn suspended(&self, slots: usize) -> BTreeSet<String>;
+
     /// Number of jobs on workers.
     fn workers(&self) -> usize;
 

@@ -189,6 +189,7 @@ impl Host for Kernel<'_> {
     }
 
     fn stopped(&self) -> bool {
+        self.ports.control.wait_while_suspended();
         self.ports.control.cancelled()
     }
 }

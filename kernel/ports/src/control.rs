@@ -130,7 +130,13 @@ impl Control {
         self.stop.set_stepped(false);
     }
 
-    /// The job is to end, or somebody steps through it: one look for both.
+    /// Waits while the job is suspended and is not to end.
+    #[inline(always)]
+    pub fn wait_while_suspended(&self) {
+        self.stop.wait_while_suspended();
+    }
+
+    /// The job is to end, is suspended, or somebody steps through it: one look for all.
     #[must_use]
     #[inline(always)]
     pub fn interferes(&self) -> bool {

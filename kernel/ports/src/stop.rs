@@ -1,7 +1,7 @@
-//! The request that a job ends, and that its operator is asked before every block.
+//! The request that a job ends, that it is suspended for a while, and that its operator is asked before every block.
 
-use std::sync::Arc;
 use std::sync::atomic::{AtomicU8, Ordering};
+use std::sync::{Arc, Condvar, Mutex, PoisonError};
 
 /// The job is to end.
 const END: u8 = 1;
@@ -9,37 +9,128 @@ const END: u8 = 1;
 /// Somebody steps through the job.
 const STEPPED: u8 = 2;
 
+/// The job lets others have the processor.
+const SUSPENDED: u8 = 4;
+
 /// The request that a job ends. It may exist before the job does, and whatever takes long for the job looks at it. Kernels look
-/// at it before every block, so a job that somebody steps through is marked here, too: a job that nobody steps through pays
-/// nothing for that.
+/// at it before every block, so a job that somebody steps through is marked here, too, and one that is suspended: others pay
+/// nothing for that. *Invariant:* the end goes before everything: nobody waits who is to end.
 #[derive(Debug, Clone, Default)]
-pub struct Stop(Arc<AtomicU8>);
+pub struct Stop(Arc<Wishes>);
+
+#[derive(Debug, Default)]
+struct Wishes {
+    bits: AtomicU8,
+    /// Held while the end is asked for and while a suspension ends, so that nobody who begins to wait misses it.
+    changing: Mutex<()>,
+    changed: Condvar,
+}
 
 impl Stop {
     /// Asks for the end; it is never taken back.
     pub fn ask(&self) {
-        self.0.fetch_or(END, Ordering::Relaxed);
+        self.0.bits.fetch_or(END, Ordering::Relaxed);
+        self.wake();
     }
 
     /// Whether the end was asked for.
     #[must_use]
     #[inline(always)]
     pub fn asked(&self) -> bool {
-        self.0.load(Ordering::Relaxed) & END != 0
+        self.bits() & END != 0
+    }
+
+    /// Lets the threads of the job wait before their next block until [`resume`](Self::resume). The events of the job stay
+    /// the same.
+    pub fn suspend(&self) {
+        self.0.bits.fetch_or(SUSPENDED, Ordering::Relaxed);
+    }
+
+    /// Lets the threads of the job continue.
+    pub fn resume(&self) {
+        self.0.bits.fetch_and(!SUSPENDED, Ordering::Relaxed);
+        self.wake();
+    }
+
+    /// Waits while the job is suspended and is not to end.
+    #[inline(always)]
+    pub(crate) fn wait_while_suspended(&self) {
+        if self.bits() & SUSPENDED != 0 {
+            self.sleep();
+        }
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn sleep(&self) {
+        let mut changing = self.0.changing.lock().unwrap_or_else(PoisonError::into_inner);
+        while self.bits() & (SUSPENDED | END) == SUSPENDED {
+            changing = self.0.changed.wait(changing).unwrap_or_else(PoisonError::into_inner);
+        }
+    }
+
+    fn wake(&self) {
+        drop(self.0.changing.lock().unwrap_or_else(PoisonError::into_inner));
+        self.0.changed.notify_all();
+    }
+
+    fn bits(&self) -> u8 {
+        self.0.bits.load(Ordering::Relaxed)
     }
 
     /// Somebody steps through the job, or no longer does.
     pub(crate) fn set_stepped(&self, stepped: bool) {
         if stepped {
-            self.0.fetch_or(STEPPED, Ordering::Relaxed);
+            self.0.bits.fetch_or(STEPPED, Ordering::Relaxed);
         } else {
-            self.0.fetch_and(!STEPPED, Ordering::Relaxed);
+            self.0.bits.fetch_and(!STEPPED, Ordering::Relaxed);
         }
     }
 
-    /// The end was asked for, or somebody steps through the job.
+    /// The end was asked for, the job is suspended, or somebody steps through it.
     #[inline(always)]
     pub(crate) fn interferes(&self) -> bool {
-        self.0.load(Ordering::Relaxed) != 0
+        self.bits() != 0
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::mpsc::{RecvTimeoutError, channel};
+    use std::time::Duration;
+
+    use super::*;
+
+    /// A thread that waits while the job is suspended, and whether it has come through.
+    fn waiting(stop: &Stop) -> std::sync::mpsc::Receiver<()> {
+        let (through, came) = channel();
+        let stop = stop.clone();
+        std::thread::spawn(move || {
+            stop.wait_while_suspended();
+            let _ = through.send(());
+        });
+        came
+    }
+
+    #[test]
+    fn a_suspended_job_waits_until_it_is_resumed_or_to_end() {
+        for end in [Stop::resume, Stop::ask] {
+            let stop = Stop::default();
+            stop.suspend();
+            let came = waiting(&stop);
+            assert_eq!(came.recv_timeout(Duration::from_millis(20)), Err(RecvTimeoutError::Timeout));
+            end(&stop);
+            assert_eq!(came.recv_timeout(Duration::from_secs(60)), Ok(()));
+            assert_eq!(waiting(&stop).recv_timeout(Duration::from_secs(60)), Ok(()));
+        }
+    }
+
+    #[test]
+    fn a_job_that_is_to_end_is_never_kept() {
+        let stop = Stop::default();
+        stop.ask();
+        stop.suspend();
+        assert_eq!(waiting(&stop).recv_timeout(Duration::from_secs(60)), Ok(()));
+        assert!(stop.asked());
     }
 }

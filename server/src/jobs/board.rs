@@ -3,10 +3,11 @@
 //! Invariant: a job that has not ended is on the board, and is either in the queue or on a worker thread, until the
 //! server drains.
 
-use std::collections::{BTreeSet, HashMap};
+use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
+use counterpoint_kernel::control::Stop;
 use dashmap::DashMap;
 use tokio::sync::watch;
 
@@ -29,6 +30,8 @@ pub(super) struct Waiting {
     pub(super) jobs: Box<dyn Queue>,
     /// Places given to submits whose ledger entry is under way, by tenant.
     reserved: HashMap<String, usize>,
+    /// Jobs on workers that let others have their core.
+    suspended: BTreeMap<String, Stop>,
 }
 
 /// Jobs in memory.
@@ -58,7 +61,7 @@ impl Board {
     pub(super) fn new(queue: Box<dyn Queue>, epoch: u64) -> Self {
         Self {
             live: DashMap::new(),
-            queue: Mutex::new(Waiting { jobs: queue, reserved: HashMap::new() }),
+            queue: Mutex::new(Waiting { jobs: queue, reserved: HashMap::new(), suspended: BTreeMap::new() }),
             recent: Mutex::default(),
             deadlines: Mutex::default(),
             feed: Feed::new(epoch),
@@ -218,6 +221,7 @@ impl Core {
             let id = queue.jobs.next(self.options.slots(), now)?;
             if let Some(live) = self.live(&id) {
                 self.board.running.send_replace(queue.jobs.busy().len());
+                self.share_cores(&mut queue);
                 return Some(live);
             }
             queue.jobs.free(&id, now);
@@ -238,7 +242,27 @@ impl Core {
 
     /// The run is over and only its storage is left, which needs no core: the next job may run meanwhile.
     pub(super) fn leave(&self, live: &Live) {
-        lock(&self.board.queue).jobs.store(&live.id, Instant::now());
+        let mut queue = lock(&self.board.queue);
+        queue.jobs.store(&live.id, Instant::now());
+        self.share_cores(&mut queue);
+    }
+
+    /// Suspends and resumes jobs as the queue wants it.
+    fn share_cores(&self, queue: &mut Waiting) {
+        let wanted = queue.jobs.suspended(self.options.slots());
+        queue.suspended.retain(|id, stop| {
+            let stays = wanted.contains(id);
+            if !stays {
+                stop.resume();
+            }
+            stays
+        });
+        for id in wanted {
+            let Some(live) = self.live(&id).filter(|_| !queue.suspended.contains_key(&id)) else { continue };
+            let stop = live.stop();
+            stop.suspend();
+            queue.suspended.insert(id, stop);
+        }
     }
 
     /// A worker is free again: the job has ended, or the drain has interrupted it.
@@ -246,6 +270,7 @@ impl Core {
         {
             let mut queue = lock(&self.board.queue);
             queue.jobs.free(&live.id, Instant::now());
+            self.share_cores(&mut queue);
             self.board.running.send_replace(queue.jobs.busy().len());
         }
         self.changed(live);
@@ -274,6 +299,7 @@ impl Core {
         {
             let (mut queue, now) = (lock(&self.board.queue), Instant::now());
             queue.jobs.free(&live.id, now);
+            self.share_cores(&mut queue);
             // A cancel comes after the job left the queue, or finds it there.
             let entry = if live.paused() && !live.cancelled() { Entry::Paused } else { Entry::Again(now + pause) };
             push(&mut *queue.jobs, live, entry);

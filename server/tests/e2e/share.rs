@@ -145,6 +145,56 @@ async fn neither_of_two_identities_slows_sees_or_stops_the_other_under_load() {
     server.stop().await;
 }
 
+/// Times of the first channel of a job as its watch shows them, until they stand still or move as wanted.
+async fn until_it(caller: &As, job: &str, moves: bool) {
+    let request = v1::WatchJobRequest { job_id: job.into(), heartbeat_ms: 100, ..Default::default() };
+    let mut watch = caller.jobs().watch_job(request).await.unwrap().into_inner();
+    let (mut last, mut same) = (None, 0);
+    for _ in 0..600 {
+        let message = tokio::time::timeout(std::time::Duration::from_secs(20), watch.message()).await.unwrap();
+        let Some(Content::Progress(progress)) = message.unwrap().unwrap().content else { continue };
+        let now = progress.channels.first().map(|channel| channel.t_ns);
+        same = if now == last { same + 1 } else { 0 };
+        if last.is_some() && now.is_some() && (moves && same == 0 || !moves && same == 5) {
+            return;
+        }
+        last = now;
+    }
+    panic!("{job} never did: moves {moves}");
+}
+
+/// On the real server: two endless jobs of one tenant have all cores until another tenant has a job, too.
+#[tokio::test]
+async fn the_second_job_of_a_tenant_stands_while_another_tenant_needs_its_core() {
+    const ENDLESS: &str = "O1\nN1 G1 X1. F100.\nX0.\nGOTO 1\n";
+    let folder = tempfile::tempdir().unwrap();
+    let options = guarded(folder.path());
+    let tokens = [grant(&options, "n", "noisy", Role::Submit), grant(&options, "q", "quiet", Role::Submit)];
+    let access = options.guard.access.to_str().unwrap();
+    let server = Process::start_with(folder.path(), &["--workers", "2", "--access", access]);
+    let endpoint = tonic::transport::Endpoint::from_shared(format!("http://{}", server.address)).unwrap();
+    let connection = endpoint.connect().await.unwrap();
+    let [noisy, quiet] = tokens.map(|token| As { connection: connection.clone(), bearer: Bearer(Some(token)) });
+    let (mut jobs, mut own) = (Vec::new(), Vec::new());
+    for number in 0..2 {
+        jobs.push(noisy.submit(&format!("n-{number}"), "fanuc-mill", ENDLESS).await.unwrap().job_id);
+        until_it(&noisy, &jobs[number], true).await;
+    }
+    for number in 0..2 {
+        own.push(quiet.submit(&format!("q-{number}"), "fanuc-mill", ENDLESS).await.unwrap().job_id);
+        until_it(&quiet, &own[0], true).await;
+        until_it(&noisy, &jobs[1], false).await;
+        until_it(&noisy, &jobs[0], true).await;
+        if number == 0 {
+            quiet.jobs().cancel_job(v1::CancelJobRequest { job_id: own.remove(0) }).await.unwrap();
+            until_it(&noisy, &jobs[1], true).await;
+        }
+    }
+    // A job that stands ends as any other when somebody asks for it.
+    noisy.jobs().cancel_job(v1::CancelJobRequest { job_id: jobs[1].clone() }).await.unwrap();
+    assert_eq!(noisy.wait(&jobs[1]).await.state(), v1::JobState::Cancelled);
+}
+
 #[tokio::test]
 async fn a_tenant_with_a_table_of_its_own_has_its_quota_and_the_others_that_of_all() {
     let folder = tempfile::tempdir().unwrap();

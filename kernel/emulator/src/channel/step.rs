@@ -18,10 +18,11 @@ use super::access::Door;
 const MOST: usize = 1000;
 
 impl Kernel<'_> {
-    /// The job is to end, or somebody steps through it. `goes_on`: nobody has stopped the job before this block.
+    /// The job is to end, is suspended, or somebody steps through it. `goes_on`: nobody has stopped the job before this block.
     #[cold]
     #[inline(never)]
     pub(crate) fn interfered(&mut self, goes_on: bool) -> Acted {
+        self.ports.control.wait_while_suspended();
         if !goes_on || self.ports.control.cancelled() {
             return Err(Halt::Stopped);
         }

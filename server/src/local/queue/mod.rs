@@ -251,6 +251,30 @@ impl Queue for LocalQueue {
         self.running.iter().map(|run| run.id.clone()).collect()
     }
 
+    fn suspended(&self, slots: usize) -> BTreeSet<String> {
+        let mut left: HashMap<&str, usize> = HashMap::new();
+        let mut suspended = BTreeSet::new();
+        let many = self.running.len().saturating_sub(slots);
+        if many == 0 {
+            return suspended;
+        }
+        for run in &self.running {
+            *left.entry(&run.tenant).or_default() += 1;
+        }
+        while suspended.len() < many {
+            // The tenant with the most jobs that use a core gives one.
+            let runs = self.running.iter().filter(|run| !suspended.contains(&run.id));
+            let last = runs.max_by_key(|run| (left.get(&*run.tenant).copied().unwrap_or(0), run.since));
+            let Some(run) = last else { break };
+            match left.get_mut(&*run.tenant) {
+                Some(left) if *left > 1 => *left -= 1,
+                _ => break,
+            }
+            suspended.insert(run.id.clone());
+        }
+        suspended
+    }
+
     fn workers(&self) -> usize {
         self.running.len()
     }

@@ -272,3 +272,50 @@ fn the_books_of_the_queue_agree_after_anything() {
         }
     }
 }
+
+/// Ids of the jobs that are to let others have their core.
+fn suspended(queue: &LocalQueue, slots: usize) -> Vec<String> {
+    queue.suspended(slots).into_iter().collect()
+}
+
+#[test]
+fn the_job_of_another_tenant_gets_the_core_of_a_second_job() {
+    let now = Instant::now();
+    let mut queue = LocalQueue::default();
+    let mut begin = |tenant: &str, number: usize| {
+        queue.push(ticket(&id(number), tenant), Entry::Accepted(now));
+        assert_eq!(queue.next(2, now + Duration::from_millis(number as u64)), Some(id(number)));
+        suspended(&queue, 2)
+    };
+    assert!(begin("many", 1).is_empty() && begin("many", 2).is_empty());
+    assert_eq!(begin("few", 3), [id(2)]);
+    queue.store(&id(3), now);
+    assert!(suspended(&queue, 2).is_empty());
+}
+
+#[test]
+fn a_tenant_keeps_the_core_of_its_only_job() {
+    let now = Instant::now();
+    let mut queue = LocalQueue::default();
+    for (number, tenant) in ["a", "b", "c", "d"].into_iter().enumerate() {
+        queue.push(ticket(&id(number), tenant), Entry::Accepted(now));
+        assert!(queue.next(2, now).is_some());
+    }
+    assert!(suspended(&queue, 2).is_empty());
+}
+
+#[test]
+fn the_first_job_of_many_continues() {
+    let now = Instant::now();
+    let mut queue = LocalQueue::default();
+    for number in 0..4 {
+        queue.push(ticket(&id(number), "many"), Entry::Accepted(now));
+        assert!(queue.next(4, now + Duration::from_millis(number as u64)).is_some());
+    }
+    for (number, tenant) in [(4, "x"), (5, "y"), (6, "z"), (7, "w")] {
+        queue.push(ticket(&id(number), tenant), Entry::Accepted(now));
+        assert!(queue.next(4, now + Duration::from_millis(9)).is_some());
+    }
+    assert_eq!(suspended(&queue, 4), [id(1), id(2), id(3)]);
+    assert_eq!(suspended(&queue, 7), [id(3)]);
+}
