@@ -1,6 +1,7 @@
 //! The command line.
 
 mod jobs;
+mod lint;
 mod machines;
 
 use std::path::PathBuf;
@@ -10,6 +11,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use crate::remote::Remote;
 use crate::settings::Setting;
 pub(crate) use jobs::{JobFilter, Jobs, Priority, RequestArgs, Rerun, State, Watch, When};
+pub(crate) use lint::Lint;
 pub(crate) use machines::{Machine, Part};
 
 const EXAMPLES: &str = "\
@@ -27,6 +29,11 @@ Examples:
 
 Default limits: 86400 s (24 h) of simulated time; per channel 10000000 blocks, 1000000 blocks in a row without
 time, 40000000 events, and 1000 diagnostics kept.";
+
+const LINT_EXAMPLES: &str = "\
+Examples:
+  counterpoint lint upper.nc lower.nc
+  counterpoint lint --machine siemens-2channel main_1.mpf main_2.mpf --with subprograms --strict --json";
 
 const SUBMIT_EXAMPLES: &str = "\
 Examples:
@@ -68,6 +75,9 @@ pub(crate) enum Command {
     /// Run programs in this process and print a report
     #[command(after_help = RUN_EXAMPLES)]
     Run(Run),
+    /// Judge the waits, calls and jumps of programs without running them
+    #[command(after_help = LINT_EXAMPLES)]
+    Lint(Lint),
     /// Submit programs to a server and print the id of the job
     #[command(after_help = SUBMIT_EXAMPLES)]
     Submit(Submit),

@@ -17,6 +17,7 @@ mod error;
 mod findings;
 mod guess;
 mod jobs;
+mod lint;
 mod load;
 mod machines;
 mod macros;

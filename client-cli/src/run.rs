@@ -55,7 +55,7 @@ async fn carry_out(arguments: Run) -> Result<(v1::JobStatus, Option<u8>), (Stage
     let stepped = arguments.inputs.operator.step;
     let person = !stepped && std::io::stdin().is_terminal() && std::io::stderr().is_terminal();
     let attended = arguments.inputs.operator.attend || person && !arguments.quiet && !arguments.json;
-    let job = submit_pack(&client, &arguments.inputs, pack, name, (request, attended)).await;
+    let job = submit_pack(&client, &arguments.inputs, pack, name, Submission { request, attended, lint: false }).await;
     let job = job.map_err(at(Stage::Submission))?;
     let status = follow(&client, &job, (arguments.quiet, attended, stepped)).await.map_err(at(Stage::Submission))?;
     if let Some(code) = not_run(&status) {
@@ -110,14 +110,15 @@ pub(crate) async fn submit(arguments: Submit) -> Result<u8, Error> {
     let pack = pack::job(&arguments.inputs)?;
     let client = Client::connect(&arguments.remote.server).await?;
     let name = machine(&client, &arguments.inputs, false).await?;
-    let request = jobs::request(&arguments.request);
-    let job = submit_pack(&client, &arguments.inputs, pack, name, (request, arguments.inputs.operator.attend)).await?;
+    let (request, attended) = (jobs::request(&arguments.request), arguments.inputs.operator.attend);
+    let job =
+        submit_pack(&client, &arguments.inputs, pack, name, Submission { request, attended, lint: false }).await?;
     say::data(format!("{job}\n").as_bytes())?;
     Ok(0)
 }
 
 /// The machine to run on; one of a folder, or one with other data, is uploaded first.
-async fn machine(client: &Client, inputs: &Inputs, quiet: bool) -> Result<String, Error> {
+pub(crate) async fn machine(client: &Client, inputs: &Inputs, quiet: bool) -> Result<String, Error> {
     let Some(machine) = &inputs.on.machine else {
         let guess = guess::machine(&inputs.programs, &settings::waits(&inputs.on.set))?;
         if !quiet {
@@ -151,12 +152,21 @@ async fn changed(client: &Client, machine: &str, inputs: &Inputs) -> Result<Stri
     }
 }
 
-async fn submit_pack(
+/// How a job is submitted.
+pub(crate) struct Submission {
+    pub(crate) request: v1::SubmitJobRequest,
+    /// Somebody answers its dialogs.
+    pub(crate) attended: bool,
+    /// It is judged without being run.
+    pub(crate) lint: bool,
+}
+
+pub(crate) async fn submit_pack(
     client: &Client,
     inputs: &Inputs,
     pack: pack::Pack,
     machine: String,
-    (request, attended): (v1::SubmitJobRequest, bool),
+    Submission { request, attended, lint }: Submission,
 ) -> Result<String, Error> {
     let answers = inputs.answers.as_deref().map(crate::answers::read).transpose()?.unwrap_or_default();
     client.upload(&pack.files.blobs()).await?;
@@ -181,6 +191,7 @@ async fn submit_pack(
                 RaceCheck::Alarm => v1::RaceCheck::Alarm,
             } as i32,
             limits: limits(inputs),
+            lint,
         }),
         ..request
     };
@@ -189,7 +200,7 @@ async fn submit_pack(
 
 /// Follows a job to its end; the first interrupt cancels the job, the second ends the command. One that is stepped through and
 /// runs is paused instead.
-async fn follow(
+pub(crate) async fn follow(
     client: &Client,
     job: &str,
     (quiet, attended, stepped): (bool, bool, bool),

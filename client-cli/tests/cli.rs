@@ -69,6 +69,33 @@ fn a_section_of_a_file_is_named_and_its_errors_name_it() {
     assert!(code(&output) != 0 && status.contains("program or section $5 not found"), "{status}");
 }
 
+#[test]
+fn waits_are_judged_without_a_run() {
+    let folder = tempfile::tempdir().unwrap();
+    let upper = program(folder.path(), "upper.nc", "O1\nM101\nM98 P20 L2\nM103\nM30\nO20\nM102\nM99\n");
+    let lower = program(folder.path(), "lower.nc", "O2\nM101\nM102\nM103\nM30\n");
+    let right = program(folder.path(), "right.nc", "O2\nM101\nM102\nM102\nM103\nM30\n");
+    let part = program(folder.path(), "part.nc", "O2\nM101\nIF [#500 EQ 1] GOTO 10\nM102\nN10 M102\nM103\nM30\n");
+    let lint = |more: &[&str]| {
+        let output = counterpoint(&[&["lint", "--machine", "fanuc-2path-lathe", &upper], more].concat());
+        (code(&output), String::from_utf8_lossy(&output.stdout).into_owned())
+    };
+    let (status, text) = lint(&[&lower]);
+    assert_eq!(status, 1, "{text}");
+    assert!(text.contains("cannot run like this") && text.contains("M103, channel 1 at M102"), "{text}");
+    let (status, text) = lint(&[&right, "--strict"]);
+    assert_eq!(status, 0, "{text}");
+    assert!(text.starts_with("no mistake found\n") && text.contains("M102        1: 2, 2: 2"), "{text}");
+    let (status, text) = lint(&[&part]);
+    assert_eq!(status, 0, "{text}");
+    assert!(text.contains("as far as the programs could be judged") && text.contains("to line 3"), "{text}");
+    assert_eq!(lint(&[&part, "--strict"]).0, 1);
+    let (status, json) = lint(&[&lower, "--json"]);
+    let summary: serde_json::Value = serde_json::from_str(&json).unwrap();
+    assert_eq!((status, summary["state"].as_str()), (1, Some("FAILED")));
+    assert_eq!(lint(&["missing.nc"]).0, 2);
+}
+
 /// The upper turret dwells 2 s, waits for the lower one (5 s), and dwells 4 s more.
 #[test]
 fn what_decides_the_cycle_time_is_analysed() {

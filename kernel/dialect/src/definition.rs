@@ -4,6 +4,7 @@
 //! is asked here or done by the [`Interpreter`]; nothing outside this module compares pre-processors.
 
 use super::interpreter::{Interpreter, MacroCall};
+use super::outline::Reader;
 use counterpoint_machine::Machine;
 use counterpoint_program::syntax::Syntax;
 
@@ -45,6 +46,11 @@ pub trait Dialect: Sync {
 
     /// A new interpreter; none if plain words are all there is.
     fn interpreter(&self, _machine: &Machine) -> Option<Box<dyn Interpreter>> {
+        None
+    }
+
+    /// What reads its blocks without executing them; none if it has no interpreter, or nobody can tell what its blocks do.
+    fn reader(&self, _machine: &Machine) -> Option<Box<dyn Reader>> {
         None
     }
 

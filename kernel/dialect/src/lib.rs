@@ -17,6 +17,7 @@ mod isg;
 mod kept;
 mod numeric;
 mod okuma;
+pub mod outline;
 mod plain;
 mod search;
 mod siemens;
@@ -32,5 +33,6 @@ pub use host::{
 };
 pub use interpreter::{Interpreter, MacroCall, Remaining, Setting};
 pub use numeric::{VACANT, is_vacant};
+pub use outline::{Argument, Called, Deed, Goal, Named, Reader, Signalled, Step, sequence};
 pub use search::Search;
 pub use table::{all, of};

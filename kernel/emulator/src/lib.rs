@@ -9,6 +9,7 @@ pub mod action;
 pub mod channel;
 pub mod hooks;
 mod host;
+mod lint;
 pub mod macros;
 mod pipeline;
 pub mod state;

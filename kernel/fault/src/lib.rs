@@ -176,6 +176,12 @@ diagnostics! {
     CONTOUR_REPEATS 2900413 "contour-repeats" 8 true "number of repetitions of a contour zero or negative";
     COUNT_WITHOUT_PARTNER 2900420 "count-without-partner" 4 false "counted wait without a partner";
     SHARED_RACE 2900440 "shared-variable-race" 4 false "shared variable reached by two channels in no fixed order";
+    LINT_LOST 2900441 "lint-ends-early" 4 false "waits of a channel judged up to a block only";
+    LINT_TARGET 2900442 "lint-jump-target" 8 false "jump in a condition to a block that is not there";
+    LINT_UNREADABLE 2900443 "lint-unreadable" 12 true "block that the control cannot read";
+    LINT_ORDER 2900444 "lint-order" 4 false "outcome of waits that depends on who comes first";
+    LINT_MACROS 2900445 "lint-macros" 0 false "macros of the machine not executed";
+    LINT_LOOPS 2900446 "lint-loops" 0 false "loops without waits taken to end";
     SIGNALS_FULL 2900435 "signals-full" 12 true "more signals and waits than the control can keep (250001)";
     SIGNAL_STATEMENT 2900436 "signal-statement" 12 true "statement of signals that is not possible (ISG)";
     SIGNAL_ORDER 2900437 "signal-order" 4 false "wait for a signal before an older one of the same channel (250002)";

@@ -82,9 +82,10 @@ impl Job {
             Ok(assigned) => assigned,
             Err(findings) => return Err(PrepareError { findings, cancelled: false }),
         };
-        let embedded = has_embedded(&info, files, stop).then(|| Arc::new(compile::Program::new()));
+        let executes = !spec.options.lint;
+        let embedded = (executes && has_embedded(&info, files, stop)).then(|| Arc::new(compile::Program::new()));
         let compiled = |machine: &Machine| {
-            let own = machine.macros.as_deref();
+            let own = machine.macros.as_deref().filter(|_| executes);
             let own = own.map(|macros| macros.program_for(machine.macro_environment(), info.trace));
             own.or_else(|| embedded.clone())
         };

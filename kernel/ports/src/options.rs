@@ -32,6 +32,9 @@ pub struct Options {
     /// Somebody steps through the job: it stops before its first block.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub stepped: bool,
+    /// Nothing is executed: the programs are only judged by their waits, calls and jumps.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub lint: bool,
     /// What follows when two channels reach one shared variable in an order that only timing decides.
     #[serde(skip_serializing_if = "Races::is_off")]
     pub races: Races,

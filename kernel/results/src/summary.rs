@@ -179,6 +179,8 @@ pub struct Findings {
     diagnostics: Vec<Diagnostic>,
     highest_severity: u8,
     races: Vec<Race>,
+    /// A channel of programs that are not run was judged up to a block only.
+    lost: bool,
 }
 
 impl Channel {
@@ -203,7 +205,14 @@ impl Channel {
 impl Findings {
     /// For a job that has not logged anything yet.
     pub fn new(info: &Arc<Info>) -> Self {
-        Self { info: info.clone(), verdict: None, diagnostics: Vec::new(), highest_severity: 0, races: Vec::new() }
+        Self {
+            info: info.clone(),
+            verdict: None,
+            diagnostics: Vec::new(),
+            highest_severity: 0,
+            races: Vec::new(),
+            lost: false,
+        }
     }
 
     /// The next one in the order of the log.
@@ -225,7 +234,7 @@ impl Findings {
     ) -> Summary {
         let state = if cancelled {
             State::Cancelled
-        } else if self.verdict.is_some() || self.highest_severity >= 8 || cut_short {
+        } else if self.verdict.is_some() || self.highest_severity >= 8 || cut_short && !self.lost {
             State::Failed
         } else {
             State::Succeeded
@@ -252,6 +261,7 @@ impl Findings {
 
     fn diagnostic(&mut self, reported: &Reported, diagnostic: &counterpoint_event::event::Diagnostic) {
         self.highest_severity = self.highest_severity.max(diagnostic.severity);
+        self.lost |= diagnostic.number == counterpoint_fault::LINT_LOST.number;
         if let Some(race) = diagnostic.race.as_deref().filter(|_| self.races.len() < MAX_DIAGNOSTICS) {
             let lines = [(race.channel, race.line), (reported.channel, reported.line)];
             self.races.push((race.variable.as_ref().into(), lines.into()));

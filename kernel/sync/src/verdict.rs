@@ -117,9 +117,12 @@ impl Sentences<'_> {
             need if need == channels.len() => String::new(),
             need => format!("{need} of "),
         };
+        let since = match self.waits.timeless {
+            true => String::new(),
+            false => format!(" since {:.3} s", waiting.tag.t as f64 / 1e9),
+        };
         Some(format!(
-            "channel {channel} waits since {:.3} s at {} for {some}channel{plural} {}",
-            waiting.tag.t as f64 / 1e9,
+            "channel {channel} waits{since} at {} for {some}channel{plural} {}",
             place(self.info, waiting.file, waiting.line),
             words(&channels)
         ))
@@ -140,6 +143,10 @@ impl Sentences<'_> {
     fn passed(self, channel: u16) -> Option<String> {
         let (passed, t) = self.waits.places.passed(channel)?;
         let wait = self.waits.rules.text(&passed.wait);
-        Some(format!("channel {channel} passed {wait} in line {} last, at {:.3} s", passed.line, *t as f64 / 1e9))
+        let at = match self.waits.timeless {
+            true => String::new(),
+            false => format!(", at {:.3} s", *t as f64 / 1e9),
+        };
+        Some(format!("channel {channel} passed {wait} in line {} last{at}", passed.line))
     }
 }

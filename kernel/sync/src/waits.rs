@@ -9,12 +9,13 @@ mod search;
 #[cfg(test)]
 mod tests;
 
+use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
 use crate::channels::Channels;
 use crate::primitives::{Letter, Memory, Moved};
 use crate::tag::Tag;
-use crate::wait::{Act, Finish, Key, Missing, Places, Reaction, Rules, Set, Terminal, Wait, Waiting};
+use crate::wait::{Act, Finish, Key, Missing, Places, Reaction, Rule, Rules, Set, Terminal, Wait, Waiting};
 use counterpoint_event::event::{Member, Primitive};
 
 /// Channels that continue together.
@@ -79,6 +80,10 @@ pub struct Waits {
     pub places: Places,
     /// The rules of the machine.
     pub rules: Rules,
+    /// Blocks take no time, so that times say nothing.
+    pub timeless: bool,
+    /// The first list of channels that came to each mark, kept where blocks take no time.
+    lists: BTreeMap<Key, Set>,
     memory: Memory,
     release_ns: i64,
 }
@@ -86,7 +91,24 @@ pub struct Waits {
 impl Waits {
     /// No channel waits yet; a release takes `release_ns`.
     pub fn new(channels: Channels, rules: Rules, release_ns: i64) -> Self {
-        Self { places: Places::new(channels), rules, memory: Memory::default(), release_ns }
+        Self {
+            places: Places::new(channels),
+            rules,
+            timeless: false,
+            lists: BTreeMap::new(),
+            memory: Memory::default(),
+            release_ns,
+        }
+    }
+
+    /// Another wait at this mark was for other channels, and the control pairs them: what comes of it depends on who stands there
+    /// first. Known only where blocks take no time.
+    pub fn lists_differ(&mut self, wait: &Wait) -> bool {
+        let refused = |rule: &Rule| rule.mismatch.is_some_and(|mismatch| mismatch.reaction == Reaction::Alarm);
+        if !self.timeless || self.rules.of(wait).is_some_and(refused) {
+            return false;
+        }
+        *self.lists.entry(wait.key).or_insert(wait.parts) != wait.parts
     }
 
     /// A channel has come to its end.

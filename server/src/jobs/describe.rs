@@ -120,8 +120,20 @@ fn limit(reached: Option<Reached>) -> v1::JobLimit {
 
 /// The options of a job as they were submitted.
 pub(crate) fn options(record: &Record) -> v1::JobOptions {
-    let Options { opskip, opstop, ignore_waits, threads, trace, parameters, answers, attended, stepped, races, limits } =
-        record.options.clone();
+    let Options {
+        opskip,
+        opstop,
+        ignore_waits,
+        threads,
+        trace,
+        parameters,
+        answers,
+        attended,
+        stepped,
+        lint,
+        races,
+        limits,
+    } = record.options.clone();
     // Early rows have the limits that count instead of those that were asked for.
     let early = || Some(limits).filter(|_| !record.content.starts_with(CONTENT));
     let limits = record.asked.limits.clone().or_else(early);
@@ -160,6 +172,7 @@ pub(crate) fn options(record: &Record) -> v1::JobOptions {
         answers: answers.into_iter().map(answer).collect(),
         attended,
         stepped,
+        lint,
         parameters,
         races: match races {
             Races::Off => v1::RaceCheck::Unspecified,

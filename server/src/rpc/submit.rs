@@ -208,6 +208,7 @@ fn options(options: v1::JobOptions) -> Result<Options, Refusal> {
         answers: options.answers.into_iter().map(answer).collect(),
         attended: options.attended,
         stepped: options.stepped,
+        lint: options.lint,
         parameters: options.parameters,
         races: match v1::RaceCheck::try_from(options.races) {
             Ok(v1::RaceCheck::Unspecified) => Races::Off,

@@ -31,6 +31,7 @@ fn everything() -> v1::JobOptions {
         }],
         attended: false,
         stepped: false,
+        lint: false,
         parameters: "-SHIFT=2".into(),
         races: v1::RaceCheck::Warn as i32,
     }

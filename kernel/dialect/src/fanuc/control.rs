@@ -3,6 +3,7 @@
 use super::{Fanuc, call};
 use crate::definition::{Dialect, Unknown};
 use crate::interpreter::{Interpreter, MacroCall};
+use crate::outline::Reader;
 use crate::statement::{CLOSE_OUTPUT, OPEN_OUTPUT, Statements};
 use counterpoint_machine::Machine;
 use counterpoint_program::key_words::KeyWords;
@@ -49,6 +50,10 @@ impl Dialect for Control {
 
     fn interpreter(&self, _: &Machine) -> Option<Box<dyn Interpreter>> {
         self.nested()
+    }
+
+    fn reader(&self, _: &Machine) -> Option<Box<dyn Reader>> {
+        Some(Box::<Fanuc>::default())
     }
 
     fn nested(&self) -> Option<Box<dyn Interpreter>> {

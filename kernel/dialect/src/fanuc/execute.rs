@@ -14,7 +14,7 @@ use super::expr::{Expr, is_vacant, number, to_step, variable_index};
 use super::loops::Pairs;
 use super::statement::{Item, Name, Statement, Target, TemplateWord};
 use super::{Fanuc, print};
-use crate::host::{Host, MadeWord};
+use crate::host::{Host, MadeWord, Programs};
 use crate::interpreter::Remaining;
 use counterpoint_program::spot::Spot;
 
@@ -109,7 +109,7 @@ impl Fanuc {
     }
 
     /// Partners of the statements of the running program, found once.
-    fn pairs(&mut self, host: &dyn Host) -> Arc<Pairs> {
+    pub(super) fn pairs(&mut self, host: &dyn Programs) -> Arc<Pairs> {
         let Some((file, range)) = host.program() else { return Arc::default() };
         self.pairs.get((file, range), || {
             let Some(source) = host.source(file) else { return Pairs::default() };

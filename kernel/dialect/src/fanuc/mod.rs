@@ -14,6 +14,7 @@ mod execute;
 mod expr;
 mod formula;
 mod loops;
+mod outline;
 mod print;
 mod statement;
 mod words;

@@ -3,6 +3,7 @@
 use super::Isg;
 use crate::definition::{Dialect, Unknown};
 use crate::interpreter::Interpreter;
+use crate::outline::Reader;
 use counterpoint_machine::Machine;
 use counterpoint_program::syntax::{PLAIN, Syntax};
 
@@ -32,6 +33,10 @@ impl Dialect for Control {
 
     fn unknown_text(&self, text: &str, _: Unknown) -> String {
         format!("{text} is not known to this control")
+    }
+
+    fn reader(&self, machine: &Machine) -> Option<Box<dyn Reader>> {
+        Some(Box::new(Isg::new(&machine.variables.external)))
     }
 
     fn interpreter(&self, machine: &Machine) -> Option<Box<dyn Interpreter>> {

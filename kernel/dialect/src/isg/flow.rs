@@ -11,7 +11,7 @@ use super::expr::{Expr, Variable};
 use super::line::{Control, Item, Target};
 use super::places::{Block, Kind, Places};
 use super::{Fault, Isg, Outcome};
-use crate::host::{Call, Host};
+use crate::host::{Call, Host, Programs};
 use crate::search::Search;
 use counterpoint_event::FileId;
 use counterpoint_fault as diag;
@@ -23,7 +23,7 @@ fn loop_fault<T>(text: &str) -> Outcome<T> {
 
 impl Isg {
     /// Labels and control blocks of a file.
-    pub(super) fn places(&mut self, host: &dyn Host, file: FileId) -> Arc<Places> {
+    pub(super) fn places(&mut self, host: &dyn Programs, file: FileId) -> Arc<Places> {
         self.places.get(file, || host.source(file).map(|source| Places::of(&source)).unwrap_or_default())
     }
 
@@ -231,7 +231,7 @@ impl Isg {
     }
 
     /// The main program of a file.
-    fn file(&mut self, host: &mut dyn Host, name: &str) -> Outcome<Option<(FileId, Range)>> {
+    pub(super) fn file(&mut self, host: &mut dyn Programs, name: &str) -> Outcome<Option<(FileId, Range)>> {
         let files = host.files();
         let last = |file: &str| file.rsplit(['/', '\\']).next().unwrap_or(file).to_ascii_uppercase();
         let wanted = last(name);

@@ -11,18 +11,10 @@ use super::cursor::{Cursor, Mistake};
 use super::expr::{Expr, Reader, Variable};
 use super::{Fault, Isg, Outcome};
 use crate::host::{Host, Signal};
+use crate::outline::Deed;
 
 /// Indices of values: 0 to 11.
 const VALUES: f64 = 12.0;
-
-/// What a statement does.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Deed {
-    Send,
-    Wait,
-    Read,
-    Remove,
-}
 
 /// A value that goes with a signal, or where it goes.
 #[derive(Debug, Clone, PartialEq)]
@@ -35,10 +27,10 @@ enum Value {
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Statement {
     pub(super) deed: Deed,
-    number: Expr,
-    last: Option<Expr>,
-    channels: Vec<Expr>,
-    uses: Option<Expr>,
+    pub(super) number: Expr,
+    pub(super) last: Option<Expr>,
+    pub(super) channels: Vec<Expr>,
+    pub(super) uses: Option<Expr>,
     values: Vec<(Expr, Value)>,
 }
 

@@ -4,6 +4,7 @@ use super::programs::{called, program_name, returns};
 use super::{Okuma, line, quick_look};
 use crate::definition::Dialect;
 use crate::interpreter::Interpreter;
+use crate::outline::Reader;
 use counterpoint_machine::Machine;
 use counterpoint_program::syntax::{NamedPrograms, PLAIN, Syntax};
 
@@ -31,6 +32,10 @@ impl Dialect for Control {
 
     fn settings(&self) -> &'static [&'static str] {
         &["PROCESS,SUBPROGRAMS", "PROCESS,SEQNAME", "PROCESS,EXECUTIONS", "PROCESS,CONTOURS", "PROCESS,DRAWING"]
+    }
+
+    fn reader(&self, machine: &Machine) -> Option<Box<dyn Reader>> {
+        Some(Box::new(super::outline::Outlines::new(machine.macros.is_some())))
     }
 
     fn interpreter(&self, machine: &Machine) -> Option<Box<dyn Interpreter>> {

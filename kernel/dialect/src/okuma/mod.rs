@@ -13,6 +13,7 @@ mod lap;
 mod line;
 mod math;
 mod names;
+mod outline;
 mod programs;
 mod quick_look;
 mod run;
@@ -27,7 +28,7 @@ use rustc_hash::FxHashMap;
 
 pub(crate) use control::Control;
 
-use super::host::Host;
+use super::host::{Host, Programs};
 use super::interpreter::{Interpreter, Remaining, Setting};
 use crate::kept::{Kept, Tables};
 use counterpoint_event::FileId;
@@ -128,7 +129,7 @@ impl Okuma {
     }
 
     /// The text of a block with the lines that continue it, and the line after them.
-    fn continued(&mut self, host: &mut dyn Host, text: &[u8]) -> Option<(Vec<u8>, u32)> {
+    fn continued(&mut self, host: &mut dyn Programs, text: &[u8]) -> Option<(Vec<u8>, u32)> {
         let place = host.place();
         let of_the_file = text.trim_ascii_start().first() == Some(&b'$');
         if !place.as_read || of_the_file || !self.index(host, place.file).continues {
@@ -154,12 +155,12 @@ impl Okuma {
     }
 
     /// What a file that is loaded defines.
-    fn index(&mut self, host: &dyn Host, file: FileId) -> Arc<Index> {
+    fn index(&mut self, host: &dyn Programs, file: FileId) -> Arc<Index> {
         self.indices.get(file, || host.source(file).map(|source| Index::of(&source)).unwrap_or_default())
     }
 
     /// Where a subprogram is; none if it is nowhere to be found.
-    fn find(&mut self, host: &mut dyn Host, name: String) -> Result<Option<(FileId, Range)>, Halt> {
+    fn find(&mut self, host: &mut dyn Programs, name: String) -> Result<Option<(FileId, Range)>, Halt> {
         let (here, main) = (host.place().file, host.main_file());
         for file in [here, main] {
             if let Some(range) = self.index(host, file).program(&name) {

@@ -3,6 +3,7 @@
 use super::{Siemens, needs_interpreter};
 use crate::definition::{Dialect, Unknown};
 use crate::interpreter::Interpreter;
+use crate::outline::Reader;
 use counterpoint_machine::Machine;
 use counterpoint_program::syntax::{PLAIN, Syntax};
 
@@ -49,6 +50,10 @@ impl Dialect for Control {
 
     fn unknown_text(&self, text: &str, _: Unknown) -> String {
         format!("12550 name not defined or option missing: {text} is not known")
+    }
+
+    fn reader(&self, _: &Machine) -> Option<Box<dyn Reader>> {
+        Some(Box::<super::outline::Outlines>::default())
     }
 
     fn interpreter(&self, _: &Machine) -> Option<Box<dyn Interpreter>> {

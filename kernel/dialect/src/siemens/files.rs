@@ -9,7 +9,7 @@ use super::cursor::Cursor;
 use super::jumps::bare;
 use super::line::{Item, head, read};
 use super::{Fault, Outcome, Siemens};
-use crate::host::Host;
+use crate::host::{Host, Programs};
 use counterpoint_event::FileId;
 use counterpoint_fault as diag;
 use counterpoint_machine::stored::StoredFile;
@@ -47,7 +47,7 @@ fn split(path: &str) -> (&str, &str) {
 
 impl Siemens {
     /// A subprogram by its name, found once for each file that calls.
-    pub(super) fn program(&mut self, host: &mut dyn Host, name: &str) -> Outcome<Option<(FileId, Range)>> {
+    pub(super) fn program(&mut self, host: &mut dyn Programs, name: &str) -> Outcome<Option<(FileId, Range)>> {
         let key = (host.place().file, name.to_owned());
         if let Some(found) = self.found.get(&key) {
             return Ok(*found);
@@ -71,7 +71,7 @@ impl Siemens {
     }
 
     /// A subprogram by a path of the control.
-    pub(super) fn program_by_path(&mut self, host: &mut dyn Host, path: &str) -> Outcome<Option<(FileId, Range)>> {
+    pub(super) fn program_by_path(&mut self, host: &mut dyn Programs, path: &str) -> Outcome<Option<(FileId, Range)>> {
         let wanted = file_path(path);
         let (folder, name) = split(&wanted);
         let stem = name.rsplit_once('.').map_or(name, |(stem, _)| stem).to_ascii_uppercase();
@@ -85,7 +85,7 @@ impl Siemens {
     }
 
     /// A file that ends with a path.
-    fn by_path(&self, host: &dyn Host, wanted: &str) -> Option<FileId> {
+    fn by_path(&self, host: &dyn Programs, wanted: &str) -> Option<FileId> {
         let root = file_path(&self.settings.root);
         let names = [wanted.to_owned(), format!("{wanted}.spf"), format!("{wanted}.mpf")];
         let rank = |file: &String| {
@@ -103,7 +103,7 @@ impl Siemens {
         self.by_path(host, &file_path(path)).is_some()
     }
 
-    fn program_file(&self, host: &dyn Host, name: &str) -> Option<FileId> {
+    fn program_file(&self, host: &dyn Programs, name: &str) -> Option<FileId> {
         let wanted = name.to_ascii_lowercase();
         let files = host.files();
         let folder_of =
@@ -140,7 +140,7 @@ impl Siemens {
     /// A program in a file; with `whole` the file itself, where it has no program of that name.
     fn in_file(
         &mut self,
-        host: &mut dyn Host,
+        host: &mut dyn Programs,
         file: FileId,
         name: &str,
         whole: bool,
@@ -218,7 +218,7 @@ impl Siemens {
 }
 
 /// The file with the lowest rank, the first of several.
-fn best(host: &dyn Host, rank: impl Fn(&String) -> Option<usize>) -> Option<FileId> {
+fn best(host: &dyn Programs, rank: impl Fn(&String) -> Option<usize>) -> Option<FileId> {
     let files = host.files();
     let ranked = files.iter().enumerate().filter_map(|(at, file)| Some((rank(file)?, at)));
     ranked.min().and_then(|(_, at)| FileId::try_from(at).ok())

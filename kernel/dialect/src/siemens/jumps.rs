@@ -13,7 +13,7 @@ use super::cursor::Cursor;
 use super::line::{Direction, Item, Jump, Label, Line, Structure, head, read};
 use super::value::Data;
 use super::{Fault, Outcome, Siemens};
-use crate::host::{Host, Place};
+use crate::host::{Host, Place, Programs};
 use crate::kept::Table;
 use crate::search::{Labels, Search};
 use crate::text::without_comment;
@@ -25,11 +25,11 @@ use counterpoint_program::source::Source;
 /// What is to be found in a file.
 #[derive(Debug, Default)]
 pub(super) struct Places {
-    labels: Labels<String>,
+    pub(super) labels: Labels<String>,
     numbers: Labels<u32>,
     /// Programs of an archive: name, first and last line.
     pub(super) programs: Vec<(String, u32, u32)>,
-    partners: FxHashMap<u32, Partners>,
+    pub(super) partners: FxHashMap<u32, Partners>,
 }
 
 /// Lines of a loop or branch.
@@ -143,7 +143,7 @@ impl Places {
     }
 
     /// Line of a label or block number from another line, within some lines.
-    fn find(&self, label: &Label, search: Search, here: u32, around: (u32, u32)) -> Option<u32> {
+    pub(super) fn find(&self, label: &Label, search: Search, here: u32, around: (u32, u32)) -> Option<u32> {
         match label {
             Label::Number(number) => self.numbers.find(number, search, here, around),
             Label::Name(name) => self.labels.find(name.as_str(), search, here, around),
@@ -167,7 +167,7 @@ impl Table for Places {
 
 impl Siemens {
     /// Labels and loops of a file.
-    pub(super) fn places(&mut self, host: &dyn Host, file: FileId) -> Arc<Places> {
+    pub(super) fn places(&mut self, host: &dyn Programs, file: FileId) -> Arc<Places> {
         self.places.get(file, || host.source(file).map(|source| Places::of(&source)).unwrap_or_default())
     }
 
@@ -276,7 +276,7 @@ impl Siemens {
     }
 }
 
-fn shown(label: &Label) -> String {
+pub(super) fn shown(label: &Label) -> String {
     match label {
         Label::Number(number) => format!("block N{number}"),
         Label::Name(name) => format!("label {name}"),

@@ -23,6 +23,7 @@ mod functions;
 mod jumps;
 mod line;
 mod modal;
+mod outline;
 mod run;
 mod settings;
 mod statement;

@@ -10,7 +10,7 @@ use super::expression::{Argument, Expression, Name, as_name, whole};
 use super::line::{Assigned, Item, Line, read};
 use super::value::Data;
 use super::{Fault, Outcome, Siemens, syntax};
-use crate::host::{Answer, Call, Host};
+use crate::host::{Answer, Call, Host, Programs};
 use crate::text::without_comment;
 use counterpoint_fault as diag;
 
@@ -402,7 +402,7 @@ impl Siemens {
 }
 
 /// The block after its marks of optional skip; none if it is skipped.
-fn skipped<'a>(host: &dyn Host, text: &'a str) -> Option<&'a str> {
+pub(super) fn skipped<'a>(host: &dyn Programs, text: &'a str) -> Option<&'a str> {
     let mut text = text.trim_start();
     while let Some(rest) = text.strip_prefix('/') {
         let digit = rest.bytes().next().filter(u8::is_ascii_digit);

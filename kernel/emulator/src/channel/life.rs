@@ -67,6 +67,7 @@ impl Kernel<'_> {
             None => self.begin(file, range, name),
         };
         let halt = match begun {
+            Ok(()) if self.channel.env.options.lint => self.walk(),
             Ok(()) => self.program(),
             Err(halt) => halt,
         };

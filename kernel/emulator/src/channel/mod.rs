@@ -95,7 +95,7 @@ impl<'a> Kernel<'a> {
             ports,
             plan,
             flow: Flow::default(),
-            dialect: DialectState::new(machine),
+            dialect: DialectState::new(machine, !env.options.lint),
             macros: Box::default(),
             components: Components::of(components, channel.number),
         }

@@ -38,12 +38,13 @@ pub(crate) struct DialectState {
 }
 
 impl DialectState {
-    pub(crate) fn new(machine: &Machine) -> Self {
+    /// The dialect of a machine, with its interpreter if it `executes`.
+    pub(crate) fn new(machine: &Machine, executes: bool) -> Self {
         let kind = counterpoint_dialect::of(machine);
         Self {
             kind,
             variables: ChannelVariables::new(&machine.variables),
-            interpreter: kind.interpreter(machine),
+            interpreter: if executes { kind.interpreter(machine) } else { None },
             is_stale: false,
         }
     }

@@ -140,6 +140,10 @@ impl Kernel<'_> {
     /// When the loop is hopeless.
     pub(crate) fn end_pass(&mut self, target: u32, from: u32) -> Acted {
         self.flow.repeats = true;
+        if self.channel.env.options.lint {
+            // Without values no loop waits for one.
+            return Ok(());
+        }
         let (file, depth) =
             (self.flow.frames.last().map_or(self.channel.at.file, |frame| frame.file), self.flow.frames.len());
         let key = (file, target, from);

@@ -35,6 +35,15 @@ impl Kernel<'_> {
     /// Waits for other channels.
     pub(crate) fn wait(&mut self, wait: wait::Wait) -> Acted {
         self.flow.pass.effects = true;
+        let first = match wait.primitive {
+            Primitive::Lease => true,
+            Primitive::Count | Primitive::Signal => wait.need != 0,
+            Primitive::Barrier | Primitive::Flag if self.channel.env.options.lint => {
+                self.shared(|order| order.waits.lists_differ(&wait))?
+            }
+            Primitive::Barrier | Primitive::Flag | Primitive::Order | Primitive::Join => false,
+        };
+        self.note_order(first);
         if self.ports.control.interferes() {
             self.comes_to_wait(&wait);
         }
@@ -47,6 +56,7 @@ impl Kernel<'_> {
     /// Does something at which other channels may continue; it is shown as this wait would be.
     pub(crate) fn let_continue(&mut self, act: wait::Act, shown: wait::Wait) -> Acted {
         self.flow.pass.effects = true;
+        self.note_order(!matches!(act, wait::Act::Signal(_)));
         let what = match act {
             wait::Act::Set(_) | wait::Act::Signal(_) => "set",
             wait::Act::Clear(_) | wait::Act::Remove { .. } => "clear",
@@ -62,6 +72,7 @@ impl Kernel<'_> {
     /// Sends a signal with values, or removes signals.
     pub(crate) fn signal(&mut self, act: wait::Act, letter: Option<Letter>, shown: wait::Wait) -> Acted {
         self.flow.pass.effects = true;
+        self.note_order(!matches!(act, wait::Act::Signal(_)));
         show(self, &shown, if matches!(act, wait::Act::Signal(_)) { "set" } else { "clear" });
         let tag = self.tag();
         self.shared(|order| order.act_with(tag, act, letter))?.map_err(|reason| {
@@ -73,6 +84,7 @@ impl Kernel<'_> {
     /// Waits for signals: the values that came with them.
     pub(crate) fn await_signal(&mut self, wait: wait::Wait) -> Result<Vec<Letter>, Halt> {
         self.flow.pass.effects = true;
+        self.note_order(wait.need != 0);
         if self.channel.reports.waits.rules.of(&wait).is_some_and(|rule| rule.signals.in_order) {
             let channel = self.channel.at.channel;
             if let Some(older) = self.shared(|order| order.waits.older_signal(channel, &wait))? {
@@ -90,9 +102,26 @@ impl Kernel<'_> {
     /// Takes signals if they are there: the values that came with them.
     pub(crate) fn read_signal(&mut self, wait: wait::Wait) -> Result<Option<Vec<Letter>>, Halt> {
         self.flow.pass.effects = true;
+        self.note_order(true);
         let (waiting, _) = arrival(self, wait);
         let channel = self.channel.at.channel;
         self.shared(|order| order.pass(&waiting).then(|| order.waits.letters(channel)))
+    }
+}
+
+impl Kernel<'_> {
+    /// Says once, where nothing is executed, that what follows from a wait depends on `first`: who comes first.
+    fn note_order(&mut self, first: bool) {
+        if first
+            && self.channel.env.options.lint
+            && !std::mem::replace(&mut self.channel.reports.waits.order_noted, true)
+        {
+            let text = format!(
+                "what follows depends on which channel comes first, which is judged as if blocks took no time, at '{}'",
+                self.block_text()
+            );
+            self.diagnose(&diag::LINT_ORDER, text);
+        }
     }
 }
 

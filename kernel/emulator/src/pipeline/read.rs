@@ -127,7 +127,7 @@ impl Kernel<'_> {
     }
 
     #[inline(always)]
-    fn is_rewind_stop(&self, text: &[u8]) -> bool {
+    pub(crate) fn is_rewind_stop(&self, text: &[u8]) -> bool {
         let rws = self.channel.env.machine.format.rws.as_bytes();
         text.first() == rws.first() && is_alone(text, rws)
     }
@@ -148,7 +148,7 @@ impl Kernel<'_> {
     }
 
     /// The text of a program ends without an end or return code.
-    fn text_ends(&mut self) -> Acted {
+    pub(crate) fn text_ends(&mut self) -> Acted {
         if self.flow.frames.last().is_some_and(|frame| frame.closes) {
             return self.return_from(None);
         }
@@ -168,7 +168,7 @@ impl Kernel<'_> {
         whole.is_some_and(|whole| sections::ends_for_all(self.channel.env.machine, whole, self.channel.at.channel))
     }
 
-    fn too_long(&mut self, length: usize) -> Halt {
+    pub(crate) fn too_long(&mut self, length: usize) -> Halt {
         let limit = self.channel.env.options.limits.block_length;
         let text = format!("line {} has {length} bytes, a block may have {limit}", self.channel.at.line);
         self.alarm(&diag::BLOCK_TOO_LONG, text)

@@ -13,6 +13,8 @@ pub(crate) struct KnownWaits {
     /// How the machine writes its waits.
     pub(crate) rules: Rules,
     known: FxHashMap<wait::Wait, Arc<Wait>>,
+    /// That waits depend on who comes first has been said.
+    pub(crate) order_noted: bool,
 }
 
 impl KnownWaits {
@@ -21,7 +23,7 @@ impl KnownWaits {
 
     /// None so far.
     pub(crate) fn new(rules: Rules) -> Self {
-        Self { rules, known: FxHashMap::default() }
+        Self { rules, known: FxHashMap::default(), order_noted: false }
     }
 
     /// The wait as it is logged, made at its first arrival.

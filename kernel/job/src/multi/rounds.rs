@@ -66,6 +66,7 @@ impl Round {
         let shared = self.shared.take().unwrap_or_else(fresh);
         let channels = Channels::new(machine.channels.iter().map(|channel| channel.number));
         let mut waits = Waits::new(channels.clone(), rules(machine), machine.sync.release_ns);
+        waits.timeless = options.lint;
         for (axis, master) in machine.axes.entries().filter_map(|(axis, row)| Some((axis, row.master?))) {
             waits.hold(master, of_axis(axis));
         }

@@ -1,0 +1,61 @@
+//! Arguments of `counterpoint lint`.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use super::{Attended, Inputs, Levels, On, RaceCheck, levels};
+
+#[derive(Debug, Args)]
+pub(crate) struct Lint {
+    /// Judge these programs, one per channel from left to right; FILE#2102 is program O2102 of FILE,
+    /// FILE#NAME the program or section of that name (`PART_1`, `$2`, `G14`)
+    #[arg(required = true, value_name = "PROGRAM")]
+    programs: Vec<String>,
+    #[command(flatten)]
+    on: On,
+    /// Add files that the programs may call (a folder adds all its files)
+    #[arg(long = "with", value_name = "FILE|DIR")]
+    with: Vec<PathBuf>,
+    /// Switch optional block skip: off, on (for marks without a digit), or a list of levels such as 1,3
+    #[arg(long, default_value = "off", value_name = "off|on|LEVELS", value_parser = levels)]
+    opskip: Levels,
+    /// Let these channels pass every sync point without waiting
+    #[arg(long, value_delimiter = ',', value_name = "CHANNELS")]
+    ignore_waits: Vec<u32>,
+    /// Print the summary as JSON instead of the report
+    #[arg(long)]
+    pub(crate) json: bool,
+    /// Print only errors: no progress, no report
+    #[arg(long, short)]
+    pub(crate) quiet: bool,
+    /// Show all sync points and diagnostics in the report, not only the first 20
+    #[arg(long, short, conflicts_with = "quiet")]
+    pub(crate) verbose: bool,
+    /// Exit with code 1 after warnings, too: also when a channel could not be judged to its end
+    #[arg(long)]
+    pub(crate) strict: bool,
+}
+
+impl Lint {
+    /// What the job is made of.
+    pub(crate) fn inputs(&self) -> Inputs {
+        Inputs {
+            programs: self.programs.clone(),
+            on: self.on.clone(),
+            with: self.with.clone(),
+            opskip: self.opskip.clone(),
+            opstop: false,
+            ignore_waits: self.ignore_waits.clone(),
+            races: RaceCheck::Off,
+            threads: 1,
+            trace: String::new(),
+            param: String::new(),
+            answers: None,
+            operator: Attended::default(),
+            max_time: None,
+            max_blocks: None,
+            max_memory: None,
+        }
+    }
+}

@@ -1,0 +1,105 @@
+//! What a block of an OSP program does, without executing it.
+//!
+//! *Invariant:* labels and programs are found as the interpreter finds them. Decision: how often a call with Q runs depends on a
+//! setting that macros of the machine make, so with macros the number of its passes counts as computed.
+
+use super::line::{Head, Item, Line, Statement, Target, Wanted, normal, read};
+use super::text::prepare;
+use super::{Okuma, line};
+use crate::host::Programs;
+use crate::outline::{Called, Goal, Reader, Step};
+use crate::statement::RETURN;
+use counterpoint_program::spot::Spot;
+
+/// The reader.
+#[derive(Debug)]
+pub(super) struct Outlines {
+    okuma: Okuma,
+    /// The machine has macros.
+    macros: bool,
+}
+
+impl Outlines {
+    pub(super) fn new(macros: bool) -> Self {
+        Self { okuma: Okuma::new(!macros), macros }
+    }
+}
+
+impl Reader for Outlines {
+    fn outline(&mut self, programs: &mut dyn Programs, text: &[u8]) -> Vec<Step> {
+        let whole = self.okuma.continued(programs, text);
+        let text = whole.as_ref().map_or(text, |(whole, _)| whole.as_slice());
+        match read(prepare(text), Wanted { subprograms: true, drawing: false }) {
+            Ok(line) => self.line(programs, &line),
+            Err(mistake) => vec![Step::Mistake(mistake.to_string())],
+        }
+    }
+}
+
+impl Outlines {
+    fn line(&mut self, programs: &mut dyn Programs, line: &Line) -> Vec<Step> {
+        let mut skipped = false;
+        for head in &line.head {
+            if let Head::Mark(level) = head {
+                skipped = programs.skips(*level);
+            }
+        }
+        if skipped {
+            return Vec::new();
+        }
+        match &line.statement {
+            Statement::Drawing | Statement::Nothing | Statement::Continued | Statement::ModOut => Vec::new(),
+            Statement::Goto(condition, target) => {
+                let goal = self.goal(programs, target);
+                vec![if condition.is_some() { Step::Branch(goal) } else { Step::Jump(goal) }]
+            }
+            Statement::Call(call) => vec![self.call(programs, call)],
+            Statement::ModIn(_) => vec![Step::Hidden("blocks that move call a program (MODIN)".to_owned())],
+            Statement::Shared(shared, _) if **shared == RETURN => vec![Step::Return],
+            Statement::Shared(..) => Vec::new(),
+            Statement::Items(items) => words(items),
+        }
+    }
+
+    fn goal(&mut self, programs: &dyn Programs, target: &Target) -> Goal {
+        let Target::Named(name) = target else { return Goal::Computed };
+        let place = programs.place();
+        let found = self.okuma.index(programs, place.file).label(name, place.line, place.range);
+        found.map_or_else(|| Goal::Missing(format!("block N{name}")), |line| Goal::At(Spot::line(line)))
+    }
+
+    fn call(&mut self, programs: &mut dyn Programs, call: &line::Call) -> Step {
+        let place = self.okuma.find(programs, normal(call.name.get(1..).unwrap_or_default()));
+        let passes = match &call.repeats {
+            None => Some(1),
+            Some(_) if self.macros => None,
+            Some(count) => {
+                let count = count.as_constant().filter(|count| count.fract() == 0.0 && (0.0..=9999.0).contains(*count));
+                count.map(|count| *count as u32 + 1)
+            }
+        };
+        match place {
+            Ok(place) => Step::Call(Called { name: call.name.clone(), place, passes }),
+            Err(_) => Step::Hidden(format!("the file of {} cannot be read", call.name)),
+        }
+    }
+}
+
+/// Words of a block: those with numbers as they are written.
+fn words(items: &[Item]) -> Vec<Step> {
+    let (mut plain, mut steps) = (String::new(), Vec::new());
+    for item in items {
+        match item {
+            Item::Plain(text) => plain.push_str(text),
+            Item::Set { name, spelled: Some(spelled), .. } if name.len() == 1 => {
+                plain.push_str(name);
+                plain.push_str(spelled);
+            }
+            Item::Set { name, .. } => steps.push(Step::Computed(name.clone())),
+            Item::Text { .. } => {}
+        }
+        plain.push(' ');
+    }
+    steps.insert(0, Step::Words(plain.into_bytes()));
+    steps
+}

@@ -1,0 +1,140 @@
+//! What a block does to the flow of its program and for other channels, as far as its text shows: for judgements that run
+//! nothing.
+//!
+//! A control reads its blocks with the same reader as its interpreter. *Invariants:* nothing is executed and no variable has a
+//! value; what only running the program could tell is said to be so ([`Goal::Computed`], [`Step::Computed`], [`Step::Hidden`]).
+
+use counterpoint_event::FileId;
+use counterpoint_program::shape::Range;
+use counterpoint_program::spot::Spot;
+
+use crate::Search;
+use crate::host::{Programs, Signal};
+
+/// Reads blocks without executing them.
+pub trait Reader {
+    /// What a block does that is more than plain words, in the order of its text.
+    fn outline(&mut self, programs: &mut dyn Programs, text: &[u8]) -> Vec<Step>;
+}
+
+/// A part of what a block does.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Step {
+    /// Words for the tables of the machine.
+    Words(Vec<u8>),
+    /// A word with this address has a value that is computed.
+    Computed(String),
+    /// A name with arguments, which may be a statement between channels, a code of the machine or a call.
+    Named(Named),
+    /// A statement of signals.
+    Signal(Signalled),
+    /// A jump in any case.
+    Jump(Goal),
+    /// A jump that depends on a condition.
+    Branch(Goal),
+    /// A branch or, if it `loops`, a loop.
+    Block {
+        /// The block up to which it goes.
+        end: Spot,
+        /// It may run again.
+        loops: bool,
+    },
+    /// A call of a program.
+    Call(Called),
+    /// A return.
+    Return,
+    /// The rest of the block, which depends on a condition.
+    If(Vec<Step>),
+    /// The program raises an alarm of its own.
+    Alarm,
+    /// It may do anything, for this reason.
+    Hidden(String),
+    /// The control cannot read it.
+    Mistake(String),
+}
+
+/// Where a jump leads.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Goal {
+    /// To this block.
+    At(Spot),
+    /// There is no such block.
+    Missing(String),
+    /// The block is computed.
+    Computed,
+}
+
+/// A name with arguments.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Named {
+    /// In capitals.
+    pub name: String,
+    /// Its arguments.
+    pub arguments: Vec<Argument>,
+    /// The program of this name, or the one that an argument names.
+    pub program: Option<(FileId, Range)>,
+    /// Passes if it is a call; none if they are computed.
+    pub passes: Option<u32>,
+}
+
+/// An argument of a statement.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Argument {
+    /// A number.
+    Number(f64),
+    /// A name alone.
+    Name(String),
+    /// A text.
+    Text(String),
+    /// Anything else.
+    Computed,
+}
+
+/// What a statement of signals does.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Deed {
+    /// Sends.
+    Send,
+    /// Waits.
+    Wait,
+    /// Takes a signal if it is there.
+    Read,
+    /// Removes signals.
+    Remove,
+}
+
+/// A statement of signals.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Signalled {
+    /// What it does.
+    pub deed: Deed,
+    /// Name of its row in the machine.
+    pub row: &'static str,
+    /// What it says; none if a part of it is computed.
+    pub signal: Option<Signal>,
+}
+
+/// A call.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Called {
+    /// What is called, for messages.
+    pub name: String,
+    /// Where it is; none if there is no such program.
+    pub place: Option<(FileId, Range)>,
+    /// How often it runs; none if that is computed.
+    pub passes: Option<u32>,
+}
+
+/// The block with a sequence number, as jumps look for it: onwards, then from the top of the program.
+#[must_use]
+pub fn sequence(programs: &dyn Programs, number: f64) -> Goal {
+    let (place, here) = (programs.place(), programs.spot());
+    let missing = || Goal::Missing(format!("block N{number}"));
+    if number.fract() != 0.0 || !(1.0..=f64::from(u32::MAX)).contains(&number) {
+        return missing();
+    }
+    let Some(source) = programs.source(place.file) else { return missing() };
+    let next = Spot { line: here.line, offset: here.offset.saturating_add(1) };
+    let around = (Spot::line(place.range.first), Spot { line: place.range.last, offset: u32::MAX });
+    Search::Around.find(source.sequences(number as u32), next, around).map_or_else(missing, Goal::At)
+}

@@ -1,0 +1,181 @@
+//! A program is followed without being executed: its calls, its jumps and what it does for other channels, so that its waits can
+//! be judged before anything moves.
+//!
+//! Words between channels, calls and ends act as in a run; nothing else does, and no variable has a value. Where only a run
+//! could tell how the program continues, the channel is judged no further, and the place and the reason are said. *Invariant:*
+//! blocks take no time, the number of blocks that are read is bounded, and what is not known is never taken as good.
+
+mod regions;
+mod statements;
+mod words;
+
+use std::sync::Arc;
+
+use rustc_hash::{FxHashMap, FxHashSet};
+
+use counterpoint_dialect::outline::{Reader, Step};
+use counterpoint_event::event::FileId;
+use counterpoint_fault as diag;
+use counterpoint_fault::{Acted, Halt};
+use counterpoint_machine::model::MainReturn;
+use counterpoint_program::scan::Kind as Split;
+use counterpoint_program::spot::Spot;
+
+use crate::channel::Kernel;
+use crate::channel::flow::Pending;
+
+/// Most blocks of one channel that are read.
+const MOST: u64 = 1_000_000;
+
+/// A place of a program with its callers and their remaining passes.
+type Standing = Vec<(FileId, Spot, u32)>;
+
+/// The way through the program of one channel.
+struct Walk<'w, 'k> {
+    kernel: &'w mut Kernel<'k>,
+    /// Reads blocks that are more than plain words; none if nobody can.
+    reader: Option<Box<dyn Reader>>,
+    /// Blocks read, those of parts that were only looked through included.
+    read: u64,
+    /// Where jumps back have led.
+    stood: FxHashSet<Standing>,
+    /// What stands in programs that were looked through, by file and lines.
+    looked: FxHashMap<(FileId, u32, u32), Option<u32>>,
+    /// That loops are taken to end has been said.
+    loops: bool,
+}
+
+/// What a block says.
+enum Outline {
+    /// Plain words, which are on the block.
+    Words,
+    /// Steps.
+    Steps(Vec<Step>),
+}
+
+impl Kernel<'_> {
+    /// Follows the program to its end, or to where only a run can tell how it continues.
+    pub(crate) fn walk(&mut self) -> Halt {
+        let reader = self.dialect.kind.reader(self.channel.env.machine);
+        let machine = self.channel.env.machine;
+        let first = machine.channels.first().map(|channel| channel.number);
+        if machine.macros.is_some() && first == Some(self.channel.at.channel) {
+            let text = "macros of the machine are not executed; what they do for other channels is not judged";
+            self.diagnose(&diag::LINT_MACROS, text);
+        }
+        let (stood, looked) = (FxHashSet::default(), FxHashMap::default());
+        let mut walk = Walk { kernel: self, reader, read: 0, stood, looked, loops: false };
+        loop {
+            if let Err(halt) = walk.next() {
+                return halt;
+            }
+        }
+    }
+}
+
+impl Walk<'_, '_> {
+    /// Follows one block.
+    fn next(&mut self) -> Acted {
+        let done = self.block();
+        self.kernel.went_on(done)
+    }
+
+    fn block(&mut self) -> Acted {
+        let Some(text) = self.text()? else { return Ok(()) };
+        if text.is_empty() {
+            return Ok(());
+        }
+        self.kernel.begin_block()?;
+        self.kernel.channel.at.idle_blocks = 0;
+        if self.read > MOST {
+            return Err(self.lost(&format!("it has more than {MOST} blocks")));
+        }
+        match self.outline(&text) {
+            Outline::Words => self.words_of_block(&[])?,
+            Outline::Steps(steps) => self.steps(steps)?,
+        }
+        self.follow()
+    }
+
+    /// The text of the next block, empty where it is blank; none after the text of a program has ended.
+    fn text(&mut self) -> Result<Option<Arc<[u8]>>, Halt> {
+        let kernel = &mut *self.kernel;
+        let sources = kernel.channel.env.sources;
+        let Some(frame) = kernel.frame() else { return Err(Halt::ProgramEnd(None)) };
+        let (file, line) = (frame.file, frame.next);
+        if line > frame.range.last {
+            return kernel.text_ends().map(|()| None);
+        }
+        frame.next = line + 1;
+        let Some(source) = sources.get(file) else { return Err(Halt::ProgramEnd(None)) };
+        self.read += 1;
+        (kernel.channel.at.file, kernel.channel.at.line) = (file, line);
+        let text = source.line(line);
+        if text.iter().all(u8::is_ascii_whitespace) {
+            return Ok(Some(Arc::default()));
+        }
+        if text.len() > kernel.channel.env.options.limits.block_length {
+            return Err(kernel.too_long(text.len()));
+        }
+        let text: Arc<[u8]> =
+            if kernel.is_reshaped(source) { kernel.reshape(text, line)?.text().into() } else { text.into() };
+        let blank = text.iter().all(u8::is_ascii_whitespace) || kernel.is_rewind_stop(&text);
+        Ok(Some(if blank { Arc::default() } else { text }))
+    }
+
+    /// What a block says.
+    fn outline(&mut self, text: &[u8]) -> Outline {
+        match self.kernel.split(text, true) {
+            Split::Words => Outline::Words,
+            Split::Statement => {
+                self.kernel.channel.block.clear();
+                match self.reader.as_deref_mut() {
+                    Some(reader) => Outline::Steps(reader.outline(self.kernel, text)),
+                    None => Outline::Steps(vec![Step::Hidden("blocks of this control act only in a run".to_owned())]),
+                }
+            }
+        }
+    }
+
+    /// Calls, returns and the end that the block asks for.
+    fn follow(&mut self) -> Acted {
+        let returns = matches!(self.kernel.flow.pending, Some(Pending::Return(_)));
+        if returns && self.kernel.flow.level() == 0 {
+            let again = self.kernel.channel.env.machine.subprograms.main_return == MainReturn::Restart;
+            match self.kernel.flow.pending.take() {
+                Some(Pending::Return(Some(number))) => {
+                    let target = self.kernel.find_sequence(number)?;
+                    return self.jump(target);
+                }
+                Some(Pending::Return(None)) if again => {
+                    return Err(self.lost("the program begins again and never ends, one pass is judged"));
+                }
+                pending => self.kernel.flow.pending = pending,
+            }
+        }
+        self.kernel.follow()
+    }
+
+    /// Continues at a block of the program. A place where the program has been with the same callers is one of a loop without
+    /// end.
+    fn jump(&mut self, target: Spot) -> Acted {
+        let Some(frame) = self.kernel.frame() else { return Ok(()) };
+        let back = target < frame.next_block();
+        (frame.next, frame.offset) = (target.line, target.offset);
+        if back {
+            let frames = self.kernel.flow.frames.iter();
+            let standing = frames.map(|frame| (frame.file, frame.next_block(), frame.repeats)).collect();
+            if !self.stood.insert(standing) {
+                return Err(self.lost("a loop without end, one pass of it is judged"));
+            }
+        }
+        Ok(())
+    }
+
+    /// The channel is judged up to this block.
+    fn lost(&mut self, reason: &str) -> Halt {
+        let text = format!("the waits are judged up to here: {reason}, at '{}'", self.kernel.block_text());
+        self.kernel.diagnose(&diag::LINT_LOST, text);
+        Halt::Blocked
+    }
+}

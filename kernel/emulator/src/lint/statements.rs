@@ -1,0 +1,263 @@
+//! Steps of blocks that are more than plain words: statements between channels, calls, jumps.
+//!
+//! *Invariant:* a statement between channels acts by the services of a run, with the arguments that stand in the program.
+
+use std::sync::Arc;
+
+use counterpoint_dialect::outline::{Argument, Called, Deed, Goal, Named, Signalled, Step};
+use counterpoint_dialect::{Call, Coordination, Operands};
+use counterpoint_fault as diag;
+use counterpoint_fault::{Acted, Halt};
+use counterpoint_program::spot::Spot;
+
+use super::Walk;
+use super::regions::{Looked, Part, before};
+use crate::channel::flow::Pending;
+
+impl Walk<'_, '_> {
+    /// Follows the steps of a block in their order.
+    pub(super) fn steps(&mut self, steps: Vec<Step>) -> Acted {
+        let computed = computed(&steps);
+        for step in steps {
+            let is_jump = matches!(step, Step::Jump(_));
+            self.step(step, &computed)?;
+            if is_jump {
+                // What stands behind it is not reached.
+                return Ok(());
+            }
+        }
+        Ok(())
+    }
+
+    fn step(&mut self, step: Step, computed: &[String]) -> Acted {
+        match step {
+            Step::Words(text) => self.words(&text, computed),
+            Step::Computed(name) if self.decides(&name) => Err(self.lost(&format!("the value of {name} is computed"))),
+            Step::Computed(_) => Ok(()),
+            Step::Named(named) => self.named(named),
+            Step::Signal(signal) => self.signal(&signal),
+            Step::Jump(Goal::At(target)) => self.jump(target),
+            Step::Jump(Goal::Missing(what)) => {
+                let text = format!("{what} not found in the program for '{}'", self.kernel.block_text());
+                Err(self.kernel.alarm(&diag::JUMP_TARGET, text))
+            }
+            Step::Jump(Goal::Computed) | Step::Branch(Goal::Computed) => {
+                Err(self.lost("the target of a jump is computed"))
+            }
+            Step::Branch(Goal::At(target)) => {
+                let here = self.kernel.channel.at.line;
+                let part = if target.line > here {
+                    Part { first: self.behind(), last: before(target) }
+                } else {
+                    Part { first: target.line, last: here }
+                };
+                self.pass_over(part, Spot::line(1), false)
+            }
+            Step::Branch(Goal::Missing(what)) => {
+                self.report_missing(&what);
+                Ok(())
+            }
+            Step::Block { end, loops } => {
+                let part = Part { first: self.behind(), last: end.line.saturating_sub(1) };
+                self.pass_over(part, end, loops)
+            }
+            Step::Call(called) => self.call(called),
+            Step::Return => {
+                self.kernel.ask(Pending::Return(None));
+                Ok(())
+            }
+            Step::If(steps) => match self.meets_among(&steps)? {
+                true => Err(self.lost("the rest of the block depends on a condition")),
+                false => Ok(()),
+            },
+            Step::Alarm => Err(self.lost("the program raises an alarm of its own")),
+            Step::Hidden(reason) => Err(self.lost(&reason)),
+            Step::Mistake(text) => {
+                let text = format!("{text}, in '{}'", self.kernel.block_text());
+                Err(self.kernel.alarm(&diag::LINT_UNREADABLE, text))
+            }
+        }
+    }
+
+    /// The first line that may be passed over from here: the own one if blocks follow in it.
+    fn behind(&self) -> u32 {
+        let more = self.kernel.flow.frames.last().is_some_and(|frame| frame.offset > 0);
+        self.kernel.channel.at.line + u32::from(!more)
+    }
+
+    /// Continues behind a part of the program that a condition passes, or that a loop repeats, at least at `end`.
+    fn pass_over(&mut self, part: Part, end: Spot, loops: bool) -> Acted {
+        match self.look_through(part)? {
+            Looked::Clear(grown) => {
+                if loops || grown.first <= self.kernel.channel.at.line {
+                    self.note_loop();
+                }
+                let next = Spot::line(grown.last.saturating_add(1)).max(end);
+                if let Some(frame) = self.kernel.frame().filter(|frame| next > frame.next_block()) {
+                    (frame.next, frame.offset) = (next.line, next.offset);
+                }
+                Ok(())
+            }
+            Looked::At(line) => {
+                Err(self.lost(&format!("whether and how often line {line} acts depends on a condition")))
+            }
+        }
+    }
+
+    /// Says once that loops are taken to end.
+    fn note_loop(&mut self) {
+        if !std::mem::replace(&mut self.loops, true) {
+            let text = format!("loops without waits are taken to end, the first one at '{}'", self.kernel.block_text());
+            self.kernel.diagnose(&diag::LINT_LOOPS, text);
+        }
+    }
+
+    /// A jump that depends on a condition leads nowhere.
+    pub(super) fn report_missing(&mut self, what: &str) {
+        let text = format!(
+            "{what} is not in the program, the jump in '{}' is an alarm when it is made",
+            self.kernel.block_text()
+        );
+        self.kernel.diagnose(&diag::LINT_TARGET, text);
+    }
+
+    fn named(&mut self, named: Named) -> Acted {
+        let Some(operands) = self.kernel.coordinates(&named.name) else {
+            let Some(place) = named.program else { return Ok(()) };
+            return self.call(Called { name: named.name, place: Some(place), passes: named.passes });
+        };
+        let arguments = self.arguments(operands, &named);
+        let Some(arguments) = arguments else {
+            return Err(self.lost(&format!("the arguments of {} are computed", named.name)));
+        };
+        let name = named.name.as_str();
+        match (operands, arguments) {
+            (_, Given::Numbers(numbers)) => match (operands, numbers.as_slice()) {
+                (Operands::MarkAndChannels, [mark, channels @ ..]) if !channels.is_empty() => {
+                    self.kernel.coordinate(name, *mark, channels)
+                }
+                (Operands::Channels, channels) if !channels.is_empty() => self.kernel.coordinate(name, 0, channels),
+                (Operands::Marks, marks) if !marks.is_empty() => {
+                    marks.iter().try_for_each(|mark| self.kernel.coordinate(name, *mark, &[]))
+                }
+                _ => Err(self.wrong(&format!("{name} needs other arguments"))),
+            },
+            (_, Given::Program { channel, path, waits }) => {
+                if named.program.is_none() && waits {
+                    let text = format!("program {path} for channel {channel} not found");
+                    return Err(self.kernel.alarm(&diag::CHANNEL_NOT_STARTED, text));
+                }
+                Coordination::select(self.kernel, channel, &path, named.program)
+            }
+            (_, Given::Axes(axes)) => {
+                axes.iter().try_for_each(|(axis, channel)| Coordination::exchange(self.kernel, name, axis, *channel))
+            }
+            (_, Given::Nothing) => Err(self.wrong(&format!("{name} needs other arguments"))),
+        }
+    }
+
+    fn wrong(&mut self, reason: &str) -> Halt {
+        let text = format!("{reason}, in '{}'", self.kernel.block_text());
+        self.kernel.alarm(&diag::STATEMENT_ARGUMENTS, text)
+    }
+
+    /// The arguments of a statement; none if one of them is computed.
+    fn arguments(&self, operands: Operands, named: &Named) -> Option<Given> {
+        let channel = |argument: &Argument| match argument {
+            Argument::Name(name) => self.kernel.channel_named(name).map(i64::from),
+            other => number(other),
+        };
+        Some(match operands {
+            Operands::MarkAndChannels => {
+                let mut numbers = Vec::new();
+                for (at, argument) in named.arguments.iter().enumerate() {
+                    numbers.push(if at == 0 { number(argument)? } else { channel(argument)? });
+                }
+                Given::Numbers(numbers)
+            }
+            Operands::Marks => Given::Numbers(named.arguments.iter().map(number).collect::<Option<_>>()?),
+            Operands::Channels => Given::Numbers(named.arguments.iter().map(channel).collect::<Option<_>>()?),
+            Operands::Program => {
+                let [who, Argument::Text(path), mode @ ..] = named.arguments.as_slice() else {
+                    return Some(Given::Nothing);
+                };
+                let waits = !matches!(mode, [Argument::Text(mode)] if mode.eq_ignore_ascii_case("N"));
+                Given::Program { channel: channel(who)?, path: path.trim().to_owned(), waits }
+            }
+            Operands::Axes | Operands::AxesAndChannels => {
+                let each = if operands == Operands::Axes { 1 } else { 2 };
+                if named.arguments.is_empty() || !named.arguments.len().is_multiple_of(each) {
+                    return Some(Given::Nothing);
+                }
+                let mut axes = Vec::new();
+                for pair in named.arguments.chunks(each) {
+                    let axis = match pair.first()? {
+                        Argument::Name(name) | Argument::Text(name) => name.clone(),
+                        Argument::Number(_) | Argument::Computed => return None,
+                    };
+                    axes.push((axis, pair.get(1).map(|argument| channel(argument).ok_or(())).transpose().ok()?));
+                }
+                Given::Axes(axes)
+            }
+        })
+    }
+
+    fn signal(&mut self, statement: &Signalled) -> Acted {
+        let Some(signal) = &statement.signal else { return Err(self.lost("the statement of signals is computed")) };
+        match statement.deed {
+            Deed::Send => self.kernel.send(statement.row, signal),
+            Deed::Remove => self.kernel.remove_signal(statement.row, signal),
+            Deed::Wait => self.kernel.receive(statement.row, signal, true).map(|_| ()),
+            Deed::Read => self.kernel.receive(statement.row, signal, false).map(|_| ()),
+        }
+    }
+
+    fn call(&mut self, called: Called) -> Acted {
+        let Called { name, place, passes } = called;
+        let Some((file, range)) = place else {
+            let text = format!("subprogram {name} not found, called in '{}'", self.kernel.block_text());
+            return Err(self.kernel.alarm(&diag::SUBPROGRAM_MISSING, text));
+        };
+        let Some(passes) = passes else {
+            return match self.meets_in_program(file, range)? {
+                None => Ok(()),
+                Some(_) => Err(self.lost(&format!("how often {name} runs is computed"))),
+            };
+        };
+        if passes > 0 {
+            let call = Call { name: Arc::from(name), place, passes, closes: true };
+            self.kernel.ask(Pending::CallText(Box::new(call)));
+        }
+        Ok(())
+    }
+}
+
+/// Arguments of a statement between channels.
+enum Given {
+    Numbers(Vec<i64>),
+    Program {
+        channel: i64,
+        path: String,
+        waits: bool,
+    },
+    Axes(Vec<(String, Option<i64>)>),
+    /// Not what it needs.
+    Nothing,
+}
+
+/// A whole number.
+fn number(argument: &Argument) -> Option<i64> {
+    match argument {
+        Argument::Number(number) if number.fract() == 0.0 && number.abs() <= 1e9 => Some(*number as i64),
+        _ => None,
+    }
+}
+
+/// Names of words whose values are computed.
+pub(super) fn computed(steps: &[Step]) -> Vec<String> {
+    let names = steps.iter().filter_map(|step| match step {
+        Step::Computed(name) => Some(name.clone()),
+        _ => None,
+    });
+    names.collect()
+}

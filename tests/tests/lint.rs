@@ -1,0 +1,179 @@
+//! What is judged about programs that are not run: where a channel is judged no further, what is found, and that nothing else acts.
+
+use counterpoint_kernel::log::summary::{State, Summary};
+use counterpoint_kernel::options::Options;
+use counterpoint_tests::{Work, machine};
+
+const ENDS_EARLY: u32 = 2_900_441;
+const TARGET: u32 = 2_900_442;
+const UNREADABLE: u32 = 2_900_443;
+const LOOPS: u32 = 2_900_446;
+
+fn work(name: &str, programs: &[&str]) -> Work {
+    Work::texts(machine(name, ""), programs, Options { lint: true, ..Options::default() })
+}
+
+fn judged(name: &str, programs: &[&str]) -> Summary {
+    let summary = work(name, programs).run(None).unwrap().summary;
+    assert_eq!(summary.makespan_ns, 0, "blocks take no time");
+    summary
+}
+
+/// Diagnostics with their channels and lines, but for those of severity 0 that are about the machine.
+fn found(summary: &Summary) -> Vec<(u32, u16, u32)> {
+    let about_machine = 2_900_445;
+    let of = summary.diagnostics.iter().filter(|diagnostic| diagnostic.number != about_machine);
+    of.map(|diagnostic| (diagnostic.number, diagnostic.channel, diagnostic.line)).collect()
+}
+
+/// The judgement about the first of two paths, whose second one has the waits that it has.
+fn path(program: &'static str) -> Summary {
+    let own = |line: &'static str| line.split(' ').find(|word| word.starts_with("M1"));
+    let waits: Vec<&str> = program.lines().filter_map(own).collect();
+    judged("fanuc-2path-lathe", &[program, &format!("O2\n{}\nM30\n", waits.join("\n"))])
+}
+
+fn clean(summary: &Summary) {
+    assert_eq!((summary.state, found(summary)), (State::Succeeded, Vec::new()), "{:#?}", summary.verdict);
+    assert!(summary.waits.iter().all(|wait| wait.release_ns.is_some()));
+}
+
+#[test]
+fn calls_and_jumps_are_followed() {
+    clean(&path("O1\nM101\nGOTO 20\n/M98 P99\nN20 M102\nM30\n"));
+    let lower = "O2\nM101\nM102\nM102\nM102\nM103\nM30\n";
+    clean(&judged("fanuc-2path-lathe", &["O1\nM101\nM98 P10 L3\nM103\nM30\nO10\nM102\nM99\n", lower]));
+    clean(&judged("fanuc-2path-lathe", &["O1\nM101\nG65 P10 L3 A1.\nM103\nM30\nO10\nM102\nM99\n", lower]));
+    clean(&judged(
+        "fanuc-2path-lathe",
+        &["O1\nM101\nM98 P10\nM103\nM30\nO10\nM98 P11 L3\nM99\nO11\nM102\nM99\n", lower],
+    ));
+}
+
+#[test]
+fn branches_and_loops_without_waits_are_passed() {
+    clean(&path("O1\nM101\nIF [#500 EQ 1] GOTO 10\nG1 X1. F1.\nIF [#501 EQ 1] GOTO 20\nN10 X2.\nN20 M102\nM30\n"));
+    clean(&path("O1\nM101\nIF [#500 EQ 1] GOTO 10\nX1.\nGOTO 20\nN10 X2.\nN20 M102\nM30\n"));
+    clean(&path("O1\nM101\nIF [#500 EQ 1] THEN #3000=1(BROKEN)\nM102\nM30\n"));
+    clean(&path("O1\nM101\nIF [#500 EQ 1] GOTO 10\nM98 P20\nN10 M102\nM30\nO20\nG1 X1. F1.\nM99\n"));
+    for looped in [
+        "O1\nM101\nWHILE [#1 LT 5] DO1\nX1.\nM98 P20\n#1=#1+1\nEND1\nM102\nM30\nO20\nX2.\nM99\n",
+        "O1\nM101\nN10 #1=#1+1\nX1.\nIF [#1 LT 5] GOTO 10\nM102\nM30\n",
+        "O1\nM101\nN10 #1=#1+1\nIF [#1 GT 5] GOTO 20\nX1.\nGOTO 10\nN20 M102\nM30\n",
+    ] {
+        let summary = path(looped);
+        let numbers: Vec<u32> = found(&summary).iter().map(|(number, ..)| *number).collect();
+        assert_eq!((summary.state, numbers), (State::Succeeded, vec![LOOPS]), "{looped}");
+        assert_eq!(summary.waits.len(), 2, "{looped}");
+    }
+}
+
+/// Every reason for which a channel is judged no further, with its line.
+#[test]
+fn what_only_a_run_can_tell_is_said_with_its_line() {
+    for (program, line, says) in [
+        ("O1\nIF [#500 EQ 1] GOTO 10\nM101\nN10 M102\nM30\n", 2, "line 3"),
+        ("O1\nIF [#500 EQ 1] GOTO 10\nM30\nN10 M102\nM30\n", 2, "line 3"),
+        ("O1\nIF [#500 EQ 1] THEN M101\nM30\n", 2, "condition"),
+        ("O1\nIF [#500 EQ 1] GOTO 10\nM98 P20\nN10 M30\nO20\nM98 P21\nM99\nO21\nM101\nM99\n", 2, "line 3"),
+        ("O1\nWHILE [#1 LT 5] DO1\n#1=#1+1\nM101\nEND1\nM30\n", 2, "line 4"),
+        ("O1\nN10 M101\n#1=#1+1\nIF [#1 LT 5] GOTO 10\nM30\n", 4, "line 2"),
+        ("O1\nM#1\nM30\n", 2, "the value of M is computed"),
+        ("O1\nM98 P#1\nM30\n", 2, "the value of P is computed"),
+        ("O1\nM101 P#1\nM30\n", 2, "the value of P is computed"),
+        ("O1\nGOTO #1\nM30\n", 2, "computed"),
+        ("O1\nN10 X1.\nGOTO 10\n", 3, "without end"),
+        ("O1\nG66 P20\nX1.\nM30\nO20\nM101\nM99\n", 2, "waits"),
+        ("O1\n#3000=1(STOP)\nM30\n", 2, "alarm"),
+    ] {
+        let summary = judged("fanuc-2path-lathe", &[program, "O2\nM101\nM30\n"]);
+        assert_eq!(found(&summary).last(), Some(&(ENDS_EARLY, 1, line)), "{program}");
+        let text = &summary.diagnostics.iter().rfind(|diagnostic| diagnostic.number == ENDS_EARLY).unwrap().text;
+        assert!(text.contains(says), "{program}: {text}");
+        assert_eq!((summary.state, summary.verdict), (State::Succeeded, None), "{program}");
+    }
+}
+
+/// A channel that is judged in part can still come: whoever waits for it is no deadlock. What does not depend on it is judged.
+#[test]
+fn who_waits_for_a_channel_that_is_judged_in_part_is_not_condemned() {
+    let lost = "O1\nIF [#500 EQ 1] GOTO 10\nM101 P12\nN10 M30\n";
+    let summary = judged("fanuc-3path-lathe", &[lost, "O2\nM101 P12\nM30\n", "O3\nM30\n"]);
+    assert_eq!((summary.state, summary.verdict), (State::Succeeded, None));
+    let summary = judged("fanuc-3path-lathe", &[lost, "O2\nM105 P23\nM30\n", "O3\nM30\n"]);
+    assert_eq!(summary.state, State::Failed);
+    let text = summary.verdict.unwrap().text;
+    assert!(text.contains("channel 2 waits at p2.nc line 2 'M105 P23' for channel 3; channel 3 has ended"), "{text}");
+}
+
+#[test]
+fn targets_that_are_not_there_and_blocks_that_nobody_can_read_are_found() {
+    let summary = path("O1\nIF [#500 EQ 1] GOTO 10\nM101\nM30\n");
+    assert_eq!((summary.state, found(&summary)), (State::Failed, vec![(TARGET, 1, 2)]));
+    for (program, number) in [
+        ("O1\nGOTO 10\nM30\n", 2_900_042),
+        ("O1\nM98 P10\nM30\n", 2_900_040),
+        ("O1\nG65 P10\nM30\n", 2_900_040),
+        ("O1\nWHILE [#1 LT 5 DO1\nM30\n", UNREADABLE),
+        ("O1\nWHILE [#1 LT 5] DO1\nM30\n", UNREADABLE),
+        ("O1\nM101 P9\nM30\n", 2_900_051),
+    ] {
+        let summary = judged("fanuc-2path-lathe", &[program, "O2\nM30\n"]);
+        assert_eq!((summary.state, found(&summary)), (State::Failed, vec![(number, 1, 2)]), "{program}");
+    }
+}
+
+#[test]
+fn siemens_programs_are_followed() {
+    let both = |one: &str, two: &str| judged("siemens-2ch-millturn", &[one, two]);
+    let two = "WAITM(1,1,2)\nWAITM(2,1,2)\nWAITM(1,1,2)\nWAITM(2,1,2)\nM30\n";
+    clean(&both("AGAIN:\nWAITM(1,1,2)\nWAITM(2,1,2)\nDONE:\nREPEAT AGAIN DONE\nM30\n", two));
+    clean(&both(
+        "WAITM(1,1,2)\nIF R1==1\nG1 X1 F1\nELSE\nG1 X2 F1\nENDIF\nWAITM(2,1,2)\nGOTOF MARK\nWAITM(9,1,2)\nMARK: WAITM(1,1,2)\nWAITM(2,1,2)\nM30\n",
+        two,
+    ));
+    let crossed = both("WAITM(1,1,2)\nWAITM(2,1,2)\nM30\n", "WAITM(2,1,2)\nWAITM(1,1,2)\nM30\n");
+    assert!(
+        crossed.verdict.unwrap().text.starts_with("channel 1 waits at p1.nc line 1 'WAITM(1,1,2)' for channel 2; ")
+    );
+    let lost = both("FOR R1=1 TO 3\nWAITM(1,1,2)\nENDFOR\nM30\n", "M30\n");
+    assert_eq!(found(&lost), [(ENDS_EARLY, 1, 1)]);
+    let computed = both("DEF INT MARK\nMARK=3\nWAITM(MARK,1,2)\nM30\n", "M30\n");
+    assert_eq!(found(&computed), [(ENDS_EARLY, 1, 3)]);
+    let missing = both("IF R1>0 GOTOF NOWHERE\nM30\n", "M30\n");
+    assert_eq!((missing.state, found(&missing)), (State::Failed, vec![(TARGET, 1, 1)]));
+}
+
+#[test]
+fn okuma_citizen_and_isg_programs_are_followed() {
+    let okuma = |one: &str, two: &str| judged("okuma-2saddle-lathe", &[one, two]);
+    clean(&okuma("P10\nIF[V1 EQ 1] NA1\nX1\nNA1 P20\nM02\n", "P10\nP20\nM02\n"));
+    let short = okuma("P10\nM02\n", "P10\nM30\n");
+    assert_eq!(short.state, State::Succeeded);
+    let isg = |programs: &[&str]| judged("isg-3ch", programs);
+    clean(&isg(&["#SIGNAL [ID7 CH2]\nM30\n", "#WAIT [ID7 CH1]\nM30\n", "M30\n"]));
+    let never = isg(&["M30\n", "#WAIT [ID7 CH1]\nM30\n", "M30\n"]);
+    assert!(never.verdict.unwrap().text.contains("channel 2 waits at p2.nc line 1 '#WAIT [ID7 CH1]' for channel 1"));
+}
+
+/// Nothing but waits acts: no word of an axis, no tool and no unknown word is looked at.
+#[test]
+fn nothing_else_acts() {
+    clean(&path("O1\nT9999 G123 X99999. Q\nM101\nG1 X1.\nG2 X1. R0.001\nM30\n"));
+}
+
+/// The log of the judgement depends on nothing but the programs.
+#[test]
+fn the_judgement_is_the_same_for_any_number_of_threads() {
+    let programs = [
+        "O1\nM101 P12\nM98 P20 L50\nM30\nO20\nM102 P12\nM99\n",
+        "O2\nM101 P12\nM98 P20 L50\nM30\nO20\nM102 P12\nM99\n",
+    ];
+    let digest = |threads| {
+        let mut work = work("fanuc-3path-lathe", &[programs[0], programs[1], "O3\nM30\n"]);
+        work.options.threads = threads;
+        work.run(None).unwrap().summary.log_digest
+    };
+    let alone = digest(1);
+    assert!([0, 2, 8].into_iter().all(|threads| digest(threads) == alone));
+}
