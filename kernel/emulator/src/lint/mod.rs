@@ -27,6 +27,9 @@ use crate::channel::flow::Pending;
 /// Most blocks of one channel that are read.
 const MOST: u64 = 1_000_000;
 
+/// Most places of jumps that are remembered; a loop without end that is longer ends at [`MOST`].
+const MOST_PLACES: usize = 10_000;
+
 /// A place of a program with its callers and their remaining passes.
 type Standing = Vec<(FileId, Spot, u32)>;
 
@@ -165,6 +168,9 @@ impl Walk<'_, '_> {
         if back {
             let frames = self.kernel.flow.frames.iter();
             let standing = frames.map(|frame| (frame.file, frame.next_block(), frame.repeats)).collect();
+            if self.stood.len() >= MOST_PLACES {
+                self.stood.clear();
+            }
             if !self.stood.insert(standing) {
                 return Err(self.lost("a loop without end, one pass of it is judged"));
             }
