@@ -145,12 +145,8 @@ pub(crate) struct Inputs {
     /// Add files that the programs may call (a folder adds all its files)
     #[arg(long = "with", value_name = "FILE|DIR")]
     pub(crate) with: Vec<PathBuf>,
-    /// Switch optional block skip: off, on (for marks without a digit), or a list of levels such as 1,3
-    #[arg(long, default_value = "off", value_name = "off|on|LEVELS", value_parser = levels)]
-    pub(crate) opskip: Levels,
-    /// Stop at optional stops (M1)
-    #[arg(long)]
-    pub(crate) opstop: bool,
+    #[command(flatten)]
+    pub(crate) switches: Switches,
     /// Let these channels pass every sync point without waiting
     #[arg(long, value_delimiter = ',', value_name = "CHANNELS")]
     pub(crate) ignore_waits: Vec<u32>,
@@ -158,6 +154,10 @@ pub(crate) struct Inputs {
     /// stops the channel
     #[arg(long, value_enum, default_value_t = RaceCheck::Off, value_name = "off|warn|alarm", hide_possible_values = true)]
     pub(crate) races: RaceCheck,
+    /// Time moves at feed as the machine makes them, with acceleration, corners and look-ahead where its definition gives
+    /// them, or simply as length by feed
+    #[arg(long, value_enum, default_value_t = Timing::Full, value_name = "full|simple", hide_possible_values = true)]
+    pub(crate) time: Timing,
     /// Run at most this many channels in parallel (0 = all); results are identical for any value
     #[arg(long, default_value_t = 0, value_name = "N")]
     pub(crate) threads: u32,
@@ -220,6 +220,17 @@ pub(crate) struct Attended {
     pub(crate) step: bool,
 }
 
+/// Switches of the operator's panel.
+#[derive(Debug, Clone, Default, Args)]
+pub(crate) struct Switches {
+    /// Switch optional block skip: off, on (for marks without a digit), or a list of levels such as 1,3
+    #[arg(long, default_value = "off", value_name = "off|on|LEVELS", value_parser = levels)]
+    pub(crate) opskip: Levels,
+    /// Stop at optional stops (M1)
+    #[arg(long)]
+    pub(crate) opstop: bool,
+}
+
 /// What follows from a race over a shared variable.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
 pub(crate) enum RaceCheck {
@@ -229,6 +240,15 @@ pub(crate) enum RaceCheck {
     Warn,
     /// An alarm that stops the channel.
     Alarm,
+}
+
+/// How moves at feed are timed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+pub(crate) enum Timing {
+    /// As the machine makes them.
+    Full,
+    /// Length by feed.
+    Simple,
 }
 
 #[derive(Debug, Args)]

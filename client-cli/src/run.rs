@@ -8,7 +8,7 @@ use std::path::Path;
 use counterpoint_client::{Blob, Update};
 use counterpoint_proto::v1;
 
-use crate::arguments::{ExitCodes, Format, Inputs, RaceCheck, ResultKind, Run, Submit};
+use crate::arguments::{ExitCodes, Format, Inputs, RaceCheck, ResultKind, Run, Submit, Timing};
 use crate::attend::{Attendant, Next};
 use crate::client::Client;
 use crate::codes::{self, Stage};
@@ -176,8 +176,8 @@ pub(crate) async fn submit_pack(
         programs: pack.programs,
         files: pack.files.0.into_iter().map(file).collect(),
         options: Some(v1::JobOptions {
-            opskip: inputs.opskip.0.clone(),
-            opstop: inputs.opstop,
+            opskip: inputs.switches.opskip.0.clone(),
+            opstop: inputs.switches.opstop,
             trace: inputs.trace.clone(),
             parameters: inputs.param.clone(),
             answers,
@@ -189,6 +189,10 @@ pub(crate) async fn submit_pack(
                 RaceCheck::Off => v1::RaceCheck::Unspecified,
                 RaceCheck::Warn => v1::RaceCheck::Warn,
                 RaceCheck::Alarm => v1::RaceCheck::Alarm,
+            } as i32,
+            time: match inputs.time {
+                Timing::Full => v1::TimeModel::Unspecified,
+                Timing::Simple => v1::TimeModel::Simple,
             } as i32,
             limits: limits(inputs),
             lint,

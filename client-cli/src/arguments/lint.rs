@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::{Attended, Inputs, Levels, On, RaceCheck, levels};
+use super::{Attended, Inputs, Levels, On, RaceCheck, Switches, Timing, levels};
 
 #[derive(Debug, Args)]
 pub(crate) struct Lint {
@@ -44,10 +44,10 @@ impl Lint {
             programs: self.programs.clone(),
             on: self.on.clone(),
             with: self.with.clone(),
-            opskip: self.opskip.clone(),
-            opstop: false,
+            switches: Switches { opskip: self.opskip.clone(), opstop: false },
             ignore_waits: self.ignore_waits.clone(),
             races: RaceCheck::Off,
+            time: Timing::Full,
             threads: 1,
             trace: String::new(),
             param: String::new(),

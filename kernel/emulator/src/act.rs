@@ -162,9 +162,9 @@ impl Act<'_, '_> {
         self.kernel.trace_instead(text);
     }
 
-    /// Sends events as they come again, or holds them back: so many so far.
-    pub(crate) fn holds_back(&mut self, held: Option<usize>) {
-        self.kernel.ports.emitter.holds_back(held);
+    /// Sends events as they come again, or holds them back, as the channel now says.
+    pub(crate) fn hold_back(&mut self) {
+        self.kernel.hold_back();
     }
 
     /// Adds a complete event.

@@ -106,6 +106,12 @@ fn rule(machine: &Machine, row: &WaitRow) -> Rule {
     }
 }
 
+/// The path need not stop at a wait.
+pub(crate) fn is_passed_in_motion(machine: &Machine, wait: &Wait) -> bool {
+    let row = usize::from(wait.rule).checked_sub(usize::from(REGISTERS) + machine.registers.len());
+    row.and_then(|row| machine.sync.waits.get(row)).is_some_and(|row| !row.stops)
+}
+
 /// All channels of the machine.
 fn all(machine: &Machine) -> Set {
     machine.channels.iter().map(|channel| channel.number).collect()

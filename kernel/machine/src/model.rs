@@ -215,8 +215,8 @@ pub struct Axis {
     pub diameter: bool,
     /// Rapid rate, axis units per minute (radius on a diameter axis).
     pub rapid: f64,
-    /// Acceleration, axis units per second squared; `None` = speed changes take no time.
-    pub acceleration: Option<f64>,
+    /// How fast its speed changes.
+    pub dynamics: Dynamics,
     /// Start position and first reference point in the machine frame (as programmed: diameter on a diameter axis).
     pub home: f64,
     /// Second to fourth reference points.
@@ -231,6 +231,17 @@ pub struct Axis {
     pub turn: Turn,
     /// Channels exchange it; this one has it at the start.
     pub master: Option<u16>,
+}
+
+/// How fast the speed of an axis changes, in axis units (radius on a diameter axis).
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Dynamics {
+    /// Acceleration, units per second squared; `None` = speed changes take no time.
+    pub acceleration: Option<f64>,
+    /// Jerk, units per second cubed; `None` = the acceleration changes at once.
+    pub jerk: Option<f64>,
+    /// Largest change of its speed at a corner that is passed without a stop, units per minute; `None` = any.
+    pub corner_speed: Option<f64>,
 }
 
 /// How an absolute word turns a rotary axis.

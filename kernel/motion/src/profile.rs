@@ -1,5 +1,7 @@
 //! Time of a move from standstill to standstill.
 
+use crate::lookahead::Piece;
+
 /// Seconds for `distance` at `speed` (per second) with `acceleration` (per second squared) at both ends; `None` =
 /// speed changes take no time. Zero distance takes no time; a speed of zero or less gives infinity.
 ///
@@ -25,9 +27,28 @@ pub fn stop_to_stop(distance: f64, speed: f64, acceleration: Option<f64>) -> f64
     }
 }
 
+/// The same; a `jerk` (per second cubed) makes it longer by the time in which the acceleration changes.
+#[must_use]
+pub fn stop_to_stop_smoothly(distance: f64, speed: f64, acceleration: Option<f64>, jerk: Option<f64>) -> f64 {
+    let length = distance.abs();
+    match (acceleration, jerk) {
+        (Some(acceleration), Some(jerk)) if length > 0.0 && speed > 0.0 => {
+            Piece { length, speed, acceleration, jerk, corner: 0.0 }.alone()
+        }
+        _ => stop_to_stop(distance, speed, acceleration),
+    }
+}
+
 #[cfg(test)]
 mod tests {
-    use super::stop_to_stop;
+    use super::{stop_to_stop, stop_to_stop_smoothly};
+
+    #[test]
+    fn jerk_adds_its_rise() {
+        assert!((stop_to_stop_smoothly(100.0, 100.0, Some(1000.0), Some(50_000.0)) - 1.12).abs() < 1e-12);
+        assert_eq!(stop_to_stop_smoothly(0.0, 100.0, Some(1000.0), Some(50_000.0)), 0.0);
+        assert_eq!(stop_to_stop_smoothly(100.0, 100.0, None, Some(50_000.0)), 1.0);
+    }
 
     #[test]
     fn constant_speed_without_acceleration() {

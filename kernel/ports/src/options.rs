@@ -38,8 +38,30 @@ pub struct Options {
     /// What follows when two channels reach one shared variable in an order that only timing decides.
     #[serde(skip_serializing_if = "Races::is_off")]
     pub races: Races,
+    /// How moves at feed are timed.
+    #[serde(skip_serializing_if = "TimeModel::is_full")]
+    pub time: TimeModel,
     /// Limits.
     pub limits: Limits,
+}
+
+/// How moves at feed are timed.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum TimeModel {
+    /// As the machine makes them: acceleration, corners and look-ahead, where the machine gives them.
+    #[default]
+    Full,
+    /// Length by feed: speeds change at once unless a block asks for an exact stop.
+    Simple,
+}
+
+impl TimeModel {
+    /// It is the usual one.
+    #[must_use]
+    pub fn is_full(&self) -> bool {
+        *self == Self::Full
+    }
 }
 
 /// What follows from two accesses to a shared variable that nothing puts in order.

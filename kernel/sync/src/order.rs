@@ -136,6 +136,10 @@ pub struct Order {
     napping: Set,
     /// Channels that a verdict has been given on.
     judged: Set,
+    /// Channels that have arrived in motion and will say whether they stop.
+    moving: Set,
+    /// How the waits of such channels ended meanwhile.
+    moved: Vec<(u16, Wake)>,
     /// Variables, spindles and files that the kernels share.
     pub shared: Shared,
     /// Waits of all kernels.
@@ -170,6 +174,8 @@ impl Order {
             changes: 0,
             napping: Set::default(),
             judged: Set::default(),
+            moving: Set::default(),
+            moved: Vec::new(),
             shared,
             waits,
             races: None,
@@ -331,6 +337,10 @@ impl Order {
 
     /// Ends the wait of a blocked kernel.
     pub fn resume(&mut self, channel: u16, wake: Wake) {
+        if self.moving.has(channel) {
+            self.moved.push((channel, wake));
+            return;
+        }
         if let Some(seat) = self.seat(channel) {
             let t = match &wake {
                 Wake::Released { tag, .. }

@@ -2,7 +2,7 @@
 
 use counterpoint_kernel::dialog::answers::{Answer, Value};
 use counterpoint_kernel::log::info::{Info, Unit};
-use counterpoint_kernel::options::{Limits, Options, Races};
+use counterpoint_kernel::options::{Limits, Options, Races, TimeModel};
 use counterpoint_proto::v1;
 
 use crate::ledger::record::{CONTENT, Cause, Priority, Reached, Reason, Record, State};
@@ -132,6 +132,7 @@ pub(crate) fn options(record: &Record) -> v1::JobOptions {
         stepped,
         lint,
         races,
+        time,
         limits,
     } = record.options.clone();
     // Early rows have the limits that count instead of those that were asked for.
@@ -178,6 +179,10 @@ pub(crate) fn options(record: &Record) -> v1::JobOptions {
             Races::Off => v1::RaceCheck::Unspecified,
             Races::Warn => v1::RaceCheck::Warn,
             Races::Alarm => v1::RaceCheck::Alarm,
+        } as i32,
+        time: match time {
+            TimeModel::Full => v1::TimeModel::Unspecified,
+            TimeModel::Simple => v1::TimeModel::Simple,
         } as i32,
     }
 }

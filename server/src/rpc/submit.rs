@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 
 use counterpoint_kernel::dialog::answers::{Answer, Value};
 use counterpoint_kernel::job::Program;
-use counterpoint_kernel::options::{Limits, Options, Races};
+use counterpoint_kernel::options::{Limits, Options, Races, TimeModel};
 use counterpoint_proto::v1;
 use prost::Message as _;
 
@@ -215,6 +215,11 @@ fn options(options: v1::JobOptions) -> Result<Options, Refusal> {
             Ok(v1::RaceCheck::Warn) => Races::Warn,
             Ok(v1::RaceCheck::Alarm) => Races::Alarm,
             Err(_) => return Err(Refusal::field("options.races", "is not a value of RaceCheck")),
+        },
+        time: match v1::TimeModel::try_from(options.time) {
+            Ok(v1::TimeModel::Unspecified) => TimeModel::Full,
+            Ok(v1::TimeModel::Simple) => TimeModel::Simple,
+            Err(_) => return Err(Refusal::field("options.time", "is not a value of TimeModel")),
         },
         threads: small("options.threads", u64::from(options.threads), 0, 1024)?,
         limits: Limits::default(),

@@ -33,6 +33,7 @@ fn everything() -> v1::JobOptions {
         stepped: false,
         lint: false,
         parameters: "-SHIFT=2".into(),
+        time: v1::TimeModel::Simple as i32,
         races: v1::RaceCheck::Warn as i32,
     }
 }

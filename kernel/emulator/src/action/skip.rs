@@ -25,6 +25,7 @@ pub(super) fn probe(act: &mut Act<'_, '_>) -> Acted {
         return Ok(());
     }
     act.feed_to(coded, target, feed, unit)?;
+    act.stop_path();
     *act.state.skip = Probing { result: 2.0, end: act.state.place.position, block: act.at.blocks };
     if act.state.modal.code(ALARM) == Some(codes::SKIP_ALARM_SIGNAL) {
         let text = format!("the probe made no contact in '{}'", act.block_text());

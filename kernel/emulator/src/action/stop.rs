@@ -18,11 +18,13 @@ pub(crate) const ENTRIES: &[Entry] = &[
 pub(super) fn stop(act: &mut Act<'_, '_>, stop: Stop) -> Acted {
     match stop {
         Stop::Program => {
+            act.stop_path();
             act.emit(0, Kind::Stop(stop));
             Ok(())
         }
         Stop::Optional => {
             if act.env.options.opstop {
+                act.stop_path();
                 act.emit(0, Kind::Stop(stop));
             }
             Ok(())

@@ -4,7 +4,7 @@
 //! rounded once.
 
 use counterpoint_motion::arc::Arc;
-use counterpoint_motion::profile::stop_to_stop;
+use counterpoint_motion::profile::{stop_to_stop, stop_to_stop_smoothly};
 
 use crate::act::Act;
 use crate::state::modal::group;
@@ -12,7 +12,7 @@ use counterpoint_event::event::{FeedUnit, Position};
 use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
 use counterpoint_machine::ident::codes;
-use counterpoint_machine::model::RapidPath;
+use counterpoint_machine::model::{Dynamics, RapidPath};
 
 /// What is said about a feed that cannot be used.
 fn lack(feed: Option<f64>) -> (&'static diag::Facts, &'static str) {
@@ -48,19 +48,25 @@ impl Act<'_, '_> {
                 .axes
                 .iter()
                 .zip(&changes)
-                .map(|(axis, change)| stop_to_stop(*change, axis.rapid, axis.acceleration))
+                .map(|(axis, change)| {
+                    let Dynamics { acceleration, jerk, .. } = axis.dynamics;
+                    stop_to_stop_smoothly(*change, axis.rapid, acceleration, jerk)
+                })
                 .fold(0.0, f64::max),
             RapidPath::Linear => {
                 let length = changes.iter().map(|c| c * c).sum::<f64>().sqrt();
-                let (mut speed, mut acceleration) = (f64::INFINITY, f64::INFINITY);
+                let (mut speed, mut acceleration, mut jerk) = (f64::INFINITY, f64::INFINITY, f64::INFINITY);
                 for (axis, change) in self.state.place.layout.axes.iter().zip(&changes) {
                     if *change != 0.0 {
                         let share = length / change.abs();
                         speed = speed.min(axis.rapid * share);
-                        acceleration = acceleration.min(axis.acceleration.map_or(f64::INFINITY, |a| a * share));
+                        acceleration =
+                            acceleration.min(axis.dynamics.acceleration.map_or(f64::INFINITY, |a| a * share));
+                        jerk = jerk.min(axis.dynamics.jerk.map_or(f64::INFINITY, |j| j * share));
                     }
                 }
-                stop_to_stop(length, speed, acceleration.is_finite().then_some(acceleration))
+                let finite = |value: f64| value.is_finite().then_some(value);
+                stop_to_stop_smoothly(length, speed, finite(acceleration), finite(jerk))
             }
         }
     }
@@ -125,14 +131,15 @@ impl Act<'_, '_> {
     fn paced(&self, path: &Path<'_>, speed: f64) -> f64 {
         let exact =
             self.block.flags.exact_stop || self.state.modal.code(group::EXACT_STOP) == Some(codes::EXACTSTOP_ON);
-        if !exact {
+        // Where moves are planned ahead, the stop is planned as well.
+        if !exact || self.pace.is_some() {
             return path.length / speed;
         }
         let changes = self.changes(path.from, path.to);
         let mut acceleration = f64::INFINITY;
         for (axis, change) in self.state.place.layout.axes.iter().zip(&changes) {
             if *change != 0.0
-                && let Some(a) = axis.acceleration
+                && let Some(a) = axis.dynamics.acceleration
             {
                 acceleration = acceleration.min(a * path.length / change.abs());
             }

@@ -77,6 +77,9 @@ impl Kernel<'_> {
             Some(variable) if mode != Mode::Write => self.flow.pass.polls(variable),
             _ => self.flow.pass.effects |= mode == Mode::Write,
         }
+        if matches!(door, Door::Spindle) {
+            return self.shared_in_motion(|order| reach(order, mode, operation));
+        }
         // What the machine's own macros do at the start and at the end of a kernel stands in no line.
         if self.channel.env.options.races.is_off() || self.channel.at.line == 0 || self.channel.at.channel == 0 {
             return self.shared(|order| reach(order, mode, operation));

@@ -58,7 +58,7 @@ impl Kernel<'_> {
     /// Between two holes of a block: others see how far this kernel is, and the limits of the job count: a hole is
     /// as much work as a block.
     pub(crate) fn count_as_block(&mut self) -> Acted {
-        if !self.ports.coordinator.publish(self.channel.at.channel, self.channel.at.clock)
+        if !self.ports.coordinator.publish(self.channel.at.channel, self.channel.bound())
             || self.ports.control.cancelled()
         {
             return Err(Halt::Stopped);

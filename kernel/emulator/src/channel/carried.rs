@@ -58,7 +58,7 @@ impl Kernel<'_> {
     fn into_carried(self) -> Carried {
         let events = self.ports.emitter.count();
         let Self { channel, ports: _, plan: _, flow, dialect, macros, components } = self;
-        let Channel { env: _, at, block: _, text, acting: _, state, reports, burden, held: _ } = channel;
+        let Channel { env: _, at, block: _, text, acting: _, state, reports, burden, held: _, pace: _ } = channel;
         let At { channel, clock, micro: _, file: _, line: _, blocks, idle_blocks } = at;
         let BlockText { edited: _, tape } = text;
         let Reports { diagnostics, alarms: _, raised, waits: _, unrecognised: _, race: _, reset: _ } = reports;

@@ -85,6 +85,11 @@ impl<'a> Emitter<'a> {
         (self.room, self.held) = held.map_or((self.size, 0), |held| (0, held as u64));
     }
 
+    /// Events held back.
+    pub(crate) fn held_count(&self) -> usize {
+        self.held as usize
+    }
+
     /// Does a little of the work that was put off; `false` when there is none. `look`: the other kernels may have come so
     /// far that there is more.
     pub(crate) fn work(&mut self, look: bool) -> bool {

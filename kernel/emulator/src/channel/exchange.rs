@@ -60,19 +60,25 @@ impl Kernel<'_> {
         Ok(())
     }
 
+    /// A move concerns an axis that channels exchange.
+    #[cold]
+    #[inline(never)]
+    pub(super) fn moves_exchanged(&self, motion: &Motion) -> bool {
+        let layout = &self.channel.state.place.layout;
+        layout.axes.ids().any(|slot| layout.exchanged & slot.bit() != 0 && moves(motion, slot))
+    }
+
     /// The channel moves axes that channels exchange.
     #[cold]
     #[inline(never)]
     pub(super) fn exchanged_move(&mut self, seconds: f64, motion: &Motion) -> Acted {
-        let round = matches!(motion.kind, MotionKind::ArcCw | MotionKind::ArcCcw);
         let slots = self.channel.state.place.layout.exchanged;
         let channel = self.channel.at.channel;
         let end_ns = self.channel.at.clock + crate::state::channel::nanoseconds(seconds);
         let to = self.channel.machine_point(&motion.to);
         let in_exchange = |slot: &AxisSlot| slots & slot.bit() != 0;
         for slot in self.channel.state.place.layout.axes.ids().filter(in_exchange).collect::<Vec<_>>() {
-            let turns = round && motion.plane_axes.map(usize::from).contains(&slot.index());
-            if !turns && motion.from.at(slot) == motion.to.at(slot) {
+            if !moves(motion, slot) {
                 continue;
             }
             let axis = self.channel.state.place.layout.axes[slot].machine;
@@ -124,4 +130,10 @@ impl Kernel<'_> {
         }
         Ok(())
     }
+}
+
+/// The axis takes part in the move.
+fn moves(motion: &Motion, slot: AxisSlot) -> bool {
+    let round = matches!(motion.kind, MotionKind::ArcCw | MotionKind::ArcCcw);
+    round && motion.plane_axes.map(usize::from).contains(&slot.index()) || motion.from.at(slot) != motion.to.at(slot)
 }

@@ -156,6 +156,7 @@ impl Kernel<'_> {
     /// Leaves the other channels for good.
     fn leave(&mut self, halt: Halt) {
         let (how, ..) = terminal(halt);
+        self.come_to_rest();
         self.flush();
         let (channel, finish) =
             (self.channel.at.channel, Finish { how, file: self.channel.at.file, line: self.channel.at.line });

@@ -25,6 +25,7 @@ mod host;
 mod letter_zero;
 pub(crate) mod life;
 mod motion;
+mod pace;
 pub mod parts;
 mod passes;
 pub mod plan;
@@ -52,6 +53,7 @@ use crate::macros::runtime::Runtime;
 use crate::state::State;
 use crate::state::burden::Burden;
 use crate::state::channel::{Acting, At, BlockText, Channel, Reports};
+use crate::state::pace::Pace;
 use crate::waits::rules;
 use counterpoint_event::event::{Event, Kind};
 use counterpoint_machine::model::Channel as MachineChannel;
@@ -91,6 +93,7 @@ impl<'a> Kernel<'a> {
                 reports: Reports::new(rules(machine)),
                 burden: Burden::default(),
                 held: None,
+                pace: Pace::of(machine, channel, env.options),
             },
             ports,
             plan,
@@ -103,8 +106,9 @@ impl<'a> Kernel<'a> {
 }
 
 impl Kernel<'_> {
-    /// This kernel's current tag.
-    pub fn tag(&self) -> Tag {
+    /// This kernel's current tag, at rest.
+    pub fn tag(&mut self) -> Tag {
+        self.come_to_rest();
         self.channel.at.tag()
     }
 
@@ -150,11 +154,15 @@ impl Kernel<'_> {
     #[cold]
     #[inline(never)]
     fn other_slot(&mut self, tag: Tag) -> Option<&mut Event> {
+        if self.channel.held.is_none() && self.channel.pace.as_ref().is_some_and(|pace| pace.is_active()) {
+            return self.paced_slot();
+        }
         let emitter = &mut self.ports.emitter;
         match &mut self.channel.held {
             Some(held) => {
                 held.events.push(blank());
-                emitter.holds_back(Some(held.events.len()));
+                let count = emitter.held_count() + 1;
+                emitter.holds_back(Some(count));
                 held.events.last_mut()
             }
             None => {
@@ -183,8 +191,30 @@ impl Kernel<'_> {
         if self.channel.held.as_ref().is_some_and(|held| held.since.t < self.channel.at.clock) {
             self.flush_lookahead()?;
         }
+        self.come_to_rest();
+        self.in_order(self.channel.at.tag(), operation)
+    }
+
+    /// The same while the path goes on: at the time of its end as far as that is known.
+    ///
+    /// # Errors
+    /// When the job was stopped before.
+    pub(crate) fn shared_in_motion<R>(&mut self, operation: impl FnOnce(&mut Order) -> R) -> Result<R, Halt> {
+        if self.channel.pace.is_none() || self.channel.at.channel == 0 {
+            return self.shared(operation);
+        }
+        if self.channel.held.as_ref().is_some_and(|held| held.since.t < self.channel.at.clock) {
+            self.flush_lookahead()?;
+        }
+        let tag = Tag { t: self.channel.now(), ..self.channel.at.tag() };
+        self.in_order(tag, operation)
+    }
+
+    /// Runs a shared operation at this tag, when it is this kernel's turn.
+    fn in_order<R>(&mut self, tag: Tag, operation: impl FnOnce(&mut Order) -> R) -> Result<R, Halt> {
+        let coordinator = self.ports.coordinator;
         self.ports.control.disturb(self.channel.at.channel);
-        let (tag, upto) = (self.tag(), self.channel.promise());
+        let upto = self.channel.promise();
         let flush = |emitter: &mut Emitter<'_>| emitter.flush(upto);
         let mut turn = coordinator.enter(tag, &mut self.ports.emitter, flush).map_err(|_| Halt::Stopped)?;
         let result = operation(&mut turn);

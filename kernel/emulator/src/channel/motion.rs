@@ -49,7 +49,11 @@ impl Kernel<'_> {
         if self.channel.state.place.clamped != 0 {
             self.check_clamps(motion);
         }
-        if self.channel.state.place.layout.exchanged != 0 {
+        let (mut seconds, mut stretch) = (seconds, self.paced(seconds, motion));
+        if self.channel.state.place.layout.exchanged != 0 && self.moves_exchanged(motion) {
+            // When such a move ends has to be known to the channel that gets the axis.
+            self.come_to_rest();
+            seconds = stretch.take().map_or(seconds, |stretch| stretch.piece.alone());
             self.exchanged_move(seconds, motion)?;
         }
         self.channel.block.flags.moved = true;
@@ -59,11 +63,16 @@ impl Kernel<'_> {
         }
         self.channel.state.place.position = motion.to;
         let ns = crate::state::channel::nanoseconds(seconds);
-        self.emit_as(ns, |kind| match kind {
-            Kind::Motion(place) => *place = *motion,
-            other => *other = Kind::Motion(*motion),
-        });
-        self.channel.advance(ns);
+        if let Some(stretch) = stretch {
+            self.emit_move(ns, motion, &stretch);
+            self.channel.at.advance(ns);
+        } else {
+            self.emit_as(ns, |kind| match kind {
+                Kind::Motion(place) => *place = *motion,
+                other => *other = Kind::Motion(*motion),
+            });
+            self.channel.advance(ns);
+        }
         self.check_travel(&motion.to);
         self.follow_radius()
     }

@@ -27,6 +27,9 @@ impl Kernel<'_> {
             return Ok(());
         };
         self.flow.pass.effects = true;
+        if self.channel.state.spindle.shared {
+            self.come_to_rest();
+        }
         let before = self.turning_speed()?;
         let old = self.channel.state.spindle.command;
         let channel = self.channel.at.channel;

@@ -29,7 +29,7 @@ impl Kernel<'_> {
         let Some(stepper) = self.ports.stepper else { return Ok(()) };
         stepper.stands(self.seen());
         self.hold(stepper);
-        let (channel, clock) = (self.channel.at.channel, self.channel.at.clock);
+        let (channel, clock) = (self.channel.at.channel, self.channel.bound());
         if self.ports.control.cancelled() || !self.ports.coordinator.publish(channel, clock) {
             return Err(Halt::Stopped);
         }

@@ -63,6 +63,7 @@ impl Kernel<'_> {
             // A loop that looks at a clock ends without anybody's help.
             means @ (Means::Milliseconds | Means::Hours | Means::Date | Means::TimeOfDay) => {
                 self.flow.pass.effects = true;
+                self.come_to_rest();
                 self.shown(means, number, at).ok_or(NotThere::Missing)
             }
             means => self.shown(means, number, at).ok_or(NotThere::Missing),
@@ -86,6 +87,9 @@ impl Kernel<'_> {
             return Err(if exists { NotThere::ReadOnly } else { NotThere::Missing });
         }
         self.flow.pass.effects = true;
+        if matches!(row.means, Means::Milliseconds | Means::Hours) {
+            self.come_to_rest();
+        }
         let value = if is_vacant(value) { 0.0 } else { value };
         match &row.means {
             Means::WorkOffset { from, stride } => self.set_work_offset(from + at / stride, at % stride, value),
@@ -99,7 +103,7 @@ impl Kernel<'_> {
     }
 
     fn keep(&mut self, means: &Means, number: u32, value: f64) {
-        let clock = self.channel.at.clock;
+        let clock = self.channel.now();
         let kept = &mut self.dialect.variables.system;
         match means {
             Means::Milliseconds => kept.clocks[0] = value - milliseconds(clock),
@@ -132,7 +136,7 @@ impl Kernel<'_> {
     fn shown(&self, means: &Means, number: u32, at: u32) -> Option<f64> {
         let variables = &self.channel.env.machine.variables.system;
         let kept = &self.dialect.variables.system;
-        let clock = self.channel.at.clock;
+        let clock = self.channel.now();
         Some(match means {
             Means::Kept(first) | Means::Bit(first) => kept.kept(number, *first),
             Means::Bits(of) => {

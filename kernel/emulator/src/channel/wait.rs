@@ -8,6 +8,7 @@ use std::sync::Arc;
 use counterpoint_fault::{Acted, Halt};
 
 use super::Kernel;
+use crate::waits::is_passed_in_motion;
 use counterpoint_event::event::{Kind, Primitive, Release, Verdict, Wait};
 use counterpoint_fault as diag;
 use counterpoint_ports::control::State;
@@ -16,6 +17,7 @@ use counterpoint_sync::coordinator::turn::Met;
 use counterpoint_sync::order::Wake;
 use counterpoint_sync::order::arrive::After;
 use counterpoint_sync::order::idle::Program;
+use counterpoint_sync::tag::Tag;
 use counterpoint_sync::wait::{self, Finish, Terminal, Waiting};
 
 impl Kernel<'_> {
@@ -35,6 +37,13 @@ impl Kernel<'_> {
     /// Waits for other channels.
     pub(crate) fn wait(&mut self, wait: wait::Wait) -> Acted {
         self.flow.pass.effects = true;
+        if self.channel.pace.is_some()
+            && is_passed_in_motion(self.channel.env.machine, &wait)
+            && let Some(brakes) = self.brakes_at()
+        {
+            return self.wait_in_motion(wait, brakes);
+        }
+        self.come_to_rest();
         let first = match wait.primitive {
             Primitive::Lease => true,
             Primitive::Count | Primitive::Signal => wait.need != 0,
@@ -55,6 +64,7 @@ impl Kernel<'_> {
 
     /// Does something at which other channels may continue; it is shown as this wait would be.
     pub(crate) fn let_continue(&mut self, act: wait::Act, shown: wait::Wait) -> Acted {
+        self.come_to_rest();
         self.flow.pass.effects = true;
         self.note_order(!matches!(act, wait::Act::Signal(_)));
         let what = match act {
@@ -71,6 +81,7 @@ impl Kernel<'_> {
 
     /// Sends a signal with values, or removes signals.
     pub(crate) fn signal(&mut self, act: wait::Act, letter: Option<Letter>, shown: wait::Wait) -> Acted {
+        self.come_to_rest();
         self.flow.pass.effects = true;
         self.note_order(!matches!(act, wait::Act::Signal(_)));
         show(self, &shown, if matches!(act, wait::Act::Signal(_)) { "set" } else { "clear" });
@@ -83,6 +94,7 @@ impl Kernel<'_> {
 
     /// Waits for signals: the values that came with them.
     pub(crate) fn await_signal(&mut self, wait: wait::Wait) -> Result<Vec<Letter>, Halt> {
+        self.come_to_rest();
         self.flow.pass.effects = true;
         self.note_order(wait.need != 0);
         if self.channel.reports.waits.rules.of(&wait).is_some_and(|rule| rule.signals.in_order) {
@@ -101,6 +113,7 @@ impl Kernel<'_> {
 
     /// Takes signals if they are there: the values that came with them.
     pub(crate) fn read_signal(&mut self, wait: wait::Wait) -> Result<Option<Vec<Letter>>, Halt> {
+        self.come_to_rest();
         self.flow.pass.effects = true;
         self.note_order(true);
         let (waiting, _) = arrival(self, wait);
@@ -159,9 +172,70 @@ impl Logged {
 }
 
 /// Where the channel arrives, and how it ends if the control refuses that.
-fn arrival(kernel: &Kernel<'_>, wait: wait::Wait) -> (Waiting, Finish) {
+fn arrival(kernel: &mut Kernel<'_>, wait: wait::Wait) -> (Waiting, Finish) {
     let (file, line) = (kernel.channel.at.file, kernel.channel.at.line);
     (Waiting { wait, tag: kernel.tag(), file, line }, Finish { how: Terminal::Alarmed, file, line })
+}
+
+impl Kernel<'_> {
+    /// Arrives when the path would have to brake, ns: if the others are there by then, it goes on; otherwise it stops and waits.
+    #[cold]
+    #[inline(never)]
+    fn wait_in_motion(&mut self, wait: wait::Wait, brakes: i64) -> Acted {
+        if self.ports.control.interferes() {
+            self.comes_to_wait(&wait);
+        }
+        let tag = Tag { t: brakes, micro: 0, channel: self.channel.at.channel };
+        let logged = Logged { wait: self.channel.reports.waits.wait(&wait), since_ns: brakes };
+        self.channel.burden.result(crate::state::burden::RESULT);
+        if let Some(pace) = &mut self.channel.pace {
+            pace.draw_in(brakes);
+        }
+        self.emit_during(brakes, 0, Kind::Wait(logged.wait.clone()));
+        let (file, line) = (self.channel.at.file, self.channel.at.line);
+        let own = Finish { how: Terminal::Alarmed, file, line };
+        let (waiting, info) = (Waiting { wait, tag, file, line }, self.channel.env.info);
+        let (after, warning) = self.in_order(tag, |order| order.arrive_in_motion(waiting, own, info))?;
+        let (after, wake) = match after {
+            After::Stand(_) => {
+                // Those who come at the same instant are there in time.
+                let stop = Tag { micro: u32::MAX, ..tag };
+                match self.in_order(stop, |order| order.stops(stop, info))? {
+                    Ok(wake) => (After::Stand(None), Some(wake)),
+                    Err(verdict) => (After::Stand(verdict), None),
+                }
+            }
+            after => (after, None),
+        };
+        let passed = match (&after, &wake) {
+            (After::Go { t, micro, sync_point, short: false }, _) => {
+                Some((*t, *micro, *sync_point, self.channel.at.channel))
+            }
+            (_, Some(Wake::Released { tag, sync_point, by, short: false, .. })) => {
+                Some((tag.t, tag.micro, *sync_point, *by))
+            }
+            _ => None,
+        };
+        if let Some((t, micro, sync_point, by)) = passed.filter(|(t, ..)| *t == brakes && warning.is_none()) {
+            self.emit_during(t, micro, Kind::Release(logged.release(sync_point, by)));
+            return Ok(());
+        }
+        self.come_to_rest();
+        if let Some(text) = warning {
+            self.diagnose(&diag::WAIT_LISTS, text);
+        }
+        match (after, wake) {
+            (_, Some(wake)) => woken(self, wake, &logged),
+            (After::Stand(verdict), None) => stand(self, verdict, &logged),
+            (after, None) => follow(self, after, &logged),
+        }
+    }
+
+    /// When a channel continues that is released at a time, but no earlier than it has come to rest.
+    fn at_rest_after(&self, (t, micro): (i64, u32)) -> (i64, u32) {
+        let at = &self.channel.at;
+        if t < at.clock { (at.clock, at.micro) } else { (t, micro) }
+    }
 }
 
 /// Arrives, and waits until the others are there.
@@ -269,7 +343,7 @@ fn woken(kernel: &mut Kernel<'_>, wake: Wake, logged: &Logged) -> Acted {
             Ok(())
         }
         Wake::Alarm { tag, text } => {
-            (kernel.channel.at.clock, kernel.channel.at.micro) = (tag.t, tag.micro);
+            (kernel.channel.at.clock, kernel.channel.at.micro) = kernel.at_rest_after((tag.t, tag.micro));
             Err(kernel.fatal(&diag::WAIT_MISMATCH, text))
         }
         Wake::Over if kernel.ports.control.cancelled() => Err(Halt::Stopped),
@@ -293,7 +367,8 @@ fn stand(kernel: &mut Kernel<'_>, verdict: Option<Verdict>, logged: &Logged) -> 
 }
 
 /// Continues after a sync point.
-fn go_on(kernel: &mut Kernel<'_>, (t, micro): (i64, u32), release: Release) {
+fn go_on(kernel: &mut Kernel<'_>, released: (i64, u32), release: Release) {
+    let (t, micro) = kernel.at_rest_after(released);
     if t > kernel.channel.at.clock {
         kernel.channel.at.idle_blocks = 0;
         kernel.macros.variables.store.idle += t - kernel.channel.at.clock;

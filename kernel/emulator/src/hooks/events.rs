@@ -197,7 +197,7 @@ impl Kernel<'_> {
 
     /// Assigns a row of the tool table to a loaded tool, with the name set for it.
     fn tool_row(&mut self, tool: u32) {
-        let clock = self.channel.at.clock;
+        let clock = self.channel.now();
         let runtime = &mut *self.macros;
         let known = runtime.tools.loaded.iter().position(|known| *known == tool);
         let at = known.unwrap_or(runtime.tools.loaded.len());
@@ -247,6 +247,16 @@ impl Kernel<'_> {
         runtime.variables.store.moving += crate::state::channel::nanoseconds(seconds);
         self.sum_motion(rapid == 1, seconds, motion.length);
         self.note_travel(motion);
+    }
+
+    /// Writes down what moves at feed have taken beyond the time of their lengths, ns.
+    pub(crate) fn book_more(&mut self, ns: i64) {
+        let (store, seconds) = (&mut self.macros.variables.store, ns as f64 / 1e9);
+        if let Some(time) = store.times.first_mut() {
+            *time += seconds;
+        }
+        store.moving += ns;
+        self.sum_motion(false, seconds, 0.0);
     }
 
     /// The tool event itself.

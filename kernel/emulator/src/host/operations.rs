@@ -90,7 +90,7 @@ impl Kernel<'_> {
     }
 
     fn begin_operation(&mut self, name: String) {
-        let (clock, sequence) = (self.channel.at.clock, self.channel.block.sequence);
+        let (clock, sequence) = (self.channel.now(), self.channel.block.sequence);
         let now = clock as f64 / 1e9;
         let runtime = &mut *self.macros;
         let tool = runtime.variables.store.get(names().tool_row).clone();
@@ -129,7 +129,7 @@ impl Kernel<'_> {
             2 => Value::Real(f64::from(row.head?)),
             5 => Value::text(row.name.as_str()),
             6 => Value::Real(row.times.0),
-            7 => Value::Real(row.times.1.unwrap_or(self.channel.at.clock as f64 / 1e9)),
+            7 => Value::Real(row.times.1.unwrap_or(self.channel.now() as f64 / 1e9)),
             8 => Value::Real(f64::from(row.blocks.0)),
             9 => Value::Real(f64::from(if ended { row.blocks.1 } else { runtime.books.last_sequence })),
             10 => Value::Real(f64::from(row.severity)),

@@ -22,6 +22,6 @@ impl Kernel<'_> {
         let row = if of_tools { self.kept_tool_row(row) } else { row };
         let books = &self.macros.books;
         let sums = if of_tools { &books.tool_sums } else { &books.operation_sums };
-        Value::Real(sums.value(column, row, self.channel.at.clock))
+        Value::Real(sums.value(column, row, self.channel.now()))
     }
 }

@@ -93,13 +93,14 @@ impl Kernel<'_> {
     #[inline(always)]
     pub(crate) fn begin_block(&mut self) -> Acted {
         use std::sync::atomic::Ordering::Relaxed;
+        self.keep_pace();
         self.channel.at.blocks += 1;
         self.channel.at.idle_blocks += 1;
         self.ports.progress.blocks.store(self.channel.at.blocks, Relaxed);
         self.ports.progress.line.store(self.channel.at.line, Relaxed);
         self.ports.progress.file.store(u32::from(self.channel.at.file), Relaxed);
         self.ports.progress.t_ns.store(self.channel.at.clock, Relaxed);
-        let goes_on = self.ports.coordinator.publish(self.channel.at.channel, self.channel.at.clock);
+        let goes_on = self.ports.coordinator.publish(self.channel.at.channel, self.channel.bound());
         if !goes_on || self.ports.control.interferes() {
             self.interfered(goes_on)?;
         }

@@ -13,6 +13,7 @@ use counterpoint_program::block::Block;
 
 use super::burden::Burden;
 use super::cutter::Held;
+use super::pace::Pace;
 use super::waits::KnownWaits;
 use counterpoint_event::Letters;
 use counterpoint_event::event::{FileId, RaceWith, Unrecognised};
@@ -43,13 +44,8 @@ pub struct Channel<'a> {
     pub(crate) burden: Burden,
     /// What compensation holds back.
     pub(crate) held: Option<Held>,
-}
-
-impl Channel<'_> {
-    /// No event that is sent later is before this tag.
-    pub(crate) fn promise(&self) -> Tag {
-        self.held.as_ref().map_or_else(|| self.at.tag(), |held| held.since)
-    }
+    /// Moves at feed whose times later ones decide; none where speeds change at once.
+    pub(crate) pace: Option<Box<Pace>>,
 }
 
 /// What a run is about; while the kernel runs, nothing of it changes but the component.
@@ -165,8 +161,11 @@ impl Reports {
 }
 
 impl Channel<'_> {
-    /// Moves the clock on.
+    /// Moves the clock on by something that is no move at feed: the path stops before it.
     pub(crate) fn advance(&mut self, ns: i64) {
+        if ns > 0 {
+            self.stop_path();
+        }
         self.at.advance(ns);
     }
 

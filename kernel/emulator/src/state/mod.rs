@@ -15,6 +15,7 @@ pub(crate) mod cutter;
 pub(crate) mod cycle;
 pub(crate) mod frames;
 pub(crate) mod modal;
+pub(crate) mod pace;
 pub(crate) mod position;
 pub(crate) mod probing;
 pub(crate) mod spindle;

@@ -5,7 +5,7 @@ use counterpoint_fault as diag;
 use counterpoint_machine::ident::DataId;
 use counterpoint_machine::ident::kind::data::DataKind;
 use counterpoint_machine::index::{AxisId, AxisSlot, Table};
-use counterpoint_machine::model::{AxisRole, Machine, Turn};
+use counterpoint_machine::model::{AxisRole, Dynamics, Machine, Turn};
 
 /// An axis of the channel as the motion actions use it.
 #[derive(Debug, Clone)]
@@ -20,8 +20,8 @@ pub(crate) struct Axis {
     pub(crate) scale: f64,
     /// Rapid rate per second, geometry units.
     pub(crate) rapid: f64,
-    /// Acceleration, geometry units.
-    pub(crate) acceleration: Option<f64>,
+    /// How fast its speed changes, geometry units; its corner speed per second.
+    pub(crate) dynamics: Dynamics,
     pub(crate) home: f64,
     pub(crate) references: [Option<f64>; 3],
     pub(crate) limits: Option<(f64, f64)>,
@@ -127,7 +127,7 @@ impl Place {
                 rotary: a.role.is_rotary(),
                 scale,
                 rapid: a.rapid / 60.0,
-                acceleration: a.acceleration,
+                dynamics: Dynamics { corner_speed: a.dynamics.corner_speed.map(|speed| speed / 60.0), ..a.dynamics },
                 home: a.home,
                 references: a.references,
                 limits: a.limits,

@@ -6,7 +6,7 @@ use super::defaults;
 use super::names::Names;
 use crate::ident::{self, DataId};
 use crate::index::{AxisId, Table};
-use crate::model::{Axis, AxisRole, Turn};
+use crate::model::{Axis, AxisRole, Dynamics, Turn};
 use crate::rows::DataRow;
 use crate::toml::section::Section;
 
@@ -47,7 +47,7 @@ fn read_row(row: &mut Section<'_>, names: &Names<'_>) -> Option<Axis> {
     }
     row.require("rapid", "the rapid rate per minute");
     let rapid = row.above_zero("rapid").unwrap_or(1.0);
-    let acceleration = row.above_zero("acceleration");
+    let dynamics = dynamics(row);
     let home = row.number("home").unwrap_or(0.0);
     let references = references(row);
     let limits = limits(row, home);
@@ -65,7 +65,7 @@ fn read_row(row: &mut Section<'_>, names: &Names<'_>) -> Option<Axis> {
         role,
         diameter,
         rapid,
-        acceleration,
+        dynamics,
         home,
         references,
         limits,
@@ -74,6 +74,19 @@ fn read_row(row: &mut Section<'_>, names: &Names<'_>) -> Option<Axis> {
         turn,
         master,
     })
+}
+
+/// How fast the speed changes. Jerk and corners mean nothing where speeds change at once.
+fn dynamics(row: &mut Section<'_>) -> Dynamics {
+    let acceleration = row.above_zero("acceleration");
+    let dynamics =
+        Dynamics { acceleration, jerk: row.above_zero("jerk"), corner_speed: row.above_zero("corner_speed") };
+    for (key, given) in [("jerk", dynamics.jerk.is_some()), ("corner_speed", dynamics.corner_speed.is_some())] {
+        if given && acceleration.is_none() {
+            row.error(key, format!("`{key}` needs the `acceleration` of the axis"));
+        }
+    }
+    dynamics
 }
 
 fn axis_data(row: &mut Section<'_>, letter: Option<&str>, names: &Names<'_>) -> Option<DataId> {

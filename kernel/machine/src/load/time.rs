@@ -12,13 +12,24 @@ use crate::tables::form_range;
 use crate::toml::node::Entry;
 use crate::toml::section::{Section, number};
 
+/// Moves that a control plans at a time if its machine does not say.
+const LOOK_AHEAD: u32 = 100;
+
 /// Largest M number.
 const LARGEST: u32 = 99_999_999;
 
 /// Reads the section; times of M codes go to the code rows.
 pub(super) fn read(top: &mut Section<'_>, names: &Names<'_>, rows: &mut Vec<CodeRow>) -> Time {
-    let mut time =
-        Time { tool_change: 0.0, tool_step: 0.0, stations: 0, rapid: RapidPath::SlowestAxis, spindle_speed: 0.0 };
+    let mut time = Time {
+        tool_change: 0.0,
+        tool_step: 0.0,
+        stations: 0,
+        rapid: RapidPath::SlowestAxis,
+        spindle_speed: 0.0,
+        look_ahead: LOOK_AHEAD,
+        corner_deviation: None,
+        block_time: 0.0,
+    };
     let Some(mut section) = top.table("time", "[time]") else { return time };
     time.tool_change = section.at_least_zero("tool_change").unwrap_or(0.0);
     time.tool_step = section.at_least_zero("tool_step").unwrap_or(0.0);
@@ -26,6 +37,9 @@ pub(super) fn read(top: &mut Section<'_>, names: &Names<'_>, rows: &mut Vec<Code
     let paths = [("slowest-axis", RapidPath::SlowestAxis), ("linear", RapidPath::Linear)];
     time.rapid = section.choice("rapid", &paths).unwrap_or(RapidPath::SlowestAxis);
     time.spindle_speed = section.at_least_zero("spindle_speed").unwrap_or(0.0);
+    time.look_ahead = section.integer("look_ahead", 1..=5000).map_or(LOOK_AHEAD, |blocks| blocks as u32);
+    time.corner_deviation = section.above_zero("corner_deviation");
+    time.block_time = section.at_least_zero("block_time").unwrap_or(0.0);
     if let Some(table) = section.free_table("m_codes") {
         let register = names.registers.find(|register| register.name == "M");
         if register.is_none() {

@@ -140,6 +140,10 @@ fn read_row(section: &mut Section<'_>, keys: bool, check: &Check) -> Option<Wait
     let met_by = section.choice("met_by", &[("order", Primitive::Order)]);
     let line_up = section.name("line_up", 1).filter(|mark| line_up_mark(section, mark));
     let signals = signals(section, keys);
+    let stops = section.flag("stops").unwrap_or(true);
+    if !stops && (act != WaitAct::Wait || !matches!(primitive, Some(Primitive::Flag | Primitive::Barrier))) {
+        section.error("stops", "only a wait at a flag or a barrier can be passed without a stop");
+    }
     let primitive = primitive?;
     check_row(section, check, (primitive, act, mismatch));
     Some(WaitRow {
@@ -153,6 +157,7 @@ fn read_row(section: &mut Section<'_>, keys: bool, check: &Check) -> Option<Wait
         met_by,
         line_up: line_up.is_some(),
         absent_counts: absent.unwrap_or(primitive == Primitive::Order),
+        stops,
         mismatch,
         signals,
     })

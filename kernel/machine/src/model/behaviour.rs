@@ -201,6 +201,13 @@ pub struct Time {
     pub rapid: RapidPath,
     /// Seconds of an S word that changes speed.
     pub spindle_speed: f64,
+    /// Moves at feed that the control plans at a time, in continuous mode.
+    pub look_ahead: u32,
+    /// Largest distance from a corner that is passed without a stop, geometry units; `None`: 0.01 mm, unless axes limit
+    /// their corners themselves.
+    pub corner_deviation: Option<f64>,
+    /// Least time of a block with a move at feed, seconds.
+    pub block_time: f64,
 }
 
 /// What canned cycles do on this machine.

@@ -29,6 +29,8 @@ pub struct WaitRow {
     pub met_by: Option<Primitive>,
     /// The text is followed by systems, more such texts with systems, and L with a label.
     pub line_up: bool,
+    /// The path stops at it; otherwise only if the others are not there when it would have to brake.
+    pub stops: bool,
     /// Which pairs of waits are refused.
     pub mismatch: Mismatch,
     /// What is particular to signals.

@@ -188,7 +188,9 @@ fn axis_json(machine: &Machine, axis: &Axis) -> Value {
         "role": word(axis.role),
         "diameter": axis.diameter,
         "rapid": axis.rapid,
-        "acceleration": axis.acceleration,
+        "acceleration": axis.dynamics.acceleration,
+        "jerk": axis.dynamics.jerk,
+        "corner_speed": axis.dynamics.corner_speed,
         "home": axis.home,
         "references": axis.references,
         "limits": axis.limits,
@@ -297,6 +299,9 @@ fn time(machine: &Machine) -> Value {
         "stations": time.stations,
         "rapid": word(time.rapid),
         "spindle_speed": time.spindle_speed,
+        "look_ahead": time.look_ahead,
+        "corner_deviation": time.corner_deviation,
+        "block_time": time.block_time,
     })
 }
 

@@ -122,6 +122,10 @@ pub(super) fn summary(machine: &Machine) -> String {
     line("tool change", format!("{} s, {} s a step, {} stations", time.tool_change, time.tool_step, time.stations));
     line("rapid", word(time.rapid));
     line("spindle speed", format!("{} s", time.spindle_speed));
+    if machine.axes.iter().any(|axis| axis.dynamics.acceleration.is_some()) {
+        line("look-ahead", format!("{} blocks, {} s a block", time.look_ahead, time.block_time));
+        line("corner deviation", optional(time.corner_deviation));
+    }
     if machine
         .codes
         .iter()
@@ -278,7 +282,7 @@ pub(super) fn axes(machine: &Machine) -> String {
             word(axis.role),
             yes(axis.diameter),
             axis.rapid.to_string(),
-            optional(axis.acceleration),
+            optional(axis.dynamics.acceleration),
             axis.home.to_string(),
             axis.limits.map_or_else(|| "-".to_owned(), |(low, high)| format!("{low} to {high}")),
         ]);

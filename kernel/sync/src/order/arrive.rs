@@ -62,6 +62,32 @@ impl Order {
         }))
     }
 
+    /// A channel arrives before it has come to rest: unless [`After::Go`] lets it continue, it goes on until it
+    /// [`stops`](Self::stops).
+    pub fn arrive_in_motion(&mut self, waiting: Waiting, own: Finish, info: &Info) -> (After, Option<String>) {
+        self.moving = self.moving.with(waiting.tag.channel);
+        let (after, warning) = self.arrive(waiting, own, info);
+        if !matches!(after, After::Stand(_)) {
+            self.moving = self.moving.without(waiting.tag.channel);
+        }
+        (after, warning)
+    }
+
+    /// A channel that has arrived in motion would stop now: how its wait has ended meanwhile, or the verdict if no wait can
+    /// end any more, and it is blocked.
+    ///
+    /// # Errors
+    /// The verdict, if there is one.
+    pub fn stops(&mut self, tag: Tag, info: &Info) -> Result<Wake, Option<Verdict>> {
+        self.moving = self.moving.without(tag.channel);
+        if let Some(at) = self.moved.iter().position(|(channel, _)| *channel == tag.channel) {
+            return Ok(self.moved.swap_remove(at).1);
+        }
+        let verdict = if self.waits.hopeful(tag.channel) { None } else { self.judge(tag.t, info) };
+        self.block(tag.channel);
+        Err(verdict)
+    }
+
     /// Carries out the arrival of a channel at a wait, with what the control warns of.
     pub fn arrive(&mut self, waiting: Waiting, own: Finish, info: &Info) -> (After, Option<String>) {
         let tag = waiting.tag;
@@ -72,6 +98,7 @@ impl Order {
                 let sync_point = self.release(released, Some(tag.channel));
                 After::Go { t: released.t, micro: released.micro, sync_point, short: released.short }
             }
+            Arrival::Blocked if self.moving.has(tag.channel) => After::Stand(None),
             Arrival::Blocked => {
                 let verdict = if self.waits.hopeful(tag.channel) { None } else { self.judge(tag.t, info) };
                 self.block(tag.channel);

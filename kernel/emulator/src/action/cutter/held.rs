@@ -12,7 +12,7 @@ impl Act<'_, '_> {
     pub(super) fn buffer_events(&mut self) {
         if self.held.is_none() {
             self.held = Some(Held { events: Vec::new(), since: self.at.tag() });
-            self.holds_back(Some(0));
+            self.hold_back();
         }
     }
 
@@ -23,8 +23,9 @@ impl Act<'_, '_> {
 
     /// Ends holding events back; the caller puts them where they belong.
     pub(super) fn release_events(&mut self) -> Vec<Event> {
-        self.holds_back(None);
-        self.held.take().map(|held| held.events).unwrap_or_default()
+        let events = self.held.take().map(|held| held.events).unwrap_or_default();
+        self.hold_back();
+        events
     }
 
     /// Lets held events out up to (not including) the one with this number; they come `late` ns later.

@@ -130,7 +130,7 @@ impl Programs for Kernel<'_> {
     }
 
     fn clock(&self) -> i64 {
-        self.channel.at.clock
+        self.channel.now()
     }
 
     fn channel(&self) -> u16 {

@@ -105,7 +105,7 @@ fn set_time<const AT: usize>(kernel: &mut Kernel<'_>, _: &[i64], value: &Value) 
 fn misc(kernel: &Kernel<'_>) -> f64 {
     {
         let store = &kernel.macros.variables.store;
-        (kernel.channel.at.clock - store.moving - store.idle) as f64 / 1e9 + store.added_times[0]
+        (kernel.channel.now() - store.moving - store.idle) as f64 / 1e9 + store.added_times[0]
     }
 }
 
@@ -278,7 +278,7 @@ pub(crate) fn find(name: &str) -> Option<(Read, Option<Write>)> {
         ),
         "$TLSUM" => (|k, at| k.sum_value(true, at), None),
         "$OPSUM" => (|k, at| k.sum_value(false, at), None),
-        "$VMTIME" => (|k, _| Value::Real(k.channel.at.clock as f64 / 1e9), None),
+        "$VMTIME" => (|k, _| Value::Real(k.channel.now() as f64 / 1e9), None),
         _ => return None,
     };
     Some(row)
