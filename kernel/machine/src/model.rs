@@ -15,7 +15,7 @@ use super::ident::{CodeId, DataId, Name};
 use super::index::{AxisId, AxisSlot, CodeRowId, DataRowId, RegisterId, SpindleId, Table};
 use super::macros::environment::MachineEnvironment;
 use super::preprocessor::Preprocessor;
-use super::rows::{CodeRow, DataRow, Register};
+use super::rows::{CodeRow, DataRow, Overlap, Register};
 use super::stored::StoredFile;
 use super::tables::Tables;
 use counterpoint_event::Unit;
@@ -312,6 +312,8 @@ pub struct Spindle {
     pub min: f64,
     /// Seconds from standing to largest speed; 0 = at once.
     pub run_up: f64,
+    /// What the change of its speed runs beside.
+    pub overlap: Overlap,
 }
 
 impl Machine {

@@ -80,6 +80,24 @@ pub enum Zeros {
     Omit,
 }
 
+/// What the seconds of a code or of a spindle run beside.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum Overlap {
+    /// Nothing: what follows waits.
+    #[default]
+    None,
+    /// The rest of their block.
+    Block,
+    /// All that follows up to the next move at feed.
+    Rapids,
+}
+
+impl Overlap {
+    /// The words of machine files.
+    pub(crate) const WORDS: [(&'static str, Self); 3] =
+        [("none", Self::None), ("block", Self::Block), ("rapids", Self::Rapids)];
+}
+
 /// A row of the code table.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CodeRow {
@@ -109,6 +127,8 @@ pub struct CodeRow {
     pub ignores: Vec<RegisterId>,
     /// Seconds this code takes (machine's time table), 0 = none.
     pub seconds: f64,
+    /// What its seconds run beside.
+    pub overlap: Overlap,
     /// Axis role that a canned cycle works along (0 X, 1 Y, 2 Z), none = the one that the plane leaves.
     pub axis: Option<u8>,
     /// Line in `file` where the row is defined.

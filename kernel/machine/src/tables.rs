@@ -359,12 +359,12 @@ mod tests {
             without: Vec::new(),
             ignores: Vec::new(),
             seconds: 0.0,
+            overlap: crate::rows::Overlap::None,
             axis: None,
             line: 0,
             file: String::new(),
         }
     }
-
     fn data(id: DataId, register: Option<usize>, enable: bool) -> DataRow {
         DataRow {
             id,

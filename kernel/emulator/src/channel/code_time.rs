@@ -1,17 +1,70 @@
-//! Time of a code from the machine's table.
+//! Time of codes and spindles from the machine's tables, beside other things or alone.
+//!
+//! Facts: reference channel-synchronisation.md 3 (M, S and T times). *Invariant:* what runs beside something starts at a time that
+//! is known, so the path stops before it; whatever still runs when it must be over is waited for, and the wait is shown as
+//! the function.
 
 use super::Kernel;
-use counterpoint_event::event::{Function, Kind};
-use counterpoint_machine::rows::{CodeForm, CodeRow};
+use crate::state::Running;
+use crate::state::channel::nanoseconds;
+use counterpoint_event::event::{Function, Kind, MotionKind};
+use counterpoint_machine::rows::{CodeForm, CodeRow, Overlap};
 use counterpoint_program::block::PendingCode;
+
+/// Where the functions that end with their block are kept, and those that end before the next move at feed.
+const SLOTS: [Overlap; 2] = [Overlap::Block, Overlap::Rapids];
 
 impl Kernel<'_> {
     /// Time of a code from the machine's table.
     pub(crate) fn take_time(&mut self, row: &CodeRow, pending: PendingCode) {
-        let ns = crate::state::channel::nanoseconds(row.seconds);
+        let ns = nanoseconds(row.seconds);
         let (letter, value) = self.written(row, pending);
+        if self.runs_beside(row.overlap, (letter, value), ns) {
+            self.emit(0, Kind::Function(Function { letter, value }));
+            return;
+        }
         self.emit(ns, Kind::Function(Function { letter, value }));
         self.channel.advance(ns);
+    }
+
+    /// Starts what takes its time beside other things; `false` if it takes it alone.
+    pub(super) fn runs_beside(&mut self, overlap: Overlap, (letter, value): (char, f64), ns: i64) -> bool {
+        let Some(slot) = SLOTS.iter().position(|slot| *slot == overlap) else { return false };
+        self.come_to_rest();
+        let end_ns = self.channel.at.clock.saturating_add(ns);
+        if let Some(slot) = self.channel.state.others.running.get_mut(slot)
+            && slot.is_none_or(|running| running.end_ns <= end_ns)
+        {
+            *slot = Some(Running { letter, value, end_ns });
+        }
+        true
+    }
+
+    /// The end of a block: what runs beside it is over.
+    #[cold]
+    #[inline(never)]
+    pub(crate) fn end_functions(&mut self) {
+        self.wait_for_function(0);
+    }
+
+    /// A move begins: before one at feed everything that runs is over.
+    #[cold]
+    #[inline(never)]
+    pub(super) fn end_before_feed(&mut self, kind: MotionKind) {
+        if kind != MotionKind::Rapid {
+            self.wait_for_function(1);
+        }
+    }
+
+    fn wait_for_function(&mut self, slot: usize) {
+        let Some(running) = self.channel.state.others.running.get_mut(slot).and_then(Option::take) else { return };
+        self.come_to_rest();
+        let left = running.end_ns - self.channel.at.clock;
+        if left > 0 {
+            let Running { letter, value, .. } = running;
+            self.emit(left, Kind::Function(Function { letter, value }));
+            self.channel.advance(left);
+        }
     }
 
     /// Letter and value of a code as written.

@@ -20,6 +20,9 @@ impl Kernel<'_> {
         if self.channel.state.others.balance.is_some() {
             self.pair_cut(motion.kind)?;
         }
+        if self.plan.rules.overlaps {
+            self.end_before_feed(motion.kind);
+        }
         if let Some(instead) = self.plan.motion {
             return instead(self, seconds, motion);
         }

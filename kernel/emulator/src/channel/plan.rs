@@ -17,7 +17,7 @@ use counterpoint_machine::ident::kind::data::DataKind;
 use counterpoint_machine::ident::{CodeId, DataId, codes, data};
 use counterpoint_machine::index::{CodeRowId, DataRowId, RegisterId, Table};
 use counterpoint_machine::model::AxisRole;
-use counterpoint_machine::rows::{CodeForm, CodeRow, Register};
+use counterpoint_machine::rows::{CodeForm, CodeRow, Overlap, Register};
 use counterpoint_program::scan::Scanner;
 use counterpoint_program::tape::Tape;
 
@@ -189,6 +189,8 @@ pub(crate) struct Rules {
     pub(crate) lead_is_feed: bool,
     /// Circles may continue in the direction of the last move, which is kept for them.
     pub(crate) keeps_last_move: bool,
+    /// Functions or spindles take their time beside other things.
+    pub(crate) overlaps: bool,
     /// Rules by which the control refuses blocks.
     pub(crate) refusals: Option<Box<Refusals>>,
 }
@@ -200,6 +202,8 @@ impl Rules {
             steps: steps(machine),
             lead_is_feed: lead_is_feed(machine),
             keeps_last_move: machine.codes.iter().any(|row| row.enable && row.id == codes::INTERP_ARC_TANGENT),
+            overlaps: machine.codes.iter().any(|row| row.seconds > 0.0 && row.overlap != Overlap::None)
+                || machine.spindles.iter().any(|spindle| spindle.overlap != Overlap::None),
             refusals: Refusals::new(machine),
         }
     }

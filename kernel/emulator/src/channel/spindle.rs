@@ -88,7 +88,7 @@ impl Kernel<'_> {
     /// Logs the state and takes the run-up time.
     fn announce(&mut self, id: SpindleId, before: f64) -> Acted {
         let spindle = &self.channel.env.machine.spindles[id];
-        let (number, max, run_up) = (spindle.number, spindle.max, spindle.run_up);
+        let (number, max, run_up, overlap) = (spindle.number, spindle.max, spindle.run_up, spindle.overlap);
         let now = self.channel.state.spindle.command;
         let speed = if now.css { now.surface } else { now.rpm };
         if !now.css && now.rpm > max {
@@ -110,6 +110,10 @@ impl Kernel<'_> {
         let ns = crate::state::channel::nanoseconds(seconds);
         let (direction, css, limit, angle) = (now.direction, now.css, now.limit, now.angle);
         let event = SpindleEvent { spindle: number, direction, css, speed, limit, angle };
+        if ns > 0 && self.runs_beside(overlap, ('S', after.round()), ns) {
+            self.emit(0, Kind::Spindle(event));
+            return Ok(());
+        }
         self.emit(ns, Kind::Spindle(event));
         self.channel.advance(ns);
         Ok(())

@@ -22,6 +22,9 @@ impl Kernel<'_> {
     #[inline(always)]
     pub(crate) fn follow(&mut self) -> Acted {
         self.channel.check_stop()?;
+        if self.plan.rules.overlaps {
+            self.end_functions();
+        }
         let flow = &self.flow;
         if flow.pending.is_some() || flow.modal_call.is_some() || flow.modal_text { self.follow_up() } else { Ok(()) }
     }

@@ -93,8 +93,20 @@ pub(crate) struct Others {
     pub(crate) before_change: Option<Position>,
     /// What was reported last about each tool.
     pub(crate) tools: FxHashMap<u32, ToolData>,
+    /// What still runs beside the block, and beside all that comes before the next move at feed.
+    pub(crate) running: [Option<Running>; 2],
     /// Where the channel waits before its cuts, while two channels begin them together.
     pub(crate) balance: Option<Wait>,
+}
+
+/// A function of the machine that takes its time beside others.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Running {
+    /// Its code as written.
+    pub(crate) letter: char,
+    pub(crate) value: f64,
+    /// When it is over, ns.
+    pub(crate) end_ns: i64,
 }
 
 impl Others {
@@ -109,6 +121,7 @@ impl Others {
             turning: turning::Turning::new(machine),
             before_change: None,
             tools: FxHashMap::default(),
+            running: [None; 2],
             balance: None,
         }
     }

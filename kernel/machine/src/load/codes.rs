@@ -9,7 +9,7 @@ use super::names::Names;
 use super::word::{self, Wrong};
 use crate::ident;
 use crate::index::RegisterId;
-use crate::rows::{CodeForm, CodeRow, Modality};
+use crate::rows::{CodeForm, CodeRow, Modality, Overlap};
 use crate::toml::section::Section;
 
 /// Most rows of the code table.
@@ -89,6 +89,7 @@ fn read_row(section: &mut Section<'_>, names: &mut Names<'_>) -> Option<CodeRow>
         }
     }
     let seconds = section.at_least_zero("seconds").unwrap_or(0.0);
+    let overlap = section.choice("overlap", &Overlap::WORDS).unwrap_or_default();
     let axis = section.choice("axis", &[("X", 0), ("Y", 1), ("Z", 2)]);
     section.node("alias");
     let (id, swallow) = id?;
@@ -111,6 +112,7 @@ fn read_row(section: &mut Section<'_>, names: &mut Names<'_>) -> Option<CodeRow>
         without,
         ignores,
         seconds,
+        overlap,
         axis,
         line: section.place().line,
         file: section.place().file.to_string(),

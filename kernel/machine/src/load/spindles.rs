@@ -4,6 +4,7 @@
 
 use crate::index::{SpindleId, Table};
 use crate::model::Spindle;
+use crate::rows::Overlap;
 use crate::toml::check::Check;
 use crate::toml::section::Section;
 
@@ -41,6 +42,8 @@ fn read_row(row: &mut Section<'_>) -> Option<Spindle> {
         row.error("min", format!("`min` {min} is more than `max` {max}"));
     }
     let run_up = row.at_least_zero("run_up").unwrap_or(0.0);
+    let overlap = row.choice("overlap", &Overlap::WORDS).unwrap_or_default();
     let number = number?;
-    Some(Spindle { number, name: name.unwrap_or_else(|| format!("S{number}")), max: max.unwrap_or(1.0), min, run_up })
+    let name = name.unwrap_or_else(|| format!("S{number}"));
+    Some(Spindle { number, name, max: max.unwrap_or(1.0), min, run_up, overlap })
 }

@@ -7,9 +7,9 @@ use super::names::Names;
 use crate::ident::{self, codes, data};
 use crate::index::RegisterId;
 use crate::model::{RapidPath, Time};
-use crate::rows::{CodeForm, CodeRow, Modality};
+use crate::rows::{CodeForm, CodeRow, Modality, Overlap};
 use crate::tables::form_range;
-use crate::toml::node::Entry;
+use crate::toml::node::{Entry, Value};
 use crate::toml::section::{Section, number};
 
 /// Moves that a control plans at a time if its machine does not say.
@@ -47,7 +47,9 @@ pub(super) fn read(top: &mut Section<'_>, names: &Names<'_>, rows: &mut Vec<Code
         }
         let mut seen: Vec<(u32, &Entry)> = Vec::new();
         for entry in &table.entries {
-            let (Some((number, seconds)), Some(register)) = (read_entry(entry, names), register) else { continue };
+            let (Some((number, seconds, overlap)), Some(register)) = (read_entry(entry, names), register) else {
+                continue;
+            };
             if let Some((_, other)) = seen.iter().find(|(known, _)| *known == number) {
                 let Entry { key, place, .. } = other;
                 let text = format!(
@@ -63,15 +65,26 @@ pub(super) fn read(top: &mut Section<'_>, names: &Names<'_>, rows: &mut Vec<Code
             if let Some(text) = digits::complaint(&written, f64::from(number), known) {
                 names.check.warning(&entry.place, text);
             }
-            give(entry, register, number, seconds, names, rows);
+            give(entry, register, number, (seconds, overlap), names, rows);
         }
     }
     section.finish();
     time
 }
 
-fn read_entry(entry: &Entry, names: &Names<'_>) -> Option<(u32, f64)> {
-    let seconds = number(&entry.node, &entry.key, names.check);
+/// `"3" = 1.5`, or `"3" = { seconds = 1.5, overlap = "rapids" }`.
+fn read_entry(entry: &Entry, names: &Names<'_>) -> Option<(u32, f64, Overlap)> {
+    let (seconds, overlap) = match &entry.node.value {
+        Value::Table(table) => {
+            let mut section = Section::new(table, entry.node.place.clone(), "a time of `m_codes`", names.check);
+            section.require("seconds", "the seconds of the M number");
+            let seconds = section.at_least_zero("seconds");
+            let overlap = section.choice("overlap", &Overlap::WORDS).unwrap_or_default();
+            section.finish();
+            (seconds, overlap)
+        }
+        _ => (number(&entry.node, &entry.key, names.check), Overlap::None),
+    };
     let m = entry.key.parse::<u32>().ok().filter(|m| *m <= LARGEST && !entry.key.starts_with('+'));
     if m.is_none() {
         let key = entry.key.escape_debug();
@@ -83,17 +96,25 @@ fn read_entry(entry: &Entry, names: &Names<'_>) -> Option<(u32, f64)> {
         names.check.error(&entry.node.place, format!("seconds of M{} must be zero or more", entry.key));
         return None;
     }
-    Some((m?, seconds?))
+    Some((m?, seconds?, overlap))
 }
 
 /// Adds the seconds to the rows of the M number, or makes a row for it.
-fn give(entry: &Entry, register: RegisterId, m: u32, seconds: f64, names: &Names<'_>, rows: &mut Vec<CodeRow>) {
+fn give(
+    entry: &Entry,
+    register: RegisterId,
+    m: u32,
+    (seconds, overlap): (f64, Overlap),
+    names: &Names<'_>,
+    rows: &mut Vec<CodeRow>,
+) {
     let value = f64::from(m);
     let mut found = false;
     for row in rows.iter_mut().filter(|row| row.enable && row.process) {
         match form_range(&row.form) {
             Some((of, min, max)) if of == register && min == value && max == value => {
                 row.seconds += seconds;
+                row.overlap = overlap;
                 found = true;
             }
             Some((of, min, max)) if of == register && (min..=max).contains(&value) => {
@@ -105,11 +126,11 @@ fn give(entry: &Entry, register: RegisterId, m: u32, seconds: f64, names: &Names
         }
     }
     if !found {
-        rows.push(function_row(entry, register, value, seconds));
+        rows.push(function_row(entry, register, value, (seconds, overlap)));
     }
 }
 
-fn function_row(entry: &Entry, register: RegisterId, value: f64, seconds: f64) -> CodeRow {
+fn function_row(entry: &Entry, register: RegisterId, value: f64, (seconds, overlap): (f64, Overlap)) -> CodeRow {
     CodeRow {
         id: codes::FUNCTION,
         form: CodeForm::RegisterAsData { register, min: value, max: value, data: data::FUNCTION },
@@ -124,6 +145,7 @@ fn function_row(entry: &Entry, register: RegisterId, value: f64, seconds: f64) -
         without: Vec::new(),
         ignores: Vec::new(),
         seconds,
+        overlap,
         axis: None,
         line: entry.place.line,
         file: entry.place.file.to_string(),

@@ -157,6 +157,7 @@ fn code(machine: &Machine, row: &CodeRow) -> Value {
         "without": names(&row.without),
         "ignores": names(&row.ignores),
         "seconds": row.seconds,
+        "overlap": word(row.overlap),
         "axis": row.axis.map(|axis| ["X", "Y", "Z"].get(usize::from(axis))),
         "file": row.file,
         "line": row.line,
@@ -218,6 +219,7 @@ fn spindles(machine: &Machine) -> Vec<Value> {
             "max": spindle.max,
             "min": spindle.min,
             "run_up": spindle.run_up,
+            "overlap": word(spindle.overlap),
         })
     };
     machine.spindles.iter().map(spindle).collect()
