@@ -3,7 +3,7 @@
 //! *Invariant:* a connection is listed exactly as long as its [`Connection`] lives, a call counts until its [`Call`] is dropped.
 
 use std::net::SocketAddr;
-use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use dashmap::DashMap;
@@ -18,6 +18,8 @@ struct Counts {
     peer: SocketAddr,
     since_ms: i64,
     identity: Mutex<Option<Arc<Identity>>>,
+    /// Several identities have called.
+    shared: AtomicBool,
     open: AtomicUsize,
     all: AtomicU64,
     /// Calls begun since the last time somebody asked.
@@ -51,6 +53,7 @@ impl Connections {
             peer,
             since_ms: now_ms(),
             identity: Mutex::default(),
+            shared: AtomicBool::new(false),
             open: AtomicUsize::new(0),
             all: AtomicU64::new(0),
             served: AtomicUsize::new(0),
@@ -113,12 +116,15 @@ impl Drop for Connection {
 pub(crate) struct Call(Arc<Counts>);
 
 impl Call {
-    /// Notes who calls.
-    pub(crate) fn by(&self, identity: &Arc<Identity>) {
+    /// Notes who calls; gives whether nobody else has called on the connection.
+    pub(crate) fn by(&self, identity: &Arc<Identity>) -> bool {
         let mut last = self.0.identity.lock().unwrap_or_else(PoisonError::into_inner);
         if !last.as_ref().is_some_and(|last| Arc::ptr_eq(last, identity)) {
+            let other = last.as_ref().is_some_and(|last| last != identity);
+            self.0.shared.fetch_or(other, Ordering::Relaxed);
             *last = Some(identity.clone());
         }
+        !self.0.shared.load(Ordering::Relaxed)
     }
 }
 

@@ -16,6 +16,15 @@ use prometheus_client::registry::{Metric, Registry};
 pub(crate) const TABLE: &[(&str, &str, &str)] = &[
     ("counterpoint_calls_total", "counter", "Calls answered, by `call` and `code`"),
     ("counterpoint_call_seconds", "histogram", "Time until a call was answered, of a stream until it began, by `call`"),
+    (
+        "counterpoint_calls_deferred_total",
+        "counter",
+        "Calls that waited for others of their identity beside other identities",
+    ),
+    ("counterpoint_calls_held_total", "counter", "Calls beyond `max_calls_per_s` that waited for their turn"),
+    ("counterpoint_calls_waiting", "gauge", "Calls beyond `max_calls_per_s` that wait for their turn"),
+    ("counterpoint_calls_limited_total", "counter", "Calls refused with `RATE_LIMITED`"),
+    ("counterpoint_pauses_total", "counter", "Times that reading from a connection stopped after `RATE_LIMITED`"),
     ("counterpoint_jobs_accepted_total", "counter", "Jobs accepted"),
     ("counterpoint_jobs_ended_total", "counter", "Jobs ended, by `state`"),
     ("counterpoint_runs_failed_by_host_total", "counter", "Runs that the host failed; their jobs run again"),
@@ -82,6 +91,35 @@ struct Calls {
     seconds: Family<One, Histogram, fn() -> Histogram>,
 }
 
+/// Calls of identities that call too often.
+#[derive(Debug, Default)]
+pub(crate) struct Rates {
+    /// Calls that waited for the turn of their identity.
+    pub(crate) deferred: Counter,
+    pub(crate) held: Counter,
+    waiting: Gauge,
+    pub(crate) limited: Counter,
+    pub(crate) pauses: Counter,
+}
+
+/// A call that waits, until it is dropped.
+pub(crate) struct WaitingCall(Gauge);
+
+impl Rates {
+    /// Counts a call that waits.
+    pub(crate) fn hold(&self) -> WaitingCall {
+        self.held.inc();
+        self.waiting.inc();
+        WaitingCall(self.waiting.clone())
+    }
+}
+
+impl Drop for WaitingCall {
+    fn drop(&mut self) {
+        self.0.dec();
+    }
+}
+
 /// Jobs and their runs.
 #[derive(Debug, Default)]
 pub(crate) struct Jobs {
@@ -111,6 +149,7 @@ pub(crate) struct Storage {
 pub(crate) struct Metrics {
     registry: Registry,
     calls: Calls,
+    pub(crate) rates: Rates,
     pub(crate) jobs: Jobs,
     tenants: Tenants,
     pub(crate) watchers: Gauge,
@@ -133,7 +172,7 @@ impl Metrics {
     pub(crate) fn new() -> Self {
         let seconds = Family::new_with_constructor(times as fn() -> Histogram);
         let calls = Calls { total: Family::default(), seconds };
-        let jobs = Jobs::default();
+        let (rates, jobs) = (Rates::default(), Jobs::default());
         let tenants = Tenants::default();
         let storage = Storage {
             commit_seconds: times(),
@@ -146,6 +185,11 @@ impl Metrics {
         let all = &mut registry;
         register(all, "counterpoint_calls_total", calls.total.clone());
         register(all, "counterpoint_call_seconds", calls.seconds.clone());
+        register(all, "counterpoint_calls_deferred_total", rates.deferred.clone());
+        register(all, "counterpoint_calls_held_total", rates.held.clone());
+        register(all, "counterpoint_calls_waiting", rates.waiting.clone());
+        register(all, "counterpoint_calls_limited_total", rates.limited.clone());
+        register(all, "counterpoint_pauses_total", rates.pauses.clone());
         register(all, "counterpoint_jobs_accepted_total", jobs.accepted.clone());
         register(all, "counterpoint_jobs_ended_total", jobs.ended.clone());
         register(all, "counterpoint_runs_failed_by_host_total", jobs.failed_by_host.clone());
@@ -165,7 +209,7 @@ impl Metrics {
         register(all, "counterpoint_syncs_total", storage.syncs.clone());
         register(all, "counterpoint_free_bytes", storage.free_bytes.clone());
         register(all, "counterpoint_ledger_writable", storage.writable.clone());
-        Self { registry, calls, jobs, tenants, watchers, lag, storage }
+        Self { registry, calls, rates, jobs, tenants, watchers, lag, storage }
     }
 
     /// Counts an answered call; `call` is one of few names.

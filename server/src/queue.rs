@@ -51,6 +51,9 @@ pub(crate) trait Queue: Send + Debug {
     /// Jobs of a tenant that wait.
     fn waiting_of(&self, tenant: &str) -> usize;
 
+    /// Whether jobs of other tenants than this one wait for a worker or run.
+    fn others_work(&self, tenant: &str) -> bool;
+
     /// Lets a job wait.
     fn push(&mut self, ticket: Ticket<'_>, entry: Entry);
 

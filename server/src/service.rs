@@ -194,6 +194,7 @@ pub async fn build_on(options: Options, runner: impl Runner, disk: Disk) -> Resu
         Ok::<_, Refusal>(core)
     });
     let core = opened.await.map_err(|e| data(e.to_string()))?.map_err(|e| data(e.to_string()))?;
+    gate.mind(&core);
     Ok(Service { core, gate, monitor, listener, address, stop: tokio::sync::watch::Sender::new(Stop::No) })
 }
 

@@ -59,6 +59,14 @@ pub(crate) fn name(path: &str) -> &'static str {
     CALLS.iter().find(|(of, name, _)| *of == service && *name == call).map_or("other", |(_, name, _)| name)
 }
 
+/// Calls that are answered when the client or a job has done something, and streams that follow a job.
+const LASTING: &[&str] = &["WatchJob", "WaitJob", "Upload", "Attend", "Debug"];
+
+/// Whether the call of a path may last however fast the server is.
+pub(crate) fn lasts(path: &str) -> bool {
+    LASTING.contains(&name(path))
+}
+
 /// What the call of a path (`/service/call`) needs.
 pub(crate) fn needs(path: &str) -> Needs {
     let Some((service, call)) = path.strip_prefix('/').and_then(|path| path.split_once('/')) else {

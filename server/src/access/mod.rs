@@ -6,6 +6,7 @@
 
 pub(crate) mod audit;
 pub(crate) mod calls;
+pub(crate) mod fair;
 mod file;
 mod jwt;
 mod rate;
@@ -14,7 +15,7 @@ pub mod token;
 use std::collections::HashMap;
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError, RwLock};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use http::HeaderMap;
 use serde::{Deserialize, Serialize};
@@ -24,8 +25,10 @@ use crate::options::Guard;
 use crate::reason::Refusal;
 use crate::tenant;
 use calls::Needs;
+use fair::Fair;
 use file::Known;
-use rate::Rates;
+pub(crate) use rate::{Held, LONGEST};
+use rate::{Rates, Turn};
 
 /// What an identity may do; each role may also do what those before it may.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize, clap::ValueEnum)]
@@ -93,6 +96,15 @@ impl Caller {
     }
 }
 
+/// A call that may be made.
+#[derive(Debug)]
+pub(crate) struct Admitted {
+    /// `None` for a call that needs no identity.
+    pub(crate) caller: Option<Caller>,
+    /// Time until its turn; it counts as waiting while the second part lives.
+    pub(crate) wait: Option<(Duration, Held)>,
+}
+
 /// Names in the certificate that the client of a connection has shown.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct CertificateNames(pub(crate) Arc<[String]>);
@@ -110,6 +122,7 @@ pub(crate) struct Access {
     known: RwLock<Option<Arc<Known>>>,
     verified: Mutex<Verified>,
     rates: Rates,
+    pub(crate) fair: Fair,
     everybody: Arc<Identity>,
 }
 
@@ -124,6 +137,7 @@ impl Access {
             known: RwLock::new(known),
             verified: Mutex::default(),
             rates: Rates::new(options.max_calls_per_s),
+            fair: Fair::default(),
             everybody: Arc::new(everybody),
         })
     }
@@ -137,16 +151,16 @@ impl Access {
         Ok(())
     }
 
-    /// Lets a call pass: `None` is a call that needs no identity.
+    /// Lets a call pass, at once or when it is its turn.
     pub(crate) fn admit(
         &self,
         path: &str,
         headers: &HeaderMap,
         names: &CertificateNames,
-    ) -> Result<Option<Caller>, (Option<Caller>, Refusal)> {
+    ) -> Result<Admitted, (Option<Caller>, Refusal)> {
         let needs = calls::needs(path);
         if needs == Needs::Nothing {
-            return Ok(None);
+            return Ok(Admitted { caller: None, wait: None });
         }
         let identity = self.identify(headers, names).map_err(|refusal| (None, refusal))?;
         let caller = Caller::new(identity);
@@ -160,8 +174,9 @@ impl Access {
             return Err((Some(caller), refusal));
         }
         match self.rates.take(&caller.identity, Instant::now()) {
-            Ok(()) => Ok(Some(caller)),
-            Err(wait) => Err((Some(caller), Refusal::RateLimited(wait))),
+            Turn::Now => Ok(Admitted { caller: Some(caller), wait: None }),
+            Turn::After(wait, held) => Ok(Admitted { caller: Some(caller), wait: Some((wait, held)) }),
+            Turn::Never(wait) => Err((Some(caller), Refusal::RateLimited(wait))),
         }
     }
 

@@ -1,7 +1,11 @@
 //! Calls per second of each identity: a bucket that fills at the rate and holds one second's worth.
 //!
-//! Invariant: one identity's calls never delay another's.
+//! A call that finds no token takes the next one that nobody has taken, and waits for it: callers that never pause are
+//! slowed down to the rate, and most of their calls are still answered. *Invariants:* one identity's calls never delay
+//! another's; an identity has no more than [`MOST_HELD`] calls waiting, none of them for longer than [`LONGEST`].
 
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
 
 use dashmap::DashMap;
@@ -10,13 +14,46 @@ use super::Identity;
 
 /// Most identities that are remembered; beyond that those with full buckets are forgotten.
 const MOST: usize = 10_000;
+/// Most calls of an identity that wait: as many as one connection may have under way.
+const MOST_HELD: usize = 256;
+/// Longest time that a call waits for its token.
+pub(crate) const LONGEST: Duration = Duration::from_secs(1);
 
 /// The buckets.
 #[derive(Debug)]
 pub(super) struct Rates {
     /// 0 = without limit.
     per_s: u32,
-    buckets: DashMap<(String, String), (Instant, f64)>,
+    buckets: DashMap<(String, String), Bucket>,
+}
+
+/// The tokens of an identity.
+#[derive(Debug)]
+struct Bucket {
+    at: Instant,
+    /// Below zero: tokens that waiting calls have taken in advance.
+    calls: f64,
+    held: Arc<AtomicUsize>,
+}
+
+/// When a call may go on.
+#[derive(Debug)]
+pub(crate) enum Turn {
+    Now,
+    /// After this time, for which it counts among the waiting calls of its identity.
+    After(Duration, Held),
+    /// Not at all; a call after this time may.
+    Never(Duration),
+}
+
+/// A waiting call: it counts until this is dropped.
+#[derive(Debug)]
+pub(crate) struct Held(Arc<AtomicUsize>);
+
+impl Drop for Held {
+    fn drop(&mut self) {
+        self.0.fetch_sub(1, Ordering::Relaxed);
+    }
 }
 
 impl Rates {
@@ -24,25 +61,34 @@ impl Rates {
         Self { per_s, buckets: DashMap::new() }
     }
 
-    /// Takes a call, or says how long to wait for the next.
-    pub(super) fn take(&self, identity: &Identity, now: Instant) -> Result<(), Duration> {
+    /// Takes a token for a call. The token of a call that does not wait for it is lost.
+    pub(super) fn take(&self, identity: &Identity, now: Instant) -> Turn {
         if self.per_s == 0 {
-            return Ok(());
+            return Turn::Now;
         }
         let rate = f64::from(self.per_s);
         if self.buckets.len() >= MOST {
-            self.buckets.retain(|_, (at, _)| now.saturating_duration_since(*at) < Duration::from_secs(1));
+            // From the deepest debt to a full bucket.
+            let fills = LONGEST + Duration::from_secs(1);
+            self.buckets.retain(|_, bucket| now.saturating_duration_since(bucket.at) < fills);
         }
         let key = (identity.tenant.clone(), identity.name.clone());
-        let mut bucket = self.buckets.entry(key).or_insert((now, rate));
-        let (at, calls) = *bucket;
-        let calls = (calls + now.saturating_duration_since(at).as_secs_f64() * rate).min(rate);
-        if calls < 1.0 {
-            *bucket = (now, calls);
-            return Err(Duration::from_secs_f64((1.0 - calls) / rate));
+        let new = || Bucket { at: now, calls: rate, held: Arc::default() };
+        let mut bucket = self.buckets.entry(key).or_insert_with(new);
+        let gained = now.saturating_duration_since(bucket.at).as_secs_f64() * rate;
+        bucket.calls = (bucket.calls + gained).min(rate);
+        bucket.at = bucket.at.max(now);
+        if bucket.calls >= 1.0 {
+            bucket.calls -= 1.0;
+            return Turn::Now;
         }
-        *bucket = (now, calls - 1.0);
-        Ok(())
+        let wait = Duration::from_secs_f64((1.0 - bucket.calls) / rate);
+        if wait > LONGEST || bucket.held.load(Ordering::Relaxed) >= MOST_HELD {
+            return Turn::Never(wait);
+        }
+        bucket.calls -= 1.0;
+        bucket.held.fetch_add(1, Ordering::Relaxed);
+        Turn::After(wait, Held(bucket.held.clone()))
     }
 }
 
@@ -51,19 +97,68 @@ mod tests {
     use super::super::Role;
     use super::*;
 
+    fn identity(name: &str) -> Identity {
+        Identity { name: name.into(), tenant: "t".into(), role: Role::Read }
+    }
+
     #[test]
     fn an_identity_gets_its_rate_and_no_other_pays_for_it() {
-        let identity = |name: &str| Identity { name: name.into(), tenant: "t".into(), role: Role::Read };
         let (one, other) = (identity("one"), identity("other"));
         let rates = Rates::new(10);
         let begin = Instant::now();
-        assert!((0..10).all(|_| rates.take(&one, begin).is_ok()));
-        let wait = rates.take(&one, begin).unwrap_err();
-        assert_eq!(wait, Duration::from_millis(100));
-        assert!(rates.take(&other, begin).is_ok());
-        assert!(rates.take(&one, begin + wait).is_ok() && rates.take(&one, begin + wait).is_err());
+        assert!((0..10).all(|_| matches!(rates.take(&one, begin), Turn::Now)));
+        // The next ten tokens are those of the next second, each for one call.
+        let mut held = Vec::new();
+        for number in 1..=10 {
+            let Turn::After(wait, call) = rates.take(&one, begin) else { panic!("call {number} is not held") };
+            assert_eq!(wait, Duration::from_millis(100 * number));
+            held.push(call);
+        }
+        let Turn::Never(wait) = rates.take(&one, begin) else { panic!("nobody waits for longer than a second") };
+        assert_eq!(wait, Duration::from_millis(1100));
+        assert!(matches!(rates.take(&other, begin), Turn::Now));
+        let soon = begin + Duration::from_millis(100);
+        assert!(matches!(rates.take(&one, soon), Turn::After(LONGEST, _)), "a token has come and is taken in advance");
+        assert!(matches!(rates.take(&one, soon), Turn::Never(_)));
         let later = begin + Duration::from_secs(60);
-        assert_eq!((0..20).filter(|_| rates.take(&one, later).is_ok()).count(), 10, "no more than a second is saved");
-        assert!((0..1000).all(|_| Rates::new(0).take(&one, begin).is_ok()));
+        let passed = (0..20).filter(|_| matches!(rates.take(&one, later), Turn::Now)).count();
+        assert_eq!(passed, 10, "no more than a second is saved");
+        let unlimited = Rates::new(0);
+        assert!((0..1000).all(|_| matches!(unlimited.take(&one, begin), Turn::Now)));
+    }
+
+    /// A clock that stands for a while, callers that ask all the time: what passes is the rate, whatever they do.
+    #[test]
+    fn what_passes_in_a_time_is_the_rate_however_often_it_is_asked_for() {
+        let (rates, one, begin) = (Rates::new(100), identity("one"), Instant::now());
+        let mut due: Vec<Duration> = Vec::new();
+        for ms in 0..5000 {
+            let now = begin + Duration::from_millis(ms);
+            for _ in 0..17 {
+                match rates.take(&one, now) {
+                    Turn::Now => due.push(Duration::from_millis(ms)),
+                    Turn::After(wait, _) => due.push(Duration::from_millis(ms) + wait),
+                    Turn::Never(_) => {}
+                }
+            }
+        }
+        due.sort();
+        for (number, at) in due.iter().enumerate() {
+            let most = 100.0 + at.as_secs_f64() * 100.0 + 1.0;
+            assert!((number as f64) < most, "call {number} passes after {at:?}");
+        }
+        assert!(due.len() >= 599, "the rate is used: {}", due.len());
+    }
+
+    #[test]
+    fn a_bounded_number_of_calls_waits_and_one_that_leaves_makes_room() {
+        let (rates, one, begin) = (Rates::new(10_000), identity("one"), Instant::now());
+        assert!((0..10_000).all(|_| matches!(rates.take(&one, begin), Turn::Now)));
+        let mut held: Vec<Turn> = (0..MOST_HELD).map(|_| rates.take(&one, begin)).collect();
+        assert!(held.iter().all(|turn| matches!(turn, Turn::After(..))));
+        assert!(matches!(rates.take(&one, begin), Turn::Never(_)), "though its token is there soon");
+        assert!(matches!(rates.take(&identity("other"), begin), Turn::Now));
+        held.pop();
+        assert!(matches!(rates.take(&one, begin), Turn::After(..)));
     }
 }

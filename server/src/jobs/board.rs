@@ -375,6 +375,11 @@ impl Core {
         lock(&self.board.queue).jobs.busy()
     }
 
+    /// Whether jobs of other tenants wait for a worker or run.
+    pub(crate) fn others_work(&self, tenant: &str) -> bool {
+        lock(&self.board.queue).jobs.others_work(tenant)
+    }
+
     /// Interrupts all running jobs; they are queued again in the ledger.
     pub(crate) fn interrupt(&self) {
         self.board.live.iter().filter(|live| live.state() == State::Running).for_each(|live| live.interrupt());

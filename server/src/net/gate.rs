@@ -14,9 +14,12 @@ use tonic::{Code, Status};
 use super::tls::Tls;
 use super::web::Web;
 use crate::access::audit::Audit;
-use crate::access::{Access, Caller, CertificateNames, calls};
-use crate::metrics::Metrics;
+use crate::access::fair::{Stay, Turn};
+use crate::access::{Access, Admitted, Caller, CertificateNames, calls};
+use crate::jobs::Core;
+use crate::metrics::{Metrics, Rates};
 use crate::options::Options;
+use crate::reason::Refusal;
 
 /// The gate of a server.
 #[derive(Debug)]
@@ -69,29 +72,58 @@ impl Gate {
         self.tls.is_some()
     }
 
-    /// Lets a call pass with its caller, or answers it.
-    #[allow(clippy::result_large_err, reason = "the answer is sent as it is, once a refused call")]
+    /// Lets a call pass with its caller, at once or when it is its turn.
     pub(super) fn admit(
         &self,
         request: &mut Request<Incoming>,
-        peer: SocketAddr,
         names: &CertificateNames,
-    ) -> Result<Option<Caller>, Response<Body>> {
-        let path = request.uri().path();
-        match self.access.admit(path, request.headers(), names) {
-            Ok(caller) => {
-                if let Some(caller) = &caller {
-                    request.extensions_mut().insert(caller.clone());
-                }
-                Ok(caller)
-            }
-            Err((caller, refusal)) => {
-                let status = Status::from(refusal);
-                self.note(peer, caller.as_ref(), path, status.code());
-                self.metrics.call(calls::name(path), name(status.code()), Duration::ZERO);
-                Err(status.into_http())
-            }
+    ) -> Result<Admitted, (Option<Caller>, Refusal)> {
+        let admitted = self.access.admit(request.uri().path(), request.headers(), names)?;
+        if let Some(caller) = &admitted.caller {
+            request.extensions_mut().insert(caller.clone());
         }
+        Ok(admitted)
+    }
+
+    /// The answer to a call that does not pass.
+    pub(super) fn refuse(
+        &self,
+        peer: SocketAddr,
+        caller: Option<&Caller>,
+        path: &str,
+        refusal: Refusal,
+    ) -> Response<Body> {
+        if matches!(refusal, Refusal::RateLimited(_)) {
+            self.metrics.rates.limited.inc();
+        }
+        let status = Status::from(refusal);
+        self.note(peer, caller, path, status.code());
+        self.metrics.call(calls::name(path), name(status.code()), Duration::ZERO);
+        status.into_http()
+    }
+
+    /// Lets the jobs of others count where identities take turns.
+    pub(crate) fn mind(&self, core: &Arc<Core>) {
+        let core = Arc::downgrade(core);
+        let others_work = move |tenant: &str| core.upgrade().is_some_and(|core| core.others_work(tenant));
+        self.access.fair.mind(Box::new(others_work));
+    }
+
+    /// Waits until it is the turn of a caller.
+    pub(super) async fn turn(&self, caller: Option<&Caller>, path: &str) -> (Option<Turn>, Option<Stay>) {
+        let Some(caller) = caller else { return (None, None) };
+        if calls::lasts(path) {
+            return (None, Some(self.access.fair.stay(&caller.identity)));
+        }
+        let waits = || {
+            self.metrics.rates.deferred.inc();
+        };
+        (self.access.fair.turn(&caller.identity, waits).await, None)
+    }
+
+    /// Counts of calls that come too often.
+    pub(super) fn rates(&self) -> &Rates {
+        &self.metrics.rates
     }
 
     /// Notes the outcome of a call that has passed.

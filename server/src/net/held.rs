@@ -8,17 +8,19 @@ use http_body::{Frame, SizeHint};
 use tonic::Status;
 use tonic::body::Body;
 
+use crate::access::fair::Stay;
 use crate::connections::Call;
 
 /// A body and its call.
 pub(super) struct Held {
     body: Body,
     _call: Call,
+    _stay: Option<Stay>,
 }
 
 impl Held {
-    pub(super) fn new(body: Body, call: Call) -> Self {
-        Self { body, _call: call }
+    pub(super) fn new(body: Body, call: Call, stay: Option<Stay>) -> Self {
+        Self { body, _call: call, _stay: stay }
     }
 }
 

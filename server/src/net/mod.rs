@@ -5,8 +5,10 @@
 
 mod gate;
 mod held;
+mod pause;
 mod status;
 mod tls;
+mod turn;
 mod web;
 
 use std::convert::Infallible;
@@ -24,7 +26,7 @@ use hyper_util::rt::{TokioExecutor, TokioIo, TokioTimer};
 use tokio::io::{AsyncRead, AsyncWrite};
 use tokio::net::{TcpListener, TcpStream};
 use tokio::sync::watch;
-use tokio::time::{Instant, sleep, timeout};
+use tokio::time::{Instant, sleep, timeout, timeout_at};
 use tonic::Status;
 use tonic::body::Body;
 use tonic::service::Routes;
@@ -40,6 +42,7 @@ use crate::places::Places;
 use crate::reason::Refusal;
 pub(crate) use gate::Gate;
 use held::Held;
+use pause::{Pause, Paused};
 pub(crate) use status::serve as monitor;
 
 /// Bytes of a frame that a client may send at once: an upload chunk with its head.
@@ -107,9 +110,12 @@ pub(crate) async fn serve(
             Some(place) => {
                 let (routes, gate, listed) = (routes.clone(), gate.clone(), listed.list(peer));
                 let (closing, open) = (closing.clone(), connections.subscribe());
+                let info = TcpConnectInfo { local_addr: stream.local_addr().ok(), remote_addr: Some(peer) };
+                let (names, drain, pause) = (CertificateNames::default(), core.drain.follow(), Pause::default());
+                let peer = Peer { address: peer, info, names, gate, drain, pause };
                 // Ends with the connection.
                 tokio::spawn(async move {
-                    connection(stream, (peer, listed), routes, gate, patience, closing).await;
+                    connection(stream, (peer, listed), routes, patience, closing).await;
                     drop((place, open));
                 });
             }
@@ -128,15 +134,13 @@ fn left(error: &std::io::Error) -> bool {
 /// Serves one connection to its end.
 async fn connection(
     stream: TcpStream,
-    (peer, listed): (SocketAddr, Connection),
+    (plain, listed): (Peer, Connection),
     routes: Routes,
-    gate: Arc<Gate>,
     patience: Patience,
     mut closing: watch::Receiver<bool>,
 ) {
     let _ = stream.set_nodelay(true);
-    let info = TcpConnectInfo { local_addr: stream.local_addr().ok(), remote_addr: Some(peer) };
-    let plain = Peer { address: peer, info, names: CertificateNames::default(), gate: gate.clone() };
+    let gate = plain.gate.clone();
     let Some(tls) = &gate.tls else {
         let speaks = begins(speaks(&stream), patience, &mut closing).await;
         if let Some(Some(first)) = speaks {
@@ -163,12 +167,14 @@ async fn begins<T>(
 }
 
 /// The other end of a connection.
-#[derive(Debug, Clone)]
+#[derive(Debug)]
 struct Peer {
     address: SocketAddr,
     info: TcpConnectInfo,
     names: CertificateNames,
     gate: Arc<Gate>,
+    drain: watch::Receiver<bool>,
+    pause: Pause,
 }
 
 /// Serves the calls of a connection that has begun to speak: HTTP/2, or HTTP/1.1 where gRPC-Web is allowed.
@@ -180,21 +186,21 @@ async fn calls<S: AsyncRead + AsyncWrite + Unpin + Send + 'static>(
     patience: Patience,
     closing: watch::Receiver<bool>,
 ) {
-    let listed = Arc::new(listed);
-    let (counted, gate) = (listed.clone(), caller.gate.clone());
+    let (caller, listed) = (Arc::new(caller), Arc::new(listed));
+    let (counted, gate, pause) = (listed.clone(), caller.gate.clone(), caller.pause.clone());
+    let stream = TokioIo::new(Paused::new(stream, pause.clone()));
     let service = service_fn(move |mut request: Request<Incoming>| {
         request.extensions_mut().insert(caller.info.clone());
         answer(routes.clone(), request, caller.clone(), counted.begin())
     });
-    let stream = TokioIo::new(stream);
     if gate.web.is_some() && !PREFACE_OF_HTTP2.starts_with(first) {
         let mut builder = http1::Builder::new();
         builder.timer(TokioTimer::new()).header_read_timeout(patience.preface).max_buf_size(64 * 1024);
         let server = pin!(builder.serve_connection(stream, service));
-        attend(server, |server| server.graceful_shutdown(), &listed, patience, closing).await;
+        attend(server, |server| server.graceful_shutdown(), (&listed, &pause), patience, closing).await;
     } else {
         let server = pin!(builder().serve_connection(stream, service));
-        attend(server, |server| server.graceful_shutdown(), &listed, patience, closing).await;
+        attend(server, |server| server.graceful_shutdown(), (&listed, &pause), patience, closing).await;
     }
 }
 
@@ -202,7 +208,7 @@ async fn calls<S: AsyncRead + AsyncWrite + Unpin + Send + 'static>(
 async fn attend<F: Future>(
     mut server: Pin<&mut F>,
     leave: impl Fn(Pin<&mut F>),
-    calls: &Connection,
+    (calls, pause): (&Connection, &Pause),
     patience: Patience,
     mut closing: watch::Receiver<bool>,
 ) {
@@ -213,6 +219,7 @@ async fn attend<F: Future>(
             _ = server.as_mut() => return,
             _ = closing.wait_for(|closing| *closing), if !leaving => {
                 leaving = true;
+                pause.end();
                 leave(server.as_mut());
             }
             () = tokio::time::sleep_until(quiet_since + patience.idle) => {
@@ -260,34 +267,39 @@ fn builder() -> http2::Builder<TokioExecutor> {
 async fn answer(
     routes: Routes,
     mut request: Request<Incoming>,
-    peer: Peer,
+    peer: Arc<Peer>,
     call: Call,
 ) -> Result<Response<Held>, Infallible> {
     let begin = Instant::now();
     let readable = match &peer.gate.web {
         None => None,
         Some(web) => match web.preflight(&request) {
-            Some(answer) => return Ok(answer.map(|body| Held::new(body, call))),
+            Some(answer) => return Ok(answer.map(|body| Held::new(body, call, None))),
             None => web.readable(request.headers()),
         },
     };
-    let caller = match peer.gate.admit(&mut request, peer.address, &peer.names) {
+    let deadline = deadline(request.headers()).and_then(|time| begin.checked_add(time));
+    let caller = match turn::admitted(&mut request, &peer, &call, deadline).await {
         Ok(caller) => caller,
         Err(mut refused) => {
             if let Some(origin) = readable {
                 web::allow(refused.headers_mut(), origin);
             }
-            return Ok(refused.map(|body| Held::new(body, call)));
+            return Ok(refused.map(|body| Held::new(body, call, None)));
         }
     };
-    if let Some(caller) = &caller {
-        call.by(&caller.identity);
-    }
-    let (path, deadline) = (request.uri().path().to_owned(), deadline(request.headers()));
-    let answered = ask(routes, request.map(Body::new), peer.gate.web.is_some());
+    let path = request.uri().path().to_owned();
+    let mut stay = None;
+    let answered = async {
+        let (turn, long) = peer.gate.turn(caller.as_ref(), &path).await;
+        stay = long;
+        let answer = ask(routes, request.map(Body::new), peer.gate.web.is_some()).await;
+        drop(turn);
+        answer
+    };
     let response = match deadline {
         None => answered.await?,
-        Some(deadline) => match timeout(deadline, answered).await {
+        Some(deadline) => match timeout_at(deadline, answered).await {
             Ok(response) => response?,
             Err(_) => Status::from(Refusal::CallDeadline).into_http(),
         },
@@ -297,7 +309,7 @@ async fn answer(
     if let Some(origin) = readable {
         web::allow(response.headers_mut(), origin);
     }
-    Ok(response.map(|body| Held::new(body, call)))
+    Ok(response.map(|body| Held::new(body, call, stay)))
 }
 
 /// Gives the status of a call that the transport has refused the details that all refusals have.

@@ -34,6 +34,7 @@ mod hostile;
 #[cfg(target_os = "linux")]
 mod killed;
 mod life;
+mod limited;
 mod limits;
 mod metrics;
 mod operator;

@@ -27,7 +27,7 @@ async fn get(server: &Server, method: &str, path: &str) -> (u16, String) {
     (head.split(' ').nth(1).unwrap().parse().unwrap(), content.to_owned())
 }
 
-async fn value(server: &Server, name: &str) -> Option<f64> {
+pub async fn value(server: &Server, name: &str) -> Option<f64> {
     let (_, text) = get(server, "GET", "/metrics").await;
     let line = text.lines().find_map(|line| line.strip_prefix(name)?.strip_prefix(' '));
     line.map(|value| value.parse().unwrap())

@@ -8,6 +8,7 @@ pub(crate) mod checkup;
 mod file;
 mod index;
 mod machines;
+mod pace;
 pub(crate) mod retention;
 mod schema;
 mod usage;
@@ -29,7 +30,7 @@ use crate::machines::Definition;
 use crate::metrics::Metrics;
 use crate::reason::Refusal;
 use crate::tenant;
-use writer::{Operation, Place, Shared};
+use writer::{Operation, Place, Shared, Work};
 
 const JOB: TableDefinition<'_, &str, &[u8]> = TableDefinition::new("job");
 const REQUEST: TableDefinition<'_, &str, &str> = TableDefinition::new("request_id");
@@ -112,6 +113,11 @@ fn get(txn: &WriteTransaction, id: &str) -> Result<Option<Record>, Refusal> {
     row.map(|row| parse(id, row.value())).transpose()
 }
 
+/// A number for a tenant; 0 for the server itself, whose name is empty.
+fn number(tenant: &str) -> u64 {
+    if tenant.is_empty() { 0 } else { u64::from(crc32fast::hash(tenant.as_bytes())) + 1 }
+}
+
 /// An answer that is given in any case.
 struct Reply(Option<Then>);
 
@@ -172,11 +178,12 @@ impl LocalLedger {
     }
 
     fn operation<R: Send + 'static>(
+        tenant: &str,
         work: impl FnOnce(&WriteTransaction) -> Result<R, Refusal> + Send + 'static,
         then: impl FnOnce(&R) + Send + 'static,
     ) -> (Operation, oneshot::Receiver<Result<R, Refusal>>) {
         let (answer, answered) = oneshot::channel();
-        let operation: Operation = Box::new(move |txn| {
+        let work: Work = Box::new(move |txn| {
             let result = work(txn);
             Box::new(move |committed| {
                 let result = committed.and(result);
@@ -186,7 +193,7 @@ impl LocalLedger {
                 drop(answer.send(result));
             })
         });
-        (operation, answered)
+        (Operation { tenant: number(tenant), work }, answered)
     }
 
     /// Does `work` in a transaction; answers after the commit. `work` must decide before it writes.
@@ -194,7 +201,7 @@ impl LocalLedger {
         &self,
         work: impl FnOnce(&WriteTransaction) -> Result<R, Refusal> + Send + 'static,
     ) -> Result<R, Refusal> {
-        let (operation, answered) = Self::operation(work, |_| ());
+        let (operation, answered) = Self::operation("", work, |_| ());
         self.operations()?.send(operation).await.map_err(|_| closed())?;
         answered.await.map_err(|_| closed())?
     }
@@ -204,7 +211,7 @@ impl LocalLedger {
         &self,
         work: impl FnOnce(&WriteTransaction) -> Result<R, Refusal> + Send + 'static,
     ) -> Result<R, Refusal> {
-        let (operation, answered) = Self::operation(work, |_| ());
+        let (operation, answered) = Self::operation("", work, |_| ());
         self.operations()?.blocking_send(operation).map_err(|_| closed())?;
         answered.blocking_recv().map_err(|_| closed())?
     }
@@ -228,6 +235,7 @@ impl Ledger for LocalLedger {
     }
 
     async fn submit(&self, mut record: Record, check: Check<Record>, accepted: Accepted) -> Result<Submitted, Refusal> {
+        let tenant = record.tenant.clone();
         let work = move |txn: &WriteTransaction| {
             let mut requests = txn.open_table(REQUEST).map_err(storage)?;
             let request = tenant::key(&record.tenant, &record.request_id);
@@ -244,7 +252,7 @@ impl Ledger for LocalLedger {
             requests.insert(request.as_str(), record.id.as_str()).map_err(storage)?;
             Ok(Submitted::New(Box::new(record)))
         };
-        let (operation, answered) = Self::operation(work, |submitted| {
+        let (operation, answered) = Self::operation(&tenant, work, |submitted| {
             if let Submitted::New(record) = submitted {
                 accepted(record);
             }
@@ -290,7 +298,8 @@ impl Ledger for LocalLedger {
 
     fn end(&self, record: Record, log: Option<Bytes>, then: Then) {
         let then = Reply(Some(then));
-        let operation: Operation = Box::new(move |txn| {
+        let tenant = number(&record.tenant);
+        let work: Work = Box::new(move |txn| {
             let keep = || {
                 if let Some(log) = log {
                     txn.open_table(LOG).map_err(storage)?.insert(record.id.as_str(), &*log).map_err(storage)?;
@@ -302,7 +311,7 @@ impl Ledger for LocalLedger {
         });
         // An operation that is not done answers when it is dropped.
         if let Ok(operations) = self.operations() {
-            let _ = operations.blocking_send(operation);
+            let _ = operations.blocking_send(Operation { tenant, work });
         }
     }
 

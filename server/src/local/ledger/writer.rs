@@ -13,6 +13,7 @@ use redb::{Database, WriteTransaction};
 use tokio::sync::{mpsc, watch};
 
 use super::file::{Frozen, LedgerFile};
+use super::pace::Paces;
 use super::storage;
 use crate::local::disk::Disk;
 use crate::metrics::Metrics;
@@ -29,7 +30,13 @@ const LOOK: Duration = Duration::from_millis(10);
 
 pub(super) type Reply = Box<dyn FnOnce(Result<(), Refusal>) + Send>;
 /// Work in a transaction; dropping it answers that the ledger cannot be written.
-pub(super) type Operation = Box<dyn FnOnce(&WriteTransaction) -> Reply + Send>;
+pub(super) type Work = Box<dyn FnOnce(&WriteTransaction) -> Reply + Send>;
+
+/// What is to be written, and for which tenant: a number of its own, 0 for the server itself.
+pub(super) struct Operation {
+    pub(super) tenant: u64,
+    pub(super) work: Work,
+}
 
 /// Where the ledger lies.
 #[derive(Debug, Clone)]
@@ -111,16 +118,31 @@ impl Shared {
 /// Life of the writer thread: ends when all handles are gone.
 pub(super) fn write(shared: &Shared, mut queue: mpsc::Receiver<Operation>) {
     let mut pause = FIRST_PAUSE;
+    let mut paces = Paces::default();
+    // Its timer; without one there are no pauses.
+    let timer = tokio::runtime::Builder::new_current_thread().enable_time().build().ok();
     while let Some(first) = queue.blocking_recv() {
-        let mut group = vec![first];
+        let mut group = Vec::new();
+        let mut wait = add(&mut group, first, &mut paces);
         while group.len() < GROUP {
-            let Ok(next) = queue.try_recv() else { break };
-            group.push(next);
+            let next = match (queue.try_recv(), &timer) {
+                (Ok(next), _) => next,
+                (Err(_), Some(timer)) if wait => {
+                    let pause = paces.pause(Instant::now());
+                    let next = timer.block_on(async { tokio::time::timeout(pause, queue.recv()).await });
+                    let Ok(Some(next)) = next else { break };
+                    next
+                }
+                _ => break,
+            };
+            wait &= add(&mut group, next, &mut paces);
         }
         let Some(database) = shared.current() else { continue };
         let begin = Instant::now();
         let done = commit(&database, group);
-        shared.metrics.commit(begin.elapsed());
+        let took = begin.elapsed();
+        shared.metrics.commit(took);
+        paces.committed(took, begin + took);
         if done {
             pause = FIRST_PAUSE;
             continue;
@@ -131,6 +153,14 @@ pub(super) fn write(shared: &Shared, mut queue: mpsc::Receiver<Operation>) {
             return;
         }
     }
+}
+
+/// Adds an operation to a group; gives whether it may wait for others.
+fn add(group: &mut Vec<Operation>, operation: Operation, paces: &mut Paces) -> bool {
+    let tenant = operation.tenant;
+    paces.came(tenant, Instant::now());
+    group.push(operation);
+    paces.busy(tenant)
 }
 
 /// Refuses operations until the file can be opened; `false` when all handles are gone.
@@ -161,7 +191,7 @@ fn commit(database: &Database, group: Vec<Operation>) -> bool {
             return false; // Dropping the operations answers them.
         }
     };
-    let replies: Vec<Reply> = group.into_iter().map(|operation| operation(&txn)).collect();
+    let replies: Vec<Reply> = group.into_iter().map(|operation| (operation.work)(&txn)).collect();
     let result = txn.commit().map_err(|error| storage(format!("the ledger cannot be written: {error}")));
     if let Err(error) = &result {
         tracing::error!(%error, "the ledger cannot be written");

@@ -146,6 +146,10 @@ impl Queue for LocalQueue {
         self.lines.get(tenant).map_or(0, |line| line.held)
     }
 
+    fn others_work(&self, tenant: &str) -> bool {
+        self.lines.iter().any(|(other, line)| **other != *tenant && (line.running > 0 || line.len() > 0))
+    }
+
     fn push(&mut self, ticket: Ticket<'_>, entry: Entry) {
         let (id, tenant) = (ticket.id.to_owned(), self.tenant(ticket.tenant));
         self.line(&tenant).held += 1;
