@@ -1,5 +1,7 @@
 //! The command line.
 
+mod calibrate;
+mod inputs;
 mod jobs;
 mod lint;
 mod machines;
@@ -9,7 +11,8 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
 use crate::remote::Remote;
-use crate::settings::Setting;
+pub(crate) use calibrate::Calibrate;
+pub(crate) use inputs::{Inputs, Levels, On, RaceCheck, Switches, Timing};
 pub(crate) use jobs::{JobFilter, Jobs, Priority, RequestArgs, Rerun, State, Watch, When};
 pub(crate) use lint::Lint;
 pub(crate) use machines::{Machine, Part};
@@ -34,6 +37,10 @@ const LINT_EXAMPLES: &str = "\
 Examples:
   counterpoint lint upper.nc lower.nc
   counterpoint lint --machine siemens-2channel main_1.mpf main_2.mpf --with subprograms --strict --json";
+
+const CALIBRATE_EXAMPLES: &str = "Examples:
+  counterpoint calibrate --machine fanuc-mill --measured lines.csv part.nc
+  counterpoint calibrate --machine fanuc-mill --measured samples.xml part.nc --out my-mill";
 
 const SUBMIT_EXAMPLES: &str = "\
 Examples:
@@ -120,6 +127,9 @@ pub(crate) enum Command {
     /// Show what decides the cycle time: the critical path over the channels, slack, what waits cost, what a change saves
     #[command(after_help = ANALYSE_EXAMPLES)]
     Analyse(Analyse),
+    /// Fit the times of a machine to measured times of the lines of a program, and say how good the fit is
+    #[command(after_help = CALIBRATE_EXAMPLES)]
+    Calibrate(Calibrate),
     /// Explain a diagnostic by its word or number, an alarm, or a word of the macro language
     Explain {
         /// Explain this word or number, such as no-feed, 2019001, PS0160, $FSIN, DECLAR, $TLTAB or CODE_RAPID
@@ -131,124 +141,6 @@ pub(crate) enum Command {
         /// Print the script for this shell
         shell: clap_complete::Shell,
     },
-}
-
-/// What a job is made of.
-#[derive(Debug, Args)]
-pub(crate) struct Inputs {
-    /// Run these programs, one per channel from left to right; FILE#2102 is program O2102 of FILE,
-    /// FILE#NAME the program or section of that name (`PART_1`, `$2`, `G14`)
-    #[arg(required = true, value_name = "PROGRAM")]
-    pub(crate) programs: Vec<String>,
-    #[command(flatten)]
-    pub(crate) on: On,
-    /// Add files that the programs may call (a folder adds all its files)
-    #[arg(long = "with", value_name = "FILE|DIR")]
-    pub(crate) with: Vec<PathBuf>,
-    #[command(flatten)]
-    pub(crate) switches: Switches,
-    /// Let these channels pass every sync point without waiting
-    #[arg(long, value_delimiter = ',', value_name = "CHANNELS")]
-    pub(crate) ignore_waits: Vec<u32>,
-    /// Report variables that two channels reach in an order that only timing decides: as a warning, or as an alarm that
-    /// stops the channel
-    #[arg(long, value_enum, default_value_t = RaceCheck::Off, value_name = "off|warn|alarm", hide_possible_values = true)]
-    pub(crate) races: RaceCheck,
-    /// Time moves at feed as the machine makes them, with acceleration, corners and look-ahead where its definition gives
-    /// them, or simply as length by feed
-    #[arg(long, value_enum, default_value_t = Timing::Full, value_name = "full|simple", hide_possible_values = true)]
-    pub(crate) time: Timing,
-    /// Run at most this many channels in parallel (0 = all); results are identical for any value
-    #[arg(long, default_value_t = 0, value_name = "N")]
-    pub(crate) threads: u32,
-    /// Trace the steps of these letters: I input blocks, E edited blocks, W words, C codes and data, A actions, M code and
-    /// data macros, H other macros, S messages, X MDI and EXEC, Z files stored with the machine [without letters: all]
-    #[arg(
-        long,
-        value_name = "LETTERS",
-        num_args = 0..=1,
-        default_value = "",
-        default_missing_value = "all",
-        hide_default_value = true
-    )]
-    pub(crate) trace: String,
-    /// Pass this line of parameters to the macros of the machine, which read it in $UPARAM
-    #[arg(long, value_name = "TEXT", default_value = "", hide_default_value = true, allow_hyphen_values = true)]
-    pub(crate) param: String,
-    /// Answer the dialogs of the machine from this TOML file: `[[answers]]` with dialog, button, values
-    #[arg(long, value_name = "FILE")]
-    pub(crate) answers: Option<PathBuf>,
-    #[command(flatten)]
-    pub(crate) operator: Attended,
-    /// Stop the run at this simulated time, in seconds [default: 86400]
-    #[arg(long, value_name = "SECONDS", value_parser = positive)]
-    pub(crate) max_time: Option<f64>,
-    /// Stop the run when a channel has executed this many blocks [default: 10000000]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
-    pub(crate) max_blocks: Option<u64>,
-    /// Stop the run when the variables, texts, files and results of the job need more than this memory, in MiB
-    #[arg(long, value_name = "MIB", value_parser = clap::value_parser!(u64).range(1..))]
-    pub(crate) max_memory: Option<u64>,
-}
-
-/// The machine of a job.
-#[derive(Debug, Clone, Default, Args)]
-pub(crate) struct On {
-    /// Run on this machine: a name, or a folder with machine.toml [default: guessed from the programs, or refused if they
-    /// do not show it]
-    #[arg(long, value_name = "NAME|DIR")]
-    pub(crate) machine: Option<String>,
-    /// Set a datum of the machine for this run: `waits=FIRST-LAST`, the M codes that are waiting codes
-    #[arg(long, value_name = "KEY=VALUE")]
-    pub(crate) set: Vec<Setting>,
-    /// Take tools, tool offsets and work offsets from this table: TOML rows as in a machine definition, or a CSV file with a
-    /// column `number`
-    #[arg(long, value_name = "FILE")]
-    pub(crate) tools: Option<PathBuf>,
-}
-
-/// What the operator does while the job runs.
-#[derive(Debug, Clone, Copy, Default, Args)]
-pub(crate) struct Attended {
-    /// Ask the operator when a dialog has no prepared answer: `run` asks on this terminal (the default there), `submit`
-    /// leaves the question to `counterpoint attend`. Without this flag such a dialog fails
-    #[arg(long)]
-    pub(crate) attend: bool,
-    /// Step through the job: `run` reads commands from standard input (`help` lists them) and writes stops to standard output,
-    /// `submit` leaves the job to `counterpoint step`
-    #[arg(long)]
-    pub(crate) step: bool,
-}
-
-/// Switches of the operator's panel.
-#[derive(Debug, Clone, Default, Args)]
-pub(crate) struct Switches {
-    /// Switch optional block skip: off, on (for marks without a digit), or a list of levels such as 1,3
-    #[arg(long, default_value = "off", value_name = "off|on|LEVELS", value_parser = levels)]
-    pub(crate) opskip: Levels,
-    /// Stop at optional stops (M1)
-    #[arg(long)]
-    pub(crate) opstop: bool,
-}
-
-/// What follows from a race over a shared variable.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
-pub(crate) enum RaceCheck {
-    /// Races are not looked for.
-    Off,
-    /// A warning.
-    Warn,
-    /// An alarm that stops the channel.
-    Alarm,
-}
-
-/// How moves at feed are timed.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
-pub(crate) enum Timing {
-    /// As the machine makes them.
-    Full,
-    /// Length by feed.
-    Simple,
 }
 
 #[derive(Debug, Args)]
@@ -316,21 +208,6 @@ impl Run {
             .any(|what| self.wants(what));
         self.out.is_some() && (read || trace)
     }
-}
-
-/// Levels of optional block skip, 0 for marks without a digit.
-#[derive(Debug, Clone, Default)]
-pub(crate) struct Levels(pub(crate) Vec<u32>);
-
-fn levels(text: &str) -> Result<Levels, String> {
-    match text {
-        "off" => return Ok(Levels::default()),
-        "on" => return Ok(Levels(vec![0])),
-        _ => {}
-    }
-    let level = |part: &str| part.trim().parse().ok().filter(|level| (1..=9).contains(level));
-    let all: Option<Vec<u32>> = text.split(',').map(level).collect();
-    all.map(Levels).ok_or_else(|| "expected off, on, or a list of levels from 1 to 9 such as 1,3".to_owned())
 }
 
 /// Meaning of the exit code of a run.
@@ -453,14 +330,6 @@ pub(crate) enum Admin {
 pub(crate) struct AdminArgs {
     #[command(flatten)]
     pub(crate) remote: Remote,
-}
-
-/// A time in seconds above zero.
-fn positive(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(value) if value > 0.0 && value < 9e9 => Ok(value),
-        _ => Err("expected seconds above 0 and below 9000000000".to_owned()),
-    }
 }
 
 #[cfg(test)]

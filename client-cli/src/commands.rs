@@ -12,12 +12,13 @@ use crate::outcome::ended;
 use crate::progress::Progress;
 use crate::step::{Interrupt, Stepper};
 use crate::text::time;
-use crate::{admin, analyse, completions, jobs, lint, load, machines, macros, results, run, say};
+use crate::{admin, analyse, calibrate, completions, jobs, lint, load, machines, macros, results, run, say};
 
 /// Executes a command and returns the exit code.
 pub(crate) async fn dispatch(command: Command) -> Result<u8, Error> {
     match command {
         Command::Run(arguments) => run::run(arguments).await,
+        Command::Calibrate(arguments) => calibrate::calibrate(&arguments),
         Command::Lint(arguments) => lint::lint(arguments).await,
         Command::Submit(arguments) => run::submit(arguments).await,
         Command::Watch(Watch { job: Some(job), remote, quiet, strict, .. }) => {

@@ -8,6 +8,7 @@ mod analyse;
 mod answers;
 mod arguments;
 mod attend;
+mod calibrate;
 mod changed_machine;
 mod client;
 mod codes;

@@ -29,6 +29,16 @@ const LONGEST: usize = 32;
 
 /// Writes the folder.
 pub(crate) fn create(folder: &Path, from: &str) -> Result<u8, Error> {
+    create_with(folder, from, Ok)?;
+    Ok(0)
+}
+
+/// Writes the folder with a changed definition.
+pub(crate) fn create_with(
+    folder: &Path,
+    from: &str,
+    change: impl FnOnce(String) -> Result<String, Error>,
+) -> Result<(), Error> {
     let names = package::shipped_names();
     if !names.iter().any(|name| name == from) {
         let near = ident::nearest(from, names.iter().map(String::as_str));
@@ -45,8 +55,9 @@ pub(crate) fn create(folder: &Path, from: &str) -> Result<u8, Error> {
             folder.display()
         )));
     }
+    let definition = change(definition(name, from))?;
     fs::create_dir_all(folder).map_err(Error::file(folder))?;
-    for (file, text) in [("machine.toml", definition(name, from)), ("README.md", readme(name, from))] {
+    for (file, text) in [("machine.toml", definition), ("README.md", readme(name, from))] {
         let path = folder.join(file);
         fs::write(&path, text).map_err(Error::file(&path))?;
     }
@@ -55,7 +66,7 @@ pub(crate) fn create(folder: &Path, from: &str) -> Result<u8, Error> {
         format!("{shown}/machine.toml written, based on {from}: edit it, then `counterpoint machine check {shown}`\n")
             .as_bytes(),
     )?;
-    Ok(0)
+    Ok(())
 }
 
 /// The machine has the name of its folder.

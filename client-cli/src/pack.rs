@@ -405,20 +405,8 @@ mod tests {
         let at = |name: &str| folder.path().join(name).display().to_string();
         let inputs = Inputs {
             programs: vec![at("part.nc"), at("other/part.nc"), at("part.nc#2")],
-            on: crate::arguments::On::default(),
             with: vec![folder.path().join("lib")],
-            switches: crate::arguments::Switches::default(),
-            ignore_waits: vec![],
-            races: crate::arguments::RaceCheck::Off,
-            time: crate::arguments::Timing::Full,
-            trace: String::new(),
-            param: String::new(),
-            answers: None,
-            operator: crate::arguments::Attended::default(),
-            threads: 0,
-            max_time: None,
-            max_blocks: None,
-            max_memory: None,
+            ..Inputs::plain(&[])
         };
         let pack = job(&inputs).unwrap();
         let names: Vec<_> = pack.files.0.keys().map(String::as_str).collect();

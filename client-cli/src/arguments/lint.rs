@@ -4,7 +4,8 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::{Attended, Inputs, Levels, On, RaceCheck, Switches, Timing, levels};
+use super::inputs::levels;
+use super::{Inputs, Levels, On, Switches};
 
 #[derive(Debug, Args)]
 pub(crate) struct Lint {
@@ -41,21 +42,11 @@ impl Lint {
     /// What the job is made of.
     pub(crate) fn inputs(&self) -> Inputs {
         Inputs {
-            programs: self.programs.clone(),
             on: self.on.clone(),
             with: self.with.clone(),
             switches: Switches { opskip: self.opskip.clone(), opstop: false },
             ignore_waits: self.ignore_waits.clone(),
-            races: RaceCheck::Off,
-            time: Timing::Full,
-            threads: 1,
-            trace: String::new(),
-            param: String::new(),
-            answers: None,
-            operator: Attended::default(),
-            max_time: None,
-            max_blocks: None,
-            max_memory: None,
+            ..Inputs::plain(&self.programs)
         }
     }
 }

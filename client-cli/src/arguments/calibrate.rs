@@ -1,0 +1,43 @@
+//! Arguments of `counterpoint calibrate`.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use super::Inputs;
+
+#[derive(Debug, Args)]
+pub(crate) struct Calibrate {
+    /// Run these programs, one per channel from left to right; the lines that were measured are those of the first
+    #[arg(required = true, value_name = "PROGRAM")]
+    programs: Vec<String>,
+    /// Begin with the data of this machine: a name, or a folder with machine.toml
+    #[arg(long, value_name = "NAME|DIR")]
+    pub(crate) machine: String,
+    /// Read measured times from this file: a table with the columns `line` and `seconds`, or `line` and `time` of samples,
+    /// or a document of MTConnect
+    #[arg(long, value_name = "FILE")]
+    pub(crate) measured: PathBuf,
+    /// Take the lines of this channel
+    #[arg(long, default_value_t = 1, value_name = "N")]
+    pub(crate) channel: u16,
+    /// Add files that the programs may call (a folder adds all its files)
+    #[arg(long = "with", value_name = "FILE|DIR")]
+    with: Vec<PathBuf>,
+    /// Write a machine with the fitted data into this new folder
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: Option<PathBuf>,
+    /// Print the result as JSON instead of the report
+    #[arg(long)]
+    pub(crate) json: bool,
+    /// Show all lines in the report, not only the ten largest differences
+    #[arg(long, short)]
+    pub(crate) verbose: bool,
+}
+
+impl Calibrate {
+    /// What the job is made of.
+    pub(crate) fn inputs(&self) -> Inputs {
+        Inputs { with: self.with.clone(), ..Inputs::plain(&self.programs) }
+    }
+}

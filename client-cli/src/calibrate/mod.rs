@@ -1,0 +1,223 @@
+//! `counterpoint calibrate`: fits the times of a machine to measured times of the lines of a program.
+//!
+//! The program runs in this process with other data of the machine until the squares of the differences are least. *Invariant:* what
+//! is reported as fitted is what the machine runs with.
+
+mod data;
+mod fit;
+mod measured;
+mod report;
+#[cfg(test)]
+mod tests;
+
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::sync::Arc;
+
+use counterpoint_kernel::control::Control;
+use counterpoint_kernel::event::event::Event;
+use counterpoint_kernel::files::{Files as _, Memory};
+use counterpoint_kernel::job::{Job, Outcome, Program, Sink, Spec};
+use counterpoint_kernel::machine::package::Overlay;
+use counterpoint_kernel::machine::{Machine, load};
+use counterpoint_kernel::options::Options;
+use nalgebra::DVector;
+
+use crate::arguments::Calibrate;
+use crate::error::Error;
+use crate::pack::{self, Files};
+use crate::{changed_machine, own_machine, say};
+use data::Datum;
+use measured::Lines;
+
+/// Smallest value of a datum that is above zero, as its logarithm.
+const LEAST: f64 = -14.0;
+
+/// Programs and files of the runs, and what was measured.
+struct Trial {
+    machine: Machine,
+    programs: Vec<Program>,
+    files: Memory,
+    channel: u16,
+    lines: Lines,
+}
+
+/// A datum with its values.
+#[derive(Debug)]
+struct Fitted {
+    datum: Datum,
+    before: Option<f64>,
+    after: f64,
+    /// Standard error, if the measurements determine the datum.
+    error: Option<f64>,
+}
+
+/// What came out.
+#[derive(Debug)]
+struct Calibration {
+    data: Vec<Fitted>,
+    /// Line, seconds measured, before and after.
+    lines: Vec<(u32, [f64; 3])>,
+}
+
+/// Executes the command.
+pub(crate) fn calibrate(arguments: &Calibrate) -> Result<u8, Error> {
+    let lines = measured::read(&arguments.measured)?;
+    let trial = Trial::new(arguments, lines)?;
+    let calibration = trial.calibrate()?;
+    let machine = &trial.machine;
+    if arguments.json {
+        say::data(report::json(machine, &calibration)?.as_bytes())?;
+    } else {
+        say::data(report::text(machine, &calibration, arguments.verbose).as_bytes())?;
+    }
+    if let Some(folder) = &arguments.out {
+        write(folder, &arguments.machine, machine, &calibration)?;
+    }
+    Ok(0)
+}
+
+/// Writes a folder for a machine with the fitted data, based on a shipped one.
+fn write(folder: &Path, from: &str, machine: &Machine, calibration: &Calibration) -> Result<(), Error> {
+    if pack::is_folder(from) {
+        let text = format!("--out needs a shipped machine to base on: put the values into {from}/machine.toml");
+        return Err(Error::Usage(text));
+    }
+    own_machine::create_with(folder, from, |text| report::definition(&text, machine, calibration))
+}
+
+impl Trial {
+    fn new(arguments: &Calibrate, lines: Lines) -> Result<Self, Error> {
+        let (name, machine) = changed_machine::machine(&arguments.machine, &[])?;
+        let Files(packed) = machine;
+        let mut files = Memory::default();
+        for (path, blob) in packed {
+            files.insert(path, blob.content());
+        }
+        let loaded = load(&Overlay::over_shipped(files), &name);
+        let Some(machine) = loaded.machine else {
+            let findings: Vec<String> = loaded.findings.iter().map(ToString::to_string).collect();
+            let text = format!("machine '{}' cannot be used: {}", arguments.machine, findings.join("; "));
+            return Err(Error::Usage(text));
+        };
+        if !machine.channels.iter().any(|channel| channel.number == arguments.channel) {
+            return Err(Error::Usage(format!("machine '{}' has no channel {}", arguments.machine, arguments.channel)));
+        }
+        let packed = pack::job(&arguments.inputs())?;
+        let mut files = Memory::default();
+        for (path, blob) in packed.files.0 {
+            files.insert(path, blob.content());
+        }
+        let program = |program: counterpoint_proto::v1::Program| Program {
+            file: program.path,
+            number: program.number,
+            section: program.section,
+            channel: None,
+        };
+        let programs = packed.programs.into_iter().map(program).collect();
+        Ok(Self { machine, programs, files, channel: arguments.channel, lines })
+    }
+
+    /// Fits the data.
+    fn calibrate(&self) -> Result<Calibration, Error> {
+        let events = self.run(self.machine.clone())?;
+        let before = self.seconds(&events);
+        let file = self.programs.first().map(|program| program.file.as_str()).unwrap_or_default();
+        let text = self.files.read(file).map(|text| String::from_utf8_lossy(&text).into_owned()).unwrap_or_default();
+        let texts: Vec<&str> = text.lines().collect();
+        let measured = self.lines.keys().filter_map(|line| texts.get((*line as usize).checked_sub(1)?).copied());
+        let mut data = Datum::of(&self.machine, self.channel, &events);
+        data.extend(Datum::of_codes(&self.machine, measured));
+        let started = self.with(&data, &data.iter().map(|datum| self.parameter(datum)).collect::<Vec<_>>());
+        let untouched = self.differences(&self.seconds(&self.run(started)?));
+        // What changes no measured line has nothing to be fitted by.
+        let mut kept = Vec::new();
+        for datum in data {
+            let start = self.parameter(&datum);
+            let step = if datum.is_factor() { 0.5 } else { 0.1 };
+            let mut all: Vec<(Datum, f64)> =
+                kept.iter().map(|datum| (Datum::clone(datum), self.parameter(datum))).collect();
+            all.push((datum.clone(), start + step));
+            let (data, values): (Vec<Datum>, Vec<f64>) = all.into_iter().unzip();
+            let moved = self.differences(&self.seconds(&self.run(self.with(&data, &values))?));
+            if (moved - &untouched).amax() > 1e-9 {
+                kept.push(datum);
+            }
+        }
+        let start: Vec<f64> = kept.iter().map(|datum| self.parameter(datum)).collect();
+        let steps: Vec<f64> = kept.iter().map(|datum| if datum.is_factor() { 1e-3 } else { 1e-4 }).collect();
+        let fit = fit::fit(start, &steps, |values| {
+            Ok::<_, Error>(self.differences(&self.seconds(&self.run(self.with(&kept, values))?)))
+        })?;
+        let after = self.seconds(&self.run(self.with(&kept, &fit.values))?);
+        let data = kept.into_iter().zip(fit.values).zip(fit.errors).map(|((datum, value), error)| {
+            let after = actual(&datum, value);
+            let error = error.map(|error| if datum.is_factor() { error * after } else { error });
+            Fitted { before: datum.value(&self.machine), after, error, datum }
+        });
+        let of = |times: &BTreeMap<u32, f64>, line: &u32| times.get(line).copied().unwrap_or(0.0);
+        let lines = self.lines.iter().map(|(line, seconds)| (*line, [*seconds, of(&before, line), of(&after, line)]));
+        Ok(Calibration { data: data.collect(), lines: lines.collect() })
+    }
+
+    /// A datum as it is fitted.
+    fn parameter(&self, datum: &Datum) -> f64 {
+        let value = datum.start(&self.machine);
+        if datum.is_factor() { value.max(1e-6).ln() } else { value }
+    }
+
+    /// The machine with other data.
+    fn with(&self, data: &[Datum], values: &[f64]) -> Machine {
+        let mut machine = self.machine.clone();
+        for (datum, value) in data.iter().zip(values) {
+            datum.put(&mut machine, actual(datum, *value));
+        }
+        machine
+    }
+
+    fn run(&self, machine: Machine) -> Result<Vec<Event>, Error> {
+        let control = Control::new(machine.channels.len());
+        let options = Options { threads: 1, ..Options::default() };
+        let spec = Spec { machine: Arc::new(machine), programs: self.programs.clone(), options };
+        let job = Job::prepare(spec, &self.files).map_err(|error| Error::Usage(error.to_string()))?;
+        let mut sink = Timed { channel: self.channel, events: Vec::new() };
+        let outcome: Outcome = job.run(&self.files, &control, &mut sink);
+        if outcome.cancelled {
+            return Err(Error::Usage("the run was cancelled".to_owned()));
+        }
+        Ok(sink.events)
+    }
+
+    /// Seconds of each line of the first program.
+    fn seconds(&self, events: &[Event]) -> BTreeMap<u32, f64> {
+        let mut lines = BTreeMap::new();
+        let main = events.iter().find(|event| event.line > 0).map(|event| event.file);
+        for event in events.iter().filter(|event| Some(event.file) == main && event.line > 0) {
+            *lines.entry(event.line).or_insert(0.0) += event.dur_ns as f64 / 1e9;
+        }
+        lines
+    }
+
+    fn differences(&self, seconds: &BTreeMap<u32, f64>) -> DVector<f64> {
+        let of = |line: &u32| seconds.get(line).copied().unwrap_or(0.0);
+        DVector::from_iterator(self.lines.len(), self.lines.iter().map(|(line, measured)| of(line) - measured))
+    }
+}
+
+/// The value of a datum from what was fitted.
+fn actual(datum: &Datum, value: f64) -> f64 {
+    if datum.is_factor() { value.max(LEAST).exp() } else { value.max(0.0) }
+}
+
+/// Keeps the events of a channel.
+struct Timed {
+    channel: u16,
+    events: Vec<Event>,
+}
+
+impl Sink for Timed {
+    fn events(&mut self, _first_seq: u64, batch: &[Event]) -> bool {
+        self.events.extend(batch.iter().filter(|event| event.channel == self.channel).cloned());
+        true
+    }
+}
