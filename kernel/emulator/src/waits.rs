@@ -5,6 +5,7 @@
 
 pub(crate) mod balance;
 mod channels;
+pub(crate) mod coupling;
 mod fanuc;
 pub(crate) mod leases;
 mod line_up;
@@ -18,6 +19,7 @@ pub(crate) use signals::{signal, signal_number, signal_wait};
 pub(crate) use statements::{Statement, by_statement, known_channel, operands};
 
 use counterpoint_event::event::Primitive;
+use counterpoint_machine::ident::CodeId;
 use counterpoint_machine::index::RegisterId;
 use counterpoint_machine::model::{self, Machine, WaitAct, WaitRow};
 use counterpoint_machine::rows::{CodeForm, CodeRow};
@@ -38,6 +40,8 @@ const BY_REGISTER: u16 = 0x4000;
 const BALANCE: u16 = 0x3fff;
 /// Axes and spindles that channels exchange.
 const LEASE: u16 = 0x3ffe;
+/// Coupled axes: the first of six families, one for each code.
+const COUPLING: u16 = 0x3ff0;
 const BY_ROW: u16 = 0x8000;
 
 /// What a word of the program means.
@@ -67,7 +71,18 @@ pub fn rules(machine: &Machine) -> Rules {
     let heads = HEADS.into_iter().chain(['M']).map(|letter| fanuc::rule(&letter.to_string()));
     let letters = machine.registers.iter().map(|register| fanuc::rule(&letter(&register.name).to_string()));
     let rows = machine.sync.waits.iter().map(|row| rule(machine, row));
-    Rules::new(start.chain(heads).chain(letters).chain(rows).chain(balance::rules(machine)))
+    Rules::new(
+        start.chain(heads).chain(letters).chain(rows).chain(balance::rules(machine)).chain(coupling::rules(machine)),
+    )
+}
+
+/// The word of the first row with a code.
+fn word(machine: &Machine, id: CodeId) -> Option<String> {
+    let mut rows = machine.codes.iter().filter(|row| row.id == id && row.enable);
+    rows.find_map(|row| match row.form {
+        CodeForm::Register { register, min, .. } => Some(format!("{}{min}", machine.registers[register].name)),
+        _ => None,
+    })
 }
 
 /// The first rule after those of the rows.

@@ -11,6 +11,7 @@ mod calls;
 pub mod carried;
 mod code_time;
 pub mod components;
+mod coupling;
 pub(crate) mod custom_macro;
 mod cycle_codes;
 mod cycle_event;

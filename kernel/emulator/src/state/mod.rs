@@ -11,6 +11,7 @@ pub(crate) mod clamps;
 pub(crate) mod compensation;
 pub(crate) mod coolant;
 pub(crate) mod corner;
+pub(crate) mod coupling;
 pub(crate) mod cutter;
 pub(crate) mod cycle;
 pub(crate) mod frames;
@@ -94,6 +95,8 @@ pub(crate) struct Others {
     pub(crate) tools: FxHashMap<u32, ToolData>,
     /// Where the channel waits before its cuts, while two channels begin them together.
     pub(crate) balance: Option<Wait>,
+    /// Axes that are coupled with axes of other channels.
+    pub(crate) couplings: Vec<coupling::Coupling>,
 }
 
 impl Others {
@@ -109,6 +112,7 @@ impl Others {
             before_change: None,
             tools: FxHashMap::default(),
             balance: None,
+            couplings: Vec::new(),
         }
     }
 }
