@@ -40,6 +40,7 @@ fn all_machines_load_without_a_finding() {
             "haas-mill-turn",
             "heidenhain-mill",
             "isg-3channel",
+            "merging-lathe",
             "mitsubishi-mill",
             "okuma-2turret",
             "okuma-lathe",
