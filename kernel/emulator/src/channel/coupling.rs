@@ -15,6 +15,7 @@ use counterpoint_sync::shared::{Coupled, Stand};
 use counterpoint_sync::wait::Wait;
 
 use super::Kernel;
+use crate::state::State;
 use crate::state::coupling::{Coupling, Parking, slots};
 use crate::waits::coupling::{End, Kind, Pair};
 
@@ -62,7 +63,7 @@ impl Kernel<'_> {
             let moves = (theirs.place, coupling.from, sign);
             let layout = &mut self.channel.state.place.layout;
             let moving = layout.axes[slot].moving(&machine.axes[other.axis], moves);
-            coupling.own = Some(std::mem::replace(&mut layout.axes[slot], moving));
+            coupling.own = Some((std::mem::replace(&mut layout.axes[slot], moving), moves));
             self.limits_changed();
         }
         self.channel.state.others.couplings.push(coupling);
@@ -121,7 +122,7 @@ impl Kernel<'_> {
         let at = couplings.iter().position(|coupling| coupling.pair == *pair)?;
         let coupling = couplings.remove(at);
         let slot = coupling.slot;
-        if let Some(own) = coupling.own {
+        if let Some((own, _)) = coupling.own {
             self.channel.state.place.layout.axes[slot] = own;
             self.limits_changed();
         }
@@ -156,6 +157,21 @@ impl Kernel<'_> {
             *cutter.contour.at_mut(slot) += after - before;
         }
         true
+    }
+
+    /// Another component of a composite machine works: its axes are coupled as before.
+    pub(crate) fn keep_couplings(&mut self) {
+        let (machine, channel) = (self.channel.env.machine, self.channel.at.channel);
+        let State { place, others, .. } = &mut self.channel.state;
+        for coupling in &mut others.couplings {
+            let (slot, other) = (coupling.slot, coupling.pair.of(channel).map(|(_, other)| other));
+            if let Some(((own, moves), other)) = coupling.own.as_mut().zip(other) {
+                let moving = place.layout.axes[slot].moving(&machine.axes[other.axis], *moves);
+                *own = std::mem::replace(&mut place.layout.axes[slot], moving);
+            }
+        }
+        self.limits_changed();
+        self.hold_followers();
     }
 
     /// Words of axes that follow others are no commands.

@@ -89,7 +89,7 @@ impl<'a> Kernel<'a> {
                 text: BlockText { tape, ..BlockText::default() },
                 acting: Acting::default(),
                 state: State::new(machine, channel),
-                reports: Reports::new(rules(machine)),
+                reports: Reports::new(rules(env.whole)),
                 burden: Burden::default(),
                 held: None,
             },

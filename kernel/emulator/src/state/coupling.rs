@@ -45,8 +45,8 @@ pub(crate) struct Coupling {
     pub(crate) from: f64,
     /// How often both channels have met so.
     pub(crate) meetings: u8,
-    /// The own axis, while the words of the channel move the other one.
-    pub(crate) own: Option<Axis>,
+    /// While the words of the channel move the other axis: the own one, and where both stood, as [`Axis::moving`] takes it.
+    pub(crate) own: Option<(Axis, (f64, f64, f64))>,
 }
 
 impl Coupling {
