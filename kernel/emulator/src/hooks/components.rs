@@ -98,6 +98,9 @@ impl Kernel<'_> {
             levels: levels.clone(),
         });
         (self.flow.labels, self.flow.tables) = (Default::default(), 0);
+        if let Some(rested) = self.components.turns.dialects.last() {
+            self.dialect.variables.follow(&rested.dialect.variables);
+        }
         let reader = self.channel.env.whole.reader_for(machine.preprocessor);
         self.channel.env.sources = self.channel.env.sources.by(reader);
         for at in 0..self.flow.frames.len() {
