@@ -13,10 +13,12 @@ use crate::channel::flow::Callee;
 use crate::channel::flow::Pending;
 use crate::channel::plan::Source;
 use crate::state::channel::Channel;
+use crate::state::coupling::Parking;
 use crate::state::cycle::Hole;
 use crate::state::frames::offsets::Table;
 use crate::state::spindle::Turning;
 use crate::state::turning::ContourCycle;
+use crate::waits::coupling::Pair;
 use counterpoint_event::event::{Event, Kind, Motion, ToolAction};
 use counterpoint_machine::ident::{CodeId, DataId};
 use counterpoint_machine::index::AxisSlot;
@@ -335,6 +337,21 @@ impl Act<'_, '_> {
     /// Waits for other channels.
     pub(crate) fn wait_for(&mut self, wait: Wait) -> Acted {
         self.kernel.wait(wait)
+    }
+
+    /// Couples axes of this channel and another one.
+    pub(crate) fn couple(&mut self, pair: Pair, parking: Parking) -> Acted {
+        self.kernel.couple(pair, parking)
+    }
+
+    /// Ends a coupling.
+    pub(crate) fn end_coupling(&mut self, pair: Pair) -> Acted {
+        self.kernel.end_coupling(pair)
+    }
+
+    /// The alarm for a code that an axis to which moves are added cannot have, if one of these is such an axis.
+    pub(crate) fn added_to(&mut self, moved: u8, alarm: &str) -> Acted {
+        self.kernel.added_to(moved, alarm)
     }
 
     /// Does something at which other channels may continue; it is shown as this wait would be.

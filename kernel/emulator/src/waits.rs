@@ -5,6 +5,7 @@
 
 pub(crate) mod balance;
 mod channels;
+pub(crate) mod coupling;
 mod fanuc;
 pub(crate) mod leases;
 mod line_up;
@@ -18,6 +19,7 @@ pub(crate) use signals::{signal, signal_number, signal_wait};
 pub(crate) use statements::{Statement, by_statement, known_channel, operands};
 
 use counterpoint_event::event::Primitive;
+use counterpoint_machine::ident::CodeId;
 use counterpoint_machine::index::RegisterId;
 use counterpoint_machine::model::{self, Machine, WaitAct, WaitRow};
 use counterpoint_machine::rows::{CodeForm, CodeRow};
@@ -29,8 +31,10 @@ const START: u16 = 0;
 const HEADS: [char; 3] = ['S', 'B', 'E'];
 /// The rule of a waiting code without a letter.
 const BARE: u16 = 4;
-/// The rule of the first register; the others and the rows of `[[waits]]` follow.
-const REGISTERS: u16 = 5;
+/// The rule of codes of the letter A; those of the other letters and of the rows of `[[waits]]` follow.
+const LETTERS: u16 = 5;
+/// The rule of the first row.
+const ROWS: u16 = LETTERS + 26;
 
 /// Families of marks: below these a letter, from here on a register or a row.
 const BY_REGISTER: u16 = 0x4000;
@@ -38,6 +42,8 @@ const BY_REGISTER: u16 = 0x4000;
 const BALANCE: u16 = 0x3fff;
 /// Axes and spindles that channels exchange.
 const LEASE: u16 = 0x3ffe;
+/// Coupled axes: the first of six families, one for each code.
+const COUPLING: u16 = 0x3ff0;
 const BY_ROW: u16 = 0x8000;
 
 /// What a word of the program means.
@@ -60,19 +66,37 @@ pub(crate) struct Said {
     pub(crate) list: Option<f64>,
 }
 
-/// The rules of all waits of a machine.
+/// The rules of all waits of a machine. Those of a composite machine and of its components have the same numbers, whatever
+/// registers they have.
 #[must_use]
 pub fn rules(machine: &Machine) -> Rules {
     let start = std::iter::once(Rule::plain("START"));
     let heads = HEADS.into_iter().chain(['M']).map(|letter| fanuc::rule(&letter.to_string()));
-    let letters = machine.registers.iter().map(|register| fanuc::rule(&letter(&register.name).to_string()));
+    let letters = ('A'..='Z').map(|letter| fanuc::rule(&letter.to_string()));
     let rows = machine.sync.waits.iter().map(|row| rule(machine, row));
-    Rules::new(start.chain(heads).chain(letters).chain(rows).chain(balance::rules(machine)))
+    Rules::new(
+        start.chain(heads).chain(letters).chain(rows).chain(balance::rules(machine)).chain(coupling::rules(machine)),
+    )
+}
+
+/// The word of the first row with a code, of the machine or of one of its components.
+fn word(machine: &Machine, id: CodeId) -> Option<String> {
+    let own = machine.codes.iter().filter(|row| row.id == id && row.enable).find_map(|row| match row.form {
+        CodeForm::Register { register, min, .. } => Some(format!("{}{min}", machine.registers[register].name)),
+        _ => None,
+    });
+    own.or_else(|| machine.components.iter().find_map(|component| word(&component.machine, id)))
 }
 
 /// The first rule after those of the rows.
 fn extra_rule(machine: &Machine) -> u16 {
-    REGISTERS + (machine.registers.len() + machine.sync.waits.len()) as u16
+    ROWS + machine.sync.waits.len() as u16
+}
+
+/// The rule of codes of a letter.
+fn of_letter(letter: char) -> u16 {
+    let at = u32::from(letter.to_ascii_uppercase()).wrapping_sub(u32::from('A'));
+    if at < 26 { LETTERS + at as u16 } else { BARE }
 }
 
 fn letter(name: &str) -> char {
@@ -108,8 +132,8 @@ fn rule(machine: &Machine, row: &WaitRow) -> Rule {
 
 /// The path need not stop at a wait.
 pub(crate) fn is_passed_in_motion(machine: &Machine, wait: &Wait) -> bool {
-    let row = usize::from(wait.rule).checked_sub(usize::from(REGISTERS) + machine.registers.len());
-    row.and_then(|row| machine.sync.waits.get(row)).is_some_and(|row| !row.stops)
+    let row = wait.rule.checked_sub(ROWS);
+    row.and_then(|row| machine.sync.waits.get(usize::from(row))).is_some_and(|row| !row.stops)
 }
 
 /// All channels of the machine.
@@ -166,7 +190,7 @@ pub(crate) fn is_for_nobody(wait: &Wait, own: u16) -> bool {
 fn by_letter(machine: &Machine, code: &CodeRow, said: Said) -> Result<Meaning, String> {
     let register = register(&code.form);
     let name = register.map_or("M", |register| machine.registers[register].name.as_str());
-    let rule = register.map_or(BARE, |register| REGISTERS + register.index() as u16);
+    let rule = register.map_or(BARE, |_| of_letter(letter(name)));
     let parts = fanuc::participants(said, machine.sync.paths, all(machine))?;
     Ok(Meaning::Wait(barrier(letter(name), said.number, parts, rule)))
 }
@@ -191,25 +215,25 @@ fn by_row(machine: &Machine, (index, row): (u16, &WaitRow), said: Said) -> Resul
     let number = if matches!(row.form, Some(CodeForm::Text(_))) { row.mark } else { said.number };
     let space = match (row.primitive, row.form.as_ref().and_then(register)) {
         // Words that wait for each other have one letter; the others belong together whatever they are called.
-        (Primitive::Barrier | Primitive::Count, Some(register)) => BY_REGISTER + register.index() as u16,
+        (Primitive::Barrier | Primitive::Count, Some(_)) => BY_REGISTER + first_of_word(machine, row),
         (Primitive::Barrier | Primitive::Count, None) => BY_ROW + index,
         _ => 0,
     };
     let key = Key { space, number };
-    Ok(of_row(machine, (index, row), key, (named, parts), said.channel))
+    Ok(of_row((index, row), key, (named, parts), said.channel))
+}
+
+/// The first row that is written with the same letters, by position.
+fn first_of_word(machine: &Machine, row: &WaitRow) -> u16 {
+    let same = |other: &WaitRow| other.word == row.word && other.form.as_ref().and_then(register).is_some();
+    machine.sync.waits.iter().position(same).unwrap_or(0) as u16
 }
 
 /// What a row means for a mark and channels, in the channel with the number `own`.
-fn of_row(
-    machine: &Machine,
-    (index, row): (u16, &WaitRow),
-    key: Key,
-    (named, parts): (Option<Set>, Set),
-    own: u16,
-) -> Meaning {
+fn of_row((index, row): (u16, &WaitRow), key: Key, (named, parts): (Option<Set>, Set), own: u16) -> Meaning {
     let broadcast = row.primitive == Primitive::Signal && named.is_none();
     let need = if broadcast { 1 } else { row.need };
-    let rule = REGISTERS + machine.registers.len() as u16 + index;
+    let rule = ROWS + index;
     let wait = Wait { primitive: row.primitive, key, named, parts, need, rule };
     match row.act {
         // A word neither selects nor starts: the loader refuses that.

@@ -188,6 +188,8 @@ diagnostics! {
     EXTERNAL_VARIABLE 2900438 "external-variable" 12 true "external variable not there, or not accessible so (ISG)";
     SIGNAL_VALUE 2900439 "signal-values" 12 true "values of a signal that are not taken over (21549)";
     BALANCE_ILLEGAL 2900421 "balance-cut-illegal" 12 true "balance cutting commanded wrongly (PS0163)";
+    COUPLING_ILLEGAL 2900447 "axis-coupling-illegal" 12 true "axes coupled wrongly (PS5339, PS0352, PS0357, PS0362)";
+    COUPLED_AXIS 2900448 "coupled-axis-moved" 12 true "move that a coupled axis cannot make (PS0353, PS0363, PS0364)";
     CYCLE_REFUSED 2900450 "cycle-refused" 12 true "cycle that the control refuses";
     OKUMA_DRAWING 2900451 "drawing-ignored" 0 false "statements for the screen that change neither path nor time (Okuma)";
     OKUMA_BLANK 2900452 "blank-ignored" 4 false "shape of the blank before a contour that the cycle ignores (Okuma)";

@@ -76,7 +76,7 @@ impl Job {
             cancelled: true,
         };
         spec.options.limits = spec.options.limits.capped();
-        let syntax = counterpoint_dialect::of(&spec.machine).syntax();
+        let syntax = |machine: &Machine| counterpoint_dialect::of(machine).syntax();
         let (info, sources) = match counterpoint_program::layout::assign(&spec, syntax, files, stop) {
             _ if stop.asked() => return Err(cancelled()),
             Ok(assigned) => assigned,

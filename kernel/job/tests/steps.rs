@@ -39,6 +39,10 @@ struct Script {
 }
 
 impl Console for Script {
+    fn has_news(&self) -> bool {
+        false
+    }
+
     fn poll(&self) -> Heard {
         Heard::Nothing
     }

@@ -231,6 +231,17 @@ pub struct Axis {
     pub turn: Turn,
     /// Channels exchange it; this one has it at the start.
     pub master: Option<u16>,
+    /// How codes that couple axes of channels name it and what it does when coupled.
+    pub coupling: AxisCoupling,
+}
+
+/// An axis as codes see it that couple axes of channels (Fanuc G51.4, G51.5, G51.6).
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct AxisCoupling {
+    /// Number by which programs name it (Fanuc parameter 12600); none: it cannot be coupled.
+    pub number: Option<u16>,
+    /// Its positive direction is against that of the other axes with a number.
+    pub mirrored: bool,
 }
 
 /// How fast the speed of an axis changes, in axis units (radius on a diameter axis).
@@ -242,6 +253,14 @@ pub struct Dynamics {
     pub jerk: Option<f64>,
     /// Largest change of its speed at a corner that is passed without a stop, units per minute; `None` = any.
     pub corner_speed: Option<f64>,
+}
+
+impl Dynamics {
+    /// The same with the corner speed per second.
+    #[must_use]
+    pub fn per_second(self) -> Self {
+        Self { corner_speed: self.corner_speed.map(|speed| speed / 60.0), ..self }
+    }
 }
 
 /// How an absolute word turns a rotary axis.

@@ -187,8 +187,12 @@ pub type Common<'c> = dyn FnMut() -> Vec<(String, Value)> + 'c;
 
 /// What the kernels of a job ask that somebody steps through.
 pub trait Stepper: Sync {
-    /// A kernel stands before a block.
-    fn stands(&self, seen: Seen);
+    /// A kernel stands before a block; `true`: it begins the block at once without giving the run away, since nothing stops the run
+    /// there. `first`: no other kernel is further behind. Variables are asked for if they may be others than the last time.
+    fn stands(&self, place: &Seen, first: bool, variables: (u64, &dyn Fn() -> Vec<(u32, f64)>)) -> bool;
+
+    /// Something within a block may stop the run.
+    fn listens(&self) -> bool;
 
     /// A kernel has come to something within its block; `true`: the run stops here.
     fn comes_to(&self, event: Event<'_>, seen: &mut dyn FnMut() -> Seen) -> bool;
@@ -213,7 +217,10 @@ pub enum Heard {
 
 /// Where the commands for a job come from.
 pub trait Console: Send + Sync {
-    /// The next command, if one is there. Cheap, since it is asked before every block.
+    /// A command is there, or nobody will command anything any more. Cheap, since it is asked before every block.
+    fn has_news(&self) -> bool;
+
+    /// The next command, if one is there.
     fn poll(&self) -> Heard;
 
     /// The next command. Waits for it at most so long; who asks looks at the end of the job in between.

@@ -13,8 +13,9 @@ use rustc_hash::FxHashSet;
 
 use super::callers::Callers;
 use super::mains::mains;
+use super::readers::{Reader, Readers};
 use super::sections;
-use super::shape::{Range, Shape};
+use super::shape::Range;
 use super::source::Source;
 use super::sources::Sources;
 use super::syntax::Syntax;
@@ -33,19 +34,20 @@ const MOST_PARAMETERS: usize = 1000;
 /// Assigns the programs of a job. When `stop` is asked for meanwhile, what comes out is of no use.
 pub fn assign(
     spec: &Spec,
-    syntax: &'static Syntax,
+    syntax: impl Fn(&Machine) -> &'static Syntax,
     files: &dyn Files,
     stop: &Stop,
 ) -> Result<(Info, Sources), Vec<Finding>> {
     let mut findings = Vec::new();
     check_options(spec, &mut findings);
-    let (table, sources) = file_table(spec, syntax, files, stop, &mut findings);
+    let readers = Readers::of(&spec.machine, syntax);
+    let (table, sources) = file_table(spec, &readers, files, stop, &mut findings);
     if spec.programs.is_empty() {
         findings.push(Finding::error("job", 0, 0, "a job needs at least one program"));
     }
     let mut channels = channels(&spec.machine);
     if findings.is_empty() {
-        let candidates = candidates(spec, syntax, (&table, &sources), &mut findings);
+        let candidates = candidates(spec, &readers, (&table, &sources), &mut findings);
         place(spec, candidates, &mut channels, &mut findings);
     }
     if findings.iter().any(|f| f.error) {
@@ -131,35 +133,37 @@ fn sections_of(source: &Source) -> Vec<Section> {
 
 fn file_table(
     spec: &Spec,
-    syntax: &'static Syntax,
+    readers: &Readers<'_>,
     files: &dyn Files,
     stop: &Stop,
     findings: &mut Vec<Finding>,
 ) -> (Vec<File>, Sources) {
-    let (mut table, mut sources) = (Vec::new(), Sources::default());
+    let (mut table, mut sources) = (Vec::new(), Sources::new(readers.count()));
     let mut known: FxHashSet<String> = FxHashSet::default();
-    let shape = Arc::new(Shape::of(&spec.machine, syntax));
-    let machine = &spec.machine;
-    let shaped = |name: &str, bytes| Arc::new(sections::source(name, bytes, Arc::clone(&shape), stop.clone(), machine));
+    let shaped = |name: &str, bytes, reader: usize| {
+        let reader = readers.at(reader);
+        Arc::new(sections::source(name, bytes, Arc::clone(&reader.shape), stop.clone(), reader.machine))
+    };
     let file = |name: String, text, source: Option<&Source>| File {
         stored: name.starts_with(StoredFile::ROOT),
         name,
         text,
         sections: source.map_or(Vec::new(), sections_of),
     };
-    for program in &spec.programs {
+    for (place, program) in spec.programs.iter().enumerate() {
         if stop.asked() || !known.insert(program.file.clone()) {
             continue;
         }
         let source = match files.read(&program.file) {
-            Ok(bytes) => Some(shaped(&program.file, bytes)),
+            Ok(bytes) => Some(shaped(&program.file, bytes, readers.of_program(&spec.programs, place))),
             Err(error) => {
                 findings.push(Finding::error(program.file.clone(), 0, 0, error.to_string()));
                 None
             }
         };
         table.push(file(program.file.clone(), OnceLock::from(text_of(&source)), source.as_deref()));
-        sources.push(Some(source));
+        let own = readers.of_program(&spec.programs, place);
+        sources.push(|reader| (reader == own || source.is_none()).then(|| source.clone()));
     }
     for name in files.list() {
         if table.len() + spec.machine.storage.len() >= usize::from(u16::MAX) {
@@ -168,14 +172,18 @@ fn file_table(
         }
         if !known.contains(&name) {
             table.push(file(name, OnceLock::new(), None));
-            sources.push(None);
+            sources.push(|_| None);
         }
     }
     for stored in &spec.machine.storage {
         let name = format!("{}{}", StoredFile::ROOT, stored.path);
-        let source = Some(shaped(&name, stored.content.clone()));
+        let source = Some(shaped(&name, stored.content.clone(), 0));
+        let own = |reader: usize| match reader {
+            0 => source.clone(),
+            reader => Some(shaped(&name, stored.content.clone(), reader)),
+        };
+        sources.push(|reader| Some(own(reader)));
         table.push(file(name, OnceLock::from(text_of(&source)), source.as_deref()));
-        sources.push(Some(source));
     }
     (table, sources)
 }
@@ -199,26 +207,30 @@ impl Candidate<'_> {
 
 fn candidates<'a>(
     spec: &'a Spec,
-    syntax: &Syntax,
+    readers: &Readers<'_>,
     (table, sources): (&[File], &Sources),
     findings: &mut Vec<Finding>,
 ) -> Vec<Candidate<'a>> {
     let mut candidates: Vec<Candidate<'a>> = Vec::new();
-    let callers = Callers::of(&spec.machine, syntax);
     // One more than fit is enough to say that there are too many.
     for wish in spec.programs.iter().take(spec.machine.channels.len() + 1) {
         let Some(index) = table.iter().position(|f| f.name == wish.file) else { continue };
         let file = index as u16;
-        let Some(source) = sources.get(file) else { continue };
+        // The first program of a file says who reads it.
+        let first = spec.programs.iter().position(|program| program.file == wish.file).unwrap_or(0);
+        let reader = readers.of_program(&spec.programs, first);
+        let Some(source) = sources.read_by(reader, file) else { continue };
+        let Reader { machine, callers, .. } = readers.at(reader);
+        let format = &machine.format;
         if source.walk(1, source.lines()).all(|n| source.line(n).iter().all(u8::is_ascii_whitespace)) {
             let text = "the file is empty: a program needs at least one block";
             findings.push(Finding::error(wish.file.clone(), 0, 0, text));
             continue;
         }
-        if let Some(sections) = in_sections(wish, source, &callers) {
+        if let Some(sections) = in_sections(wish, source, callers) {
             let sections = sections.into_iter().map(|(channel, range)| {
                 let seen = source.seen_by(channel);
-                let range = opening(seen, range, &spec.machine.format);
+                let range = opening(seen, range, format);
                 Candidate { wish, file, range, name: Some(section_name(source, channel)), channel: Some(channel) }
             });
             candidates.extend(sections);
@@ -234,19 +246,19 @@ fn candidates<'a>(
             None if wish.section.is_some() => {
                 wish.section.as_deref().and_then(|name| wanted(name, source)).into_iter().collect()
             }
-            Some(number) => match named(number, source, &callers) {
+            Some(number) => match named(number, source, callers) {
                 Some(range) => vec![range],
                 None => {
                     findings.push(missing_number(wish, number, source));
                     continue;
                 }
             },
-            None if spec.programs.len() == 1 => mains(source, &callers),
+            None if spec.programs.len() == 1 => mains(source, callers),
             None => {
                 let free = |r: &&Range| {
                     !candidates.iter().any(|t| t.file == file && t.range.number == r.number && t.range.last == r.last)
                 };
-                let mains = mains(source, &callers);
+                let mains = mains(source, callers);
                 mains.iter().find(free).or_else(|| source.programs().first()).copied().into_iter().collect()
             }
         };
@@ -254,7 +266,7 @@ fn candidates<'a>(
         for range in ranges {
             let name = source.name_at(range.first).filter(|_| several && range.number.is_none());
             let name = name.map(|name| String::from_utf8_lossy(name).into_owned());
-            let range = opening(source, range, &spec.machine.format);
+            let range = opening(source, range, format);
             candidates.push(Candidate { wish, file, range, name, channel: None });
         }
     }

@@ -8,6 +8,7 @@ pub mod line_up;
 mod mains;
 pub mod prefix_registers;
 pub mod presets;
+mod readers;
 pub mod scan;
 pub mod sections;
 pub mod shape;

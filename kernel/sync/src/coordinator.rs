@@ -230,6 +230,12 @@ impl Coordinator {
         self.slot(channel).map_or(i64::MAX, |slot| slot.bound.load(SeqCst))
     }
 
+    /// No other kernel that has something to do is further behind than this one at its clock.
+    pub fn is_furthest_behind(&self, channel: u16, clock: i64) -> bool {
+        let others = self.channels.numbers().iter().zip(&self.slots).filter(|(other, _)| **other != channel);
+        others.map(|(other, slot)| (slot.bound.load(SeqCst), *other)).all(|other| other > (clock, channel))
+    }
+
     /// The files that macros have written, when no kernel runs any more.
     pub fn written(&self) -> WrittenFiles {
         self.lock().order.shared.files.take()

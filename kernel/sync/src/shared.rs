@@ -23,6 +23,28 @@ pub struct Shared {
     pub files: Written,
     /// Spindles by index of the machine's list.
     pub spindles: Vec<Spindle>,
+    /// What channels with coupled axes let each other know when they meet.
+    pub coupled: FxHashMap<Coupled, Stand>,
+}
+
+/// One meeting of one of two coupled axes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub struct Coupled {
+    /// The axis that the values are about, by index of the machine's list.
+    pub axis: u16,
+    /// The axis that it is coupled with.
+    pub with: u16,
+    /// Which meeting it is. A value is read before the channels can come to the same one again.
+    pub at: u8,
+}
+
+/// Where an axis stands, and what its channel has commanded since the axes were coupled; geometry units.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Stand {
+    /// Place in the machine frame.
+    pub place: f64,
+    /// Distance commanded.
+    pub by: f64,
 }
 
 /// Commanded state of a spindle.

@@ -180,6 +180,8 @@ pub enum Style {
     LineUp,
     /// A statement with key words in brackets: `#WAIT [ID7 CH1 CH2]`.
     Keys,
+    /// A word with the numbers of two axes, 15 bits each, of which the first may be missing: `G51.4 P102 Q202`, `G50.4 Q202`.
+    Axes,
 }
 
 impl Rule {
@@ -202,6 +204,16 @@ impl Rule {
     /// The mark with this number, as the program writes it.
     fn marked(&self, number: u32) -> String {
         self.names.get(number as usize).map_or_else(|| number.to_string(), |name| name.to_string())
+    }
+}
+
+impl Rule {
+    /// The word with the numbers of two axes.
+    fn axes(&self, number: u32) -> String {
+        match (number >> 15, number & 0x7fff) {
+            (0, second) => format!("{} Q{second}", self.word),
+            (first, second) => format!("{} P{first} Q{second}", self.word),
+        }
     }
 }
 
@@ -248,6 +260,7 @@ impl Rules {
             Some(rule) if rule.numbered && rule.word.len() == 1 && wait.primitive != Primitive::Signal => {
                 number.to_string()
             }
+            Some(rule) if rule.style == Style::Axes => rule.axes(number),
             Some(rule) if !rule.names.is_empty() => rule.marked(number),
             Some(rule) if rule.numbered => format!("{}{number}", rule.word),
             Some(rule) => rule.word.to_string(),
@@ -266,6 +279,9 @@ impl Rules {
             let channels = wait.named.into_iter().flat_map(Set::iter).map(|channel| channel.to_string());
             let arguments: Vec<String> = mark.into_iter().chain(channels).collect();
             return format!("{}({})", rule.word, arguments.join(","));
+        }
+        if rule.style == Style::Axes {
+            return rule.axes(wait.key.number);
         }
         if rule.style == Style::Keys {
             let mut out = format!("{} [ID{}", rule.word, wait.key.number);

@@ -99,6 +99,10 @@ impl Inner {
 }
 
 impl Console for Stepping {
+    fn has_news(&self) -> bool {
+        self.pending.load(Ordering::Acquire)
+    }
+
     fn poll(&self) -> Heard {
         if !self.pending.load(Ordering::Acquire) {
             return Heard::Nothing;

@@ -34,6 +34,12 @@ pub(super) fn machine_frame(act: &mut Act<'_, '_>) -> Acted {
         act.diagnose(&diag::MACHINE_INCREMENTAL, text);
         return Ok(());
     }
+    if !act.state.others.couplings.is_empty() {
+        let axes = act.state.place.layout.axes.entries();
+        let named = axes.filter(|(_, axis)| act.has_any(act.registers_of(axis.data)));
+        let named = named.fold(0, |slots, (slot, _)| slots | slot.bit());
+        act.added_to(named, "PS0364 machine coordinates of an axis to which moves are added")?;
+    }
     act.block.flags.machine_frame = true;
     Ok(())
 }

@@ -34,6 +34,7 @@ pub(super) fn go(act: &mut Act<'_, '_>, number: usize) -> Acted {
         }
         coded = every_axis(act);
     }
+    act.added_to(coded, "PS0363 return to the reference point of an axis to which moves are added")?;
     act.trace(ACTION, |channel| trace::action(&home_text(channel, coded, number)));
     check_reference(act, coded, number)?;
     act.state.place.home_via = Some(via);

@@ -10,6 +10,7 @@ mod clamp;
 mod compensation;
 mod coolant;
 mod corners;
+mod couple;
 mod cutter;
 mod cycle;
 mod dwell;
@@ -51,6 +52,7 @@ static ENTRIES: &[&[Entry]] = &[
     compensation::ENTRIES,
     coolant::ENTRIES,
     corners::ENTRIES,
+    couple::ENTRIES,
     cycle::ENTRIES,
     dwell::ENTRIES,
     frame::ENTRIES,

@@ -30,8 +30,10 @@ impl Kernel<'_> {
         // Kernels may be ahead of their results, so the events say what those take at most.
         let events = self.ports.emitter.count();
         let several = self.channel.env.machine.channels.len() > 1;
-        let interpreter = self.dialect.interpreter.as_deref().map_or(0, |interpreter| interpreter.memory());
-        let compiled = self.dialect.interpreter.as_deref().map_or(0, |interpreter| interpreter.tables());
+        let kept = self.components.turns.dialects.iter().map(|resting| &resting.dialect);
+        let interpreters = || kept.clone().chain([&self.dialect]).filter_map(|dialect| dialect.interpreter.as_deref());
+        let interpreter = interpreters().map(|interpreter| interpreter.memory()).sum();
+        let compiled: u64 = interpreters().map(|interpreter| interpreter.tables()).sum();
         let tables = self.flow.tables as u64 + compiled;
         let parts = [
             (self.channel.burden.results, "diagnostics and waits"),

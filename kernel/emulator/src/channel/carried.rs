@@ -94,6 +94,8 @@ impl Kernel<'_> {
         self.components.turns = carried.turns;
         if let Some(component) = self.components.current() {
             (self.channel.env.machine, self.plan) = (component.machine, component.plan);
+            let reader = self.channel.env.whole.reader_for(component.machine.preprocessor);
+            self.channel.env.sources = self.channel.env.sources.by(reader);
         }
         self.ports.emitter.count_from(carried.events);
     }

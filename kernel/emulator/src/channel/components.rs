@@ -1,14 +1,17 @@
 //! The components of a composite machine, as a kernel has them.
 //!
 //! *Invariant:* a channel works with one component at a time. The macros of the others stay as they were left; what the machine
-//! itself remembers (positions, tools, offsets, spindles, variables of programs) is the channel's. Facts: reference
-//! control-emulator.md 8.3.
+//! itself remembers (positions, tools, offsets, spindles) is the channel's. Variables of programs and interpreters belong to the
+//! pre-processors of the channel: components with the same one share them. Facts: reference control-emulator.md 8.3.
 
 use std::sync::Arc;
 
+use counterpoint_dialect::Loops;
 use counterpoint_lang::compile::Program;
 use counterpoint_machine::Machine;
+use counterpoint_machine::preprocessor::Preprocessor;
 
+use super::parts::DialectState;
 use super::plan::Plan;
 use crate::macros::runtime::Runtime;
 
@@ -30,7 +33,7 @@ pub struct Component<'a> {
 }
 
 /// Which component a channel works with.
-#[derive(Debug, Default)]
+#[derive(Default)]
 pub(crate) struct Turns {
     /// Place of the one in work; none on a machine that is no composite.
     pub(crate) now: Option<usize>,
@@ -40,6 +43,20 @@ pub(crate) struct Turns {
     pub(crate) wanted: Option<usize>,
     /// Macros of components that have worked here, by place.
     pub(crate) kept: Vec<(usize, Box<Runtime>)>,
+    /// Pre-processors that have worked here and do not now.
+    pub(crate) dialects: Vec<Resting>,
+}
+
+/// A pre-processor that has worked here.
+pub(crate) struct Resting {
+    /// Which.
+    pub(crate) of: Preprocessor,
+    /// Its variables and its interpreter.
+    pub(crate) dialect: DialectState,
+    /// Loops that its programs were in.
+    pub(crate) loops: Loops,
+    /// Subprograms that ran then, each with whether it has variables of its own.
+    pub(crate) levels: Vec<bool>,
 }
 
 /// The components of the machine, and the one in work.

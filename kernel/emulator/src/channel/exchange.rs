@@ -42,6 +42,7 @@ impl Kernel<'_> {
 
     /// Words of axes that channels exchange: the channel holds them, or gets them now.
     pub(super) fn check_exchanged(&mut self, slots: u8) -> Acted {
+        self.follower_moved(slots)?;
         let axes: Vec<(AxisSlot, AxisId)> =
             self.channel.state.place.layout.axes.entries().map(|(slot, axis)| (slot, axis.machine)).collect();
         let channel = self.channel.at.channel;
@@ -81,6 +82,7 @@ impl Kernel<'_> {
             if !moves(motion, slot) {
                 continue;
             }
+            self.follower_moved(slot.bit())?;
             let axis = self.channel.state.place.layout.axes[slot].machine;
             let moved = Moved { to: to.at(slot), end_ns, by: channel };
             if let Err(holder) = self.shared(|order| order.waits.moves(channel, of_axis(axis), moved))? {

@@ -11,6 +11,7 @@ mod calls;
 pub mod carried;
 mod code_time;
 pub mod components;
+mod coupling;
 pub(crate) mod custom_macro;
 mod cycle_codes;
 mod cycle_event;
@@ -90,7 +91,7 @@ impl<'a> Kernel<'a> {
                 text: BlockText { tape, ..BlockText::default() },
                 acting: Acting::default(),
                 state: State::new(machine, channel),
-                reports: Reports::new(rules(machine)),
+                reports: Reports::new(rules(env.whole)),
                 burden: Burden::default(),
                 held: None,
                 pace: Pace::of(machine, channel, env.options),

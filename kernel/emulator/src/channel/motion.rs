@@ -98,7 +98,7 @@ impl Kernel<'_> {
     }
 
     #[inline(never)]
-    fn check_limits_of_axes(&mut self, to: &Position) {
+    pub(super) fn check_limits_of_axes(&mut self, to: &Position) {
         let mut over = None;
         let machine = self.channel.machine_point(to);
         for (axis, at) in self.channel.state.place.layout.axes.iter().zip(machine) {

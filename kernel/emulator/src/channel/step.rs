@@ -27,9 +27,13 @@ impl Kernel<'_> {
             return Err(Halt::Stopped);
         }
         let Some(stepper) = self.ports.stepper else { return Ok(()) };
-        stepper.stands(self.seen());
-        self.hold(stepper);
         let (channel, clock) = (self.channel.at.channel, self.channel.bound());
+        let first = self.ports.coordinator.is_furthest_behind(channel, clock);
+        let variables = &self.dialect.variables;
+        if stepper.stands(&self.place(), first, (variables.writes(), &|| variables.with_value(MOST))) {
+            return Ok(());
+        }
+        self.hold(stepper);
         if self.ports.control.cancelled() || !self.ports.coordinator.publish(channel, clock) {
             return Err(Halt::Stopped);
         }
@@ -47,6 +51,9 @@ impl Kernel<'_> {
     #[cold]
     #[inline(never)]
     pub(super) fn comes_to_wait(&mut self, wait: &wait::Wait) {
+        if !self.ports.stepper.is_some_and(Stepper::listens) {
+            return;
+        }
         let known = self.channel.reports.waits.wait(wait);
         self.comes_to(Event::Wait(&known, wait.key.number));
     }
@@ -55,6 +62,9 @@ impl Kernel<'_> {
     #[cold]
     #[inline(never)]
     pub(super) fn has_written(&mut self, door: Door<'_>) {
+        if !self.ports.stepper.is_some_and(Stepper::listens) {
+            return;
+        }
         let Some(variable) = door.variable() else { return };
         let name = self.variable_name(&variable);
         let value = self.ports.coordinator.unordered(|order| match door {
@@ -83,6 +93,11 @@ impl Kernel<'_> {
     }
 
     fn seen(&self) -> Seen {
+        Seen { variables: self.dialect.variables.with_value(MOST), ..self.place() }
+    }
+
+    /// The same without variables.
+    fn place(&self) -> Seen {
         let at = &self.channel.at;
         Seen {
             channel: at.channel,
@@ -90,7 +105,7 @@ impl Kernel<'_> {
             line: at.line,
             t_ns: at.clock,
             position: self.channel.state.place.position,
-            variables: self.dialect.variables.with_value(MOST),
+            variables: Vec::new(),
         }
     }
 }

@@ -22,6 +22,8 @@ pub(crate) struct ChannelVariables {
     own: FxHashMap<u32, f64>,
     /// Print of those that have been written: equal while their values are.
     print: u64,
+    /// Writes, calls and returns so far.
+    writes: u64,
     /// What has no value, and what does not exist, is 0.
     pub(super) reads_zero: bool,
     /// System variables that programs write keep their values; otherwise the identification macro is asked where to write
@@ -39,6 +41,7 @@ impl Default for ChannelVariables {
             calls: CallStack::new([VACANT; 34]),
             own: FxHashMap::default(),
             print: 0,
+            writes: 0,
             reads_zero: false,
             keeps_system: false,
             kept: FxHashMap::default(),
@@ -63,11 +66,23 @@ impl ChannelVariables {
             }
         }
         self.calls.enter(locals);
+        self.writes += 1;
     }
 
     /// Return from a macro call.
     pub(crate) fn leave(&mut self) {
         self.calls.leave();
+        self.writes += 1;
+    }
+
+    /// A number that is another one whenever variables may have other values than before.
+    pub(super) fn writes(&self) -> u64 {
+        self.writes
+    }
+
+    /// Takes the place of these.
+    pub(crate) fn follow(&mut self, before: &Self) {
+        self.writes = self.writes.max(before.writes) + 1;
     }
 
     /// Those that have a value: the ones of the running program first, each part ascending; at most so many.
@@ -84,6 +99,7 @@ impl ChannelVariables {
     }
 
     fn set_own(&mut self, index: u32, value: f64) {
+        self.writes += 1;
         let before = self.own.insert(index, value).unwrap_or(VACANT);
         self.print ^= print(index, before) ^ print(index, value);
     }
@@ -95,6 +111,7 @@ impl ChannelVariables {
     }
 
     fn set_local(&mut self, index: u32, value: f64) {
+        self.writes += 1;
         if let Some(slot) = self.calls.here_mut().get_mut(index as usize) {
             *slot = value;
         }
@@ -180,6 +197,7 @@ impl Kernel<'_> {
             }
             _ if self.dialect.variables.keeps_system && index >= 1000 => {
                 self.flow.pass.effects = true;
+                self.dialect.variables.writes += 1;
                 self.dialect.variables.kept.insert(index, value);
                 Ok(())
             }

@@ -36,6 +36,14 @@ impl Kernel<'_> {
 
     /// Waits for other channels.
     pub(crate) fn wait(&mut self, wait: wait::Wait) -> Acted {
+        if !self.channel.state.others.couplings.is_empty() {
+            return self.wait_coupled(wait);
+        }
+        self.wait_plainly(wait)
+    }
+
+    /// The wait itself, whatever is coupled.
+    pub(super) fn wait_plainly(&mut self, wait: wait::Wait) -> Acted {
         self.flow.pass.effects = true;
         if self.channel.pace.is_some()
             && is_passed_in_motion(self.channel.env.machine, &wait)

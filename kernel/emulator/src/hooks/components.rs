@@ -5,6 +5,7 @@
 //! the new component has in the same group stay active, all others are those that it begins with, and no canned cycle
 //! stays active; blocks that EXEC/NEXT has left for later are those of the new component.
 
+use counterpoint_dialect::Loops;
 use counterpoint_event::event::Kind;
 use counterpoint_event::event::Message;
 use counterpoint_fault::Acted;
@@ -12,6 +13,8 @@ use counterpoint_machine::Machine;
 use counterpoint_machine::macros::model::Hook;
 
 use crate::channel::Kernel;
+use crate::channel::components::Resting;
+use crate::channel::parts::DialectState;
 use crate::state::arc::Arcs;
 use crate::state::cycle::Cycle;
 use crate::state::modal::{Modal, group};
@@ -57,6 +60,7 @@ impl Kernel<'_> {
         if let Some(left) = left {
             self.components.turns.kept.push((left, old));
         }
+        self.take_preprocessor(before)?;
         self.fit_state(before);
         self.channel.text.tape = (
             next.plan.edits.tape.as_ref().map(|tape| tape.start).unwrap_or_default(),
@@ -68,6 +72,66 @@ impl Kernel<'_> {
             self.plain_macro(Hook::Declaration)?;
         }
         self.plain_macro(Hook::ProgramStartup)
+    }
+
+    /// Variables, loops and interpreter of the new pre-processor, if it is another one; it reads the texts of the programs that run
+    /// in its own way.
+    fn take_preprocessor(&mut self, before: &Machine) -> Acted {
+        let machine = self.channel.env.machine;
+        if machine.preprocessor == before.preprocessor {
+            return Ok(());
+        }
+        let levels: Vec<bool> = self.flow.frames.iter().skip(1).map(|frame| frame.own_variables).collect();
+        let resting = &mut self.components.turns.dialects;
+        let known = resting.iter().position(|one| one.of == machine.preprocessor).map(|at| resting.swap_remove(at));
+        let first = known.is_none();
+        let next = known.unwrap_or_else(|| Resting {
+            of: machine.preprocessor,
+            dialect: DialectState::new(machine, !self.channel.env.options.lint),
+            loops: Loops::default(),
+            levels: Vec::new(),
+        });
+        resting.push(Resting {
+            of: before.preprocessor,
+            dialect: std::mem::replace(&mut self.dialect, next.dialect),
+            loops: std::mem::replace(&mut self.flow.loops, next.loops),
+            levels: levels.clone(),
+        });
+        (self.flow.labels, self.flow.tables) = (Default::default(), 0);
+        if let Some(rested) = self.components.turns.dialects.last() {
+            self.dialect.variables.follow(&rested.dialect.variables);
+        }
+        let reader = self.channel.env.whole.reader_for(machine.preprocessor);
+        self.channel.env.sources = self.channel.env.sources.by(reader);
+        for at in 0..self.flow.frames.len() {
+            let Some(file) = self.flow.frames.get(at).map(|frame| frame.file) else { break };
+            self.load(file)?;
+        }
+        if first {
+            self.interpreter_start();
+        }
+        self.follow_levels(&next.levels, &levels);
+        Ok(())
+    }
+
+    /// Subprograms that have returned while another pre-processor worked take their variables with them; those that it has called
+    /// begin without any.
+    fn follow_levels(&mut self, before: &[bool], now: &[bool]) {
+        for own_variables in before.iter().skip(now.len()).rev() {
+            if *own_variables {
+                self.dialect.variables.leave();
+            }
+            self.interpreter_return();
+        }
+        if before.len() > now.len() {
+            self.flow.loops.return_to(now.len());
+        }
+        for own_variables in now.iter().skip(before.len()) {
+            if *own_variables {
+                self.dialect.variables.enter(&[]);
+            }
+            self.interpreter_call();
+        }
     }
 
     /// The state as the new definition has it; what the machine itself remembers stays.
@@ -103,6 +167,9 @@ impl Kernel<'_> {
         let channel = machine.channels.iter().find(|channel| channel.number == self.channel.at.channel);
         if let Some(channel) = channel {
             state.place.layout = Place::new(machine, channel).layout;
+        }
+        if !self.channel.state.others.couplings.is_empty() {
+            self.keep_couplings();
         }
         self.channel.block.clear();
     }

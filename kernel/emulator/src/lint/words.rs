@@ -13,7 +13,7 @@ use super::Walk;
 use crate::channel::flow::{Callee, Pending};
 
 /// Codes at which channels wait or let each other continue.
-const MEETINGS: [CodeId; 9] = [
+const MEETINGS: [CodeId; 15] = [
     codes::SYNC_REG,
     codes::SYNC_REG_MAIN,
     codes::SYNC_REG_SIDE,
@@ -23,6 +23,12 @@ const MEETINGS: [CodeId; 9] = [
     codes::SYNC_START_SIDE,
     codes::BALANCE_ON,
     codes::BALANCE_OFF,
+    codes::COUPLE_SYNCHRONOUS,
+    codes::COUPLE_SYNCHRONOUS_OFF,
+    codes::COUPLE_COMPOSITE,
+    codes::COUPLE_COMPOSITE_OFF,
+    codes::COUPLE_SUPERIMPOSED,
+    codes::COUPLE_SUPERIMPOSED_OFF,
 ];
 /// Codes that call.
 const CALLS: [CodeId; 2] = [codes::CALSUB_ID, codes::CALSUB_RANGE];

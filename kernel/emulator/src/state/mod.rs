@@ -11,6 +11,7 @@ pub(crate) mod clamps;
 pub(crate) mod compensation;
 pub(crate) mod coolant;
 pub(crate) mod corner;
+pub(crate) mod coupling;
 pub(crate) mod cutter;
 pub(crate) mod cycle;
 pub(crate) mod frames;
@@ -97,6 +98,8 @@ pub(crate) struct Others {
     pub(crate) running: [Option<Running>; 2],
     /// Where the channel waits before its cuts, while two channels begin them together.
     pub(crate) balance: Option<Wait>,
+    /// Axes that are coupled with axes of other channels.
+    pub(crate) couplings: Vec<coupling::Coupling>,
 }
 
 /// A function of the machine that takes its time beside others.
@@ -123,6 +126,7 @@ impl Others {
             tools: FxHashMap::default(),
             running: [None; 2],
             balance: None,
+            couplings: Vec::new(),
         }
     }
 }

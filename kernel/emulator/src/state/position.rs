@@ -127,7 +127,7 @@ impl Place {
                 rotary: a.role.is_rotary(),
                 scale,
                 rapid: a.rapid / 60.0,
-                dynamics: Dynamics { corner_speed: a.dynamics.corner_speed.map(|speed| speed / 60.0), ..a.dynamics },
+                dynamics: a.dynamics.per_second(),
                 home: a.home,
                 references: a.references,
                 limits: a.limits,

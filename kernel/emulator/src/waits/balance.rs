@@ -5,9 +5,8 @@
 //! part.
 
 use counterpoint_event::event::Primitive;
-use counterpoint_machine::ident::{CodeId, codes};
+use counterpoint_machine::ident::codes;
 use counterpoint_machine::model::Machine;
-use counterpoint_machine::rows::CodeForm;
 use counterpoint_sync::wait::{Key, Rule, Set, Wait};
 
 use super::{BALANCE, Said, all, channels, extra_rule};
@@ -25,14 +24,7 @@ pub(crate) enum Stage {
 
 /// The rules of the stages, in their order.
 pub(super) fn rules(machine: &Machine) -> impl Iterator<Item = Rule> {
-    let word = |id: CodeId| {
-        let rows = machine.codes.iter().filter(|row| row.id == id && row.enable);
-        let mut words = rows.filter_map(|row| match row.form {
-            CodeForm::Register { register, min, .. } => Some(format!("{}{min}", machine.registers[register].name)),
-            _ => None,
-        });
-        words.next().unwrap_or_else(|| "BALANCE".to_owned())
-    };
+    let word = |id| super::word(machine, id).unwrap_or_else(|| "BALANCE".to_owned());
     let (on, off) = (word(codes::BALANCE_ON), word(codes::BALANCE_OFF));
     let words = [on.clone(), format!("{on} cut"), off];
     words.into_iter().map(|word| Rule { word: word.into(), numbered: false, ..Rule::plain("") })

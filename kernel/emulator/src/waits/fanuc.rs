@@ -23,8 +23,9 @@ pub(super) fn rule(letter: &str) -> Rule {
 
 /// Case of PS0160 when both stand at the same time.
 fn refuses(wait: &Wait, other: &Wait) -> Option<&'static str> {
-    let balance = [wait, other].iter().any(|wait| wait.key.space == super::BALANCE);
-    if balance || wait.primitive != Primitive::Barrier || other.primitive != Primitive::Barrier {
+    // Codes that two channels execute together are no waiting codes.
+    let joint = [wait, other].iter().any(|wait| (super::COUPLING..=super::BALANCE).contains(&wait.key.space));
+    if joint || wait.primitive != Primitive::Barrier || other.primitive != Primitive::Barrier {
         return None;
     }
     let same_code = wait.key == other.key;

@@ -63,7 +63,7 @@ pub(crate) fn by_name(
         (None, Some(at)) => (Leased::Spindle, of_spindle(machine, at)),
         (None, None) => return Err(format!("channel {channel} has no axis {name} in its list of axes")),
     };
-    let meaning = of_row(machine, (index, row), key, (None, all(machine)), channel);
+    let meaning = of_row((index, row), key, (None, all(machine)), channel);
     let Some(to) = to.filter(|_| row.act == WaitAct::Give) else { return Ok((leased, meaning)) };
     let to = known_channel(machine, to)?;
     let lists = |channel: u16| {
@@ -95,5 +95,5 @@ pub(crate) fn automatic(machine: &Machine, axis: AxisId, channel: u16) -> Option
         row.primitive == Primitive::Lease && row.act == WaitAct::Wait && row.form.is_none()
     };
     let (index, row) = (0..).zip(&machine.sync.waits).find(|(_, row)| asks(row))?;
-    Some(shown(of_row(machine, (index, row), of_axis(axis), (None, all(machine)), channel)))
+    Some(shown(of_row((index, row), of_axis(axis), (None, all(machine)), channel)))
 }

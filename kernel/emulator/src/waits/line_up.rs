@@ -48,5 +48,5 @@ pub(crate) fn of_systems(
         parts = everybody;
     }
     let key = Key { space: BY_ROW + index as u16, number: label };
-    Some(Ok(of_row(machine, (index as u16, row), key, (None, parts), channel)))
+    Some(Ok(of_row((index as u16, row), key, (None, parts), channel)))
 }

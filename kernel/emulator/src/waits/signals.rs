@@ -10,7 +10,7 @@ use counterpoint_machine::model::{Machine, WaitAct, WaitRow};
 use counterpoint_sync::wait::{Key, Lasts, Send, Set, Signals, Wait};
 
 use super::statements::{find, known_channel};
-use super::{REGISTERS, all};
+use super::{ROWS, all};
 
 /// Most waits that a signal is for.
 const MOST_USES: f64 = 1_000_000.0;
@@ -66,7 +66,7 @@ fn read<'m>(
 ) -> Result<(u16, &'m WaitRow, Key, Option<Set>), String> {
     let (index, row) = find(machine, statement).ok_or_else(|| format!("{statement} is not known"))?;
     let key = Key { space: 0, number: signal_number(machine, statement, signal.number)? };
-    Ok((REGISTERS + machine.registers.len() as u16 + index, row, key, channels(machine, &signal.channels)?))
+    Ok((ROWS + index, row, key, channels(machine, &signal.channels)?))
 }
 
 /// A signal that is sent, and the wait that it is shown as.

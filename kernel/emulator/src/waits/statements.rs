@@ -70,7 +70,7 @@ pub(crate) fn by_statement(
     }
     let parts = if channels.is_empty() { everybody } else { named.with(channel) };
     let named = (!channels.is_empty()).then_some(named);
-    Ok(Statement::Meaning(of_row(machine, (index, row), Key { space: 0, number }, (named, parts), channel)))
+    Ok(Statement::Meaning(of_row((index, row), Key { space: 0, number }, (named, parts), channel)))
 }
 
 /// A channel of the machine by its number.

@@ -347,7 +347,7 @@ impl<'a> Assembly<'a> {
             machine,
             whole,
             info: job.info(),
-            sources: job.sources().seen_by(channel.number),
+            sources: job.sources().seen_by(channel.number, whole.reader_for(machine.preprocessor)),
             options: &job.spec().options,
             files,
             trace: Some(job.info().trace).filter(|letters| !letters.is_empty()),

@@ -86,10 +86,13 @@ fn kept_by_machine(machine: &Machine) -> impl Iterator<Item = (u32, f64)> {
 
 /// Values of common variables that the programs of the job bring with them.
 fn presets(job: &Job) -> impl Iterator<Item = (u32, f64)> {
-    let mut files: Vec<FileId> = job.info().channels.iter().filter(|c| !c.program.is_empty()).map(|c| c.file).collect();
+    let machine = &*job.spec().machine;
+    let reader = |channel: u16| machine.reader_for(machine.of_channel(channel).preprocessor);
+    let programs = job.info().channels.iter().filter(|c| !c.program.is_empty());
+    let mut files: Vec<(FileId, usize)> = programs.map(|c| (c.file, reader(c.number))).collect();
     files.dedup();
-    let sources = files.into_iter().filter_map(|file| job.sources().get(file));
-    sources.flat_map(|source| presets::of(&job.spec().machine, source))
+    let sources = files.into_iter().filter_map(|(file, reader)| job.sources().read_by(reader, file));
+    sources.flat_map(|source| presets::of(machine, source))
 }
 
 impl<'a> Assembly<'a> {

@@ -90,6 +90,20 @@ impl Breakpoints {
         })
     }
 
+    /// There are none.
+    pub(super) fn is_empty(&self) -> bool {
+        self.list.is_empty()
+    }
+
+    /// A breakpoint is before this block, which may or may not stop the run.
+    pub(super) fn may_stop_before(&self, seen: &Seen, info: &Info) -> bool {
+        self.list.iter().any(|set| match &set.of.spot {
+            Spot::Line { file, line } => *line == seen.line && is_file(file, info.file_name(seen.file)),
+            Spot::Time(ns) => seen.t_ns >= *ns,
+            Spot::Wait(_) | Spot::Write(_) => false,
+        })
+    }
+
     /// Why the run stops before a block, as what its channel does.
     pub(super) fn hit_before(&mut self, seen: &Seen, info: &Info) -> Option<String> {
         if self.list.is_empty() {

@@ -3,9 +3,9 @@
 //! Invariant: a function of what the operator has commanded and of where the kernels are in simulated time; never of the clock.
 
 use counterpoint_event::info::Info;
-use counterpoint_ports::step::Go;
+use counterpoint_ports::step::{Go, Seen};
 
-use super::{Candidate, State};
+use super::{Candidate, Channel, State};
 
 /// What the operator wants.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -47,6 +47,23 @@ pub(super) struct Standing<'k> {
 pub(super) fn furthest_behind(kernels: &[Candidate], may: impl Fn(u16) -> bool) -> Option<usize> {
     let able = kernels.iter().enumerate().filter(|(_, kernel)| kernel.ready && may(kernel.channel));
     able.min_by_key(|(_, kernel)| (kernel.far_ahead, kernel.bound, kernel.channel)).map(|(at, _)| at)
+}
+
+/// A channel begins a block as the goal has it, which counts; `first`: no other one is further behind.
+fn passed(goal: &mut Goal, channel: &Channel, first: bool) -> bool {
+    match goal {
+        Goal::Free => first,
+        Goal::Next(blocks) if first && *blocks > 0 => {
+            *blocks -= 1;
+            true
+        }
+        Goal::One { channel: wanted, blocks, .. } if *wanted == channel.number && *blocks > 0 => {
+            *blocks -= 1;
+            true
+        }
+        Goal::All => first && channel.left > 0,
+        _ => false,
+    }
 }
 
 impl State {
@@ -117,6 +134,36 @@ impl State {
             Goal::One { channel, blocks: 0, .. } if channel == number => Some("step".to_owned()),
             _ => None,
         }
+    }
+
+    /// A kernel stands before a block; whether it begins it at once, which is if [`decide`](Self::decide) and [`goes`](Self::goes) would
+    /// come to that.
+    pub(super) fn stands(
+        &mut self,
+        place: &Seen,
+        (first, news): (bool, bool),
+        info: &Info,
+        (writes, variables): (u64, &dyn Fn() -> Vec<(u32, f64)>),
+    ) -> bool {
+        let waits = news || self.detached || self.stop.is_some() || self.breakpoints.may_stop_before(place, info);
+        let several = self.channels.len() > 1;
+        let Some(channel) = self.channels.iter_mut().find(|channel| channel.number == place.channel) else {
+            return false;
+        };
+        let passes = !waits && !channel.held && !channel.reset && passed(&mut self.goal, channel, first);
+        (channel.at_block, channel.looked) = (!passes, passes);
+        if passes {
+            self.ahead = None;
+            channel.left = channel.left.saturating_sub(1);
+        }
+        let seen = channel.seen.get_or_insert_default();
+        // Others may stop the run while this block is under way.
+        if (several || !passes) && channel.writes != Some(writes) {
+            (seen.variables, channel.writes) = (variables(), Some(writes));
+        }
+        (seen.channel, seen.file, seen.line) = (place.channel, place.file, place.line);
+        (seen.t_ns, seen.position) = (place.t_ns, place.position);
+        passes
     }
 
     /// A kernel goes on with its block.

@@ -57,6 +57,8 @@ struct Channel {
     held: bool,
     /// It is to be reset.
     reset: bool,
+    /// Number of the variables that were seen last.
+    writes: Option<u64>,
 }
 
 /// What is decided by.
@@ -256,11 +258,14 @@ impl<'a> Director<'a> {
 }
 
 impl Stepper for Director<'_> {
-    fn stands(&self, seen: Seen) {
-        if let Some(channel) = self.lock().channel(seen.channel) {
-            (channel.at_block, channel.looked) = (true, false);
-            channel.seen = Some(seen);
-        }
+    fn stands(&self, place: &Seen, first: bool, variables: (u64, &dyn Fn() -> Vec<(u32, f64)>)) -> bool {
+        let news = self.console.has_news();
+        self.lock().stands(place, (first, news), self.info, variables)
+    }
+
+    fn listens(&self) -> bool {
+        let state = self.lock();
+        !state.detached && !state.breakpoints.is_empty()
     }
 
     fn comes_to(&self, event: Event<'_>, seen: &mut dyn FnMut() -> Seen) -> bool {
@@ -272,7 +277,7 @@ impl Stepper for Director<'_> {
         let seen = seen();
         let number = seen.channel;
         if let Some(channel) = state.channel(number) {
-            channel.seen = Some(seen);
+            (channel.seen, channel.writes) = (Some(seen), None);
         }
         state.stop = Some((number, format!("channel {number} {reason}")));
         true

@@ -21,12 +21,7 @@ macro_rules! codes {
         enum Position { $($name),* }
         /// Facts of every identifier, indexed by `CodeId`.
         pub const TABLE: &[CodeFacts] = &[$(CodeFacts {
-            name: concat!("CODE_", stringify!($name)),
-            group: $group,
-            order: $order,
-            built_in: $built_in,
-            own: $own,
-            kind: $kind,
+            name: concat!("CODE_", stringify!($name)), group: $group, order: $order, built_in: $built_in, own: $own, kind: $kind,
         }),*];
         $(#[doc = concat!("`CODE_", stringify!($name), "`" $(, $meaning)?, ".")]
         pub const $name: CodeId = CodeId::built_in(Position::$name as u16);)*
@@ -484,6 +479,12 @@ codes! {
     OFFSET_SET 0 100 true true Plain => ": sets an offset of the control (Fanuc G10)";
     BALANCE_ON 0 100 true true Plain => ": two channels begin their cuts together (Fanuc G68)";
     BALANCE_OFF 0 100 true true Plain => ": ends that, both together (Fanuc G69)";
+    COUPLE_SYNCHRONOUS 0 100 true true Plain => ": an axis of one channel follows an axis of another (Fanuc G51.4)";
+    COUPLE_SYNCHRONOUS_OFF 0 100 true true Plain => ": ends that, in both channels together (Fanuc G50.4)";
+    COUPLE_COMPOSITE 0 100 true true Plain => ": two channels exchange what their words of an axis move (Fanuc G51.5)";
+    COUPLE_COMPOSITE_OFF 0 100 true true Plain => ": ends that, in both channels together (Fanuc G50.5)";
+    COUPLE_SUPERIMPOSED 0 100 true true Plain => ": the moves of an axis of one channel are added to those of another (Fanuc G51.6)";
+    COUPLE_SUPERIMPOSED_OFF 0 100 true true Plain => ": ends that, in both channels together (Fanuc G50.6)";
     TURN_FINISH 1 500 true true Turning(TurningCycle::Finish) => ": runs the blocks of a contour once (Fanuc G70)";
     TURN_ROUGH 1 500 true true Turning(TurningCycle::Rough { face: false }) => ": roughs a contour along Z (Fanuc G71)";
     TURN_ROUGH_FACE 1 500 true true Turning(TurningCycle::Rough { face: true }) => ": roughs a contour along X (Fanuc G72)";

@@ -238,6 +238,9 @@ data! {
     TOOL true false Tool, None;
     TURRET false false Plain, None;
     SYNC_PATHS true true Plain, None => "channels that take part in a meeting (Fanuc P of a waiting M code)";
+    COUPLE_MASTER true true Plain, None => "number of the axis that another one follows (Fanuc G51.4 P)";
+    COUPLE_SLAVE true true Plain, None => "number of the axis that follows (Fanuc G51.4 Q)";
+    COUPLE_PARKING true true Plain, None => "which of both axes stands still meanwhile: 0 none, 1 the master, 2 the slave (Fanuc G51.4 L)";
     GOHOME_NTH true true Plain, None => "number of the reference point (Fanuc G30 P)";
     FUNCTION true true Plain, None => "number of a machine function";
     CYCLE_STEP true true Plain, Length => "named by the variable pages, missing in the annex";

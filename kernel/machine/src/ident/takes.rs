@@ -71,6 +71,12 @@ const OWN: &[(&[CodeId], &str)] = &[
     (&[codes::SYNC_REG, codes::SYNC_REG_MAIN, codes::SYNC_REG_SIDE, codes::SYNC_REG_START], WAIT),
     (&[codes::SYNC_REG_STOP, codes::SYNC_START_MAIN, codes::SYNC_START_SIDE], WAIT),
     (&[codes::BALANCE_ON, codes::BALANCE_OFF], "REG_SYNC_PATHS"),
+    (&[codes::COUPLE_SYNCHRONOUS], "REG_COUPLE_MASTER REG_COUPLE_SLAVE REG_COUPLE_PARKING"),
+    (
+        &[codes::COUPLE_COMPOSITE, codes::COUPLE_COMPOSITE_OFF, codes::COUPLE_SUPERIMPOSED],
+        "REG_COUPLE_MASTER REG_COUPLE_SLAVE",
+    ),
+    (&[codes::COUPLE_SYNCHRONOUS_OFF, codes::COUPLE_SUPERIMPOSED_OFF], "REG_COUPLE_SLAVE"),
     (&[codes::DISPLY], "the text of the message"),
     (&[codes::COMMENT], "the text of the comment"),
 ];

@@ -6,12 +6,15 @@ use super::defaults;
 use super::names::Names;
 use crate::ident::{self, DataId};
 use crate::index::{AxisId, Table};
-use crate::model::{Axis, AxisRole, Dynamics, Turn};
+use crate::model::{Axis, AxisCoupling, AxisRole, Dynamics, Turn};
 use crate::rows::DataRow;
 use crate::toml::section::Section;
 
 /// Most axes of a machine.
 const MOST: usize = 99;
+
+/// Highest number by which programs name an axis.
+const HIGHEST: i64 = 32_767;
 
 /// Reads the rows in file order.
 pub(super) fn read(top: &mut Section<'_>, names: &Names<'_>, data: &[DataRow]) -> Table<AxisId, Axis> {
@@ -21,6 +24,11 @@ pub(super) fn read(top: &mut Section<'_>, names: &Names<'_>, data: &[DataRow]) -
         if let Some(axis) = read_row(&mut row, names) {
             if axes.iter().any(|other| other.name == axis.name) {
                 row.error("name", format!("there is already an axis with the name \"{}\"", axis.name));
+            }
+            let numbered =
+                |other: &&Axis| other.coupling.number.is_some() && other.coupling.number == axis.coupling.number;
+            if let Some(other) = axes.iter().find(numbered) {
+                row.error("number", format!("axis {} has that number already", other.name));
             }
             if !data.iter().any(|row| row.enable && row.id == axis.data) {
                 let id = ident::data_facts(axis.data).map_or("", |facts| facts.name);
@@ -58,6 +66,13 @@ fn read_row(row: &mut Section<'_>, names: &Names<'_>) -> Option<Axis> {
         row.error("turn", "only a rotary axis takes the shortest way or the direction of a sign");
     }
     let master = row.integer("master", 1..=99).map(|number| number as u16);
+    let coupling = AxisCoupling {
+        number: row.integer("number", 1..=HIGHEST).map(|number| number as u16),
+        mirrored: row.flag("mirrored").unwrap_or(false),
+    };
+    if coupling.mirrored && coupling.number.is_none() {
+        row.error("mirrored", "`mirrored` is for axes that programs couple: the axis needs a `number`");
+    }
     Some(Axis {
         name: name?.to_owned(),
         letter: letter?.to_owned(),
@@ -73,6 +88,7 @@ fn read_row(row: &mut Section<'_>, names: &Names<'_>) -> Option<Axis> {
         center,
         turn,
         master,
+        coupling,
     })
 }
 

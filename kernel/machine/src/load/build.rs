@@ -11,7 +11,7 @@ use super::{
 use super::{spindles, storage, subprograms, sync, system_variables, tape, time, tool, variables, waits};
 use crate::ident;
 use crate::index::Table;
-use crate::model::Machine;
+use crate::model::{Machine, MachineKind};
 use crate::tables::Tables;
 use crate::toml::check::Check;
 use crate::toml::node::Place;
@@ -20,11 +20,11 @@ use counterpoint_ports::files::Files;
 
 /// Builds the machine; whether it is any good is for the findings to say.
 ///
-/// A component has the declaration macro of its composite, too. Gives the rows of a composite's components as well.
+/// Of a component `composite` has the declaration macro of its composite, which is its own, too. Gives the rows of a composite's components as well.
 pub(super) fn machine(
     merged: &Merged,
     files: &dyn Files,
-    common: Option<(&str, &Place)>,
+    composite: Option<Option<(&str, &Place)>>,
     check: &Check,
 ) -> (Machine, Vec<components::Row>) {
     let mut top = Section::new(&merged.table, merged.start.clone(), "the machine file", check);
@@ -38,6 +38,7 @@ pub(super) fn machine(
         check.set_incomplete();
     }
     let head = head::read(&mut top);
+    let (common, together) = (composite.flatten(), composite.is_some() || head.kind == MachineKind::Composite);
     let format = format::read(&mut top, check, head.preprocessor);
     let registers = registers::read(&mut top, check);
     let mut names = Names { check, registers, codes: ident::code_names(), data: ident::data_names() };
@@ -60,7 +61,7 @@ pub(super) fn machine(
     let compensation = compensation::read(&mut top);
     overlap::check_codes(&codes, &names.registers, check);
     let initial = initial::read(&mut top, &names, &codes);
-    let waits = waits::read(&mut top, (&codes, &names.registers), head.preprocessor, check);
+    let waits = waits::read(&mut top, (&codes, &names.registers), (head.preprocessor, together), check);
     let sync = sync::read(&mut top, &channels, (&codes, waits), check);
     let system = system_variables::read(&mut top, &codes, &names.registers, check);
     let external = external::read(&mut top, head.preprocessor, check);

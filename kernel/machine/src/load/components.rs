@@ -2,8 +2,9 @@
 //!
 //! A component is a machine file of its own, or a family. What the components have in common is the composite's and takes
 //! the place of their own sections: axes, channels, spindles, waits, the shape of programs, tools and work offsets.
-//! Invariants: units and pre-processor of all components are those of the composite; each channel has a component; the
-//! macros of a component see the GLOBAL variables of the composite, and its own ones are its object's.
+//! A component with another pre-processor has the shape of its own programs. Invariants: units of all components are those of
+//! the composite; each channel has a component; the macros of a component see the GLOBAL variables of the composite, and its own
+//! ones are its object's.
 
 use crate::model::{Channel, Machine, MachineKind};
 use crate::toml::check::Check;
@@ -111,7 +112,12 @@ pub(super) fn fit(mut component: Merged, composite: &Table, row: &Row) -> Merged
     }
     let table = &mut component.table;
     table.remove("abstract");
+    let control = |table: &Table| table.get("ce").and_then(|ce| preprocessor(&ce.value).map(str::to_owned));
+    let own_shape = control(table) != control(composite);
     for key in COMMON {
+        if key == "format" && own_shape {
+            continue;
+        }
         table.remove(key);
         table.entries.extend(composite.entries.iter().find(|entry| entry.key == key).cloned());
     }
@@ -123,6 +129,14 @@ pub(super) fn fit(mut component: Merged, composite: &Table, row: &Row) -> Merged
         ce.entries.push(entry("name", &place, Value::Text(row.name.clone())));
     }
     component
+}
+
+/// Name of the pre-processor in a section.
+fn preprocessor(section: &Value) -> Option<&str> {
+    match section {
+        Value::Table(section) => section.text("preprocessor"),
+        _ => None,
+    }
 }
 
 fn entry(key: &str, place: &Place, value: Value) -> Entry {
@@ -151,17 +165,16 @@ pub(super) fn check_macros(composite: &Table, check: &Check) {
 
 /// Reports a component that cannot work beside the others.
 pub(super) fn check_fit(component: &Machine, composite: &Machine, row: &Row, check: &Check) {
-    let differs = |what: &str, own: &str, wanted: &str| {
-        let text =
-            format!("the {what} of a component must be that of the composite: {} has {own}, not {wanted}", row.folder);
-        check.error(&row.place, text);
-    };
     if component.unit != composite.unit {
         let word = |unit| if unit == counterpoint_event::Unit::Inch { "inch" } else { "mm" };
-        differs("unit", word(component.unit), word(composite.unit));
-    }
-    if component.preprocessor != composite.preprocessor {
-        differs("pre-processor", component.preprocessor.row().name, composite.preprocessor.row().name);
+        let text = format!(
+            "the unit of a component must be that of the composite, whose axes and offsets it has: {} has {}, not {}; \
+             a component whose programs are in the other unit begins with CODE_UNITS_SECONDARY",
+            row.folder,
+            word(component.unit),
+            word(composite.unit)
+        );
+        check.error(&row.place, text);
     }
     if component.kind == MachineKind::Composite || component.kind == MachineKind::MergingLathe {
         check.error(&row.place, "a component is a mill or a lathe");

@@ -107,7 +107,7 @@ fn made_of(
         let mut merged = components::fit(merged, table, row);
         questionnaire::expand(&mut merged.table, &own);
         waits::expand(&mut merged.table);
-        let (machine, _) = build::machine(&merged, files, components::declaration(table), &own);
+        let (machine, _) = build::machine(&merged, files, Some(components::declaration(table)), &own);
         components::check_fit(&machine, composite, row, &own);
         own.pass_on(check, |finding| finding.error || finding.file != composite.file);
         let (designator, name) = (row.designator.clone(), row.name.clone());

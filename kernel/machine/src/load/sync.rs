@@ -33,6 +33,7 @@ pub(super) fn read(
         poll_ns: POLL_NS,
         signals: None,
         asks_for_axes: false,
+        composite_places: false,
         waits,
     };
     let Some(mut section) = top.table("sync", "[sync]") else { return sync };
@@ -47,6 +48,8 @@ pub(super) fn read(
     sync.signals = section.integer("signals", 1..=MOST_SIGNALS).map(|most| most as u32);
     let exchanges = [("commanded", false), ("automatic", true)];
     sync.asks_for_axes = section.choice("exchange", &exchanges).unwrap_or(false);
+    let composites = [("continues", false), ("place", true)];
+    sync.composite_places = section.choice("composite", &composites).unwrap_or(false);
     if sync.poll_ns < 1 {
         section.error("poll", "`poll` must be at least 1e-9 s: a polling loop must take time");
     }

@@ -65,7 +65,7 @@ fn entry(key: &str, place: &Place, value: Value) -> Entry {
 pub(super) fn read(
     top: &mut Section<'_>,
     (rows, registers): (&[CodeRow], &crate::index::Table<RegisterId, Register>),
-    preprocessor: Preprocessor,
+    (preprocessor, composite): (Preprocessor, bool),
     check: &Check,
 ) -> Vec<WaitRow> {
     let mut waits = Vec::new();
@@ -74,7 +74,7 @@ pub(super) fn read(
             section.node(key);
         }
         let row = read_row(&mut section, preprocessor.row().wait_keys, check);
-        let statement = statement(&mut section, preprocessor);
+        let statement = statement(&mut section, preprocessor, composite);
         let place = section.place().clone();
         section.finish();
         if let Some((row, word)) = row.as_ref().zip(statement) {
@@ -89,12 +89,12 @@ pub(super) fn read(
     waits
 }
 
-/// Name of a statement of the pre-processor, in capitals.
-fn statement(section: &mut Section<'_>, preprocessor: Preprocessor) -> Option<String> {
+/// Name of a statement of the pre-processor, in capitals. Of a composite machine and its components one may have it.
+fn statement(section: &mut Section<'_>, preprocessor: Preprocessor, composite: bool) -> Option<String> {
     let name = section.name("statement", 32)?.to_ascii_uppercase();
     if OF_CODES.iter().any(|key| section.node(key).is_some()) {
         section.error("statement", "a row with `statement` cannot have `word`, `text` or a condition of a code");
-    } else if !preprocessor.row().wait_statements {
+    } else if !preprocessor.row().wait_statements && !composite {
         let name = preprocessor.row().name;
         section.error("statement", format!("the pre-processor \"{name}\" has no statements between channels"));
     } else if name.len() < 2 || !name.bytes().all(|byte| byte.is_ascii_alphanumeric() || byte == b'_') {

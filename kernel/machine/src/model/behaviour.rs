@@ -147,6 +147,9 @@ pub struct Sync {
     pub signals: Option<u32>,
     /// A word of an axis that channels exchange asks for the axis by itself.
     pub asks_for_axes: bool,
+    /// An axis that programs of another channel command in composite control has its own place in their machine frame;
+    /// otherwise their frame continues, and words move it by as much.
+    pub composite_places: bool,
     /// Words and texts of `[[waits]]`.
     pub waits: Vec<super::WaitRow>,
 }

@@ -7,6 +7,7 @@
 use std::sync::Arc;
 
 use super::Machine;
+use crate::preprocessor::Preprocessor;
 
 /// A component of a composite machine.
 #[derive(Debug, Clone)]
@@ -19,4 +20,36 @@ pub struct Component {
     pub channels: Vec<u16>,
     /// What its control does.
     pub machine: Arc<Machine>,
+}
+
+/// Who reads the texts of programs.
+impl Machine {
+    /// This definition; where a component has another pre-processor, the first component with each pre-processor.
+    #[must_use]
+    pub fn readers(&self) -> Vec<&Machine> {
+        let others = self.components.iter().any(|component| component.machine.preprocessor != self.preprocessor);
+        if !others {
+            return vec![self];
+        }
+        let mut readers: Vec<&Machine> = Vec::new();
+        for component in &self.components {
+            if readers.iter().all(|reader| reader.preprocessor != component.machine.preprocessor) {
+                readers.push(&component.machine);
+            }
+        }
+        readers
+    }
+
+    /// Place among [`readers`](Self::readers) of the one for a pre-processor.
+    #[must_use]
+    pub fn reader_for(&self, preprocessor: Preprocessor) -> usize {
+        self.readers().iter().position(|reader| reader.preprocessor == preprocessor).unwrap_or(0)
+    }
+
+    /// The definition with which a channel begins.
+    #[must_use]
+    pub fn of_channel(&self, channel: u16) -> &Machine {
+        let own = self.components.iter().find(|component| component.channels.contains(&channel));
+        own.map_or(self, |component| &component.machine)
+    }
 }

@@ -40,6 +40,10 @@ pub(super) fn hints(dead: Set, waits: &Waits, info: &Info) -> Vec<String> {
 /// The partner waits at the same number with other channels, or at another number with the same ones.
 fn standing(own: &Waiting, partner: u16, waits: &Waits) -> Option<String> {
     let other = waits.places.at(partner).filter(|other| is_mark(other.wait.primitive))?;
+    let couples = |wait: &Wait| waits.rules.of(wait).is_some_and(|rule| rule.style == Style::Axes);
+    if couples(&own.wait) != couples(&other.wait) {
+        return None;
+    }
     let near = other.wait.key.number == own.wait.key.number || other.wait.named == own.wait.named;
     let (one, two) = (waits.rules.text(&own.wait), waits.rules.text(&other.wait));
     near.then(|| {
@@ -67,7 +71,7 @@ fn written(own: &Waiting, partner: u16, waits: &Waits, info: &Info) -> Option<St
     let Some((line, side)) = found else {
         let code = if let Some(word) = &rule.signals.sent_by {
             format!("{word} [ID{}]", own.wait.key.number)
-        } else if rule.style == Style::LineUp || !rule.numbered {
+        } else if matches!(rule.style, Style::LineUp | Style::Axes) || !rule.numbered {
             waits.rules.text(&own.wait)
         } else {
             format!("{}{}", rule.word, own.wait.key.number)
@@ -103,6 +107,11 @@ fn mentions(line: &str, rule: &Rule, wait: &Wait) -> bool {
                     after.strip_prefix('(').is_some_and(|rest| !rule.numbered || number(rest) == Some(wait.key.number))
                 }
                 Style::LineUp => label().is_some_and(|(_, rest)| number(rest) == Some(wait.key.number)),
+                Style::Axes => {
+                    let value = |letter| after.split_once(letter).and_then(|(_, rest)| number(rest));
+                    let (first, second) = (wait.key.number >> 15, wait.key.number & 0x7fff);
+                    value('Q') == Some(second) && (first == 0 || value('P') == Some(first))
+                }
                 Style::Keys => {
                     let keys = after.strip_prefix("SYN").unwrap_or(after).strip_prefix('[');
                     let id = keys.and_then(|keys| keys.split_once("ID")).map(|(_, rest)| rest);

@@ -40,6 +40,7 @@ fn all_machines_load_without_a_finding() {
             "haas-mill-turn",
             "heidenhain-mill",
             "isg-3channel",
+            "merging-lathe",
             "mitsubishi-mill",
             "okuma-2turret",
             "okuma-lathe",
@@ -116,6 +117,12 @@ G41 CODE_COMP_DIAM_LEFT 100 7
 G42 CODE_COMP_DIAM_RIGHT 100 7
 G50 CODE_SPINDLE_MAXRPM 100 0
 G50 CODE_POSITION_PRESET 450 0
+G50.4 CODE_COUPLE_SYNCHRONOUS_OFF 100 0
+G50.5 CODE_COUPLE_COMPOSITE_OFF 100 0
+G50.6 CODE_COUPLE_SUPERIMPOSED_OFF 100 0
+G51.4 CODE_COUPLE_SYNCHRONOUS 100 0
+G51.5 CODE_COUPLE_COMPOSITE 100 0
+G51.6 CODE_COUPLE_SUPERIMPOSED 100 0
 G52 CODE_LCS_TRANSLATE_ON 100 17
 G53 CODE_POSITION_MACHINE 100 0
 G54 CODE_COMP_EXTFIXT 100 14
@@ -261,6 +268,7 @@ fn the_two_path_lathe_has_these_data() {
         "P REG_TURN_STEP_X - *0.001 increments",
         "P REG_CYCLE_DWELL - *0.001 time",
         "P REG_SYNC_PATHS - - none",
+        "P REG_COUPLE_MASTER - - none",
         "Q REG_OFFSET_TIP - - none",
         "Q REG_INTERP_THREAD_ANGLE - *0.001 angle",
         "Q REG_THREAD_MULTI_STEP_MIN - *0.001 increments",
@@ -268,9 +276,11 @@ fn the_two_path_lathe_has_these_data() {
         "Q REG_TURN_LAST - - none",
         "Q REG_TURN_STEP_Z - *0.001 increments",
         "Q REG_CYCLE_STEP - *0.001 increments",
+        "Q REG_COUPLE_SLAVE - - none",
         "L REG_CALSUB_REPEAT - - none",
         "L REG_OFFSET_KIND - - none",
         "L REG_CYCLE_REPEAT - - none",
+        "L REG_COUPLE_PARKING - - none",
         "F REG_FEED_UPM yes - feed",
         "F REG_FEED_UPR yes - feed",
         "F REG_INTERP_THREAD_PITCH yes - length",

@@ -1,0 +1,109 @@
+//! Codes that couple an axis of one channel with an axis of another one (Fanuc G51.4 to G51.6, G50.4 to G50.6).
+//!
+//! Both channels have the code in their programs. *Invariant:* what is refused is refused before the channel waits.
+
+use crate::act::Act;
+use crate::action::entry::Entry;
+use crate::state::coupling::{Coupling, Parking};
+use crate::waits::coupling::{self, End, Kind, Pair};
+use counterpoint_event::event::Kind as Logged;
+use counterpoint_fault as diag;
+use counterpoint_fault::{Acted, Halt};
+use counterpoint_machine::ident::{DataId, codes, data};
+use counterpoint_machine::model::SyncDialect;
+
+/// Codes and what they do.
+pub(crate) const ENTRIES: &[Entry] = &[
+    Entry::of(&[codes::COUPLE_SYNCHRONOUS], |act, _, _| on(act, Kind::Synchronous)),
+    Entry::of(&[codes::COUPLE_SYNCHRONOUS_OFF], |act, _, _| off(act, Kind::Synchronous)),
+    Entry::of(&[codes::COUPLE_COMPOSITE], |act, _, _| on(act, Kind::Composite)),
+    Entry::of(&[codes::COUPLE_COMPOSITE_OFF], |act, _, _| off(act, Kind::Composite)),
+    Entry::of(&[codes::COUPLE_SUPERIMPOSED], |act, _, _| on(act, Kind::Superimposed)),
+    Entry::of(&[codes::COUPLE_SUPERIMPOSED_OFF], |act, _, _| off(act, Kind::Superimposed)),
+];
+
+/// Begins: both channels meet, then the axes are coupled.
+fn on(act: &mut Act<'_, '_>, kind: Kind) -> Acted {
+    let named = (number(act, data::COUPLE_MASTER), number(act, data::COUPLE_SLAVE));
+    let parking = if kind == Kind::Synchronous { number(act, data::COUPLE_PARKING).unwrap_or(0.0) } else { 0.0 };
+    let machine = act.env.machine;
+    let pair = coupling::end(machine, 'P', named.0)
+        .and_then(|master| Ok((master, coupling::end(machine, 'Q', named.1)?)))
+        .and_then(|(master, slave)| coupling::pair(machine, kind, master, slave))
+        .map_err(|reason| illegal(act, &reason))?;
+    let Some(parking) = Parking::of(parking) else {
+        return Err(illegal(act, &format!("L{parking} is not 0, 1 or 2")));
+    };
+    if pair.of(act.at.channel).is_none() {
+        let (one, two) = (pair.master.channel, pair.slave.channel);
+        return Err(illegal(act, &format!("the code belongs in the programs of channels {one} and {two}")));
+    }
+    if is_off(act) {
+        act.emit(0, Logged::mode("sync passed without waiting"));
+        return Ok(());
+    }
+    check_free(act, &pair)?;
+    act.couple(pair, parking)
+}
+
+/// Ends: both channels meet. Nothing happens where the axes are not coupled.
+fn off(act: &mut Act<'_, '_>, kind: Kind) -> Acted {
+    let by_pair = kind == Kind::Composite;
+    let master = if by_pair { Some(number(act, data::COUPLE_MASTER)) } else { None };
+    let slave = number(act, data::COUPLE_SLAVE);
+    let machine = act.env.machine;
+    let slave = coupling::end(machine, 'Q', slave).map_err(|reason| illegal(act, &reason))?;
+    let master = master.map(|number| coupling::end(machine, 'P', number)).transpose();
+    let master = master.map_err(|reason| illegal(act, &reason))?;
+    let is = |coupling: &&Coupling| {
+        let pair = coupling.pair;
+        pair.kind == kind && pair.slave == slave && master.is_none_or(|master| pair.master == master)
+    };
+    match act.state.others.couplings.iter().find(is).map(|coupling| coupling.pair) {
+        Some(pair) => act.end_coupling(pair),
+        None => Ok(()),
+    }
+}
+
+/// Value of a word as the program writes it.
+fn number(act: &mut Act<'_, '_>, id: DataId) -> Option<f64> {
+    act.take(id).map(|datum| datum.raw)
+}
+
+/// The channel runs alone, or the machine has no channels that meet.
+fn is_off(act: &Act<'_, '_>) -> bool {
+    act.env.machine.sync.dialect == SyncDialect::None || act.env.options.ignore_waits.contains(&act.at.channel)
+}
+
+/// A slave has one master and is none itself, and an axis in composite control has no other part.
+fn check_free(act: &mut Act<'_, '_>, pair: &Pair) -> Acted {
+    let again = |other: &Pair| other == pair && pair.kind == Kind::Synchronous;
+    let both_lead = |other: &Pair| {
+        other.kind == pair.kind
+            && pair.kind != Kind::Composite
+            && other.master == pair.master
+            && other.slave != pair.slave
+    };
+    let shares = |other: &Pair, end: End| other.master == end || other.slave == end;
+    let clash = |coupling: &&Coupling| {
+        let other = &coupling.pair;
+        !again(other) && !both_lead(other) && (shares(other, pair.master) || shares(other, pair.slave))
+    };
+    let Some(other) = act.state.others.couplings.iter().find(clash).map(|coupling| coupling.pair) else {
+        return Ok(());
+    };
+    let machine = act.env.machine;
+    let (master, slave) = (&machine.axes[other.master.axis].name, &machine.axes[other.slave.axis].name);
+    let text = format!(
+        "{} axes {master} and {slave} are in {} control already, in '{}'",
+        pair.kind.taken(),
+        other.kind.name(),
+        act.block_text()
+    );
+    Err(act.alarm(&diag::COUPLING_ILLEGAL, text))
+}
+
+fn illegal(act: &mut Act<'_, '_>, reason: &str) -> Halt {
+    let text = format!("PS5339 {reason}, in '{}'", act.block_text());
+    act.alarm(&diag::COUPLING_ILLEGAL, text)
+}

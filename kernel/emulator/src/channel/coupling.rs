@@ -1,0 +1,274 @@
+//! Axes of two channels that are coupled: what both channels do when they meet at the code, and what a coupled axis cannot do.
+//!
+//! Facts: Fanuc synchronous, composite and superimposed control; the alarms are those of its alarm list. Decisions: how far each
+//! channel has commanded its axis reaches the other one where both meet, at the codes and at other barriers; a channel sees its
+//! slave where that was. *Invariant:* what channels let each other know goes through shared operations before and after a barrier
+//! of both, so it depends on simulated time alone.
+
+use counterpoint_event::event::Kind as Logged;
+use counterpoint_event::event::Primitive;
+use counterpoint_fault as diag;
+use counterpoint_fault::{Acted, Halt};
+use counterpoint_lang::format::wildcard_text;
+use counterpoint_machine::index::{AxisSlot, BySlot};
+use counterpoint_sync::shared::{Coupled, Stand};
+use counterpoint_sync::wait::Wait;
+
+use super::Kernel;
+use crate::state::State;
+use crate::state::coupling::{Coupling, Parking, slots};
+use crate::waits::coupling::{End, Kind, Pair};
+
+/// Where two channels meet.
+#[derive(Debug, Clone, Copy)]
+enum Meeting {
+    /// At the code that couples, so often before.
+    On(u8),
+    /// At the code that ends it.
+    Off,
+    /// At another barrier.
+    Between,
+}
+
+impl Meeting {
+    fn number(self) -> u8 {
+        match self {
+            Self::On(before) => before % 2,
+            Self::Off => 2,
+            Self::Between => 3,
+        }
+    }
+}
+
+impl Kernel<'_> {
+    /// Couples an axis of this channel with one of another channel. The same synchronous pair again changes what is parked.
+    pub(crate) fn couple(&mut self, pair: Pair, parking: Parking) -> Acted {
+        let Some((own, other)) = pair.of(self.channel.at.channel) else { return Ok(()) };
+        let Some(slot) = self.channel.state.place.layout.axes.find(|axis| axis.machine == own.axis) else {
+            return Ok(());
+        };
+        self.flush_lookahead()?;
+        let machine = self.channel.env.machine;
+        let before = self.channel.state.others.couplings.iter().find(|coupling| coupling.pair == pair);
+        let meetings = before.map_or(0, |coupling| coupling.meetings.wrapping_add(1));
+        let theirs = self.meet_at(&pair, Meeting::On(meetings), pair.wait(machine, false))?;
+        self.uncouple(&pair, theirs.by);
+        let stood = self.place_of(slot);
+        let sign = pair.sign(machine);
+        let mut coupling =
+            Coupling { pair, slot, slave: own == pair.slave, parking, stood, from: stood, meetings, own: None };
+        if pair.kind == Kind::Composite {
+            coupling.from = if machine.sync.composite_places { sign * theirs.place } else { stood };
+            self.put(slot, coupling.from);
+            let moves = (theirs.place, coupling.from, sign);
+            let layout = &mut self.channel.state.place.layout;
+            let moving = layout.axes[slot].moving(&machine.axes[other.axis], moves);
+            coupling.own = Some((std::mem::replace(&mut layout.axes[slot], moving), moves));
+            self.limits_changed();
+        }
+        self.channel.state.others.couplings.push(coupling);
+        self.hold_followers();
+        self.log_coupling(&pair, "", None);
+        Ok(())
+    }
+
+    /// Ends a coupling of this channel together with the other channel.
+    pub(crate) fn end_coupling(&mut self, pair: Pair) -> Acted {
+        self.flush_lookahead()?;
+        let theirs = self.meet_at(&pair, Meeting::Off, pair.wait(self.channel.env.machine, true))?;
+        let moved = self.uncouple(&pair, theirs.by);
+        self.log_coupling(&pair, " off", moved);
+        if moved.is_some() && self.channel.state.place.layout.bounds.limited {
+            let position = self.channel.state.place.position;
+            self.check_limits_of_axes(&position);
+        }
+        self.channel.check_stop()
+    }
+
+    /// Two channels wait for each other, and let each other know where their axes stand.
+    fn meet_at(&mut self, pair: &Pair, meeting: Meeting, wait: Wait) -> Result<Stand, Halt> {
+        self.tell(pair, meeting)?;
+        self.wait_plainly(wait)?;
+        self.hear(pair, meeting)
+    }
+
+    /// Lets the other channel of a pair know where the own axis stands.
+    fn tell(&mut self, pair: &Pair, meeting: Meeting) -> Acted {
+        let Some((own, other)) = pair.of(self.channel.at.channel) else { return Ok(()) };
+        let stand = self.stand_of(pair, own);
+        let key = key(own, other, meeting);
+        self.shared(|order| order.shared.coupled.insert(key, stand)).map(|_| ())
+    }
+
+    /// What the other channel of a pair has let this one know.
+    fn hear(&mut self, pair: &Pair, meeting: Meeting) -> Result<Stand, Halt> {
+        let Some((own, other)) = pair.of(self.channel.at.channel) else { return Ok(Stand::default()) };
+        let key = key(other, own, meeting);
+        self.shared(|order| order.shared.coupled.get(&key).copied().unwrap_or_default())
+    }
+
+    /// Where the own axis of a pair stands, and what has been commanded since it was coupled.
+    fn stand_of(&self, pair: &Pair, own: End) -> Stand {
+        let layout = &self.channel.state.place.layout;
+        let Some(slot) = layout.axes.find(|axis| axis.machine == own.axis) else { return Stand::default() };
+        let place = self.place_of(slot);
+        let coupled = self.channel.state.others.couplings.iter().find(|coupling| coupling.pair == *pair);
+        Stand { place, by: coupled.map_or(0.0, |coupling| place - coupling.from) }
+    }
+
+    /// Ends a coupling here: the axis is where both channels have brought it. Gives the axis if that is another place.
+    fn uncouple(&mut self, pair: &Pair, theirs: f64) -> Option<AxisSlot> {
+        let couplings = &mut self.channel.state.others.couplings;
+        let at = couplings.iter().position(|coupling| coupling.pair == *pair)?;
+        let coupling = couplings.remove(at);
+        let slot = coupling.slot;
+        if let Some((own, _)) = coupling.own {
+            self.channel.state.place.layout.axes[slot] = own;
+            self.limits_changed();
+        }
+        self.hold_followers();
+        let by = pair.sign(self.channel.env.machine) * theirs;
+        let place = match (pair.kind, coupling.slave, coupling.parking) {
+            (Kind::Composite, ..) => coupling.stood + by,
+            (Kind::Synchronous, true, Parking::Slave) | (Kind::Synchronous, false, Parking::Master) => coupling.stood,
+            (Kind::Synchronous, true, _) => coupling.stood + by,
+            (Kind::Superimposed, true, _) => self.place_of(slot) + by,
+            (Kind::Synchronous | Kind::Superimposed, false, _) => return None,
+        };
+        self.put(slot, place).then_some(slot)
+    }
+
+    /// Place of an axis in the machine frame, geometry units.
+    fn place_of(&self, slot: AxisSlot) -> f64 {
+        let place = &self.channel.state.place;
+        self.channel.machine_point(&place.position).at(slot) * place.layout.axes[slot].scale
+    }
+
+    /// An axis stands at a place of the machine frame, geometry units; whether that is another one.
+    fn put(&mut self, slot: AxisSlot, place: f64) -> bool {
+        let mut machine = self.channel.machine_point(&self.channel.state.place.position);
+        let (before, after) = (machine.at(slot), place / self.channel.state.place.layout.axes[slot].scale);
+        if before == after {
+            return false;
+        }
+        *machine.at_mut(slot) = after;
+        self.channel.state.place.position = self.channel.way_of_machine(&machine);
+        if let Some(cutter) = self.channel.cutter() {
+            *cutter.contour.at_mut(slot) += after - before;
+        }
+        true
+    }
+
+    /// Another component of a composite machine works: its axes are coupled as before.
+    pub(crate) fn keep_couplings(&mut self) {
+        let (machine, channel) = (self.channel.env.machine, self.channel.at.channel);
+        let State { place, others, .. } = &mut self.channel.state;
+        for coupling in &mut others.couplings {
+            let (slot, other) = (coupling.slot, coupling.pair.of(channel).map(|(_, other)| other));
+            if let Some(((own, moves), other)) = coupling.own.as_mut().zip(other) {
+                let moving = place.layout.axes[slot].moving(&machine.axes[other.axis], *moves);
+                *own = std::mem::replace(&mut place.layout.axes[slot], moving);
+            }
+        }
+        self.limits_changed();
+        self.hold_followers();
+    }
+
+    /// Words of axes that follow others are no commands.
+    fn hold_followers(&mut self) {
+        let machine = self.channel.env.machine;
+        let held = slots(&self.channel.state.others.couplings, Coupling::follows);
+        let layout = &mut self.channel.state.place.layout;
+        for (slot, axis) in
+            layout.axes.entries().filter(|(_, axis)| machine.axes[axis.machine].coupling.number.is_some())
+        {
+            let registers = self.plan.registers_of(axis.data);
+            let leased = machine.axes[axis.machine].master.is_some();
+            if held & slot.bit() != 0 {
+                layout.bounds.foreign |= registers;
+                layout.exchanged |= slot.bit();
+            } else if !leased {
+                layout.bounds.foreign &= !registers;
+                layout.exchanged &= !slot.bit();
+            }
+        }
+    }
+
+    fn limits_changed(&mut self) {
+        let layout = &mut self.channel.state.place.layout;
+        layout.bounds.limited = layout.axes.iter().any(|axis| axis.limits.is_some());
+    }
+
+    fn log_coupling(&mut self, pair: &Pair, what: &str, moved: Option<AxisSlot>) {
+        let machine = self.channel.env.machine;
+        let (master, slave) = (&machine.axes[pair.master.axis].name, &machine.axes[pair.slave.axis].name);
+        let place = moved.map_or_else(String::new, |slot| {
+            let value = self.channel.state.place.position.at(slot);
+            format!(" {}={}", self.channel.axis_name(slot), wildcard_text(value))
+        });
+        self.emit(0, Logged::mode(format!("{}{what} {master} {slave}{place}", pair.kind.name())));
+    }
+}
+
+/// Other barriers, and moves.
+impl Kernel<'_> {
+    /// Waits at a barrier while axes are coupled: a follower is then where the other channel has brought it.
+    #[cold]
+    #[inline(never)]
+    pub(super) fn wait_coupled(&mut self, wait: Wait) -> Acted {
+        let both = |coupling: &&Coupling| {
+            let ends = [coupling.pair.master, coupling.pair.slave];
+            wait.primitive == Primitive::Barrier && ends.iter().all(|end| wait.parts.has(end.channel))
+        };
+        let met = self.channel.state.others.couplings.iter().filter(both);
+        let met: Vec<(Pair, bool)> = met.map(|coupling| (coupling.pair, coupling.follows())).collect();
+        for (pair, follows) in &met {
+            if !follows {
+                self.tell(pair, Meeting::Between)?;
+            }
+        }
+        self.wait_plainly(wait)?;
+        for (pair, _) in met.iter().filter(|(_, follows)| *follows) {
+            let by = pair.sign(self.channel.env.machine) * self.hear(pair, Meeting::Between)?.by;
+            let coupled = self.channel.state.others.couplings.iter().find(|coupling| coupling.pair == *pair);
+            let moves = coupled.filter(|coupling| coupling.parking != Parking::Slave);
+            if let Some((slot, place)) = moves.map(|coupling| (coupling.slot, coupling.stood + by)) {
+                self.put(slot, place);
+            }
+        }
+        Ok(())
+    }
+
+    /// The alarm for a word or a move of an axis that follows another one, if one of these does.
+    pub(super) fn follower_moved(&mut self, moved: u8) -> Acted {
+        if moved & slots(&self.channel.state.others.couplings, Coupling::follows) == 0 {
+            return Ok(());
+        }
+        Err(self.refuse_coupled(moved, Coupling::follows, "PS0353 axis that follows another one is commanded"))
+    }
+
+    /// The alarm for a code that an axis to which moves are added cannot have, if one of these is such an axis.
+    pub(crate) fn added_to(&mut self, moved: u8, alarm: &str) -> Acted {
+        let added = |coupling: &Coupling| coupling.slave && coupling.pair.kind == Kind::Superimposed;
+        if moved & slots(&self.channel.state.others.couplings, added) == 0 {
+            return Ok(());
+        }
+        Err(self.refuse_coupled(moved, added, alarm))
+    }
+
+    fn refuse_coupled(&mut self, moved: u8, which: impl Fn(&Coupling) -> bool, alarm: &str) -> Halt {
+        let machine = self.channel.env.machine;
+        let mut coupled = self.channel.state.others.couplings.iter();
+        let found = coupled.find(|coupling| moved & coupling.slot.bit() != 0 && which(coupling)).map(|c| c.pair);
+        let axes = found.map_or_else(String::new, |pair| {
+            let (master, slave) = (&machine.axes[pair.master.axis].name, &machine.axes[pair.slave.axis].name);
+            format!(": {slave} with master {master} of channel {}", pair.master.channel)
+        });
+        let text = format!("{alarm}{axes}, in '{}'; no part of the block acts", self.block_text());
+        self.alarm(&diag::COUPLED_AXIS, text)
+    }
+}
+
+fn key(axis: End, with: End, meeting: Meeting) -> Coupled {
+    Coupled { axis: axis.axis.index() as u16, with: with.axis.index() as u16, at: meeting.number() }
+}

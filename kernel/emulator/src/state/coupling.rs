@@ -1,0 +1,84 @@
+//! Axes of the channel that are coupled with axes of other channels.
+
+use counterpoint_machine::index::AxisSlot;
+
+use super::position::Axis;
+use crate::waits::coupling::{Kind, Pair};
+
+/// Which of both axes stands still in synchronous control (Fanuc L).
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub(crate) enum Parking {
+    /// None.
+    #[default]
+    Neither,
+    /// The words of the master move the slave alone.
+    Master,
+    /// The slave stays.
+    Slave,
+}
+
+impl Parking {
+    /// By the number in the program.
+    pub(crate) fn of(number: f64) -> Option<Self> {
+        [Self::Neither, Self::Master, Self::Slave]
+            .into_iter()
+            .zip([0.0, 1.0, 2.0])
+            .find(|(_, n)| *n == number)
+            .map(|p| p.0)
+    }
+}
+
+/// An axis of the channel and the one that it is coupled with.
+#[derive(Debug)]
+pub(crate) struct Coupling {
+    /// Both axes.
+    pub(crate) pair: Pair,
+    /// The axis of this channel.
+    pub(crate) slot: AxisSlot,
+    /// This channel has the slave.
+    pub(crate) slave: bool,
+    /// Which of them stands still.
+    pub(crate) parking: Parking,
+    /// Where the own axis stood when they were coupled, geometry units, machine frame.
+    pub(crate) stood: f64,
+    /// Where the words of the channel started from; the same, unless it is the place of the other axis.
+    pub(crate) from: f64,
+    /// How often both channels have met so.
+    pub(crate) meetings: u8,
+    /// While the words of the channel move the other axis: the own one, and where both stood, as [`Axis::moving`] takes it.
+    pub(crate) own: Option<(Axis, (f64, f64, f64))>,
+}
+
+impl Coupling {
+    /// The own axis follows the other one: its words are no commands.
+    pub(crate) fn follows(&self) -> bool {
+        self.slave && self.pair.kind == Kind::Synchronous
+    }
+}
+
+/// Axes of a channel, bit by axis, of couplings of which something holds.
+pub(crate) fn slots(couplings: &[Coupling], of: impl Fn(&Coupling) -> bool) -> u8 {
+    couplings.iter().filter(|coupling| of(coupling)).fold(0, |bits, coupling| bits | coupling.slot.bit())
+}
+
+impl Axis {
+    /// As this axis is commanded when its words move `other`, which stands at `stands` where this one counts `from`; both in
+    /// geometry units.
+    pub(crate) fn moving(
+        &self,
+        other: &counterpoint_machine::model::Axis,
+        (stands, from, sign): (f64, f64, f64),
+    ) -> Self {
+        let scale = if other.diameter { 0.5 } else { 1.0 };
+        let point = |value: f64| (from + sign * (value * scale - stands)) / self.scale;
+        let limits = other.limits.map(|(low, high)| (point(low), point(high)));
+        Self {
+            rapid: other.rapid / 60.0,
+            dynamics: other.dynamics.per_second(),
+            home: point(other.home),
+            references: other.references.map(|place| place.map(point)),
+            limits: limits.map(|(one, two)| (one.min(two), one.max(two))),
+            ..self.clone()
+        }
+    }
+}

@@ -1,0 +1,154 @@
+//! Axes of two channels that codes couple: which axes the numbers of a block name, and what both channels wait for.
+//!
+//! Fanuc: synchronous control G51.4 and G50.4, composite control G51.5 and G50.5, superimposed control G51.6 and G50.6; P is the
+//! master, Q the slave, both by their numbers of parameter 12600. Decisions: each code is a wait of the channels of both axes,
+//! which stand in different channels. *Invariant:* two channels take part.
+
+use counterpoint_event::event::Primitive;
+use counterpoint_machine::ident::{CodeId, codes};
+use counterpoint_machine::index::AxisId;
+use counterpoint_machine::model::Machine;
+use counterpoint_sync::wait::{Key, Rule, Set, Style, Wait};
+
+use super::{COUPLING, extra_rule};
+
+/// What the code makes of two axes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Kind {
+    /// The slave does what the master does.
+    Synchronous,
+    /// The words of each channel move the axis of the other one.
+    Composite,
+    /// The moves of the master are added to those of the slave.
+    Superimposed,
+}
+
+impl Kind {
+    /// All of them, in the order of their rules.
+    const ALL: [Self; 3] = [Self::Synchronous, Self::Composite, Self::Superimposed];
+
+    /// The codes that begin and end it.
+    fn codes(self) -> [CodeId; 2] {
+        match self {
+            Self::Synchronous => [codes::COUPLE_SYNCHRONOUS, codes::COUPLE_SYNCHRONOUS_OFF],
+            Self::Composite => [codes::COUPLE_COMPOSITE, codes::COUPLE_COMPOSITE_OFF],
+            Self::Superimposed => [codes::COUPLE_SUPERIMPOSED, codes::COUPLE_SUPERIMPOSED_OFF],
+        }
+    }
+
+    /// As it is logged.
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::Synchronous => "synchronous",
+            Self::Composite => "composite",
+            Self::Superimposed => "superimposed",
+        }
+    }
+
+    /// The alarm for an axis that is coupled already.
+    pub(crate) fn taken(self) -> &'static str {
+        match self {
+            Self::Synchronous => "PS0352",
+            Self::Composite => "PS0357",
+            Self::Superimposed => "PS0362",
+        }
+    }
+}
+
+/// An axis that a code names.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct End {
+    /// Its number.
+    pub(crate) number: u16,
+    /// The axis.
+    pub(crate) axis: AxisId,
+    /// Its channel.
+    pub(crate) channel: u16,
+}
+
+/// Two axes that a code couples.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Pair {
+    /// How.
+    pub(crate) kind: Kind,
+    /// The axis that P names.
+    pub(crate) master: End,
+    /// The axis that Q names.
+    pub(crate) slave: End,
+}
+
+/// The rules of the codes, two for each kind.
+pub(super) fn rules(machine: &Machine) -> impl Iterator<Item = Rule> {
+    Kind::ALL.into_iter().flat_map(Kind::codes).map(|id| {
+        let word = super::word(machine, id).unwrap_or_else(|| machine.code_name(id).to_owned());
+        Rule { style: Style::Axes, ..Rule::plain(&word) }
+    })
+}
+
+/// The axis with a number, and its channel.
+///
+/// # Errors
+/// The number is missing, or names no axis that can be coupled.
+pub(crate) fn end(machine: &Machine, letter: char, number: Option<f64>) -> Result<End, String> {
+    let Some(value) = number else { return Err(format!("{letter} with the number of an axis is missing")) };
+    let has = |number: u16| f64::from(number) == value;
+    let named = machine.axes.find(|axis| axis.coupling.number.is_some_and(has));
+    let Some((axis, number)) = named.and_then(|axis| Some((axis, machine.axes[axis].coupling.number?))) else {
+        return Err(format!("no axis of the machine has the number {letter}{value}"));
+    };
+    let mut owners = machine.channels.iter().filter(|channel| channel.axes.as_slice().contains(&axis));
+    match (owners.next(), owners.next()) {
+        (Some(owner), None) => Ok(End { number, axis, channel: owner.number }),
+        (Some(_), Some(_)) => Err(format!("axis {} belongs to several channels", machine.axes[axis].name)),
+        (None, _) => Err(format!("axis {} belongs to no channel", machine.axes[axis].name)),
+    }
+}
+
+/// Two axes as a code couples them.
+///
+/// # Errors
+/// Why the control does not couple them.
+pub(crate) fn pair(machine: &Machine, kind: Kind, master: End, slave: End) -> Result<Pair, String> {
+    let name = |end: End| &machine.axes[end.axis].name;
+    if master.axis == slave.axis {
+        return Err(format!("P and Q both name axis {}", name(master)));
+    }
+    if master.channel == slave.channel {
+        let channel = master.channel;
+        return Err(format!("axes {} and {} are both in channel {channel}", name(master), name(slave)));
+    }
+    if machine.axes[master.axis].role.is_rotary() != machine.axes[slave.axis].role.is_rotary() {
+        return Err(format!("one of the axes {} and {} turns, the other one does not", name(master), name(slave)));
+    }
+    Ok(Pair { kind, master, slave })
+}
+
+impl Pair {
+    /// Where both channels meet before the code acts. A code that names the slave alone is shown so.
+    pub(crate) fn wait(&self, machine: &Machine, off: bool) -> Wait {
+        let at = self.kind as u16 * 2 + u16::from(off);
+        let master = if off && self.kind != Kind::Composite { 0 } else { u32::from(self.master.number) };
+        let key = Key { space: COUPLING + at, number: (master << 15) | u32::from(self.slave.number) };
+        let parts: Set = [self.master.channel, self.slave.channel].into_iter().collect();
+        // The rules of balance cutting come before.
+        let rule = extra_rule(machine) + 3 + at;
+        Wait { primitive: Primitive::Barrier, key, named: None, parts, need: 0, rule }
+    }
+
+    /// The axis of a channel, and the other one.
+    pub(crate) fn of(&self, channel: u16) -> Option<(End, End)> {
+        if channel == self.master.channel {
+            Some((self.master, self.slave))
+        } else if channel == self.slave.channel {
+            Some((self.slave, self.master))
+        } else {
+            None
+        }
+    }
+
+    /// −1 if one of both axes points against the other one.
+    pub(crate) fn sign(&self, machine: &Machine) -> f64 {
+        let mirrored = |end: End| machine.axes[end.axis].coupling.mirrored;
+        if mirrored(self.master) == mirrored(self.slave) { 1.0 } else { -1.0 }
+    }
+}

@@ -1,0 +1,66 @@
+//! Who reads the texts of a job's programs: the machine, or, where the components of a composite have different pre-processors,
+//! the first component with each of them.
+//!
+//! Decision: a program file is read by the component with which its channel begins. *Invariant:* the readers are in the order of
+//! [`Machine::readers`].
+
+use std::sync::Arc;
+
+use super::callers::Callers;
+use super::shape::Shape;
+use super::syntax::Syntax;
+use crate::spec::Program;
+use counterpoint_machine::Machine;
+
+/// A definition that reads texts.
+pub(super) struct Reader<'a> {
+    /// The definition.
+    pub(super) machine: &'a Machine,
+    /// What tells programs apart.
+    pub(super) shape: Arc<Shape>,
+    /// Which programs call others.
+    pub(super) callers: Callers,
+}
+
+/// All readers of a machine.
+pub(super) struct Readers<'a> {
+    machine: &'a Machine,
+    first: Reader<'a>,
+    others: Vec<Reader<'a>>,
+}
+
+impl<'a> Readers<'a> {
+    /// Of a machine.
+    pub(super) fn of(machine: &'a Machine, syntax: impl Fn(&Machine) -> &'static Syntax) -> Self {
+        let reader = |machine: &'a Machine| {
+            let syntax = syntax(machine);
+            Reader { machine, shape: Arc::new(Shape::of(machine, syntax)), callers: Callers::of(machine, syntax) }
+        };
+        let mut all = machine.readers().into_iter().map(reader);
+        let first = all.next().unwrap_or_else(|| reader(machine));
+        Self { machine, first, others: all.collect() }
+    }
+
+    /// How many there are.
+    pub(super) fn count(&self) -> usize {
+        self.others.len() + 1
+    }
+
+    /// One of them; the first, if there is no such one.
+    pub(super) fn at(&self, place: usize) -> &Reader<'a> {
+        place.checked_sub(1).and_then(|place| self.others.get(place)).unwrap_or(&self.first)
+    }
+
+    /// Place of the one that reads a program of the job: that of the channel which the program names, else of the next channel
+    /// from the left that no program names.
+    pub(super) fn of_program(&self, programs: &[Program], place: usize) -> usize {
+        if self.others.is_empty() {
+            return 0;
+        }
+        let named = |channel: u16| programs.iter().any(|program| program.channel == Some(channel));
+        let before = programs.iter().take(place).filter(|program| program.channel.is_none()).count();
+        let mut free = self.machine.channels.iter().map(|channel| channel.number).filter(|&channel| !named(channel));
+        let channel = programs.get(place).and_then(|program| program.channel).or_else(|| free.nth(before));
+        channel.map_or(0, |channel| self.machine.reader_for(self.machine.of_channel(channel).preprocessor))
+    }
+}
