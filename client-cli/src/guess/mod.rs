@@ -223,6 +223,10 @@ impl Evidence {
                 Ok(Guess { machine: "fanuc-mill-5axis", why })
             }
             1 if mill > lathe => Ok(Guess { machine: "fanuc-mill", why: self.named(Kind::Mill) }),
+            1 if self.weight(Kind::Mazak) > 0 => {
+                let why = self.named_all(&[Kind::Mazak, Kind::Lathe]);
+                Ok(Guess { machine: "mazak-eia-lathe", why })
+            }
             1 if self.weight(Kind::Live) > 0 => {
                 let why = format!("{}, {}", self.named(Kind::Lathe), self.named(Kind::Live));
                 Ok(Guess { machine: "haas-mill-turn", why })
@@ -286,6 +290,8 @@ mod tests {
             ("T101;\nG97 S1000 M3;\nG0 X50. Z2.;\nM30;\n", "haas-lathe"),
             ("T101;\nG97 S1000 M3;\nG0 X50. Y0;\nM155;\nM30;\n", "haas-mill-turn"),
             ("%_N_PART_MPF\nG17 G90 T1 M6\nG0 X1 Y2\n", "siemens-mill"),
+            ("O1\nT001.01\nG97 S500 M3\nG0 X50. Z2.\n", "mazak-eia-lathe"),
+            ("O1\nT0101\nG0 X50. Z2.\nG290 X46. Z-20. F0.2\n", "mazak-eia-lathe"),
             ("N10 TRAORI(1)\nN20 G1 X1 A=-20 C10\n", "siemens-mill-5axis"),
             ("%_N_PART_MPF\nG1 X1 A3=0 B3=1 C3=0\n", "siemens-mill-5axis"),
             ("0 BEGIN PGM PART MM\n1 L X+10 A+20 R0 FMAX M128\n", "heidenhain-mill-5axis"),

@@ -15,6 +15,8 @@ pub(super) enum Kind {
     HaasMill,
     /// A milling machine with five axes.
     FiveAxis,
+    /// A lathe of the Mazak kind: numbers of its cycles, tools with the code of their form.
+    Mazak,
     /// A lathe with live tools or a Y axis.
     Live,
     Siemens,
@@ -31,7 +33,7 @@ impl Kind {
     pub(super) fn control(self) -> Option<&'static str> {
         match self {
             Self::Mill | Self::Lathe | Self::Haas | Self::HaasMill | Self::FiveAxis => None,
-            Self::Live | Self::Turrets => None,
+            Self::Mazak | Self::Live | Self::Turrets => None,
             Self::Siemens => Some("a Siemens control"),
             Self::Heidenhain => Some("a Heidenhain control"),
             Self::Okuma => Some("an Okuma control"),
@@ -276,6 +278,18 @@ impl Signs {
                 self.add(Kind::Okuma, format!("T{tool}"), 3);
                 self.add(Kind::Lathe, format!("T{tool}"), 2);
             }
+        }
+        let cycles: Vec<u32> = (270..=276).chain(283..=285).chain(287..=290).chain([292, 294]).collect();
+        if let Some(g) = code("G", &cycles) {
+            self.add(Kind::Mazak, format!("G{g}"), 3);
+            self.add(Kind::Lathe, format!("G{g}"), 3);
+        }
+        if let Some((digits, form)) = value("T").and_then(|tool| tool.split_once('.'))
+            && (3..=6).contains(&digits.len())
+            && [digits, form].iter().all(|part| !part.is_empty() && part.bytes().all(|b| b.is_ascii_digit()))
+        {
+            self.add(Kind::Mazak, format!("T{digits}.{form}"), 3);
+            self.add(Kind::Lathe, format!("T{digits}.{form}"), 2);
         }
         if !has("Y") && (has("U") || has("W")) && code("G", &[10, 65, 66]).is_none() {
             self.add(Kind::Lathe, if has("U") { "U" } else { "W" }, 2);

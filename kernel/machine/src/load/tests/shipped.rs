@@ -41,6 +41,7 @@ fn all_machines_load_without_a_finding() {
             "heidenhain-mill",
             "heidenhain-mill-5axis",
             "isg-3channel",
+            "mazak-eia-lathe",
             "mitsubishi-mill",
             "okuma-2turret",
             "okuma-lathe",
