@@ -150,6 +150,7 @@ impl Evidence {
                 Err("siemens-mill and siemens-lathe are shipped, and nothing shows which one it is for")
             }
             1 if lathe > mill => Ok(("siemens-lathe", &[Kind::Lathe])),
+            1 if self.weight(Kind::FiveAxis) > 0 => Ok(("siemens-mill-5axis", &[Kind::FiveAxis, Kind::Mill])),
             1 => Ok(("siemens-mill", &[Kind::Mill])),
             _ => Err(TOO_MANY),
         }
@@ -159,6 +160,7 @@ impl Evidence {
         let iso = self.of(Kind::Heidenhain).any(|(_, sign)| sign.text.ends_with('*'));
         match channels {
             _ if iso => Err("the shipped machine has no ISO words; describe yours (docs/tutorial-control.md)"),
+            1 if self.weight(Kind::FiveAxis) > 0 => Ok(("heidenhain-mill-5axis", &[Kind::FiveAxis])),
             1 => Ok(("heidenhain-mill", &[])),
             _ => Err(TOO_MANY),
         }
@@ -216,7 +218,15 @@ impl Evidence {
                 let why = format!("{}, {}", self.named(Kind::Mill), self.named(Kind::HaasMill));
                 Ok(Guess { machine: "haas-mill", why })
             }
+            1 if mill > lathe && self.weight(Kind::FiveAxis) > 0 => {
+                let why = format!("{}, {}", self.named(Kind::FiveAxis), self.named(Kind::Mill));
+                Ok(Guess { machine: "fanuc-mill-5axis", why })
+            }
             1 if mill > lathe => Ok(Guess { machine: "fanuc-mill", why: self.named(Kind::Mill) }),
+            1 if self.weight(Kind::Mazak) > 0 => {
+                let why = self.named_all(&[Kind::Mazak, Kind::Lathe]);
+                Ok(Guess { machine: "mazak-eia-lathe", why })
+            }
             1 if self.weight(Kind::Live) > 0 => {
                 let why = format!("{}, {}", self.named(Kind::Lathe), self.named(Kind::Live));
                 Ok(Guess { machine: "haas-mill-turn", why })
@@ -280,6 +290,13 @@ mod tests {
             ("T101;\nG97 S1000 M3;\nG0 X50. Z2.;\nM30;\n", "haas-lathe"),
             ("T101;\nG97 S1000 M3;\nG0 X50. Y0;\nM155;\nM30;\n", "haas-mill-turn"),
             ("%_N_PART_MPF\nG17 G90 T1 M6\nG0 X1 Y2\n", "siemens-mill"),
+            ("O1\nT001.01\nG97 S500 M3\nG0 X50. Z2.\n", "mazak-eia-lathe"),
+            ("O1\nT0101\nG0 X50. Z2.\nG290 X46. Z-20. F0.2\n", "mazak-eia-lathe"),
+            ("N10 TRAORI(1)\nN20 G1 X1 A=-20 C10\n", "siemens-mill-5axis"),
+            ("%_N_PART_MPF\nG1 X1 A3=0 B3=1 C3=0\n", "siemens-mill-5axis"),
+            ("0 BEGIN PGM PART MM\n1 L X+10 A+20 R0 FMAX M128\n", "heidenhain-mill-5axis"),
+            ("0 BEGIN PGM PART MM\n1 FUNCTION TCPM F TCP AXIS POS PATHCTRL AXIS\n", "heidenhain-mill-5axis"),
+            ("O1\nT1 M6\nG43.4 H1 Z50.\nG1 X1. A-20. F100.\n", "fanuc-mill-5axis"),
             ("DIAMON\nG96 S200 LIMS=3000 M4\nG0 X40 Z2\n", "siemens-lathe"),
             ("0 BEGIN PGM PART MM\n1 L X+10 R0 FMAX\n", "heidenhain-mill"),
             ("O1\nT0101\nM130\nM99\nO2\nT0202\nM130\nM99\n", "fanuc-2path-lathe"),

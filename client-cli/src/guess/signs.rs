@@ -13,6 +13,10 @@ pub(super) enum Kind {
     Haas,
     /// Words that only mills of the Haas kind have.
     HaasMill,
+    /// A milling machine with five axes.
+    FiveAxis,
+    /// A lathe of the Mazak kind: numbers of its cycles, tools with the code of their form.
+    Mazak,
     /// A lathe with live tools or a Y axis.
     Live,
     Siemens,
@@ -28,7 +32,8 @@ impl Kind {
     /// The control that the sign belongs to, if it is not one of Fanuc's kind.
     pub(super) fn control(self) -> Option<&'static str> {
         match self {
-            Self::Mill | Self::Lathe | Self::Haas | Self::HaasMill | Self::Live | Self::Turrets => None,
+            Self::Mill | Self::Lathe | Self::Haas | Self::HaasMill | Self::FiveAxis => None,
+            Self::Mazak | Self::Live | Self::Turrets => None,
             Self::Siemens => Some("a Siemens control"),
             Self::Heidenhain => Some("a Heidenhain control"),
             Self::Okuma => Some("an Okuma control"),
@@ -209,6 +214,17 @@ impl Signs {
                 self.add(Kind::Siemens, *name, 3);
                 self.add(Kind::Lathe, *name, 3);
             }
+            if let Some(name) = ["TRAORI", "A3="].iter().find(|name| bare.contains(**name)) {
+                self.add(Kind::Siemens, *name, 3);
+                self.add(Kind::Mill, *name, 2);
+                self.add(Kind::FiveAxis, *name, 3);
+            }
+            let line = unnumbered.starts_with("L ") || unnumbered.starts_with("LN ");
+            if line && unnumbered.contains(" M128") {
+                self.add(Kind::FiveAxis, "M128", 3);
+            } else if unnumbered.starts_with("FUNCTION TCPM") {
+                self.add(Kind::FiveAxis, "FUNCTION TCPM", 3);
+            }
             for (name, kind) in NAMES {
                 let starts = bare.starts_with(name) || unnumbered.starts_with(name);
                 let cycle = name != "CYCLE" || bare.as_bytes().get(name.len()).is_some_and(u8::is_ascii_digit);
@@ -263,6 +279,18 @@ impl Signs {
                 self.add(Kind::Lathe, format!("T{tool}"), 2);
             }
         }
+        let cycles: Vec<u32> = (270..=276).chain(283..=285).chain(287..=290).chain([292, 294]).collect();
+        if let Some(g) = code("G", &cycles) {
+            self.add(Kind::Mazak, format!("G{g}"), 3);
+            self.add(Kind::Lathe, format!("G{g}"), 3);
+        }
+        if let Some((digits, form)) = value("T").and_then(|tool| tool.split_once('.'))
+            && (3..=6).contains(&digits.len())
+            && [digits, form].iter().all(|part| !part.is_empty() && part.bytes().all(|b| b.is_ascii_digit()))
+        {
+            self.add(Kind::Mazak, format!("T{digits}.{form}"), 3);
+            self.add(Kind::Lathe, format!("T{digits}.{form}"), 2);
+        }
         if !has("Y") && (has("U") || has("W")) && code("G", &[10, 65, 66]).is_none() {
             self.add(Kind::Lathe, if has("U") { "U" } else { "W" }, 2);
         }
@@ -277,6 +305,10 @@ impl Signs {
         }
         if let (Some(_), Some(offset)) = (code("G", &[43]), value("H")) {
             self.add(Kind::Mill, format!("G43 H{offset}"), 3);
+        }
+        if words.iter().any(|(letter, value)| letter == "G" && matches!(value.as_str(), "43.4" | "43.5")) {
+            self.add(Kind::Mill, "G43.4", 2);
+            self.add(Kind::FiveAxis, "G43.4", 3);
         }
         if let (Some(_), Some(offset)) = (code("G", &[15]), value("H")) {
             self.add(Kind::Okuma, format!("G15 H{offset}"), 3);

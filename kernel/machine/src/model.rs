@@ -78,8 +78,8 @@ pub struct Machine {
     pub threads: paths::Threads,
     /// Turning cycles.
     pub turning: paths::Turning,
-    /// Direction of the tool, from its tip to the spindle, with all rotary axes at zero.
-    pub tool_direction: [f64; 3],
+    /// The tool in space.
+    pub kinematics: paths::Kinematics,
     /// Pump of the coolant.
     pub pump: Pump,
     /// What its words leave open.

@@ -85,7 +85,8 @@ impl Heidenhain {
                 if !(1..=4).any(|count| starts(count).is_some_and(|text| host.is_code_text(&text))) {
                     return Ok(self.not_understood(host));
                 }
-                let seen = Evaluator::new(&mut self.variables, host).seen(words)?;
+                let mut seen = Evaluator::new(&mut self.variables, host).seen(words)?;
+                self.follow(host, &mut seen);
                 Ok(Some(joined("", &seen)))
             }
         }
@@ -147,8 +148,10 @@ impl Heidenhain {
     fn plain(&mut self, host: &mut dyn Host, words: &[Word]) -> Result<Option<String>, Halt> {
         let mut seen = Evaluator::new(&mut self.variables, host).seen(words)?;
         self.functions_of(&seen);
+        self.follow(host, &mut seen);
         self.feed_units(host, &mut seen)?;
         self.cycle_calls(host, &mut seen, false)?;
+        self.after_block(&seen);
         Ok(Some(joined("", &seen)))
     }
 
@@ -238,6 +241,8 @@ impl Heidenhain {
             let control = &mut self.variables.control;
             (control.tool, control.length) = (Some(number), own.0);
             control.radius = own.1.map(|radius| radius + more);
+            let allowance = |word: &Seen| matches!(&*word.name, "DL" | "DR" | "DR2") && word.value != Some(0.0);
+            self.space.allowances = seen.iter().any(|word| word.value.is_some() && allowance(word));
         }
         self.functions_of(&seen);
         // Allowances belong to the tool table, unless the machine has registers for them.
@@ -271,16 +276,24 @@ impl Heidenhain {
         line: &Line,
         place: Place,
     ) -> Result<Option<String>, Halt> {
+        if shape == Shape::Space && !host.is_code_text("LN") {
+            return Ok(self.not_understood(host));
+        }
         let mut seen = Evaluator::new(&mut self.variables, host).seen(words)?;
         // Old programs show what they do not say.
         seen.retain(|word| word.value.is_some() || !matches!(word.text.as_str(), "R" | "F" | "M"));
         self.functions_of(&seen);
+        self.follow(host, &mut seen);
+        if shape == Shape::Space {
+            self.directions(host, &mut seen);
+        }
         self.feed_units(host, &mut seen)?;
         let moves = seen.iter().any(|word| {
             word.value.is_some()
                 && (axis(&word.name).is_some() || matches!(&*word.name, "PR" | "PA" | "IPR" | "IPA" | "H"))
         });
         self.cycle_calls(host, &mut seen, moves)?;
+        self.after_block(&seen);
         let step = Step { shape, iso, seen, line: place.line };
         let ahead = if place.as_read { self.ahead(host, shape, line.next, place)? } else { Vec::new() };
         let lines = walk(&mut self.path, host, &step, &ahead)?;
@@ -290,7 +303,7 @@ impl Heidenhain {
     /// Path blocks that a block has to know: a corner with what follows it, or the first element of a contour.
     fn ahead(&mut self, host: &mut dyn Host, shape: Shape, next: u32, place: Place) -> Result<Vec<Step>, Halt> {
         let approach = matches!(shape, Shape::Approach(_));
-        if !approach && !matches!(shape, Shape::Line | Shape::PolarLine | Shape::Iso) {
+        if !approach && !matches!(shape, Shape::Line | Shape::Space | Shape::PolarLine | Shape::Iso) {
             return Ok(Vec::new());
         }
         let Some((first, behind)) = self.following(host, next, place) else { return Ok(Vec::new()) };

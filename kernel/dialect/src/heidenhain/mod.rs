@@ -22,6 +22,7 @@ mod polar;
 mod print;
 mod settings;
 mod shifts;
+mod space;
 mod statement;
 mod system;
 mod variables;
@@ -74,6 +75,7 @@ pub(crate) struct Heidenhain {
     units: feeds::Units,
     /// Lengths and radii that TOOL DEF has set.
     tools: FxHashMap<u32, (Option<f64>, Option<f64>)>,
+    space: space::Space,
     /// A line may run again, so compiled lines are worth keeping.
     keeping: bool,
     compiled: Kept<Line>,
@@ -161,6 +163,7 @@ impl Interpreter for Heidenhain {
         self.calling = None;
         self.path = Path::default();
         self.units = feeds::Units::default();
+        self.space = space::Space::default();
         if reset {
             self.shifts = shifts::Shifts::default();
             self.cycle = cycles::State::default();

@@ -20,6 +20,8 @@ pub(super) type Position = [f64; AXES.len()];
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Shape {
     Line,
+    /// A line with a direction of the tool and a normal of the surface.
+    Space,
     Arc,
     Radius,
     Tangent,
@@ -37,8 +39,9 @@ pub(super) enum Shape {
 
 impl Shape {
     /// Key words of the shapes.
-    pub(super) const WORDS: [(&'static str, Self); 23] = [
+    pub(super) const WORDS: [(&'static str, Self); 24] = [
         ("L", Self::Line),
+        ("LN", Self::Space),
         ("C", Self::Arc),
         ("CR", Self::Radius),
         ("CT", Self::Tangent),
@@ -206,7 +209,7 @@ impl Walk<'_> {
         // A corner is made by the very next block or not at all.
         let corner = self.path.corner.take();
         Ok(match shape {
-            Shape::Line => self.line(),
+            Shape::Line | Shape::Space => self.line(),
             Shape::Arc | Shape::Radius => self.circle(shape),
             Shape::Tangent => {
                 let end = self.target();

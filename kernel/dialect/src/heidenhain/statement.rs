@@ -116,7 +116,7 @@ pub(super) enum Call {
 }
 
 /// Key words of statements that are not emulated.
-const FOREIGN: [&str; 29] = [
+const FOREIGN: [&str; 28] = [
     "PLANE",
     "FUNCTION",
     "TRANS",
@@ -131,7 +131,6 @@ const FOREIGN: [&str; 29] = [
     "SEL",
     "CONTOUR",
     "SPL",
-    "LN",
     "MONITORING",
     "POLARKIN",
     "OPEN",

@@ -4,6 +4,7 @@
 //! Facts: reference control-emulator.md 6.8 (both), channel-synchronisation.md 3 (rates); that the slower one counts is
 //! a decision: docs/emulation.md, "Polar interpolation" and "Tool tip control". Invariants: a time never becomes shorter;
 //! it is exact for lines and circles of the part, with the rotary axis at its rate where the feed would ask for more.
+//! The rate at which linear axes follow rotary ones is that of the fastest of some places of the move.
 
 use counterpoint_machine::index::BySlot;
 use std::f64::consts::TAU;
@@ -16,6 +17,9 @@ use counterpoint_event::event::Position;
 
 /// Ways below this are none.
 const NONE: f64 = 1e-9;
+
+/// Steps along a move at whose ends the linear axes that follow the rotary ones are looked at.
+const PLACES: u32 = 16;
 
 /// A piece of a way on the part: its length, and degrees that it goes round the centre.
 type Piece = (f64, f64);
@@ -84,7 +88,16 @@ impl Act<'_, '_> {
     /// Seconds of a feed move that rotary axes may slow down; `made`: the circle on the part.
     #[cold]
     pub(super) fn at_rates(&self, seconds: f64, from: &Position, to: &Position, made: Option<&Arc>) -> f64 {
-        if self.tip().is_some() {
+        if let Some(tip) = self.tip() {
+            let seconds = match self.state.others.tip.follow {
+                Some(limit) => {
+                    let place = &self.state.place;
+                    let ways =
+                        (0..=PLACES).map(|at| tip.following(place, [from, to], f64::from(at) / f64::from(PLACES)));
+                    seconds.max(ways.fold(0.0, f64::max) / limit * 60.0)
+                }
+                None => seconds,
+            };
             let turns = self.state.place.layout.axes.iter().zip(from.iter().zip(to)).filter(|(axis, _)| axis.rotary);
             return turns
                 .map(|(axis, (a, b))| (b - a).abs() / axis.rapid)

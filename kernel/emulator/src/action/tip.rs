@@ -11,6 +11,7 @@ use counterpoint_fault::Acted;
 use counterpoint_machine::ident::kind::CodeKind;
 use counterpoint_machine::ident::{DataId, codes, data};
 use counterpoint_machine::index::{AxisSlot, BySlot};
+use counterpoint_machine::model::paths::Missing;
 use counterpoint_motion::frame::affine::{Affine, Point};
 use counterpoint_motion::frame::kinematics::Angles;
 
@@ -40,6 +41,7 @@ pub(super) fn on(act: &mut Act<'_, '_>, method: u8) -> Acted {
     if let Some(number) = number {
         frame::length_on(act, number as u32);
     }
+    let follow = act.take(data::TIP_FEED).map(|feed| feed.value).filter(|feed| *feed > 0.0);
     let was = act.end_tip();
     if !act.start_tip(number.is_some()) {
         let text = format!("the axes of channel {} do not allow TCP in '{}'", act.at.channel, act.block_text());
@@ -47,6 +49,9 @@ pub(super) fn on(act: &mut Act<'_, '_>, method: u8) -> Acted {
         return Ok(());
     }
     let changed = act.state.others.tip.method != method || !was;
+    if follow.is_some() || !was {
+        act.state.others.tip.follow = follow;
+    }
     act.state.others.tip.method = method;
     act.state.others.tip.format = act.state.others.tip.format.max(1);
     if changed {
@@ -111,7 +116,14 @@ impl Act<'_, '_> {
         if given.iter().all(Option::is_none) {
             return (coded, target);
         }
-        let mut values = self.state.others.tip.words.get(usize::from(format)).copied().unwrap_or_default();
+        if self.state.place.layout.axes.entries().any(|(slot, axis)| axis.rotary && coded & slot.bit() != 0) {
+            let text = format!("'{}' has angles as well as a tool direction; the direction counts", self.block_text());
+            self.diagnose(&diag::TIP_WORDS_MIXED, text);
+        }
+        let mut values = match self.env.machine.kinematics.missing {
+            Missing::Keep => self.state.others.tip.words.get(usize::from(format)).copied().unwrap_or_default(),
+            Missing::Zero => Point::default(),
+        };
         for (slot, given) in values.iter_mut().zip(given) {
             *slot = given.unwrap_or(*slot);
         }

@@ -66,17 +66,24 @@ impl Kernel<'_> {
         if self.refuse(id) { None } else { self.recall(id) }
     }
 
-    /// Length of a word that counts least increments: with a decimal point it is a length (reference turning-cycles.md 1).
+    /// Length of a word that counts least increments.
     #[cold]
     fn counted(&self, source: &Source, word: &Word) -> f64 {
+        let (increments, dimension) = self.counting(word);
+        (word.value * increments * source.mul + source.add) * self.channel.unit_factor(dimension)
+    }
+
+    /// Increments that one of a word is, and the dimension that it then has: with a decimal point it is a length (reference
+    /// turning-cycles.md 1).
+    #[cold]
+    pub(crate) fn counting(&self, word: &Word) -> (f64, Dimension) {
         let text = self.text_bytes();
         let pointed = text.get(word.start as usize..word.end as usize).is_some_and(|text| text.contains(&b'.'));
-        let (increments, dimension) = match (pointed, self.channel.env.machine.unit) {
+        match (pointed, self.channel.env.machine.unit) {
             (false, _) => (1.0, Dimension::Increments),
             (true, Unit::Mm) => (1000.0, Dimension::Length),
             (true, Unit::Inch) => (10_000.0, Dimension::Length),
-        };
-        (word.value * increments * source.mul + source.add) * self.channel.unit_factor(dimension)
+        }
     }
 
     /// The last value of modal data (reference control-emulator.md 1.3).

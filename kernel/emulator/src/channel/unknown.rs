@@ -98,7 +98,10 @@ impl Kernel<'_> {
         let dialect = self.dialect.kind;
         if self.is_code_word(&text) {
             let lacks = format!("machine {} has no {text}", self.channel.env.machine.name);
-            let why = match dialect.unknown_g_code().filter(|_| is_g) {
+            // A machine with words of its own for it names its own alarm.
+            let rule = self.channel.env.machine.diagnostics.rule(diag::UNKNOWN_CODE.number);
+            let named = rule.is_some_and(|rule| rule.text.is_some());
+            let why = match dialect.unknown_g_code().filter(|_| is_g && !named) {
                 Some(alarm) => format!("{alarm}: {lacks}"),
                 None => lacks,
             };

@@ -226,8 +226,12 @@ impl Kernel<'_> {
                 self.out_of_range(source.row, raw);
             }
             let diameter = if source.diameter_x { self.channel.diameter_factor() } else { 1.0 };
-            let factor = self.channel.unit_factor(source.dimension) * diameter;
-            let value = raw * source.mul + source.add;
+            let (increments, dimension) = match source.dimension {
+                Dimension::Increments => self.counting(&word),
+                other => (1.0, other),
+            };
+            let factor = self.channel.unit_factor(dimension) * diameter;
+            let value = raw * increments * source.mul + source.add;
             let register = Some(source.register);
             return Some(Taken { value, factor, incremental, raw, modal: source.modal, register });
         }

@@ -7,6 +7,7 @@ use crate::channel::hook_points::Origin;
 use counterpoint_dialect::MacroCall;
 use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
+use counterpoint_machine::ident::kind::CodeKind;
 use counterpoint_machine::ident::{self, CodeId, DataId};
 use counterpoint_machine::index::CodeRowId;
 use counterpoint_machine::number::written;
@@ -368,7 +369,8 @@ impl Kernel<'_> {
         }
     }
 
-    /// Loads the start state of the machine: these codes become active without acting.
+    /// Loads the start state of the machine: these codes become active without acting, and a form of the tool direction
+    /// is the one in which programs write it.
     pub(crate) fn initial_codes(&mut self) {
         for &id in &self.channel.env.machine.initial {
             let row = self.channel.env.machine.codes.entries().find(|(_, row)| row.id == id);
@@ -376,6 +378,9 @@ impl Kernel<'_> {
                 self.channel.state.modal.activate(row.group, id, Some(index));
             } else if let Some(facts) = ident::code_facts(id) {
                 self.channel.state.modal.activate(facts.group, id, None);
+            }
+            if let CodeKind::TipFormat(format) = id.kind() {
+                self.channel.state.others.tip.format = format;
             }
         }
         self.channel.state.secondary =

@@ -8,6 +8,7 @@ use crate::state::modal::group;
 use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
 use counterpoint_machine::ident::data;
+use counterpoint_machine::ident::kind::data::DataKind;
 use counterpoint_machine::index::RegisterId;
 use counterpoint_program::block::irregular;
 
@@ -63,7 +64,7 @@ impl Kernel<'_> {
         let rows = machine.tables.data_of(register);
         let (feed, _) = feed_of(self.channel.state.modal.code(group::FEED));
         let mut known = false;
-        let mut axis = false;
+        let (mut axis, mut direction) = (false, false);
         for &index in rows {
             let row = &machine.data[index];
             // A label that no call takes marks its block; the sequence number of a head tells and does nothing.
@@ -73,6 +74,7 @@ impl Kernel<'_> {
             }
             let is_axis = row.id.kind().is_axis();
             axis |= is_axis;
+            direction |= row.id.kind() == DataKind::Orientation;
             let other_feed = matches!(row.id, data::FEED_UPM | data::FEED_UPR | data::FEED_1T) && row.id != feed;
             if row.modal && !is_axis && !other_feed {
                 let value = (value * row.mul + row.add) * self.channel.unit_factor(row.dimension);
@@ -94,6 +96,11 @@ impl Kernel<'_> {
             );
         } else if axis && self.channel.state.modal.code(group::MOTION).is_none() {
             self.diagnose(&diag::NO_MOTION_MODE, format!("no motion code is active for {word} in '{block}'"));
+        } else if direction && self.channel.tip().is_none() {
+            self.diagnose(
+                &diag::TIP_WORDS_ALONE,
+                format!("tool centre point control is not active for {word} in '{block}'; the word is ignored"),
+            );
         } else {
             self.diagnose(&diag::DATA_NOT_USED, format!("{word} is not used by any code in '{block}'; ignored"));
         }

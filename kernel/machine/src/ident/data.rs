@@ -269,6 +269,7 @@ data! {
     CORNER_SIZE true true Contour, Length => "chamfer or rounding as a code of the block says, between lines parallel to axes with such a sign (Okuma L)";
     CORNER_FEED true true Contour, Feed => "feed of this corner (Siemens FRC)";
     CORNER_FEED_MODAL true true Contour, Feed => "feed of all corners from here on, 0 for that of their lines (Siemens FRCM)";
+    TIP_FEED true true Plain, Feed => "largest rate of the linear axes as they follow the rotary ones (Heidenhain M128 F)";
     POLE_ANGLE true true Contour, Angle => "angle of a point seen from the pole, from the first axis of the plane (Siemens AP)";
     POLE_RADIUS true true Contour, Length => "distance of a point from the pole (Siemens RP)";
     LINE_ANGLE true true Contour, Angle => "direction of the line from the first axis of the plane (Fanuc ,A, Siemens ANG)";

@@ -41,6 +41,7 @@ const OWN: &[(&[CodeId], &str)] = &[
         MOVE,
     ),
     (&[codes::INTERP_DEF_CLW, codes::INTERP_DEF_CCLW, codes::INTERP_DEF_CENTER, codes::INTERP_DEF_RADIUS], DEFINITION),
+    (&[codes::RTCP_ON, codes::RTCP2_ON], "REG_COMP_LENGTH REG_TIP_FEED"),
     (&[codes::INTERP_ARC_3D], "REG_FEED_UPM REG_FEED_UPR REG_AXIS_* REG_ARC_3D_POINT_*"),
     (&[codes::CORNER_CHAMFER, codes::CORNER_ROUND], "REG_CORNER_SIZE"),
     (&[codes::POLE_TOOL, codes::POLE_ZERO, codes::POLE_LAST], "REG_AXIS_* REG_POLE_*"),

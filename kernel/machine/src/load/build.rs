@@ -56,7 +56,7 @@ pub(super) fn machine(
     let pump = pump::read(&mut top);
     let habits = habits::read(&mut top, head.preprocessor);
     let output = output::read(&mut top);
-    let tool_direction = kinematics::read(&mut top, &axes, &channels, &codes, check);
+    let kinematics = kinematics::read(&mut top, &axes, &channels, &codes, check);
     let corners = compensation::corners(&mut top);
     let compensation = compensation::read(&mut top);
     overlap::check_codes(&codes, &names.registers, check);
@@ -115,7 +115,7 @@ pub(super) fn machine(
         arcs,
         turning,
         threads,
-        tool_direction,
+        kinematics,
         pump,
         habits,
         output,

@@ -6,6 +6,7 @@ use crate::ident::DataId;
 use crate::ident::kind::CodeKind;
 use crate::ident::kind::data::DataKind;
 use crate::index::{AxisId, Table};
+use crate::model::paths::{Kinematics, Missing};
 use crate::model::{Axis, AxisRole, Channel};
 use crate::rows::CodeRow;
 use crate::toml::check::Check;
@@ -56,19 +57,22 @@ pub(super) fn read(
     channels: &[Channel],
     codes: &[CodeRow],
     check: &Check,
-) -> [f64; 3] {
+) -> Kinematics {
     let mut tool = Z;
+    let mut missing = Missing::Keep;
     let mut asked = false;
     let place = top.place_of("channels").clone();
     if let Some(mut section) = top.table("kinematics", "[kinematics]") {
-        tool = direction(&mut section, "tool").unwrap_or(Z);
-        asked = true;
+        let given = direction(&mut section, "tool");
+        missing = section.choice("missing", &[("keep", Missing::Keep), ("zero", Missing::Zero)]).unwrap_or(missing);
+        asked = given.is_some();
+        tool = given.unwrap_or(Z);
         section.finish();
     }
     let orients = |row: &CodeRow| row.enable && matches!(row.id.kind(), CodeKind::TipFormat(_));
     let controls = |row: &CodeRow| row.enable && row.id.kind() == CodeKind::TipControl;
     if !asked && !codes.iter().any(|row| controls(row) || orients(row)) {
-        return tool;
+        return Kinematics { tool, missing };
     }
     // A machine that says nothing about its axes in space has no use for tool tip control.
     let described = |axis: &&Axis| axis.vector != usual(Some(axis.data)) || axis.center != [0.0; 3];
@@ -98,7 +102,7 @@ pub(super) fn read(
             check.warning(&place, text);
         }
     }
-    tool
+    Kinematics { tool, missing }
 }
 
 fn parallel(a: [f64; 3], b: [f64; 3]) -> bool {

@@ -1,4 +1,4 @@
-//! What a machine says about circles and threads.
+//! What a machine says about circles, threads and the tool in space.
 //!
 //! Facts: reference control-emulator.md 1.5 (questions on circles and threads), 6.1, 6.5. Invariant: distances are zero
 //! or more, in the unit of the machine.
@@ -82,4 +82,22 @@ pub struct Threads {
     pub chamfer_length: f64,
     /// Its angle to the thread, degrees.
     pub chamfer_angle: f64,
+}
+
+/// The tool in space.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Kinematics {
+    /// Direction of the tool, from its tip to the spindle, with all rotary axes at zero.
+    pub tool: [f64; 3],
+    /// What a word of a tool direction is that the block does not have.
+    pub missing: Missing,
+}
+
+/// Words of a tool direction that the block does not have.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Missing {
+    /// They keep their value.
+    Keep,
+    /// They are zero.
+    Zero,
 }

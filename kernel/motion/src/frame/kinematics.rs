@@ -93,6 +93,24 @@ impl<A: Copy> Chain<A> {
         (tip - tool).into()
     }
 
+    /// How fast the linear axes follow the rotary ones while the tip stays at a point of the part; `turning`: degrees of
+    /// each axis in some time, in which the way is made.
+    pub fn following(&self, part: Point, length: Point, angle: impl Fn(A) -> f64, turning: impl Fn(A) -> f64) -> f64 {
+        let carried = |joints: &[Joint<A>], sign: f64, point: Point| {
+            let (mut point, mut speed) = (point, Vector3::zeros());
+            // From the part, or the tool, to the machine.
+            for joint in joints.iter().rev() {
+                let turned = Affine::rotation(joint.vector, sign * angle(joint.axis)).unwrap_or(Affine::SAME);
+                point = turned.around(joint.center).point(point);
+                let arm = Vector3::from(point) - Vector3::from(joint.center);
+                let axis = unit_vector(joint.vector).unwrap_or_default() * (sign * turning(joint.axis)).to_radians();
+                speed = Vector3::from(turned.direction(speed.into())) + axis.cross(&arm);
+            }
+            speed
+        };
+        (carried(&self.tables, -1.0, part) - carried(&self.heads, 1.0, length.map(|value| -value))).norm()
+    }
+
     /// The point of the part where the tip is.
     pub fn tip(&self, linear: Point, length: Point, angle: impl Fn(A) -> f64 + Copy) -> Option<Point> {
         let tool = Vector3::from(self.head(angle).point(length.map(|value| -value)));
@@ -211,6 +229,24 @@ mod tests {
         assert_eq!(chain.solve([f64::NAN; 3]), Vec::<Angles<usize>>::new());
         let parallel = Chain { tables: vec![joint(0, Z)], heads: vec![joint(1, Z)], tool: Z };
         assert!(!parallel.is_possible() && parallel.solve(X).is_empty());
+    }
+
+    #[test]
+    fn linear_axes_follow_as_fast_as_differences_say() {
+        for mut chain in chains() {
+            for joint in chain.tables.iter_mut().chain(&mut chain.heads) {
+                joint.center = [5.0, 6.0, 7.0];
+            }
+            let (part, length) = ([10.0, -20.0, 30.0], [0.0, 0.0, 50.0]);
+            let (angles, turning) = ([30.0, 40.0], [7.0, -5.0]);
+            let after = |share: f64| {
+                let angle = |axis: usize| angles[axis] + turning[axis] * share;
+                Vector3::from(chain.linear(part, length, angle))
+            };
+            let differs = (after(1e-5) - after(-1e-5)).norm() / 2e-5;
+            let follows = chain.following(part, length, |axis| angles[axis], |axis| turning[axis]);
+            assert!((differs - follows).abs() < 1e-6 && follows > 1.0, "{chain:?}: {differs} {follows}");
+        }
     }
 
     #[test]

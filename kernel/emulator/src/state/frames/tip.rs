@@ -34,13 +34,23 @@ pub(crate) struct Settings {
     pub(crate) changed: Vec<Joint<AxisSlot>>,
     /// Tool direction that a macro has given.
     pub(crate) direction: Option<Point>,
+    /// Largest rate of the linear axes as they follow the rotary ones, units per minute.
+    pub(crate) follow: Option<f64>,
     /// Words of the orientation that came last, by format.
     pub(crate) words: [Point; 7],
 }
 
 impl Default for Settings {
     fn default() -> Self {
-        Self { format: 0, method: 1, chosen: Vec::new(), changed: Vec::new(), direction: None, words: [[0.0; 3]; 7] }
+        Self {
+            format: 0,
+            method: 1,
+            chosen: Vec::new(),
+            changed: Vec::new(),
+            direction: None,
+            follow: None,
+            words: [[0.0; 3]; 7],
+        }
     }
 }
 
@@ -79,6 +89,20 @@ impl Tip {
         place.put(machine, linear);
     }
 
+    /// How far the linear axes follow the rotary ones at the rate of a place of the way between two points of the work
+    /// frame.
+    pub(crate) fn following(&self, place: &Place, [from, to]: [&Position; 2], share: f64) -> f64 {
+        let mut at = *from;
+        for (slot, to) in at.iter_mut().zip(to) {
+            *slot += (to - *slot) * share;
+        }
+        let fixture = place.geometry(&place.less(&place.shift, &self.tool));
+        let part = plus(place.geometry(&at), fixture);
+        let angle = |axis: AxisSlot| at.at(axis) + place.shift.at(axis);
+        let turning = |axis: AxisSlot| to.at(axis) - from.at(axis);
+        self.chain.following(part, place.geometry(&self.tool), angle, turning)
+    }
+
     /// The point of the work frame where the axes are.
     pub(crate) fn to_work(&self, place: &Place, machine: &Position, work: &mut Position) {
         let fixture = place.geometry(&place.less(&place.shift, &self.tool)).map(|value| -value);
@@ -108,7 +132,7 @@ impl Channel<'_> {
         let joints: Vec<(DataId, Joint<AxisSlot>)> =
             self.state.place.layout.axes.entries().filter_map(joint).take(2).collect();
         let side = |table: bool| joints.iter().filter(|(id, _)| is_table(*id) == table).map(|(_, j)| *j).collect();
-        let tool = settings.direction.unwrap_or(self.env.machine.tool_direction);
+        let tool = settings.direction.unwrap_or(self.env.machine.kinematics.tool);
         Chain { tables: side(true), heads: side(false), tool }
     }
 
@@ -178,7 +202,7 @@ impl Channel<'_> {
                 let angle = angle - at(&self.state.place.shift, *axis);
                 angle + 360.0 * turns((stands - angle) / 360.0)
             });
-            (*axis, Some(super::clean(angle, stands)))
+            (*axis, Some(super::clean(angle, stands) + 0.0))
         };
         solution.iter().map(near).collect()
     }

@@ -39,7 +39,9 @@ fn all_machines_load_without_a_finding() {
             "haas-mill",
             "haas-mill-turn",
             "heidenhain-mill",
+            "heidenhain-mill-5axis",
             "isg-3channel",
+            "mazak-eia-lathe",
             "merging-lathe",
             "mitsubishi-mill",
             "okuma-2turret",
@@ -48,6 +50,7 @@ fn all_machines_load_without_a_finding() {
             "siemens-2channel",
             "siemens-lathe",
             "siemens-mill",
+            "siemens-mill-5axis",
             "tern-bar-lathe",
         ]
     );
