@@ -337,7 +337,7 @@ impl Order {
 
     /// Ends the wait of a blocked kernel.
     pub fn resume(&mut self, channel: u16, wake: Wake) {
-        if self.moving.has(channel) {
+        if self.moving.has(channel) && !matches!(wake, Wake::Stopped) {
             self.moved.push((channel, wake));
             return;
         }

@@ -29,6 +29,8 @@ enum Op {
     Act,
     /// A wait of all kernels.
     At(Primitive, u32),
+    /// The same, passed without a stop if all are there by then.
+    Pass(Primitive, u32),
     /// A wait for a signal that anybody sends to everybody.
     Listen(u32),
     /// Something done for others.
@@ -46,7 +48,7 @@ enum Op {
 }
 
 use Deed::{Call, Free, Remove, Send, Set, Share};
-use Op::{Act, At, Away, Begin, Do, Listen, Poll, Rest, Run, Stop};
+use Op::{Act, At, Away, Begin, Do, Listen, Pass, Poll, Rest, Run, Stop};
 
 /// Runs a kernel; its operations go into the list of variables, in their order.
 fn kernel(core: &Coordinator, channel: u16, kernels: u16, script: &[Op]) {
@@ -135,6 +137,26 @@ fn kernel(core: &Coordinator, channel: u16, kernels: u16, script: &[Op]) {
                 match port.wait(channel, &mut (), |()| ()) {
                     Wake::Started { tag, .. } => (t, micro) = (tag.t, tag.micro),
                     _ => return core.done(channel, |_| ()),
+                }
+            }
+            Pass(primitive, number) => {
+                let waiting = Waiting { wait: wait(*primitive, *number, kernels), tag, file: 0, line: 0 };
+                let own = Finish { how: Terminal::Alarmed, file: 0, line: 0 };
+                let Ok(mut turn) = port.enter(tag, &mut (), |()| ()) else { break };
+                let after = turn.arrive_in_motion(waiting, own, &info()).0;
+                drop(turn);
+                // Whoever passes is in motion for a while.
+                if let After::Go { t: go, .. } = after {
+                    (t, micro) = (go + 1, 0);
+                    continue;
+                }
+                let Ok(mut turn) = port.enter(Tag { micro: u32::MAX, ..tag }, &mut (), |()| ()) else { break };
+                let stops = turn.stops(tag, &info());
+                drop(turn);
+                match stops.map_err(|_| port.wait(channel, &mut (), |()| ())) {
+                    Ok(Wake::Released { tag, .. }) => (t, micro) = (tag.t + 1, 0),
+                    Err(Wake::Released { tag, .. }) => (t, micro) = (tag.t, tag.micro),
+                    _ => break 'script,
                 }
             }
             At(..) | Listen(_) => {
@@ -247,6 +269,22 @@ fn flags_of_two_kernels() {
         &[&[Run(1), At(Flag, 1), Act, Run(1), Do(Set, 2), Act], &[At(Flag, 1), Act, At(Flag, 2), Run(3), Act]],
         &[111.0, 112.0, 211.0, 502.0],
     );
+}
+
+#[test]
+fn waits_that_kernels_pass_in_motion() {
+    tried(
+        &[
+            &[Run(1), Pass(Flag, 1), Act, Run(1), Pass(Flag, 2), Act],
+            &[Run(1), Pass(Flag, 1), Act, Run(3), At(Flag, 2), Act],
+        ],
+        &[201.0, 202.0, 511.0, 512.0],
+    );
+}
+
+#[test]
+fn a_stop_reaches_a_kernel_that_arrives_in_motion() {
+    tried(&[&[Run(1), Pass(Barrier, 1), Act], &[Run(1), Act, Stop], &[Run(2), At(Barrier, 1)]], &[102.0]);
 }
 
 #[test]

@@ -24,6 +24,10 @@ enum Op {
     Act,
     /// A wait of all kernels with this primitive and number.
     At(Primitive, u32),
+    /// The same, passed without a stop if all are there by then.
+    Pass(Primitive, u32),
+    /// A kernel that has arrived in motion stops.
+    Halt,
     /// A wait for a signal with this number that anybody sends to everybody.
     Listen(u32),
     /// Something done for others, with this number.
@@ -45,7 +49,7 @@ enum Op {
 }
 
 use Deed::{Call, Clear, Free, Remove, Send, Set, Share};
-use Op::{Act, At, Away, Begin, Do, End, Listen, Poll, Rest, Run, Stop, Write};
+use Op::{Act, At, Away, Begin, Do, End, Halt, Listen, Pass, Poll, Rest, Run, Stop, Write};
 
 /// What a kernel does next.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -130,7 +134,7 @@ impl World {
     fn waiting(&self, index: usize, op: Op) -> Option<Waiting> {
         let channels = self.players.len() as u16;
         let wait = match op {
-            At(primitive, number) => wait(primitive, number, channels),
+            At(primitive, number) | Pass(primitive, number) => wait(primitive, number, channels),
             Listen(number) => listening(number, channels),
             _ => return None,
         };
@@ -221,7 +225,8 @@ impl World {
                 }
                 op => {
                     player.next = Next::Answer(op);
-                    let arriving = self.waiting(index, op);
+                    let arriving = self.waiting(index, op).filter(|_| !matches!(op, Pass(..)));
+                    let tag = if op == Halt { Tag { micro: u32::MAX, ..tag } } else { tag };
                     self.order.request(tag, arriving);
                     self.settle();
                 }
@@ -260,7 +265,7 @@ impl World {
 
     fn act(&mut self, index: usize, op: Op) {
         let (tag, channel) = (self.tag(index), index as u16 + 1);
-        if !matches!(op, Poll(_)) {
+        if !matches!(op, Poll(_) | Halt) {
             self.log.push((tag, op));
         }
         match op {
@@ -313,6 +318,25 @@ impl World {
                 self.players[index].next = Next::Answer(op);
                 self.judged(verdict);
             }
+            Pass(..) => {
+                let own = Finish { how: Terminal::Alarmed, file: 0, line: 0 };
+                let Some(waiting) = self.waiting(index, op) else { return };
+                match self.order.arrive_in_motion(waiting, own, &info()).0 {
+                    After::Go { t, .. } => self.moves_on(index, t),
+                    After::Stand(_) => self.players[index].script.push(Halt),
+                    After::Alarm { .. } | After::Illegal { .. } => {
+                        return self.end(index, "alarm", Some(Terminal::Alarmed));
+                    }
+                }
+            }
+            Halt => match self.order.stops(tag, &info()) {
+                Ok(Wake::Released { tag, .. }) => self.moves_on(index, tag.t),
+                Ok(_) => return self.end(index, "alarm", None),
+                Err(verdict) => {
+                    self.players[index].next = Next::Answer(op);
+                    self.judged(verdict);
+                }
+            },
             At(..) | Listen(_) => {
                 let own = Finish { how: Terminal::Alarmed, file: 0, line: 0 };
                 let Some(waiting) = self.waiting(index, op) else { return };
@@ -339,6 +363,12 @@ impl World {
         }
         self.order.leave(channel);
         self.settle();
+    }
+
+    /// The kernel has passed its wait and is in motion for a while.
+    fn moves_on(&mut self, index: usize, t: i64) {
+        let player = &mut self.players[index];
+        (player.clock, player.bound) = ((t + 1, 0), t + 1);
     }
 
     fn end(&mut self, index: usize, fate: &'static str, how: Option<Terminal>) {
@@ -430,6 +460,20 @@ fn all_schedules_of_short_scripts_of_two_kernels() {
 #[test]
 fn all_schedules_with_flags() {
     pairs([Run(1), At(Flag, 1), At(Flag, 2), Do(Set, 1), Do(Clear, 1)]);
+}
+
+#[test]
+fn all_schedules_with_waits_that_are_passed_in_motion() {
+    pairs([Run(1), At(Flag, 1), Pass(Flag, 1), Do(Set, 1), Stop]);
+    pairs([Run(1), Pass(Barrier, 1), At(Barrier, 1), Act]);
+    for [one, two, three] in [
+        [&[Run(1), Pass(Flag, 1), Act][..], &[Run(1), Pass(Flag, 1), Act][..], &[Run(1), Pass(Flag, 1), Act][..]],
+        [&[Run(2), Pass(Flag, 1)], &[At(Flag, 1), Act], &[Run(2), Act, At(Flag, 1)]],
+        [&[Run(1), Pass(Flag, 1), Act], &[Run(2), Pass(Flag, 1)], &[Run(1)]],
+        [&[Run(1), Pass(Barrier, 1), Act], &[Run(1), Act, Stop], &[Run(2), At(Barrier, 1)]],
+    ] {
+        one_outcome(&[one, two, three]);
+    }
 }
 
 #[test]
