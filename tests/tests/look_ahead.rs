@@ -130,6 +130,17 @@ fn shortest(event: &Event) -> i64 {
     }
 }
 
+/// Blocks without a move between two moves: few are seen through, many stop the path, and none of them piles up.
+#[test]
+fn a_path_that_runs_out_of_moves_stops() {
+    for (blocks, seconds) in [(1000, 2.1), (5000, 2.2)] {
+        let text = format!("DIAMOF G94\nG1 X100 F6000\n{}X200\nM30\n", "R1=R1+1\n".repeat(blocks));
+        let work = Work::texts(machine("siemens-2ch-tm1", ""), &[text], Options::default());
+        let done = work.run(None).unwrap();
+        assert_eq!(done.summary.makespan_ns, (seconds * 1e9_f64) as i64, "{blocks} blocks");
+    }
+}
+
 #[test]
 fn random_programs_have_one_log_and_the_moves_of_simple_times() {
     let (mut met, mut succeeded) = (0, 0);

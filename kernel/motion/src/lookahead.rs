@@ -132,7 +132,7 @@ impl LookAhead {
     pub fn push(&mut self, piece: Piece) {
         let corner = match self.pieces.back() {
             Some(last) => piece.corner.min(last.piece.speed).min(piece.speed),
-            // The path goes on from a speed that is decided.
+            // The path continues from a speed that is decided.
             None => self.entry.sqrt(),
         };
         let stop = 2.0 * piece.acceleration * piece.length;

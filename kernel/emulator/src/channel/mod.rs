@@ -196,7 +196,7 @@ impl Kernel<'_> {
         self.in_order(self.channel.at.tag(), operation)
     }
 
-    /// The same while the path goes on: at the time of its end as far as that is known.
+    /// The same while the path continues: at the time of its end as far as that is known.
     ///
     /// # Errors
     /// When the job was stopped before.

@@ -127,6 +127,9 @@ impl Kernel<'_> {
 
     #[inline(never)]
     fn set_pace(&mut self) {
+        if let Some(pace) = self.channel.pace.as_mut().filter(|pace| pace.is_out_of_moves()) {
+            pace.stop();
+        }
         self.time_moves();
         if self.channel.pace.as_ref().is_some_and(|pace| pace.is_settled()) {
             self.set_clock();

@@ -186,7 +186,7 @@ fn arrival(kernel: &mut Kernel<'_>, wait: wait::Wait) -> (Waiting, Finish) {
 }
 
 impl Kernel<'_> {
-    /// Arrives when the path would have to brake, ns: if the others are there by then, it goes on; otherwise it stops and waits.
+    /// Arrives when the path would have to brake, ns: if the others are there by then, it continues; otherwise it stops and waits.
     #[cold]
     #[inline(never)]
     fn wait_in_motion(&mut self, wait: wait::Wait, brakes: i64) -> Acted {

@@ -161,7 +161,7 @@ impl Reports {
 }
 
 impl Channel<'_> {
-    /// Moves the clock on by something that is no move at feed: the path stops before it.
+    /// Advances the clock by something other than a move at feed: the path stops before it.
     pub(crate) fn advance(&mut self, ns: i64) {
         if ns > 0 {
             self.stop_path();

@@ -24,6 +24,9 @@ use super::position::Axis;
 /// Largest distance from a corner where nothing else limits the speed there, mm.
 const DEVIATION: f64 = 0.01;
 
+/// Events without a move after which the path stops: the control has no move to look ahead to, and nothing piles up.
+const WITHOUT_MOVE: usize = 2000;
+
 /// Parts of a direction below this are none.
 const NOISE: f64 = 1e-12;
 
@@ -117,6 +120,11 @@ impl Pace {
         }
     }
 
+    /// The next move is too far away for the path to continue.
+    pub(crate) fn is_out_of_moves(&self) -> bool {
+        self.since > WITHOUT_MOVE
+    }
+
     /// An event is added.
     pub(crate) fn add(&mut self, event: Event) -> Option<&mut Event> {
         self.events.push_back(event);
@@ -208,7 +216,7 @@ impl Pace {
     }
 
     /// When the path has to brake to stop at its end, ns; none unless the last move is the only one that is not timed, nothing
-    /// has happened since it began, and the path goes on.
+    /// has happened since it began, and the path continues.
     pub(crate) fn brakes_at(&self) -> Option<i64> {
         let (count, _) = self.gaps.front().filter(|_| !self.stops)?;
         let own = self.events.get(count.checked_sub(1)?)?;
