@@ -1,7 +1,7 @@
 //! Speeds along moves that follow each other without a stop, and the time that each takes.
 //!
 //! A [`Piece`] is one move: its length, the largest speed along it, and the largest speed at the corner before it. A piece is
-//! timed when enough later ones are known ([`LookAhead::depth`]), or when the path is known to stop after the last one. Speeds
+//! timed when enough later ones are known ([`LookAhead::new`]), or when the path is known to stop after the last one. Speeds
 //! change at the acceleration of each piece (trapezoids, reference channel-synchronisation.md 3).
 //!
 //! *Invariants:* the path can always stop at the end of what is known; a piece takes never less time than at its largest speed;
