@@ -13,7 +13,7 @@ use super::kept::{Input, Kept};
 use super::{FRAME, Frame, MAGIC, RECORD_MAX, decode, encode};
 
 /// Bytes read at once. A client that stands still holds the piece of its last batch.
-const PIECE: usize = 32 * 1024;
+const PIECE: usize = 24 * 1024;
 
 /// An encoded batch with the numbers it covers.
 #[derive(Debug, Clone)]

@@ -48,7 +48,7 @@ pub(crate) use status::serve as monitor;
 /// Bytes of a frame that a client may send at once: an upload chunk with its head.
 const FRAME: u32 = 128 * 1024;
 /// Bytes that a stream may hold for a client that does not read.
-const SEND_BUFFER: usize = 16 * 1024;
+const SEND_BUFFER: usize = 8 * 1024;
 /// First bytes of every HTTP/2 connection, and how many there are; a request in HTTP/1.1 has more.
 const PREFACE_OF_HTTP2: &[u8; PREFACE] = b"PRI * HTTP/2.0\r\n\r\nSM\r\n\r\n";
 const PREFACE: usize = 24;
@@ -191,7 +191,8 @@ async fn calls<S: AsyncRead + AsyncWrite + Unpin + Send + 'static>(
     let stream = TokioIo::new(Paused::new(stream, pause.clone()));
     let service = service_fn(move |mut request: Request<Incoming>| {
         request.extensions_mut().insert(caller.info.clone());
-        answer(routes.clone(), request, caller.clone(), counted.begin())
+        // In a box, since a stream keeps room for the largest of its states as long as it lives.
+        Box::pin(answer(routes.clone(), request, caller.clone(), counted.begin()))
     });
     if gate.web.is_some() && !PREFACE_OF_HTTP2.starts_with(first) {
         let mut builder = http1::Builder::new();

@@ -14,7 +14,7 @@ use crate::descriptors::Process;
 use crate::killed::resident;
 use crate::support::digest;
 
-const WATCHERS: u64 = 64;
+const WATCHERS: u64 = 128;
 /// Bytes that one of them may hold.
 const MOST: u64 = 128 * 1024;
 const BLOCKS: usize = 20_000;
