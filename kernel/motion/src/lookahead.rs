@@ -24,6 +24,9 @@ pub struct Piece {
     pub corner: f64,
 }
 
+/// Braking for less than this, seconds, takes no time.
+const INSTANT: f64 = 1e-6;
+
 impl Piece {
     /// Seconds from standstill to standstill.
     #[must_use]
@@ -162,12 +165,12 @@ impl LookAhead {
         Some(seconds)
     }
 
-    /// Seconds after the start of the only move at which it has to brake to stop at its end.
+    /// Seconds after the start of the only move at which it has to brake to stop at its end; none if braking takes no time.
     #[must_use]
     pub fn brakes_after(&self) -> Option<f64> {
         let last = self.pieces.front().filter(|_| self.pieces.len() == 1)?;
         let profile = Profile::new(&last.piece, self.entry, 0.0);
-        Some(profile.up + profile.steady)
+        (profile.down > INSTANT).then_some(profile.up + profile.steady)
     }
 
     /// Additional seconds for the changes of speed that end in a piece.

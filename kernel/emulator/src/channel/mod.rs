@@ -208,6 +208,9 @@ impl Kernel<'_> {
             self.flush_lookahead()?;
         }
         let tag = Tag { t: self.channel.now(), ..self.channel.at.tag() };
+        if let Some(pace) = &mut self.channel.pace {
+            pace.acted = tag.t;
+        }
         self.in_order(tag, operation)
     }
 

@@ -198,6 +198,7 @@ impl Kernel<'_> {
         self.channel.burden.result(crate::state::burden::RESULT);
         if let Some(pace) = &mut self.channel.pace {
             pace.draw_in(brakes);
+            pace.acted = brakes;
         }
         self.emit_during(brakes, 0, Kind::Wait(logged.wait.clone()));
         let (file, line) = (self.channel.at.file, self.channel.at.line);

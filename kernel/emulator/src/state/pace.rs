@@ -44,6 +44,8 @@ pub(crate) struct Pace {
     pub(crate) late: i64,
     /// The path stops after the last move.
     pub(crate) stops: bool,
+    /// Time of the last shared operation in motion, ns: the next one is later.
+    pub(crate) acted: i64,
     /// How the last move ends.
     end: Option<End>,
     /// Largest distance from a corner, geometry units.
@@ -87,6 +89,7 @@ impl Pace {
             since: 0,
             late: 0,
             stops: false,
+            acted: -1,
             end: None,
             deviation,
             block_time: time.block_time,
@@ -215,12 +218,13 @@ impl Pace {
         self.since = 0;
     }
 
-    /// When the path has to brake to stop at its end, ns; none unless the last move is the only one that is not timed, nothing
-    /// has happened since it began, and the path continues.
+    /// When the path has to brake to stop at its end, ns; none unless the last move is the only one that is not timed, the path
+    /// continues, and no shared operation has come at that time or after it.
     pub(crate) fn brakes_at(&self) -> Option<i64> {
         let (count, _) = self.gaps.front().filter(|_| !self.stops)?;
         let own = self.events.get(count.checked_sub(1)?)?;
-        Some(own.t_ns + self.late + super::channel::nanoseconds(self.look.brakes_after()?))
+        let brakes = own.t_ns + self.late + super::channel::nanoseconds(self.look.brakes_after()?);
+        Some(brakes).filter(|brakes| *brakes > self.acted)
     }
 
     /// More than the last move is not timed.
