@@ -135,6 +135,8 @@ diagnostics! {
     NO_TIP_AXES 2900165 "no-tool-tip-axes" 8 false "axes for tool centre point control missing";
     TIP_WORDS_ALONE 2900166 "tool-direction-alone" 8 false "tool direction without tool centre point control";
     TIP_WORDS_MIXED 2900167 "tool-direction-and-angles" 8 false "tool direction and angles of rotary axes in one block";
+    NO_CYLINDER 2900168 "no-cylinder" 12 true "cylindrical interpolation without a cylinder (PS0175)";
+    ARC_ON_CYLINDER 2900169 "arc-off-the-cylinder" 12 true "circle that is not on the surface of the cylinder";
     SECOND_CALL 2900170 "second-call" 8 false "second call, return or end code in a block with a call";
     TEXT_OF_NO_PROGRAM 2900171 "text-outside-program" 4 false "text outside of any program";
     RUNS_INTO_DEFINITION 2900172 "runs-into-definition" 4 false "program runs into the next program definition";

@@ -13,6 +13,7 @@ mod corners;
 mod couple;
 mod cutter;
 mod cycle;
+mod cylinder;
 mod dwell;
 pub(crate) mod entry;
 mod frame;
@@ -64,6 +65,7 @@ static ENTRIES: &[&[Entry]] = &[
     motion::ENTRIES,
     offsets::ENTRIES,
     polar::ENTRIES,
+    cylinder::ENTRIES,
     pole::ENTRIES,
     skip::ENTRIES,
     spindle::ENTRIES,

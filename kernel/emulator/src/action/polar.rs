@@ -1,7 +1,7 @@
-//! Polar interpolation: its codes, its words, and circles on the part.
+//! Polar interpolation: its codes, its words, and circles on the part, those of a cylinder too.
 //!
-//! Facts: reference control-emulator.md 6.8. Decisions: docs/emulation.md, "Polar interpolation". *Invariant:* events name
-//! the real axes; length and time are those on the part.
+//! Facts: reference control-emulator.md 6.8. Decisions: docs/emulation.md, "Polar interpolation" and "Cylindrical
+//! interpolation". *Invariant:* events name the real axes; length and time are those on the part.
 
 use std::f64::consts::TAU;
 
@@ -27,7 +27,7 @@ use counterpoint_program::block::Datum;
 pub(crate) const ENTRIES: &[Entry] = &[
     Entry::of(&[codes::C2P_CART_ON], |act, _, _| on(act, true)),
     Entry::of(&[codes::C2P_POLAR_ON], |act, _, _| on(act, false)),
-    Entry::of(&[codes::C2P_CART_OFF, codes::C2P_POLAR_OFF], |act, _, _| off(act)),
+    Entry::of(&[codes::C2P_CART_OFF, codes::C2P_POLAR_OFF, codes::CYLINDER_OFF], |act, _, _| off(act)),
 ];
 
 /// Degrees of a circle that one step goes round its own centre.
@@ -35,7 +35,7 @@ const STEP: f64 = 2.0;
 
 /// Switches it on: words are coordinates, or radius and angle.
 pub(super) fn on(act: &mut Act<'_, '_>, cartesian: bool) -> Acted {
-    if act.polar().is_some_and(|polar| polar.cartesian == cartesian) {
+    if act.polar().is_some_and(|polar| polar.cartesian == cartesian && !polar.is_cylinder()) {
         return Ok(());
     }
     let Some((linear, rotary)) = axes(act) else {
@@ -54,14 +54,16 @@ pub(super) fn on(act: &mut Act<'_, '_>, cartesian: bool) -> Acted {
     Ok(())
 }
 
-/// Switches it off; the axes stay where they are.
+/// Switches it off, that of a cylinder too; the axes stay where they are.
 pub(super) fn off(act: &mut Act<'_, '_>) -> Acted {
     let Some(polar) = act.state.place.frames.as_deref_mut().and_then(|frames| frames.polar.take()) else {
         return Ok(());
     };
     act.frames_changed();
     super::cutter::plane_changed(act);
-    act.emit(0, Kind::mode(format!("c2p {} off", form(polar.cartesian))));
+    let text =
+        if polar.is_cylinder() { "cylinder off".to_owned() } else { format!("c2p {} off", form(polar.cartesian)) };
+    act.emit(0, Kind::mode(text));
     Ok(())
 }
 
@@ -85,7 +87,7 @@ pub(super) fn arc(act: &mut Act<'_, '_>, polar: Polar, clockwise: bool) -> Acted
     let (feed, unit) = act.feed();
     let (coded, target) = act.programmed_targets();
     let radius = act.take(data::ARC_RADIUS).map(|d| d.value);
-    let offsets = [data::ARC_CENTER_X, data::ARC_CENTER_Y].map(|id| act.take(id).map(|d| d.value));
+    let offsets = center_words(act, &polar).map(|id| id.and_then(|id| act.take(id)).map(|d| d.value));
     let turns = act.take(data::ARC_TURNS).map_or(0.0, |d| d.value);
     if coded == 0 && radius.is_none() && offsets.iter().all(Option::is_none) {
         return Ok(());
@@ -93,7 +95,7 @@ pub(super) fn arc(act: &mut Act<'_, '_>, polar: Polar, clockwise: bool) -> Acted
     let (from, programmed) = (act.contour(), act.programmed());
     let mut to = act.work_point(&target);
     // Words that are coordinates tell a circle of the local frame.
-    let spots = if polar.cartesian {
+    let spots = if polar.cartesian && !polar.is_cylinder() {
         [&programmed, &target].map(|point| act.seen(point)).map(|[x, y, _]| [x, y])
     } else {
         [&from, &to].map(|point| polar.part(&act.state.place, point))
@@ -120,6 +122,15 @@ pub(super) fn arc(act: &mut Act<'_, '_>, polar: Polar, clockwise: bool) -> Acted
         act.diagnose(&diag::ARC_END_OFF, text);
     }
     let local = act.state.place.frames.as_deref().filter(|_| polar.cartesian).map(|frames| *frames.local.map());
+    if polar.is_cylinder() && !(local.is_none_or(|map| map.is_shift()) && super::cylinder::in_plane(act, &polar)) {
+        let text = format!(
+            "the circle of '{}' is not in the plane of the cylinder's surface, or a frame turns, scales or mirrors it",
+            act.block_text()
+        );
+        act.diagnose(&diag::ARC_ON_CYLINDER, text);
+        return Ok(());
+    }
+    let local = local.filter(|_| !polar.is_cylinder());
     let level = act.seen(&programmed)[2];
     let Some(made) = local.map_or(Some(made), |map| super::turned::on_part(&map, made, level)) else {
         let done = act.becomes(&diag::ARC_SCALED, STRAIGHT);
@@ -131,7 +142,27 @@ pub(super) fn arc(act: &mut Act<'_, '_>, polar: Polar, clockwise: bool) -> Acted
     let made = made.with_turns(turns);
     let spot = polar.part(&act.state.place, &to);
     polar.reach(&act.state.place, &mut to, spot, way_round(&made));
-    act.circle_to(&Circle { made, coded, from, to, axes: [polar.linear, polar.rotary], turns, feed, unit })
+    act.circle_to(&Circle { made, coded, from, to, axes: polar.axes(), turns, feed, unit })
+}
+
+/// The words of the centre of a circle, in the order of the plane. A cylinder whose words are those of its axes has none:
+/// its circles have a radius.
+fn center_words(act: &Act<'_, '_>, polar: &Polar) -> [Option<DataId>; 2] {
+    if !polar.is_cylinder() {
+        return [Some(data::ARC_CENTER_X), Some(data::ARC_CENTER_Y)];
+    }
+    let [x, _, z] = act.state.place.layout.cartesian;
+    polar.axes().map(|axis| {
+        let along = if Some(axis) == x { data::ARC_CENTER_X } else { data::ARC_CENTER_Z };
+        let id = if axis == polar.rotary {
+            data::ARC_CENTER_Y
+        } else if Some(axis) == z || Some(axis) == x {
+            along
+        } else {
+            data::ARC_CENTER_Y
+        };
+        polar.cartesian.then_some(id)
+    })
 }
 
 /// Degrees that a circle goes round the centre of the part; every full turn goes as far as the others.
@@ -178,12 +209,14 @@ impl Act<'_, '_> {
             return None;
         }
         let own = match (axis == polar.linear, axis == polar.rotary, polar.cartesian) {
+            (true, ..) if polar.is_cylinder() => None,
             (true, _, true) => Some(data::C2P_INTERP_X),
             (true, _, false) => Some(data::C2P_INTERP_PLRX),
             (_, true, true) => Some(data::C2P_INTERP_Y),
             _ => None,
         };
         // The words of the interpolation are radii.
+        let scale = if polar.is_cylinder() { 1.0 } else { scale };
         let radius = own.and_then(|own| self.take(own)).map(|datum| Datum { value: datum.value / scale, ..datum });
         let spare = axis == polar.rotary && polar.cartesian && self.axis_of_data(data::AXIS_Y).is_none();
         let across = radius.or_else(|| if spare { self.take(data::AXIS_Y) } else { None });

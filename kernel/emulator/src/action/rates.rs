@@ -1,8 +1,8 @@
-//! Rates of rotary axes that slow feed moves down: near the centre under polar interpolation, and under tool tip
-//! control.
+//! Rates of rotary axes that slow feed moves down: near the centre under polar interpolation, on a cylinder, and under
+//! tool tip control.
 //!
 //! Facts: reference control-emulator.md 6.8 (both), channel-synchronisation.md 3 (rates); that the slower one counts is
-//! a decision: docs/emulation.md, "Polar interpolation" and "Tool tip control". Invariants: a time never becomes shorter;
+//! a decision: docs/emulation.md, "Polar interpolation", "Cylindrical interpolation" and "Tool tip control". Invariants: a time never becomes shorter;
 //! it is exact for lines and circles of the part, with the rotary axis at its rate where the feed would ask for more.
 //! The rate at which linear axes follow rotary ones is that of the fastest of some places of the move.
 
@@ -84,6 +84,36 @@ fn of_circle(made: &Arc, tight: f64) -> Vec<Piece> {
     all
 }
 
+/// The same for a circle on a cylinder, with ways round it instead of degrees. `round`: which coordinate is the way round;
+/// `share`: part of the feed that the axis makes at its rate.
+fn on_cylinder(made: &Arc, round: usize, share: f64) -> Vec<Piece> {
+    let Arc { radius, start_angle, sweep, .. } = *made;
+    // Where the tangent has its share of the way round, and where that changes its sign.
+    let first = if round == 0 { 0.0 } else { TAU / 4.0 };
+    let mut marks = vec![first, first + TAU / 2.0];
+    if share < 1.0 {
+        let turned = libm::asin(share);
+        marks.extend([first + turned, first - turned, first + TAU / 2.0 + turned, first + TAU / 2.0 - turned]);
+    }
+    let whole = sweep.abs();
+    let mut ends = vec![0.0, whole];
+    let turns = (whole / TAU).floor() as u32;
+    for mark in marks {
+        let once = ((mark - start_angle) * sweep.signum()).rem_euclid(TAU);
+        ends.extend((0..=turns).map(|turn| once + f64::from(turn) * TAU).filter(|end| *end < whole));
+    }
+    ends.sort_by(f64::total_cmp);
+    let across = |way: f64| {
+        let angle = start_angle + way * sweep.signum();
+        if round == 0 { radius * libm::cos(angle) } else { radius * libm::sin(angle) }
+    };
+    let pieces = ends.windows(2).map(|ends| match ends {
+        [from, to] => (radius * (to - from), (across(*to) - across(*from)).abs()),
+        _ => (0.0, 0.0),
+    });
+    pieces.collect()
+}
+
 impl Act<'_, '_> {
     /// Seconds of a feed move that rotary axes may slow down; `made`: the circle on the part.
     #[cold]
@@ -117,6 +147,14 @@ impl Act<'_, '_> {
             return seconds.max(slowest);
         }
         let speed = length / seconds;
+        if let Some(per_degree) = polar.per_degree() {
+            let Some(made) = made else { return seconds.max(slowest) };
+            // The first coordinate is the way along the cylinder, or the way round.
+            let round = usize::from(polar.axes()[1] == polar.rotary);
+            let pieces = on_cylinder(made, round, rate * per_degree / speed);
+            let slowed = pieces.iter().map(|(way, turned)| (way / speed).max(turned / per_degree / rate)).sum::<f64>();
+            return if slowed.is_finite() && slowed > seconds * (1.0 + 1e-12) { slowed } else { seconds };
+        }
         let tight = speed / rate.to_radians();
         let pieces = made.map_or_else(|| of_line(start, end, tight), |made| of_circle(made, tight));
         let time = pieces.iter().map(|(way, round)| (way / speed).max(round / rate)).sum::<f64>();
@@ -135,6 +173,30 @@ mod tests {
 
     fn sums(pieces: &[Piece]) -> Piece {
         pieces.iter().fold((0.0, 0.0), |(way, round), piece| (way + piece.0, round + piece.1))
+    }
+
+    #[test]
+    fn pieces_on_a_cylinder() {
+        let made = Arc { center: [0.0, 0.0], radius: 10.0, start_angle: 0.3, sweep: -TAU * 1.25 };
+        for round in [0, 1] {
+            for share in [0.5, 2.0] {
+                let (way, turned) = sums(&on_cylinder(&made, round, share));
+                assert!((way - 10.0 * TAU * 1.25).abs() < 1e-9);
+                // A whole turn goes four radii round, and the rest of a quarter its own part.
+                let part = |angle: f64| if round == 0 { angle.cos() } else { angle.sin() };
+                let (from, to) = (part(0.3), part(0.3 - TAU / 4.0));
+                let rest = if round == 0 { (1.0 - from) + (1.0 - to) } else { from - to };
+                assert!((turned - 10.0 * (4.0 + rest)).abs() < 1e-9, "{round} {share} {turned}");
+            }
+        }
+        // A quarter from where the tangent goes round at the full feed: slow until 30 degrees are left.
+        let quarter = Arc { start_angle: 0.0, sweep: TAU / 4.0, ..made };
+        let pieces = on_cylinder(&quarter, 1, 0.5);
+        let slow = pieces.iter().find(|(way, _)| *way > 10.0).copied().unwrap_or_default();
+        assert!(
+            (slow.0 - 10.0 * TAU / 6.0).abs() < 1e-9 && (slow.1 - 10.0 * (TAU / 6.0).sin()).abs() < 1e-9,
+            "{pieces:?}"
+        );
     }
 
     #[test]

@@ -11,6 +11,7 @@ use counterpoint_machine::index::{CodeRowId, Table};
 pub(crate) mod group {
     pub(crate) const MOTION: u16 = 1;
     pub(crate) const PLANE: u16 = 2;
+    pub(crate) const PART_INTERPOLATION: u16 = 26;
     pub(crate) const POSITION: u16 = 3;
     pub(crate) const FEED: u16 = 5;
     pub(crate) const UNITS: u16 = 6;

@@ -6,10 +6,8 @@
 use super::kind::CodeKind::*;
 use super::kind::arc::{By, Form};
 use super::kind::coolant::{Flow, Switch};
-use super::kind::local::Change;
 use super::kind::thread::{LeadChange, Setting, ThreadCycle};
-use super::kind::turning::{Lap, TurningCycle};
-use super::kind::{cycle::HoleCycle, head::HeadEvent};
+use super::kind::{cycle::HoleCycle, head::HeadEvent, local::Change, turning::Lap, turning::TurningCycle};
 use super::{CodeFacts, CodeId, data};
 use counterpoint_event::event::{Direction, Outlet};
 use counterpoint_motion::frame::local::Part;
@@ -476,6 +474,8 @@ codes! {
     POLE_TOOL 0 450 true true Plain => ": pole of polar coordinates, from where the tool is (Siemens G110)";
     POLE_ZERO 0 450 true true Plain => ": pole of polar coordinates, from the zero of the program (Siemens G111)";
     POLE_LAST 0 450 true true Plain => ": pole of polar coordinates, from the last pole (Siemens G112)";
+    CYLINDER_ON 26 100 true true Plain => ": moves are those on the surface of a cylinder; radius 0 ends it (Fanuc G7.1)";
+    CYLINDER_OFF 26 100 true true Plain => ": ends that (Siemens TRAFOOF)";
     OFFSET_SET 0 100 true true Plain => ": sets an offset of the control (Fanuc G10)";
     BALANCE_ON 0 100 true true Plain => ": two channels begin their cuts together (Fanuc G68)";
     BALANCE_OFF 0 100 true true Plain => ": ends that, both together (Fanuc G69)";

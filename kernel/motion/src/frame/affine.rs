@@ -92,6 +92,11 @@ impl Affine {
         rows.into_iter().zip(&self.shift).flat_map(|([x, y, z], shift)| [x, y, z, *shift]).collect()
     }
 
+    /// It only shifts.
+    pub fn is_shift(&self) -> bool {
+        self.linear == Matrix3::identity()
+    }
+
     /// First `inner`, then this one.
     pub fn after(&self, inner: &Self) -> Self {
         let [first, second, third] = [0, 1, 2].map(|at| applied(&self.linear, &inner.linear.column(at).into_owned()));

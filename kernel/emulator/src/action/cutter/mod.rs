@@ -106,10 +106,10 @@ fn no_radius(act: &mut Act<'_, '_>, number: u32) {
     act.diagnose(&diag::NO_RADIUS, text);
 }
 
-/// The active plane and its axes; under polar interpolation that of the part.
+/// The active plane and its axes; under polar and cylindrical interpolation that of the part.
 fn compensated_plane(act: &Act<'_, '_>) -> Option<(CodeId, [AxisSlot; 2])> {
     if let Some(polar) = act.polar() {
-        return Some((codes::PLANE_XY, [polar.linear, polar.rotary]));
+        return Some((codes::PLANE_XY, polar.axes()));
     }
     let code = act.state.modal.code(group::PLANE)?;
     let plane = plane(code)?;
@@ -117,7 +117,7 @@ fn compensated_plane(act: &Act<'_, '_>) -> Option<(CodeId, [AxisSlot; 2])> {
     Some((code, [axis(plane.first)?, axis(plane.second)?]))
 }
 
-/// Polar interpolation has been switched: another plane, in which compensation begins again.
+/// Polar or cylindrical interpolation has been switched: another plane, in which compensation begins again.
 pub(super) fn plane_changed(act: &mut Act<'_, '_>) {
     let number = act.diameter_in_force().unwrap_or(0);
     let made = compensated_plane(act).map(|(code, axes)| (axes, act.nose_tip(number, code)));

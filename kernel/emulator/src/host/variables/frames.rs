@@ -44,11 +44,11 @@ pub(crate) fn find(name: &str) -> Option<(Read, Option<Write>)> {
             |k, _| Value::numbers(&local(k, |frames| frames.local.map().cells()).unwrap_or(Affine::SAME.cells())),
             None,
         ),
-        "$C2PMCH" => (|k, _| Value::Logical(k.channel.polar().is_some()), None),
+        "$C2PMCH" => (|k, _| Value::Logical(k.channel.polar().is_some_and(|polar| !polar.is_cylinder())), None),
         "$AXESC2P" => (
             |k, _| {
-                let letters =
-                    k.channel.polar().map(|polar| [polar.linear, polar.rotary].map(|axis| k.axis_letter(Some(axis))));
+                let polar = k.channel.polar().filter(|polar| !polar.is_cylinder());
+                let letters = polar.map(|polar| polar.axes().map(|axis| k.axis_letter(Some(axis))));
                 Value::text(letters.map_or_else(String::new, |letters| letters.iter().collect()))
             },
             None,

@@ -47,7 +47,7 @@ const FINE: f64 = 1e6;
 pub(crate) struct Frames {
     /// The local frame.
     pub(crate) local: Local,
-    /// Polar interpolation.
+    /// Polar or cylindrical interpolation.
     pub(crate) polar: Option<polar::Polar>,
     /// Tool tip control.
     pub(crate) tip: Option<Box<tip::Tip>>,
@@ -75,7 +75,8 @@ impl Frames {
     /// Axis that says the distance across while words are coordinates of the part.
     fn across(&self, place: &Place) -> Option<AxisSlot> {
         let x = place.layout.cartesian.first().copied().flatten();
-        self.polar.filter(|polar| polar.cartesian && Some(polar.linear) == x).map(|polar| polar.rotary)
+        let across = |polar: &polar::Polar| polar.cartesian && (polar.is_cylinder() || Some(polar.linear) == x);
+        self.polar.filter(across).map(|polar| polar.rotary)
     }
 
     /// A programmed point as the local frame sees it; the distance across counts as Y.

@@ -1,9 +1,10 @@
-//! Polar interpolation: points of the part that one linear and one rotary axis reach together.
+//! Polar and cylindrical interpolation: points of the part that one linear and one rotary axis reach together.
 //!
-//! The part has coordinates of its own, the first one along the linear axis when the interpolation begins, the second
-//! one across, both as geometry (radii). Positions stay those of the real axes; the program says coordinates
-//! (Cartesian), or radius and angle (polar), and moves are straight or round on the part. Facts: reference
-//! control-emulator.md 6.8. *Invariant:* the rotary axis never turns further than the move goes round the centre.
+//! The part has coordinates of its own. On its face (polar) the first one is along the linear axis when the interpolation
+//! begins, the second one across, both as geometry (radii). On a cylinder one is along its axis, the other one the way
+//! round its surface. Positions stay those of the real axes; the program says coordinates (Cartesian), or the words of the
+//! axes, and moves are straight or round on the part. Facts: reference control-emulator.md 6.8, turning-cycles.md 10.
+//! *Invariant:* on the face the rotary axis never turns further than the move goes round the centre.
 
 use super::{Frames, NOISE, clean};
 use crate::state::channel::Channel;
@@ -24,10 +25,24 @@ pub(crate) struct Polar {
     pub(crate) rotary: AxisSlot,
     /// Words are coordinates.
     pub(crate) cartesian: bool,
-    /// Angle of the rotary axis in the machine frame where the first coordinate points along the linear axis.
-    zero: f64,
-    /// Side of the centre where the linear axis works, 1 or −1.
-    side: f64,
+    shape: Shape,
+}
+
+/// What of the part the axes reach.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Shape {
+    Face {
+        /// Angle of the rotary axis in the machine frame where the first coordinate points along the linear axis.
+        zero: f64,
+        /// Side of the centre where the linear axis works, 1 or −1.
+        side: f64,
+    },
+    Cylinder {
+        /// Way on the surface for each degree.
+        per_degree: f64,
+        /// The way round is the first coordinate of the plane.
+        round_first: bool,
+    },
 }
 
 /// A position of an axis without the noise of its computation; finer than a coordinate, which is computed from it again.
@@ -62,17 +77,44 @@ pub(crate) fn round_the_centre(points: impl Iterator<Item = [f64; 2]>) -> f64 {
 }
 
 impl Polar {
-    /// Interpolation that begins where the axes stand.
+    /// Interpolation on the face that begins where the axes stand.
     pub(crate) fn new(place: &Place, linear: AxisSlot, rotary: AxisSlot, cartesian: bool) -> Self {
         let at = |of: &Position, axis: AxisSlot| of.at(axis);
         let zero = at(&place.position, rotary) + at(&place.shift, rotary);
         let side = if at(&place.position, linear) < 0.0 { -1.0 } else { 1.0 };
-        Self { linear, rotary, cartesian, zero, side }
+        Self { linear, rotary, cartesian, shape: Shape::Face { zero, side } }
+    }
+
+    /// Interpolation on a cylinder of this radius about the rotary axis; its linear axis goes along it.
+    pub(crate) fn cylinder([linear, rotary]: [AxisSlot; 2], radius: f64, round_first: bool, cartesian: bool) -> Self {
+        let shape = Shape::Cylinder { per_degree: radius.to_radians(), round_first };
+        Self { linear, rotary, cartesian, shape }
+    }
+
+    /// It is that of a cylinder.
+    pub(crate) fn is_cylinder(&self) -> bool {
+        matches!(self.shape, Shape::Cylinder { .. })
+    }
+
+    /// Its axes in the order of the coordinates of its plane.
+    pub(crate) fn axes(&self) -> [AxisSlot; 2] {
+        match self.shape {
+            Shape::Cylinder { round_first: true, .. } => [self.rotary, self.linear],
+            _ => [self.linear, self.rotary],
+        }
+    }
+
+    /// Way on the surface of a cylinder for each degree.
+    pub(crate) fn per_degree(&self) -> Option<f64> {
+        match self.shape {
+            Shape::Cylinder { per_degree, .. } => Some(per_degree),
+            Shape::Face { .. } => None,
+        }
     }
 
     /// The angle of the rotary axis in the work frame where the first coordinate points along the linear axis.
-    fn zero(&self, place: &Place) -> f64 {
-        if self.cartesian { self.zero - place.shift.at(self.rotary) } else { 0.0 }
+    fn zero(&self, place: &Place, zero: f64) -> f64 {
+        if self.cartesian { zero - place.shift.at(self.rotary) } else { 0.0 }
     }
 
     fn scale(&self, place: &Place) -> f64 {
@@ -81,36 +123,56 @@ impl Polar {
 
     /// The point of the part that the axes reach.
     pub(crate) fn part(&self, place: &Place, real: &Position) -> [f64; 2] {
-        let at = |axis: AxisSlot| real.at(axis);
-        let radius = at(self.linear) * self.scale(place);
-        let (sine, cosine) = turn(at(self.rotary) - self.zero(place));
-        [radius * cosine, radius * sine]
+        let along = real.at(self.linear) * self.scale(place);
+        match self.shape {
+            Shape::Face { zero, .. } => {
+                let (sine, cosine) = turn(real.at(self.rotary) - self.zero(place, zero));
+                [along * cosine, along * sine]
+            }
+            Shape::Cylinder { per_degree, round_first } => {
+                in_order(round_first, [along, real.at(self.rotary) * per_degree])
+            }
+        }
     }
 
-    /// Puts the axes to a point of the part. `round`: degrees of the way round the centre from where they stand.
-    pub(crate) fn reach(&self, place: &Place, real: &mut Position, [x, y]: [f64; 2], round: f64) {
+    /// Puts the axes to a point of the part. `round`: degrees of the way round the centre of a face from where they stand.
+    pub(crate) fn reach(&self, place: &Place, real: &mut Position, to: [f64; 2], round: f64) {
         let stands = place.position.at(self.rotary);
-        let distance = x.hypot(y);
-        *real.at_mut(self.linear) = fine(self.side * distance / self.scale(place), real.at(self.linear));
-        let slot = real.at_mut(self.rotary);
-        if distance < CENTRE {
-            *slot = stands;
-            return;
+        match self.shape {
+            Shape::Cylinder { per_degree, round_first } => {
+                let [along, way] = in_order(round_first, to);
+                *real.at_mut(self.linear) = fine(along / self.scale(place), real.at(self.linear));
+                *real.at_mut(self.rotary) = fine(way / per_degree, stands);
+            }
+            Shape::Face { zero, side } => {
+                let [x, y] = to;
+                let distance = x.hypot(y);
+                *real.at_mut(self.linear) = fine(side * distance / self.scale(place), real.at(self.linear));
+                let slot = real.at_mut(self.rotary);
+                if distance < CENTRE {
+                    *slot = stands;
+                    return;
+                }
+                let angle = libm::atan2(side * y, side * x).to_degrees() + self.zero(place, zero);
+                let turns = ((stands + round - angle) / 360.0).round();
+                *slot = fine(angle + 360.0 * turns, stands);
+            }
         }
-        let angle = libm::atan2(self.side * y, self.side * x).to_degrees() + self.zero(place);
-        let turns = ((stands + round - angle) / 360.0).round();
-        *slot = fine(angle + 360.0 * turns, stands);
     }
 
     /// Puts the axes to a point of the part, straight from where they stand.
     pub(crate) fn reach_straight(&self, place: &Place, real: &mut Position, to: [f64; 2]) {
-        let from = self.part(place, &place.position);
-        self.reach(place, real, to, between(from, to));
+        let round = if self.is_cylinder() { 0.0 } else { between(self.part(place, &place.position), to) };
+        self.reach(place, real, to, round);
     }
 
     /// Coordinates instead of the axes.
     pub(crate) fn to_program(self, place: &Place, point: &mut Position) {
         if !self.cartesian {
+            return;
+        }
+        if let Some(per_degree) = self.per_degree() {
+            *point.at_mut(self.rotary) = clean(point.at(self.rotary) * per_degree, 0.0);
             return;
         }
         let [x, y] = self.part(place, point);
@@ -123,19 +185,29 @@ impl Polar {
         if !self.cartesian {
             return;
         }
+        if let Some(per_degree) = self.per_degree() {
+            *point.at_mut(self.rotary) = fine(point.at(self.rotary) / per_degree, place.position.at(self.rotary));
+            return;
+        }
         let at = |axis: AxisSlot| point.at(axis);
         let to = [at(self.linear) * self.scale(place), at(self.rotary)];
         self.reach_straight(place, point, to);
     }
 }
 
+/// Both coordinates of a cylinder, which change places if the way round is the first one of the plane.
+fn in_order(round_first: bool, [one, other]: [f64; 2]) -> [f64; 2] {
+    if round_first { [other, one] } else { [one, other] }
+}
+
 impl Channel<'_> {
-    /// Polar interpolation, if it is active.
+    /// Polar or cylindrical interpolation, if it is active.
     pub(crate) fn polar(&self) -> Option<Polar> {
         self.state.place.frames.as_deref().and_then(|frames: &Frames| frames.polar)
     }
 
-    /// Change of each coordinate that the feed counts: under polar interpolation those of the part.
+    /// Change of each coordinate that the feed counts: under polar and cylindrical interpolation those of the
+    /// part.
     #[inline(always)]
     pub(crate) fn feed_changes(&self, from: &Position, to: &Position) -> Position {
         let changes = self.changes(from, to);
@@ -156,7 +228,7 @@ impl Channel<'_> {
         }
         let Some(polar) = self.polar() else { return changes };
         let [before, after] = [from, to].map(|point| polar.part(&self.state.place, point));
-        for (axis, (a, b)) in [polar.linear, polar.rotary].into_iter().zip(before.into_iter().zip(after)) {
+        for (axis, (a, b)) in polar.axes().into_iter().zip(before.into_iter().zip(after)) {
             *changes.at_mut(axis) = b - a;
         }
         changes

@@ -1,0 +1,77 @@
+//! Cylindrical interpolation: moves on the surface of a cylinder about a rotary axis.
+//!
+//! Facts: reference turning-cycles.md 10.2, siemens-cycles.md 2. Decisions: docs/emulation.md, "Cylindrical
+//! interpolation". *Invariant:* the axes stay where they are when it begins and ends.
+
+use crate::act::Act;
+use crate::action::entry::Entry;
+use crate::state::frames::polar::Polar;
+use crate::state::modal::{group, plane};
+use counterpoint_event::event::Kind;
+use counterpoint_fault as diag;
+use counterpoint_fault::Acted;
+use counterpoint_machine::ident::{DataId, codes, data};
+use counterpoint_machine::index::AxisSlot;
+
+/// Codes and what they do.
+pub(crate) const ENTRIES: &[Entry] = &[Entry::of(&[codes::CYLINDER_ON], |act, _, _| on(act))];
+
+/// Rotary axes of the workpiece, each with the role of the linear axis that it turns about.
+const TURNS_ABOUT: [(DataId, usize); 4] =
+    [(data::AXIS_CT, 2), (data::AXIS_CT2, 2), (data::AXIS_BT, 1), (data::AXIS_AT, 0)];
+
+/// Switches it on with the radius of the block, or off with radius 0.
+fn on(act: &mut Act<'_, '_>) -> Acted {
+    let Some((radius, rotary, cartesian)) = radius(act) else {
+        let text = format!("'{}' gives no rotary axis and no radius of a cylinder", act.block_text());
+        act.diagnose(&diag::NO_CYLINDER, text);
+        return Ok(());
+    };
+    if radius == 0.0 && !cartesian {
+        act.state.modal.activate(group::PART_INTERPOLATION, codes::CYLINDER_OFF, None);
+        return super::polar::off(act);
+    }
+    let plane = act.state.modal.code(group::PLANE).and_then(plane).map(|plane| [plane.first, plane.second]);
+    let found = rotary.filter(|_| radius > 0.0 && radius.is_finite()).and_then(|(axis, role)| {
+        let linear = act.state.place.layout.cartesian.get(role).copied().flatten()?;
+        // Coordinates are those of the plane whose second axis is the linear one, as Y and Z.
+        let round_first =
+            if cartesian { role == 2 } else { *plane.filter(|roles| roles.contains(&role))?.last()? == role };
+        Some(Polar::cylinder([linear, axis], radius, round_first, cartesian))
+    });
+    let Some(cylinder) = found else {
+        let text = format!(
+            "no cylinder for '{}': it needs a radius above 0, a rotary axis, the linear axis that it turns about, and a plane with that",
+            act.block_text()
+        );
+        act.diagnose(&diag::NO_CYLINDER, text);
+        return Ok(());
+    };
+    act.frames().polar = Some(cylinder);
+    act.frames_changed();
+    super::cutter::plane_changed(act);
+    act.emit(0, Kind::mode(format!("cylinder on r={radius}")));
+    Ok(())
+}
+
+/// The radius, the rotary axis with the role of its linear axis, and whether words will be coordinates: the radius has a
+/// word of its own, or it is the word of the axis.
+type Given = (f64, Option<(AxisSlot, usize)>, bool);
+
+fn radius(act: &mut Act<'_, '_>) -> Option<Given> {
+    let axes = TURNS_ABOUT.map(|(id, role)| (id, act.axis_of_data(id).map(|axis| (axis, role))));
+    if let Some(radius) = act.take(data::CYLINDER_RADIUS) {
+        return Some((radius.value, axes.into_iter().find_map(|(_, axis)| axis), true));
+    }
+    axes.into_iter().filter(|(_, axis)| axis.is_some()).find_map(|(id, axis)| Some((act.take(id)?.value, axis, false)))
+}
+
+/// The active plane is that of the surface. One whose words are those of its axes began in that plane.
+pub(super) fn in_plane(act: &Act<'_, '_>, polar: &Polar) -> bool {
+    let Some(plane) = act.state.modal.code(group::PLANE).and_then(plane) else { return false };
+    let role = |axis: AxisSlot| {
+        let y = if axis == polar.rotary { Some(1) } else { None };
+        y.or_else(|| act.state.place.layout.cartesian.iter().position(|own| *own == Some(axis)))
+    };
+    !polar.cartesian || polar.axes().map(role) == [Some(plane.first), Some(plane.second)]
+}
