@@ -12,8 +12,9 @@ use std::sync::Arc;
 use counterpoint_kernel::control::Control;
 use counterpoint_kernel::files::Memory;
 use counterpoint_kernel::machine::{Machine, load, package};
+use counterpoint_kernel::options::Options;
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
-use jobs::{Count, job, lathe, machine, mill, results};
+use jobs::{Count, job, job_with, lathe, machine, mill, results};
 
 /// The mill with 64 rules of the tape editor: none matches, or some match on most blocks.
 fn with_rules(hit: bool) -> Arc<Machine> {
@@ -74,6 +75,8 @@ fn block_loop(c: &mut Criterion) {
     let (mill_job, files) = job(&machine("fanuc-mill"), &[mill(blocks)]);
     group.bench_function("milling", |b| b.iter(|| mill_job.run(&files, &Control::new(1), &mut Count(0))));
     group.bench_function("milling_results", |b| b.iter(|| results(&mill_job, &files, 1)));
+    let (planned, files) = job_with(&machine("fanuc-mill"), &[mill(blocks)], Options::default());
+    group.bench_function("milling_results_look_ahead", |b| b.iter(|| results(&planned, &files, 1)));
     let (macro_job, files) = job(&with_macros(), &[mill(blocks)]);
     group.bench_function("macros", |b| b.iter(|| macro_job.run(&files, &Control::new(1), &mut Count(0))));
     let (edited, files) = job(&with_rules(false), &[mill(blocks)]);

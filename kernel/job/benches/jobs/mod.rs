@@ -11,7 +11,7 @@ use counterpoint_kernel::job::{Job, Program, Sink, Spec};
 use counterpoint_kernel::log::builder::ResultsBuilder;
 use counterpoint_kernel::log::event::Event;
 use counterpoint_kernel::machine::{Machine, load, package};
-use counterpoint_kernel::options::Options;
+use counterpoint_kernel::options::{Options, TimeModel};
 
 pub(crate) struct Count(pub(crate) u64);
 
@@ -49,7 +49,13 @@ pub(crate) fn machine(name: &str) -> Arc<Machine> {
     Arc::new(load(&package::shipped(), name).machine.expect("a shipped machine"))
 }
 
+/// A job with times without accelerations.
 pub(crate) fn job(machine: &Arc<Machine>, texts: &[String]) -> (Job, Memory) {
+    job_with(machine, texts, Options { time: TimeModel::Simple, ..Options::default() })
+}
+
+/// A job with options of its own.
+pub(crate) fn job_with(machine: &Arc<Machine>, texts: &[String], options: Options) -> (Job, Memory) {
     let mut files = Memory::default();
     let mut programs = Vec::new();
     for (index, text) in texts.iter().enumerate() {
@@ -57,7 +63,7 @@ pub(crate) fn job(machine: &Arc<Machine>, texts: &[String]) -> (Job, Memory) {
         files.insert(file.clone(), text);
         programs.push(Program { file, number: None, section: None, channel: None });
     }
-    let spec = Spec { machine: machine.clone(), programs, options: Options::default() };
+    let spec = Spec { machine: machine.clone(), programs, options };
     (Job::prepare(spec, &files).expect("a job"), files)
 }
 
