@@ -3,8 +3,9 @@
 
 usage: compare.py [--counterpoint BINARY] [--runs N] [--programs FOLDER] [--blocks N]
 
-Both run in turn, N times each; the medians of user + system time count. `counterpoint run` goes the whole way:
-embedded server, gRPC, event log, summary, timeline and toolpath built; no listing. FOLDER holds mill.ngc and mill.nc;
+They run in turn, N times each; the medians of user + system time count. `counterpoint run` goes the whole way:
+embedded server, gRPC, event log, summary, timeline and toolpath built; no listing. It runs with the times of the machine (look-ahead)
+and with `--time simple`, since rs274 does not plan speeds. FOLDER holds mill.ngc and mill.nc;
 without it they are made by mill.py.
 """
 import argparse
@@ -44,18 +45,21 @@ def main():
         if not args.programs:
             subprocess.run([sys.executable, os.path.join(HERE, "mill.py"), folder, str(args.blocks)], check=True)
         peer = ["rs274", "-g", os.path.join(programs, "mill.ngc")]
-        own = [args.counterpoint, "run", "--quiet", "--machine", "fanuc-mill", os.path.join(programs, "mill.nc")]
-        size = os.path.getsize(own[-1]) / 1048576
-        rows = {"rs274": [], "counterpoint": []}
+        program = os.path.join(programs, "mill.nc")
+        own = [args.counterpoint, "run", "--quiet", "--machine", "fanuc-mill", program]
+        commands = {"rs274": peer, "look-ahead": own, "simple": own + ["--time", "simple"]}
+        size = os.path.getsize(program) / 1048576
+        rows = {name: [] for name in commands}
         for _ in range(args.runs):
-            rows["rs274"].append(measure(peer))
-            rows["counterpoint"].append(measure(own))
+            for name, command in commands.items():
+                rows[name].append(measure(command))
     cpu = {name: statistics.median(r[0] for r in runs) for name, runs in rows.items()}
     peak = {name: max(r[1] for r in runs) / 1024 for name, runs in rows.items()}
     for name in rows:
         spread = sorted(r[0] for r in rows[name])
-        print(f"{name:13} {cpu[name]:7.3f} CPU s (from {spread[0]:.3f} to {spread[-1]:.3f}), peak {peak[name]:.1f} MiB")
-    print(f"ratio {cpu['rs274'] / cpu['counterpoint']:.1f}; peak beyond the {size:.1f} MiB file {peak['counterpoint'] - size:.1f} MiB")
+        ratio = f"; rs274 takes {cpu['rs274'] / cpu[name]:.1f} times as long" if name != "rs274" else ""
+        print(f"{name:10} {cpu[name]:7.3f} CPU s (from {spread[0]:.3f} to {spread[-1]:.3f}), peak {peak[name]:.1f} MiB{ratio}")
+    print(f"the file has {size:.1f} MiB")
 
 
 if __name__ == "__main__":

@@ -40,7 +40,7 @@ def count(binary, machine, program, log):
     """Instructions of one run."""
     command = ["valgrind", "--tool=callgrind", "--callgrind-out-file=/dev/null", f"--log-file={log}"]
     command += ["--toggle-collect=*Kernel*live*"]
-    command += [binary, "run", "--quiet", "--machine", machine, program]
+    command += [binary, "run", "--quiet", "--time", "simple", "--machine", machine, program]
     done = subprocess.run(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, check=False)
     with open(log, encoding="utf-8") as file:
         found = re.search(r"Collected :\s+(\d+)", file.read())

@@ -57,30 +57,30 @@ pub fn cases(usual: u32) -> u32 {
 /// When the machine does not load.
 pub fn machine(name: &str, overlay: &str) -> Arc<Machine> {
     let mut user = Memory::default();
-    for (path, text) in test_machines() {
-        user.insert(path, text);
-    }
     let folder = if overlay.is_empty() {
         name
     } else {
         user.insert("scenario/machine.toml", format!("extends = \"{name}\"\n\n[ce]\nname = \"scenario\"\n\n{overlay}"));
         "scenario"
     };
-    let loaded = load(&Overlay::new(user, shipped()), folder);
+    let loaded = load(&Overlay::new(user, library()), folder);
     let findings: Vec<String> = loaded.findings.iter().map(ToString::to_string).collect();
     loaded.machine.map(Arc::new).unwrap_or_else(|| panic!("machine {name}: {findings:#?}"))
 }
 
-/// The definitions of `tests/machines`: path below that folder, and text.
-fn test_machines() -> Vec<(String, Vec<u8>)> {
+/// The shipped machines and those of `tests/machines`.
+///
+/// # Panics
+/// When a file cannot be read.
+#[must_use]
+pub fn library() -> Memory {
+    let mut files = shipped();
     let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("machines");
-    let folders = std::fs::read_dir(root).unwrap().map(|folder| folder.unwrap());
-    folders
-        .map(|folder| {
-            let name = folder.file_name().to_string_lossy().into_owned();
-            (format!("{name}/machine.toml"), std::fs::read(folder.path().join("machine.toml")).unwrap())
-        })
-        .collect()
+    for folder in std::fs::read_dir(root).unwrap().map(|folder| folder.unwrap()) {
+        let name = folder.file_name().to_string_lossy().into_owned();
+        files.insert(format!("{name}/machine.toml"), std::fs::read(folder.path().join("machine.toml")).unwrap());
+    }
+    files
 }
 
 impl Work {

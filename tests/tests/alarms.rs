@@ -12,8 +12,8 @@ use counterpoint_tests::{Work, machine};
 /// last line but two, `G0 X99.` and `M30` follow).
 struct Case(&'static str, u32, &'static str, &'static str, &'static str);
 
-const MILL: &str = "fanuc-mill";
-const LATHE: &str = "fanuc-2path-lathe";
+const MILL: &str = "fanuc-mill-exact";
+const LATHE: &str = "fanuc-2path-lathe-exact";
 const LIMITS: &str = "[[axes]]\nname = \"X\"\nrapid = 6000\nlimits = [-10, 10]\n";
 const OFFSET: &str = "[[tool.offsets]]\nnumber = 1\nradius = 5\n";
 
@@ -140,7 +140,7 @@ const CASES: &[Case] = &[
     Case("PS0144", 2_900_380, MILL, "", "G68 X0. Y0. R30.\nG18"),
     Case("PS0145", 2_900_380, LATHE, "", "G41\nG12.1"),
     Case("PS0146", 2_900_380, LATHE, "", "G12.1\nG28 U0."),
-    Case("PS0161", 2_900_051, "fanuc-3path-lathe", "", "M101 P19"),
+    Case("PS0161", 2_900_051, "fanuc-3path-lathe-exact", "", "M101 P19"),
     Case("PS0190", 2_900_380, LATHE, "", "G96 S100 P7"),
     Case("PS0245", 2_900_380, LATHE, "", "G50 X100. Z50. T0101"),
     Case("PS0245", 2_900_380, LATHE, "", "G4 X1. T0101"),

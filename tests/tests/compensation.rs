@@ -171,11 +171,11 @@ proptest! {
 
     #[test]
     fn any_program_of_a_mill(text in program(true)) {
-        run("fanuc-mill", &[text]);
+        run("fanuc-mill-exact", &[text]);
     }
 
     #[test]
     fn any_programs_of_a_lathe(upper in program(false), lower in program(false)) {
-        run("fanuc-2path-lathe", &[upper, lower]);
+        run("fanuc-2path-lathe-exact", &[upper, lower]);
     }
 }

@@ -63,7 +63,7 @@ fn busy() -> Work {
     let texts: Vec<String> = (1..=3)
         .map(|own| if own == 1 { format!("{preset}M110P123\n{}", path(1)) } else { format!("M110P123\n{}", path(own)) })
         .collect();
-    Work::texts(machine("fanuc-3path-lathe", ""), &texts, Options::default())
+    Work::texts(machine("fanuc-3path-lathe-exact", ""), &texts, Options::default())
 }
 
 #[test]
@@ -130,7 +130,7 @@ fn two_kernels_that_meet_often_give_one_log() {
         }
         text + "M30\n"
     };
-    let mut work = Work::texts(machine("fanuc-2path-lathe", ""), &[path(1), path(2)], Options::default());
+    let mut work = Work::texts(machine("fanuc-2path-lathe-exact", ""), &[path(1), path(2)], Options::default());
     work.options.threads = 1;
     let oracle = work.run(None).unwrap();
     assert_eq!((oracle.summary.waits.len(), &oracle.summary.verdict), (300, &None), "{:#?}", oracle.summary.verdict);
@@ -188,7 +188,7 @@ fn far_ahead(before: &str, idle_before: &str) {
     let ahead: String = (0..12_000).map(|n| format!("G1 X{}. Z-{}.\n", 20 + n % 7, n % 11)).collect();
     let idle = "G40\n".repeat(6_000);
     let texts = [format!("O1\nG98 F100.\n{before}{ahead}M30\n"), format!("O2\n{idle_before}{idle}M30\n")];
-    let mut work = Work::texts(machine("fanuc-2path-lathe", ""), &texts, Options::default());
+    let mut work = Work::texts(machine("fanuc-2path-lathe-exact", ""), &texts, Options::default());
     work.options.limits.zero_time_blocks = 5_000;
     work.options.threads = 1;
     let oracle = work.run(None).unwrap();

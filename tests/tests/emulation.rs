@@ -10,11 +10,11 @@ fn run_on(name: &str, overlay: &str, text: &str, options: Options) -> Done {
 }
 
 fn lathe(text: &str) -> Done {
-    run_on("fanuc-2path-lathe", "", text, Options::default())
+    run_on("fanuc-2path-lathe-exact", "", text, Options::default())
 }
 
 fn mill(text: &str) -> Done {
-    run_on("fanuc-mill", "", text, Options::default())
+    run_on("fanuc-mill-exact", "", text, Options::default())
 }
 
 /// Kind, end by axis and duration in seconds of every motion.
@@ -47,7 +47,7 @@ fn optional_skip_by_level() {
     let text = "/G4P1000\nG4P2000\n/2G4P500\n/3G4P100\nM30\n";
     for (levels, expected) in [(vec![], 3.6), (vec![1], 2.6), (vec![2], 3.1), (vec![1, 2, 3], 2.0)] {
         let options = Options { opskip: levels, ..Options::default() };
-        close(seconds(&run_on("fanuc-2path-lathe", "", text, options)), expected);
+        close(seconds(&run_on("fanuc-2path-lathe-exact", "", text, options)), expected);
     }
 }
 
@@ -55,7 +55,7 @@ fn optional_skip_by_level() {
 fn a_skip_mark_inside_a_block_cuts_its_rest() {
     let text = "G98 F600.\nG0 X0. Z0.\nG1 Z-10. /2 X20.\nM30\n";
     let on = Options { opskip: vec![2], ..Options::default() };
-    assert_eq!(ends(&run_on("fanuc-2path-lathe", "", text, on)).last(), Some(&[0.0, -10.0, 0.0]));
+    assert_eq!(ends(&run_on("fanuc-2path-lathe-exact", "", text, on)).last(), Some(&[0.0, -10.0, 0.0]));
     assert_eq!(ends(&lathe(text)).last(), Some(&[20.0, -10.0, 0.0]));
 }
 
@@ -145,7 +145,8 @@ fn home_moves_via_the_programmed_point() {
 #[test]
 fn presets_and_work_offsets_move_the_frame_not_the_machine() {
     let offsets = "[[work_offsets]]\nnumber = 2\nvalues = { X = 100.0 }\n";
-    let done = run_on("fanuc-mill", offsets, "G0 X10. Y0. Z0.\nG55 X10.\nG92 X0.\nX5.\nM30\n", Options::default());
+    let done =
+        run_on("fanuc-mill-exact", offsets, "G0 X10. Y0. Z0.\nG55 X10.\nG92 X0.\nX5.\nM30\n", Options::default());
     let machine_x: Vec<f64> = {
         let mut shift = 0.0;
         let mut out = Vec::new();
@@ -182,7 +183,8 @@ fn return_to_a_sequence_number() {
 
 #[test]
 fn subprogram_files_beside_the_program() {
-    let mut work = Work::texts(machine("fanuc-2path-lathe", ""), &["M98 P1234\nM98 P7\nM30\n"], Options::default());
+    let mut work =
+        Work::texts(machine("fanuc-2path-lathe-exact", ""), &["M98 P1234\nM98 P7\nM30\n"], Options::default());
     work.files.insert("O1234.nc", "G4P100\nM99\n");
     work.files.insert("p1_7.tps", "G4P10\nM99\n");
     close(seconds(&work.run(None).unwrap()), 0.11);
@@ -204,7 +206,8 @@ fn branches_of_the_macro_language() {
 #[test]
 fn times_of_the_machine_table() {
     let overlay = "[time]\ntool_change = 2.0\ntool_step = 0.5\nstations = 12\n\n[time.m_codes]\n3 = 1.5\n70 = 0.25\n";
-    let done = run_on("fanuc-2path-lathe", overlay, "T0101\nT0404\nT0404\nG97 S500 M3\nM70\nM30\n", Options::default());
+    let done =
+        run_on("fanuc-2path-lathe-exact", overlay, "T0101\nT0404\nT0404\nG97 S500 M3\nM70\nM30\n", Options::default());
     // The machine has no tool offsets.
     assert_eq!(numbers(&done), [2900024]);
     close(seconds(&done), 2.0 + (2.0 + 3.0 * 0.5) + 1.5 + 0.25);
@@ -217,7 +220,7 @@ fn acceleration_counts_for_rapids_and_exact_stop() {
     // one takes 1.0 s, and the one with exact stop does both.
     let text = "G98 F6000.\nG0 Z400.\nG1 Z300.\nG9 G1 Z200.\nM30\n";
     for (time, expected) in [(TimeModel::Full, [1.1, 1.05, 1.05]), (TimeModel::Simple, [1.1, 1.0, 1.1])] {
-        let done = run_on("fanuc-2path-lathe", overlay, text, Options { time, ..Options::default() });
+        let done = run_on("fanuc-2path-lathe-exact", overlay, text, Options { time, ..Options::default() });
         let times: Vec<f64> = motions(&done).into_iter().map(|(_, _, t)| t).collect();
         for (found, expected) in times.iter().zip(expected) {
             close(*found, expected);
@@ -228,7 +231,7 @@ fn acceleration_counts_for_rapids_and_exact_stop() {
 #[test]
 fn operator_messages_reach_the_log() {
     let overlay = "[format]\nmessage = [\"{\", \"}\"]\n";
-    let done = run_on("fanuc-mill", overlay, "G0 X1. {CHECK CLAMP} (remark)\nM30\n", Options::default());
+    let done = run_on("fanuc-mill-exact", overlay, "G0 X1. {CHECK CLAMP} (remark)\nM30\n", Options::default());
     assert_eq!(messages(&done), ["CHECK CLAMP"]);
     assert_eq!(numbers(&mill("G0 X1. (no end\nM30\n")), [2900010]);
 }
@@ -245,7 +248,7 @@ fn messages_of_statements_show_on_every_pass() {
     let overlay = "[format]\nmessage = [\"{\", \"}\"]\n";
     let text = "O1\n#1=0\nWHILE[#1LT3]DO1\n#1=#1+1 {COUNT}\nG0 X#1 {MOVE}\nG65 P50 A#1 {CALL}\nEND1\n\
                 G65 P50 {LAST}\nM30\nO50\nG4 P1\nM99\n";
-    let done = run_on("fanuc-mill", overlay, text, Options::default());
+    let done = run_on("fanuc-mill-exact", overlay, text, Options::default());
     let pass = ["COUNT", "MOVE", "CALL"];
     assert_eq!(messages(&done), [&pass[..], &pass, &pass, &["LAST"]].concat());
     assert_eq!(numbers(&done), [0_u32; 0]);

@@ -177,7 +177,7 @@ text = \"INCH\"
 ";
 
 fn numbers(text: &str) -> Vec<u32> {
-    let machine = machine("fanuc-mill", "preprocessor = \"heidenhain\"\n");
+    let machine = machine("fanuc-mill-exact", "preprocessor = \"heidenhain\"\n");
     let done = Work::texts(machine, &[text], options(1)).run(None).unwrap();
     done.summary.diagnostics.iter().map(|diagnostic| diagnostic.number).collect()
 }
@@ -219,7 +219,7 @@ proptest! {
     #[test]
     fn random_programs_end_in_one_way(text in program(), conversational in any::<bool>()) {
         let tables = if conversational { CONVERSATIONAL } else { "" };
-        let machine = machine("fanuc-mill", &format!("preprocessor = \"heidenhain\"\n{tables}"));
+        let machine = machine("fanuc-mill-exact", &format!("preprocessor = \"heidenhain\"\n{tables}"));
         let work = |threads| Work::texts(machine.clone(), &[&text], options(threads));
         // What cannot begin has no log.
         if let Ok(one) = work(1).run(None) {

@@ -12,12 +12,12 @@ fn limited() -> Options {
 }
 
 fn run(text: impl AsRef<[u8]>) -> Done {
-    Work::texts(machine("fanuc-2path-lathe", ""), &[text], limited()).run(None).expect("the job can be prepared")
+    Work::texts(machine("fanuc-2path-lathe-exact", ""), &[text], limited()).run(None).expect("the job can be prepared")
 }
 
 /// On a machine that goes on after everything.
 fn going_on(text: impl AsRef<[u8]>) -> Done {
-    let machine = machine("fanuc-2path-lathe", "[control]\nunknown_code = \"warn\"\nstops = false\n");
+    let machine = machine("fanuc-2path-lathe-exact", "[control]\nunknown_code = \"warn\"\nstops = false\n");
     Work::texts(machine, &[text], limited()).run(None).expect("the job can be prepared")
 }
 
@@ -26,7 +26,7 @@ fn numbers(done: &Done) -> Vec<u32> {
 }
 
 fn refused(text: impl AsRef<[u8]>) -> String {
-    let error = Work::texts(machine("fanuc-2path-lathe", ""), &[text], limited()).run(None).unwrap_err();
+    let error = Work::texts(machine("fanuc-2path-lathe-exact", ""), &[text], limited()).run(None).unwrap_err();
     error.findings.iter().map(ToString::to_string).collect::<Vec<_>>().join("; ")
 }
 
@@ -83,7 +83,7 @@ fn lone_carriage_returns_end_blocks_and_nul_bytes_are_told() {
 
 #[test]
 fn a_program_beyond_the_machine_is_refused() {
-    let mut work = Work::texts(machine("fanuc-mill", ""), &["M30\n", "M30\n"], limited());
+    let mut work = Work::texts(machine("fanuc-mill-exact", ""), &["M30\n", "M30\n"], limited());
     assert!(work.run(None).unwrap_err().findings[0].text.contains("has more programs"));
     work.programs = vec![Program { file: "p1.nc".into(), number: Some(77), section: None, channel: None }];
     assert!(work.run(None).unwrap_err().findings[0].text.contains("program O0077 not found"));
@@ -95,7 +95,7 @@ fn a_program_beyond_the_machine_is_refused() {
 
 #[test]
 fn the_log_limit_ends_a_run_with_a_verdict() {
-    let mut work = Work::texts(machine("fanuc-mill", ""), &["N1 G4P1\nGOTO1\n"], limited());
+    let mut work = Work::texts(machine("fanuc-mill-exact", ""), &["N1 G4P1\nGOTO1\n"], limited());
     work.options.limits.events = 1000;
     let done = work.run(None).unwrap();
     assert_eq!(numbers(&done), [2900070]);
@@ -181,7 +181,7 @@ proptest! {
     fn random_cycles_end(pieces in prop::collection::vec(cycle_piece(), 1..120), activator in any::<bool>()) {
         let overlay = if activator { "[[codes]]\nid = \"CODE_CYCLE_ON\"\nword = \"G79\"\n" } else { "" };
         let text = pieces.join(" ") + "\nM30\n";
-        let done = Work::texts(machine("fanuc-mill", overlay), &[text], limited()).run(None).unwrap();
+        let done = Work::texts(machine("fanuc-mill-exact", overlay), &[text], limited()).run(None).unwrap();
         prop_assert!(done.summary.makespan_ns >= 0);
     }
 }
@@ -253,7 +253,7 @@ proptest! {
     #[test]
     fn random_circles_and_threads_end(pieces in prop::collection::vec(path_piece(), 1..120)) {
         let texts = [pieces.join(" ") + "\nM30\n", "M30\n".to_owned()];
-        let mut work = Work::texts(machine("fanuc-2path-lathe", &paths()), &texts, limited());
+        let mut work = Work::texts(machine("fanuc-2path-lathe-exact", &paths()), &texts, limited());
         let parallel = work.run(None).unwrap();
         work.options.threads = 1;
         let sequential = work.run(None).unwrap();
@@ -270,7 +270,7 @@ proptest! {
 #[test]
 fn a_step_of_almost_nothing_and_many_repeats_end_at_a_limit() {
     let text = "G90 G94 F1000\nG83 X1. Z-400. R2. Q0.001 K9999\nG80\nM30\n";
-    let done = Work::texts(machine("fanuc-mill", ""), &[text], limited()).run(None).unwrap();
+    let done = Work::texts(machine("fanuc-mill-exact", ""), &[text], limited()).run(None).unwrap();
     let numbers = numbers(&done);
     assert!(numbers.contains(&2900092) && numbers.contains(&2900070), "{numbers:?}");
 }
@@ -280,7 +280,7 @@ proptest! {
 
     #[test]
     fn random_bytes_never_panic(bytes in prop::collection::vec(any::<u8>(), 1..2000)) {
-        let _ = Work::texts(machine("fanuc-2path-lathe", ""), &[bytes], limited()).run(None);
+        let _ = Work::texts(machine("fanuc-2path-lathe-exact", ""), &[bytes], limited()).run(None);
     }
 
     #[test]
@@ -289,7 +289,7 @@ proptest! {
         second in prop::collection::vec(piece(), 1..60),
     ) {
         let texts = [first.join(" ") + "\nM30\n", second.join(" ") + "\nM30\n"];
-        let mut work = Work::texts(machine("fanuc-2path-lathe", ""), &texts, limited());
+        let mut work = Work::texts(machine("fanuc-2path-lathe-exact", ""), &texts, limited());
         if let Ok(parallel) = work.run(None) {
             work.options.threads = 1;
             let sequential = work.run(None).unwrap();
@@ -303,8 +303,8 @@ proptest! {
 /// A machine whose code macros each issue the code of the next one, and whose functions each call the next one.
 fn chain_of(macros: usize, functions: usize) -> std::sync::Arc<counterpoint_kernel::machine::Machine> {
     use counterpoint_kernel::files::Memory;
-    use counterpoint_kernel::machine::package::{Overlay, shipped};
-    let mut text = "extends = \"fanuc-mill\"\n[ce]\nname = \"chain\"\n[[registers]]\nindex = 3\nname = \"G\"\nwhole = 4\nfrac = 1\n[macros]\nfunctions = [\"f.mac\"]\n".to_owned();
+    use counterpoint_kernel::machine::package::Overlay;
+    let mut text = "extends = \"fanuc-mill-exact\"\n[ce]\nname = \"chain\"\n[[registers]]\nindex = 3\nname = \"G\"\nwhole = 4\nfrac = 1\n[macros]\nfunctions = [\"f.mac\"]\n".to_owned();
     let mut files = Memory::default();
     for at in 1..=macros {
         text += &format!("[[codes]]\nid = \"CODE_C{at}\"\ncustom = true\nword = \"G{}\"\n", 2000 + at);
@@ -319,7 +319,7 @@ fn chain_of(macros: usize, functions: usize) -> std::sync::Arc<counterpoint_kern
     }
     files.insert("example/f.mac", lines);
     files.insert("example/machine.toml", text);
-    let loaded = counterpoint_kernel::machine::load(&Overlay::new(files, shipped()), "example");
+    let loaded = counterpoint_kernel::machine::load(&Overlay::new(files, counterpoint_tests::library()), "example");
     let findings: Vec<_> = loaded.findings.iter().map(ToString::to_string).collect();
     std::sync::Arc::new(loaded.machine.unwrap_or_else(|| panic!("{findings:#?}")))
 }

@@ -11,7 +11,7 @@ use counterpoint_kernel::job::{Job, Program, Sink, Spec};
 use counterpoint_kernel::log::builder::ResultsBuilder;
 use counterpoint_kernel::log::event::{Event, Kind, Message};
 use counterpoint_kernel::log::summary::{ChannelState, State, Summary};
-use counterpoint_kernel::machine::package::{Overlay, shipped};
+use counterpoint_kernel::machine::package::Overlay;
 use counterpoint_kernel::machine::{Machine, load};
 use counterpoint_kernel::options::{Limits, Options};
 use counterpoint_tests::{Work, processors};
@@ -146,7 +146,7 @@ const SOFTENED: &[&str] = &["as it is", "row", "floor", "$FERSEV", "$FERSTA", "$
 
 fn machine(end: &End, soft: &str, stops: bool) -> Arc<Machine> {
     let mut files = Memory::default();
-    let mut text = "extends = \"fanuc-mill\"\n".to_owned();
+    let mut text = "extends = \"fanuc-mill-exact\"\n".to_owned();
     if soft == "floor" {
         text.push_str("min_severity = 99\n");
     }
@@ -184,7 +184,7 @@ fn machine(end: &End, soft: &str, stops: bool) -> Arc<Machine> {
     files.insert("soft/step.mac", "%L01=0\nWHILE/%L01<50\n%L01=%L01+1\nENDOF/WHILE\nOUTPUT\n");
     files.insert("soft/grow.mac", "%G02=%G02//'0123456789012345678901234567890123456789'\nOUTPUT\n");
     files.insert("soft/loop.mac", "WHILE/.TRUE.\n%L01=%L01+1\nENDOF/WHILE\n");
-    let loaded = load(&Overlay::new(files, shipped()), "soft");
+    let loaded = load(&Overlay::new(files, counterpoint_tests::library()), "soft");
     let findings: Vec<String> = loaded.findings.iter().map(ToString::to_string).collect();
     loaded.machine.map(Arc::new).unwrap_or_else(|| panic!("{}, {soft}: {findings:#?}", end.name))
 }
@@ -244,10 +244,10 @@ fn program_shutdown_runs_after_an_alarm() {
     let mut files = Memory::default();
     files.insert(
         "soft/machine.toml",
-        "extends = \"fanuc-mill\"\n\n[ce]\nname = \"soft\"\n\n[macros]\nprogram_shutdown = \"end.mac\"\n",
+        "extends = \"fanuc-mill-exact\"\n\n[ce]\nname = \"soft\"\n\n[macros]\nprogram_shutdown = \"end.mac\"\n",
     );
     files.insert("soft/end.mac", "PPRINT/'over'\n");
-    let loaded = load(&Overlay::new(files, shipped()), "soft");
+    let loaded = load(&Overlay::new(files, counterpoint_tests::library()), "soft");
     let machine = loaded.machine.map(Arc::new).expect("a machine");
     let done = Work::texts(machine, &["G0 X1.\nG199 X2.\nM30\n"], Options::default()).run(None).expect("a job");
     assert_eq!(done.summary.channels[0].state, ChannelState::Alarmed);
@@ -306,7 +306,7 @@ fn a_kernel_that_panics_leaves_no_result() {
         }
     }
     for threads in [1, 2] {
-        let machine = counterpoint_tests::machine("fanuc-2path-lathe", "");
+        let machine = counterpoint_tests::machine("fanuc-2path-lathe-exact", "");
         let texts = ["O1\nM101\nG4 P100\nM30\n", "O2\nM101\nM30\n"];
         let work = Work::texts(machine, &texts, Options { threads, ..Options::default() });
         let run = std::panic::AssertUnwindSafe(|| work.run(Some(fails)));
@@ -344,7 +344,7 @@ fn a_job_whose_files_become_unreadable_does_not_succeed() {
     for left in 0..12 {
         let failing = Failing { files: files.clone(), left: AtomicUsize::new(left) };
         let programs = vec![Program { file: "p1.nc".to_owned(), number: None, section: None, channel: None }];
-        let machine = counterpoint_tests::machine("fanuc-mill", "");
+        let machine = counterpoint_tests::machine("fanuc-mill-exact", "");
         let Ok(job) = Job::prepare(Spec { machine, programs, options: Options::default() }, &failing) else { continue };
         let control = Control::new(1);
         let mut sink = Keeps(ResultsBuilder::new(job.info()));

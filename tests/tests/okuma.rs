@@ -81,7 +81,7 @@ proptest! {
     #[test]
     fn random_programs_end_in_one_way(upper in program(), lower in program(), own in any::<bool>()) {
         let overlay = format!("preprocessor = \"okuma\"\n[variables]\nown_common = {own}\n");
-        let machine = machine("fanuc-2path-lathe", &overlay);
+        let machine = machine("fanuc-2path-lathe-exact", &overlay);
         let work = |threads| Work::texts(machine.clone(), &[&upper, &lower], options(threads));
         // What cannot begin has no log.
         if let Ok(one) = work(1).run(None) {

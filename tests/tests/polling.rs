@@ -98,7 +98,7 @@ fn stuck(programs: &[Vec<Step>]) -> BTreeSet<(u16, u32)> {
 
 #[test]
 fn exactly_those_spin_for_whom_nobody_writes() {
-    let machine = machine("fanuc-3path-lathe", "");
+    let machine = machine("fanuc-3path-lathe-exact", "");
     let (mut alive, mut spinning) = (0, [0; CHANNELS as usize + 1]);
     for case in 1..=u64::from(cases(150)) {
         let mut numbers = Numbers(case.wrapping_mul(0x9e37_79b9_7f4a_7c15) | 1);

@@ -36,7 +36,7 @@ fn everywhere(name: &str, work: &Work, rounds: usize) -> String {
 }
 
 fn two_path(texts: &[String]) -> Work {
-    Work::texts(machine("fanuc-2path-lathe", ""), texts, Options::default())
+    Work::texts(machine("fanuc-2path-lathe-exact", ""), texts, Options::default())
 }
 
 #[test]

@@ -24,7 +24,8 @@ fn reported(machine: &Arc<Machine>, texts: &[&str]) -> Vec<(u32, String)> {
 /// A lathe whose blocks write a variable of all channels.
 fn counting() -> Arc<Machine> {
     let mut user = Memory::default();
-    let toml = "extends = \"fanuc-2path-lathe\"\n[ce]\nname = \"counting\"\n[macros]\nblock_startup = \"m.mac\"\n";
+    let toml =
+        "extends = \"fanuc-2path-lathe-exact\"\n[ce]\nname = \"counting\"\n[macros]\nblock_startup = \"m.mac\"\n";
     user.insert("counting/machine.toml", toml);
     user.insert("counting/m.mac", "DECLAR/GLOBAL,REAL,COUNTED\nCOUNTED=1\n");
     let loaded = load(&Overlay::new(user, shipped()), "counting");
@@ -40,12 +41,12 @@ fn global_variables_of_macros_race() {
 
 #[test]
 fn spindles_have_a_rule_of_their_own() {
-    let found = reported(&machine("fanuc-2path-lathe", ""), &["G97S500M3\nM30\n", "G97S600M3\nM30\n"]);
+    let found = reported(&machine("fanuc-2path-lathe-exact", ""), &["G97S500M3\nM30\n", "G97S600M3\nM30\n"]);
     assert_eq!(found.iter().map(|(number, _)| *number).collect::<Vec<_>>(), [SPINDLE], "{found:?}");
 }
 
 #[test]
 fn lines_of_several_channels_in_one_file_are_in_order() {
     let program = "POPEN\nDPRNT[A]\nG4P10\nDPRNT[B]\nPCLOS\nM30\n";
-    assert_eq!(reported(&machine("fanuc-2path-lathe", ""), &[program, program]), []);
+    assert_eq!(reported(&machine("fanuc-2path-lathe-exact", ""), &[program, program]), []);
 }

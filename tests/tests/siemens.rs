@@ -12,7 +12,7 @@ use proptest::prelude::*;
 
 fn machine() -> Arc<Machine> {
     let mut user = Memory::default();
-    let text = "extends = \"fanuc-2path-lathe\"\n\n[ce]\nname = \"random\"\npreprocessor = \"siemens\"\n\n[format]\n\
+    let text = "extends = \"fanuc-2path-lathe-exact\"\n\n[ce]\nname = \"random\"\npreprocessor = \"siemens\"\n\n[format]\n\
                 rws = \"\"\nrws_at = \"none\"\ncomment = [\";\", \"\"]\n\n[[codes]]\nid = \"CODE_LCS_TRANSLATE_ON\"\n\
                 text = \"TRANS\"\n";
     user.insert("random/machine.toml", text);

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use counterpoint_kernel::files::Memory;
 use counterpoint_kernel::log::event::{Kind, MotionKind};
-use counterpoint_kernel::machine::package::{Overlay, shipped};
+use counterpoint_kernel::machine::package::Overlay;
 use counterpoint_kernel::machine::{Machine, load};
 use counterpoint_kernel::options::Options;
 use counterpoint_tests::Work;
@@ -33,7 +33,7 @@ fn cases() -> ProptestConfig {
 fn machine(text: &str) -> Arc<Machine> {
     let mut user = Memory::default();
     user.insert("spellings/machine.toml", text);
-    let loaded = load(&Overlay::new(user, shipped()), "spellings");
+    let loaded = load(&Overlay::new(user, counterpoint_tests::library()), "spellings");
     let findings = format!("{:?}", loaded.findings);
     loaded.machine.map(Arc::new).unwrap_or_else(|| panic!("{findings}"))
 }
@@ -94,7 +94,7 @@ fn plain(moves: &[Move]) -> String {
 
 fn siemens_machine() -> Arc<Machine> {
     machine(
-        "extends = \"fanuc-mill\"\n\n[ce]\nname = \"spellings\"\npreprocessor = \"siemens\"\n\n[format]\nrws = \"\"\n\
+        "extends = \"fanuc-mill-exact\"\n\n[ce]\nname = \"spellings\"\npreprocessor = \"siemens\"\n\n[format]\nrws = \"\"\n\
          rws_at = \"none\"\ncomment = [\";\", \"\"]\n",
     )
 }
@@ -172,7 +172,7 @@ fn siemens(moves: &[Move]) -> String {
 }
 
 fn okuma_machine() -> Arc<Machine> {
-    machine("extends = \"fanuc-mill\"\n\n[ce]\nname = \"spellings\"\npreprocessor = \"okuma\"\n")
+    machine("extends = \"fanuc-mill-exact\"\n\n[ce]\nname = \"spellings\"\npreprocessor = \"okuma\"\n")
 }
 
 fn okuma(moves: &[Move]) -> String {

@@ -118,7 +118,7 @@ mod tests {
 
     use counterpoint_kernel::files::Memory;
     use counterpoint_kernel::machine::load;
-    use counterpoint_kernel::machine::package::{Overlay, shipped};
+    use counterpoint_kernel::machine::package::Overlay;
     use counterpoint_mdspec::Page;
     use toml_edit::DocumentMut;
 
@@ -160,7 +160,7 @@ mod tests {
         for (name, text) in named() {
             let mut folder = Memory::default();
             folder.insert("example/machine.toml", text.clone());
-            let found: Vec<_> = load(&Overlay::new(folder, shipped()), "example").findings;
+            let found: Vec<_> = load(&Overlay::new(folder, crate::library()), "example").findings;
             // The examples give the composite machine its components.
             let complete = !matches!(name.as_str(), "lathe" | "composite");
             assert!(found.is_empty() || !complete, "{name}: {found:?}");

@@ -12,7 +12,7 @@ use std::sync::Arc;
 
 use counterpoint_kernel::files::Memory;
 use counterpoint_kernel::job::Program;
-use counterpoint_kernel::machine::package::{Overlay, shipped};
+use counterpoint_kernel::machine::package::Overlay;
 use counterpoint_kernel::machine::{Machine, load};
 use counterpoint_kernel::options::Options;
 use counterpoint_mdspec::{Example, Fence, Fences, Role, Suite};
@@ -105,7 +105,7 @@ impl Case {
                 _ => {}
             }
         }
-        let loaded = load(&Overlay::new(folder, shipped()), "example");
+        let loaded = load(&Overlay::new(folder, crate::library()), "example");
         for finding in &loaded.findings {
             let _ = writeln!(case.findings, "{}", finding.to_string().trim_start_matches("example/"));
         }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use counterpoint_kernel::control::Control;
 use counterpoint_kernel::dialog::operator::Operator;
 use counterpoint_kernel::files::Memory;
-use counterpoint_kernel::machine::package::{Overlay, shipped};
+use counterpoint_kernel::machine::package::Overlay;
 use counterpoint_kernel::machine::{Machine, load};
 use counterpoint_kernel::options::Options;
 use counterpoint_tests::Work;
@@ -85,7 +85,7 @@ pub fn machine(base: &str, toml: &str, files: &[(&str, &str)]) -> Arc<Machine> {
     for (name, text) in files {
         user.insert(format!("hostile/{name}"), text);
     }
-    let loaded = load(&Overlay::new(user, shipped()), "hostile");
+    let loaded = load(&Overlay::new(user, counterpoint_tests::library()), "hostile");
     loaded.machine.map(Arc::new).unwrap_or_else(|| panic!("{toml}: {:#?}", loaded.findings))
 }
 
@@ -97,16 +97,16 @@ pub const HEIDENHAIN: &str = "preprocessor = \"heidenhain\"\n";
 
 /// A macro that runs before every block; the program loops without time.
 pub fn block_macro(name: &'static str, text: &str, ends_with: &'static [u32]) -> Case {
-    let machine = machine("fanuc-mill", "[macros]\nblock_startup = \"m.mac\"\n", &[("m.mac", text)]);
+    let machine = machine("fanuc-mill-exact", "[macros]\nblock_startup = \"m.mac\"\n", &[("m.mac", text)]);
     Case::new(name, machine, vec!["N1 G90\nG91\nGOTO1\n".to_owned()], ends_with)
 }
 
 pub fn fanuc(name: &'static str, text: String, ends_with: &'static [u32]) -> Case {
-    Case::new(name, machine("fanuc-mill", "", &[]), vec![text], ends_with)
+    Case::new(name, machine("fanuc-mill-exact", "", &[]), vec![text], ends_with)
 }
 
 pub fn dialect(name: &'static str, toml: &str, text: String, ends_with: &'static [u32]) -> Case {
-    Case::new(name, machine("fanuc-mill", toml, &[]), vec![text], ends_with)
+    Case::new(name, machine("fanuc-mill-exact", toml, &[]), vec![text], ends_with)
 }
 
 /// Text that is doubled a number of times: `10 << times` characters.
@@ -184,7 +184,7 @@ fn recursion() -> Case {
         text.push_str(&format!("MACRO/F{level}(X)\n{body}\nENDMAC\n"));
     }
     let toml = "[macros]\nblock_startup = \"m.mac\"\nfunctions = [\"f.mac\"]\n";
-    let machine = machine("fanuc-mill", toml, &[("m.mac", "A=F0(1)\n"), ("f.mac", &text)]);
+    let machine = machine("fanuc-mill-exact", toml, &[("m.mac", "A=F0(1)\n"), ("f.mac", &text)]);
     Case::new("macro: calls within calls", machine, vec!["N1 G90\nGOTO1\n".to_owned()], &[STEPS, LIMIT])
 }
 
@@ -195,7 +195,7 @@ fn many_arrays() -> String {
 
 fn both_channels() -> Case {
     let hoard = format!("DECLAR/GLOBAL,HOARD(3000)\nDECLAR/OBJECT,REAL,N\nN=N+1\n{}HOARD(N)=T//'x'\n", doubled(12));
-    let machine = machine("fanuc-2path-lathe", "[macros]\nblock_startup = \"m.mac\"\n", &[("m.mac", &hoard)]);
+    let machine = machine("fanuc-2path-lathe-exact", "[macros]\nblock_startup = \"m.mac\"\n", &[("m.mac", &hoard)]);
     let program = "N1 G4 P10\nGOTO1\n".to_owned();
     let programs = vec![program.clone(), program.replace("P10", "P15")];
     Case::new("macro: GLOBAL variables of two channels", machine, programs, &[LIMIT])
@@ -203,7 +203,7 @@ fn both_channels() -> Case {
 
 fn rules(name: &'static str, find: &str, replace: &str, text: &str, ends_with: &'static [u32]) -> Case {
     let rule = format!("[[tape_editor]]\nfind = \"{find}\"\nreplace = \"{replace}\"\n");
-    let machine = machine("fanuc-mill", &rule.repeat(24), &[]);
+    let machine = machine("fanuc-mill-exact", &rule.repeat(24), &[]);
     Case::new(name, machine, vec![text.repeat(1000)], ends_with)
 }
 

@@ -222,7 +222,8 @@ fn results_count_as_memory() {
     {
         let limits = Limits { memory, ..small() };
         let options = Options { limits, ..Options::default() };
-        let work = counterpoint_tests::Work::texts(counterpoint_tests::machine("fanuc-mill", ""), &[moves], options);
+        let work =
+            counterpoint_tests::Work::texts(counterpoint_tests::machine("fanuc-mill-exact", ""), &[moves], options);
         for threads in [0, 1] {
             let mut work = work.clone();
             work.options.threads = threads;
@@ -242,7 +243,7 @@ fn a_path_has_no_more_than_its_part_of_the_memory() {
     let arcs = "F9999.\nN1 G91 G2 X.01 I.005\nG1 Y.01\nG2 X-.01 I-.005\nG1 Y.01\nGOTO1\n";
     let limits = Limits { memory: 4 << 20, ..small() };
     let work = counterpoint_tests::Work::texts(
-        counterpoint_tests::machine("fanuc-mill", ""),
+        counterpoint_tests::machine("fanuc-mill-exact", ""),
         &[arcs],
         Options { limits, ..Options::default() },
     );

@@ -34,8 +34,11 @@ const QUESTION: &str = "[[dialogs]]\nname = \"Q\"\n[[dialogs.fields]]\nkind = \"
 
 fn asking(name: &'static str, ends_with: &'static [u32]) -> Case {
     let text = endless("", "B=$FDIALOG('Q')");
-    let machine =
-        machine("fanuc-mill", &format!("{QUESTION}[macros]\nblock_startup = \"m.mac\"\n"), &[("m.mac", text.as_str())]);
+    let machine = machine(
+        "fanuc-mill-exact",
+        &format!("{QUESTION}[macros]\nblock_startup = \"m.mac\"\n"),
+        &[("m.mac", text.as_str())],
+    );
     Case::new(name, machine, vec!["N1 G90\nG91\nGOTO1\n".to_owned()], ends_with)
 }
 
@@ -150,14 +153,14 @@ fn texts_on_one_line() -> Case {
         + &code("&", "CODE_UNITS_PRIMARY")
         + "[control]\nunknown_code = \"warn\"\nstops = false\n";
     let program = format!("N1 {}\nGOTO1\n", "@&".repeat(1000));
-    Case::new("a line of codes of one character", machine("fanuc-mill", &toml, &[]), vec![program], &[LIMIT])
+    Case::new("a line of codes of one character", machine("fanuc-mill-exact", &toml, &[]), vec![program], &[LIMIT])
 }
 
 /// As many rules of the tape editor as there may be, all of which change the longest text there may be.
 fn many_rules() -> Case {
     let rules = "[[tape_editor]]\nfind = \"X\"\nreplace = \"X\"\n".repeat(250);
     let program = format!("N1 ({})\nGOTO1\n", "X".repeat(1_000_000));
-    Case::new("tape editor: many rules on a megabyte", machine("fanuc-mill", &rules, &[]), vec![program], &[LONG])
+    Case::new("tape editor: many rules on a megabyte", machine("fanuc-mill-exact", &rules, &[]), vec![program], &[LONG])
 }
 
 /// Straight moves of conversational programs.
@@ -188,7 +191,7 @@ fn drilling() -> String {
 
 fn lathe(name: &'static str, texts: &[&str], ends_with: &'static [u32]) -> Case {
     let programs = texts.iter().map(|text| (*text).to_owned()).collect();
-    Case::new(name, machine("fanuc-2path-lathe", "", &[]), programs, ends_with)
+    Case::new(name, machine("fanuc-2path-lathe-exact", "", &[]), programs, ends_with)
 }
 
 fn of_lathes() -> Vec<Case> {
@@ -255,7 +258,7 @@ fn isg(name: &'static str, programs: &[&str], ends_with: &'static [u32]) -> Case
 /// Both channels of a Siemens lathe.
 fn siemens(name: &'static str, programs: &[&str], ends_with: &'static [u32]) -> Case {
     let programs = programs.iter().map(|program| (*program).to_owned()).collect();
-    Case::new(name, machine("siemens-2channel", "", &[]), programs, ends_with)
+    Case::new(name, machine("siemens-2channel-exact", "", &[]), programs, ends_with)
 }
 
 /// Where small limits are wanted, smaller ones: all channels wait for each other in each block.

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 use std::sync::Arc;
 
 use counterpoint_kernel::files::Memory;
-use counterpoint_kernel::machine::package::{Overlay, shipped};
+use counterpoint_kernel::machine::package::Overlay;
 use counterpoint_kernel::machine::{Machine, load};
 
 /// Time of a pass of a loop that only reads, ns: other things happen in whole milliseconds.
@@ -83,7 +83,7 @@ pub fn machine(channels: u16) -> Arc<Machine> {
     files.insert("kernels/declare.mac", "DECLAR/GLOBAL,INTEGER,NUMBER=0\n");
     files.insert("kernels/stop.mac", STOP);
     files.insert("kernels/machine.toml", text);
-    let loaded = load(&Overlay::new(files, shipped()), "kernels");
+    let loaded = load(&Overlay::new(files, counterpoint_tests::library()), "kernels");
     let findings: Vec<String> = loaded.findings.iter().map(ToString::to_string).collect();
     loaded.machine.map(Arc::new).unwrap_or_else(|| panic!("the machine does not load: {findings:#?}"))
 }

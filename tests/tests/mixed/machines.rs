@@ -4,7 +4,7 @@
 use std::sync::Arc;
 
 use counterpoint_kernel::files::Memory;
-use counterpoint_kernel::machine::package::{Overlay, shipped};
+use counterpoint_kernel::machine::package::Overlay;
 use counterpoint_kernel::machine::{Machine, load};
 
 /// What macros a machine has.
@@ -334,7 +334,7 @@ ENDOF/IF
 pub fn machine(mill: bool, macros: Macros) -> Arc<Machine> {
     let mut text = format!(
         "extends = \"{}\"\n[ce]\nname = \"mixed\"\n{}",
-        if mill { "fanuc-mill" } else { "fanuc-2path-lathe" },
+        if mill { "fanuc-mill-exact" } else { "fanuc-2path-lathe-exact" },
         if mill { MILL } else { LATHE }
     );
     let mut files = Memory::default();
@@ -361,7 +361,7 @@ pub fn machine(mill: bool, macros: Macros) -> Arc<Machine> {
         files.insert("mixed/rounds.mac", ROUNDS);
     }
     files.insert("mixed/machine.toml", text);
-    let loaded = load(&Overlay::new(files, shipped()), "mixed");
+    let loaded = load(&Overlay::new(files, counterpoint_tests::library()), "mixed");
     let findings: Vec<String> = loaded.findings.iter().map(ToString::to_string).collect();
     loaded.machine.map(Arc::new).unwrap_or_else(|| panic!("the machine does not load: {findings:#?}"))
 }
