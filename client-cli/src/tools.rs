@@ -90,19 +90,34 @@ enum Column {
     Radius,
     Tip,
     Length,
+    RadiusWear,
+    LengthWear,
     Axis(String),
+    Wear(String),
 }
 
 impl Column {
     fn of(title: &str) -> Self {
-        match title.trim().to_ascii_lowercase().as_str() {
+        let title = title.trim();
+        let worn = title.split_once([' ', '_', '-']).and_then(|(one, other)| {
+            let is_wear = |word: &str| word.eq_ignore_ascii_case("wear");
+            if is_wear(one) { Some(other) } else { Some(one).filter(|_| is_wear(other)) }
+        });
+        if let Some(of) = worn {
+            return match of.to_ascii_lowercase().as_str() {
+                "radius" => Self::RadiusWear,
+                "length" => Self::LengthWear,
+                _ => Self::Wear(of.to_owned()),
+            };
+        }
+        match title.to_ascii_lowercase().as_str() {
             "number" | "no" | "nr" | "tool" | "t" | "offset" => Self::Number,
             "name" | "comment" | "description" => Self::Name,
             "diameter" | "dia" => Self::Diameter,
             "radius" => Self::Radius,
             "tip" => Self::Tip,
             "length" => Self::Length,
-            _ => Self::Axis(title.trim().to_owned()),
+            _ => Self::Axis(title.to_owned()),
         }
     }
 }
@@ -142,7 +157,7 @@ fn of_csv(file: String, text: &str, tool_axis: Option<&str>) -> Result<Tools, Er
         if record.len() > columns.len() {
             return Err(wrong(line, format!("{} columns, where the first line names {}", record.len(), columns.len())));
         }
-        let (mut offset, mut facts, mut values) = (String::new(), String::new(), Vec::new());
+        let (mut offset, mut facts, mut values, mut wear) = (String::new(), String::new(), Vec::new(), Vec::new());
         let (mut radius, mut number) = (None, None);
         for (column, cell) in cells {
             let read = || {
@@ -170,14 +185,25 @@ fn of_csv(file: String, text: &str, tool_axis: Option<&str>) -> Result<Tools, Er
                     let _ = write!(facts, ", length = {value:?}");
                     values.extend(along.map(|axis| format!("{axis} = {value:?}")));
                 }
+                Column::RadiusWear => drop(write!(offset, ", radius_wear = {:?}", value()?)),
+                Column::LengthWear => {
+                    let value = value()?;
+                    wear.extend(along.map(|axis| format!("{axis} = {value:?}")));
+                }
                 Column::Axis(axis) => {
                     values.push(format!("{} = {:?}", toml::Value::String(axis.clone()), value()?));
+                }
+                Column::Wear(axis) => {
+                    wear.push(format!("{} = {:?}", toml::Value::String(axis.clone()), value()?));
                 }
             }
         }
         let Some(number) = number else { return Err(wrong(line, "the tool has no number".to_owned())) };
         if let Some(radius) = radius {
             let _ = write!(offset, ", radius = {radius:?}");
+        }
+        if !wear.is_empty() {
+            let _ = write!(offset, ", wear = {{ {} }}", wear.join(", "));
         }
         let _ = writeln!(offsets, "{{ number = {number}{offset}, values = {{ {} }} }},", values.join(", "));
         of_offsets.push(line as usize);
@@ -217,6 +243,19 @@ mod tests {
         assert_eq!(tools.place(line("radius = 3.4")).map(|place| place.1), Some(3));
         assert_eq!(tools.place(line("name = \"FACE\"")).map(|place| place.1), Some(4));
         assert_eq!(tools.place(line("[ce]")), None);
+    }
+
+    #[test]
+    fn columns_of_wear_are_beside_those_of_geometry() {
+        let mut tools =
+            read("tools.csv", "no,radius,radius wear,X,wear X,wear_length\n3,0.8,-0.02,10,0.1,-0.05\n4,,,,,\n")
+                .unwrap();
+        let table: toml::Table = toml::from_str(&tools.definition("m-tools", "m")).unwrap();
+        let offset = &table["tool"]["offsets"][0];
+        assert_eq!((offset["radius"].as_float(), offset["radius_wear"].as_float()), (Some(0.8), Some(-0.02)));
+        assert_eq!((offset["values"]["X"].as_float(), offset["wear"]["X"].as_float()), (Some(10.0), Some(0.1)));
+        assert_eq!(offset["wear"]["Z"].as_float(), Some(-0.05));
+        assert!(table["tool"]["offsets"][1].get("wear").is_none());
     }
 
     #[test]

@@ -79,7 +79,9 @@ fn read_offset(row: &mut Section<'_>, axes: &Table<AxisId, Axis>, check: &Check)
     let radius = row.at_least_zero("radius").unwrap_or(0.0);
     let tip = row.integer("tip", 0..=9).unwrap_or(0) as u8;
     let values = by_axis(row, axes, check);
-    Some(ToolOffset { number: number?, values, radius, tip })
+    let wear = some_by_axis(row, "wear", axes, check).map(|_, value| value.unwrap_or_default());
+    let radius_wear = row.number("radius_wear").unwrap_or(0.0);
+    Some(ToolOffset { number: number?, values, wear, radius, radius_wear, tip })
 }
 
 /// Reads `[[work_offsets]]`: G54 first, zeros where the file says nothing.

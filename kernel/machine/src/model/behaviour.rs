@@ -389,8 +389,12 @@ pub struct ToolOffset {
     pub number: u32,
     /// Value per machine axis, as programmed (diameter on a diameter axis).
     pub values: Table<AxisId, f64>,
+    /// Wear per machine axis, added to the value of the axis.
+    pub wear: Table<AxisId, f64>,
     /// Nose or cutter radius.
     pub radius: f64,
+    /// Wear of the radius, added to it.
+    pub radius_wear: f64,
     /// Imaginary tip direction 0–9.
     pub tip: u8,
 }

@@ -359,6 +359,8 @@ fn tool_offsets(machine: &Machine) -> Vec<Value> {
             "radius": offset.radius,
             "tip": offset.tip,
             "values": by_axis(machine, &offset.values),
+            "radius_wear": offset.radius_wear,
+            "wear": by_axis(machine, &offset.wear),
         })
     };
     machine.tool.offsets.iter().map(offset).collect()

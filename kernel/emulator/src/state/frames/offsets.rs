@@ -83,10 +83,11 @@ impl Channel<'_> {
         if let Some(values) = set {
             return *values;
         }
+        let own = || self.env.machine.tool.offsets.iter().find(|own| own.number == number);
         let values = match table {
             Table::Work => (number as usize).checked_sub(1).and_then(|at| self.env.machine.work_offsets.get(at)),
-            Table::Length => self.env.machine.tool.offsets.iter().find(|o| o.number == number).map(|o| &o.values),
-            Table::Wear => None,
+            Table::Length => own().map(|own| &own.values),
+            Table::Wear => own().map(|own| &own.wear),
         };
         let mut position = [0.0; MAX_AXES];
         if let Some(values) = values {
@@ -119,10 +120,8 @@ impl Channel<'_> {
     /// Length and wear of an offset together.
     pub(crate) fn worn_length(&self, number: u32) -> Position {
         let mut values = self.offset_values(Table::Length, number);
-        if self.state.place.offsets.is_some() {
-            for (slot, wear) in values.iter_mut().zip(self.offset_values(Table::Wear, number)) {
-                *slot += wear;
-            }
+        for (slot, wear) in values.iter_mut().zip(self.offset_values(Table::Wear, number)) {
+            *slot += wear;
         }
         values
     }
@@ -148,8 +147,12 @@ impl Channel<'_> {
             table.get(&number)
         });
         set.copied().unwrap_or_else(|| {
-            let own = self.env.machine.tool.offsets.iter().find(|o| o.number == number && table == Radii::Cutter);
-            own.map_or(0.0, |own| own.radius)
+            let own = self.env.machine.tool.offsets.iter().find(|own| own.number == number);
+            own.map_or(0.0, |own| match table {
+                Radii::Cutter => own.radius,
+                Radii::Corner => 0.0,
+                Radii::Wear => own.radius_wear,
+            })
         })
     }
 
