@@ -27,7 +27,7 @@ const BUSY: &str = "--busy";
 
 /// A lathe of this many channels with an axis each; SYNC is for all of them.
 fn many(channels: usize) -> Arc<Machine> {
-    let mut text = "extends = \"fanuc-turning\"\n[[registers]]\nindex = 60\nname = \"SYNC\"\nwhole = 8\n[[data]]\n\
+    let mut text = "extends = \"fanuc-turning\"\n[ce]\nname = \"many\"\n[[registers]]\nindex = 60\nname = \"SYNC\"\nwhole = 8\n[[data]]\n\
                     id = \"REG_SYNC_PATHS\"\nregister = \"P\"\nmin = 0\n[[waits]]\nword = \"SYNC1-SYNC99999999\"\n\
                     primitive = \"barrier\"\n"
         .to_owned();
@@ -64,14 +64,14 @@ fn meeting(own: usize, channels: usize, rounds: usize) -> String {
     let mut text = "G98 F6000\nG0 X0\n".to_owned();
     for round in 0..rounds {
         let far = if round % channels == own { 2 } else { 1 };
-        let _ = writeln!(text, "G1 X{}\nSYNC{}", if round % 2 == 0 { far } else { 0 }, round % 99_999 + 1);
+        let _ = writeln!(text, "G1 X{}\nSYNC{}", if round % 2 == 0 { far } else { 0 }, round % 90 + 1);
     }
     text + "M30\n"
 }
 
-fn meetings() {
+fn meetings(channels: &[usize]) {
     println!("meetings, one thread: {MEETINGS} of all channels, a move between two of them");
-    for channels in [2, 4, 8, 16, 32] {
+    for &channels in channels {
         let machine = many(channels);
         let texts: Vec<_> = (0..channels).map(|own| meeting(own, channels, MEETINGS)).collect();
         let all: Vec<u16> = (1..=channels).filter_map(|number| u16::try_from(number).ok()).collect();
@@ -175,7 +175,12 @@ fn main() {
         }
         return;
     }
-    meetings();
+    // A number is that of channels: their meetings only.
+    if let Some(channels) = std::env::args().find_map(|argument| argument.parse().ok()) {
+        meetings(&[channels]);
+        return;
+    }
+    meetings(&[2, 4, 8, 16, 32]);
     shared();
     side_by_side();
     beside_others();

@@ -7,7 +7,7 @@ use std::collections::VecDeque;
 use std::sync::Arc;
 
 use crate::tag::Tag;
-use counterpoint_event::event::Event;
+use counterpoint_event::event::{Dwell, Event, Kind};
 use counterpoint_results::channel_results::ChannelResults;
 
 /// Events in order. The log may read them while they wait here.
@@ -23,6 +23,13 @@ const PUT_OFF: usize = 256;
 const SPARSE: usize = 2;
 /// Events that are taken at once: little work for the short time while the kernel waits for another one.
 const SLICE: usize = 16;
+/// Chunks with little room that are kept.
+const MOST_SMALL: usize = 64;
+
+/// An event to be overwritten.
+pub fn blank() -> Event {
+    Event { t_ns: 0, micro: 0, dur_ns: 0, channel: 0, file: 0, line: 0, kind: Kind::Dwell(Dwell) }
+}
 
 /// Events that wait, and the results that they will be taken into.
 pub struct Backlog {
@@ -42,6 +49,8 @@ pub struct Backlog {
     bytes: u64,
     /// Chunks that nobody reads any more.
     spare: Vec<Chunk>,
+    /// Empty ones with little room.
+    small: Vec<Chunk>,
     /// Events that have come since the last look at the other kernels.
     unlooked: usize,
     /// No other kernel stops the job before this time.
@@ -55,7 +64,7 @@ pub struct Backlog {
 impl Backlog {
     /// Feeds the results of a channel, if somebody wants results. `room`: bytes that may wait for other kernels.
     pub fn new(channel: u16, results: Option<ChannelResults>, room: u64) -> Self {
-        let (waiting, spare) = (VecDeque::new(), Vec::new());
+        let (waiting, spare, small) = (VecDeque::new(), Vec::new(), Vec::new());
         Self {
             channel,
             results,
@@ -65,6 +74,7 @@ impl Backlog {
             room,
             bytes: 0,
             spare,
+            small,
             unlooked: 0,
             floor: 0,
             events: 0,
@@ -86,14 +96,18 @@ impl Backlog {
         true
     }
 
-    /// Makes a chunk of events that can be shared, and leaves the room of an old chunk with its events. A few events get no more
-    /// room than they need: at a storm of waits many such chunks may wait for other kernels.
-    pub fn share(&mut self, events: &mut Vec<Event>) -> Chunk {
-        if self.spare.is_empty() && events.len() < events.capacity() / SPARSE {
-            let mut few = Vec::with_capacity(events.len());
-            few.append(events);
-            return Arc::new(few);
+    /// Makes a chunk of the first `count` events that can be shared, and leaves events that may be overwritten, of an old chunk or
+    /// blank. A few events get no more room than they need: at a storm of waits many such chunks may wait for other kernels.
+    pub fn share(&mut self, events: &mut Vec<Event>, count: usize) -> Chunk {
+        if self.spare.is_empty() && count < events.capacity() / SPARSE {
+            let mut chunk = self.small.pop().unwrap_or_default();
+            if let Some(few) = Arc::get_mut(&mut chunk) {
+                few.reserve_exact(count);
+                few.extend(events.iter_mut().take(count).map(|event| std::mem::replace(event, blank())));
+            }
+            return chunk;
         }
+        events.truncate(count);
         let mut chunk = self.spare.pop().unwrap_or_default();
         if let Some(room) = Arc::get_mut(&mut chunk) {
             std::mem::swap(room, events);
@@ -101,10 +115,17 @@ impl Backlog {
         chunk
     }
 
-    /// Takes a chunk back that the log has read. It is used again unless it waits here or has little room.
-    pub fn return_chunk(&mut self, chunk: Chunk) {
-        if Arc::strong_count(&chunk) == 1 && chunk.capacity() >= SLICE {
-            self.spare.push(chunk);
+    /// Takes a chunk back that the log has read. It is used again unless it waits here; one with little room for a few events.
+    pub fn return_chunk(&mut self, mut chunk: Chunk) {
+        if chunk.capacity() >= SLICE {
+            if Arc::strong_count(&chunk) == 1 {
+                self.spare.push(chunk);
+            }
+        } else if self.small.len() < MOST_SMALL
+            && let Some(few) = Arc::get_mut(&mut chunk)
+        {
+            few.clear();
+            self.small.push(chunk);
         }
     }
 
@@ -211,7 +232,6 @@ pub struct Closed {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use counterpoint_event::event::{Dwell, Kind};
 
     fn events(times: std::ops::Range<i64>) -> Vec<Event> {
         let event = |t_ns| Event { t_ns, micro: 0, dur_ns: 0, channel: 1, file: 0, line: 0, kind: Kind::Dwell(Dwell) };
@@ -221,7 +241,7 @@ mod tests {
     #[test]
     fn nothing_is_taken_that_another_kernel_can_still_cut_off() {
         let mut backlog = Backlog::new(1, None, u64::MAX);
-        let chunk = backlog.share(&mut events(1..101));
+        let chunk = backlog.share(&mut events(1..101), 100);
         backlog.put(chunk, 0);
         backlog.take_all(40);
         // Whole slices before the floor.
@@ -234,7 +254,7 @@ mod tests {
     #[test]
     fn a_chunk_is_used_again_when_neither_the_log_nor_the_results_need_it() {
         let mut backlog = Backlog::new(1, None, u64::MAX);
-        let chunk = backlog.share(&mut events(1..21));
+        let chunk = backlog.share(&mut events(1..21), 20);
         let log = chunk.clone();
         backlog.put(chunk, 0);
         backlog.return_chunk(log);
@@ -247,11 +267,14 @@ mod tests {
     fn a_few_events_take_no_more_room_than_they_need() {
         let mut backlog = Backlog::new(1, None, u64::MAX);
         let mut full = Vec::with_capacity(512);
-        full.extend(events(1..4));
-        let chunk = backlog.share(&mut full);
-        assert_eq!((chunk.len(), chunk.capacity(), full.len(), full.capacity()), (3, 3, 0, 512));
-        // What has little room is not kept for more events.
+        full.extend(events(1..513));
+        let chunk = backlog.share(&mut full, 3);
+        assert_eq!((chunk.len(), chunk.capacity(), full.len(), full.capacity()), (3, 3, 512, 512));
+        assert_eq!((chunk[2].t_ns, full[2].t_ns, full[3].t_ns), (3, 0, 4));
+        // What has little room is kept for a few events only.
         backlog.return_chunk(chunk);
         assert!(backlog.spare.is_empty());
+        let chunk = backlog.share(&mut full, 2);
+        assert_eq!((chunk.len(), chunk.capacity(), backlog.small.len()), (2, 3, 0));
     }
 }

@@ -68,8 +68,7 @@ impl<'a> Stream<'a> {
         if taken && !merged {
             return;
         }
-        chunk.truncate(count);
-        let shared = self.backlog.share(chunk);
+        let shared = self.backlog.share(chunk, count);
         if let Some(Log::Merged(feeder)) = &mut self.log {
             feeder.send(shared.clone(), upto);
         }

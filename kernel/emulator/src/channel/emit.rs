@@ -3,7 +3,8 @@
 //! *Invariant:* events leave in the order of the kernel's clock; every chunk promises a tag that no later event of
 //! this stream is before.
 
-use counterpoint_event::event::{Dwell, Event, Kind};
+use counterpoint_event::event::Event;
+use counterpoint_sync::backlog::blank;
 use counterpoint_sync::coordinator::switch::Port;
 use counterpoint_sync::merge::TEXTS;
 use counterpoint_sync::stream::{NEAR_CHUNK, Stream};
@@ -34,11 +35,6 @@ pub struct Emitter<'a> {
     gone: u64,
     /// Events that the kernel holds back.
     held: u64,
-}
-
-/// An event to be overwritten.
-pub(crate) fn blank() -> Event {
-    Event { t_ns: 0, micro: 0, dur_ns: 0, channel: 0, file: 0, line: 0, kind: Kind::Dwell(Dwell) }
 }
 
 impl<'a> Emitter<'a> {

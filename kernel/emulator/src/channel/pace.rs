@@ -8,10 +8,10 @@ use counterpoint_machine::ident::codes;
 use counterpoint_sync::tag::Tag;
 
 use super::Kernel;
-use super::emit::blank;
 use crate::state::channel::At;
 use crate::state::modal::group;
 use crate::state::pace::Stretch;
+use counterpoint_sync::backlog::blank;
 
 impl Kernel<'_> {
     /// The move as the look-ahead takes it; none if the path stops before and after it.

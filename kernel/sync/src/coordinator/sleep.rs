@@ -28,7 +28,8 @@ impl Coordinator {
     pub(super) fn signal(&self, channel: u16) {
         if let Some(slot) = self.slot(channel) {
             slot.signal.fetch_add(1, SeqCst);
-            if slot.asleep.swap(false, SeqCst) {
+            // On one thread nobody sleeps at the condition: the master runs whoever is awake.
+            if slot.asleep.swap(false, SeqCst) && !self.one_thread {
                 slot.condvar.notify_one();
             }
         }
