@@ -142,11 +142,11 @@ mod tests {
     fn axes_are_an_aligned_table() {
         let expected = "\
 axis  letter  data         role    diameter  rapid  acceleration  home  limits
-X1    X       REG_AXIS_X   X       yes       20000  -             300   -
-Z1    Z       REG_AXIS_Z   Z       -         24000  -             500   -
-C1    C       REG_AXIS_CT  rotary  -         36000  -             0     -
-X2    X       REG_AXIS_X   X       yes       20000  -             300   -
-Z2    Z       REG_AXIS_Z   Z       -         24000  -             500   -
+X1    X       REG_AXIS_X   X       yes       20000  4000          300   -
+Z1    Z       REG_AXIS_Z   Z       -         24000  5000          500   -
+C1    C       REG_AXIS_CT  rotary  -         72000  2000          0     -
+X2    X       REG_AXIS_X   X       yes       20000  4000          300   -
+Z2    Z       REG_AXIS_Z   Z       -         24000  5000          500   -
 ";
         assert_eq!(show(&lathe(), Show::Axes), expected);
     }

@@ -95,6 +95,7 @@ G3 CODE_INTERP_ARC_CCLW 500 1
 G4 CODE_DELAY 300 0
 G5 CODE_IGNORE 999 0
 G5.1 CODE_IGNORE 999 0
+G7.1 CODE_CYLINDER_ON 100 26
 G8 CODE_IGNORE 999 0
 G9 CODE_EXACTSTOP 100 15
 G10 CODE_OFFSET_SET 100 0
@@ -159,6 +160,7 @@ G96 CODE_SPINDLE_CSS 300 13
 G97 CODE_SPINDLE_RPM 100 13
 G98 CODE_FEED_UPM 100 5
 G99 CODE_FEED_UPR 100 5
+G107 CODE_CYLINDER_ON 100 26
 G112 CODE_C2P_CART_ON 100 26
 G113 CODE_C2P_CART_OFF 100 26
 T0-T99999999 CODE_TOOL_LOAD 700 0
@@ -320,7 +322,7 @@ fn the_two_path_lathe_is_set_up_like_this() {
     assert_eq!(lathe.tool.offset_digits, 2);
     assert_eq!(lathe.home(&lathe.channels[0])[..3], [300.0, 500.0, 0.0]);
     assert!(lathe.codes.iter().all(|row| row.seconds == 0.0));
-    assert!(lathe.axes.iter().all(|axis| axis.dynamics.acceleration.is_none() && axis.limits.is_none()));
+    assert!(lathe.axes.iter().all(|axis| axis.dynamics.acceleration.is_some() && axis.limits.is_none()));
     let initial: Vec<&str> = lathe.initial.iter().map(|id| lathe.code_name(*id)).collect();
     assert_eq!(initial[..3], ["CODE_RAPID", "CODE_PLANE_ZX", "CODE_FEED_UPR"]);
     assert_eq!(lathe.tables.letter[usize::from(b'U')].map(|(_, incremental)| incremental), Some(true));
