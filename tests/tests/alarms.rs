@@ -12,6 +12,8 @@ use counterpoint_tests::{Work, machine};
 /// last line but two, `G0 X99.` and `M30` follow).
 struct Case(&'static str, u32, &'static str, &'static str, &'static str);
 
+/// Parameter 3403#5.
+const CIR: &str = "[arcs]\nwithout_center = \"error\"\n";
 const MILL: &str = "fanuc-mill-exact";
 const LATHE: &str = "fanuc-2path-lathe-exact";
 const LIMITS: &str = "[[axes]]\nname = \"X\"\nrapid = 6000\nlimits = [-10, 10]\n";
@@ -55,8 +57,8 @@ const CASES: &[Case] = &[
     Case("PS0021", 2_900_380, MILL, "", "F100\nG2 X10. Y0. K5."),
     Case("PS0021", 2_900_380, MILL, "", "F100 G18\nG3 X10. Z1. J5."),
     Case("PS0021", 2_900_380, MILL, "", "F100 G19\nG3 Y10. Z1. I5."),
-    Case("PS0022", 2_900_384, MILL, "", "F100\nG2 X10. Y5."),
-    Case("PS0022", 2_900_384, MILL, "", "F100\nG2 X10. Y0. I5.\nX20. Y5."),
+    Case("PS0022", 2_900_384, MILL, CIR, "F100\nG2 X10. Y5."),
+    Case("PS0022", 2_900_384, MILL, CIR, "F100\nG2 X10. Y0. I5.\nX20. Y5."),
     Case("PS0023", 2_900_380, LATHE, "", "M3 S500 F0.1\nG2 X10. Z5. R-20."),
     Case("PS0030", 2_900_380, MILL, "", "G43 Z10. H401"),
     Case("PS0030", 2_900_380, MILL, "", "G41 X10. D999"),

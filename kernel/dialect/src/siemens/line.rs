@@ -270,6 +270,9 @@ fn address(cursor: &mut Cursor<'_>, letter: u8) -> Result<Item, String> {
         }
         return assignment(cursor, name);
     }
+    if letter == b'L' && !extension.is_empty() && cursor.byte(0) == b'(' {
+        return Ok(Item::Function(name, arguments(cursor)?));
+    }
     if extension.is_empty() {
         // A blank between letter and number belongs to the word.
         cursor.blanks();

@@ -1,7 +1,8 @@
 //! Where a called program or range of blocks is looked for.
 //!
 //! Facts: reference control-emulator.md 5.7. Order: the place that the machine names, then the files stored with the
-//! machine, then (this project's choice) the other places and files beside the program that are named after the number.
+//! machine, then (this project's choice) the other places, files beside the program that are named after the number, and all
+//! files of the job that define a program of the number.
 
 use counterpoint_fault::Halt;
 use std::sync::Arc;
@@ -43,16 +44,22 @@ enum Look {
     EachFromTop,
     /// Files beside the main program, as the file of all.
     Beside,
+    /// All files of the job, by definition word: the memory of a control has them all.
+    Memory,
 }
 
 impl Look {
     /// The order of a machine.
-    fn order(placement: Placement) -> [Self; 6] {
+    fn order(placement: Placement) -> [Self; 7] {
         match placement {
-            Placement::SameFile => [Self::Current, Self::Main, Self::Stored, Self::One, Self::Each, Self::Beside],
-            Placement::OneFile => [Self::One, Self::Stored, Self::Current, Self::Main, Self::Each, Self::Beside],
+            Placement::SameFile => {
+                [Self::Current, Self::Main, Self::Stored, Self::One, Self::Each, Self::Beside, Self::Memory]
+            }
+            Placement::OneFile => {
+                [Self::One, Self::Stored, Self::Current, Self::Main, Self::Each, Self::Beside, Self::Memory]
+            }
             Placement::FileEach => {
-                [Self::EachFromTop, Self::Stored, Self::Current, Self::Main, Self::One, Self::Beside]
+                [Self::EachFromTop, Self::Stored, Self::Current, Self::Main, Self::One, Self::Beside, Self::Memory]
             }
         }
     }
@@ -71,6 +78,7 @@ impl Kernel<'_> {
                 Look::Each => self.named(&self.subprogram_files(what).0, what, false)?,
                 Look::EachFromTop => self.named(&self.subprogram_files(what).0, what, true)?,
                 Look::Beside => self.first_of(self.beside(what), what, false)?,
+                Look::Memory => self.in_memory(what)?,
             };
             if found.is_some() {
                 return Ok(found);
@@ -85,6 +93,20 @@ impl Kernel<'_> {
         let searched = self.channel.env.sources.get(file).map_or(0, |source| source.programs().len());
         self.work(searched / 16)?;
         Ok(self.in_file(file, what).map(|range| (file, range)))
+    }
+
+    /// The first file of the job that defines a program of this number.
+    fn in_memory(&mut self, what: &Callee) -> Result<Option<(FileId, Range)>, Halt> {
+        if !matches!(what, Callee::Program(_)) || self.plan.registers.definition.is_none() {
+            return Ok(None);
+        }
+        for file in 0..self.channel.env.info.files.len() as FileId {
+            self.load(file)?;
+            if let Some(found) = self.defined_in(Some(file), what)? {
+                return Ok(Some(found));
+            }
+        }
+        Ok(None)
     }
 
     /// The first of these files that has the program.
@@ -282,7 +304,9 @@ impl Kernel<'_> {
         let stored =
             if self.channel.env.machine.storage.is_empty() { "" } else { ", the files stored with the machine" };
         let named = names(what).into_iter().next().unwrap_or_default();
-        format!("looked in the program's file, {first}{stored} and files named {named}")
+        format!(
+            "looked in the program's file, {first}{stored}, files named {named} and definitions in all files of the job"
+        )
     }
 }
 

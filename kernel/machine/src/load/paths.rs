@@ -19,6 +19,7 @@ pub(super) fn arcs(top: &mut Section<'_>, unit: Unit) -> Arcs {
         helix: Helix::Any,
         turns: Turns::Always,
         stands: false,
+        straight: false,
     };
     let Some(mut section) = top.table("arcs", "[arcs]") else { return arcs };
     let centers = [("offset", Heights::Incremental), ("absolute", Heights::Absolute), ("mode", Heights::Mode)];
@@ -31,6 +32,8 @@ pub(super) fn arcs(top: &mut Section<'_>, unit: Unit) -> Arcs {
     arcs.turns = section.choice("turns", &turns).unwrap_or(arcs.turns);
     let starts = [("error", false), ("stand", true)];
     arcs.stands = section.choice("to_start", &starts).unwrap_or(arcs.stands);
+    let lines = [("error", false), ("line", true)];
+    arcs.straight = section.choice("without_center", &lines).unwrap_or(arcs.straight);
     section.finish();
     arcs
 }

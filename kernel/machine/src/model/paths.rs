@@ -20,6 +20,8 @@ pub struct Arcs {
     pub turns: Turns,
     /// A circle by its radius to its own start is no motion; otherwise it is reported.
     pub stands: bool,
+    /// A circle with neither centre nor radius is a straight line; otherwise it is reported.
+    pub straight: bool,
 }
 
 /// Codes that may make helices.

@@ -334,6 +334,7 @@ fn arcs(machine: &Machine) -> Value {
         "helix": word(arcs.helix),
         "turns": word(arcs.turns),
         "to_start": if arcs.stands { "stand" } else { "error" },
+        "without_center": if arcs.straight { "line" } else { "error" },
     })
 }
 

@@ -101,6 +101,12 @@ pub(super) fn arc(act: &mut Act<'_, '_>, form: Form, code: &PendingCode) -> Acte
         return act.feed_to_point(coded, target, feed, unit);
     };
     let incomplete = words.radius.is_none() && words.center.is_none() && words.angle.is_none();
+    if incomplete && act.env.machine.arcs.straight {
+        let text =
+            format!("the circle has neither a centre nor a radius in '{}', it is a straight line", act.block_text());
+        act.diagnose(&diag::ARC_STRAIGHT, text);
+        return act.feed_to_point(coded, target, feed, unit);
+    }
     if incomplete {
         let forms = [data::ARC_RADIUS, data::ARC_CENTER_X, data::ARC_CENTER_Y, data::ARC_CENTER_Z, data::ARC_ANGLE];
         act.report_switched_off(&forms);
