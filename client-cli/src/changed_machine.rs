@@ -19,6 +19,9 @@ use crate::tools::Tools;
 /// What the name of a shipped machine ends with after a setting; the server keeps the names of shipped machines to itself.
 const CHANGED: &str = "-set";
 
+/// What the name of a machine ends with whose numbers without a point count increments.
+const COUNTS: &str = "-inc";
+
 /// What the name of a machine ends with that has the tools of a run.
 const TOOLS: &str = "-tools";
 
@@ -29,7 +32,7 @@ pub(crate) fn machine(machine: &str, settings: &[Setting]) -> Result<(String, Fi
         if own { pack::machine(Path::new(machine))? } else { (machine.to_owned(), Files::default()) };
     let chain = chain(&mut files, &name);
     for setting in settings {
-        let Setting::Waits(range) = setting;
+        let Setting::Waits(range) = setting else { continue };
         let mut changed = false;
         for folder in &chain {
             let path = definition(folder);
@@ -49,7 +52,7 @@ pub(crate) fn machine(machine: &str, settings: &[Setting]) -> Result<(String, Fi
         }
     }
     if own {
-        return Ok((name, files));
+        return Ok(counted(name, files, settings));
     }
     let (changed, inside) = (format!("{name}{CHANGED}"), format!("{name}/"));
     let renamed = |path: String| match path.strip_prefix(&inside) {
@@ -57,7 +60,18 @@ pub(crate) fn machine(machine: &str, settings: &[Setting]) -> Result<(String, Fi
         None => path,
     };
     let files = Files(files.0.into_iter().map(|(path, blob)| (renamed(path), blob)).collect());
-    Ok((changed, files))
+    Ok(counted(changed, files, settings))
+}
+
+/// The machine, or one that extends it and counts increments if a setting says so.
+fn counted(name: String, mut files: Files, settings: &[Setting]) -> (String, Files) {
+    if !settings.contains(&Setting::Increments) {
+        return (name, files);
+    }
+    let counts = format!("{name}{COUNTS}");
+    let text = format!("extends = \"{name}\"\n[ce]\nname = \"{counts}\"\n[control]\nnumbers = \"increments\"\n");
+    files.0.insert(definition(&counts), Blob::new(text.into_bytes()));
+    (counts, files)
 }
 
 /// A machine that extends this one by the tools of a file; its files and the tools are given, too.
@@ -158,6 +172,14 @@ mod tests {
         assert_eq!(with_waits("[[waits]]\nword = \"M50\"\n", &(900..=999)), None);
     }
 
+    fn memory(files: &Files) -> counterpoint_kernel::files::Memory {
+        let mut memory = counterpoint_kernel::files::Memory::default();
+        for (path, blob) in &files.0 {
+            memory.insert(path.clone(), blob.content());
+        }
+        memory
+    }
+
     #[test]
     fn a_machine_comes_with_its_families() {
         let (name, files) = machine("fanuc-2path-lathe", &[Setting::Waits(900..=999)]).unwrap();
@@ -168,6 +190,9 @@ mod tests {
             text("fanuc-common/machine.toml").as_bytes(),
             include_bytes!("../../machines/fanuc-common/machine.toml")
         );
+        let (name, files) = machine("fanuc-mill", &[Setting::Increments]).unwrap();
+        let loaded = counterpoint_kernel::machine::load(&package::Overlay::over_shipped(memory(&files)), &name);
+        assert_eq!((name.as_str(), loaded.findings), ("fanuc-mill-set-inc", Vec::new()));
         let error = machine("fanuc-mill", &[Setting::Waits(900..=999)]).unwrap_err().to_string();
         assert!(error.contains("machine 'fanuc-mill' has no range of M codes that wait"), "{error}");
     }

@@ -4,7 +4,8 @@ use std::ops::RangeInclusive;
 use std::str::FromStr;
 
 /// The keys with their values.
-const KEYS: &str = "waits=FIRST-LAST (M codes that are waiting codes, for example waits=900-999)";
+const KEYS: &str = "waits=FIRST-LAST (M codes that are waiting codes, for example waits=900-999) and numbers=increments (coordinates \
+                    without a decimal point count least increments)";
 
 /// M codes that are waiting codes of the shipped machines.
 pub(crate) const WAITS: RangeInclusive<u32> = 100..=199;
@@ -17,6 +18,8 @@ const HIGHEST: u32 = 99_999_999;
 pub(crate) enum Setting {
     /// M codes that are waiting codes.
     Waits(RangeInclusive<u32>),
+    /// Coordinates without a decimal point count least increments.
+    Increments,
 }
 
 impl FromStr for Setting {
@@ -37,6 +40,10 @@ impl FromStr for Setting {
                     )),
                 }
             }
+            "numbers" => match value.trim() {
+                "increments" => Ok(Self::Increments),
+                other => Err(format!("'{other}' is not a way to count numbers: give {KEYS}")),
+            },
             other => Err(format!("no such key '{other}': the keys are {KEYS}")),
         }
     }
@@ -44,7 +51,11 @@ impl FromStr for Setting {
 
 /// The waiting codes that a guess looks for.
 pub(crate) fn waits(settings: &[Setting]) -> RangeInclusive<u32> {
-    settings.last().map_or(WAITS, |Setting::Waits(range)| range.clone())
+    let range = |setting: &Setting| match setting {
+        Setting::Waits(range) => Some(range.clone()),
+        Setting::Increments => None,
+    };
+    settings.iter().rev().find_map(range).unwrap_or(WAITS)
 }
 
 #[cfg(test)]
@@ -55,11 +66,14 @@ mod tests {
     fn a_setting_has_a_known_key_and_a_range() {
         assert_eq!("waits=900-999".parse(), Ok(Setting::Waits(900..=999)));
         assert_eq!("waits=M200-M299".parse(), Ok(Setting::Waits(200..=299)));
+        assert_eq!("numbers=increments".parse(), Ok(Setting::Increments));
+        assert_eq!(waits(&[Setting::Waits(900..=999), Setting::Increments]), 900..=999);
         for (text, with) in [
             ("waits", "a value is missing"),
             ("waits=900", "no range"),
             ("waits=999-900", "is not a range"),
             ("waits=0-9", "is not a range"),
+            ("numbers=inches", "'inches' is not a way to count numbers"),
             ("rapids=1", "no such key 'rapids': the keys are waits="),
         ] {
             let error = text.parse::<Setting>().unwrap_err();

@@ -228,6 +228,11 @@ impl AxisSlot {
 }
 
 impl<I, T> Table<I, T> {
+    /// The entries, to be changed.
+    pub fn iter_mut(&mut self) -> std::slice::IterMut<'_, T> {
+        self.entries.iter_mut()
+    }
+
     /// All entries, in order.
     pub fn iter(&self) -> std::slice::Iter<'_, T> {
         self.entries.iter()

@@ -76,7 +76,9 @@ impl Walk<'_> {
             }
         }
         let by_last = self.step.iso && self.path.mode == Some(5);
-        let rewritten = base.is_some() && self.has_increments() || own && self.keeps_center() || by_last;
+        // An end that is not programmed is where the tool stands: a full circle.
+        let full = shape == Shape::Arc && !self.step.iso && !self.coded().contains(&true);
+        let rewritten = base.is_some() && self.has_increments() || own && self.keeps_center() || by_last || full;
         if !rewritten {
             lines.push(self.verbatim(if own { &[] } else { &centre }));
             return lines;

@@ -69,9 +69,9 @@ pub(super) struct Parameter {
 }
 
 /// Attributes of data that change nothing here, with the number of values after them.
-const ATTRIBUTES: [&str; 16] = [
+const ATTRIBUTES: [&str; 19] = [
     "SYNR", "SYNW", "SYNRW", "PHU", "APR", "APW", "APRP", "APWP", "APRB", "APWB", "LLI", "ULI", "ACCESS", "EXECX",
-    "IPO", "PRLOC",
+    "IPO", "PRLOC", "INIPO", "INIRE", "INICF",
 ];
 
 /// A list of values in parentheses, if that is what comes.
@@ -119,8 +119,12 @@ pub(super) fn declaration(cursor: &mut Cursor<'_>) -> Result<Declaration, String
 }
 
 fn attribute(cursor: &mut Cursor<'_>) -> Result<(), String> {
-    let name = cursor.name().unwrap_or_default();
-    if !name.to_ascii_uppercase().starts_with("SYN") {
+    let name = cursor.name().unwrap_or_default().to_ascii_uppercase();
+    // When data get their first value again: the value may follow.
+    let is_moment = name.starts_with("INI") || name == "PRLOC";
+    cursor.blanks();
+    let has_value = cursor.byte(0).is_ascii_digit() || matches!(cursor.byte(0), b'+' | b'-' | b'.' | b'"');
+    if !name.starts_with("SYN") && (has_value || !is_moment) {
         expression(cursor)?;
     }
     Ok(())
@@ -150,9 +154,7 @@ fn declared(cursor: &mut Cursor<'_>) -> Result<Declared, String> {
             }
         }
     }
-    while cursor.peeked_name().is_some_and(|name| ATTRIBUTES.contains(&name.to_ascii_uppercase().as_str())) {
-        attribute(cursor)?;
-    }
+    attributes(cursor)?;
     let assigned = cursor.takes("=");
     let from = cursor.at();
     let key = cursor.name().map(str::to_ascii_uppercase).filter(|_| cursor.byte(0) == b'(');
@@ -170,7 +172,15 @@ fn declared(cursor: &mut Cursor<'_>) -> Result<Declared, String> {
             }
         }
     };
+    attributes(cursor)?;
     Ok(Declared { name, sizes, initial })
+}
+
+fn attributes(cursor: &mut Cursor<'_>) -> Result<(), String> {
+    while cursor.peeked_name().is_some_and(|name| ATTRIBUTES.contains(&name.to_ascii_uppercase().as_str())) {
+        attribute(cursor)?;
+    }
+    Ok(())
 }
 
 /// Behind PROC or EXTERN.

@@ -188,7 +188,9 @@ impl Siemens {
             if !matches!(word.as_str(), "DEF" | "REDEF" | "DEFINE") {
                 continue;
             }
-            done = match read(cursor.rest()) {
+            // Macros of files before it count.
+            let text = self.expanded(cursor.rest());
+            done = match read(&text) {
                 Ok(line) => line.items.iter().try_for_each(|item| self.definition(host, item)),
                 Err(text) => super::syntax(text),
             };

@@ -31,9 +31,9 @@ pub(super) struct Settings {
 }
 
 /// Definition files that are looked for without being named.
-const DEFINITIONS: [&str; 12] = [
-    "SMAC_DEF", "MMAC_DEF", "UMAC_DEF", "SGUD_DEF", "MGUD_DEF", "UGUD_DEF", "GUD4_DEF", "GUD5_DEF", "GUD6_DEF",
-    "GUD7_DEF", "GUD8_DEF", "GUD9_DEF",
+const DEFINITIONS: [&str; 14] = [
+    "SMAC_DEF", "MMAC_DEF", "UMAC_DEF", "PMAC_DEF", "SGUD_DEF", "MGUD_DEF", "UGUD_DEF", "GUD4_DEF", "GUD5_DEF",
+    "GUD6_DEF", "GUD7_DEF", "GUD8_DEF", "GUD9_DEF", "PGUD_DEF",
 ];
 
 impl Default for Settings {

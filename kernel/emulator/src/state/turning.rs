@@ -74,6 +74,8 @@ pub(crate) struct Reading {
     pub(crate) first: Option<First>,
     /// Pieces after it.
     pub(crate) elements: Vec<Element>,
+    /// The last piece is a rapid move.
+    pub(crate) ends_rapid: bool,
 }
 
 /// Where the blocks of a contour are.

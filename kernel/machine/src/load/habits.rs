@@ -10,10 +10,12 @@ use crate::toml::section::Section;
 /// Elements of `$TUDQ`, `$IUDQ` and `$WUDQ`.
 const ROOM: [usize; 3] = [10, 100, 50];
 
-/// Reads `[control]` of a control with this pre-processor.
-pub(super) fn read(top: &mut Section<'_>, preprocessor: Preprocessor) -> Habits {
+/// Reads `[control]` of a control with this pre-processor; and whether numbers without a point count least increments.
+pub(super) fn read(top: &mut Section<'_>, preprocessor: Preprocessor) -> (Habits, bool) {
     let mut habits = Habits { frame_increments: preprocessor.row().frame_increments, ..Habits::default() };
-    let Some(mut section) = top.table("control", "[control]") else { return habits };
+    let Some(mut section) = top.table("control", "[control]") else { return (habits, false) };
+    let numbers = [("as-written", false), ("increments", true)];
+    let counts = section.choice("numbers", &numbers).unwrap_or(false);
     habits.speed_word = section.flag("speed_word").unwrap_or(habits.speed_word);
     let homes = [("workpiece", Home::Workpiece), ("machine", Home::Machine)];
     habits.home = section.choice("home", &homes).unwrap_or(habits.home);
@@ -47,7 +49,7 @@ pub(super) fn read(top: &mut Section<'_>, preprocessor: Preprocessor) -> Habits 
         answers.finish();
     }
     section.finish();
-    habits
+    (habits, counts)
 }
 
 fn read_answers(section: &mut Section<'_>, habits: &mut Habits) {

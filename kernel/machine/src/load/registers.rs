@@ -3,7 +3,7 @@
 //! Invariant: names, second names and indexes are unique. Facts: reference control-emulator.md 1.4.
 
 use crate::index::{RegisterId, Table};
-use crate::rows::{NumberFormat, Point, Register, Zeros};
+use crate::rows::{DataRow, NumberFormat, Point, Register, Zeros};
 use crate::toml::check::Check;
 use crate::toml::section::Section;
 
@@ -21,6 +21,24 @@ pub(super) fn read(top: &mut Section<'_>, check: &Check) -> Table<RegisterId, Re
     }
     registers.sort_by_key(|register| register.index);
     registers.into_iter().collect()
+}
+
+/// Numbers of coordinates (signed, with digits after the point) without a point count units of their last digit. Words that
+/// count units of their own already, as Q of turning cycles does, stay.
+pub(super) fn count_increments<'d>(
+    registers: &mut Table<RegisterId, Register>,
+    data: impl Iterator<Item = &'d DataRow>,
+) {
+    let own: Vec<RegisterId> = data.filter(|row| row.mul != 1.0).filter_map(|row| row.register).collect();
+    let own: Vec<u8> = own.into_iter().map(|id| registers[id].index).collect();
+    let counts = |register: &&mut Register| register.signed && register.pointed && !own.contains(&register.index);
+    for register in registers.iter_mut().filter(counts) {
+        for format in [&mut register.format, &mut register.secondary] {
+            if format.frac > 0 {
+                (format.point, format.lead, format.trail) = (Point::Omit, Zeros::Omit, Zeros::Keep);
+            }
+        }
+    }
 }
 
 fn read_row(mut row: Section<'_>, known: &[Register], check: &Check) -> Option<Register> {

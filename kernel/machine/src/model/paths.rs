@@ -59,6 +59,8 @@ pub struct Turning {
     pub back: f64,
     /// A contour whose first block moves both axes may have pockets.
     pub pockets: bool,
+    /// A rapid move at the end of a contour is the way off it, and none of it.
+    pub retracts: bool,
 }
 
 /// Threading cycles.

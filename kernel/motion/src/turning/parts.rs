@@ -54,13 +54,16 @@ pub(super) struct Stretch {
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Parts {
     pub(super) all: Vec<Part>,
+    /// Parts of the last piece.
+    last: usize,
 }
 
 impl Parts {
     /// The parts of pieces.
     pub(super) fn of(elements: &[Element], view: &View) -> Self {
-        let mut all = Vec::new();
+        let (mut all, mut before) = (Vec::new(), 0);
         for element in elements {
+            before = all.len();
             let (from, to) = (view.see(element.from), view.see(element.to));
             match &element.arc {
                 None => all.push(Part { from, to, arc: None }),
@@ -70,7 +73,7 @@ impl Parts {
                 }
             }
         }
-        Self { all }
+        Self { last: all.len() - before, all }
     }
 
     /// The lowest point.
@@ -92,7 +95,9 @@ impl Parts {
             }
             reached = reached.max(part.to[0]);
         }
-        let above = self.all.iter().any(|part| part.from[1] > top + BACK || part.to[1] > top + BACK);
+        // The last piece may go off the part beyond the start, as programs of bores do.
+        let shaping = self.all.len().saturating_sub(self.last);
+        let above = self.all.iter().take(shaping).any(|part| part.from[1] > top + BACK || part.to[1] > top + BACK);
         if above || first.from[0] < start - BACK { Err(Refusal::BeyondStart) } else { Ok(()) }
     }
 

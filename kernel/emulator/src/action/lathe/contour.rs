@@ -83,7 +83,9 @@ const FLOW: [CodeId; 4] = [codes::CALSUB_ID, codes::CALSUB_RETURN, codes::END, c
 
 /// A code that does not shape the contour.
 fn other(act: &mut Act<'_, '_>, row: &CodeRow, code: &PendingCode) -> Acted {
-    act.take(data::DELAY);
+    if row.id == codes::DELAY {
+        act.take(data::DELAY);
+    }
     let (letter, _) = act.written(row, code);
     if FLOW.contains(&row.id) || letter == 'G' && !ALLOWED.contains(&row.id) {
         return refuse(act);
@@ -111,7 +113,9 @@ pub(in crate::action) fn record(act: &mut Act<'_, '_>, motion: &Motion) -> Acted
         _ => None,
     };
     if arc.is_some() || distance(from, to) > NOISE {
-        act.state.others.turning.reading.elements.push(Element { from, to, arc });
+        let reading = &mut act.state.others.turning.reading;
+        reading.elements.push(Element { from, to, arc });
+        reading.ends_rapid = motion.kind == MotionKind::Rapid;
     }
     act.state.place.position = motion.to;
     act.block.flags.moved = true;

@@ -187,7 +187,11 @@ pub(super) fn cut(act: &mut Act<'_, '_>, cycle: &ContourCycle, reading: Reading)
         let text = format!("the contour of '{}' has no move", act.block_text());
         return Err(act.alarm(&diag::CONTOUR_FIRST, text));
     };
-    let shape = Shape { start: reading.start, elements: reading.elements, rapid: first.rapid };
+    let mut elements = reading.elements;
+    if reading.ends_rapid && act.env.machine.turning.retracts && matches!(cycle.task, Task::Rough(..)) {
+        elements.pop();
+    }
+    let shape = Shape { start: reading.start, elements, rapid: first.rapid };
     let refused = match cycle.task {
         Task::Finish { .. } => None,
         Task::Rough(settings, pockets) => {
