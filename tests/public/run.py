@@ -5,6 +5,7 @@ usage: run.py [--counterpoint BINARY] [--mirror DIR] [--cache DIR] [--out FILE] 
 
 programs.tsv points at programs in public repositories, repositories.tsv says which commit and under which licence. No
 program is kept here: a repository is fetched once into the cache folder, or read from DIR/owner+name of `--mirror`.
+A machine is a shipped one or a folder of `machines`; `tools` has the tool tables of repositories whose programs need one.
 FILTER is a part of family, machine, repository, file or verdict. The exit code is 1 if an outcome differs from its verdict.
 """
 import argparse
@@ -118,6 +119,9 @@ def run(binary, program, read, seconds):
         machine = own if os.path.isdir(own) else program.machine
         command = [binary, "run", "--json", "--no-timeline", "--machine", machine, "--max-blocks", "2000000"]
         command += ["--max-time", "1000000", main]
+        tools = os.path.join(HERE, "tools", program.repository.replace("/", "+") + ".csv")
+        if os.path.exists(tools):
+            command += ["--tools", tools]
         if others:
             command += ["--with", os.path.join(folder, "with")]
         try:
