@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Runs public NC programs with `counterpoint run` and compares the outcome with the verdicts of programs.tsv.
 
-usage: run.py [--counterpoint BINARY] [--mirror DIR] [--cache DIR] [--out FILE] [--seconds N] [FILTER ...]
+usage: run.py [--counterpoint BINARY] [--mirror DIR] [--cache DIR] [--out FILE] [--seconds N] [--tables] [FILTER ...]
 
 programs.tsv points at programs in public repositories, repositories.tsv says which commit and under which licence. No
 program is kept here: a repository is fetched once into the cache folder, or read from DIR/owner+name of `--mirror`.
@@ -170,6 +170,30 @@ def table(programs, results):
     return ["  ".join(field.ljust(width) for field, width in zip(line, widths)).rstrip() for line in lines]
 
 
+def kind(program):
+    """The row of the table of verdicts that a program counts in: the control, and mill or lathe where both are listed."""
+    both = program.family in ("fanuc", "haas", "siemens")
+    return program.family + (" lathe" if "lathe" in program.machine else " mill") * both
+
+
+def markdown(programs):
+    """The two tables of docs/coverage/programs.md: verdicts by control, and what is false or silent by reason."""
+    count, reasons = collections.OrderedDict(), collections.OrderedDict()
+    for program in programs:
+        count.setdefault(kind(program), collections.Counter()).update(["programs", program.verdict])
+        if program.verdict in ("false", "silent"):
+            reasons.setdefault((program.verdict, program.reason), []).append(program)
+    count["all"] = sum(count.values(), collections.Counter())
+    lines = ["| control | programs | clean | real alarm | false alarm | silent |", "|---|---|---|---|---|---|"]
+    for name, line in count.items():
+        lines.append(f"| {name} | " + " | ".join(str(line[column]) for column in ["programs", *VERDICTS]) + " |")
+    lines += ["", "| programs | what the control does | first one |", "|---|---|---|"]
+    for (verdict, reason), found in sorted(reasons.items(), key=lambda row: (row[0][0] != "silent", -len(row[1]))):
+        first = f"`{found[0].machine}`, {found[0].repository}: {os.path.basename(found[0].files[0])}"
+        lines.append(f"| {len(found)}{' silent' * (verdict == 'silent')} | {reason} | {first} |")
+    return lines
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--counterpoint", default=os.path.join(ROOT, "target", "release", "counterpoint"))
@@ -178,12 +202,16 @@ def main():
     parser.add_argument("--out", help="file for the outcomes as JSON")
     parser.add_argument("--seconds", type=float, default=60, help="longest run of a program")
     parser.add_argument("--list", default=os.path.join(HERE, "programs.tsv"))
+    parser.add_argument("--tables", action="store_true", help="print the tables of docs/coverage/programs.md and run nothing")
     parser.add_argument("filters", nargs="*", metavar="FILTER")
     args = parser.parse_args()
     repositories = read_repositories(os.path.join(os.path.dirname(args.list), "repositories.tsv"))
     programs = read_programs(args.list)
     for word in args.filters:
         programs = [p for p in programs if word in "\t".join([p.family, p.machine, p.repository, p.verdict, *p.files])]
+    if args.tables:
+        print("\n".join(markdown(programs)))
+        return
     os.makedirs(args.cache, exist_ok=True)
     results, report, wrong = [], [], 0
     for program in programs:

@@ -51,6 +51,12 @@ class Functions(unittest.TestCase):
         self.assertEqual(lines[0].split()[:3], ["family", "programs", "clean"])
         self.assertEqual(lines[-1].split(), ["all", "2", "1", "1", "0", "0", "1", "1", "0"])
 
+    def test_the_tables_are_those_of_the_documentation(self):
+        with open(os.path.join(run.ROOT, "docs", "coverage", "programs.md"), encoding="utf-8") as file:
+            text = file.read()
+        for table in "\n".join(run.markdown(run.read_programs(os.path.join(run.HERE, "programs.tsv")))).split("\n\n"):
+            self.assertIn(table, text)
+
     def test_the_list_is_valid(self):
         repositories = run.read_repositories(os.path.join(run.HERE, "repositories.tsv"))
         programs = run.read_programs(os.path.join(run.HERE, "programs.tsv"))
