@@ -130,7 +130,8 @@ impl Kernel<'_> {
     #[inline(always)]
     pub(crate) fn is_rewind_stop(&self, text: &[u8]) -> bool {
         let rws = self.channel.env.machine.format.rws.as_bytes();
-        text.first() == rws.first() && is_alone(text, rws)
+        let begins = text.first() == rws.first() || text.first().is_some_and(u8::is_ascii_whitespace);
+        begins && is_alone(text, rws)
     }
 
     /// A rewind-stop: opens the text, closes it, or is ignored with a warning.
