@@ -3,3 +3,5 @@
 pub mod affine;
 pub mod kinematics;
 pub mod local;
+pub mod orient;
+pub mod plane;
