@@ -140,6 +140,8 @@ diagnostics! {
     SECOND_CALL 2900170 "second-call" 8 false "second call, return or end code in a block with a call";
     TEXT_OF_NO_PROGRAM 2900171 "text-outside-program" 4 false "text outside of any program";
     RUNS_INTO_DEFINITION 2900172 "runs-into-definition" 4 false "program runs into the next program definition";
+    PLANE_UNDEFINED 2900173 "tilted-plane-undefined" 12 true "tilted plane not defined by the block";
+    PLANE_UNREACHABLE 2900174 "tilted-plane-unreachable" 12 true "tilted plane out of reach of the rotary axes";
     OKUMA_UNKNOWN 2900180 "unknown-okuma-name" 8 false "unknown variable or function (Okuma)";
     OKUMA_CONTINUED 2900181 "continuation-without-block" 8 false "continuation line without a block above it (Okuma)";
     UNKNOWN_CODE 2900320 "unknown-code" 12 true "unknown code";

@@ -46,6 +46,10 @@ pub(super) fn machine_frame(act: &mut Act<'_, '_>) -> Acted {
 
 /// The place where the axes stand gets the programmed values.
 pub(super) fn preset(act: &mut Act<'_, '_>) -> Acted {
+    if act.tilted().is_some() {
+        let text = format!("a preset is not possible in a tilted plane, '{}' sets nothing", act.block_text());
+        return Err(act.alarm(&diag::FRAME_REFUSED, text));
+    }
     // Nothing turns: words are positions, also of axes whose words are angles.
     let angles = std::mem::take(&mut act.state.place.layout.angles);
     let (coded, target) = act.targets();

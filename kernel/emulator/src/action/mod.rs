@@ -34,6 +34,7 @@ mod stop;
 mod subprogram;
 mod sync;
 mod thread;
+mod tilt;
 mod time;
 mod tip;
 mod tool;
@@ -75,6 +76,7 @@ static ENTRIES: &[&[Entry]] = &[
     sync::ENTRIES,
     thread::ENTRIES,
     thread::cycle::ENTRIES,
+    tilt::ENTRIES,
     tip::ENTRIES,
     tool::ENTRIES,
 ];

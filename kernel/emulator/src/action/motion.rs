@@ -125,6 +125,7 @@ impl Act<'_, '_> {
 
     #[cold]
     fn framed_targets(&mut self) -> (u8, Position) {
+        self.check_parts();
         if self.block.flags.machine_frame {
             let machine = self.machine_point(&self.state.place.position);
             let (coded, target) = self.axis_words(machine, |_, _| None, Self::take_axis);

@@ -35,7 +35,7 @@ pub(super) struct Path<'a> {
 impl Act<'_, '_> {
     /// Seconds of a rapid move.
     pub(super) fn rapid_seconds(&self, from: &Position, to: &Position) -> f64 {
-        let changes = if self.state.place.frames.is_none() || self.tip().is_none() {
+        let changes = if !self.couples() {
             self.changes(from, to)
         } else {
             self.changes(&self.machine_point(from), &self.machine_point(to))

@@ -5,6 +5,7 @@
 use super::frame;
 use crate::act::Act;
 use crate::action::entry::{Entry, entry_of_kind};
+use crate::state::frames::clean;
 use counterpoint_event::event::{Kind, Position};
 use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
@@ -13,7 +14,7 @@ use counterpoint_machine::ident::{DataId, codes, data};
 use counterpoint_machine::index::{AxisSlot, BySlot};
 use counterpoint_machine::model::paths::Missing;
 use counterpoint_motion::frame::affine::{Affine, Point};
-use counterpoint_motion::frame::kinematics::Angles;
+use counterpoint_motion::frame::orient::{Free, Rule, Turns, Way};
 
 /// Codes and what they do.
 pub(crate) const ENTRIES: &[Entry] = &[
@@ -133,7 +134,7 @@ impl Act<'_, '_> {
         let tip = self.state.place.geometry(&self.program_point(&target));
         let wanted = direction(format, values, tip);
         let wanted = wanted.map(|wanted| match self.state.place.frames.as_deref() {
-            Some(frames) => frames.local.map().direction(wanted),
+            Some(frames) => frames.direction(wanted),
             None => wanted,
         });
         let Some(solution) = wanted.and_then(|wanted| self.shortest(wanted)) else {
@@ -144,20 +145,25 @@ impl Act<'_, '_> {
         };
         let mut coded = coded;
         for (axis, angle) in solution {
-            if let Some(angle) = angle {
-                *target.at_mut(axis) = angle;
-                coded |= axis.bit();
-            }
+            *target.at_mut(axis) = angle;
+            coded |= axis.bit();
         }
         (coded, target)
     }
 
     /// The solution with the least turning that stays within the limits, near where the axes stand.
-    pub(crate) fn shortest(&self, direction: Point) -> Option<Angles<AxisSlot>> {
-        let all: Vec<Angles<AxisSlot>> = self.chain().solve(direction).iter().map(|one| self.near(one)).collect();
-        let inside: Vec<&Angles<AxisSlot>> = all.iter().filter(|one| self.within(one)).collect();
-        let pick = if inside.is_empty() { all.iter().collect() } else { inside };
-        pick.into_iter().min_by(|a, b| self.turned(a).total_cmp(&self.turned(b))).cloned()
+    pub(crate) fn shortest(&self, direction: Point) -> Option<Vec<(AxisSlot, f64)>> {
+        let chain = self.chain();
+        let rule = Rule { turns: Turns::Nearest, way: Way::Least, side: None, free: Free::Stays };
+        let pairs = chain.pairs(direction, &rule, |axis| self.stand(axis));
+        let any = !pairs.iter().any(|pair| pair.inside);
+        let pick = pairs.iter().filter(|pair| any || pair.inside);
+        let chosen = chain.choose(pick, &rule, |axis| self.stand(axis))?;
+        let work = |(axis, angle): &(AxisSlot, f64)| {
+            let stands = self.state.place.position.at(*axis);
+            (*axis, clean(angle - self.state.place.shift.at(*axis), stands) + 0.0)
+        };
+        Some(chosen.angles.iter().map(work).collect())
     }
 }
 

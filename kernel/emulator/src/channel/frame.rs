@@ -43,6 +43,7 @@ impl Kernel<'_> {
             self.channel.standing(|channel| {
                 channel.state.place.shift = wanted;
                 channel.refresh_tip();
+                channel.refresh_tilt();
             });
             self.channel.keep_levels(levels);
         } else {
@@ -64,6 +65,10 @@ impl Kernel<'_> {
         if self.channel.end_tip() {
             self.emit(0, Kind::mode("rtcp off"));
         }
+        if self.channel.end_tilt() {
+            self.emit(0, Kind::mode("tilt off"));
+        }
+        self.channel.state.others.tilt = Default::default();
         let place = &mut self.channel.state.place;
         (place.frames, place.clamped) = (None, 0);
         (place.in_force.work_offset, place.in_force.tool_offset) = (1, 0);

@@ -86,6 +86,8 @@ pub(crate) struct Others {
     pub(crate) spindles: spindle::Spindles,
     /// Tool tip control.
     pub(crate) tip: frames::tip::Settings,
+    /// A tilted plane to come.
+    pub(crate) tilt: frames::tilt::Wishes,
     /// Number of the head in work.
     pub(crate) head: u32,
     /// Turning cycles.
@@ -120,6 +122,7 @@ impl Others {
             coolant: coolant::CoolantState::default(),
             spindles: spindle::Spindles::new(machine, channel),
             tip: frames::tip::Settings::default(),
+            tilt: frames::tilt::Wishes::default(),
             head: if side { 2 } else { 1 },
             turning: turning::Turning::new(machine),
             before_change: None,

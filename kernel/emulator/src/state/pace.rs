@@ -271,7 +271,7 @@ impl Channel<'_> {
     /// A move at feed as the look-ahead sees it; none for what takes no way.
     pub(crate) fn stretch(&self, seconds: f64, motion: &Motion) -> Option<Stretch> {
         let axes = &self.state.place.layout.axes;
-        let changes = if self.tip().is_some() {
+        let changes = if self.couples() {
             self.changes(&self.machine_point(&motion.from), &self.machine_point(&motion.to))
         } else {
             self.changes(&motion.from, &motion.to)

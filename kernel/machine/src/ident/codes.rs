@@ -4,27 +4,11 @@
 //! Invariant: `CodeId(n)` is the position in [`TABLE`]; one list makes table and constants, so that they cannot differ.
 
 use super::kind::CodeKind::*;
-use super::kind::arc::{By, Form};
-use super::kind::coolant::{Flow, Switch};
-use super::kind::thread::{LeadChange, Setting, ThreadCycle};
-use super::kind::{cycle::HoleCycle, head::HeadEvent, local::Change, turning::Lap, turning::TurningCycle};
+use super::kind::families::{ThreadCycle, *};
+use super::list::codes;
 use super::{CodeFacts, CodeId, data};
 use counterpoint_event::event::{Direction, Outlet};
 use counterpoint_motion::frame::local::Part;
-
-/// Rows: name without `CODE_`, group, order, built in, own, kind, and what an own one means.
-macro_rules! codes {
-    ($($name:ident $group:literal $order:literal $built_in:literal $own:literal $kind:expr $(=> $meaning:literal)?;)*) => {
-        #[allow(non_camel_case_types, clippy::upper_case_acronyms)]
-        enum Position { $($name),* }
-        /// Facts of every identifier, indexed by `CodeId`.
-        pub const TABLE: &[CodeFacts] = &[$(CodeFacts {
-            name: concat!("CODE_", stringify!($name)), group: $group, order: $order, built_in: $built_in, own: $own, kind: $kind,
-        }),*];
-        $(#[doc = concat!("`CODE_", stringify!($name), "`" $(, $meaning)?, ".")]
-        pub const $name: CodeId = CodeId::built_in(Position::$name as u16);)*
-    };
-}
 
 codes! {
     AIR_OFF 51 700 false false Plain;
@@ -497,4 +481,20 @@ codes! {
     TURN_LAP_COPY 1 500 true true Turning(TurningCycle::Lap(Lap::Copy)) => ": roughs a named contour by passes along the whole of it (Okuma G86)";
     TURN_LAP_FINISH 1 500 true true Turning(TurningCycle::Lap(Lap::Finish)) => ": runs a named contour once (Okuma G87)";
     TURN_LAP_STAY 0 100 true true Plain => ": the tool stays at the end of the next cycle along a named contour (Okuma M85)";
+    TILT_ON 161 100 true true Plane(Tilt::On(Lie::Said)) => ": a tilted plane in the form that the block says (Fanuc G68.2)";
+    TILT_ADD 161 100 true true Plane(Tilt::Add(Lie::Said)) => ": the same in the plane that is active (Fanuc G68.4)";
+    TILT_EULER 161 100 true true Plane(Tilt::On(Lie::Euler)) => ": a tilted plane by angles about Z, X and Z (Heidenhain PLANE EULER)";
+    TILT_SPATIAL 161 100 true true Plane(Tilt::On(Lie::Fixed)) => ": by angles about X, Y and Z that stay (PLANE SPATIAL)";
+    TILT_PROJECTED 161 100 true true Plane(Tilt::On(Lie::Projections)) => ": by the angles of two lines (PLANE PROJECTED)";
+    TILT_VECTOR 161 100 true true Plane(Tilt::On(Lie::Directions)) => ": by the directions of X and Z (PLANE VECTOR)";
+    TILT_POINTS 161 100 true true Plane(Tilt::On(Lie::Points)) => ": by three points (PLANE POINTS)";
+    TILT_RELATIVE 161 100 true true Plane(Tilt::Add(Lie::Fixed)) => ": by angles in the plane that is active (PLANE RELATIV)";
+    TILT_AXIAL 161 100 true true Plane(Tilt::On(Lie::Positions)) => ": by positions of the rotary axes (PLANE AXIAL)";
+    TILT_OFF 161 100 true true Plane(Tilt::Off) => ": ends the tilted plane (PLANE RESET)";
+    TILT_CANCEL 161 100 true true Plane(Tilt::Cancel) => ": the same, or ends the rotation of the local frame (Fanuc G69)";
+    TILT_TURN 0 470 true true Plane(Tilt::Turn) => ": rotary axes turn into the plane (Fanuc G53.1, Heidenhain TURN)";
+    TILT_MOVE 0 470 true true Plane(Tilt::Move) => ": the same, the tool keeps its place on the part (Fanuc G53.6, MOVE)";
+    TILT_POSITIVE 0 90 true true Plane(Tilt::Side(true)) => ": of two ways the one with the tilting axis on the positive side (SEQ+)";
+    TILT_NEGATIVE 0 90 true true Plane(Tilt::Side(false)) => ": on the negative side (SEQ-)";
+    TILT_TABLE 0 90 true true Plane(Tilt::Table) => ": a rotary axis that has nothing to do turns the plane (TABLE ROT)";
 }

@@ -300,4 +300,23 @@ data! {
     TURN_CHANGE_Z_2 true true Plain, Length => "the same along Z (Okuma ZA, ZB)";
     TURN_CHANGE_DEPTH_2 true true Plain, Length => "depth from there on, along X as X is programmed (Okuma DA, DB)";
     TURN_CHANGE_FEED_2 true true Plain, Feed => "feed from there on (Okuma FA, FB)";
+    TILT_FORM true true Plain, None => "how a tilted plane is written: 0 Euler, 1 fixed axes, 2 points, 3 directions (Fanuc G68.2 P), 4 projections, 5 turned axes, 6 positions";
+    TILT_PART true true Plain, None => "order of its rotations, or which part of it the block gives (Fanuc G68.2 Q)";
+    TILT_X true true Plain, Length => "its zero, or a point of it, along X (Fanuc G68.2 X)";
+    TILT_Y true true Plain, Length => "the same along Y";
+    TILT_Z true true Plain, Length => "the same along Z";
+    TILT_1 true true Plain, None => "first number of its form: an angle, or a part of a direction or point (Fanuc G68.2 I)";
+    TILT_2 true true Plain, None => "the second one (J)";
+    TILT_3 true true Plain, None => "the third one (K)";
+    TILT_4 true true Plain, None => "the fourth one: Z direction along X, or second point";
+    TILT_5 true true Plain, None => "the fifth one";
+    TILT_6 true true Plain, None => "the sixth one";
+    TILT_7 true true Plain, None => "the seventh one: third point along X";
+    TILT_8 true true Plain, None => "the eighth one";
+    TILT_9 true true Plain, None => "the ninth one";
+    TILT_ROTATION true true Plain, Angle => "rotation of the plane about its Z in the end (Fanuc G68.2 R)";
+    TILT_SHIFT_X true true Plain, Length => "shift of its zero along its own X (Siemens CYCLE800)";
+    TILT_SHIFT_Y true true Plain, Length => "the same along its Y";
+    TILT_SHIFT_Z true true Plain, Length => "the same along its Z";
+    TILT_DISTANCE true true Plain, Length => "from the tip of the tool to the point that keeps its place (Heidenhain MOVE DIST)";
 }

@@ -6,6 +6,7 @@ pub mod cycle;
 pub mod data;
 pub mod head;
 pub mod local;
+pub mod plane;
 pub mod thread;
 pub mod turning;
 
@@ -13,6 +14,18 @@ use counterpoint_motion::frame::local::Part;
 
 use super::DataId;
 use counterpoint_event::event::Direction;
+
+/// What tells codes of a family apart, for the list of codes.
+pub(super) mod families {
+    pub(crate) use super::arc::{By, Form};
+    pub(crate) use super::coolant::{Flow, Switch};
+    pub(crate) use super::cycle::HoleCycle;
+    pub(crate) use super::head::HeadEvent;
+    pub(crate) use super::local::Change;
+    pub(crate) use super::plane::{Form as Lie, Tilt};
+    pub(crate) use super::thread::{LeadChange, Setting, ThreadCycle};
+    pub(crate) use super::turning::{Lap, TurningCycle};
+}
 
 /// The kind of a code: the family that it belongs to, and what tells it apart within the family.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -42,6 +55,8 @@ pub enum CodeKind {
         /// Its type.
         set: u8,
     },
+    /// A tilted plane.
+    Plane(plane::Tilt),
     /// Tool tip control on or off.
     TipControl,
     /// The form in which words orient the tool, as `$TCPFMT` counts them.
@@ -100,6 +115,7 @@ mod tests {
                     assert!(starts(&format!("CODE_SPINDLE{number:02}_")), "{}", facts.name);
                 }
                 CodeKind::Local(..) => assert!(starts("CODE_LCS_"), "{}", facts.name),
+                CodeKind::Plane(_) => assert!(starts("CODE_TILT_"), "{}", facts.name),
                 CodeKind::TipFormat(_) => assert!(starts("CODE_RTCP_ORIENT_"), "{}", facts.name),
                 CodeKind::TipControl => assert!(starts("CODE_RTCP"), "{}", facts.name),
                 CodeKind::Cycle(_) => assert!(starts("CODE_CYCLE_"), "{}", facts.name),

@@ -7,6 +7,7 @@ pub mod codes;
 pub mod data;
 pub mod dimension;
 pub mod kind;
+mod list;
 pub mod takes;
 
 use crate::index::Table;

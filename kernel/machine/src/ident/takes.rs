@@ -8,6 +8,7 @@ use counterpoint_motion::frame::local::Part;
 
 use super::kind::CodeKind;
 use super::kind::local::Change;
+use super::kind::plane::Tilt;
 use super::kind::thread::{Setting, ThreadCycle};
 use super::{CodeId, codes};
 
@@ -97,6 +98,9 @@ fn taken(id: CodeId) -> &'static str {
         CodeKind::Local(Part::Translate, Change::On | Change::Add) => "REG_LCS_TRANS_*",
         CodeKind::Local(Part::Rotate, Change::On | Change::Add) => "REG_LCS_ROT_*",
         CodeKind::Local(Part::Scale, Change::On | Change::Add) => "REG_LCS_SCALE REG_LCS_SCALE_*",
+        CodeKind::Plane(Tilt::On(_) | Tilt::Add(_)) => "REG_TILT_*",
+        CodeKind::Plane(Tilt::Turn) => "REG_FEED_UPM",
+        CodeKind::Plane(Tilt::Move) => "REG_FEED_UPM REG_TILT_DISTANCE",
         CodeKind::Length { .. } => "REG_COMP_LENGTH",
         CodeKind::TipFormat(2) => "REG_RTCP_VECTOR_*",
         CodeKind::TipFormat(3) => "REG_RTCP_2PT_*",

@@ -6,12 +6,13 @@ use crate::ident::DataId;
 use crate::ident::kind::CodeKind;
 use crate::ident::kind::data::DataKind;
 use crate::index::{AxisId, Table};
-use crate::model::paths::{Kinematics, Missing};
+use crate::model::paths::{Kinematics, Missing, Tilting};
 use crate::model::{Axis, AxisRole, Channel};
 use crate::rows::CodeRow;
 use crate::toml::check::Check;
 use crate::toml::section::Section;
 use counterpoint_motion::frame::kinematics::unit;
+use counterpoint_motion::frame::orient::{Turns, Way};
 
 const X: [f64; 3] = [1.0, 0.0, 0.0];
 const Y: [f64; 3] = [0.0, 1.0, 0.0];
@@ -60,11 +61,16 @@ pub(super) fn read(
 ) -> Kinematics {
     let mut tool = Z;
     let mut missing = Missing::Keep;
+    let mut tilting = Tilting::default();
     let mut asked = false;
     let place = top.place_of("channels").clone();
     if let Some(mut section) = top.table("kinematics", "[kinematics]") {
         let given = direction(&mut section, "tool");
         missing = section.choice("missing", &[("keep", Missing::Keep), ("zero", Missing::Zero)]).unwrap_or(missing);
+        if let Some(mut section) = section.table("tilt", "[kinematics.tilt]") {
+            tilting = read_tilting(&mut section);
+            section.finish();
+        }
         asked = given.is_some();
         tool = given.unwrap_or(Z);
         section.finish();
@@ -72,7 +78,7 @@ pub(super) fn read(
     let orients = |row: &CodeRow| row.enable && matches!(row.id.kind(), CodeKind::TipFormat(_));
     let controls = |row: &CodeRow| row.enable && row.id.kind() == CodeKind::TipControl;
     if !asked && !codes.iter().any(|row| controls(row) || orients(row)) {
-        return Kinematics { tool, missing };
+        return Kinematics { tool, missing, tilting };
     }
     // A machine that says nothing about its axes in space has no use for tool tip control.
     let described = |axis: &&Axis| axis.vector != usual(Some(axis.data)) || axis.center != [0.0; 3];
@@ -102,7 +108,23 @@ pub(super) fn read(
             check.warning(&place, text);
         }
     }
-    Kinematics { tool, missing }
+    Kinematics { tool, missing, tilting }
+}
+
+fn read_tilting(section: &mut Section<'_>) -> Tilting {
+    let usual = Tilting::default();
+    let (turns, ways) = (
+        [("nearest", Turns::Nearest), ("half", Turns::Half)],
+        [("least", Way::Least), ("least-positive", Way::LeastLarger), ("axis-by-axis", Way::AxisByAxis)],
+    );
+    Tilting {
+        assumed: section.choice("counts", &[("turned", false), ("defined", true)]).unwrap_or(usual.assumed),
+        turns: section.choice("turns", &turns).unwrap_or(usual.turns),
+        way: section.choice("way", &ways).unwrap_or(usual.way),
+        larger: section.choice("side", &[("sign", false), ("value", true)]).unwrap_or(usual.larger),
+        zero: section.choice("free", &[("stays", false), ("zero", true)]).unwrap_or(usual.zero),
+        keeps_local: section.choice("local", &[("ends", false), ("stays", true)]).unwrap_or(usual.keeps_local),
+    }
 }
 
 fn parallel(a: [f64; 3], b: [f64; 3]) -> bool {

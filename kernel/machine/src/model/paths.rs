@@ -3,6 +3,8 @@
 //! Facts: reference control-emulator.md 1.5 (questions on circles and threads), 6.1, 6.5. Invariant: distances are zero
 //! or more, in the unit of the machine.
 
+use counterpoint_motion::frame::orient;
+
 use crate::model::Heights;
 
 /// Circles.
@@ -95,6 +97,38 @@ pub struct Kinematics {
     pub tool: [f64; 3],
     /// What a word of a tool direction is that the block does not have.
     pub missing: Missing,
+    /// Tilted planes.
+    pub tilting: Tilting,
+}
+
+/// How the control turns into tilted planes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Tilting {
+    /// A plane counts as turned into from its definition on, not from the turn on.
+    pub assumed: bool,
+    /// Which turn of an angle.
+    pub turns: orient::Turns,
+    /// Which of two ways.
+    pub way: orient::Way,
+    /// A wish for a side means the larger or smaller angle, not its sign.
+    pub larger: bool,
+    /// An axis that has nothing to do goes to zero.
+    pub zero: bool,
+    /// A local frame that was made in the plane stays when the plane ends.
+    pub keeps_local: bool,
+}
+
+impl Default for Tilting {
+    fn default() -> Self {
+        Self {
+            assumed: false,
+            turns: orient::Turns::Nearest,
+            way: orient::Way::Least,
+            larger: false,
+            zero: false,
+            keeps_local: false,
+        }
+    }
 }
 
 /// Words of a tool direction that the block does not have.

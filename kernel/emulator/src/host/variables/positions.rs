@@ -80,7 +80,7 @@ impl Kernel<'_> {
         let at = if place.before { &self.macros.arguments.before } else { &self.channel.state.place.position };
         let value = |of: &counterpoint_event::event::Position| of.at(axis);
         match place.kind {
-            'M' if self.channel.tip().is_some() => {
+            'M' if self.channel.couples() => {
                 value(&self.channel.machine_point(at)) - value(&self.channel.state.place.shift)
                     + value(&self.channel.state.place.preset)
             }

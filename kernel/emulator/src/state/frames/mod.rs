@@ -7,7 +7,7 @@
 //! | machine | after fixture offset, presets and length compensation (`Place::shift`) | [`Channel::machine_point`] |
 //!
 //! Lengths, feeds and arcs are those of the work frame. What couples axes to each other on the way from the work frame to
-//! the axes of the machine (tool tip control) is in [`Channel::machine_point`] and its inverse
+//! the axes of the machine (tool tip control, tilted planes) is in [`Channel::machine_point`] and its inverse
 //! [`Channel::point_of_machine`]: travel limits, `G53`, reference points, changes of frames, joint positions and rates of
 //! rapids all ask these two. What changes programmed words before they are points is in [`Channel::work_point`] and
 //! [`Channel::programmed`]; polar interpolation is there, since events name the axes.
@@ -23,6 +23,7 @@ pub(crate) mod levels;
 pub(crate) mod offsets;
 pub(crate) mod polar;
 pub(crate) mod shift;
+pub(crate) mod tilt;
 pub(crate) mod tip;
 mod travel;
 mod values;
@@ -49,6 +50,10 @@ pub(crate) struct Frames {
     pub(crate) local: Local,
     /// Polar or cylindrical interpolation.
     pub(crate) polar: Option<polar::Polar>,
+    /// A tilted plane.
+    pub(crate) tilt: Option<Box<tilt::Tilted>>,
+    /// A tilted plane whose definition is not complete.
+    pub(crate) parts: Option<Box<tilt::Parts>>,
     /// Tool tip control.
     pub(crate) tip: Option<Box<tip::Tip>>,
     /// Compensation of the cutter radius.
@@ -66,10 +71,45 @@ impl Frames {
     fn is_idle(&self) -> bool {
         self.local.is_empty()
             && self.polar.is_none()
+            && self.tilt.is_none()
+            && self.parts.is_none()
             && self.tip.is_none()
             && self.cutter.is_none()
             && self.rounding.is_none()
             && self.ways.is_none()
+    }
+
+    /// Linear axes do not follow the work frame one by one.
+    #[inline(always)]
+    pub(crate) fn couples(&self) -> bool {
+        self.tip.is_some() || self.tilt.is_some()
+    }
+
+    /// The linear axes at a point of the work frame; `machine` has the rotary axes already.
+    #[cold]
+    fn to_linear(&self, place: &Place, work: &Position, machine: &mut Position) {
+        let point = place.geometry(work);
+        let point = self.tilt.as_deref().map_or(point, |tilt| tilt.outwards(point));
+        let linear = match (&self.tip, &self.tilt) {
+            (Some(tip), _) => tip.to_linear(place, point, machine),
+            (None, Some(tilt)) => tilt.to_linear(place, point),
+            (None, None) => return,
+        };
+        place.put(machine, linear);
+    }
+
+    /// The point of the work frame where the axes are; `work` has the rotary axes already.
+    #[cold]
+    fn to_part(&self, place: &Place, machine: &Position, work: &mut Position) {
+        let linear = place.geometry(machine);
+        let point = match (&self.tip, &self.tilt) {
+            (Some(tip), _) => tip.to_part(place, linear, machine),
+            (None, Some(tilt)) => Some(tilt.to_part(place, linear)),
+            (None, None) => return,
+        };
+        if let Some(point) = point {
+            place.put(work, self.tilt.as_deref().map_or(point, |tilt| tilt.inwards(point)));
+        }
     }
 
     /// Axis that says the distance across while words are coordinates of the part.
@@ -137,6 +177,12 @@ pub(crate) fn clean(value: f64, old: f64) -> f64 {
 }
 
 impl Channel<'_> {
+    /// Linear axes do not follow the work frame one by one.
+    #[inline(always)]
+    pub(crate) fn couples(&self) -> bool {
+        self.state.place.frames.as_deref().is_some_and(Frames::couples)
+    }
+
     /// The programmed point where the channel stands.
     #[inline(always)]
     pub(crate) fn programmed(&self) -> Position {
@@ -235,9 +281,9 @@ impl Channel<'_> {
             *slot += shift;
         }
         if let Some(frames) = self.state.place.frames.as_deref()
-            && let Some(tip) = &frames.tip
+            && frames.couples()
         {
-            tip.to_machine(&self.state.place, work, &mut machine);
+            frames.to_linear(&self.state.place, work, &mut machine);
         }
         machine
     }
@@ -250,9 +296,9 @@ impl Channel<'_> {
             *slot -= shift;
         }
         if let Some(frames) = self.state.place.frames.as_deref()
-            && let Some(tip) = &frames.tip
+            && frames.couples()
         {
-            tip.to_work(&self.state.place, machine, &mut work);
+            frames.to_part(&self.state.place, machine, &mut work);
         }
         work
     }

@@ -10,6 +10,7 @@ use counterpoint_machine::ident::{DataId, data};
 use counterpoint_machine::index::{AxisSlot, BySlot};
 use counterpoint_motion::frame::affine::Point;
 use counterpoint_motion::frame::kinematics::{Angles, Chain, Joint, unit};
+use counterpoint_motion::frame::orient::next_to;
 
 /// Active tool tip control.
 #[derive(Debug, Clone)]
@@ -63,14 +64,9 @@ fn at(position: &Position, axis: AxisSlot) -> f64 {
     position.at(axis)
 }
 
-/// Nearest whole number of turns; between two of them the smaller one, whatever the noise.
-fn turns(of: f64) -> f64 {
-    (of.abs() - 0.5 - 1e-9).ceil().max(0.0).copysign(of)
-}
-
 impl Place {
     /// Difference of two positions, axis by axis.
-    fn less(&self, of: &Position, by: &Position) -> Position {
+    pub(super) fn less(&self, of: &Position, by: &Position) -> Position {
         let mut out = [0.0; MAX_AXES];
         for ((slot, of), by) in out.iter_mut().zip(of).zip(by) {
             *slot = of - by;
@@ -80,13 +76,10 @@ impl Place {
 }
 
 impl Tip {
-    /// The linear axes at a point of the work frame; `machine` has the rotary axes already.
-    pub(crate) fn to_machine(&self, place: &Place, work: &Position, machine: &mut Position) {
+    /// The linear axes at a point of the part; `machine` has the rotary axes.
+    pub(super) fn to_linear(&self, place: &Place, point: Point, machine: &Position) -> Point {
         let fixture = place.geometry(&place.less(&place.shift, &self.tool));
-        let part = plus(place.geometry(work), fixture);
-        let angles = *machine;
-        let linear = self.chain.linear(part, place.geometry(&self.tool), |axis| at(&angles, axis));
-        place.put(machine, linear);
+        self.chain.linear(plus(point, fixture), place.geometry(&self.tool), |axis| at(machine, axis))
     }
 
     /// How far the linear axes follow the rotary ones at the rate of a place of the way between two points of the work
@@ -97,20 +90,19 @@ impl Tip {
             *slot += (to - *slot) * share;
         }
         let fixture = place.geometry(&place.less(&place.shift, &self.tool));
-        let part = plus(place.geometry(&at), fixture);
+        let tilt = place.frames.as_deref().and_then(|frames| frames.tilt.as_deref());
+        let point = place.geometry(&at);
+        let part = plus(tilt.map_or(point, |tilt| tilt.outwards(point)), fixture);
         let angle = |axis: AxisSlot| at.at(axis) + place.shift.at(axis);
         let turning = |axis: AxisSlot| to.at(axis) - from.at(axis);
         self.chain.following(part, place.geometry(&self.tool), angle, turning)
     }
 
-    /// The point of the work frame where the axes are.
-    pub(crate) fn to_work(&self, place: &Place, machine: &Position, work: &mut Position) {
+    /// The point of the part where the axes are.
+    pub(super) fn to_part(&self, place: &Place, linear: Point, machine: &Position) -> Option<Point> {
         let fixture = place.geometry(&place.less(&place.shift, &self.tool)).map(|value| -value);
-        let linear = place.geometry(machine);
-        let tip = self.chain.tip(linear, place.geometry(&self.tool), |axis| at(machine, axis));
-        if let Some(tip) = tip {
-            place.put(work, plus(tip, fixture));
-        }
+        let tip = self.chain.tip(linear, place.geometry(&self.tool), |axis| at(machine, axis))?;
+        Some(plus(tip, fixture))
     }
 }
 
@@ -141,17 +133,32 @@ impl Channel<'_> {
         self.state.place.frames.as_deref().and_then(|frames| frames.tip.as_deref())
     }
 
+    /// The channel has axes that tilt the tool.
+    pub(crate) fn can_tilt(&self) -> bool {
+        self.chain().is_possible() && !self.state.place.has_axes().contains(&false)
+    }
+
     /// Switches it on; `false` if the channel has no axes for it. The machine stands still.
     pub(crate) fn start_tip(&mut self, with_length: bool) -> bool {
-        let chain = self.chain();
-        if !chain.is_possible() || self.state.place.has_axes().contains(&false) {
+        if !self.can_tilt() {
             return false;
         }
-        let tool = self.tool_shift();
+        self.keep_tip(0.0, with_length);
+        true
+    }
+
+    /// Switches it on for a point that lies a distance behind the tip, away from the spindle.
+    pub(crate) fn keep_tip(&mut self, behind: f64, with_length: bool) {
+        let chain = self.chain();
+        let mut tool = self.tool_shift();
+        for (role, part) in unit(chain.tool).unwrap_or_default().into_iter().enumerate() {
+            if let Some(axis) = self.state.place.layout.cartesian.get(role).copied().flatten() {
+                *tool.at_mut(axis) += part * behind / self.state.place.scale_of(role);
+            }
+        }
         let levels = self.cycle_levels();
         self.standing(|channel| channel.frames().tip = Some(Box::new(Tip { chain, tool, with_length })));
         self.keep_levels(levels);
-        true
     }
 
     /// Switches it off; `false` if it was. The machine stands still.
@@ -190,8 +197,8 @@ impl Channel<'_> {
     /// The same in the local frame.
     pub(crate) fn local_direction(&self, work: &Position) -> Point {
         let direction = self.tool_direction(work);
-        let back = self.state.place.frames.as_deref().and_then(|frames| frames.local.map().inverse());
-        back.and_then(|back| unit(back.direction(direction))).unwrap_or(direction)
+        let Some(frames) = self.state.place.frames.as_deref() else { return direction };
+        frames.direction_back(direction).and_then(unit).unwrap_or(direction)
     }
 
     /// Puts the angles of a solution next to where the axes stand, in the work frame.
@@ -200,7 +207,7 @@ impl Channel<'_> {
             let stands = at(&self.state.place.position, *axis);
             let angle = angle.map_or(stands, |angle| {
                 let angle = angle - at(&self.state.place.shift, *axis);
-                angle + 360.0 * turns((stands - angle) / 360.0)
+                next_to(angle, stands)
             });
             (*axis, Some(super::clean(angle, stands) + 0.0))
         };

@@ -1,0 +1,250 @@
+//! Tilted planes: the program counts in a plane that lies on the part as it likes.
+//!
+//! While one is active the work frame is that of the plane: its zero and its axes lie in the frame that the program has
+//! without it (`Tilted::map`), which is the part with the tables at zero. Once the rotary axes have turned into the plane, or
+//! count as if they had, the linear axes follow the part and the tool to where they then are, as under tool tip control; words
+//! of rotary axes move nothing else. *Invariant:* making, turning and ending a plane never moves the linear axes, but for a
+//! turn that keeps the tool on the part. Facts: reference heidenhain-cycles.md 6, siemens-cycles.md 2; Fanuc user's manual
+//! B-63944EN 21.2 (the plane turns with the table at G53.1). Decisions: docs/emulation.md, "Tilted planes".
+
+use crate::state::channel::Channel;
+use crate::state::position::Place;
+use counterpoint_event::event::Position;
+use counterpoint_machine::index::{AxisSlot, BySlot};
+use counterpoint_machine::model::paths::Tilting;
+use counterpoint_motion::frame::affine::{Affine, Point};
+use counterpoint_motion::frame::local::Local;
+use counterpoint_motion::frame::orient::{Free, Rule, Side, Stand, Unreached};
+use counterpoint_motion::frame::plane::UNITS;
+
+use super::Frames;
+
+/// Angles of the rotary axes in the machine frame.
+pub(crate) type Turned = Vec<(AxisSlot, f64)>;
+
+/// An active plane.
+#[derive(Debug, Clone)]
+pub(crate) struct Tilted {
+    /// From the plane to the frame that the program has without it.
+    map: Affine,
+    back: Affine,
+    /// The local frame around it.
+    outer: Local,
+    /// Where the rotary axes are to be, once that is known.
+    pub(crate) angles: Option<Turned>,
+    /// Where the tables bring the part, the way back, and where the heads bring the tool; nothing before it is turned into.
+    bring: Option<[Affine; 3]>,
+    /// Part of the shift that is the tool, by channel axis.
+    tool: Position,
+}
+
+/// What the program has said about a plane to come.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Wishes {
+    /// Of two ways the one with the tilting axis on this side.
+    pub(crate) side: Option<bool>,
+    /// An axis that has nothing to do turns the plane.
+    pub(crate) table: bool,
+}
+
+/// Blocks of a definition that is not complete.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Parts {
+    /// Three points, else two directions.
+    pub(crate) points: bool,
+    /// Coordinates of a point and parts of a direction, by number of the block.
+    pub(crate) known: [Option<[f64; 6]>; 4],
+    /// Rotation in the end.
+    pub(crate) rotation: f64,
+}
+
+impl Tilted {
+    /// A point of the plane in the frame without it.
+    pub(super) fn outwards(&self, point: Point) -> Point {
+        self.map.point(point)
+    }
+
+    /// The way back.
+    pub(super) fn inwards(&self, point: Point) -> Point {
+        self.back.point(point)
+    }
+
+    /// From the plane to the frame without it.
+    pub(crate) fn map(&self) -> &Affine {
+        &self.map
+    }
+
+    fn length(&self, place: &Place) -> (Point, Point) {
+        let fixture = place.geometry(&place.less(&place.shift, &self.tool));
+        (fixture, place.geometry(&self.tool))
+    }
+
+    /// The linear axes at a point of the frame without the plane.
+    pub(super) fn to_linear(&self, place: &Place, point: Point) -> Point {
+        let (fixture, tool) = self.length(place);
+        let part = plus(point, fixture);
+        match &self.bring {
+            Some([part_map, _, head]) => {
+                plus(part_map.point(part), head.point(tool.map(|value| -value)).map(|value| -value))
+            }
+            None => plus(part, tool),
+        }
+    }
+
+    /// The point of the frame without the plane where the linear axes are.
+    pub(super) fn to_part(&self, place: &Place, linear: Point) -> Point {
+        let (fixture, tool) = self.length(place);
+        let back = |value: f64| -value;
+        let part = match &self.bring {
+            Some([_, part_back, head]) => part_back.point(plus(linear, head.point(tool.map(back)))),
+            None => plus(linear, tool.map(back)),
+        };
+        plus(part, fixture.map(back))
+    }
+}
+
+fn plus([a, b, c]: Point, [x, y, z]: Point) -> Point {
+    [a + x, b + y, c + z]
+}
+
+impl Frames {
+    /// A direction of the program on the part.
+    pub(crate) fn direction(&self, of: Point) -> Point {
+        let work = self.local.map().direction(of);
+        self.tilt.as_deref().map_or(work, |tilt| tilt.map.direction(work))
+    }
+
+    /// A direction of the part as programmed.
+    pub(crate) fn direction_back(&self, of: Point) -> Option<Point> {
+        let work = self.tilt.as_deref().map_or(of, |tilt| tilt.back.direction(of));
+        self.local.map().inverse().map(|back| back.direction(work))
+    }
+}
+
+impl Channel<'_> {
+    /// The active plane.
+    pub(crate) fn tilted(&self) -> Option<&Tilted> {
+        self.state.place.frames.as_deref().and_then(|frames| frames.tilt.as_deref())
+    }
+
+    /// From the program to the part without the plane that comes: what is outside of it.
+    pub(crate) fn around_plane(&self, add: bool) -> Affine {
+        let Some(frames) = self.state.place.frames.as_deref() else { return Affine::SAME };
+        match &frames.tilt {
+            Some(tilt) if add => tilt.map.after(frames.local.map()),
+            Some(tilt) => *tilt.outer.map(),
+            None => *frames.local.map(),
+        }
+    }
+
+    /// Makes a plane the active one; `false` if it has no way back. The machine stands still.
+    pub(crate) fn tilt(&mut self, map: Affine, angles: Option<Turned>) -> bool {
+        let Some(back) = map.inverse() else { return false };
+        let outer = match self.state.place.frames.as_deref() {
+            Some(Frames { tilt: Some(tilt), .. }) => tilt.outer.clone(),
+            Some(frames) => frames.local.clone(),
+            None => Local::default(),
+        };
+        let assumed = self.env.machine.kinematics.tilting.assumed;
+        let bring = angles.as_ref().filter(|_| assumed).map(|angles| self.brought(angles));
+        let tool = self.tool_shift();
+        self.put_plane(Some(Box::new(Tilted { map, back, outer, angles, bring, tool })), Local::default());
+        true
+    }
+
+    /// Ends the plane; `false` if there was none. The machine stands still.
+    pub(crate) fn end_tilt(&mut self) -> bool {
+        let keeps = self.env.machine.kinematics.tilting.keeps_local;
+        let Some(frames) = self.state.place.frames.as_deref_mut() else { return false };
+        let Some(tilt) = frames.tilt.as_deref_mut() else { return false };
+        let outer = std::mem::take(&mut tilt.outer);
+        let local = if keeps && outer.is_empty() { frames.local.clone() } else { outer };
+        self.put_plane(None, local);
+        true
+    }
+
+    /// Takes the plane off for a while.
+    pub(crate) fn lift_plane(&mut self) -> Option<(Box<Tilted>, Local)> {
+        let frames = self.state.place.frames.as_deref()?;
+        let lifted = (frames.tilt.clone()?, frames.local.clone());
+        self.put_plane(None, Local::default());
+        Some(lifted)
+    }
+
+    /// Puts it back, turned into with these angles.
+    pub(crate) fn turned_into(&mut self, (mut tilt, local): (Box<Tilted>, Local), angles: Turned) {
+        tilt.bring = Some(self.brought(&angles));
+        tilt.angles = Some(angles);
+        self.put_plane(Some(tilt), local);
+    }
+
+    fn put_plane(&mut self, tilt: Option<Box<Tilted>>, local: Local) {
+        let levels = self.cycle_levels();
+        let before = self.counts_from();
+        self.standing(|channel| {
+            let frames = channel.frames();
+            (frames.tilt, frames.local, frames.parts) = (tilt, local, None);
+        });
+        self.keep_ways(before);
+        self.keep_levels(levels);
+    }
+
+    /// Where tables bring the part and heads the tool at these angles.
+    fn brought(&self, angles: &Turned) -> [Affine; 3] {
+        let machine = self.machine_point(&self.state.place.position);
+        let chain = self.chain();
+        let angle = |axis: AxisSlot| {
+            angles.iter().find(|(at, _)| *at == axis).map_or_else(|| machine.at(axis), |(_, angle)| *angle)
+        };
+        let part = chain.part(angle);
+        [part, part.inverse().unwrap_or(Affine::SAME), chain.head(angle)]
+    }
+
+    /// Takes over new offsets of the tool; the point of the program is found again by the caller.
+    pub(crate) fn refresh_tilt(&mut self) {
+        let tool = self.tool_shift();
+        if let Some(tilt) = self.state.place.frames.as_deref_mut().and_then(|frames| frames.tilt.as_deref_mut()) {
+            tilt.tool = tool;
+        }
+    }
+
+    /// A rotary axis as it stands.
+    pub(crate) fn stand(&self, axis: AxisSlot) -> Stand {
+        let at = self.state.place.position.at(axis) + self.state.place.shift.at(axis);
+        Stand { at, travel: self.state.place.layout.axes[axis].limits }
+    }
+
+    /// The angles that turn into a plane.
+    ///
+    /// # Errors
+    /// The rotary axes cannot go there.
+    pub(crate) fn angles_into(&self, map: &Affine) -> Result<Turned, Unreached> {
+        let Tilting { turns, way, larger, zero, .. } = self.env.machine.kinematics.tilting;
+        let wishes = &self.state.others.tilt;
+        let side = wishes.side.map(|positive| if larger { Side::Larger(positive) } else { Side::Sign(positive) });
+        let chain = self.chain();
+        let [x, _, z] = UNITS;
+        let free = match (wishes.table, chain.tables.last()) {
+            // The plane turned about the axis of the table.
+            (true, Some(table)) => Free::At(angle_about(table.vector, x, map.direction(x))),
+            _ if zero => Free::At(0.0),
+            _ => Free::Stays,
+        };
+        let rule = Rule { turns, way, side, free };
+        chain.reach(map.direction(z), &rule, |axis| self.stand(axis))
+    }
+
+    /// The plane to which the tool is square at angles of the rotary axes, its axes along those of the machine.
+    pub(crate) fn plane_at(&self, angles: &Turned) -> Option<Affine> {
+        let [_, back, head] = self.brought(angles);
+        let [x, z] = [UNITS[0], UNITS[2]].map(|unit| back.direction(head.direction(unit)));
+        counterpoint_motion::frame::plane::of_directions(x, z)
+    }
+}
+
+/// Degrees that turn a direction to another one about an axis.
+fn angle_about(axis: Point, from: Point, to: Point) -> f64 {
+    let [axis, from, to] = [axis, from, to].map(nalgebra::Vector3::from);
+    let axis = axis.normalize();
+    libm::atan2(axis.dot(&from.cross(&to)), from.dot(&to) - axis.dot(&from) * axis.dot(&to)).to_degrees()
+}
