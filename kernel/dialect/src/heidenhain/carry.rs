@@ -85,6 +85,9 @@ impl Heidenhain {
                 if !(1..=4).any(|count| starts(count).is_some_and(|text| host.is_code_text(&text))) {
                     return Ok(self.not_understood(host));
                 }
+                if words.first().is_some_and(|word| &*word.name == "PLANE") {
+                    return self.plane(host, words);
+                }
                 let mut seen = Evaluator::new(&mut self.variables, host).seen(words)?;
                 self.follow(host, &mut seen);
                 Ok(Some(joined("", &seen)))

@@ -168,6 +168,11 @@ impl Heidenhain {
         }
         let mut seen = Evaluator::new(&mut self.variables, host).seen(&all)?;
         self.shifts.define(*cycle, &mut seen);
+        if *cycle == 19
+            && let Some(plane) = self.plane_cycle(host, &seen)
+        {
+            return Ok(Some(plane));
+        }
         Ok(Some(joined("", &seen)))
     }
 

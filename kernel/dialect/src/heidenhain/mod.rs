@@ -18,6 +18,7 @@ mod functions;
 mod iso;
 mod lex;
 mod path;
+mod planes;
 mod polar;
 mod print;
 mod settings;
@@ -76,6 +77,7 @@ pub(crate) struct Heidenhain {
     /// Lengths and radii that TOOL DEF has set.
     tools: FxHashMap<u32, (Option<f64>, Option<f64>)>,
     space: space::Space,
+    planes: planes::Planes,
     /// A line may run again, so compiled lines are worth keeping.
     keeping: bool,
     compiled: Kept<Line>,
@@ -138,6 +140,7 @@ impl Heidenhain {
 impl Interpreter for Heidenhain {
     fn block(&mut self, host: &mut dyn Host, text: &[u8]) -> Result<Remaining, Halt> {
         self.calling = None;
+        self.plane_angles(host);
         let place = host.place();
         let read = match place.as_read {
             true => self.line(host, place.line),
@@ -164,6 +167,7 @@ impl Interpreter for Heidenhain {
         self.path = Path::default();
         self.units = feeds::Units::default();
         self.space = space::Space::default();
+        self.planes = planes::Planes::default();
         if reset {
             self.shifts = shifts::Shifts::default();
             self.cycle = cycles::State::default();

@@ -7,7 +7,7 @@ use super::path::{AXES, axis};
 use super::words::{Seen, shown};
 
 /// Values in force.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub(super) struct Shifts {
     datum: [f64; AXES.len()],
     angle: f64,

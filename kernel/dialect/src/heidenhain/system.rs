@@ -56,6 +56,7 @@ impl Heidenhain {
             (20, 3) => Some(control.tool_axis.map_or(-1.0, |axis| axis as f64)),
             (20, 5) => Some(control.spindle.map_or(-1.0, f64::from)),
             (20, 8) => Some(f64::from(u8::from(control.coolant))),
+            (210, 6) => Some(if host.plane_angles().is_some() { -1.0 } else { 0.0 }),
             (240 | 270, 1) => {
                 let index = index.filter(|index| (1.0..=9.0).contains(index))? as usize;
                 let letter = AXES.get(index - 1)?;

@@ -52,6 +52,9 @@ pub trait Frames {
     /// program counts now.
     fn local_frame(&self) -> [f64; 12];
 
+    /// Positions of the rotary axes, by letter, that turn into the tilted plane; none without one, or before that is known.
+    fn plane_angles(&self) -> Option<Vec<(String, f64)>>;
+
     /// Compensation of the tool radius is on, so that moves are kept back.
     fn keeps_moves_back(&self) -> bool;
 

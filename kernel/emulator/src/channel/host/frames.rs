@@ -76,6 +76,16 @@ impl Frames for Kernel<'_> {
         rows
     }
 
+    fn plane_angles(&self) -> Option<Vec<(String, f64)>> {
+        let angles = self.channel.tilted()?.angles.as_ref()?;
+        let machine = &self.channel.env.machine.axes;
+        let of = |(axis, angle): &(AxisSlot, f64)| {
+            let letter = machine[self.channel.state.place.layout.axes[*axis].machine].letter.clone();
+            (letter, angle - self.channel.state.place.shift.at(*axis))
+        };
+        Some(angles.iter().map(of).collect())
+    }
+
     fn keeps_moves_back(&self) -> bool {
         self.channel.is_compensated()
     }

@@ -1,0 +1,118 @@
+//! Tilted planes: PLANE and cycle 19.
+//!
+//! Facts: programming manuals of the control (PLANE functions, cycle 19, Q120 to Q122), reference heidenhain-cycles.md 6.
+//! Decisions: cycle 19 has spatial angles, a missing one is 0, and moves the axes, by the point DIST behind the tip, where it
+//! has a feed; a shift that was programmed before the plane is none of the plane. Invariant: the tables of the machine get
+//! words with letters only.
+
+use counterpoint_fault::Halt;
+
+use super::Heidenhain;
+use super::eval::Evaluator;
+use super::formula::{Kind, Name};
+use super::shifts::Shifts;
+use super::variables::Value;
+use super::words::{Seen, Word, joined, shown};
+use crate::host::Host;
+use counterpoint_fault as diag;
+
+/// What planes leave behind.
+#[derive(Debug, Default)]
+pub(super) struct Planes {
+    /// A plane has been made or ended, Q120 to Q122 are not yet set.
+    asked: bool,
+    /// Shifts from before the plane, while there is one.
+    before: Option<Shifts>,
+}
+
+/// What the rotary axes do.
+const BEHAVIOUR: [&str; 3] = ["MOVE", "TURN", "STAY"];
+
+/// Words of a coordinate of the points of a plane, as the tables of the machine have them.
+fn point_word(point: f64, axis: &str) -> Option<String> {
+    let point = ["PA", "PB", "PC"].iter().enumerate().find(|(at, _)| *at as f64 + 1.0 == point)?.1;
+    ["X", "Y", "Z"].contains(&axis).then(|| format!("{point}{axis}"))
+}
+
+/// `P1X+0` is read as two words.
+fn points(seen: Vec<Seen>) -> Vec<Seen> {
+    let mut out: Vec<Seen> = Vec::with_capacity(seen.len());
+    for word in seen {
+        let name = out.last().filter(|last| last.is("P")).and_then(|last| point_word(last.value?, &word.name));
+        match (name, word.value) {
+            (Some(name), Some(value)) => {
+                out.pop();
+                let text = format!("{name}{}", word.text.get(word.name.len()..).unwrap_or_default());
+                out.push(Seen { name: name.into(), value: Some(value), text });
+            }
+            _ => out.push(word),
+        }
+    }
+    out
+}
+
+impl Heidenhain {
+    /// PLANE: what is left of it; none if it says too little.
+    pub(super) fn plane(&mut self, host: &mut dyn Host, words: &[Word]) -> Result<Option<String>, Halt> {
+        let mut seen = Evaluator::new(&mut self.variables, host).seen(words)?;
+        if !seen.iter().any(|word| BEHAVIOUR.iter().any(|name| word.is(name))) {
+            let text = format!("PLANE needs MOVE, TURN or STAY in '{}'; ignored", host.block_text());
+            host.diagnose(&diag::STATEMENT_UNKNOWN, text);
+            return Ok(None);
+        }
+        if seen.iter().any(|word| word.is("POINTS")) {
+            seen = points(seen);
+        }
+        self.plane_begins(seen.iter().any(|word| word.is("RESET")), seen.iter().any(|word| word.is("RELATIV")));
+        Ok(Some(joined("", &seen)))
+    }
+
+    /// Shifts of the program are those of the plane from here on, or those of before.
+    fn plane_begins(&mut self, reset: bool, added: bool) {
+        self.planes.asked = true;
+        if reset {
+            if let Some(before) = self.planes.before.take().filter(|before| *before != Shifts::default()) {
+                self.shifts = before;
+            }
+        } else {
+            let before = std::mem::take(&mut self.shifts);
+            if !added || self.planes.before.is_none() {
+                self.planes.before.get_or_insert(before);
+            }
+        }
+    }
+
+    /// Cycle 19 as the PLANE function that it is; none where the machine has none.
+    pub(super) fn plane_cycle(&mut self, host: &dyn Host, seen: &[Seen]) -> Option<String> {
+        if !host.is_code_text("PLANE SPATIAL") {
+            return None;
+        }
+        let value = |name: &str| seen.iter().find(|word| word.is(name)).and_then(|word| word.value);
+        let angles = ["A", "B", "C"].map(value);
+        let ends = angles.iter().all(Option::is_none);
+        self.plane_begins(ends, false);
+        if ends {
+            return Some("PLANE RESET STAY".to_owned());
+        }
+        let [a, b, c] = angles.map(|angle| shown(angle.unwrap_or(0.0)));
+        let plane = format!("PLANE SPATIAL SPA{a} SPB{b} SPC{c}");
+        let feed = seen.iter().find(|word| word.is("F") || word.is("FMAX"));
+        Some(match feed {
+            None => format!("{plane} STAY"),
+            Some(feed) => format!("{plane} MOVE DIST{} {}", shown(value("DIST").unwrap_or(0.0)), feed.text),
+        })
+    }
+
+    /// Q120 to Q122 after a plane: the positions of A, B and C that turn into it.
+    pub(super) fn plane_angles(&mut self, host: &dyn Host) {
+        if !std::mem::take(&mut self.planes.asked) {
+            return;
+        }
+        let angles = host.plane_angles().unwrap_or_default();
+        for (index, letter) in (120..).zip(["A", "B", "C"]) {
+            let angle =
+                angles.iter().find(|(name, _)| name.eq_ignore_ascii_case(letter)).map_or(0.0, |(_, angle)| *angle);
+            self.variables.set(Name { kind: Kind::Q, index }, Value::Number(angle));
+        }
+    }
+}
