@@ -63,6 +63,11 @@ impl Heidenhain {
         if seen.iter().any(|word| word.is("POINTS")) {
             seen = points(seen);
         }
+        let max = |pair: &[Seen]| matches!(pair, [way, max] if way.is("MB") && way.value.is_none() && max.is("MAX"));
+        if let Some(at) = seen.windows(2).position(max) {
+            // Up to the end of travel.
+            seen.splice(at..at + 2, [Seen::made("MB", -1.0)]);
+        }
         self.plane_begins(seen.iter().any(|word| word.is("RESET")), seen.iter().any(|word| word.is("RELATIV")));
         Ok(Some(joined("", &seen)))
     }

@@ -319,4 +319,5 @@ data! {
     TILT_SHIFT_Y true true Plain, Length => "the same along its Y";
     TILT_SHIFT_Z true true Plain, Length => "the same along its Z";
     TILT_DISTANCE true true Plain, Length => "from the tip of the tool to the point that keeps its place (Heidenhain MOVE DIST)";
+    TILT_RETRACT true true Plain, Length => "way along the tool before the turn, below zero up to the end of travel (Heidenhain MB)";
 }
