@@ -107,6 +107,10 @@ fn define(act: &mut Act<'_, '_>, form: Form, add: bool) -> Acted {
         return Err(no_axes(act));
     }
     let map = act.around_plane(add).after(&plane);
+    // Feeds and lengths are those of the plane.
+    if (map.determinant().abs() - 1.0).abs() > 1e-9 {
+        return Err(undefined(act, "a plane does not lie in scaled coordinates"));
+    }
     let angles = match angles {
         Some(angles) => Ok(Some(angles)),
         None if act.env.machine.kinematics.tilting.assumed => act.angles_into(&map).map(Some),
@@ -164,6 +168,7 @@ fn read(act: &mut Act<'_, '_>, of_code: Form, add: bool) -> Result<Option<Define
     let of = |from: usize| -> Point { [0, 1, 2].map(|at| numbers.get(from + at).copied().flatten().unwrap_or(0.0)) };
     let mut angles = None;
     let turned = match form {
+        Form::Euler if part.is_some() => None,
         Form::Euler => plane::turned([2, 0, 2], of(0)),
         Form::Turned => order(part).and_then(|order| plane::turned(order, of(0))),
         // Angles by axis, whatever the order.
@@ -322,9 +327,7 @@ fn turn(act: &mut Act<'_, '_>, keep: Option<f64>) -> Acted {
     let angles = match known {
         Some((_, Some(angles))) => Ok(angles),
         Some((map, None)) => act.angles_into(&map),
-        None if !act.can_tilt() => {
-            return Err(no_axes(act));
-        }
+        None if !act.can_tilt() => return Err(no_axes(act)),
         None => act.angles_into(&Affine::SAME),
     };
     act.state.others.tilt = Default::default();
