@@ -238,3 +238,133 @@ fn heads_turn_the_tool_into_the_plane() {
         assert!(close(axes, wanted, 1.1e-3), "{axes:?}, not {wanted:?} in\n{text}");
     }
 }
+
+const FANUC: &[&str] = &[
+    "G68.2 X10. Y5. Z1. I20. J30. K40.",
+    "G68.2 P1 Q321 X1. Y2. Z3. I10. J20. K30.",
+    "G68.2 P2 Q1 X0 Y0 Z0",
+    "G68.2 P2 Q2 X10. Y0 Z1.",
+    "G68.2 P2 Q3 X0 Y10. Z2.",
+    "G68.2 P3 Q1 X1. Y1. Z1. I1. J0 K0",
+    "G68.2 P3 Q2 I0 J-0.5 K1.",
+    "G68.4 X1. Y1. Z1. I0 J10. K0",
+    "G53.1",
+    "G53.6",
+    "G69",
+    "G0 X10. Y20. Z30.",
+    "G1 X-5. Y5. F500.",
+    "G2 X10. Y10. R20.",
+    "G41 D1 X3.",
+    "G40 X0",
+    "G43 H1",
+    "G49",
+    "G43.4 H1",
+    "G54",
+    "G55",
+    "G52 X1. Y2.",
+    "G52 X0 Y0",
+    "G91",
+    "G90",
+    "G28 Z100.",
+    "G53 Z200.",
+    "G81 X5. Y5. Z-3. R2. F100.",
+    "G80",
+    "A-10. C20.",
+    "G10 L2 P1 X5. Y6. Z7.",
+    "#500=#5041+#5021",
+    "G68 X0 Y0 R30.",
+    "G51 X0 Y0 P2000",
+    "G50",
+];
+
+const HEIDENHAIN: &[&str] = &[
+    "PLANE SPATIAL SPA-30 SPB+20 SPC+10 TURN FMAX",
+    "PLANE SPATIAL SPA+20 SPB+0 SPC+0 MOVE DIST20 F1000 SEQ-",
+    "PLANE PROJECTED PROPR+10 PROMIN+20 ROT+30 STAY",
+    "PLANE VECTOR BX+1 BY+0 BZ+0.1 NX+0.1 NY+0.2 NZ+1 TURN MB MAX FMAX",
+    "PLANE POINTS P1X+0 P1Y+0 P1Z+0 P2X+10 P2Y+0 P2Z+1 P3X+0 P3Y+10 P3Z+2 STAY",
+    "PLANE RELATIV SPA+5 TURN FMAX",
+    "PLANE AXIAL A-20 C+30 TURN FMAX",
+    "PLANE RESET TURN FMAX",
+    "PLANE RESET STAY",
+    "CYCL DEF 19.1 A-20 B+0 C+10",
+    "CYCL DEF 19.1",
+    "L X+10 Y+20 Z+30 R0 FMAX",
+    "L X+0 Y+5 RL F500",
+    "L X+30",
+    "L R0 Y+40",
+    "CC X+0 Y+0",
+    "C X+10 Y+0 DR+",
+    "CYCL DEF 7.1 X+5 IY+3",
+    "CYCL DEF 10.1 ROT+20",
+    "CYCL DEF 11.1 SCL0.9",
+    "M128",
+    "M129",
+    "L A+Q120 C+Q122 FMAX",
+    "L Z+100 FMAX M91",
+    "FN 18: SYSREAD Q1 = ID210 NR6",
+];
+
+const SIEMENS: &[&str] = &[
+    "CYCLE800(0,\"\",0,57,10,20,30,-20,10,5,1,2,3,-1,0)",
+    "CYCLE800(1,\"\",1,27,10,20,30,10,0,5,1,2,3,1,0)",
+    "CYCLE800(5,\"\",10,64,0,0,0,10,20,0,0,0,0,1,20)",
+    "CYCLE800(2,\"\",11,192,0,0,0,-10,20,0,0,0,0,0,0)",
+    "CYCLE800()",
+    "CYCLE800(0,\"0\")",
+    "G0 X10 Y20 Z30",
+    "G1 X5 F500",
+    "G2 X10 Y10 CR=30",
+    "G41 X3",
+    "G40 X0",
+    "TRANS X5 Y6",
+    "AROT Z30",
+    "TRANS",
+    "TRAORI",
+    "TRAFOOF",
+    "A-10 C30",
+    "G91",
+    "G90",
+    "SUPA Z300",
+    "G54",
+    "CYCLE81(50,0,2,-5)",
+    "R1=$AA_IM[X]+$AA_IW[Z]",
+];
+
+/// Any program with planes runs alike with one thread and with several, and moves to places that exist.
+#[test]
+fn any_program_with_planes() {
+    let mut chance = Chance(5);
+    for case in 0..cases(90) as usize {
+        let (name, lines) =
+            [("fanuc-mill-5axis", FANUC), ("heidenhain-mill-5axis", HEIDENHAIN), ("siemens-mill-5axis", SIEMENS)]
+                [case % 3];
+        let mut text = ["O1\nG90 G17 G0 F500.\n", "0 BEGIN PGM A MM\n1 TOOL CALL 1 Z S100 F500\n", "G17 G90 F500\n"]
+            [case % 3]
+            .to_owned();
+        for number in 0..30 {
+            let line = lines[(chance.next(1000.0).abs() * 997.0) as usize % lines.len()];
+            text += &if case % 3 == 1 { format!("{} {line}\n", number + 2) } else { format!("{line}\n") };
+        }
+        text += ["M30\n", "99 END PGM A MM\n", "M30\n"][case % 3];
+        // Where alarms stop, few programs come far.
+        let stops = case % 6 < 3;
+        let axis = if case % 3 == 2 { "Z1" } else { "Z" };
+        let overlay = format!(
+            "[control]\nstops = {stops}\n\n[[tool.offsets]]\nnumber = 1\nvalues = {{ {axis} = 100 }}\nradius = 3\n"
+        );
+        let run = |threads| {
+            let options =
+                Options { limits: Limits { blocks: 5_000, ..Limits::default() }, threads, ..Options::default() };
+            Work::texts(machine(name, &overlay), &[text.clone()], options).run(None).expect("it can be prepared")
+        };
+        let (one, many) = (run(1), run(0));
+        assert_eq!(one.events, many.events, "scheduling counts in\n{text}");
+        for event in &one.events {
+            if let Kind::Motion(motion) = &event.kind {
+                let sound = motion.to.iter().chain(&motion.center).all(|value| value.abs() < 1e6);
+                assert!(sound && event.dur_ns >= 0, "{motion:?} in\n{text}");
+            }
+        }
+    }
+}
