@@ -31,6 +31,7 @@ fn on(act: &mut Act<'_, '_>) -> Acted {
         act.state.modal.activate(group::PART_INTERPOLATION, codes::CYLINDER_OFF, None);
         return super::polar::off(act);
     }
+    super::polar::not_tilted(act)?;
     let plane = act.state.modal.code(group::PLANE).and_then(plane).map(|plane| [plane.first, plane.second]);
     let found = rotary.filter(|_| radius > 0.0 && radius.is_finite()).and_then(|(axis, role)| {
         let linear = act.state.place.layout.cartesian.get(role).copied().flatten()?;

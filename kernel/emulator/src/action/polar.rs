@@ -38,6 +38,7 @@ pub(super) fn on(act: &mut Act<'_, '_>, cartesian: bool) -> Acted {
     if act.polar().is_some_and(|polar| polar.cartesian == cartesian && !polar.is_cylinder()) {
         return Ok(());
     }
+    not_tilted(act)?;
     let Some((linear, rotary)) = axes(act) else {
         let text = format!(
             "channel {} has no linear and rotary axis for polar interpolation of '{}'",
@@ -52,6 +53,15 @@ pub(super) fn on(act: &mut Act<'_, '_>, cartesian: bool) -> Acted {
     super::cutter::plane_changed(act);
     act.emit(0, Kind::mode(format!("c2p {} on", form(cartesian))));
     Ok(())
+}
+
+/// In a tilted plane the linear axes follow the part, not the words one by one.
+pub(super) fn not_tilted(act: &mut Act<'_, '_>) -> Acted {
+    if act.tilted().is_none() {
+        return Ok(());
+    }
+    let text = format!("'{}' is not possible in a tilted plane", act.block_text());
+    Err(act.alarm(&diag::NO_POLAR_AXES, text))
 }
 
 /// Switches it off, that of a cylinder too; the axes stay where they are.

@@ -106,6 +106,9 @@ fn define(act: &mut Act<'_, '_>, form: Form, add: bool) -> Acted {
     if !act.can_tilt() {
         return Err(no_axes(act));
     }
+    if act.polar().is_some() {
+        return Err(undefined(act, "interpolation on a face or a cylinder is active"));
+    }
     let map = act.around_plane(add).after(&plane);
     // Feeds and lengths are those of the plane.
     if (map.determinant().abs() - 1.0).abs() > 1e-9 {

@@ -216,7 +216,7 @@ impl Channel<'_> {
 
     #[cold]
     fn part_changes(&self, mut changes: Position, from: &Position, to: &Position) -> Position {
-        if self.couples() {
+        if self.tip().is_some() {
             // The feed is that of the tip; where it stands, that of the rotary axes.
             let linear =
                 changes.iter().zip(&self.state.place.layout.axes).any(|(change, axis)| !axis.rotary && *change != 0.0);
