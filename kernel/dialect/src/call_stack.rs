@@ -3,6 +3,10 @@
 //! A called program has variables of its own; a part of a program, as a label of Heidenhain or a repetition of Siemens, uses
 //! those of its program. *Invariant:* the level of the main program remains when others return.
 
+/// Levels that were set aside.
+#[derive(Debug, Clone)]
+pub struct Aside<T>(Vec<Called<T>>);
+
 /// What each program and part that runs has of its own.
 #[derive(Debug, Clone, Default)]
 pub struct CallStack<T> {
@@ -31,6 +35,16 @@ impl<T> CallStack<T> {
     /// A part of the program that runs is called.
     pub fn enter_part(&mut self, level: T) {
         self.called.push(Called { level, part: true });
+    }
+
+    /// The innermost programs and parts are as if they did not run: a part of one that has called them is called next.
+    pub fn set_aside(&mut self, count: usize) -> Aside<T> {
+        Aside(self.called.split_off(self.called.len().saturating_sub(count)))
+    }
+
+    /// They run again, above what runs now.
+    pub fn bring_back(&mut self, aside: Aside<T>) {
+        self.called.extend(aside.0);
     }
 
     /// A program or part has returned; none if it is the main program.
@@ -114,6 +128,18 @@ mod tests {
         assert_eq!((*calls.here(), calls.leave(), calls.leave()), (3, Some(3), None));
         assert_eq!(calls.called_mut(), None);
         assert_eq!((calls.depth(), *calls.here()), (0, 1));
+    }
+
+    #[test]
+    fn levels_are_set_aside() {
+        let mut calls = CallStack::new('m');
+        calls.enter('a');
+        calls.enter('b');
+        let aside = calls.set_aside(1);
+        calls.enter_part('p');
+        assert_eq!((*calls.program(), calls.leave()), ('a', Some('p')));
+        calls.bring_back(aside);
+        assert_eq!(calls.iter().collect::<String>(), "mab");
     }
 
     #[test]

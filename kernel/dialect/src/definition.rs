@@ -29,6 +29,11 @@ pub trait Dialect: Sync {
         false
     }
 
+    /// Subprograms may be read as contours ([`super::host::Flow::read_contour`]).
+    fn reads_contours(&self) -> bool {
+        false
+    }
+
     /// Number and title of the control's alarm for a G code that it does not have.
     fn unknown_g_code(&self) -> Option<&'static str> {
         None

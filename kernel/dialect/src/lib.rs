@@ -25,7 +25,7 @@ mod statement;
 mod table;
 mod text;
 
-pub use call_stack::CallStack;
+pub use call_stack::{Aside, CallStack};
 pub use definition::{Dialect, Unknown};
 pub use host::{
     Answer, AxisPlace, Call, Coordination, Flow, Frames, Loops, MadeWord, Modes, NotThere, Operands, Place, Programs,

@@ -5,6 +5,8 @@ use std::sync::Arc;
 use counterpoint_fault::{Acted, Halt};
 
 use counterpoint_event::FileId;
+use counterpoint_motion::contour::element::Element;
+use counterpoint_motion::turning::strip::Strip;
 use counterpoint_program::shape::Range;
 use counterpoint_program::spot::Spot;
 
@@ -131,6 +133,18 @@ pub trait Flow {
 
     /// The cycle of the block goes along this contour.
     fn cut_along(&mut self, shape: Shape);
+
+    /// At the end of the block a subprogram runs whose moves are recorded, not made: they are the contour of cycles to come.
+    fn read_contour(&mut self, call: Call);
+
+    /// Moves are recorded, not made.
+    fn reads_contour(&self) -> bool;
+
+    /// Pieces of the contour that was read last, in the plane of that time: geometry of the machine's unit, radii.
+    fn contour(&self) -> &[Element];
+
+    /// At the end of the block stock is removed along the contour that was read last.
+    fn remove_stock(&mut self, strip: Strip);
 
     /// Returns from the subprogram at the end of the block, or ends the main program.
     fn return_from(&mut self);

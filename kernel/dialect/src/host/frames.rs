@@ -70,6 +70,12 @@ pub trait Frames {
     /// Number of the tool that is loaded.
     fn tool(&self) -> u32;
 
+    /// Direction of the imaginary tip of a tool offset, 0 to 9.
+    fn tip(&self, offset: u32) -> u8;
+
+    /// Sets it; whether it was set.
+    fn set_tip(&mut self, offset: u32, tip: f64) -> bool;
+
     /// The active codes, to be restored later.
     fn modes(&self) -> Modes;
 

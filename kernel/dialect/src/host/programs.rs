@@ -42,6 +42,9 @@ pub trait Programs {
     /// [`Programs::place`] remains that of the block.
     fn program(&self) -> Option<(FileId, Range)>;
 
+    /// File and lines of the programs that run, the innermost first.
+    fn callers(&self) -> Vec<(FileId, Range)>;
+
     /// Text of a file that is loaded, as the file of the block is.
     fn source(&self, file: FileId) -> Option<Arc<Source>>;
 

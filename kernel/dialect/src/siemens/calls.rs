@@ -23,6 +23,8 @@ pub(super) struct Calling {
     pub(super) line: u32,
     /// A part of the program, which has no variables of its own.
     pub(super) part: bool,
+    /// It is a part of the program that has called so many of those that run.
+    pub(super) outer: usize,
     pub(super) given: Vec<PassedArgument>,
 }
 
@@ -84,14 +86,14 @@ impl Siemens {
         for argument in arguments {
             given.push(self.given(host, argument)?);
         }
-        self.calling = Some(Calling { line: host.place().line, part: false, given });
+        self.calling = Some(Calling { line: host.place().line, part: false, outer: 0, given });
         Ok(Call { name: name.into(), place, passes: 1, closes: true })
     }
 
     /// Prepares a part of the program that runs.
     pub(super) fn prepare_part(&mut self, host: &dyn Host, name: String, range: (u32, u32), passes: u32) -> Call {
         let place = host.place();
-        self.calling = Some(Calling { line: place.line, part: true, given: Vec::new() });
+        self.calling = Some(Calling { line: place.line, part: true, outer: 0, given: Vec::new() });
         let range = Range { number: None, first: range.0, last: range.1 };
         Call { name: name.into(), place: Some((place.file, range)), passes, closes: true }
     }
@@ -141,7 +143,10 @@ impl Siemens {
         let line = host.place().line;
         let calls = &mut self.variables.calls;
         match self.calling.take().filter(|calling| calling.line == line) {
-            Some(calling) if calling.part => calls.enter_part(Level::default()),
+            Some(calling) if calling.part => {
+                let aside = (calling.outer > 0).then(|| calls.set_aside(calling.outer));
+                calls.enter_part(Level { aside, ..Level::default() });
+            }
             Some(calling) => calls.enter(Level { given: calling.given, ..Level::default() }),
             None => calls.enter(Level::default()),
         }

@@ -44,6 +44,10 @@ impl Dialect for Control {
         ]
     }
 
+    fn reads_contours(&self) -> bool {
+        true
+    }
+
     fn unknown_g_code(&self) -> Option<&'static str> {
         Some("12470 unknown G function")
     }

@@ -17,6 +17,9 @@ impl Siemens {
     /// Executes a statement between channels; whether it is one.
     pub(super) fn coordination(&mut self, host: &mut dyn Host, name: &str, arguments: &[Argument]) -> Outcome<bool> {
         let Some(operands) = host.coordinates(name) else { return Ok(false) };
+        if host.reads_contour() {
+            return Err(Fault::Alarm(&diag::CONTOUR_CODE, format!("a contour has no {name}")));
+        }
         match operands {
             Operands::Program => return self.select(host, name, arguments).map(|()| true),
             Operands::Axes => return self.exchange(host, name, (arguments, 1)).map(|()| true),

@@ -159,8 +159,12 @@ impl Siemens {
         let mut texts = Vec::new();
         for index in &name.index {
             let text = match as_name(index) {
-                // Parts of frames and names of data are texts.
-                Some(name) if name.index.is_empty() && !self.variables.knows(&name.name) => name.name.clone(),
+                // Parts of frames and names of data are texts, other variables have values.
+                Some(name)
+                    if name.index.is_empty() && !name.name.starts_with('$') && !self.variables.knows(&name.name) =>
+                {
+                    name.name.clone()
+                }
                 _ => match self.evaluate(host, index)? {
                     Data::Text(text) => format!("\"{text}\""),
                     other => other.text(),

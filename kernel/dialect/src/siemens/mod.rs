@@ -8,6 +8,7 @@
 mod archive;
 mod branches;
 mod calls;
+mod contours;
 mod control;
 mod coordination;
 mod cursor;

@@ -73,7 +73,7 @@ impl Siemens {
         let Some(call) = &modal.call else { return };
         let own = modal.level == level;
         let given = modal.given.iter().map(|given| if own { given.clone() } else { given.without_variable() });
-        self.calling = Some(Calling { line: host.place().line, part: false, given: given.collect() });
+        self.calling = Some(Calling { line: host.place().line, part: false, outer: 0, given: given.collect() });
         left.call = Some(call.clone());
         left.passes = modal.passes;
         self.modal_from = Some(level);

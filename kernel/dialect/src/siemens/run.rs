@@ -276,7 +276,7 @@ impl Siemens {
         if name == "SETAL" {
             return self.set_alarm(host, arguments);
         }
-        if self.coordination(host, name, arguments)? {
+        if self.coordination(host, name, arguments)? || self.contour_statement(host, name, arguments)? {
             return Ok(());
         }
         let is_text = host.is_code_text(name) || host.is_register(&format!("{name}("));

@@ -9,9 +9,25 @@ use super::expression::{Name, as_name};
 use super::value::Data;
 use super::{Outcome, Siemens, syntax};
 use crate::host::Host;
+use counterpoint_machine::ident::codes;
 
 /// Largest number of a timer.
 const MOST_TIMERS: i64 = 99;
+
+/// Largest number of a tool.
+const MOST_TOOLS: i64 = 32_000;
+/// Group of the working plane.
+const PLANE_GROUP: i64 = 6;
+
+/// The working plane: 1 G17, 2 G18, 3 G19.
+fn plane(host: &dyn Host) -> Option<i64> {
+    let planes = [codes::PLANE_XY, codes::PLANE_ZX, codes::PLANE_YZ];
+    host.modes()
+        .0
+        .iter()
+        .find_map(|(_, code, _)| planes.iter().zip(1..).find(|(plane, _)| *plane == code))
+        .map(|(_, at)| at)
+}
 
 fn seconds(ns: i64) -> f64 {
     ns as f64 / 1e9
@@ -40,6 +56,17 @@ impl Siemens {
                 let given = &self.variables.calls.program().given;
                 let given = usize::try_from(number - 1).ok().and_then(|at| given.get(at));
                 Data::Bool(given.is_some_and(|given| given.is_there()))
+            }
+            "$P_GG" => match self.only_index(host, name)? {
+                PLANE_GROUP => match plane(host) {
+                    Some(plane) => Data::Int(plane),
+                    None => return Ok(None),
+                },
+                _ => return Ok(None),
+            },
+            "$TC_DP2" => {
+                let edge = self.edge(host, name)?;
+                Data::Int(i64::from(host.tip(edge)))
             }
             "$AC_TIME" => Data::Real(0.0),
             "$AC_CYCLE_TIME" | "$AC_OPERATING_TIME" | "$AC_PROG_NET_TIME" => Data::Real(seconds(host.clock())),
@@ -76,10 +103,31 @@ impl Siemens {
             host.effect();
             return Ok(Some(Vec::new()));
         }
+        if name.name == "$TC_DP2" {
+            let (edge, tip) = (self.edge(host, name)?, number(value)?);
+            return if host.set_tip(edge, tip) {
+                host.effect();
+                Ok(Some(Vec::new()))
+            } else {
+                super::wrong_type(format!("the position of an edge is 0 to 9, not {tip}"))
+            };
+        }
         if self.store_value(host, name, value)? {
             return Ok(Some(Vec::new()));
         }
         self.set_control_frame(host, name, value)
+    }
+
+    /// The tool offset of an edge, `[T,D]`.
+    fn edge(&mut self, host: &mut dyn Host, name: &Name) -> Outcome<u32> {
+        let [tool, edge] = name.index.as_slice() else {
+            return syntax(format!("{} needs a tool and an edge", name.name));
+        };
+        let (tool, edge) = (self.whole_number(host, tool)?, self.whole_number(host, edge)?);
+        if !(1..=MOST_TOOLS).contains(&tool) || !(1..=9).contains(&edge) {
+            return syntax(format!("edge {edge} of tool {tool} does not exist"));
+        }
+        Ok(u32::try_from(tool * 10 + edge).unwrap_or(0))
     }
 
     fn only_index(&mut self, host: &mut dyn Host, name: &Name) -> Outcome<i64> {
@@ -93,7 +141,9 @@ impl Siemens {
     fn position(&mut self, host: &mut dyn Host, name: &Name, machine: bool) -> Outcome<f64> {
         let [index] = name.index.as_slice() else { return syntax(format!("{} needs an axis", name.name)) };
         let wanted = match as_name(index) {
-            Some(axis) if axis.index.is_empty() && !self.variables.knows(&axis.name) => axis.name.clone(),
+            Some(axis) if axis.index.is_empty() && !axis.name.starts_with('$') && !self.variables.knows(&axis.name) => {
+                axis.name.clone()
+            }
             _ => match self.evaluate(host, index)? {
                 Data::Axis(axis) | Data::Text(axis) => axis,
                 other => return super::wrong_type(format!("{} is not an axis", other.described())),

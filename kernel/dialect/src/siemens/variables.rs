@@ -46,6 +46,8 @@ pub(super) struct Level {
     pub(super) back: Vec<(String, usize)>,
     /// Modal codes that come back at the end.
     pub(super) modes: Option<crate::host::Modes>,
+    /// Cycles that run meanwhile a part of their caller does: they do not hide its variables.
+    pub(super) aside: Option<crate::call_stack::Aside<Level>>,
 }
 
 /// All variables of a kernel.
@@ -56,6 +58,8 @@ pub(super) struct Variables {
     /// Types and sizes of variables that all channels share.
     pub(super) shared: FxHashMap<String, (Type, Vec<usize>)>,
     parameters: FxHashMap<u32, f64>,
+    /// Contours that were named for the next cycle.
+    pub(super) contours: Vec<String>,
     pub(super) elements: usize,
     /// Bytes of their names, texts and frames.
     texts: usize,
@@ -155,7 +159,10 @@ impl Variables {
 
     /// A subprogram has returned; the main program stays.
     pub(super) fn leave(&mut self) -> Option<Level> {
-        let level = self.calls.leave()?;
+        let mut level = self.calls.leave()?;
+        if let Some(aside) = level.aside.take() {
+            self.calls.bring_back(aside);
+        }
         let count: usize = level.variables.values().map(|variable| variable.values.len()).sum();
         self.elements = self.elements.saturating_sub(count);
         self.texts = self.texts.saturating_sub(level.variables.values().map(Variable::bytes).sum());

@@ -103,6 +103,7 @@ const BASE: Actions = Actions {
     reading: None,
     record: None,
     cut_contour: |kernel, cycle, reading| lathe::cut(&mut Act::new(kernel), cycle, reading),
+    strip: |kernel, strip| lathe::strip(&mut Act::new(kernel), strip),
     go_back: |kernel, to| lathe::go_back(&mut Act::new(kernel), to),
     change_straight: |kernel, motion, rapid, to| Act::new(kernel).straight_again(motion, rapid, to),
 };

@@ -12,6 +12,7 @@ use crate::state::turning::{ContourCycle, Reading};
 use counterpoint_event::event::{Motion, Position};
 use counterpoint_machine::ident::CodeId;
 use counterpoint_machine::rows::CodeRow;
+use counterpoint_motion::turning::strip::Strip;
 use counterpoint_program::block::PendingCode;
 
 /// What a code does.
@@ -43,6 +44,8 @@ pub struct Actions {
     pub(crate) record: Option<fn(&mut Kernel<'_>, f64, &Motion) -> Acted>,
     /// Cuts along a contour that was read.
     pub(crate) cut_contour: fn(&mut Kernel<'_>, &ContourCycle, Reading) -> Acted,
+    /// Removes stock along a contour that was read.
+    pub(crate) strip: fn(&mut Kernel<'_>, &Strip) -> Acted,
     /// Goes to a programmed point at rapid.
     pub(crate) go_back: fn(&mut Kernel<'_>, &Position) -> Acted,
     /// Makes a straight move again that a macro has changed: at rapid or not, to another end.

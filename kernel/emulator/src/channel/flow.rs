@@ -12,6 +12,7 @@ use super::search::Labels;
 use crate::state::turning::ContourCycle;
 use counterpoint_dialect as dialect;
 use counterpoint_event::event::{FileId, Position, Stop};
+use counterpoint_motion::turning::strip::Strip;
 use counterpoint_program::shape::Range;
 use counterpoint_program::spot::Spot;
 
@@ -65,6 +66,10 @@ pub(crate) enum Pending {
     CallText(Box<dialect::Call>),
     /// A cycle along contour blocks of the program.
     Contour(Box<ContourCycle>),
+    /// Run a text whose moves are a contour.
+    ReadContour(Box<dialect::Call>),
+    /// Remove stock along the contour that was read.
+    Strip(Box<Strip>),
     /// Pass the data blocks that follow.
     DataBlocks,
     /// Return, optionally to a sequence number of the caller.

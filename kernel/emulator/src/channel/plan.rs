@@ -384,9 +384,10 @@ impl Plan {
         hooks: Option<&'static HookPoints>,
     ) -> Self {
         let reads = |row: &CodeRow| row.enable && matches!(row.id.kind(), CodeKind::Turning(_));
-        let reading = actions.reading.filter(|_| machine.codes.iter().any(reads));
+        let dialect = counterpoint_dialect::of(machine);
+        let reading = actions.reading.filter(|_| dialect.reads_contours() || machine.codes.iter().any(reads));
         let registers = Registers::new(machine);
-        let syntax = counterpoint_dialect::of(machine).syntax();
+        let syntax = dialect.syntax();
         Self {
             hooks,
             unmarked: syntax.needs_interpreter.map(|_| Arc::new(Scanner::without_marks(machine, syntax))),

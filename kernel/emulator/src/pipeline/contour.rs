@@ -2,7 +2,8 @@
 //!
 //! The blocks take the usual way through edit, pre-process, split and codes, but by a plan whose actions only record. So
 //! variables, expressions and corners count as the control counts them. *Invariant:* reading changes neither the position
-//! nor modal codes and data, and no event comes from it but diagnostics. Facts: reference turning-cycles.md 1.3. Decision:
+//! nor modal codes and data, and no event comes from it but diagnostics, and the blocks, calls and returns of a contour that
+//! is a subprogram. Facts: reference turning-cycles.md 1.3. Decision:
 //! macros of the machine do not see blocks that are read.
 
 use std::sync::Arc;
@@ -10,7 +11,8 @@ use std::sync::Arc;
 use crate::channel::Kernel;
 use crate::channel::flow::{Called, Callee, Frame};
 use crate::state::modal::group;
-use crate::state::turning::{ContourBlocks, ContourCycle, Reading, Task};
+use crate::state::turning::{ContourBlocks, ContourCycle, LathePlane, Reading, Task};
+use counterpoint_dialect::Call;
 use counterpoint_event::event::Position;
 use counterpoint_fault as diag;
 use counterpoint_fault::{Acted, Halt};
@@ -115,6 +117,37 @@ impl Kernel<'_> {
 
     /// Reads the contour.
     fn read_contour(&mut self, first: Spot, last: Spot) -> Result<Reading, Halt> {
+        let next = self.frame().map(|frame| (frame.next, frame.offset));
+        self.reading(None, |kernel| {
+            let done = kernel.read_blocks(first, last);
+            if let (Some(frame), Some(next)) = (kernel.frame(), next) {
+                (frame.next, frame.offset) = next;
+            }
+            done
+        })
+    }
+
+    /// Runs a subprogram whose moves are the contour of cycles to come (Siemens).
+    pub(crate) fn read_subprogram(&mut self, call: Call) -> Acted {
+        let plane = self.channel.active_plane();
+        let place = (self.channel.at.file, self.channel.at.line);
+        self.channel.state.others.turning.reads = true;
+        let read = self.reading(plane, |kernel| {
+            let level = kernel.flow.frames.len();
+            kernel.call_text(call)?;
+            while kernel.flow.frames.len() > level {
+                kernel.step()?;
+            }
+            Ok(())
+        });
+        self.channel.state.others.turning.reads = false;
+        (self.channel.at.file, self.channel.at.line) = place;
+        self.channel.state.others.turning.kept = read?;
+        Ok(())
+    }
+
+    /// Lets blocks be read: what they would move is recorded in a plane, and nothing of what they change remains.
+    fn reading(&mut self, plane: Option<LathePlane>, blocks: impl FnOnce(&mut Self) -> Acted) -> Result<Reading, Halt> {
         let Some(plan) = self.plan.reading.as_deref() else { return Ok(Reading::default()) };
         let outer_plan = std::mem::replace(&mut self.plan, plan);
         let start = self.channel.programmed();
@@ -124,20 +157,17 @@ impl Kernel<'_> {
         let (cycle, arcs) = (self.channel.state.cycle, std::mem::take(&mut self.channel.state.arcs));
         let secondary = self.channel.state.secondary;
         let text = (self.channel.at.line, self.channel.text.edited.take(), self.flow.offset);
-        let next = self.frame().map(|frame| (frame.next, frame.offset));
         let block = self.macros.block.enter();
 
-        self.channel.state.others.turning.reading = Reading { start: self.channel.flat(&start), ..Reading::default() };
+        let own = Reading { start: self.channel.flat(&start), plane, ..Reading::default() };
+        self.channel.state.others.turning.reading = own;
         // A feed per minute needs no spindle; what moves is only recorded.
         self.channel.state.modal.activate(group::FEED, codes::FEED_UPM, None);
         self.channel.state.modal.remember(data::FEED_UPM, 1.0);
-        let done = self.read_blocks(first, last).and_then(|()| self.flush_lookahead());
+        let done = blocks(self).and_then(|()| self.flush_lookahead());
         let done = done.map_err(|halt| self.end_compensation(halt));
 
         self.macros.block = block;
-        if let (Some(frame), Some(next)) = (self.frame(), next) {
-            (frame.next, frame.offset) = next;
-        }
         (self.channel.at.line, self.channel.text.edited, self.flow.offset) = text;
         self.channel.state.secondary = secondary;
         (self.channel.state.cycle, self.channel.state.arcs) = (cycle, arcs);

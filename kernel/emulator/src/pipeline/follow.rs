@@ -43,6 +43,8 @@ impl Kernel<'_> {
             Some(Pending::CallRange { what, passes }) => self.call_range(what, passes),
             Some(Pending::CallText(call)) => self.call_text(*call),
             Some(Pending::Contour(cycle)) => self.contour_cycle(&cycle),
+            Some(Pending::ReadContour(call)) => self.read_subprogram(*call),
+            Some(Pending::Strip(strip)) => (self.plan.actions.strip)(self, &strip),
             Some(Pending::DataBlocks) => self.pass_data_blocks(),
             Some(Pending::Return(target)) => self.return_from(target),
             Some(Pending::End(stop)) => Err(Halt::ProgramEnd(Some(stop))),

@@ -5,6 +5,7 @@
 use std::sync::Arc;
 
 use super::channel::Channel;
+use super::modal::{group, plane};
 use counterpoint_dialect::Shape;
 use counterpoint_event::event::{FeedUnit, Position};
 use counterpoint_machine::Machine;
@@ -31,6 +32,10 @@ pub(crate) struct Turning {
     pub(crate) taper: f64,
     /// The contour that is being read.
     pub(crate) reading: Reading,
+    /// Moves are recorded, not made.
+    pub(crate) reads: bool,
+    /// The contour that a subprogram has described.
+    pub(crate) kept: Reading,
     /// The contour that the block of a cycle names, until the cycle takes it.
     pub(crate) shape: Option<Shape>,
     /// The tool stays at the end of the next cycle along a named contour.
@@ -50,6 +55,8 @@ impl Turning {
             end: [None; 2],
             taper: 0.0,
             reading: Reading::default(),
+            reads: false,
+            kept: Reading::default(),
             shape: None,
             stays: false,
         }
@@ -70,6 +77,8 @@ pub(crate) struct First {
 pub(crate) struct Reading {
     /// Where the tool was.
     pub(crate) start: Spot,
+    /// The plane of the contour; none for that of turning.
+    pub(crate) plane: Option<LathePlane>,
     /// The first move; none before it.
     pub(crate) first: Option<First>,
     /// Pieces after it.
@@ -121,7 +130,7 @@ pub(crate) enum Task {
     Pattern(pattern::Settings),
 }
 
-/// The plane of turning: channel axes of Z and X, with their factors to geometry.
+/// The plane of a contour: two channel axes with their factors to geometry, Z and X for turning.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct LathePlane {
     pub(crate) axes: [AxisSlot; 2],
@@ -153,6 +162,16 @@ impl LathePlane {
 }
 
 impl Channel<'_> {
+    /// The plane in force; none without its axes.
+    pub(crate) fn active_plane(&self) -> Option<LathePlane> {
+        let layout = &self.state.place.layout;
+        let axis = |role: usize| layout.cartesian.get(role).copied().flatten();
+        let plane = self.state.modal.code(group::PLANE).and_then(plane)?;
+        let (first, second) = (plane.first, plane.second);
+        let axes = [axis(first)?, axis(second)?];
+        Some(LathePlane { axes, scales: axes.map(|axis| layout.axes[axis].scale) })
+    }
+
     /// The plane of turning; none without X and Z.
     pub(crate) fn lathe_plane(&self) -> Option<LathePlane> {
         let layout = &self.state.place.layout;

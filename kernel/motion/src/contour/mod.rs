@@ -3,4 +3,5 @@
 pub mod blend;
 pub mod corner;
 pub mod element;
+pub mod shifted;
 pub mod tangent;

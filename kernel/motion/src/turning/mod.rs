@@ -3,12 +3,14 @@
 //! Points are `[along Z, along X]` in length units, X as a radius. *Invariant:* a cycle gives its moves one by one and asks
 //! before every pass, so that it can be stopped at any time and needs no memory for its passes; every move is finite.
 
+mod allowance;
 pub mod lap;
 mod levels;
 mod parts;
 pub mod pattern;
 pub mod peck;
 pub mod rough;
+pub mod strip;
 mod view;
 
 #[cfg(test)]
@@ -53,6 +55,14 @@ pub trait Sink {
 
     /// The feed moves that follow have a feed of the cycle: 0 its own, 1 and 2 those of changes.
     fn use_feed(&mut self, _number: usize) {}
+
+    /// The tool stands for a time, seconds.
+    ///
+    /// # Errors
+    /// The cycle is to end.
+    fn pause(&mut self, _seconds: f64) -> Result<(), Self::Stop> {
+        Ok(())
+    }
 
     /// Executes a move.
     ///

@@ -19,7 +19,7 @@ pub(super) struct Part {
 
 impl Part {
     /// Where it meets a level between its ends.
-    fn meets(&self, level: f64) -> f64 {
+    pub(super) fn meets(&self, level: f64) -> f64 {
         let ([from, low], [to, high]) = (self.from, self.to);
         if (high - low).abs() < NOISE {
             return from;

@@ -7,15 +7,15 @@ use crate::arc::by_radius;
 use crate::contour::element::{Element, Spot};
 
 /// Writes moves as `R X63 Z2.5`, only what changes.
-struct Written {
+pub(super) struct Written {
     at: Spot,
-    text: Vec<String>,
+    pub(super) text: Vec<String>,
     passes: u32,
     most: u32,
 }
 
 impl Written {
-    fn from(at: Spot) -> Self {
+    pub(super) fn from(at: Spot) -> Self {
         Self { at, text: Vec::new(), passes: 0, most: u32::MAX }
     }
 }
@@ -54,7 +54,7 @@ impl Sink for Written {
 }
 
 /// A contour through points `(X, Z, radius)` from a start `(X, Z)`; a radius above 0 turns counter-clockwise.
-fn contour((x, z): (f64, f64), points: &[(f64, f64, f64)]) -> Contour {
+pub(super) fn contour((x, z): (f64, f64), points: &[(f64, f64, f64)]) -> Contour {
     let spot = |x: f64, z: f64| [z, x / 2.0];
     let mut elements = Vec::new();
     let mut points = points.iter();

@@ -81,13 +81,25 @@ const ALLOWED: [CodeId; 15] = [
 /// Codes of calls and ends, whatever their letter.
 const FLOW: [CodeId; 4] = [codes::CALSUB_ID, codes::CALSUB_RETURN, codes::END, codes::REWIND];
 
+/// Frames, which no contour may change.
+const FRAMES: [CodeId; 8] = [
+    codes::LCS_TRANSLATE_ON,
+    codes::LCS_TRANSLATE_ADD,
+    codes::LCS_ROTATE_ON,
+    codes::LCS_ROTATE_ADD,
+    codes::LCS_SCALE_ON,
+    codes::LCS_SCALE_ADD,
+    codes::LCS_MIRROR_ON,
+    codes::LCS_MIRROR_ADD,
+];
+
 /// A code that does not shape the contour.
 fn other(act: &mut Act<'_, '_>, row: &CodeRow, code: &PendingCode) -> Acted {
     if row.id == codes::DELAY {
         act.take(data::DELAY);
     }
     let (letter, _) = act.written(row, code);
-    if FLOW.contains(&row.id) || letter == 'G' && !ALLOWED.contains(&row.id) {
+    if FLOW.contains(&row.id) || FRAMES.contains(&row.id) || letter == 'G' && !ALLOWED.contains(&row.id) {
         return refuse(act);
     }
     Ok(())
@@ -100,7 +112,8 @@ fn refuse(act: &mut Act<'_, '_>) -> Acted {
 
 /// Records a motion as a piece of the contour.
 pub(in crate::action) fn record(act: &mut Act<'_, '_>, motion: &Motion) -> Acted {
-    let Some(plane) = act.lathe_plane() else { return Ok(()) };
+    let own = act.state.others.turning.reading.plane;
+    let Some(plane) = own.or_else(|| act.lathe_plane()) else { return Ok(()) };
     let (from, to) = (plane.point(&motion.from), plane.point(&motion.to));
     let arc = match motion.kind {
         MotionKind::ArcCw | MotionKind::ArcCcw => {

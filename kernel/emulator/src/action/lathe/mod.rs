@@ -7,10 +7,12 @@
 mod contour;
 mod lap;
 mod moves;
+mod strip;
 mod words;
 
 pub(super) use contour::{reading, record};
 pub(super) use moves::go_back;
+pub(super) use strip::strip;
 
 use counterpoint_motion::turning::{Contour as Shape, Refusal, pattern, peck, rough};
 

@@ -7,7 +7,7 @@ use counterpoint_motion::turning::{Move, Sink};
 
 use crate::act::Act;
 use crate::action::arc::Circle;
-use crate::action::turned;
+use crate::action::{dwell, turned};
 use crate::state::modal::plane;
 use crate::state::turning::LathePlane;
 use counterpoint_event::event::{FeedUnit, Position};
@@ -58,6 +58,10 @@ impl Sink for Cutting<'_, '_, '_> {
     fn use_feed(&mut self, number: usize) {
         let own = self.feeds.iter().take(number + 1).rev().copied().flatten().next();
         self.feed.0 = own.or(self.feed.0);
+    }
+
+    fn pause(&mut self, seconds: f64) -> Acted {
+        dwell::of_cycle(self.act, seconds)
     }
 
     fn go(&mut self, to: Move) -> Acted {

@@ -5,6 +5,8 @@ use counterpoint_fault::{Acted, Halt};
 use crate::channel::Kernel;
 use crate::channel::flow::Pending;
 use counterpoint_dialect::{Call, Flow, Loops, Shape};
+use counterpoint_motion::contour::element::Element;
+use counterpoint_motion::turning::strip::Strip;
 use counterpoint_program::spot::Spot;
 
 impl Flow for Kernel<'_> {
@@ -42,6 +44,22 @@ impl Flow for Kernel<'_> {
 
     fn cut_along(&mut self, shape: Shape) {
         self.channel.state.others.turning.shape = Some(shape);
+    }
+
+    fn read_contour(&mut self, call: Call) {
+        self.ask(Pending::ReadContour(Box::new(call)));
+    }
+
+    fn reads_contour(&self) -> bool {
+        self.channel.state.others.turning.reads
+    }
+
+    fn contour(&self) -> &[Element] {
+        &self.channel.state.others.turning.kept.elements
+    }
+
+    fn remove_stock(&mut self, strip: Strip) {
+        self.ask(Pending::Strip(Box::new(strip)));
     }
 
     fn return_from(&mut self) {

@@ -111,6 +111,14 @@ impl Frames for Kernel<'_> {
         self.channel.state.place.tools.current
     }
 
+    fn tip(&self, offset: u32) -> u8 {
+        self.channel.offset_tip(offset)
+    }
+
+    fn set_tip(&mut self, offset: u32, tip: f64) -> bool {
+        self.channel.set_offset_tip(offset, tip)
+    }
+
     fn modes(&self) -> Modes {
         Modes(self.channel.state.modal.saved())
     }

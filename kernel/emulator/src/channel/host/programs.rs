@@ -62,6 +62,10 @@ impl Programs for Kernel<'_> {
         self.flow.frames.last().map(|frame| (frame.file, frame.range))
     }
 
+    fn callers(&self) -> Vec<(FileId, Range)> {
+        self.flow.frames.iter().rev().map(|frame| (frame.file, frame.range)).collect()
+    }
+
     fn source(&self, file: FileId) -> Option<Arc<Source>> {
         self.channel.env.sources.shared(file)
     }

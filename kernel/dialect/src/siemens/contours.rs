@@ -1,0 +1,184 @@
+//! Statements by which the cycles of the control read contours and cut along them.
+//!
+//! `SC_KEEP(name)` keeps the name of a contour for the next cycle that has none (CYCLE62); `SC_READ(name)` runs the subprogram, or the section between the labels of `A:B` of the program that has called the cycle,
+//! so that its moves are recorded; `SC_PIECES(count, table)` gives what was recorded; `SC_STRIP(…)` removes stock along it.
+//! The control does the same by CONTPRON and EXECUTE. Facts: reference siemens-cycles.md 1.6. *Invariant:* only programs
+//! stored with the machine have these statements; elsewhere their names are as unknown as on the control.
+
+use super::evaluate::number;
+use super::expression::{Argument, as_name};
+use super::value::Data;
+use super::{Fault, Outcome, Siemens, syntax, wrong_type};
+use crate::host::{Call, Host};
+use counterpoint_event::FileId;
+use counterpoint_fault as diag;
+use counterpoint_machine::stored::StoredFile;
+use counterpoint_motion::contour::shifted::shifted;
+use counterpoint_motion::turning::strip::Strip;
+use counterpoint_program::shape::Range;
+
+/// Columns of a table of pieces: kind (1 to 3 as G1 to G3), end, centre, along both axes of the plane.
+const COLUMNS: usize = 5;
+
+impl Siemens {
+    /// Executes such a statement; whether it is one.
+    pub(super) fn contour_statement(
+        &mut self,
+        host: &mut dyn Host,
+        name: &str,
+        arguments: &[Argument],
+    ) -> Outcome<bool> {
+        let statement = match name {
+            "SC_KEEP" => Self::keep_contour,
+            "SC_READ" => Self::read_contour,
+            "SC_PIECES" => Self::pieces,
+            "SC_STRIP" => Self::strip,
+            _ => return Ok(false),
+        };
+        let place = host.place();
+        if !is_stored(&host.files(), place.file) {
+            return Ok(false);
+        }
+        if host.reads_contour() {
+            return Err(Fault::Alarm(&diag::CONTOUR_CODE, "a contour has no cycle along a contour".to_owned()));
+        }
+        statement(self, host, arguments)?;
+        Ok(true)
+    }
+
+    fn keep_contour(&mut self, host: &mut dyn Host, arguments: &[Argument]) -> Outcome<()> {
+        let name = self.contour_name(host, arguments)?;
+        self.variables.contours.push(name);
+        Ok(())
+    }
+
+    fn contour_name(&mut self, host: &mut dyn Host, arguments: &[Argument]) -> Outcome<String> {
+        let Some(first) = arguments.first() else { return syntax("the name of a contour is missing") };
+        match self.argument(host, first)? {
+            Some(Data::Text(name)) => Ok(name.trim().to_ascii_uppercase()),
+            _ => wrong_type("the name of a contour is a text"),
+        }
+    }
+
+    fn read_contour(&mut self, host: &mut dyn Host, arguments: &[Argument]) -> Outcome<()> {
+        let mut name = self.contour_name(host, arguments)?;
+        if name.is_empty() {
+            match self.variables.contours.as_slice() {
+                [] => return syntax("no contour is named (CYCLE62)"),
+                [one] => name.clone_from(one),
+                _ => return syntax("several contours (CYCLE62) of one cycle are not emulated"),
+            }
+            self.variables.contours.clear();
+        }
+        let call = match name.split_once(':') {
+            Some((from, to)) => self.contour_section(host, &name, (from.trim(), to.trim()))?,
+            None => {
+                let found = self.program_by_path(host, &name)?;
+                if name.is_empty() || found.is_none() {
+                    let text = format!("the contour '{name}' is no subprogram (alarm 14011, program not there)");
+                    return Err(Fault::Alarm(&diag::SUBPROGRAM_MISSING, text));
+                }
+                self.prepare_call(host, &name, found, &[])?
+            }
+        };
+        host.read_contour(call);
+        Ok(())
+    }
+
+    /// The lines between two labels of the program that has called the cycle.
+    fn contour_section(&mut self, host: &mut dyn Host, name: &str, (from, to): (&str, &str)) -> Outcome<Call> {
+        let (files, callers) = (host.files(), host.callers());
+        let outer = callers.iter().take_while(|(file, _)| is_stored(&files, *file)).count();
+        let Some(caller) = callers.get(outer).copied() else { return syntax("no program has called the cycle") };
+        let labels = (from.to_owned(), to.to_owned());
+        let (file, range) = self.section(host, caller, &labels)?;
+        let mut call = self.prepare_part(host, name.to_owned(), (range.first, range.last), 1);
+        call.place = Some((file, Range { number: None, ..range }));
+        if let Some(calling) = &mut self.calling {
+            calling.outer = outer;
+        }
+        Ok(call)
+    }
+
+    /// Number of pieces, and the pieces as far as the table has room; the first row is where the contour begins. A third number
+    /// moves them to the left, below zero to the right; -1 pieces if that is not possible.
+    fn pieces(&mut self, host: &mut dyn Host, arguments: &[Argument]) -> Outcome<()> {
+        let mut targets = Vec::new();
+        for argument in arguments.iter().take(2) {
+            let target = match &argument.value {
+                Ok(Some(expression)) => match as_name(expression) {
+                    Some(name) => self.locate(host, name)?,
+                    None => None,
+                },
+                _ => None,
+            };
+            targets.extend(target);
+        }
+        let [count, table] = targets.as_slice() else { return syntax("SC_PIECES needs a variable and a table") };
+        let by = match arguments.get(2) {
+            Some(argument) => self.argument(host, argument)?.map_or(Ok(0.0), |value| number(&value))?,
+            None => 0.0,
+        };
+        let mut rows: Vec<[f64; COLUMNS]> = Vec::new();
+        // The program counts in its own unit.
+        let factor = host.length_factor();
+        let moved = if by == 0.0 {
+            Some(host.contour().to_vec())
+        } else {
+            shifted(host.contour(), by.signum(), by.abs() * factor)
+        };
+        let Some(contour) = moved else { return self.store(host, count, Data::Int(-1)) };
+        for element in &contour {
+            if rows.is_empty() {
+                rows.push([0.0, element.from[0], element.from[1], 0.0, 0.0]);
+            }
+            let [end, second] = element.to;
+            rows.push(match &element.arc {
+                None => [1.0, end, second, 0.0, 0.0],
+                Some(arc) => [if arc.sweep < 0.0 { 2.0 } else { 3.0 }, end, second, arc.center[0], arc.center[1]],
+            });
+        }
+        let pieces = i64::try_from(contour.len()).unwrap_or(i64::MAX);
+        let values = rows.iter().flat_map(|[kind, places @ ..]| {
+            std::iter::once(*kind).chain(places.iter().map(move |place| place / factor))
+        });
+        let room = table.count.saturating_sub(table.at);
+        for (step, value) in values.take(room).enumerate() {
+            self.store(host, &table.element(step), Data::Real(value))?;
+        }
+        self.store(host, count, Data::Int(pieces))
+    }
+
+    /// Removes stock along the contour that was read.
+    fn strip(&mut self, host: &mut dyn Host, arguments: &[Argument]) -> Outcome<()> {
+        let mut values = [0.0; 15];
+        if arguments.len() != values.len() {
+            return syntax(format!("SC_STRIP needs {} numbers", values.len()));
+        }
+        for (slot, argument) in values.iter_mut().zip(arguments) {
+            *slot = self.argument(host, argument)?.map_or(Ok(0.0), |value| number(&value))?;
+        }
+        let [kind, face, inside, depth, z, x, around, lift, rounds, pause, way, first, into, along, clearance] = values;
+        let unit = host.length_factor();
+        host.remove_stock(Strip {
+            rough: kind == 1.0 || kind == 3.0,
+            finish: kind >= 2.0,
+            face: face != 0.0,
+            inside: inside != 0.0,
+            depth: depth * unit,
+            allowance: [z * unit, x * unit],
+            around: around * unit,
+            lift: lift * unit,
+            rounds: rounds != 0.0,
+            pause: [pause, way * unit],
+            feeds: [first * unit, into * unit, along * unit],
+            clearance,
+        });
+        Ok(())
+    }
+}
+
+/// A file stored with the machine.
+fn is_stored(files: &[String], file: FileId) -> bool {
+    files.get(usize::from(file)).is_some_and(|name| name.starts_with(StoredFile::ROOT))
+}

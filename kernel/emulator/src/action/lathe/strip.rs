@@ -1,0 +1,45 @@
+//! Stock removal along a contour that a subprogram has described (Siemens CYCLE95).
+//!
+//! Facts: reference siemens-cycles.md 1.6 and 6; the moves are those of `counterpoint_motion::turning::strip`. *Invariant:* a
+//! contour that cannot be cut is an alarm of the control, and nothing has moved.
+
+use counterpoint_motion::turning::strip::{Removal, Strip, Wrong};
+
+use super::moves::Cutting;
+use crate::act::Act;
+use crate::state::turning::Reading;
+use counterpoint_fault as diag;
+use counterpoint_fault::Acted;
+
+/// Removes stock along the contour that was read last.
+pub(in crate::action) fn strip(act: &mut Act<'_, '_>, strip: &Strip) -> Acted {
+    let reading = std::mem::take(&mut act.state.others.turning.kept);
+    let done = cut(act, strip, &reading);
+    act.state.others.turning.kept = reading;
+    done
+}
+
+fn cut(act: &mut Act<'_, '_>, strip: &Strip, reading: &Reading) -> Acted {
+    let plane = act.lathe_plane().filter(|plane| reading.plane.is_none_or(|own| own.axes == plane.axes));
+    let Some(plane) = plane else {
+        let text = format!(
+            "the program sets alarm 61606: the contour is not in the plane of Z and X in '{}'",
+            act.block_text()
+        );
+        return Err(act.alarm(&diag::SIEMENS_STOP, text));
+    };
+    let why = match Removal::new(&reading.elements, *strip) {
+        Ok(removal) => {
+            let [first, into, along] = strip.feeds;
+            let (_, unit) = act.feed();
+            let mut cutting = Cutting::new(act, &plane, (Some(first), unit)).with_feeds([Some(into), Some(along)]);
+            return removal.run(&mut cutting);
+        }
+        Err(Wrong::TurnsBack) => "61605: the contour turns back along the cut",
+        Err(Wrong::Nothing) => "61606: the contour has no piece to cut",
+        Err(Wrong::Narrow) => "61605: the allowances do not fit into the contour",
+        Err(Wrong::Clearance) => "61604: the contour falls more steeply than the clearance angle of the tool allows",
+    };
+    let text = format!("the program sets alarm {why} in '{}'", act.block_text());
+    Err(act.alarm(&diag::SIEMENS_STOP, text))
+}

@@ -1,0 +1,48 @@
+//! A contour moved square to itself.
+//!
+//! *Invariant:* what comes out follows itself without gaps; where a piece is too small for the amount, or the neighbours of one
+//! would meet before it, there is none.
+
+use super::corner::{Link, Offset};
+use super::element::{Element, NOISE, distance};
+use crate::arc::Arc;
+
+/// The contour moved square to itself: to the left with a side of +1, to the right with −1. Corners outside stay sharp.
+#[must_use]
+pub fn shifted(contour: &[Element], side: f64, amount: f64) -> Option<Vec<Element>> {
+    let offset = Offset { side, radius: amount, corner: 1, limit: -1.0 };
+    let mut moved = Vec::with_capacity(contour.len());
+    let mut here = offset.at_start(contour.first()?);
+    let mut pieces = contour.iter().peekable();
+    while let Some(piece) = pieces.next() {
+        if piece.is_too_small(side, amount) {
+            return None;
+        }
+        let (end, links) = match pieces.peek() {
+            None => (offset.at_end(piece), Vec::new()),
+            Some(next) => {
+                let corner = offset.between(piece, next, here);
+                if corner.hurts {
+                    return None;
+                }
+                (corner.end, corner.links)
+            }
+        };
+        let arc = piece.arc.map(|arc| {
+            let radius = piece.offset_radius(side, amount).unwrap_or(arc.radius);
+            Arc { radius, ..Element { arc: Some(arc), ..*piece }.between(here, end).arc.unwrap_or(arc) }
+        });
+        if distance(here, end) > NOISE {
+            moved.push(Element { from: here, to: end, arc });
+        }
+        here = end;
+        for link in links {
+            let (Link::Line(to) | Link::Round { to, .. }) = link;
+            if distance(here, to) > NOISE {
+                moved.push(Element { from: here, to, arc: None });
+            }
+            here = to;
+        }
+    }
+    Some(moved)
+}

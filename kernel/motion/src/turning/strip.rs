@@ -1,0 +1,470 @@
+//! Stock removal of Siemens controls (CYCLE95): levels of one section of the contour after the other.
+//!
+//! Facts: reference siemens-cycles.md 1.6. A section is what lies above the beginning of the contour, or a relief cut; each is
+//! divided into equal levels of the given depth at most. A level ends on the contour, goes up along it to the level before,
+//! and lifts off in both axes. *Invariant:* every move lies on the stock side of the contour with its allowances; a cycle
+//! begins and ends at its start point, one lift beyond the contour in both axes.
+
+use super::allowance::leave;
+use super::parts::{Mark, Part, Parts, Stretch};
+use super::view::View;
+use super::{Move, NOISE, Sink, along};
+use crate::contour::element::{Element, Spot, angle};
+use crate::contour::shifted::shifted;
+
+/// What is done along a contour.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Strip {
+    /// Levels are cut.
+    pub rough: bool,
+    /// The contour itself is cut.
+    pub finish: bool,
+    /// Cuts run along X.
+    pub face: bool,
+    /// The stock is on the side of smaller X.
+    pub inside: bool,
+    /// Depth of a level at most; 0 for one level.
+    pub depth: f64,
+    /// What levels leave along Z and X.
+    pub allowance: Spot,
+    /// What they leave square to the contour.
+    pub around: f64,
+    /// How far the tool lifts off in each axis.
+    pub lift: f64,
+    /// Levels go up along the contour.
+    pub rounds: bool,
+    /// Seconds of a pause in a cut, and the way after which there is one; 0 for none.
+    pub pause: [f64; 2],
+    /// Feed of levels, into relief cuts, along the contour.
+    pub feeds: [f64; 3],
+    /// Largest angle of a falling flank, degrees; 0 for any.
+    pub clearance: f64,
+}
+
+/// Why a contour cannot be cut.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Wrong {
+    /// It turns back along the cut.
+    TurnsBack,
+    /// It has no piece.
+    Nothing,
+    /// Its allowances do not fit into it.
+    Narrow,
+    /// A flank falls more steeply than the tool allows.
+    Clearance,
+}
+
+/// Equal levels below a height.
+#[derive(Debug, Clone, Copy)]
+struct Grid {
+    top: f64,
+    step: f64,
+    count: u32,
+}
+
+impl Grid {
+    fn new(top: f64, low: f64, depth: f64) -> Self {
+        let whole = (top - low).max(0.0);
+        let count = if whole <= NOISE {
+            0
+        } else if depth <= 0.0 {
+            1
+        } else {
+            (whole / depth - 1e-6).ceil().clamp(1.0, 1e9) as u32
+        };
+        Self { top, step: if count == 0 { 0.0 } else { whole / f64::from(count) }, count }
+    }
+
+    fn height(&self, number: u32) -> f64 {
+        self.top - f64::from(number) * self.step
+    }
+}
+
+/// A stretch of a level within a relief cut.
+#[derive(Debug, Clone, Copy)]
+struct Relief {
+    begin: Mark,
+    end: Mark,
+    grid: Grid,
+    number: u32,
+    /// Where the level before began on the same flank.
+    above: Option<Mark>,
+    /// It is the first one of its section.
+    first: bool,
+}
+
+/// What follows after the open levels.
+#[derive(Debug, Clone, Copy)]
+enum Start {
+    /// A level that is continued by those below it.
+    Level(Relief),
+    /// A section between two places of the contour, below a height.
+    Section(Mark, Mark, f64),
+}
+
+impl Start {
+    /// Where it begins.
+    fn part(&self) -> usize {
+        match self {
+            Self::Level(relief) => relief.begin.part,
+            Self::Section(begin, ..) => begin.part,
+        }
+    }
+}
+
+/// A cycle, ready to be cut.
+#[derive(Debug)]
+pub struct Removal<'c> {
+    contour: &'c [Element],
+    strip: Strip,
+    view: View,
+    /// The contour with its allowances.
+    parts: Parts,
+    /// Where the cycle begins and ends, as seen.
+    start: Spot,
+    high: f64,
+}
+
+/// Where the tool is, as seen, and what takes its moves.
+struct Cut<'s, S: Sink> {
+    sink: &'s mut S,
+    view: View,
+    at: Spot,
+}
+
+impl<S: Sink> Cut<'_, S> {
+    fn rapid(&mut self, to: Spot) -> Result<(), S::Stop> {
+        self.at = to;
+        self.sink.go(Move::Rapid(self.view.place(to)))
+    }
+
+    fn feed(&mut self, to: Spot) -> Result<(), S::Stop> {
+        self.at = to;
+        self.sink.go(Move::Feed(self.view.place(to)))
+    }
+
+    /// Along a part of the contour to one of its points.
+    fn part(&mut self, part: &Part, to: Spot) -> Result<(), S::Stop> {
+        let Some((center, clockwise)) = part.arc else { return self.feed(to) };
+        if (to[0] - self.at[0]).abs() + (to[1] - self.at[1]).abs() <= NOISE {
+            return Ok(());
+        }
+        let clockwise = clockwise != self.view.turns_over();
+        let (place, center) = (self.view.place(to), self.view.place(center));
+        self.at = to;
+        self.sink.go(Move::Arc { to: place, center, clockwise })
+    }
+}
+
+impl<'c> Removal<'c> {
+    /// The cycle of a contour.
+    ///
+    /// # Errors
+    /// The contour cannot be cut.
+    pub fn new(contour: &'c [Element], strip: Strip) -> Result<Self, Wrong> {
+        let (Some(first), Some(last)) = (contour.first(), contour.last()) else { return Err(Wrong::Nothing) };
+        let plain = View { face: strip.face, signs: [1.0; 2] };
+        let (from, to) = (plain.see(first.from), plain.see(last.to));
+        let sign = |way: f64, or: f64| if way.abs() > NOISE { way.signum() } else { or };
+        let stock = match (strip.face, strip.inside) {
+            (true, _) => sign(to[1] - from[1], 1.0),
+            (false, true) => -1.0,
+            (false, false) => 1.0,
+        };
+        let toward = sign(to[0] - from[0], if strip.face && strip.inside { 1.0 } else { -1.0 });
+        let view = View { signs: [toward, stock], ..plain };
+        let whole = Parts::of(contour, &view);
+        let unbounded = [f64::NEG_INFINITY, f64::INFINITY];
+        whole.check(unbounded).map_err(|refusal| match refusal {
+            super::Refusal::Nothing => Wrong::Nothing,
+            _ => Wrong::TurnsBack,
+        })?;
+        if strip.clearance > 0.0 && whole.all.iter().any(|part| steepest(part) > strip.clearance + 0.01) {
+            return Err(Wrong::Clearance);
+        }
+        let side = if view.turns_over() { -1.0 } else { 1.0 };
+        let parts = if strip.around > 0.0 {
+            Parts::of(&shifted(contour, side, strip.around).ok_or(Wrong::Narrow)?, &view)
+        } else {
+            whole
+        };
+        let [z, x] = strip.allowance;
+        let left = if strip.face { [x, z] } else { [z, x] };
+        let parts = Parts { all: leave(parts.all, left).ok_or(Wrong::Narrow)? };
+        let high = parts.all.iter().fold(f64::NEG_INFINITY, |high, part| high.max(part.from[1]).max(part.to[1]));
+        let begin = parts.all.first().map_or(0.0, |part| part.from[0]);
+        let start = [begin - strip.lift, high + strip.lift];
+        Ok(Self { contour, strip, view, parts, start, high })
+    }
+
+    /// Gives the moves.
+    ///
+    /// # Errors
+    /// The sink takes no more.
+    pub fn run<S: Sink>(&self, sink: &mut S) -> Result<(), S::Stop> {
+        let mut cut = Cut { sink, view: self.view, at: self.start };
+        cut.rapid(self.start)?;
+        if self.strip.rough {
+            self.open_section(&mut cut)?;
+            self.back(&mut cut)?;
+        }
+        if self.strip.finish {
+            self.finish(&mut cut)?;
+        }
+        Ok(())
+    }
+
+    /// Axis by axis to the start.
+    fn back<S: Sink>(&self, cut: &mut Cut<'_, S>) -> Result<(), S::Stop> {
+        cut.rapid([cut.at[0], self.start[1]])?;
+        cut.rapid(self.start)
+    }
+
+    /// Levels above the beginning of the contour, then the relief cuts.
+    fn open_section<S: Sink>(&self, cut: &mut Cut<'_, S>) -> Result<(), S::Stop> {
+        let Some(last) = self.parts.all.len().checked_sub(1) else { return Ok(()) };
+        let begin = self.parts.all.first().map_or(self.high, |part| part.from[1]);
+        let grid = Grid::new(self.high, begin, self.strip.depth);
+        let mut reliefs = Vec::new();
+        let mut end = last;
+        for number in 0..=grid.count {
+            let level = grid.height(number);
+            if number > 0 {
+                cut.sink.pass()?;
+                let mut stretches = self.parts.stretches(level).into_iter();
+                let Some(open) = stretches.next().filter(|stretch| stretch.begin.is_none()) else { break };
+                cut.rapid([self.start[0], level])?;
+                cut.sink.use_feed(0);
+                self.level(cut, open.end, level, grid.height(number - 1))?;
+                cut.rapid([self.start[0], cut.at[1]])?;
+                // Beside it, below a peak that is lower than the level before.
+                let beside = stretches.filter_map(|Stretch { begin, end: to }| {
+                    let begin = begin.filter(|_| to.part <= end)?;
+                    Some(Start::Level(Relief { begin, end: to, grid, number, above: None, first: true }))
+                });
+                reliefs.extend(beside);
+                end = open.end.part;
+            }
+            // What lies below this level and is not reached from the beginning of the contour.
+            for (begin, (from, to)) in self.below(level, (0, end)) {
+                if begin.is_some() || number == grid.count {
+                    reliefs.push(Start::Section(from, to, level));
+                } else {
+                    end = to.part;
+                }
+            }
+        }
+        reliefs.sort_by_key(Start::part);
+        for relief in reliefs {
+            match relief {
+                Start::Level(relief) => self.reliefs(cut, vec![relief])?,
+                Start::Section(begin, end, top) => self.relief_section(cut, (begin, end), top)?,
+            }
+        }
+        Ok(())
+    }
+
+    /// Cuts along a level to its end on the contour, up along it to the level before, and lifts off.
+    fn level<S: Sink>(&self, cut: &mut Cut<'_, S>, end: Mark, level: f64, before: f64) -> Result<(), S::Stop> {
+        let from = cut.at[0];
+        self.cut_with_pauses(cut, [end.along, level])?;
+        if self.strip.rounds {
+            self.round(cut, end, before)?;
+        }
+        let to = (cut.at[0] - self.strip.lift).max(from.min(cut.at[0]));
+        cut.rapid([to, cut.at[1] + self.strip.lift])
+    }
+
+    fn cut_with_pauses<S: Sink>(&self, cut: &mut Cut<'_, S>, to: Spot) -> Result<(), S::Stop> {
+        let [seconds, way] = self.strip.pause;
+        if seconds > 0.0 && way > 0.0 {
+            let from = cut.at[0];
+            for number in 1_u32.. {
+                let at = from + f64::from(number) * way;
+                if at >= to[0] - NOISE {
+                    break;
+                }
+                cut.sink.pass()?;
+                cut.feed([at, to[1]])?;
+                cut.sink.pause(seconds)?;
+            }
+        }
+        cut.feed(to)
+    }
+
+    /// Up along the contour to a height, as long as it does not fall.
+    fn round<S: Sink>(&self, cut: &mut Cut<'_, S>, from: Mark, height: f64) -> Result<(), S::Stop> {
+        for part in self.parts.all.iter().skip(from.part) {
+            if cut.at[1] >= height - NOISE || part.to[1] < part.from[1].max(cut.at[1]) - NOISE {
+                break;
+            }
+            let to = if part.to[1] > height + NOISE { [part.meets(height), height] } else { part.to };
+            cut.part(part, to)?;
+        }
+        Ok(())
+    }
+
+    /// Stretches of the contour below a level, among some of its parts: where each begins (none where the parts do) and its ends.
+    fn below(&self, level: f64, (first, last): (usize, usize)) -> Vec<(Option<Mark>, (Mark, Mark))> {
+        let mut found = Vec::new();
+        let mut open: Option<(Option<Mark>, Mark)> = None;
+        for (index, part) in self.parts.all.iter().enumerate().take(last + 1).skip(first) {
+            let (from, to) = (part.from[1] < level - NOISE, part.to[1] < level - NOISE);
+            if index == first && from {
+                open = Some((None, Mark { part: index, along: part.from[0] }));
+            }
+            if !from && to {
+                let mark = Mark { part: index, along: part.meets(level) };
+                let at_start = index == 0 && part.from[1] <= level + NOISE;
+                open = Some(((!at_start).then_some(mark), mark));
+            }
+            if from
+                && !to
+                && let Some((begin, mark)) = open.take()
+            {
+                found.push((begin, (mark, Mark { part: index, along: part.meets(level) })));
+            }
+        }
+        if let Some(((begin, mark), part)) = open.zip(self.parts.all.get(last)) {
+            found.push((begin, (mark, Mark { part: last, along: part.to[0] })));
+        }
+        found
+    }
+
+    /// A relief cut below a level that was cut.
+    fn relief_section<S: Sink>(
+        &self,
+        cut: &mut Cut<'_, S>,
+        (begin, end): (Mark, Mark),
+        top: f64,
+    ) -> Result<(), S::Stop> {
+        let within = self.parts.all.get(begin.part..=end.part).unwrap_or_default();
+        let low = within.iter().fold(top, |low, part| low.min(part.to[1]));
+        let grid = Grid::new(top, low, self.strip.depth);
+        let mut open = self.stretches(grid, 1, (begin, end));
+        open.reverse();
+        self.reliefs(cut, open)
+    }
+
+    /// Levels of relief cuts, each with those below it; the last one is the first to be cut.
+    fn reliefs<S: Sink>(&self, cut: &mut Cut<'_, S>, mut open: Vec<Relief>) -> Result<(), S::Stop> {
+        let mut sections = Vec::new();
+        while let Some(relief) = open.pop() {
+            let level = relief.grid.height(relief.number);
+            cut.sink.pass()?;
+            self.enter(cut, &relief, level)?;
+            cut.sink.use_feed(0);
+            self.level(cut, relief.end, level, relief.grid.height(relief.number - 1))?;
+            if relief.number < relief.grid.count {
+                let mut deeper = self.stretches(relief.grid, relief.number + 1, (relief.begin, relief.end));
+                if let Some(first) = deeper.first_mut() {
+                    first.first = false;
+                    first.above = self.parts.falls(relief.begin.part, first.begin.part).then_some(relief.begin);
+                }
+                open.extend(deeper.into_iter().rev());
+            } else {
+                let deeper = self.below(level, (relief.begin.part, relief.end.part));
+                sections.extend(deeper.into_iter().map(|(_, ends)| (ends, level)));
+            }
+        }
+        sections.into_iter().try_for_each(|(ends, top)| self.relief_section(cut, ends, top))
+    }
+
+    /// The stretches of a level between two places of the contour.
+    fn stretches(&self, grid: Grid, number: u32, (begin, end): (Mark, Mark)) -> Vec<Relief> {
+        let level = grid.height(number);
+        let found = self.parts.stretches(level).into_iter().filter_map(|Stretch { begin: from, end: to }| {
+            let from = from.unwrap_or(Mark { part: 0, along: self.parts.all.first().map_or(0.0, |part| part.from[0]) });
+            let inside = from.part >= begin.part && to.part <= end.part;
+            inside.then_some(Relief { begin: from, end: to, grid, number, above: None, first: false })
+        });
+        let mut found: Vec<_> = found.collect();
+        if number == 1
+            && let Some(first) = found.first_mut()
+        {
+            first.first = true;
+        }
+        found
+    }
+
+    /// Takes the tool to the beginning of a level of a relief cut, down along the contour.
+    fn enter<S: Sink>(&self, cut: &mut Cut<'_, S>, relief: &Relief, level: f64) -> Result<(), S::Stop> {
+        let before = relief.grid.height(relief.number - 1);
+        let (from, part) = match relief.above {
+            Some(above) => ([above.along, before], above.part),
+            None => self.descent(relief.begin, before),
+        };
+        let clear = if relief.first { self.start[1] } else { before + self.strip.lift };
+        if cut.at[1] < clear - NOISE {
+            cut.rapid([cut.at[0], clear])?;
+        }
+        cut.rapid([from[0], cut.at[1]])?;
+        let near = from[1].max(before) + self.strip.lift;
+        if cut.at[1] > near + NOISE {
+            cut.rapid([from[0], near])?;
+        }
+        cut.sink.use_feed(1);
+        cut.feed(from)?;
+        for (index, piece) in self.parts.all.iter().enumerate().take(relief.begin.part + 1).skip(part) {
+            let to = if index == relief.begin.part { [relief.begin.along, level] } else { piece.to };
+            cut.part(piece, to)?;
+        }
+        Ok(())
+    }
+
+    /// Where the contour begins to fall to a place, not above a height: the point and its part.
+    fn descent(&self, place: Mark, height: f64) -> (Spot, usize) {
+        let mut part = place.part;
+        while let Some(piece) = self.parts.all.get(part) {
+            let above = piece.from[1] > height + NOISE;
+            if above {
+                return ([piece.meets(height), height], part);
+            }
+            let before = part.checked_sub(1).and_then(|at| self.parts.all.get(at));
+            let falls =
+                before.is_some_and(|piece| piece.from[1] >= piece.to[1] - NOISE && piece.to[1] < height - NOISE);
+            if !falls {
+                return (piece.from, part);
+            }
+            part -= 1;
+        }
+        ([place.along, height], place.part)
+    }
+
+    /// Along the contour, and back to the start.
+    fn finish<S: Sink>(&self, cut: &mut Cut<'_, S>) -> Result<(), S::Stop> {
+        cut.sink.pass()?;
+        let Some(first) = self.contour.first() else { return Ok(()) };
+        cut.rapid(self.view.see(first.from))?;
+        cut.sink.use_feed(2);
+        for element in self.contour {
+            cut.at = self.view.see(element.to);
+            cut.sink.go(along(element))?;
+        }
+        if cut.at[1] < self.high - NOISE {
+            return self.back(cut);
+        }
+        cut.rapid(self.start)
+    }
+}
+
+/// The steepest angle at which a part falls, degrees; 0 if it does not.
+fn steepest(part: &Part) -> f64 {
+    if part.to[1] >= part.from[1] - NOISE {
+        return 0.0;
+    }
+    let slope = |[run, drop]: Spot| libm::atan2(drop.abs(), run.abs()).to_degrees();
+    match part.arc {
+        None => slope([part.to[0] - part.from[0], part.to[1] - part.from[1]]),
+        Some((center, _)) => {
+            let tangent = |spot: Spot| {
+                let at = angle(center, spot);
+                slope([libm::sin(at), libm::cos(at)])
+            };
+            tangent(part.from).max(tangent(part.to))
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;
