@@ -45,6 +45,9 @@ pub trait Frames {
     /// Positions count from where the axes are.
     fn relative(&self) -> bool;
 
+    /// Distances of axes that are programmed as diameters are radii.
+    fn steps_are_radii(&self) -> bool;
+
     /// Moves are rapid or straight unless a block says otherwise.
     fn moves_straight(&self) -> bool;
 

@@ -65,7 +65,9 @@ impl Siemens {
                 let relative = left.relative.unwrap_or_else(|| host.relative());
                 let axes = host.axes();
                 let axis = axes.iter().find(|axis| axis.is(named.as_deref().unwrap_or(&address)));
-                match placed(&axes, axis, &address, *way, value, relative) {
+                // Positions of one step along the axis.
+                let step = if axis.is_some_and(|axis| axis.diameter) && host.steps_are_radii() { 2.0 } else { 1.0 };
+                match placed(&axes, axis, &address, *way, value, relative.then_some(step)) {
                     Placed::Value(value) => Data::Real(value).word(),
                     Placed::Step(value) => match host.second(&address) {
                         Some(second) => {
@@ -74,7 +76,7 @@ impl Siemens {
                         }
                         None => {
                             let at = axis.map_or(0.0, |axis| axis.from);
-                            Data::Real(if relative { value } else { at + value }).word()
+                            Data::Real(if relative { value } else { at + value * step }).word()
                         }
                     },
                     Placed::Text => format!("{key}({})", shown(value)),
@@ -166,13 +168,13 @@ fn placed(
     address: &str,
     way: Positioning,
     value: f64,
-    relative: bool,
+    relative: Option<f64>,
 ) -> Placed {
     if way == Positioning::Value {
         return Placed::Value(value);
     }
     if let Some(axis) = axis {
-        let to = |end: f64| Placed::Value(if relative { end - axis.from } else { end });
+        let to = |end: f64| Placed::Value(relative.map_or(end, |step| (end - axis.from) / step));
         let turn = (value - axis.work).rem_euclid(360.0);
         return match way {
             Positioning::Incremental => Placed::Step(value),

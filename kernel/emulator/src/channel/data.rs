@@ -55,7 +55,7 @@ impl Kernel<'_> {
                 other => (raw * source.mul + source.add) * self.channel.unit_factor(other),
             };
             if source.diameter_x {
-                value *= self.channel.diameter_factor();
+                value *= self.channel.position_factor(id, incremental);
             }
             if source.modal && !incremental {
                 self.channel.state.modal.remember(id, value);

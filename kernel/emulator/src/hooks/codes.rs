@@ -225,7 +225,7 @@ impl Kernel<'_> {
             if raw < source.min || raw > source.max {
                 self.out_of_range(source.row, raw);
             }
-            let diameter = if source.diameter_x { self.channel.diameter_factor() } else { 1.0 };
+            let diameter = if source.diameter_x { self.channel.position_factor(id, incremental) } else { 1.0 };
             let (increments, dimension) = match source.dimension {
                 Dimension::Increments => self.counting(&word),
                 other => (1.0, other),
@@ -240,7 +240,8 @@ impl Kernel<'_> {
         let rows = self.channel.env.machine.tables.data(id);
         let row = rows.first().map(|&row| &self.channel.env.machine.data[row]);
         let (dimension, modal) = row.map_or((Dimension::None, false), |row| (row.dimension.plain(), row.modal));
-        let diameter = if self.plan.data.diameter_x.contains(&id) { self.channel.diameter_factor() } else { 1.0 };
+        let is_x = self.plan.data.diameter_x.contains(&id);
+        let diameter = if is_x { self.channel.position_factor(id, false) } else { 1.0 };
         let factor = self.channel.unit_factor(dimension) * diameter;
         Some(Taken { value, factor, incremental: false, raw: value, modal, register: None })
     }

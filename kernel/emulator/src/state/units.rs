@@ -3,8 +3,9 @@
 use super::channel::Channel;
 use super::modal::group;
 use counterpoint_event::info::Unit;
-use counterpoint_machine::ident::codes;
 use counterpoint_machine::ident::dimension::Dimension;
+use counterpoint_machine::ident::kind::data::DataKind;
+use counterpoint_machine::ident::{DataId, codes};
 
 impl Channel<'_> {
     /// Factor from program units to machine units.
@@ -31,5 +32,20 @@ impl Channel<'_> {
             (Some(codes::XAXIS_DIAMETER), false) => 0.5,
             _ => 1.0,
         }
+    }
+
+    /// The same for a word: a distance along X may be a radius though positions are diameters.
+    #[cold]
+    pub(crate) fn position_factor(&self, id: DataId, incremental: bool) -> f64 {
+        let relative = incremental || self.state.modal.code(group::POSITION) == Some(codes::POSITION_RELATIVE);
+        let is_radius = relative && self.steps_are_radii() && matches!(id.kind(), DataKind::Axis(_));
+        self.diameter_factor() * if is_radius { 2.0 } else { 1.0 }
+    }
+
+    /// Distances along X are radii, though positions are diameters (Siemens DIAM90).
+    #[cold]
+    pub(crate) fn steps_are_radii(&self) -> bool {
+        let counts = self.state.modal.code(group::DIAMETER_X) == Some(codes::XAXIS_DIAMETER_ABSOLUTE);
+        counts && self.state.place.scale_of(0) < 1.0
     }
 }

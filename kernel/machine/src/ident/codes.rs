@@ -455,6 +455,7 @@ codes! {
     INTERP_ARC_TANGENT 1 500 true true Plain => ": circle that continues in the direction of the last move (Siemens CT)";
     CORNER_CHAMFER 0 450 true true Plain => ": the corner at the end of the move of this block is a chamfer (Okuma G75)";
     CORNER_ROUND 0 450 true true Plain => ": the corner at the end of the move of this block is a rounding (Okuma G76)";
+    XAXIS_DIAMETER_ABSOLUTE 109 100 true true Mode("x diameter absolute") => ": positions of X are diameters, distances along it are radii (Siemens DIAM90)";
     POLE_TOOL 0 450 true true Plain => ": pole of polar coordinates, from where the tool is (Siemens G110)";
     POLE_ZERO 0 450 true true Plain => ": pole of polar coordinates, from the zero of the program (Siemens G111)";
     POLE_LAST 0 450 true true Plain => ": pole of polar coordinates, from the last pole (Siemens G112)";

@@ -111,6 +111,10 @@ impl Frames for Kernel<'_> {
         self.channel.state.place.tools.current
     }
 
+    fn steps_are_radii(&self) -> bool {
+        self.channel.steps_are_radii()
+    }
+
     fn tip(&self, offset: u32) -> u8 {
         self.channel.offset_tip(offset)
     }
