@@ -45,6 +45,9 @@ pub trait Frames {
     /// Positions count from where the axes are.
     fn relative(&self) -> bool;
 
+    /// Angle and distance from the pole that hold, as the program counts; none that was never said.
+    fn polar(&self) -> [Option<f64>; 2];
+
     /// Distances of axes that are programmed as diameters are radii.
     fn steps_are_radii(&self) -> bool;
 

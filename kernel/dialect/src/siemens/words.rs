@@ -62,6 +62,16 @@ impl Siemens {
                 } else {
                     return super::wrong_type("the position is out of range");
                 };
+                if let (Positioning::Incremental, Some(at)) =
+                    (*way, ["AP", "RP"].iter().position(|name| *name == address))
+                {
+                    let Some(last) = host.polar().get(at).copied().flatten() else {
+                        return super::syntax(format!("{address}=IC( ) needs a position about the pole before it"));
+                    };
+                    let word = format!("{address}={}", Data::Real(last + value).word());
+                    left.add(&word);
+                    return Ok(());
+                }
                 let relative = left.relative.unwrap_or_else(|| host.relative());
                 let axes = host.axes();
                 let axis = axes.iter().find(|axis| axis.is(named.as_deref().unwrap_or(&address)));

@@ -7,8 +7,8 @@ use crate::state::frames::offsets::Table;
 use crate::state::modal::group;
 use crate::state::position::Axis;
 use counterpoint_dialect::{AxisPlace, Frames, Modes};
-use counterpoint_machine::ident::codes;
 use counterpoint_machine::ident::dimension::Dimension;
+use counterpoint_machine::ident::{codes, data};
 use counterpoint_machine::index::{AxisSlot, BySlot};
 
 impl Kernel<'_> {
@@ -109,6 +109,12 @@ impl Frames for Kernel<'_> {
 
     fn tool(&self) -> u32 {
         self.channel.state.place.tools.current
+    }
+
+    fn polar(&self) -> [Option<f64>; 2] {
+        let modal = &self.channel.state.modal;
+        let radius = modal.value(data::POLE_RADIUS).map(|radius| radius / self.channel.unit_factor(Dimension::Length));
+        [modal.value(data::POLE_ANGLE), radius]
     }
 
     fn steps_are_radii(&self) -> bool {
