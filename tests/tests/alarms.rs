@@ -166,7 +166,7 @@ const CASES: &[Case] = &[
         2_900_411,
         LATHE,
         "",
-        "M3 S500 F0.1\nG0 X40. Z2.\nN10 G0 X30.\nG1 Z-5.\nN20 X44.\nG0 X40. Z2.\nG71 U2. R1.\nG71 P10 Q20",
+        "M3 S500 F0.1\nG0 X40. Z2.\nN10 G0 X30.\nG1 Z-5.\nX44.\nN20 Z-8.\nG0 X40. Z2.\nG71 U2. R1.\nG71 P10 Q20",
     ),
     Case(
         "PS0325",

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use counterpoint_kernel::files::Memory;
-use counterpoint_kernel::machine::package::{Overlay, shipped};
+use counterpoint_kernel::machine::package::Overlay;
 use counterpoint_kernel::machine::{Machine, load};
 use counterpoint_kernel::options::{Options, Races};
 use counterpoint_tests::{Work, machine};
@@ -28,7 +28,7 @@ fn counting() -> Arc<Machine> {
         "extends = \"fanuc-2path-lathe-exact\"\n[ce]\nname = \"counting\"\n[macros]\nblock_startup = \"m.mac\"\n";
     user.insert("counting/machine.toml", toml);
     user.insert("counting/m.mac", "DECLAR/GLOBAL,REAL,COUNTED\nCOUNTED=1\n");
-    let loaded = load(&Overlay::new(user, shipped()), "counting");
+    let loaded = load(&Overlay::new(user, counterpoint_tests::library()), "counting");
     loaded.machine.map(Arc::new).unwrap_or_else(|| panic!("{:#?}", loaded.findings))
 }
 

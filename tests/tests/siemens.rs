@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use counterpoint_kernel::files::Memory;
 use counterpoint_kernel::log::event::Kind;
-use counterpoint_kernel::machine::package::{Overlay, shipped};
+use counterpoint_kernel::machine::package::Overlay;
 use counterpoint_kernel::machine::{Machine, load};
 use counterpoint_kernel::options::{Limits, Options};
 use counterpoint_tests::{Done, Work, cases};
@@ -16,7 +16,7 @@ fn machine() -> Arc<Machine> {
                 rws = \"\"\nrws_at = \"none\"\ncomment = [\";\", \"\"]\n\n[[codes]]\nid = \"CODE_LCS_TRANSLATE_ON\"\n\
                 text = \"TRANS\"\n";
     user.insert("random/machine.toml", text);
-    let loaded = load(&Overlay::new(user, shipped()), "random");
+    let loaded = load(&Overlay::new(user, counterpoint_tests::library()), "random");
     loaded.machine.map(Arc::new).expect("a machine")
 }
 

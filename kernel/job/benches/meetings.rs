@@ -38,7 +38,7 @@ fn many(channels: usize) -> Arc<Machine> {
     let mut files = Memory::default();
     files.insert("many/machine.toml", &text);
     let loaded = load(&package::Overlay::over_shipped(files), "many");
-    Arc::new(loaded.machine.unwrap_or_else(|| panic!("{:?}", loaded.findings)))
+    Arc::new(loaded.machine.expect("a machine of many channels"))
 }
 
 /// Times without accelerations, so many threads.

@@ -5,8 +5,7 @@
 
 use super::kind::CodeKind::*;
 use super::kind::families::{ThreadCycle, *};
-use super::list::codes;
-use super::{CodeFacts, CodeId, data};
+use super::{CodeFacts, CodeId, data, list::codes};
 use counterpoint_event::event::{Direction, Outlet};
 use counterpoint_motion::frame::local::Part;
 

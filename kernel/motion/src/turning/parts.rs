@@ -59,6 +59,11 @@ pub(super) struct Parts {
 }
 
 impl Parts {
+    /// These parts, none of which leaves the contour.
+    pub(super) fn made_of(all: Vec<Part>) -> Self {
+        Self { all, last: 0 }
+    }
+
     /// The parts of pieces.
     pub(super) fn of(elements: &[Element], view: &View) -> Self {
         let (mut all, mut before) = (Vec::new(), 0);

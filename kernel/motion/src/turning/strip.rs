@@ -190,7 +190,7 @@ impl<'c> Removal<'c> {
         };
         let [z, x] = strip.allowance;
         let left = if strip.face { [x, z] } else { [z, x] };
-        let parts = Parts { all: leave(parts.all, left).ok_or(Wrong::Narrow)? };
+        let parts = Parts::made_of(leave(parts.all, left).ok_or(Wrong::Narrow)?);
         let high = parts.all.iter().fold(f64::NEG_INFINITY, |high, part| high.max(part.from[1]).max(part.to[1]));
         let begin = parts.all.first().map_or(0.0, |part| part.from[0]);
         let start = [begin - strip.lift, high + strip.lift];
