@@ -30,7 +30,8 @@ pub(super) fn call(act: &mut Act<'_, '_>) -> Acted {
         return Ok(());
     }
     if id.is_none()
-        && let Some(first) = act.take(data::CALSUB_BLOCK_START).map(|d| d.value)
+        && let Some(first) =
+            [data::CALSUB_BLOCK_START, data::CALSUB_SEQUENCE].into_iter().find_map(|id| act.take(id)).map(|d| d.value)
         && first >= 1.0
         && first <= f64::from(u32::MAX)
         && first.fract() == 0.0

@@ -242,6 +242,7 @@ data! {
     COUPLE_SLAVE true true Plain, None => "number of the axis that follows (Fanuc G51.4 Q)";
     COUPLE_PARKING true true Plain, None => "which of both axes stands still meanwhile: 0 none, 1 the master, 2 the slave (Fanuc G51.4 L)";
     CYLINDER_RADIUS true true Plain, Length => "radius of a cylinder whose way round is programmed as Y (Siemens TRACYL)";
+    CALSUB_SEQUENCE true true Plain, None => "sequence number of the same program that a call begins at (Fanuc M98 Q)";
     GOHOME_NTH true true Plain, None => "number of the reference point (Fanuc G30 P)";
     FUNCTION true true Plain, None => "number of a machine function";
     CYCLE_STEP true true Plain, Length => "named by the variable pages, missing in the annex";

@@ -101,15 +101,15 @@ pub(super) fn arc(act: &mut Act<'_, '_>, form: Form, code: &PendingCode) -> Acte
         return act.feed_to_point(coded, target, feed, unit);
     };
     let incomplete = words.radius.is_none() && words.center.is_none() && words.angle.is_none();
+    if incomplete {
+        let forms = [data::ARC_RADIUS, data::ARC_CENTER_X, data::ARC_CENTER_Y, data::ARC_CENTER_Z, data::ARC_ANGLE];
+        act.report_switched_off(&forms);
+    }
     if incomplete && act.env.machine.arcs.straight {
         let text =
             format!("the circle has neither a centre nor a radius in '{}', it is a straight line", act.block_text());
         act.diagnose(&diag::ARC_STRAIGHT, text);
         return act.feed_to_point(coded, target, feed, unit);
-    }
-    if incomplete {
-        let forms = [data::ARC_RADIUS, data::ARC_CENTER_X, data::ARC_CENTER_Y, data::ARC_CENTER_Z, data::ARC_ANGLE];
-        act.report_switched_off(&forms);
     }
     if incomplete && !act.goes_on_at(&diag::ARC_INCOMPLETE) {
         let text = format!("the circle has neither a centre nor a radius in '{}', nothing is moved", act.block_text());
