@@ -38,8 +38,8 @@ fn the_data_of_a_machine_are_found_from_its_times() {
         ("acceleration of X", 3000.0),
         ("acceleration of Y", 4500.0),
         ("acceleration of Z", 2500.0),
-        ("rapid of X", 24_000.0),
-        ("rapid of Z", 16_000.0),
+        ("rapid of X", 28_800.0),
+        ("rapid of Z", 24_000.0),
         ("corner_deviation", 0.03),
         ("tool_change", 3.5),
     ] {
