@@ -280,7 +280,9 @@ fn pecks_and_columns() {
 fn a_contour_that_cannot_be_cut_is_refused() {
     let of = |points: &[(f64, f64, f64)]| Rough::new(&contour((50.0, 2.0), points), settings(2.0, 1.0, 0.0, 0.0)).err();
     assert_eq!(of(&[(20., 2., 0.), (20., -10., 0.), (30., -5., 0.)]), Some(Refusal::TurnsBack));
-    assert_eq!(of(&[(20., 2., 0.), (20., -10., 0.), (60., -10., 0.)]), Some(Refusal::BeyondStart));
+    assert_eq!(of(&[(20., 2., 0.), (20., -10., 0.), (60., -10., 0.), (60., -12., 0.)]), Some(Refusal::BeyondStart));
+    // The last piece may leave the part.
+    assert_eq!(of(&[(20., 2., 0.), (20., -10., 0.), (60., -10., 0.)]), None);
     assert_eq!(of(&[(20., 2., 0.)]), Some(Refusal::Nothing));
     assert_eq!(of(&[(20., 2., 0.), (f64::NAN, -10., 0.)]), Some(Refusal::Nothing));
     assert_eq!(of(&[(20., 2., 0.), (20., -10., 0.)]), None);
