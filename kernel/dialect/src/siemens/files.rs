@@ -158,7 +158,11 @@ impl Siemens {
 
     /// Reads the definition files that a macro has asked for.
     pub(super) fn definition_files(&mut self, host: &mut dyn Host) -> Outcome<()> {
-        for (name, reports) in std::mem::take(&mut self.settings.definitions) {
+        let asked = std::mem::take(&mut self.settings.definitions);
+        // Most jobs have no such file, and each program asks.
+        let is_definition = |file: &String| file.to_ascii_lowercase().ends_with("def");
+        let has = asked.iter().any(|(_, reports)| *reports) || host.files().iter().any(is_definition);
+        for (name, reports) in asked.into_iter().filter(|_| has) {
             let path = file_path(&name);
             let dotted = path.rsplit_once('_').map_or(path.clone(), |(stem, extension)| format!("{stem}.{extension}"));
             let found = [dotted, path].iter().find_map(|path| self.by_path(host, path));

@@ -162,17 +162,13 @@ fn center_words(act: &Act<'_, '_>, polar: &Polar) -> [Option<DataId>; 2] {
         return [Some(data::ARC_CENTER_X), Some(data::ARC_CENTER_Y)];
     }
     let [x, _, z] = act.state.place.layout.cartesian;
-    polar.axes().map(|axis| {
-        let along = if Some(axis) == x { data::ARC_CENTER_X } else { data::ARC_CENTER_Z };
-        let id = if axis == polar.rotary {
-            data::ARC_CENTER_Y
-        } else if Some(axis) == z || Some(axis) == x {
-            along
-        } else {
-            data::ARC_CENTER_Y
-        };
-        polar.cartesian.then_some(id)
-    })
+    let id = |axis| match Some(axis) {
+        axis if axis == x => data::ARC_CENTER_X,
+        axis if axis == z => data::ARC_CENTER_Z,
+        // The way round counts as Y.
+        _ => data::ARC_CENTER_Y,
+    };
+    polar.axes().map(|axis| polar.cartesian.then_some(id(axis)))
 }
 
 /// Degrees that a circle goes round the centre of the part; every full turn goes as far as the others.

@@ -29,8 +29,8 @@ pub(super) fn count_increments<'d>(
     registers: &mut Table<RegisterId, Register>,
     data: impl Iterator<Item = &'d DataRow>,
 ) {
-    let own: Vec<RegisterId> = data.filter(|row| row.mul != 1.0).filter_map(|row| row.register).collect();
-    let own: Vec<u8> = own.into_iter().map(|id| registers[id].index).collect();
+    let own = data.filter(|row| row.mul != 1.0).filter_map(|row| row.register);
+    let own: Vec<u8> = own.map(|id| registers[id].index).collect();
     let counts = |register: &&mut Register| register.signed && register.pointed && !own.contains(&register.index);
     for register in registers.iter_mut().filter(counts) {
         for format in [&mut register.format, &mut register.secondary] {

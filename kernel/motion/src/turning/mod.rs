@@ -4,6 +4,7 @@
 //! before every pass, so that it can be stopped at any time and needs no memory for its passes; every move is finite.
 
 mod allowance;
+mod cut;
 pub mod lap;
 mod levels;
 mod parts;

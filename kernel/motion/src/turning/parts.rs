@@ -59,7 +59,7 @@ pub(super) struct Parts {
 }
 
 impl Parts {
-    /// These parts, none of which leaves the contour.
+    /// These parts, of no piece that leaves the contour.
     pub(super) fn made_of(all: Vec<Part>) -> Self {
         Self { all, last: 0 }
     }
@@ -86,8 +86,8 @@ impl Parts {
         self.all.iter().fold(f64::INFINITY, |low, part| low.min(part.from[1]).min(part.to[1]))
     }
 
-    /// Refuses what cannot be cut from a start point.
-    pub(super) fn check(&self, [start, top]: Spot) -> Result<(), Refusal> {
+    /// Refuses what cannot be cut from a start point. `leaves`: the last piece may end beyond it.
+    pub(super) fn check(&self, [start, top]: Spot, leaves: bool) -> Result<(), Refusal> {
         let Some(first) = self.all.first() else { return Err(Refusal::Nothing) };
         let finite = |spot: &Spot| spot.iter().all(|part| part.is_finite());
         if !self.all.iter().all(|part| finite(&part.from) && finite(&part.to)) {
@@ -100,8 +100,7 @@ impl Parts {
             }
             reached = reached.max(part.to[0]);
         }
-        // The last piece may go off the part beyond the start, as programs of bores do.
-        let shaping = self.all.len().saturating_sub(self.last);
+        let shaping = self.all.len().saturating_sub(if leaves { self.last } else { 0 });
         let above = self.all.iter().take(shaping).any(|part| part.from[1] > top + BACK || part.to[1] > top + BACK);
         if above || first.from[0] < start - BACK { Err(Refusal::BeyondStart) } else { Ok(()) }
     }

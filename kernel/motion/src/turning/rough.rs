@@ -3,6 +3,7 @@
 //! The open stretch of each level is cut first, from the top; then each pocket, deepest branch first, in the direction of
 //! the cut. *Invariant:* a rapid move across the stock goes no deeper than the last level cut there.
 
+use super::cut::Cut;
 use super::lap::Lap;
 use super::levels::Levels;
 use super::parts::{Mark, Parts, Stretch};
@@ -62,25 +63,6 @@ enum Entry {
     Beside(f64),
 }
 
-/// Where the tool is, as seen, and what takes its moves.
-struct Cut<'s, S: Sink> {
-    sink: &'s mut S,
-    view: View,
-    at: Spot,
-}
-
-impl<S: Sink> Cut<'_, S> {
-    fn rapid(&mut self, to: Spot) -> Result<(), S::Stop> {
-        self.at = to;
-        self.sink.go(Move::Rapid(self.view.place(to)))
-    }
-
-    fn feed(&mut self, to: Spot) -> Result<(), S::Stop> {
-        self.at = to;
-        self.sink.go(Move::Feed(self.view.place(to)))
-    }
-}
-
 impl<'c> Rough<'c> {
     /// The cycle of a contour.
     ///
@@ -106,7 +88,8 @@ impl<'c> Rough<'c> {
         let copies = settings.lap.is_some_and(|lap| lap.copies);
         let first = elements.first().filter(|_| copies);
         let low = first.map_or(parts.lowest(), |first| view.see(first.from)[1]);
-        parts.check([away[0].min(origin[0]), origin[1]])?;
+        // Programs of bores go off the part beyond the start.
+        parts.check([away[0].min(origin[0]), origin[1]], settings.lap.is_none())?;
         let levels = match &settings.lap {
             Some(lap) => Levels::of_lap(origin[1], settings.depth, low, lap, &view),
             None => Levels::even(origin[1], settings.depth, low),
@@ -255,15 +238,7 @@ impl<'c> Rough<'c> {
     fn flank<S: Sink>(&self, cut: &mut Cut<'_, S>, from: usize, to: usize, end: Spot) -> Result<(), S::Stop> {
         for (index, part) in self.parts.all.iter().enumerate().take(to + 1).skip(from) {
             let target = if index == to { end } else { part.to };
-            match part.arc {
-                Some((center, clockwise)) if (target[0] - cut.at[0]).abs() + (target[1] - cut.at[1]).abs() > NOISE => {
-                    let clockwise = clockwise != self.view.turns_over();
-                    let (to, center) = (self.view.place(target), self.view.place(center));
-                    cut.at = target;
-                    cut.sink.go(Move::Arc { to, center, clockwise })?;
-                }
-                _ => cut.feed(target)?,
-            }
+            cut.part(part, target)?;
         }
         Ok(())
     }

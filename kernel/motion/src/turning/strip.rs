@@ -6,9 +6,10 @@
 //! begins and ends at its start point, one lift beyond the contour in both axes.
 
 use super::allowance::leave;
+use super::cut::Cut;
 use super::parts::{Mark, Part, Parts, Stretch};
 use super::view::View;
-use super::{Move, NOISE, Sink, along};
+use super::{NOISE, Sink, along};
 use crate::contour::element::{Element, Spot, angle};
 use crate::contour::shifted::shifted;
 
@@ -125,37 +126,6 @@ pub struct Removal<'c> {
     high: f64,
 }
 
-/// Where the tool is, as seen, and what takes its moves.
-struct Cut<'s, S: Sink> {
-    sink: &'s mut S,
-    view: View,
-    at: Spot,
-}
-
-impl<S: Sink> Cut<'_, S> {
-    fn rapid(&mut self, to: Spot) -> Result<(), S::Stop> {
-        self.at = to;
-        self.sink.go(Move::Rapid(self.view.place(to)))
-    }
-
-    fn feed(&mut self, to: Spot) -> Result<(), S::Stop> {
-        self.at = to;
-        self.sink.go(Move::Feed(self.view.place(to)))
-    }
-
-    /// Along a part of the contour to one of its points.
-    fn part(&mut self, part: &Part, to: Spot) -> Result<(), S::Stop> {
-        let Some((center, clockwise)) = part.arc else { return self.feed(to) };
-        if (to[0] - self.at[0]).abs() + (to[1] - self.at[1]).abs() <= NOISE {
-            return Ok(());
-        }
-        let clockwise = clockwise != self.view.turns_over();
-        let (place, center) = (self.view.place(to), self.view.place(center));
-        self.at = to;
-        self.sink.go(Move::Arc { to: place, center, clockwise })
-    }
-}
-
 impl<'c> Removal<'c> {
     /// The cycle of a contour.
     ///
@@ -175,7 +145,7 @@ impl<'c> Removal<'c> {
         let view = View { signs: [toward, stock], ..plain };
         let whole = Parts::of(contour, &view);
         let unbounded = [f64::NEG_INFINITY, f64::INFINITY];
-        whole.check(unbounded).map_err(|refusal| match refusal {
+        whole.check(unbounded, false).map_err(|refusal| match refusal {
             super::Refusal::Nothing => Wrong::Nothing,
             _ => Wrong::TurnsBack,
         })?;
