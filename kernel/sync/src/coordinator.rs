@@ -87,6 +87,8 @@ pub struct Coordinator {
     /// Waits to come that sleep at once, because other programs want the processors too. It changes how a kernel waits, never
     /// what comes out.
     crowded: AtomicU32,
+    /// How many they are the next time; more each time, fewer again when the processors are free.
+    crowded_waits: AtomicU32,
 }
 
 type Guard<'a> = MutexGuard<'a, Inner>;
@@ -145,6 +147,7 @@ impl Coordinator {
             one_thread,
             spin: if one_thread { 0 } else { sleep::TURNS },
             crowded: AtomicU32::new(0),
+            crowded_waits: AtomicU32::new(sleep::CROWDED_WAITS),
         }
     }
 
@@ -265,7 +268,11 @@ impl Coordinator {
         let Some(tag) = waiting else { return };
         // Whoever passes the tag at this very moment sees the need with its next block, or settles when it waits or ends.
         for slot in inner.order.earlier(tag).filter_map(|index| self.slots.get(index)) {
-            slot.need.fetch_min(tag.t, SeqCst);
+            if self.one_thread {
+                slot.need.store(tag.t.min(slot.need.load(Relaxed)), Relaxed);
+            } else {
+                slot.need.fetch_min(tag.t, SeqCst);
+            }
         }
     }
 
@@ -317,7 +324,13 @@ impl Coordinator {
 
     fn set_bound(&self, channel: u16, t: i64) {
         let Some(slot) = self.slot(channel) else { return };
-        if slot.bound.load(SeqCst) == BLOCKED {
+        if self.one_thread {
+            // Nobody looks meanwhile.
+            if slot.bound.load(Relaxed) == BLOCKED {
+                slot.need.store(i64::MAX, Relaxed);
+            }
+            slot.bound.store(t, Relaxed);
+        } else if slot.bound.load(SeqCst) == BLOCKED {
             self.resumes.fetch_add(1, SeqCst);
             slot.bound.store(t, SeqCst);
             self.resumes.fetch_add(1, SeqCst);

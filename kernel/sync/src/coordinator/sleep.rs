@@ -18,30 +18,39 @@ const YIELDS: u32 = if cfg!(all(test, feature = "shuttle")) { 1 } else { 300 };
 /// A turn given away that takes longer was used by another program.
 const SLICE: Duration = Duration::from_micros(200);
 
-/// Waits after such a turn that sleep at once.
-const CROWDED_WAITS: u32 = 256;
+/// Waits that sleep at once after the first such turn.
+pub(super) const CROWDED_WAITS: u32 = 256;
+
+/// Waits that sleep at once after many such turns: each of them costs a time slice of another program.
+const MOST_CROWDED_WAITS: u32 = 1 << 16;
 
 /// Turns after which a kernel that waits looks again how far the others are: looking slows them down.
 const LOOK_EVERY: u32 = 64;
 
 impl Coordinator {
     pub(super) fn signal(&self, channel: u16) {
-        if let Some(slot) = self.slot(channel) {
-            slot.signal.fetch_add(1, SeqCst);
-            // On one thread nobody sleeps at the condition: the master runs whoever is awake.
-            if slot.asleep.swap(false, SeqCst) && !self.one_thread {
-                slot.condvar.notify_one();
-            }
+        let Some(slot) = self.slot(channel) else { return };
+        if self.one_thread {
+            // Nobody spins, nor sleeps at the condition: the master runs whoever is awake.
+            slot.asleep.store(false, Relaxed);
+            return;
+        }
+        slot.signal.fetch_add(1, SeqCst);
+        if slot.asleep.swap(false, SeqCst) {
+            slot.condvar.notify_one();
         }
     }
 
     /// Sleeps until a signal, or runs other kernels meanwhile.
     pub(super) fn sleep<'a>(&'a self, channel: u16, inner: Guard<'a>, switch: Switch<'_>) -> Guard<'a> {
         let Some(slot) = self.slot(channel) else { return inner };
-        slot.asleep.store(true, SeqCst);
         match switch {
-            Switch::Thread => slot.condvar.wait(inner).unwrap_or_else(PoisonError::into_inner),
+            Switch::Thread => {
+                slot.asleep.store(true, SeqCst);
+                slot.condvar.wait(inner).unwrap_or_else(PoisonError::into_inner)
+            }
             Switch::Coroutine(yielder) => {
+                slot.asleep.store(true, Relaxed);
                 drop(inner);
                 yielder.suspend(Pause::Sleep);
                 self.lock()
@@ -79,12 +88,18 @@ impl Coordinator {
         }
         for _ in 0..YIELDS {
             if over() {
+                let waits = self.crowded_waits.load(Relaxed);
+                if waits > CROWDED_WAITS {
+                    self.crowded_waits.store(waits / 2, Relaxed);
+                }
                 return;
             }
             let before = Instant::now();
             yield_now();
             if before.elapsed() > SLICE {
-                self.crowded.store(CROWDED_WAITS, Relaxed);
+                let waits = self.crowded_waits.load(Relaxed);
+                self.crowded.store(waits, Relaxed);
+                self.crowded_waits.store(waits.saturating_mul(4).min(MOST_CROWDED_WAITS), Relaxed);
                 return;
             }
         }
