@@ -108,7 +108,7 @@ impl Siemens {
             return self.axis_of(host, name);
         }
         let is_local = name.name == "R" || self.variables.knows(&name.name);
-        if !is_local && name.index.is_empty() && words_name(host, &name.name) {
+        if !is_local && name.index.is_empty() && (name.name == NO_AXIS || words_name(host, &name.name)) {
             return Ok(Data::Axis(name.name.clone()));
         }
         if let Some(target) = self.locate(host, name)? {
@@ -206,6 +206,9 @@ impl Siemens {
         }
     }
 }
+
+/// The value of a variable of type AXIS that names none.
+const NO_AXIS: &str = "NO_AXIS";
 
 /// A register or an axis has this name.
 pub(super) fn words_name(host: &dyn Host, name: &str) -> bool {
