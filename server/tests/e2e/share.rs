@@ -166,7 +166,11 @@ async fn until_it(caller: &As, job: &str, moves: bool) {
 /// On the real server: two endless jobs of one tenant have all cores until another tenant has a job, too.
 #[tokio::test]
 async fn the_second_job_of_a_tenant_stands_while_another_tenant_needs_its_core() {
-    const ENDLESS: &str = "O1\nN1 G1 X1. F100.\nX0.\nGOTO 1\n";
+    // However fast the server is, it computes for minutes before its time, its blocks or its log reach a limit.
+    const ENDLESS: &str = "O1\nN1 #1=0\nWHILE[#1LT100]DO1\n#1=#1+1\nEND1\nG1 X.001 F100.\nX0.\nGOTO 1\n";
+    const HOUR_NS: i64 = 3_600_000_000_000;
+    let limits = v1::JobLimits { simulated_ns: 1000 * HOUR_NS, blocks: 10_000_000_000, ..Default::default() };
+    let limits = Some(limits);
     let folder = tempfile::tempdir().unwrap();
     let options = guarded(folder.path());
     let tokens = [grant(&options, "n", "noisy", Role::Submit), grant(&options, "q", "quiet", Role::Submit)];
@@ -177,11 +181,13 @@ async fn the_second_job_of_a_tenant_stands_while_another_tenant_needs_its_core()
     let [noisy, quiet] = tokens.map(|token| As { connection: connection.clone(), bearer: Bearer(Some(token)) });
     let (mut jobs, mut own) = (Vec::new(), Vec::new());
     for number in 0..2 {
-        jobs.push(noisy.submit(&format!("n-{number}"), "fanuc-mill", ENDLESS).await.unwrap().job_id);
+        let id = format!("n-{number}");
+        jobs.push(noisy.submit_limited(&id, "fanuc-mill", ENDLESS, limits).await.unwrap().job_id);
         until_it(&noisy, &jobs[number], true).await;
     }
     for number in 0..2 {
-        own.push(quiet.submit(&format!("q-{number}"), "fanuc-mill", ENDLESS).await.unwrap().job_id);
+        let id = format!("q-{number}");
+        own.push(quiet.submit_limited(&id, "fanuc-mill", ENDLESS, limits).await.unwrap().job_id);
         until_it(&quiet, &own[0], true).await;
         until_it(&noisy, &jobs[1], false).await;
         until_it(&noisy, &jobs[0], true).await;
