@@ -4,7 +4,8 @@ pub mod processors;
 pub mod spec;
 pub mod watchdog;
 
-use std::sync::Arc;
+use std::collections::BTreeMap;
+use std::sync::{Arc, Mutex, PoisonError};
 
 use counterpoint_kernel::control::Control;
 use counterpoint_kernel::files::Memory;
@@ -51,11 +52,23 @@ pub fn cases(usual: u32) -> u32 {
     std::env::var("MIXED_CASES").ok().and_then(|cases| cases.parse().ok()).unwrap_or(usual)
 }
 
-/// A shipped machine or one of `tests/machines`, with `overlay` (TOML) on top if it is not empty.
+/// A shipped machine or one of `tests/machines`, with `overlay` (TOML) on top if it is not empty. It is loaded once.
 ///
 /// # Panics
 /// When the machine does not load.
 pub fn machine(name: &str, overlay: &str) -> Arc<Machine> {
+    static LOADED: Mutex<BTreeMap<(String, String), Arc<Machine>>> = Mutex::new(BTreeMap::new());
+    let loaded = || LOADED.lock().unwrap_or_else(PoisonError::into_inner);
+    let key = (name.to_owned(), overlay.to_owned());
+    let known = loaded().get(&key).cloned();
+    known.unwrap_or_else(|| {
+        let machine = load_machine(name, overlay);
+        loaded().insert(key, machine.clone());
+        machine
+    })
+}
+
+fn load_machine(name: &str, overlay: &str) -> Arc<Machine> {
     let mut user = Memory::default();
     let folder = if overlay.is_empty() {
         name
