@@ -279,6 +279,9 @@ impl Coordinator {
     /// Does what the order has decided.
     fn apply(&self, inner: &mut Inner) {
         let mut effects = inner.order.effects();
+        if effects.is_empty() {
+            return inner.order.recycle(effects);
+        }
         self.set_bounds(&effects);
         for effect in effects.drain(..) {
             match effect {
@@ -311,6 +314,11 @@ impl Coordinator {
     /// moment would see nobody that can still act.
     fn set_bounds(&self, effects: &[Effect]) {
         let bound = |effect: &Effect| if let Effect::Bound(channel, t) = *effect { Some((channel, t)) } else { None };
+        if self.one_thread {
+            // Nobody looks meanwhile.
+            effects.iter().filter_map(bound).for_each(|(channel, t)| self.set_bound(channel, t));
+            return;
+        }
         for (channel, t) in effects.iter().filter_map(bound).filter(|(_, t)| *t < BLOCKED) {
             self.set_bound(channel, t);
         }
@@ -325,7 +333,6 @@ impl Coordinator {
     fn set_bound(&self, channel: u16, t: i64) {
         let Some(slot) = self.slot(channel) else { return };
         if self.one_thread {
-            // Nobody looks meanwhile.
             if slot.bound.load(Relaxed) == BLOCKED {
                 slot.need.store(i64::MAX, Relaxed);
             }

@@ -19,7 +19,7 @@ use crate::races::Races;
 use crate::shared::Shared;
 use crate::tag::Tag;
 use crate::wait::{Act, Finish, Set, Waiting};
-use crate::waits::{Arrival, Arrived, Released, Waits};
+use crate::waits::{Arrival, Released, Waits};
 
 /// Bound of a kernel that is blocked at a wait.
 pub const BLOCKED: i64 = i64::MAX - 1;
@@ -265,16 +265,12 @@ impl Order {
                 return Some(tag);
             }
             self.now = tag;
-            let waits = &self.waits;
             let seat = self.seats.get_mut(self.channels.index(tag.channel))?;
             let arriving = seat.arriving.take();
-            match arriving.filter(|waiting| waits.is_plain(waiting)) {
-                Some(waiting) => self.arrive_for(waiting),
-                None => {
-                    seat.status = Status::Running;
-                    self.acting = Some(tag.channel);
-                    self.wake(tag.channel, Wake::Turn);
-                }
+            if !arriving.is_some_and(|waiting| self.arrive_for(waiting)) {
+                self.seat(tag.channel)?.status = Status::Running;
+                self.acting = Some(tag.channel);
+                self.wake(tag.channel, Wake::Turn);
             }
         }
         None
@@ -450,14 +446,6 @@ impl Order {
         self.release_all(released);
     }
 
-    /// A channel arrives.
-    fn arrive_at(&mut self, waiting: Waiting) -> Arrived {
-        if let Some(races) = &mut self.races {
-            races.arrive(waiting.tag.channel, &waiting.wait);
-        }
-        self.waits.arrive(waiting)
-    }
-
     /// Ends the wait at once if nobody is missing, without a release.
     pub fn pass(&mut self, waiting: &Waiting) -> bool {
         let passes = self.waits.pass(waiting);
@@ -467,11 +455,14 @@ impl Order {
         passes
     }
 
-    /// Carries out a plain arrival in place of its kernel.
-    fn arrive_for(&mut self, waiting: Waiting) {
+    /// Carries out a plain arrival in place of its kernel; `false`: the arrival is not plain.
+    fn arrive_for(&mut self, waiting: Waiting) -> bool {
+        let Some(arrived) = self.waits.arrive_plainly(waiting) else { return false };
         let channel = waiting.tag.channel;
+        if let Some(races) = &mut self.races {
+            races.arrive(channel, &waiting.wait);
+        }
         self.block(channel);
-        let arrived = self.arrive_at(waiting);
         match arrived.arrival {
             Arrival::Released(released) => {
                 self.release(released, None);
@@ -481,6 +472,7 @@ impl Order {
             }
         }
         self.release_all(arrived.others);
+        true
     }
 
     /// Ends all waits when nothing can happen any more.

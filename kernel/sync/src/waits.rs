@@ -143,12 +143,15 @@ impl Waits {
         self.rules.of(wait)?.mismatch.and_then(|mismatch| (mismatch.refuses)(wait, other))
     }
 
-    /// An arrival that raises no alarm and leaves nobody without hope: it ends the wait, or those who are missing can still
-    /// come by themselves.
-    pub fn is_plain(&self, arriving: &Waiting) -> bool {
-        self.places.waiting().all(|other| self.refused(&arriving.wait, &other.wait).is_none())
-            && self.can_come(self.missing_at(arriving.tag.channel, &arriving.wait))
-            && self.memory.illegal(arriving).is_none()
+    /// Carries out an arrival that raises no alarm and leaves nobody without hope: it ends the wait, or those who are missing
+    /// can still come by themselves. `None`: it is no such arrival, and nothing has changed.
+    pub fn arrive_plainly(&mut self, arriving: Waiting) -> Option<Arrived> {
+        let refused = self.places.waiting().any(|other| self.refused(&arriving.wait, &other.wait).is_some());
+        if refused || self.memory.illegal(&arriving).is_some() {
+            return None;
+        }
+        let missing = self.missing_at(arriving.tag.channel, &arriving.wait);
+        self.can_come(missing).then(|| self.stand(arriving, Some(missing)))
     }
 
     /// A waiting channel whose missing partners can still come by themselves: no need to look further.
@@ -169,7 +172,7 @@ impl Waits {
 
     /// A channel arrives.
     pub fn arrive(&mut self, arriving: Waiting) -> Arrived {
-        let (wait, tag) = (arriving.wait, arriving.tag);
+        let tag = arriving.tag;
         if let Some(text) = self.memory.illegal(&arriving) {
             return Arrival::Illegal { text }.into();
         }
@@ -183,6 +186,12 @@ impl Waits {
             }
             warning = Some(text);
         }
+        Arrived { warning, ..self.stand(arriving, None) }
+    }
+
+    /// A channel stands at a wait that the control accepts. `missing`: who was missing before, if that is known.
+    fn stand(&mut self, arriving: Waiting, missing: Option<Missing>) -> Arrived {
+        let (wait, tag) = (arriving.wait, arriving.tag);
         let concerns_others = self.memory.arrive(&arriving);
         self.places.stand(arriving);
         if concerns_others {
@@ -190,13 +199,15 @@ impl Waits {
             let own = others.iter().position(|released| released.channels.has(tag.channel));
             let arrival = own.map_or(Arrival::Blocked, |own| Arrival::Released(others.swap_remove(own)));
             others.sort_by_key(|released| released.channels.0.trailing_zeros());
-            return Arrived { arrival, others, warning };
+            return Arrived { arrival, others, warning: None };
         }
-        if !self.missing_at(tag.channel, &wait).is_none() {
-            return Arrived { warning, ..Arrival::Blocked.into() };
+        // Others are missing at a barrier whether the own channel stands there or not.
+        let before = missing.filter(|_| wait.primitive == Primitive::Barrier);
+        if !before.unwrap_or_else(|| self.missing_at(tag.channel, &wait)).is_none() {
+            return Arrival::Blocked.into();
         }
         let together = self.memory.together(tag.channel, &wait, &self.places);
-        Arrived { warning, ..Arrival::Released(self.let_go(together, tag)).into() }
+        Arrival::Released(self.let_go(together, tag)).into()
     }
 
     /// Waits that do not match the arriving one: what follows, the channels, the others as members, and what does not match.

@@ -92,7 +92,10 @@ impl Order {
     pub fn arrive(&mut self, waiting: Waiting, own: Finish, info: &Info) -> (After, Option<String>) {
         let tag = waiting.tag;
         let (file, line) = (waiting.file, waiting.line);
-        let arrived = self.arrive_at(waiting);
+        if let Some(races) = &mut self.races {
+            races.arrive(tag.channel, &waiting.wait);
+        }
+        let arrived = self.waits.arrive(waiting);
         let after = match arrived.arrival {
             Arrival::Released(released) => {
                 let sync_point = self.release(released, Some(tag.channel));

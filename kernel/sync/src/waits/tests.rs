@@ -110,7 +110,7 @@ fn a_rule_refuses_pairs_of_waits() {
         let mut waits = Waits::new(Channels::new(1..=2), Rules::new([rule(reaction)]), 0);
         waits.arrive(at(1, 1, wait(Primitive::Barrier, 1, &[1, 2])));
         let second = at(2, 2, wait(Primitive::Barrier, 2, &[1, 2]));
-        assert!(!waits.is_plain(&second));
+        assert_eq!(waits.arrive_plainly(second), None);
         (waits.arrive(second), waits)
     };
     let (arrived, waits) = arrive(Reaction::Alarm);
@@ -363,9 +363,17 @@ fn a_lease_of_an_ended_channel_is_free_if_the_rule_says_so() {
     }
 }
 
-/// Whatever an arrival is decided to be beforehand, it is: a plain one ends the wait or leaves hope.
+/// A plain arrival ends the wait or leaves hope, and comes to the same as any other.
 #[test]
 fn plain_arrivals_raise_nothing() {
+    fn is_plain(waits: &Waits, arriving: Waiting) -> bool {
+        let plain = waits.clone().arrive_plainly(arriving);
+        if let Some(plain) = &plain {
+            assert_eq!(*plain, waits.clone().arrive(arriving));
+        }
+        plain.is_some()
+    }
+
     let mut waits = waits(3);
     for (primitive, plain) in [
         (Primitive::Barrier, true),
@@ -376,7 +384,12 @@ fn plain_arrivals_raise_nothing() {
         (Primitive::Join, true),
         (Primitive::Lease, true),
     ] {
-        assert_eq!(waits.is_plain(&at(1, 1, wait(primitive, 3, &[1, 2]))), plain, "{primitive:?}");
+        assert_eq!(is_plain(&waits, at(1, 1, wait(primitive, 3, &[1, 2]))), plain, "{primitive:?}");
+        // The second one to come.
+        let mut waits = waits.clone();
+        waits.arrive(at(1, 1, wait(primitive, 3, &[1, 2])));
+        assert!(is_plain(&waits, at(2, 2, wait(Primitive::Barrier, 4, &[2, 3]))), "{primitive:?}");
+        is_plain(&waits, at(2, 2, wait(primitive, 3, &[1, 2])));
     }
     waits.finish(2, ended());
     for (primitive, plain) in [
@@ -388,6 +401,6 @@ fn plain_arrivals_raise_nothing() {
         (Primitive::Join, true),
         (Primitive::Lease, true),
     ] {
-        assert_eq!(waits.is_plain(&at(1, 2, wait(primitive, 3, &[1, 2]))), plain, "{primitive:?}");
+        assert_eq!(is_plain(&waits, at(1, 2, wait(primitive, 3, &[1, 2]))), plain, "{primitive:?}");
     }
 }
