@@ -90,7 +90,7 @@ pub const SETTINGS: [Setting; 9] = [
     setting(2, 3, 2),
 ];
 
-/// Fewer for tests that take longer: each place once, with the number of threads that is hardest on it.
+/// Fewer for every day: each place once, with the number of threads that is hardest on it.
 pub const FEW_SETTINGS: [Setting; 3] = [setting(1, 0, 2), setting(1, 2, 0), setting(2, 3, 2)];
 
 /// Number of threads that all jobs of this process get.
@@ -106,7 +106,8 @@ pub fn forced_threads() -> Option<u16> {
 }
 
 /// Runs all tests of this executable but `except` once more in each setting, in a process of its own. Such a process
-/// runs no further ones. `TIMES=1` prints how long each took. Where the system has no way to choose processors, nothing is run.
+/// runs no further ones. `EVERYWHERE=all` takes all [`SETTINGS`], `TIMES=1` prints how long each took. Where the system has no
+/// way to choose processors, nothing is run.
 ///
 /// # Panics
 /// When a test fails or does not end.
@@ -118,6 +119,8 @@ pub fn everywhere(settings: &[Setting], except: &str, environment: &[(&str, &str
         eprintln!("skipped: this system has no way to choose processors for a test");
         return;
     }
+    let all = std::env::var("EVERYWHERE").is_ok_and(|which| which == "all");
+    let settings = if all { &SETTINGS } else { settings };
     let program = std::env::current_exe().expect("a test knows its executable");
     for setting in settings {
         let since = Instant::now();

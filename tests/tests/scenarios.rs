@@ -196,5 +196,5 @@ fn the_judgement_without_a_run_is_true() {
 /// One processor, two, free and beside busy threads, with few threads and many.
 #[test]
 fn everywhere() {
-    processors::everywhere(&processors::SETTINGS, "everywhere", &[]);
+    processors::everywhere(&processors::FEW_SETTINGS, "everywhere", &[]);
 }
