@@ -159,6 +159,9 @@ impl Siemens {
     /// Reads the definition files that a macro has asked for.
     pub(super) fn definition_files(&mut self, host: &mut dyn Host) -> Outcome<()> {
         let asked = std::mem::take(&mut self.settings.definitions);
+        if asked.is_empty() {
+            return Ok(());
+        }
         // Most jobs have no such file, and each program asks.
         let is_definition = |file: &String| file.to_ascii_lowercase().ends_with("def");
         let has = asked.iter().any(|(_, reports)| *reports) || host.files().iter().any(is_definition);

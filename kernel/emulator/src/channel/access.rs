@@ -37,6 +37,17 @@ fn reach<R>(order: &mut Order, mode: Mode, operation: impl FnOnce(&mut Shared) -
 }
 
 impl Door<'_> {
+    /// It leads to this variable.
+    pub(super) fn leads_to(self, variable: &Variable) -> bool {
+        match (self, variable) {
+            (Self::Named(name), Variable::Named(known)) => *name == **known,
+            (Self::Common(index), Variable::Common(known)) | (Self::Global(index), Variable::Global(known)) => {
+                index == *known
+            }
+            _ => false,
+        }
+    }
+
     /// The variable that it leads to.
     pub(super) fn variable(self) -> Option<Variable> {
         match self {
@@ -72,19 +83,20 @@ impl Kernel<'_> {
         mode: Mode,
         operation: impl FnOnce(&mut Shared) -> R,
     ) -> Result<R, Halt> {
-        let variable = door.variable();
-        match &variable {
-            Some(variable) if mode != Mode::Write => self.flow.pass.polls(variable),
-            _ => self.flow.pass.effects |= mode == Mode::Write,
+        if mode == Mode::Write {
+            self.flow.pass.effects = true;
+        } else {
+            self.flow.pass.polls(door);
         }
         if matches!(door, Door::Spindle) {
             return self.shared_in_motion(|order| reach(order, mode, operation));
         }
         // What the machine's own macros do at the start and at the end of a kernel stands in no line.
-        if self.channel.env.options.races.is_off() || self.channel.at.line == 0 || self.channel.at.channel == 0 {
+        let judged = !self.channel.env.options.races.is_off() && !self.ports.coordinator.is_single();
+        let judged = judged && self.channel.at.line != 0 && self.channel.at.channel != 0;
+        let Some(variable) = judged.then(|| door.variable()).flatten() else {
             return self.shared(|order| reach(order, mode, operation));
-        }
-        let Some(variable) = variable else { return self.shared(|order| reach(order, mode, operation)) };
+        };
         let mode = if mode == Mode::Read && self.is_polling() { Mode::Poll } else { mode };
         let at = &self.channel.at;
         let own = Access { channel: at.channel, file: at.file, line: at.line };

@@ -7,6 +7,7 @@
 use std::sync::Arc;
 
 use super::Kernel;
+use super::access::Door;
 use counterpoint_event::event::FileId;
 use counterpoint_event::event::Kind;
 use counterpoint_fault::{Acted, Halt};
@@ -76,15 +77,19 @@ impl Passes {
         self.loops.iter_mut().for_each(|pass| pass.ticks += ns);
     }
 
-    /// A shared variable is read.
-    pub(crate) fn polls(&mut self, variable: &Variable) {
-        let place = self.variables.iter().position(|known| known == variable).unwrap_or_else(|| {
-            if self.variables.len() < 64 {
-                self.variables.push(variable.clone());
-            }
-            self.variables.len() - 1
-        });
+    /// What is shared is read; doors that lead to no variable do not count.
+    pub(crate) fn polls(&mut self, door: Door<'_>) {
+        let known = self.variables.iter().position(|known| door.leads_to(known));
+        let Some(place) = known.or_else(|| self.note(door.variable()?)) else { return };
         self.reads |= 1 << place;
+    }
+
+    /// The place of one more variable; the last one is that of all that find no room.
+    fn note(&mut self, variable: Variable) -> Option<usize> {
+        if self.variables.len() < 64 {
+            self.variables.push(variable);
+        }
+        self.variables.len().checked_sub(1)
     }
 
     /// The program of a loop has returned: its loops are over.

@@ -19,7 +19,12 @@ impl Values for Kernel<'_> {
         let growth = name.len() + 200 + value.as_ref().and_then(Value::as_text).map_or(0, str::len);
         let over = self.access(Door::Named(name), Mode::Write, |shared| match value {
             Some(value) => {
-                shared.named.insert(name.into(), value);
+                match shared.named.get_mut(name) {
+                    Some(place) => *place = value,
+                    None => {
+                        shared.named.insert(name.into(), value);
+                    }
+                }
                 shared.grown(growth, limit)
             }
             None => {
