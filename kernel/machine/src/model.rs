@@ -175,6 +175,8 @@ pub enum MachineKind {
 pub struct Format {
     /// Rewind-stop text alone on a line, empty = none.
     pub rws: String,
+    /// Text may stand beside it: behind it leader that is skipped, before it the last block of the tape.
+    pub rws_inline: bool,
     /// Where it is expected.
     pub rws_at: RewindStop,
     /// Comment start and end; an empty end = to the end of the block.
@@ -187,6 +189,21 @@ pub struct Format {
     pub opskip_default: u8,
     /// Extra end-of-block character.
     pub eob: Option<char>,
+}
+
+impl Format {
+    /// A line is a rewind-stop.
+    #[must_use]
+    pub fn is_rewind_stop(&self, line: &[u8]) -> bool {
+        is_rewind_stop(self.rws.as_bytes(), self.rws_inline, line)
+    }
+}
+
+/// A line has nothing but the rewind-stop or, where text may stand beside it, begins with it.
+#[must_use]
+pub fn is_rewind_stop(rws: &[u8], inline: bool, line: &[u8]) -> bool {
+    let line = line.trim_ascii();
+    !rws.is_empty() && if inline { line.starts_with(rws) } else { line == rws }
 }
 
 /// Expected place of the rewind-stop.

@@ -448,8 +448,7 @@ pub fn from_line(source: &Arc<Source>, line: u32, machine: &Machine) -> Vec<Opti
 /// shows those lines. Where a rewind-stop is expected before the program, one that stands only at the end leaves
 /// nothing to do (reference control-emulator.md 5.1).
 pub fn opening(source: &Source, range: Range, format: &Format) -> Range {
-    let rws = format.rws.as_bytes();
-    let is_stop = |n: &u32| !rws.is_empty() && source.line(*n).trim_ascii() == rws;
+    let is_stop = |n: &u32| format.is_rewind_stop(source.line(*n));
     let is_blank = |n: u32| source.line(n).iter().all(u8::is_ascii_whitespace);
     let expected = format.rws_at == RewindStop::Start;
     let first_program = source.programs().first().is_some_and(|r| r.first == range.first);

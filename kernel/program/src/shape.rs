@@ -6,6 +6,7 @@
 use super::spot;
 use super::syntax::{PLAIN, Syntax};
 use counterpoint_machine::Machine;
+use counterpoint_machine::model::is_rewind_stop;
 
 /// One program of a file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -27,6 +28,8 @@ pub struct Shape {
     /// Comments and messages, start and end.
     remarks: Vec<(Vec<u8>, Vec<u8>)>,
     rws: Vec<u8>,
+    /// Text may stand beside the rewind-stop.
+    rws_inline: bool,
     eob: Option<u8>,
 }
 
@@ -37,6 +40,7 @@ impl Default for Shape {
             names: false,
             remarks: vec![(b"(".to_vec(), b")".to_vec())],
             rws: b"%".to_vec(),
+            rws_inline: false,
             eob: None,
         }
     }
@@ -60,6 +64,7 @@ impl Shape {
             names: syntax.angle_names && !taken,
             remarks: remarks.map(|(start, end)| (start.clone().into(), end.clone().into())).collect(),
             rws: format.rws.clone().into(),
+            rws_inline: format.rws_inline,
             eob: format.eob.and_then(|eob| u8::try_from(eob).ok()),
         }
     }
@@ -77,7 +82,7 @@ impl Shape {
 
     /// A line is a rewind-stop.
     pub(super) fn is_stop(&self, line: &[u8]) -> bool {
-        !self.rws.is_empty() && line.trim_ascii() == self.rws
+        is_rewind_stop(&self.rws, self.rws_inline, line)
     }
 
     /// Something stands in a line besides blanks, comments and a rewind-stop.

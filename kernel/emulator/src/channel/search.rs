@@ -202,8 +202,7 @@ impl Kernel<'_> {
             _ => Range { number: None, first: 1, last: source.lines() },
         };
         let mut range = opening(source, all, &self.channel.env.machine.format);
-        let rws = self.channel.env.machine.format.rws.as_bytes();
-        if !rws.is_empty() && source.line(range.first).trim_ascii() == rws {
+        if self.channel.env.machine.format.is_rewind_stop(source.line(range.first)) {
             range.first += 1;
         }
         Ok(Some((file, range)))

@@ -52,7 +52,7 @@ impl Kernel<'_> {
         let Some(source) = sources.get(file).filter(|_| format.rws_at != RewindStop::Start) else {
             return;
         };
-        if range.first > 1 && !format.rws.is_empty() && source.line(range.first).trim_ascii() == format.rws.as_bytes() {
+        if range.first > 1 && format.is_rewind_stop(source.line(range.first)) {
             self.report_unowned(file, source, (1, range.first - 1));
         }
     }

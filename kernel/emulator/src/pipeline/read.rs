@@ -8,7 +8,7 @@ use std::sync::Arc;
 use crate::channel::Kernel;
 use counterpoint_event::event::{Block, FileId, Kind};
 use counterpoint_fault as diag;
-use counterpoint_machine::model::RewindStop;
+use counterpoint_machine::model::{Format, RewindStop};
 use counterpoint_program::sections;
 use counterpoint_program::shape::Shape;
 use counterpoint_program::source::Source;
@@ -85,8 +85,34 @@ impl Kernel<'_> {
         if let Some(hooks) = hooks {
             (hooks.block.begin)(self);
         }
+        if let Some(block) = self.before_rewind_stop(text) {
+            return self.last_of_tape(block, (file, line));
+        }
         self.block(text)?;
         self.follow()
+    }
+
+    /// The block before a rewind-stop at the end of its line, where one may stand there.
+    #[inline(always)]
+    fn before_rewind_stop<'l>(&self, text: &'l [u8]) -> Option<&'l [u8]> {
+        let format = &self.channel.env.machine.format;
+        if !format.rws_inline || !text.trim_ascii_end().ends_with(format.rws.as_bytes()) {
+            return None;
+        }
+        let end = self.plan.scanner.outside_remarks(text, *format.rws.as_bytes().first()?)?;
+        text.get(..end)
+    }
+
+    /// A block at the end of whose line the tape ends; more text is reported, as that behind a rewind-stop of its own line.
+    #[cold]
+    fn last_of_tape(&mut self, block: &[u8], (file, line): (FileId, u32)) -> Acted {
+        self.block(block)?;
+        self.follow()?;
+        let goes_on = self.frame().is_some_and(|frame| (frame.file, frame.next) == (file, line + 1));
+        match self.channel.env.sources.get(file).filter(|_| goes_on) {
+            Some(source) => self.rewind_stop(source, line),
+            None => Ok(()),
+        }
     }
 
     /// Counts the block, publishes how far this kernel is, and checks the limits.
@@ -129,9 +155,10 @@ impl Kernel<'_> {
 
     #[inline(always)]
     pub(crate) fn is_rewind_stop(&self, text: &[u8]) -> bool {
-        let rws = self.channel.env.machine.format.rws.as_bytes();
-        let begins = text.first() == rws.first() || text.first().is_some_and(u8::is_ascii_whitespace);
-        begins && is_alone(text, rws)
+        let format = &self.channel.env.machine.format;
+        let begins =
+            text.first() == format.rws.as_bytes().first() || text.first().is_some_and(u8::is_ascii_whitespace);
+        begins && is_stop(text, format)
     }
 
     /// A rewind-stop: opens the text, closes it, or is ignored with a warning.
@@ -205,8 +232,8 @@ impl Kernel<'_> {
     }
 }
 
-/// The rewind-stop is all that a line has.
+/// A line that may be a rewind-stop is one.
 #[inline(never)]
-fn is_alone(text: &[u8], rws: &[u8]) -> bool {
-    !rws.is_empty() && text.trim_ascii() == rws
+fn is_stop(text: &[u8], format: &Format) -> bool {
+    format.is_rewind_stop(text)
 }

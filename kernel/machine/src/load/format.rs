@@ -11,6 +11,7 @@ use crate::toml::section::Section;
 pub(super) fn read(top: &mut Section<'_>, check: &Check, preprocessor: Preprocessor) -> Format {
     let mut format = Format {
         rws: String::new(),
+        rws_inline: false,
         rws_at: RewindStop::None,
         comment: None,
         message: None,
@@ -31,6 +32,10 @@ pub(super) fn read(top: &mut Section<'_>, check: &Check, preprocessor: Preproces
     format.rws_at = section.choice("rws_at", &places).unwrap_or(RewindStop::None);
     if format.rws.is_empty() && format.rws_at != RewindStop::None {
         section.error("rws_at", "`rws_at` expects a rewind-stop, but `rws` has no text");
+    }
+    format.rws_inline = section.flag("rws_inline").unwrap_or(false);
+    if format.rws.is_empty() && format.rws_inline {
+        section.error("rws_inline", "`rws_inline` expects a rewind-stop, but `rws` has no text");
     }
     format.comment = delimiters(&mut section, "comment");
     format.message = delimiters(&mut section, "message");

@@ -104,6 +104,7 @@ fn format(machine: &Machine) -> Value {
     json!({
         "rws": format.rws,
         "rws_at": word(format.rws_at),
+        "rws_inline": format.rws_inline,
         "comment": format.comment,
         "message": format.message,
         "opskip": { "mark": format.opskip_mark, "default": format.opskip_default },

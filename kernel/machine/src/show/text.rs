@@ -105,7 +105,8 @@ pub(super) fn summary(machine: &Machine) -> String {
     line("type", word(machine.kind));
     line("units", word(machine.unit));
     line("preprocessor", machine.preprocessor.row().name.to_owned());
-    line("rewind-stop", format!("{} {}", format.rws, word(format.rws_at)).trim().to_owned());
+    let beside = if format.rws_inline { " beside text" } else { "" };
+    line("rewind-stop", format!("{} {}{beside}", format.rws, word(format.rws_at)).trim().to_owned());
     line("comment", pair(&format.comment));
     line("message", pair(&format.message));
     line(

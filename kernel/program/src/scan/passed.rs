@@ -96,6 +96,11 @@ impl Scanner {
         spot::block_end(line, self.eob, self.delimiters())
     }
 
+    /// Place of the first `mark` outside comments and messages.
+    pub fn outside_remarks(&self, line: &[u8], mark: u8) -> Option<usize> {
+        spot::block_end(line, Some(mark), self.delimiters())
+    }
+
     /// Where the blocks of a line begin.
     pub fn block_starts(&self, line: &[u8]) -> impl Iterator<Item = usize> {
         spot::starts(line, self.eob, self.delimiters())

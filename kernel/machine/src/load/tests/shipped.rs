@@ -317,6 +317,7 @@ fn the_two_path_lathe_is_set_up_like_this() {
     assert_eq!((lathe.sync.dialect, lathe.sync.paths), (SyncDialect::Fanuc, PathsForm::Either));
     assert_eq!((lathe.sync.alarm_scope, lathe.sync.release_ns, lathe.sync.poll_ns), (AlarmScope::Own, 0, 1_000_000));
     assert_eq!((lathe.format.rws.as_str(), lathe.format.rws_at), ("%", RewindStop::Optional));
+    assert!(lathe.format.rws_inline);
     assert_eq!(lathe.format.comment, Some(("(".to_owned(), ")".to_owned())));
     assert_eq!((lathe.format.opskip_mark, lathe.format.opskip_default), (Some('/'), 1));
     assert_eq!((lathe.subprograms.call, lathe.subprograms.main_return), (CallForm::RepeatAndNumber, MainReturn::End));
