@@ -19,6 +19,8 @@ pub struct Row {
     pub wait_statements: bool,
     /// Such statements have key words in brackets.
     pub wait_keys: bool,
+    /// The rewind-stop begins or ends names of programs, so no other text stands beside it.
+    pub named_stops: bool,
     /// Its variables of the machine's PLC are rows of `[[external]]`.
     pub external_variables: bool,
 }
@@ -31,20 +33,29 @@ const PLAIN: Row = Row {
     semicolon_comments: false,
     wait_statements: false,
     wait_keys: false,
+    named_stops: false,
     external_variables: false,
 };
 
 static ROWS: [Row; 6] = [
     PLAIN,
     Row { name: "fanuc", calls_by_word: true, ..PLAIN },
-    Row { name: "okuma", ..PLAIN },
-    Row { name: "siemens", frame_increments: true, semicolon_comments: true, wait_statements: true, ..PLAIN },
-    Row { name: "heidenhain", semicolon_comments: true, ..PLAIN },
+    Row { name: "okuma", named_stops: true, ..PLAIN },
+    Row {
+        name: "siemens",
+        frame_increments: true,
+        semicolon_comments: true,
+        wait_statements: true,
+        named_stops: true,
+        ..PLAIN
+    },
+    Row { name: "heidenhain", semicolon_comments: true, named_stops: true, ..PLAIN },
     Row {
         name: "isg",
         semicolon_comments: true,
         wait_statements: true,
         wait_keys: true,
+        named_stops: true,
         external_variables: true,
         ..PLAIN
     },

@@ -52,7 +52,7 @@ pub(super) fn preset(act: &mut Act<'_, '_>) -> Acted {
     }
     // Nothing turns: words are positions, also of axes whose words are angles.
     let angles = std::mem::take(&mut act.state.place.layout.angles);
-    let (coded, target) = act.targets();
+    let (coded, target) = act.without_polar_words(Act::targets);
     act.state.place.layout.angles = angles;
     if coded == 0 {
         return Ok(());

@@ -25,6 +25,7 @@ mod mode;
 mod motion;
 mod offsets;
 mod polar;
+mod polar_words;
 mod pole;
 mod rates;
 mod skip;
@@ -66,6 +67,7 @@ static ENTRIES: &[&[Entry]] = &[
     motion::ENTRIES,
     offsets::ENTRIES,
     polar::ENTRIES,
+    polar_words::ENTRIES,
     cylinder::ENTRIES,
     pole::ENTRIES,
     skip::ENTRIES,

@@ -135,9 +135,14 @@ impl Act<'_, '_> {
         let from = self.programmed();
         let counted = self.counted();
         let shift = |act: &Self, axis: AxisSlot| Some(act.state.place.shift.at(axis));
-        let (coded, mut target) = match self.polar() {
-            Some(polar) => self.axis_words(counted, shift, |act, axis| act.take_polar(polar, axis)),
-            None => self.axis_words(counted, shift, Self::take_axis),
+        let (coded, mut target) = match (self.polar(), self.polar_axes()) {
+            (Some(polar), _) => self.axis_words(counted, shift, |act, axis| act.take_polar(polar, axis)),
+            (None, None) => self.axis_words(counted, shift, Self::take_axis),
+            (None, Some(flat)) => {
+                let take = |act: &mut Self, axis| if flat.contains(&axis) { None } else { act.take_axis(axis) };
+                let (coded, mut target) = self.axis_words(counted, shift, take);
+                (coded | self.take_polar_words(flat, &counted, &mut target), target)
+            }
         };
         if counted != from {
             for (at, (slot, from)) in target.iter_mut().zip(from).enumerate() {
@@ -152,7 +157,7 @@ impl Act<'_, '_> {
 
     /// Takes the word of an axis.
     #[inline(always)]
-    fn take_axis(&mut self, axis: AxisSlot) -> Option<Datum> {
+    pub(super) fn take_axis(&mut self, axis: AxisSlot) -> Option<Datum> {
         self.take(self.state.place.layout.axes[axis].data)
     }
 

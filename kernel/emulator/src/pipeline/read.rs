@@ -156,8 +156,7 @@ impl Kernel<'_> {
     #[inline(always)]
     pub(crate) fn is_rewind_stop(&self, text: &[u8]) -> bool {
         let format = &self.channel.env.machine.format;
-        let begins =
-            text.first() == format.rws.as_bytes().first() || text.first().is_some_and(u8::is_ascii_whitespace);
+        let begins = text.first() == format.rws.as_bytes().first() || text.first().is_some_and(u8::is_ascii_whitespace);
         begins && is_stop(text, format)
     }
 

@@ -1,15 +1,15 @@
 //! All code identifiers with their default group, order, whether a built-in action is documented, and their kind.
 //!
-//! Facts: reference code-identifiers.tsv; the rows after them are this project's own. Sorted by name within each part.
+//! Facts: reference code-identifiers.tsv; after these rows come this project's own (`own`). Sorted by name.
 //! Invariant: `CodeId(n)` is the position in [`TABLE`]; one list makes table and constants, so that they cannot differ.
 
 use super::kind::CodeKind::*;
 use super::kind::families::{ThreadCycle, *};
-use super::{CodeFacts, CodeId, data, list::codes};
+use super::{CodeFacts, CodeId, data, list::codes, own::with_own};
 use counterpoint_event::event::{Direction, Outlet};
 use counterpoint_motion::frame::local::Part;
 
-codes! {
+with_own! { codes {
     AIR_OFF 51 700 false false Plain;
     AIR_ON 51 300 false false Plain;
     AMCYC_CANCEL 0 100 false false Plain;
@@ -447,54 +447,4 @@ codes! {
     XAXIS_RADIUS 109 100 true false Mode("x radius");
     ZEROTRACK_ABSOLUTE 0 100 false false Plain;
     ZEROTRACK_RELATIVE 0 100 false false Plain;
-    POSITION_PRESET 0 450 true true Plain => ": preset of the work frame (Fanuc G50/G92 with axis words)";
-    GOHOME_NTH 0 450 true true Plain => ": return to the 2nd, 3rd or 4th reference point (Fanuc G30)";
-    FUNCTION 0 300 true true Plain => ": machine function that only takes time (M codes of the machine's own table)";
-    POSITION_MACHINE 0 100 true true Plain => ": this block's positions are in the machine frame (Fanuc G53)";
-    INTERP_ARC_TANGENT 1 500 true true Plain => ": circle that continues in the direction of the last move (Siemens CT)";
-    CORNER_CHAMFER 0 450 true true Plain => ": the corner at the end of the move of this block is a chamfer (Okuma G75)";
-    CORNER_ROUND 0 450 true true Plain => ": the corner at the end of the move of this block is a rounding (Okuma G76)";
-    XAXIS_DIAMETER_ABSOLUTE 109 100 true true Mode("x diameter absolute") => ": positions of X are diameters, distances along it are radii (Siemens DIAM90)";
-    POLE_TOOL 0 450 true true Plain => ": pole of polar coordinates, from where the tool is (Siemens G110)";
-    POLE_ZERO 0 450 true true Plain => ": pole of polar coordinates, from the zero of the program (Siemens G111)";
-    POLE_LAST 0 450 true true Plain => ": pole of polar coordinates, from the last pole (Siemens G112)";
-    CYLINDER_ON 26 100 true true Plain => ": moves are those on the surface of a cylinder; radius 0 ends it (Fanuc G7.1)";
-    CYLINDER_OFF 26 100 true true Plain => ": ends that (Siemens TRAFOOF)";
-    OFFSET_SET 0 100 true true Plain => ": sets an offset of the control (Fanuc G10)";
-    BALANCE_ON 0 100 true true Plain => ": two channels begin their cuts together (Fanuc G68)";
-    BALANCE_OFF 0 100 true true Plain => ": ends that, both together (Fanuc G69)";
-    COUPLE_SYNCHRONOUS 0 100 true true Plain => ": an axis of one channel follows an axis of another (Fanuc G51.4)";
-    COUPLE_SYNCHRONOUS_OFF 0 100 true true Plain => ": ends that, in both channels together (Fanuc G50.4)";
-    COUPLE_COMPOSITE 0 100 true true Plain => ": two channels exchange what their words of an axis move (Fanuc G51.5)";
-    COUPLE_COMPOSITE_OFF 0 100 true true Plain => ": ends that, in both channels together (Fanuc G50.5)";
-    COUPLE_SUPERIMPOSED 0 100 true true Plain => ": the moves of an axis of one channel are added to those of another (Fanuc G51.6)";
-    COUPLE_SUPERIMPOSED_OFF 0 100 true true Plain => ": ends that, in both channels together (Fanuc G50.6)";
-    TURN_FINISH 1 500 true true Turning(TurningCycle::Finish) => ": runs the blocks of a contour once (Fanuc G70)";
-    TURN_ROUGH 1 500 true true Turning(TurningCycle::Rough { face: false }) => ": roughs a contour along Z (Fanuc G71)";
-    TURN_ROUGH_FACE 1 500 true true Turning(TurningCycle::Rough { face: true }) => ": roughs a contour along X (Fanuc G72)";
-    TURN_PATTERN 1 500 true true Turning(TurningCycle::Pattern) => ": repeats a contour nearer and nearer (Fanuc G73)";
-    TURN_PECK 1 500 true true Turning(TurningCycle::Peck { along_x: false }) => ": pecks along Z (Fanuc G74)";
-    TURN_GROOVE 1 500 true true Turning(TurningCycle::Peck { along_x: true }) => ": pecks along X (Fanuc G75)";
-    TURN_SINGLE 1 500 true true Turning(TurningCycle::Single { face: false }) => ": one cut along Z and back (Fanuc G90)";
-    TURN_SINGLE_FACE 1 500 true true Turning(TurningCycle::Single { face: true }) => ": one cut along X and back (Fanuc G94)";
-    TURN_LAP_BAR 1 500 true true Turning(TurningCycle::Lap(Lap::Bar)) => ": roughs a named contour level by level (Okuma G85)";
-    TURN_LAP_COPY 1 500 true true Turning(TurningCycle::Lap(Lap::Copy)) => ": roughs a named contour by passes along the whole of it (Okuma G86)";
-    TURN_LAP_FINISH 1 500 true true Turning(TurningCycle::Lap(Lap::Finish)) => ": runs a named contour once (Okuma G87)";
-    TURN_LAP_STAY 0 100 true true Plain => ": the tool stays at the end of the next cycle along a named contour (Okuma M85)";
-    TILT_ON 161 100 true true Plane(Tilt::On(Lie::Said)) => ": a tilted plane in the form that the block says (Fanuc G68.2)";
-    TILT_ADD 161 100 true true Plane(Tilt::Add(Lie::Said)) => ": the same in the plane that is active (Fanuc G68.4)";
-    TILT_EULER 161 100 true true Plane(Tilt::On(Lie::Euler)) => ": a tilted plane by angles about Z, X and Z (Heidenhain PLANE EULER)";
-    TILT_SPATIAL 161 100 true true Plane(Tilt::On(Lie::Fixed)) => ": by angles about X, Y and Z that stay (PLANE SPATIAL)";
-    TILT_PROJECTED 161 100 true true Plane(Tilt::On(Lie::Projections)) => ": by the angles of two lines (PLANE PROJECTED)";
-    TILT_VECTOR 161 100 true true Plane(Tilt::On(Lie::Directions)) => ": by the directions of X and Z (PLANE VECTOR)";
-    TILT_POINTS 161 100 true true Plane(Tilt::On(Lie::Points)) => ": by three points (PLANE POINTS)";
-    TILT_RELATIVE 161 100 true true Plane(Tilt::Add(Lie::Fixed)) => ": by angles in the plane that is active (PLANE RELATIV)";
-    TILT_AXIAL 161 100 true true Plane(Tilt::On(Lie::Positions)) => ": by positions of the rotary axes (PLANE AXIAL)";
-    TILT_OFF 161 100 true true Plane(Tilt::Off) => ": ends the tilted plane (PLANE RESET)";
-    TILT_CANCEL 161 100 true true Plane(Tilt::Cancel) => ": the same, or ends the rotation of the local frame (Fanuc G69)";
-    TILT_TURN 0 470 true true Plane(Tilt::Turn) => ": rotary axes turn into the plane (Fanuc G53.1, Heidenhain TURN)";
-    TILT_MOVE 0 470 true true Plane(Tilt::Move) => ": the same, the tool keeps its place on the part (Fanuc G53.6, MOVE)";
-    TILT_POSITIVE 0 90 true true Plane(Tilt::Side(true)) => ": of two ways the one with the tilting axis on the positive side (SEQ+)";
-    TILT_NEGATIVE 0 90 true true Plane(Tilt::Side(false)) => ": on the negative side (SEQ-)";
-    TILT_TABLE 0 90 true true Plane(Tilt::Table) => ": a rotary axis that has nothing to do turns the plane (TABLE ROT)";
-}
+} }

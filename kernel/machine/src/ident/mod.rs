@@ -8,6 +8,7 @@ pub mod data;
 pub mod dimension;
 pub mod kind;
 mod list;
+mod own;
 pub mod takes;
 
 use crate::index::Table;

@@ -20,7 +20,7 @@ pub(super) fn read(top: &mut Section<'_>, check: &Check, preprocessor: Preproces
         eob: None,
     };
     let Some(mut section) = top.table("format", "[format]") else { return format };
-    let comments = preprocessor.row().semicolon_comments;
+    let (comments, named_stops) = (preprocessor.row().semicolon_comments, preprocessor.row().named_stops);
     format.eob = section.character("eob").flatten().filter(|eob| *eob != ';' || !comments);
     format.rws = section.text("rws").unwrap_or_default().to_owned();
     if !format.rws.is_empty() && section.node("rws_at").is_none() {
@@ -33,10 +33,9 @@ pub(super) fn read(top: &mut Section<'_>, check: &Check, preprocessor: Preproces
     if format.rws.is_empty() && format.rws_at != RewindStop::None {
         section.error("rws_at", "`rws_at` expects a rewind-stop, but `rws` has no text");
     }
-    format.rws_inline = section.flag("rws_inline").unwrap_or(false);
-    if format.rws.is_empty() && format.rws_inline {
-        section.error("rws_inline", "`rws_inline` expects a rewind-stop, but `rws` has no text");
-    }
+    // A machine that takes the rewind-stop of its family away, or has another pre-processor, says nothing about this.
+    let inline = section.flag("rws_inline").unwrap_or(false);
+    format.rws_inline = inline && !format.rws.is_empty() && !named_stops;
     format.comment = delimiters(&mut section, "comment");
     format.message = delimiters(&mut section, "message");
     if let (Some((comment, _)), Some((message, _))) = (&format.comment, &format.message)

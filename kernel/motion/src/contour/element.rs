@@ -13,6 +13,19 @@ pub type Spot = [f64; 2];
 /// Differences below this are none.
 pub const NOISE: f64 = 1e-7;
 
+/// Direction of an angle in degrees; exact at multiples of 90.
+#[must_use]
+pub fn direction(degrees: f64) -> Spot {
+    let turn = degrees.rem_euclid(360.0);
+    match () {
+        () if turn == 0.0 => [1.0, 0.0],
+        () if turn == 90.0 => [0.0, 1.0],
+        () if turn == 180.0 => [-1.0, 0.0],
+        () if turn == 270.0 => [0.0, -1.0],
+        () => [libm::cos(turn.to_radians()), libm::sin(turn.to_radians())],
+    }
+}
+
 /// `a + c * times`, coordinate by coordinate.
 pub fn plus([a, b]: Spot, [c, d]: Spot, times: f64) -> Spot {
     [a + c * times, b + d * times]

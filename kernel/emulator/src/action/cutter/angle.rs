@@ -7,7 +7,7 @@ use counterpoint_event::event::Position;
 use counterpoint_fault as diag;
 use counterpoint_machine::ident::codes;
 use counterpoint_machine::index::{AxisSlot, BySlot as _};
-use counterpoint_motion::contour::element::{Element, Spot, cross, plus};
+use counterpoint_motion::contour::element::{Element, Spot, cross, direction, plus};
 
 use super::words::polar;
 use super::{Step, compensated_plane};
@@ -20,18 +20,6 @@ const PARALLEL: f64 = 0.017_452;
 
 /// Largest distance of a programmed end from the line of its angle.
 const OFF: f64 = 0.01;
-
-/// Direction of an angle in degrees; exact at multiples of 90.
-fn direction(degrees: f64) -> Spot {
-    let turn = degrees.rem_euclid(360.0);
-    match () {
-        () if turn == 0.0 => [1.0, 0.0],
-        () if turn == 90.0 => [0.0, 1.0],
-        () if turn == 180.0 => [-1.0, 0.0],
-        () if turn == 270.0 => [0.0, -1.0],
-        () => [libm::cos(turn.to_radians()), libm::sin(turn.to_radians())],
-    }
-}
 
 impl Act<'_, '_> {
     /// The line of this block gets its end from the next one.

@@ -162,6 +162,7 @@ fn holes(act: &mut Act<'_, '_>, kind: HoleCycle, words: &words::Words) -> Acted 
                     *slot += target - from;
                 }
             }
+            act.polar_words_again(&mut hole.target);
         }
         act.cycle_event(&hole)?;
     }

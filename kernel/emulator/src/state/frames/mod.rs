@@ -27,6 +27,7 @@ pub(crate) mod tilt;
 pub(crate) mod tip;
 mod travel;
 mod values;
+pub(crate) mod words;
 
 use counterpoint_machine::index::{AxisSlot, BySlot};
 use counterpoint_motion::frame::affine::Point;
@@ -50,6 +51,8 @@ pub(crate) struct Frames {
     pub(crate) local: Local,
     /// Polar or cylindrical interpolation.
     pub(crate) polar: Option<polar::Polar>,
+    /// Words of the plane are a radius and an angle: those of the last block.
+    pub(crate) words: Option<words::PolarWords>,
     /// A tilted plane.
     pub(crate) tilt: Option<Box<tilt::Tilted>>,
     /// A tilted plane whose definition is not complete.
@@ -71,6 +74,7 @@ impl Frames {
     fn is_idle(&self) -> bool {
         self.local.is_empty()
             && self.polar.is_none()
+            && self.words.is_none()
             && self.tilt.is_none()
             && self.parts.is_none()
             && self.tip.is_none()

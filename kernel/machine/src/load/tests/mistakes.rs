@@ -154,10 +154,6 @@ rws_at = "start""#
         ["2:10: error: `rws_at` expects a rewind-stop, but `rws` has no text"]
     );
     assert_eq!(
-        after("[format]\nrws_inline = true"),
-        ["2:14: error: `rws_inline` expects a rewind-stop, but `rws` has no text"]
-    );
-    assert_eq!(
         after(
             r#"[format]
 comment = ["(", ")"]
