@@ -1,4 +1,5 @@
 ; Drilling: infeeds Q202, out to the clearance after each, dwell Q210 at the top and Q211 at the bottom.
+; Without an infeed it drills in one go. Q395 = 1: the depth is that of the full diameter, by the tip angle of the tool table.
 BEGIN PGM 200 MM
 FN 9: IF +Q201 EQU +0 GOTO LBL 98
 FN 18: SYSREAD QL90 = ID20 NR9
@@ -7,8 +8,18 @@ QL2 = Q203 + Q204
 L Z+QL1 R0 FMAX
 QL3 = Q203
 QL4 = Q203 + Q201
+FN 9: IF +Q395 EQU +0 GOTO LBL 24
+FN 18: SYSREAD QL11 = ID50 NR32
+FN 9: IF +QL11 EQU +0 GOTO LBL 24
+QL11 = QL11 / 2
+QL4 = QL4 - Q108 * COS QL11 / SIN QL11
+LBL 24
 QL6 = Q202
 LBL 1
+FN 11: IF +QL6 GT +0 GOTO LBL 23
+QL3 = QL4
+FN 9: IF +0 EQU +0 GOTO LBL 2
+LBL 23
 QL3 = QL3 - QL6
 FN 11: IF +QL3 GT +QL4 GOTO LBL 2
 QL3 = QL4

@@ -1,4 +1,5 @@
 ; Universal drilling: infeeds Q202 that shrink by Q212 down to Q205; Q213 chip breaks by Q256, then a full retract, and so on.
+; Without an infeed it drills in one go. Q395 as in cycle 200.
 BEGIN PGM 203 MM
 FN 9: IF +Q201 EQU +0 GOTO LBL 98
 FN 18: SYSREAD QL90 = ID20 NR9
@@ -7,6 +8,12 @@ QL2 = Q203 + Q204
 L Z+QL1 R0 FMAX
 QL3 = Q203
 QL4 = Q203 + Q201
+FN 9: IF +Q395 EQU +0 GOTO LBL 24
+FN 18: SYSREAD QL11 = ID50 NR32
+FN 9: IF +QL11 EQU +0 GOTO LBL 24
+QL11 = QL11 / 2
+QL4 = QL4 - Q108 * COS QL11 / SIN QL11
+LBL 24
 QL8 = Q208
 FN 10: IF +QL8 NE +0 GOTO LBL 6
 QL8 = Q206
@@ -14,6 +21,10 @@ LBL 6
 QL6 = Q202
 QL7 = 0
 LBL 1
+FN 11: IF +QL6 GT +0 GOTO LBL 23
+QL3 = QL4
+FN 9: IF +0 EQU +0 GOTO LBL 2
+LBL 23
 QL3 = QL3 - QL6
 FN 11: IF +QL3 GT +QL4 GOTO LBL 2
 QL3 = QL4
@@ -34,6 +45,7 @@ QL5 = QL3 + Q256
 L Z+QL5 R0 FMAX
 QL7 = QL7 + 1
 LBL 21
+FN 9: IF +Q212 EQU +0 GOTO LBL 22
 QL6 = QL6 - Q212
 FN 11: IF +QL6 GT +Q205 GOTO LBL 22
 QL6 = Q205

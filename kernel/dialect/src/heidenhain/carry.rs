@@ -27,6 +27,7 @@ impl Heidenhain {
                 let value = evaluator.value(formula)?;
                 evaluator.assign(*name, value).map(|()| None)
             }
+            Statement::Parameters(words) => self.parameters(host, words).map(|()| None),
             Statement::Branch(condition, to) => {
                 if self.holds(host, condition)? {
                     self.jump(host, to)?;
@@ -42,6 +43,9 @@ impl Heidenhain {
             Statement::Send(text) => self.send(host, text).map(|()| None),
             Statement::SysRead { to, id, number, index } => {
                 self.system_read(host, *to, (id, number, index.as_ref())).map(|()| None)
+            }
+            Statement::SysWrite { id, number, index, value } => {
+                self.system_write(host, (id, number, index.as_ref()), value).map(|()| None)
             }
             Statement::EndOfLabel => {
                 self.end_label(host);
@@ -153,9 +157,21 @@ impl Heidenhain {
         self.functions_of(&seen);
         self.follow(host, &mut seen);
         self.feed_units(host, &mut seen)?;
+        let retracts = self.retract(host, &mut seen);
         self.cycle_calls(host, &mut seen, false)?;
         self.after_block(&seen);
-        Ok(Some(joined("", &seen)))
+        Ok(Some(retracts.into_iter().chain([joined("", &seen)]).collect::<Vec<_>>().join("\n")))
+    }
+
+    /// Several parameters of a cycle in a block of their own.
+    fn parameters(&mut self, host: &mut dyn Host, words: &[Word]) -> Result<(), Halt> {
+        let mut evaluator = Evaluator::new(&mut self.variables, host);
+        for word in evaluator.seen(words)? {
+            if let (Some(name), Some(value)) = (super::cycles::parameter_of(&word.name), word.value) {
+                evaluator.assign(name, Value::Number(value))?;
+            }
+        }
+        Ok(())
     }
 
     /// Units are codes of the machine.
@@ -239,11 +255,13 @@ impl Heidenhain {
             }
         }
         if let Some(number) = number.as_deref().and_then(|number| number.parse::<f64>().ok()) {
-            let own = self.tools.get(&(number as u32)).copied().unwrap_or_default();
-            let more = seen.iter().find(|word| word.is("DR")).and_then(|word| word.value).unwrap_or(0.0);
+            let own = self.tools.defined(number);
+            let said = |name: &str| seen.iter().find(|word| word.is(name)).and_then(|word| word.value).unwrap_or(0.0);
+            let allowances = ["DL", "DR"].map(said);
+            self.tools.add_allowances(host, number, &mut seen);
             let control = &mut self.variables.control;
-            (control.tool, control.length) = (Some(number), own.0);
-            control.radius = own.1.map(|radius| radius + more);
+            (control.tool, control.length, control.allowances) = (Some(number), own.0, allowances);
+            control.radius = own.1.map(|radius| radius + allowances[1]);
             let allowance = |word: &Seen| matches!(&*word.name, "DL" | "DR" | "DR2") && word.value != Some(0.0);
             self.space.allowances = seen.iter().any(|word| word.value.is_some() && allowance(word));
         }
@@ -263,9 +281,8 @@ impl Heidenhain {
         let value = |name: &str| seen.iter().find(|word| word.is(name)).and_then(|word| word.value);
         if let Ok(number) = number.parse::<f64>()
             && (value("L").is_some() || value("R").is_some())
-            && self.tools.len() < 10_000
         {
-            self.tools.insert(number as u32, (value("L"), value("R")));
+            self.tools.define(number, (value("L"), value("R")));
         }
         // Length and radius are those of the tool table, no words of the block.
         let others: Vec<Seen> = seen.into_iter().filter(|word| !word.is("L") && !word.is("R")).collect();
@@ -291,6 +308,7 @@ impl Heidenhain {
             self.directions(host, &mut seen);
         }
         self.feed_units(host, &mut seen)?;
+        let retracts = self.retract(host, &mut seen);
         let moves = seen.iter().any(|word| {
             word.value.is_some()
                 && (axis(&word.name).is_some() || matches!(&*word.name, "PR" | "PA" | "IPR" | "IPA" | "H"))
@@ -299,7 +317,8 @@ impl Heidenhain {
         self.after_block(&seen);
         let step = Step { shape, iso, seen, line: place.line };
         let ahead = if place.as_read { self.ahead(host, shape, line.next, place)? } else { Vec::new() };
-        let lines = walk(&mut self.path, host, &step, &ahead)?;
+        let mut lines = retracts;
+        lines.extend(walk(&mut self.path, host, &step, &ahead)?);
         Ok(if lines.is_empty() { None } else { Some(lines.join("\n")) })
     }
 

@@ -9,11 +9,13 @@ use counterpoint_fault::Halt;
 use std::sync::Arc;
 
 use super::eval::Evaluator;
-use super::formula::{Wrong, expected};
+use super::flow;
+use super::formula::{Kind, Name, Wrong, expected};
 use super::lex::Cursor;
+use super::path::{AXES, actual, axis};
 use super::statement::{Call, Statement};
 use super::variables::Value;
-use super::words::{Operand, Seen, Word, joined, words};
+use super::words::{Operand, Seen, Word, joined, shown, words};
 use super::{Heidenhain, Line};
 use crate::host::{Host, Place};
 use counterpoint_fault as diag;
@@ -53,6 +55,13 @@ fn is_parameter(word: &Word) -> bool {
     word.name.starts_with('Q') && word.name.ends_with('=')
 }
 
+/// Parameters of a cycle alone: several, each with its value.
+pub(super) fn parameters(mut cursor: Cursor<'_>) -> Option<Vec<Word>> {
+    let all = words(&mut cursor);
+    let is = |word: &Word| is_parameter(word) && !matches!(word.operand, Operand::None | Operand::Sign(_));
+    (all.len() > 1 && all.iter().all(is)).then_some(all)
+}
+
 /// The parameter that a word of a cycle sets.
 pub(super) fn parameter_of(name: &str) -> Option<super::formula::Name> {
     super::formula::parameter(&mut Cursor::new(name.strip_suffix('=')?))
@@ -61,13 +70,34 @@ pub(super) fn parameter_of(name: &str) -> Option<super::formula::Name> {
 /// Cycles that act where they are defined.
 const ACT_AT_ONCE: [u32; 14] = [7, 8, 9, 10, 11, 13, 14, 19, 20, 26, 30, 32, 239, 247];
 
+/// Parameters that newer software has at the end of a definition, with what they are where it does not say them: depth of the
+/// tip, retraction at rapid.
+const APPENDED: [(u32, u32, f64); 4] = [(200, 395, 0.0), (203, 395, 0.0), (205, 395, 0.0), (205, 208, 99_999.0)];
+
 /// The cycle that calls carry out, where that is a program.
 #[derive(Debug, Clone, Default)]
 pub(super) struct State {
     program: Option<Arc<str>>,
-    /// Every position calls it, on the level where M89 was said.
-    modal: Option<usize>,
+    /// Every position calls it since M89.
+    modal: bool,
 }
+
+/// The program of a cycle that runs.
+#[derive(Debug, Default)]
+pub(super) struct Running {
+    /// Programs and labels that run with it, 0 for none.
+    depth: usize,
+    /// Feed of the program that has called it.
+    feed: Option<String>,
+    /// The surface that the program has defined, where the call has moved it.
+    surface: Option<f64>,
+}
+
+/// Q203, the surface.
+const SURFACE: Name = Name { kind: Kind::Q, index: 203 };
+
+/// Q200, the clearance above it.
+const CLEARANCE: Name = Name { kind: Kind::Q, index: 200 };
 
 /// Calls that the words of a block ask for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -100,9 +130,15 @@ impl Heidenhain {
             }
         }
         let number = seen.first().and_then(|word| word.value).unwrap_or(0.0) as u32;
+        for (_, index, value) in APPENDED.into_iter().filter(|(cycle, ..)| *cycle == number) {
+            let is = |word: &Seen| parameter_of(&word.name).is_some_and(|name| name == Name { kind: Kind::Q, index });
+            if !seen.iter().any(is) {
+                evaluator.assign(Name { kind: Kind::Q, index }, Value::Number(value))?;
+            }
+        }
         self.shifts.define(number, &mut []);
         if self.settings.cycles.contains(&number) {
-            self.cycle = State { program: Some(number.to_string().into()), modal: None };
+            self.cycle = State { program: Some(number.to_string().into()), modal: false };
             return Ok(None);
         }
         if !ACT_AT_ONCE.contains(&number) {
@@ -160,7 +196,7 @@ impl Heidenhain {
                 },
                 None => program.trim_matches('"').into(),
             };
-            self.cycle = State { program: Some(name), modal: None };
+            self.cycle = State { program: Some(name), modal: false };
             return Ok(None);
         }
         if !ACT_AT_ONCE.contains(cycle) {
@@ -197,27 +233,92 @@ impl Heidenhain {
         let Some(program) = self.cycle.program.clone().filter(|_| kind != Call::Pattern) else {
             return Ok(Some(joined(text, &seen)));
         };
-        self.call_program(host, &program)?;
         if kind == Call::Here {
+            self.call_cycle_program(host, &program, None)?;
             return Ok(Some(joined("", &seen)));
         }
-        if host.is_code_text("FMAX") {
-            seen.push(Seen::text("FMAX"));
+        let (blocks, surface) = self.approach(host, seen);
+        self.call_cycle_program(host, &program, Some(surface))?;
+        Ok(Some(blocks.join("\n")))
+    }
+
+    /// Blocks that lead to the position of CYCL CALL POS, and the surface there, which its word of the tool axis moves: from
+    /// above first in the plane, from below first up to the clearance. The feed of the block is that of the way alone.
+    fn approach(&mut self, host: &mut dyn Host, seen: Vec<Seen>) -> (Vec<String>, f64) {
+        let along = self.variables.control.tool_axis.unwrap_or(2);
+        let number = |name: Name| match self.variables.get(name) {
+            Some(Value::Number(value)) => value,
+            _ => 0.0,
+        };
+        let is_height = |word: &Seen| word.value.is_some() && axis(&word.name).is_some_and(|(at, _)| at == along);
+        let shift = seen.iter().find(|word| is_height(word)).and_then(|word| word.value).unwrap_or(0.0);
+        let surface = number(SURFACE) + shift;
+        let is_feed = |word: &Seen| word.is("F") && word.value.is_some();
+        let own = seen.iter().find(|word| is_feed(word)).map(|word| word.text.clone());
+        let rapid = host.is_code_text("FMAX");
+        let (line, rate) = match (host.is_code_text("L"), &own) {
+            (true, Some(feed)) => ("L", feed.clone()),
+            (true, None) => ("L", if rapid { "FMAX".to_owned() } else { String::new() }),
+            (false, Some(feed)) => ("G1", feed.clone()),
+            (false, None) => ("G0", String::new()),
+        };
+        let off = if host.is_code_text("R0") { " R0" } else { "" };
+        let mut blocks = Vec::new();
+        if actual(host).get(along).is_some_and(|height| *height < surface) {
+            let letter = AXES.get(along).copied().unwrap_or("Z");
+            blocks.push(format!("{line} {letter}{}{off} {rate}", shown(surface + number(CLEARANCE))));
         }
-        Ok(Some(joined(if host.is_code_text("L") { "L" } else { "G0" }, &seen)))
+        let others: Vec<Seen> =
+            seen.into_iter().filter(|word| !is_height(word) && !is_feed(word) && !word.is("FMAX")).collect();
+        blocks.push(format!("{}{off} {rate}", joined(line, &others)));
+        blocks.extend(self.path.feed.clone().filter(|_| own.is_some()));
+        (blocks, surface)
+    }
+
+    /// Calls the program of a cycle, with a surface of the call.
+    fn call_cycle_program(&mut self, host: &mut dyn Host, program: &str, surface: Option<f64>) -> Result<(), Halt> {
+        self.call_program(host, program)?;
+        self.calling = Some(flow::Kind::Cycle);
+        self.running.surface = None;
+        if let Some(moved) = surface {
+            let defined = self.variables.get(SURFACE);
+            self.running.surface = Some(if let Some(Value::Number(value)) = defined { value } else { 0.0 });
+            self.variables.set(SURFACE, Value::Number(moved));
+        }
+        Ok(())
+    }
+
+    /// The program of a cycle has been called.
+    pub(super) fn cycle_begins(&mut self) {
+        if self.running.depth == 0 {
+            self.running.depth = self.variables.calls.depth();
+            self.running.feed.clone_from(&self.path.feed);
+        }
+    }
+
+    /// A program or label has returned: a cycle is over, its surface is that of its definition again.
+    pub(super) fn cycle_returns(&mut self) {
+        if self.running.depth > self.variables.calls.depth() {
+            let Running { surface, feed, .. } = std::mem::take(&mut self.running);
+            self.path.feed = feed;
+            if let Some(surface) = surface {
+                self.variables.set(SURFACE, Value::Number(surface));
+            }
+        }
     }
 
     /// M99, M89, G79 of a block, and what M89 has said before. A cycle that is a program is called; of any other the
     /// call stays on the block, M89 as M99 on its own block and on all that follow.
     pub(super) fn cycle_calls(&mut self, host: &mut dyn Host, seen: &mut Vec<Seen>, moves: bool) -> Result<(), Halt> {
         let asked = asks(seen);
-        let modal = self.cycle.modal == Some(self.variables.calls.depth()) && moves;
+        // Moves of the cycle itself call nothing.
+        let modal = self.cycle.modal && moves && self.running.depth == 0;
         if asked == Asked::No && !modal {
             return Ok(());
         }
         match asked {
-            Asked::Once => self.cycle.modal = None,
-            Asked::Modally => self.cycle.modal = Some(self.variables.calls.depth()),
+            Asked::Once => self.cycle.modal = false,
+            Asked::Modally => self.cycle.modal = true,
             Asked::No => {}
         }
         let program = self.cycle.program.clone();
@@ -227,7 +328,7 @@ impl Heidenhain {
             _ => true,
         });
         match program {
-            Some(program) => self.call_program(host, &program),
+            Some(program) => self.call_cycle_program(host, &program, None),
             None => {
                 if asked != Asked::Once {
                     seen.push(Seen::made("M", 99.0));

@@ -99,7 +99,7 @@ impl<'a> Evaluator<'a> {
             Asked::Unknown if !Variables::exists(name) => {
                 self.fail(&diag::MACRO_VARIABLE, &format!("parameter {name} does not exist"))
             }
-            Asked::Unknown => match self.variables.of_control(name) {
+            Asked::Unknown => match self.variables.of_control(name, &*self.host) {
                 Some(value) => Ok(Some(value)),
                 None => {
                     let what = if name.kind == Kind::Text { "an empty text" } else { "0" };

@@ -84,6 +84,7 @@ impl Heidenhain {
         let answer = Evaluator::new(&mut self.variables, host).ask(&asked)?;
         match answer {
             Asked::Value(Value::Number(teeth)) if teeth > 0.0 => Ok(teeth),
+            Asked::Unknown if self.tools.teeth(tool) > 0.0 => Ok(self.tools.teeth(tool)),
             _ => {
                 let text = format!(
                     "the feed per tooth of '{}' needs the number of teeth of tool {}, which the identification macro does not give for '{asked}'",

@@ -27,6 +27,8 @@ pub(super) enum Kind {
     #[default]
     Program,
     Label,
+    /// The program of a cycle.
+    Cycle,
 }
 
 /// Labels of a file; blocks that cannot be read have none.

@@ -1,6 +1,6 @@
 //! FN functions and their ISO forms D00 to D38.
 //!
-//! Facts: Heidenhain pre-processor pages (FN 0 to FN 14 with their examples, D00 to D14), programming manuals (FN 16,
+//! Facts: Heidenhain pre-processor pages (FN 0 to FN 14 with their examples, D00 to D14), programming manuals (FN 16 to
 //! FN 18, FN 20, FN 38). Invariant: a function that is not emulated is a statement of its own, never nothing.
 
 use super::formula::{self, Formula, Name, Op, Own, Wrong, expected, parameter, with};
@@ -38,7 +38,11 @@ pub(super) fn read(cursor: &mut Cursor<'_>) -> Result<Statement, Wrong> {
             if !cursor.take(b'=') {
                 return Err(expected(cursor, "an equal sign"));
             }
-            system(to, cursor)?
+            read_system(to, cursor)?
+        }
+        17 => {
+            cursor.keyword("SYSWRITE");
+            write_system(cursor)?
         }
         20 => return Ok(Statement::Nothing),
         38 => Statement::Send(text_of(cursor, &["SEND"])),
@@ -78,8 +82,9 @@ pub(super) fn read_iso(number: u32, cursor: &mut Cursor<'_>) -> Result<Statement
         16 => Statement::Print(text_of(cursor, &["P01"])),
         18 => {
             let to = name(cursor)?;
-            system(to, cursor)?
+            read_system(to, cursor)?
         }
+        17 => write_system(cursor)?,
         20 => return Ok(Statement::Nothing),
         _ => match shared(number) {
             Some((_, statement)) => {
@@ -219,8 +224,8 @@ fn branch(number: u32, cursor: &mut Cursor<'_>) -> Result<Statement, Wrong> {
     Ok(Statement::Branch(condition, target(cursor)?))
 }
 
-/// `ID270 NR1 IDX2`.
-fn system(to: Name, cursor: &mut Cursor<'_>) -> Result<Statement, Wrong> {
+/// `ID270 NR1 IDX2`: system, number, index.
+fn place_of_system(cursor: &mut Cursor<'_>) -> Result<(Formula, Formula, Option<Formula>), Wrong> {
     if !cursor.take_text("ID") {
         return Err(expected(cursor, "ID"));
     }
@@ -230,5 +235,18 @@ fn system(to: Name, cursor: &mut Cursor<'_>) -> Result<Statement, Wrong> {
     }
     let number = formula::operand(cursor)?;
     let index = if cursor.take_text("IDX") { Some(formula::operand(cursor)?) } else { None };
+    Ok((id, number, index))
+}
+
+fn read_system(to: Name, cursor: &mut Cursor<'_>) -> Result<Statement, Wrong> {
+    let (id, number, index) = place_of_system(cursor)?;
     Ok(Statement::SysRead { to, id, number, index })
+}
+
+fn write_system(cursor: &mut Cursor<'_>) -> Result<Statement, Wrong> {
+    let (id, number, index) = place_of_system(cursor)?;
+    if !cursor.take(b'=') {
+        return Err(expected(cursor, "an equal sign"));
+    }
+    Ok(Statement::SysWrite { id, number, index, value: formula::operand(cursor)? })
 }

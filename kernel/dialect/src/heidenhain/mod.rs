@@ -21,11 +21,13 @@ mod path;
 mod planes;
 mod polar;
 mod print;
+mod retract;
 mod settings;
 mod shifts;
 mod space;
 mod statement;
 mod system;
+mod tools;
 mod variables;
 mod words;
 
@@ -33,7 +35,6 @@ use counterpoint_fault::Halt;
 use std::sync::Arc;
 
 use counterpoint_lang::value::Value;
-use rustc_hash::FxHashMap;
 
 use super::host::Host;
 use super::interpreter::{Interpreter, Remaining, Setting};
@@ -72,10 +73,10 @@ pub(crate) struct Heidenhain {
     /// Program that CALL SELECTED PGM calls.
     selected: Option<Arc<str>>,
     cycle: cycles::State,
+    running: cycles::Running,
     shifts: shifts::Shifts,
     units: feeds::Units,
-    /// Lengths and radii that TOOL DEF has set.
-    tools: FxHashMap<u32, (Option<f64>, Option<f64>)>,
+    tools: tools::Tools,
     space: space::Space,
     planes: planes::Planes,
     /// A line may run again, so compiled lines are worth keeping.
@@ -168,6 +169,7 @@ impl Interpreter for Heidenhain {
         self.units = feeds::Units::default();
         self.space = space::Space::default();
         self.planes = planes::Planes::default();
+        self.running = cycles::Running::default();
         if reset {
             self.shifts = shifts::Shifts::default();
             self.cycle = cycles::State::default();
@@ -181,6 +183,10 @@ impl Interpreter for Heidenhain {
         match kind {
             flow::Kind::Program => self.variables.calls.enter(Level::default()),
             flow::Kind::Label => self.variables.calls.enter_part(Level::default()),
+            flow::Kind::Cycle => {
+                self.variables.calls.enter(Level::default());
+                self.cycle_begins();
+            }
         }
     }
 
@@ -192,11 +198,12 @@ impl Interpreter for Heidenhain {
 
     fn on_return(&mut self, _: &mut dyn Host) {
         self.variables.calls.leave();
+        self.cycle_returns();
     }
 
-    fn variable(&mut self, _: &mut dyn Host, name: &str, indices: &[f64]) -> Result<Option<Value>, Halt> {
+    fn variable(&mut self, host: &mut dyn Host, name: &str, indices: &[f64]) -> Result<Option<Value>, Halt> {
         let Some(name) = spelled(name, indices) else { return Ok(None) };
-        let value = self.variables.get(name).or_else(|| self.variables.of_control(name));
+        let value = self.variables.get(name).or_else(|| self.variables.of_control(name, &*host));
         Ok(value.filter(|_| Variables::exists(name)).map(|value| eval::given(&value)))
     }
 
@@ -212,7 +219,7 @@ impl Interpreter for Heidenhain {
     }
 
     fn memory(&self) -> u64 {
-        (self.variables.bytes() + self.compiled.bytes() + self.labels.bytes() + self.tools.len() * 60) as u64
+        (self.variables.bytes() + self.compiled.bytes() + self.labels.bytes() + self.tools.bytes()) as u64
     }
 
     fn setting(&mut self, _: &mut dyn Host, name: &str, values: &[Value]) -> Setting {

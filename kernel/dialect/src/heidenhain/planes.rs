@@ -89,12 +89,12 @@ impl Heidenhain {
 
     /// Cycle 19 as the PLANE function that it is; none where the machine has none.
     pub(super) fn plane_cycle(&mut self, host: &dyn Host, seen: &[Seen]) -> Option<String> {
-        if !host.is_code_text("PLANE SPATIAL") {
-            return None;
-        }
         let value = |name: &str| seen.iter().find(|word| word.is(name)).and_then(|word| word.value);
         let angles = ["A", "B", "C"].map(value);
         let ends = angles.iter().all(Option::is_none);
+        if !host.is_code_text(if ends { "PLANE RESET STAY" } else { "PLANE SPATIAL" }) {
+            return None;
+        }
         self.plane_begins(ends, false);
         if ends {
             return Some("PLANE RESET STAY".to_owned());

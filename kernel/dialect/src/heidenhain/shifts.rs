@@ -14,6 +14,11 @@ pub(super) struct Shifts {
 }
 
 impl Shifts {
+    /// The shift of an axis, 0 for X.
+    pub(super) fn datum(&self, axis: usize) -> Option<f64> {
+        self.datum.get(axis).copied()
+    }
+
     /// The words of a cycle: notes what they set, and makes incremental ones absolute.
     pub(super) fn define(&mut self, cycle: u32, seen: &mut [Seen]) {
         match cycle {

@@ -49,6 +49,8 @@ pub(super) enum Statement {
     Nothing,
     Words(Vec<Word>),
     Assign(Name, Formula),
+    /// Several parameters in a block, as those of a cycle are written.
+    Parameters(Vec<Word>),
     Branch(Condition, Formula),
     /// A statement that other controls have too, with its operands.
     Shared(&'static Shared, Box<[Formula]>),
@@ -61,6 +63,12 @@ pub(super) enum Statement {
         id: Formula,
         number: Formula,
         index: Option<Formula>,
+    },
+    SysWrite {
+        id: Formula,
+        number: Formula,
+        index: Option<Formula>,
+        value: Formula,
     },
     Label(Label),
     EndOfLabel,
@@ -158,7 +166,11 @@ pub(super) fn read(text: &str) -> Result<Statement, Wrong> {
             if let Some(name) = parameter(&mut ahead)
                 && ahead.take(b'=')
             {
-                return Ok(Statement::Assign(name, whole_formula(&mut ahead)?));
+                let several = || super::cycles::parameters(cursor.clone()).map(Statement::Parameters);
+                return match whole_formula(&mut ahead) {
+                    Ok(formula) => Ok(Statement::Assign(name, formula)),
+                    Err(wrong) => several().ok_or(wrong),
+                };
             }
         }
         _ => {}

@@ -1,7 +1,7 @@
-//! FN 18: SYSREAD.
+//! FN 18: SYSREAD and FN 17: SYSWRITE.
 //!
 //! Facts: programming manuals of the control (system data by ID, NR and IDX), reference control-emulator.md 4.3. The
-//! machine is asked first. Invariant: what is not known here is diagnosed, the parameter becomes 0.
+//! machine is asked first. Invariant: what is not known here is diagnosed; a parameter becomes 0, nothing is written.
 
 use super::Heidenhain;
 use super::eval::{Asked, Evaluator};
@@ -9,7 +9,7 @@ use super::formula::{Formula, Name};
 use super::path::AXES;
 use super::variables::Value;
 use super::words::shown;
-use crate::host::Host;
+use crate::host::{Answer, Host};
 use counterpoint_fault as diag;
 use counterpoint_fault::Halt;
 
@@ -26,10 +26,7 @@ impl Heidenhain {
             Some(index) => Some(evaluator.number(index)?),
             None => None,
         };
-        let mut asked = format!("ID{} NR{}", shown(id), shown(number));
-        if let Some(index) = index {
-            asked.push_str(&format!(" IDX{}", shown(index)));
-        }
+        let asked = name_of(id, number, index);
         let value = match evaluator.ask(&asked)? {
             Asked::Value(value) => value,
             Asked::Nothing | Asked::Kept => Value::Number(0.0),
@@ -48,26 +45,95 @@ impl Heidenhain {
     /// System data that the kernel and this program know.
     fn system_value(&self, host: &dyn Host, id: f64, number: f64, index: Option<f64>) -> Option<f64> {
         let control = &self.variables.control;
-        if !(0.0..10_000.0).contains(&id) || !(0.0..10_000.0).contains(&number) {
-            return None;
-        }
-        match (id as u32, number as u32) {
-            (20, 1) => control.tool,
-            (20, 3) => Some(control.tool_axis.map_or(-1.0, |axis| axis as f64)),
+        let (id, number) = (whole(id)?, whole(number)?);
+        let tool = || control.tool.unwrap_or_else(|| f64::from(host.tool()));
+        let of_tool = || index.map_or_else(|| Some(tool() as u32), whole);
+        match (id, number) {
+            (20 | 60, 1) => Some(tool()),
+            (20, 3) | (60, 2) => Some(control.tool_axis.map_or(-1.0, |axis| axis as f64)),
             (20, 5) => Some(control.spindle.map_or(-1.0, f64::from)),
             (20, 8) => Some(f64::from(u8::from(control.coolant))),
+            (50, column) => self.tools.column(host, of_tool()?, column),
+            (51, column) => self.tools.pocket(whole(index?)?, column),
+            (52, 1) => Some(self.tools.pocket_of(of_tool()?)),
+            (60, 4) => Some(control.allowances[0]),
+            (60, 5) => Some(control.allowances[1]),
+            // The radius, the length: without an allowance, with that of the table, with that of TOOL CALL as well.
+            (200, 1 | 2) => {
+                let [length, radius] = control.allowances;
+                let (size, more, called) = if number == 1 { (2, 5, radius) } else { (1, 4, length) };
+                let column = |column: u32| self.tools.column(host, tool() as u32, column);
+                match index.map_or(Some(3), whole)? {
+                    1 => column(size),
+                    2 => Some(column(size)? + column(more)?),
+                    3 => Some(column(size)? + column(more)? + called),
+                    _ => None,
+                }
+            }
             (210, 6) => Some(if host.plane_angles().is_some() { -1.0 } else { 0.0 }),
+            (220, 2) => self.shifts.datum((whole(index?)?).checked_sub(1)? as usize),
+            (230, 2 | 3) => {
+                let letter = AXES.get((whole(index?)?).checked_sub(1)? as usize)?;
+                let (low, high) = host.travel(letter)?;
+                let turns = matches!(*letter, "A" | "B" | "C");
+                let value = if number == 2 { low } else { high };
+                Some(if turns { value } else { value / host.length_factor() })
+            }
+            (530, 1) => Some(f64::from(host.work_offset())),
             (240 | 270, 1) => {
                 let index = index.filter(|index| (1.0..=9.0).contains(index))? as usize;
                 let letter = AXES.get(index - 1)?;
                 let positions = host.positions();
                 let is = |name: &str| name.trim_end_matches(|c: char| c.is_ascii_digit()) == *letter;
                 let (_, work, machine) = positions.iter().find(|(name, ..)| is(name))?;
-                let value = if id == 240.0 { *machine } else { *work };
+                let value = if id == 240 { *machine } else { *work };
                 let turns = (4..=6).contains(&index);
                 Some(if turns { value } else { value / host.length_factor() })
             }
             _ => None,
         }
     }
+
+    /// FN 17: SYSWRITE.
+    pub(super) fn system_write(
+        &mut self,
+        host: &mut dyn Host,
+        (id, number, index): (&Formula, &Formula, Option<&Formula>),
+        value: &Formula,
+    ) -> Result<(), Halt> {
+        let mut evaluator = Evaluator::new(&mut self.variables, host);
+        let (id, number, value) = (evaluator.number(id)?, evaluator.number(number)?, evaluator.number(value)?);
+        let index = match index {
+            Some(index) => Some(evaluator.number(index)?),
+            None => None,
+        };
+        let asked = name_of(id, number, index);
+        if host.identify(&asked, Some(&counterpoint_lang::value::Value::Real(value)))? != Answer::Unknown {
+            return Ok(());
+        }
+        host.effect();
+        let tool = self.variables.control.tool.unwrap_or_else(|| f64::from(host.tool()));
+        let at = index.map_or_else(|| Some(tool as u32), whole);
+        let written = match (whole(id), whole(number), at) {
+            (Some(50), Some(column), Some(tool)) => self.tools.write_column(host, tool, column, value),
+            (Some(51), Some(column), Some(pocket)) => self.tools.write_pocket(pocket, column, value),
+            _ => false,
+        };
+        if !written {
+            let text = format!("{asked} cannot be written in '{}'; ignored", host.block_text());
+            host.diagnose(&diag::STATEMENT_UNKNOWN, text);
+        }
+        Ok(())
+    }
+}
+
+/// System, number and index as programs write them.
+fn name_of(id: f64, number: f64, index: Option<f64>) -> String {
+    let index = index.map_or_else(String::new, |index| format!(" IDX{}", shown(index)));
+    format!("ID{} NR{}{index}", shown(id), shown(number))
+}
+
+/// A whole number that may be a system, a number of it or an index.
+fn whole(value: f64) -> Option<u32> {
+    (0.0..100_000.0).contains(&value).then_some(value as u32)
 }

@@ -10,6 +10,7 @@ use rustc_hash::FxHashMap;
 
 use super::formula::{Kind, Name};
 use crate::call_stack::CallStack;
+use crate::host::Host;
 
 /// A value.
 #[derive(Debug, Clone, PartialEq)]
@@ -29,10 +30,12 @@ impl Default for Value {
 pub(super) struct ControlState {
     /// Tool called last.
     pub(super) tool: Option<f64>,
-    /// Radius of the tool: what TOOL DEF says, with the allowance of TOOL CALL.
+    /// Radius of the tool by TOOL DEF, with the allowance of TOOL CALL; none where that of the offset in force counts.
     pub(super) radius: Option<f64>,
     /// Length by TOOL DEF.
     pub(super) length: Option<f64>,
+    /// Allowances of TOOL CALL.
+    pub(super) allowances: [f64; 2],
     /// Tool axis, 0 = X.
     pub(super) tool_axis: Option<usize>,
     /// M3, M4, M5 after M3, M5 after M4: 0 to 3.
@@ -43,14 +46,15 @@ pub(super) struct ControlState {
 
 impl ControlState {
     /// Value of a parameter that the control sets.
-    fn get(&self, index: u32) -> Option<f64> {
+    fn get(&self, index: u32, host: &dyn Host) -> Option<f64> {
+        let in_force = || host.tool_in_force().map(|length| length / host.length_factor());
         Some(match index {
-            108 => self.radius.unwrap_or(0.0),
+            108 => self.radius.unwrap_or_else(|| in_force()[1]),
             109 => self.tool_axis.map_or(-1.0, |axis| axis as f64),
             110 => self.spindle.map_or(-1.0, f64::from),
             111 => f64::from(u8::from(self.coolant)),
             113 => f64::from(u8::from(self.inch)),
-            114 => self.length?,
+            114 => self.length.unwrap_or_else(|| in_force()[0]),
             _ => return None,
         })
     }
@@ -122,8 +126,8 @@ impl Variables {
     }
 
     /// What the control itself says of a parameter that was not set.
-    pub(super) fn of_control(&self, name: Name) -> Option<Value> {
-        if name.kind == Kind::Q { self.control.get(name.index).map(Value::Number) } else { None }
+    pub(super) fn of_control(&self, name: Name, host: &dyn Host) -> Option<Value> {
+        if name.kind == Kind::Q { self.control.get(name.index, host).map(Value::Number) } else { None }
     }
 
     /// Sets a parameter that exists to a value of its kind; whether that is so.

@@ -76,6 +76,18 @@ pub trait Frames {
     /// Number of the tool that is loaded.
     fn tool(&self) -> u32;
 
+    /// Length along the tool and radius that are in force.
+    fn tool_in_force(&self) -> [f64; 2];
+
+    /// Length along the tool and radius of a tool offset.
+    fn tool_size(&self, offset: u32) -> [f64; 2];
+
+    /// Sets the length (0) or radius (1) of a tool offset, which acts when it is called next; whether it was set.
+    fn set_tool_size(&mut self, offset: u32, at: usize, value: f64) -> bool;
+
+    /// Travel limits of an axis by its letter, in the machine frame.
+    fn travel(&self, letter: &str) -> Option<(f64, f64)>;
+
     /// Direction of the imaginary tip of a tool offset, 0 to 9.
     fn tip(&self, offset: u32) -> u8;
 

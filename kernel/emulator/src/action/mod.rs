@@ -28,6 +28,7 @@ mod polar;
 mod polar_words;
 mod pole;
 mod rates;
+mod retract;
 mod skip;
 mod spindle;
 mod spindles;
@@ -70,6 +71,7 @@ static ENTRIES: &[&[Entry]] = &[
     polar_words::ENTRIES,
     cylinder::ENTRIES,
     pole::ENTRIES,
+    retract::ENTRIES,
     skip::ENTRIES,
     spindle::ENTRIES,
     spindles::ENTRIES,

@@ -7,18 +7,17 @@ use counterpoint_lang::format::wildcard_text;
 
 use crate::act::Act;
 use crate::action::entry::{Entry, entry_of_kind};
+use crate::action::retract::{go, rate, retract};
 use crate::state::frames::tilt::{Parts, Turned};
-use crate::state::modal::group;
-use counterpoint_event::event::{FeedUnit, Kind, Position};
+use counterpoint_event::event::Kind;
 use counterpoint_fault as diag;
 use counterpoint_fault::{Acted, Halt};
 use counterpoint_machine::ident::kind::CodeKind;
 use counterpoint_machine::ident::kind::local::Change;
 use counterpoint_machine::ident::kind::plane::{Form, Tilt};
-use counterpoint_machine::ident::{DataId, codes, data};
+use counterpoint_machine::ident::{DataId, data};
 use counterpoint_machine::index::{AxisSlot, BySlot};
 use counterpoint_motion::frame::affine::{Affine, Point};
-use counterpoint_motion::frame::kinematics::unit;
 use counterpoint_motion::frame::local::Part;
 use counterpoint_motion::frame::orient::Unreached;
 use counterpoint_motion::frame::plane::{self, UNITS};
@@ -338,9 +337,7 @@ fn turn(act: &mut Act<'_, '_>, keep: Option<f64>) -> Acted {
         Ok(angles) => angles,
         Err(why) => return unreached(act, why),
     };
-    let rapid = act.block.pending.iter().any(|pending| act.env.machine.codes[pending.row].id == codes::RAPID)
-        || act.state.modal.code(group::MOTION) == Some(codes::RAPID);
-    let feed = if rapid { None } else { Some(act.feed()) };
+    let feed = rate(act);
     if let Some(way) = act.take(data::TILT_RETRACT).map(|datum| datum.value) {
         retract(act, way, feed)?;
     }
@@ -374,48 +371,6 @@ fn turn(act: &mut Act<'_, '_>, keep: Option<f64>) -> Acted {
         act.turned_into(lifted, angles);
     }
     Ok(())
-}
-
-/// A feed with its unit; a rapid without one.
-type Rate = Option<(Option<f64>, FeedUnit)>;
-
-fn go(act: &mut Act<'_, '_>, coded: u8, target: Position, rate: Rate) -> Acted {
-    match rate {
-        None => act.rapid_to(coded, target),
-        Some((feed, unit)) => act.feed_to(coded, target, feed, unit),
-    }
-}
-
-/// Takes the tool away along its axis; below zero up to the end of travel, or the reference point where there is none.
-fn retract(act: &mut Act<'_, '_>, way: f64, rate: Rate) -> Acted {
-    let chain = act.chain();
-    let mut machine = act.machine_point(&act.state.place.position);
-    let Some(along) = unit(chain.head(|axis| machine.at(axis)).direction(chain.tool)) else { return Ok(()) };
-    let axes: Vec<(AxisSlot, f64)> = {
-        let layout = &act.state.place.layout;
-        let of = |(axis, part): (&Option<AxisSlot>, f64)| axis.map(|axis| (axis, part / layout.axes[axis].scale));
-        layout.cartesian.iter().zip(along).filter_map(of).filter(|(_, part)| part.abs() > 1e-9).collect()
-    };
-    let way = if way < 0.0 {
-        let room = |limited: bool| {
-            let of = |(axis, part): &(AxisSlot, f64)| {
-                let own = &act.state.place.layout.axes[*axis];
-                let ends = own.limits.map(|(low, high)| if *part > 0.0 { high } else { low });
-                let end = if limited { ends } else { Some(own.home) };
-                end.map(|end| (end - machine.at(*axis)) / part)
-            };
-            axes.iter().filter_map(of).min_by(f64::total_cmp)
-        };
-        room(true).or_else(|| room(false)).unwrap_or(0.0).max(0.0)
-    } else {
-        way
-    };
-    for (axis, part) in &axes {
-        *machine.at_mut(*axis) += part * way;
-    }
-    let coded = axes.iter().fold(0, |bits, (axis, _)| bits | axis.bit());
-    let target = act.way_of_machine(&machine);
-    go(act, coded, target, rate)
 }
 
 impl Act<'_, '_> {

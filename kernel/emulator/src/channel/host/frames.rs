@@ -3,7 +3,7 @@
 use counterpoint_motion::frame::affine::Affine;
 
 use crate::channel::Kernel;
-use crate::state::frames::offsets::Table;
+use crate::state::frames::offsets::{Radii, Table};
 use crate::state::modal::group;
 use crate::state::position::Axis;
 use counterpoint_dialect::{AxisPlace, Frames, Modes};
@@ -17,6 +17,24 @@ impl Kernel<'_> {
         let turns = self.channel.state.place.layout.axes[axis].rotary;
         let length = if turns { 1.0 } else { self.channel.unit_factor(Dimension::Length) };
         length * self.axis_diameter_factor(axis)
+    }
+}
+
+impl Kernel<'_> {
+    /// The axis that lengths of tools are along: the one that the plane leaves.
+    fn along(&self) -> Option<AxisSlot> {
+        let role = match self.channel.state.modal.code(group::PLANE) {
+            Some(codes::PLANE_ZX) => 1,
+            Some(codes::PLANE_YZ) => 0,
+            _ => 2,
+        };
+        self.channel.state.place.layout.cartesian.get(role).copied().flatten()
+    }
+
+    /// Length along the tool and radius of an offset, wear included.
+    fn size(&self, offset: u32) -> [f64; 2] {
+        let length = self.along().map_or(0.0, |axis| self.channel.worn_length(offset).at(axis));
+        [length, self.channel.worn_radius(offset)]
     }
 }
 
@@ -119,6 +137,33 @@ impl Frames for Kernel<'_> {
 
     fn steps_are_radii(&self) -> bool {
         self.channel.steps_are_radii()
+    }
+
+    fn tool_in_force(&self) -> [f64; 2] {
+        let place = &self.channel.state.place;
+        let length = if place.in_force.length_sign == 0.0 { 0 } else { place.in_force.length_number };
+        let radius = place.compensation.diameter;
+        [if length == 0 { 0.0 } else { self.size(length)[0] }, if radius == 0 { 0.0 } else { self.size(radius)[1] }]
+    }
+
+    fn tool_size(&self, offset: u32) -> [f64; 2] {
+        self.size(offset)
+    }
+
+    fn set_tool_size(&mut self, offset: u32, at: usize, value: f64) -> bool {
+        if at > 0 {
+            return self.channel.set_offset_radius(Radii::Cutter, offset, value);
+        }
+        let Some(along) = self.along() else { return false };
+        let mut values = self.channel.offset_values(Table::Length, offset);
+        *values.at_mut(along) = value;
+        self.channel.store_offset(Table::Length, offset, values)
+    }
+
+    fn travel(&self, letter: &str) -> Option<(f64, f64)> {
+        let axes = &self.channel.env.machine.axes;
+        let is = |axis: &&Axis| axes[axis.machine].letter.eq_ignore_ascii_case(letter);
+        self.channel.state.place.layout.axes.iter().find(is)?.limits
     }
 
     fn tip(&self, offset: u32) -> u8 {

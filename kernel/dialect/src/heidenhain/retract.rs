@@ -1,0 +1,37 @@
+//! M140: the tool goes back along its axis.
+//!
+//! Facts: programming manuals of the control (M140 MB and MB MAX, at the start of its block, with a feed of its own, at rapid
+//! without one). Invariant: what follows in the block is a block of its own, with the feed that was there before.
+
+use super::Heidenhain;
+use super::words::{Seen, joined};
+use crate::host::Host;
+
+/// MB as the tables of the machine have it up to the end of travel.
+const TO_THE_END: f64 = -1.0;
+
+impl Heidenhain {
+    /// Takes M140 with its words off a block: the blocks that carry it out, none where the block has no such words or the
+    /// machine no register for them.
+    pub(super) fn retract(&self, host: &dyn Host, seen: &mut Vec<Seen>) -> Vec<String> {
+        let at = seen.iter().position(|word| word.is("M") && word.value == Some(140.0));
+        let Some(at) = at.filter(|_| host.is_register("MB")) else { return Vec::new() };
+        let mut own = vec![seen.remove(at)];
+        if seen.get(at).is_some_and(|word| word.is("MB")) {
+            let way = seen.remove(at);
+            if way.value.is_none() && seen.get(at).is_some_and(|word| word.is("MAX")) {
+                seen.remove(at);
+                own.push(Seen::made("MB", TO_THE_END));
+            } else {
+                own.push(way);
+            }
+        }
+        let is_feed = |word: &Seen| word.is("F") && word.value.is_some() || word.is("FMAX");
+        let feed = if seen.get(at).is_some_and(is_feed) { Some(seen.remove(at)) } else { None };
+        let changes = feed.as_ref().is_some_and(|feed| feed.is("F"));
+        own.push(feed.unwrap_or_else(|| Seen::text("FMAX")));
+        let mut blocks = vec![joined("", &own)];
+        blocks.extend(self.path.feed.clone().filter(|_| changes));
+        blocks
+    }
+}

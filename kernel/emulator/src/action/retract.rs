@@ -1,0 +1,92 @@
+//! The tool goes back along its axis.
+//!
+//! *Invariant:* the way is that of the axes of the machine, whatever frame is active. Facts: reference heidenhain-cycles.md 6
+//! (M140, MB of PLANE). Decisions: machines/heidenhain-milling/README.md.
+
+use crate::act::Act;
+use crate::action::entry::Entry;
+use crate::state::modal::group;
+use counterpoint_event::event::{FeedUnit, Position};
+use counterpoint_fault as diag;
+use counterpoint_fault::Acted;
+use counterpoint_machine::ident::{codes, data};
+use counterpoint_machine::index::{AxisSlot, BySlot};
+use counterpoint_motion::frame::affine::Point;
+use counterpoint_motion::frame::kinematics::unit;
+use counterpoint_motion::frame::plane::UNITS;
+
+/// Codes and what they do.
+pub(crate) const ENTRIES: &[Entry] = &[Entry::of(&[codes::TOOL_RETRACT], |act, _, _| back(act))];
+
+fn back(act: &mut Act<'_, '_>) -> Acted {
+    let rate = rate(act);
+    let Some(way) = act.take(data::TILT_RETRACT).map(|datum| datum.value) else {
+        let text = format!("the retraction of '{}' has no way, nothing is moved", act.block_text());
+        act.diagnose(&diag::DATA_MISSING, text);
+        return Ok(());
+    };
+    retract(act, way, rate)
+}
+
+/// Feed of the block, none where the block or the mode is rapid.
+pub(super) fn rate(act: &mut Act<'_, '_>) -> Rate {
+    let rapid = act.block.pending.iter().any(|pending| act.env.machine.codes[pending.row].id == codes::RAPID)
+        || act.state.modal.code(group::MOTION) == Some(codes::RAPID);
+    if rapid { None } else { Some(act.feed()) }
+}
+
+/// Direction from the tip to the spindle: that of the head, on a machine without rotary axes the normal of the plane.
+fn along(act: &Act<'_, '_>, machine: &Position) -> Option<Point> {
+    if !act.can_tilt() {
+        let [x, y, z] = UNITS;
+        return Some(match act.state.modal.code(group::PLANE) {
+            Some(codes::PLANE_ZX) => y,
+            Some(codes::PLANE_YZ) => x,
+            _ => z,
+        });
+    }
+    let chain = act.chain();
+    unit(chain.head(|axis| machine.at(axis)).direction(chain.tool))
+}
+
+/// A feed with its unit; a rapid without one.
+pub(super) type Rate = Option<(Option<f64>, FeedUnit)>;
+
+/// A move to a point of the work frame.
+pub(super) fn go(act: &mut Act<'_, '_>, coded: u8, target: Position, rate: Rate) -> Acted {
+    match rate {
+        None => act.rapid_to(coded, target),
+        Some((feed, unit)) => act.feed_to(coded, target, feed, unit),
+    }
+}
+
+/// Takes the tool away along its axis; below zero up to the end of travel, or the reference point where there is none.
+pub(super) fn retract(act: &mut Act<'_, '_>, way: f64, rate: Rate) -> Acted {
+    let mut machine = act.machine_point(&act.state.place.position);
+    let Some(along) = along(act, &machine) else { return Ok(()) };
+    let axes: Vec<(AxisSlot, f64)> = {
+        let layout = &act.state.place.layout;
+        let of = |(axis, part): (&Option<AxisSlot>, f64)| axis.map(|axis| (axis, part / layout.axes[axis].scale));
+        layout.cartesian.iter().zip(along).filter_map(of).filter(|(_, part)| part.abs() > 1e-9).collect()
+    };
+    let way = if way < 0.0 {
+        let room = |limited: bool| {
+            let of = |(axis, part): &(AxisSlot, f64)| {
+                let own = &act.state.place.layout.axes[*axis];
+                let ends = own.limits.map(|(low, high)| if *part > 0.0 { high } else { low });
+                let end = if limited { ends } else { Some(own.home) };
+                end.map(|end| (end - machine.at(*axis)) / part)
+            };
+            axes.iter().filter_map(of).min_by(f64::total_cmp)
+        };
+        room(true).or_else(|| room(false)).unwrap_or(0.0).max(0.0)
+    } else {
+        way
+    };
+    for (axis, part) in &axes {
+        *machine.at_mut(*axis) += part * way;
+    }
+    let coded = axes.iter().fold(0, |bits, (axis, _)| bits | axis.bit());
+    let target = act.way_of_machine(&machine);
+    go(act, coded, target, rate)
+}
