@@ -106,6 +106,8 @@ diagnostics! {
     SIEMENS_ALARM 2900204 "setal-message" 4 false "alarm set by the program, display only";
     SIEMENS_IGNORED 2900205 "statement-part-ignored" 4 false "part of a statement ignored";
     SIEMENS_FILE 2900206 "definition-file-not-found" 4 false "definition file not found";
+    SIEMENS_STATE 2900207 "statement-not-possible-here" 12 true "statement not possible here";
+    SIEMENS_DEFINITION_LINE 2900208 "definition-left-out" 8 false "line of a definition file left out";
     STATEMENT_UNKNOWN 2900240 "unknown-statement" 8 true "statement not supported by the pre-processor";
     PARAMETER_UNSET 2900241 "parameter-not-set" 4 false "Q parameter read before it has a value";
     PATH_NOT_MADE 2900242 "path-not-possible" 8 false "path block not possible";

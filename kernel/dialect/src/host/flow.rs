@@ -143,6 +143,9 @@ pub trait Flow {
     /// Pieces of the contour that was read last, in the plane of that time: geometry of the machine's unit, radii.
     fn contour(&self) -> &[Element];
 
+    /// The first move of the contour that was read last, which leads to it, is rapid.
+    fn contour_begins_rapid(&self) -> bool;
+
     /// At the end of the block stock is removed along the contour that was read last.
     fn remove_stock(&mut self, strip: Strip);
 

@@ -249,7 +249,7 @@ impl Siemens {
             return Ok(None);
         }
         let found = self.program(host, name)?;
-        let declared = self.externals.contains(name);
+        let declared = self.held.externals.contains(name);
         Ok(if found.is_some() || declared { Some(found) } else { None })
     }
 

@@ -76,7 +76,12 @@ impl Siemens {
         let (folder, name) = split(&wanted);
         let stem = name.rsplit_once('.').map_or(name, |(stem, _)| stem).to_ascii_uppercase();
         if folder.is_empty() && !name.contains('.') {
-            return self.program(host, &stem);
+            let found = self.program(host, &stem)?;
+            let plain = ["_SPF", "_MPF"].iter().find_map(|kind| stem.strip_suffix(kind));
+            return match (found, plain) {
+                (None, Some(plain)) => self.program(host, plain),
+                _ => Ok(found),
+            };
         }
         match self.by_path(host, &wanted) {
             Some(file) => self.in_file(host, file, &stem, true),
@@ -181,7 +186,8 @@ impl Siemens {
         Ok(())
     }
 
-    /// Definitions of the channel and of the control; everything else of the file is passed over.
+    /// Definitions of the channel and of the control; everything else of the file is passed over. A line that cannot be
+    /// executed is reported with its place, and the lines after it count.
     fn definition_file(&mut self, host: &mut dyn Host, file: FileId) -> Outcome<()> {
         host.load(file)?;
         let Some(source) = host.source(file) else { return Ok(()) };
@@ -201,11 +207,14 @@ impl Siemens {
                 Ok(line) => line.items.iter().try_for_each(|item| self.definition(host, item)),
                 Err(text) => super::syntax(text),
             };
-            if let Err(Fault::Alarm(facts, text)) = done {
-                done = Err(Fault::Alarm(facts, format!("{text} in line {line} of {}", source.name)));
-            }
-            if done.is_err() {
-                break;
+            match done {
+                Err(Fault::Alarm(_, why)) => {
+                    let text = format!("{why}: '{}' in line {line} of {} is left out", text.trim(), source.name);
+                    host.diagnose(&diag::SIEMENS_DEFINITION_LINE, text);
+                    done = Ok(());
+                }
+                Err(Fault::Halt(_)) => break,
+                Ok(()) => {}
             }
         }
         self.settings.global = before;

@@ -4,6 +4,7 @@
 //! an address. What a name means — variable, word, subprogram, literal code — is decided when the block runs. Invariant:
 //! whatever is not understood as a statement is kept as text.
 
+use super::actions;
 use super::cursor::{Cursor, begins_name, in_name};
 use super::define::{self, Declaration, Header};
 use super::expression::{Argument, Expression, Name, arguments, expression, indexed, unexpected};
@@ -55,6 +56,8 @@ pub(super) enum Item {
     Header(Header),
     External(Header),
     Message(Option<Argument>),
+    /// A synchronised action.
+    Synchronised(std::sync::Arc<actions::Action>),
     If(Expression, Option<Jump>),
     Case(Expression, Vec<(Expression, Jump)>, Option<Jump>),
     Goto(Jump),
@@ -226,7 +229,7 @@ fn alone(line: Line) -> Result<Line, String> {
     }
 }
 
-fn item(cursor: &mut Cursor<'_>) -> Result<Item, String> {
+pub(super) fn item(cursor: &mut Cursor<'_>) -> Result<Item, String> {
     let (first, second) = (cursor.byte(0), cursor.byte(1));
     let named = first == b'$' || first == b'_' || second == b'_';
     if begins_name(first) && (named || second.is_ascii_alphabetic()) {
@@ -335,6 +338,9 @@ fn assignment(cursor: &mut Cursor<'_>, name: Name) -> Result<Item, String> {
 }
 
 fn statement(cursor: &mut Cursor<'_>, name: &str, from: usize) -> Result<Item, String> {
+    if actions::begins(name, cursor) {
+        return actions::action(cursor, name);
+    }
     if let Some((_, structure)) = STRUCTURES.iter().find(|(text, _)| *text == name) {
         if *structure == Structure::Repeat {
             return repeat(cursor, false);

@@ -5,6 +5,7 @@
 //! program is an alarm with a text, never a silence; what is no statement, variable or subprogram stays as text for the
 //! tables of the machine.
 
+mod actions;
 mod archive;
 mod branches;
 mod calls;
@@ -21,10 +22,14 @@ mod files;
 mod frame;
 mod frames;
 mod functions;
+mod held;
 mod jumps;
 mod line;
+mod meanings;
 mod modal;
 mod outline;
+mod positioning;
+mod preparation;
 mod run;
 mod settings;
 mod statement;
@@ -40,7 +45,7 @@ mod words;
 use counterpoint_fault::Halt;
 
 use counterpoint_lang::value::Value;
-use rustc_hash::{FxHashMap, FxHashSet};
+use rustc_hash::FxHashMap;
 
 use super::host::Host;
 use super::interpreter::{Interpreter, Remaining, Setting};
@@ -97,8 +102,6 @@ pub(crate) struct Siemens {
     found: FxHashMap<(FileId, String), Option<(FileId, Range)>>,
     /// How the machine spells addresses.
     spellings: FxHashMap<String, words::Spelling>,
-    /// Subprograms that were declared by EXTERN.
-    externals: FxHashSet<String>,
     /// Subprogram that the block calls.
     calling: Option<calls::Calling>,
     /// Subprogram that blocks with motion call.
@@ -106,6 +109,8 @@ pub(crate) struct Siemens {
     /// Subprograms that were running where it was called; it runs, or has run.
     modal_from: Option<usize>,
     settings: settings::Settings,
+    /// What statements keep for later blocks.
+    held: held::Held,
     /// What stopped the channel where nothing could be returned.
     halted: Option<Halt>,
     /// Macros are not asked about what is unknown.
@@ -120,6 +125,7 @@ fn needs_interpreter(text: &[u8]) -> bool {
             b';' => return false,
             b'=' | b'(' | b'[' | b'"' | b'\'' | b'$' | b':' | b'_' | b'<' | b'>' | b'%' => return true,
             b'L' | b'l' if text.get(at + 1).is_some_and(u8::is_ascii_digit) => return true,
+            b'G' | b'g' if meanings::is_rewritten(text.get(at + 1..).unwrap_or_default()) => return true,
             b'M' | b'm' if returns(text.get(at + 1..).unwrap_or_default()) => return true,
             _ if byte.is_ascii_alphabetic() && before.is_ascii_alphabetic() => return true,
             _ => {}
@@ -161,9 +167,9 @@ impl Siemens {
         }
     }
 
-    /// All blocks are for the pre-processor while a name may stand for something else, or motion may call.
+    /// All blocks are for the pre-processor while a name may stand for something else, motion may call or an action waits.
     fn watch(&self, host: &mut dyn Host) {
-        host.watch(!self.defines.is_empty() || self.modal.is_some());
+        host.watch(!self.defines.is_empty() || self.modal.is_some() || !self.held.actions.is_empty());
     }
 }
 
@@ -190,6 +196,7 @@ impl Interpreter for Siemens {
             self.stored = before.stored;
             self.defines = before.defines;
             self.settings = before.settings;
+            self.held.actions = before.held.actions.into_iter().filter(actions::Waiting::stays).collect();
         }
     }
 
@@ -229,7 +236,7 @@ impl Interpreter for Siemens {
     }
 
     fn memory(&self) -> u64 {
-        let names = self.externals.len() + self.found.len() + self.stored.len() + self.spellings.len();
+        let names = self.held.externals.len() + self.found.len() + self.stored.len() + self.spellings.len();
         (self.variables.bytes() + names * 100 + self.defines.bytes() + self.places.bytes() + self.read.bytes()) as u64
     }
 }

@@ -123,6 +123,7 @@ impl Outlines {
             Item::Passes(..)
             | Item::External(_)
             | Item::Message(_)
+            | Item::Synchronised(_)
             | Item::Until(_)
             | Item::Structure(_)
             | Item::Shared { .. } => {}

@@ -21,7 +21,7 @@ pub(super) const MOST_PASSES: i64 = 9_999;
 #[derive(Debug, Default)]
 pub(super) struct Left {
     /// Blocks that act before the words.
-    before: Vec<String>,
+    pub(super) before: Vec<String>,
     pub(super) words: String,
     pub(super) call: Option<Call>,
     pub(super) passes: Option<u32>,
@@ -34,6 +34,11 @@ pub(super) struct Left {
 }
 
 impl Left {
+    /// Nothing yet, with the G90 or G91 of another block.
+    pub(super) fn counting_as(other: &Self) -> Self {
+        Self { relative: other.relative, ..Self::default() }
+    }
+
     /// A word more.
     pub(super) fn add(&mut self, word: &str) {
         if !self.words.is_empty() {
@@ -88,6 +93,7 @@ impl Siemens {
 
     fn run(&mut self, host: &mut dyn Host, line: &Line) -> Outcome<Option<String>> {
         let mut left = Left::default();
+        self.test_actions(host, &mut left)?;
         let is_mode = |item: &&Item| matches!(item, Item::Text(text) if mode(text).is_some());
         if let Some(Item::Text(text)) = line.items.iter().rfind(is_mode) {
             left.relative = mode(text);
@@ -101,8 +107,8 @@ impl Siemens {
                 break;
             }
         }
-        whole_translation(host, &mut left);
         self.call_modally(host, &mut left);
+        self.rewrite(host, &mut left)?;
         self.finish(host, line, left)
     }
 
@@ -181,9 +187,10 @@ impl Siemens {
             Item::Redeclare(declaration) => self.declare(host, declaration, true)?,
             Item::Header(header) => self.take_arguments(host, header)?,
             Item::External(header) => {
-                self.externals.insert(header.name.clone());
+                self.held.externals.insert(header.name.clone());
             }
             Item::Message(argument) => self.message(host, argument.as_ref(), left)?,
+            Item::Synchronised(action) => self.synchronise(host, action)?,
             Item::Shared { text, .. } if host.is_code_text(text) => left.add(text),
             Item::Shared { statement, operands, .. } => {
                 statement.execute(host, operands, |host, operand| match self.argument(host, operand)? {
@@ -208,6 +215,7 @@ impl Siemens {
         }
         match self.locate(host, name)? {
             Some(target) => self.assign(host, &target, value),
+            None if self.positions(host, name, value, left)? => Ok(()),
             None => self.set_by_name(host, name, value, left),
         }
     }
@@ -276,7 +284,12 @@ impl Siemens {
         if name == "SETAL" {
             return self.set_alarm(host, arguments);
         }
-        if self.coordination(host, name, arguments)? || self.contour_statement(host, name, arguments)? {
+        let is_statement = self.coordination(host, name, arguments)?
+            || self.contour_statement(host, name, arguments)?
+            || self.preparation(host, name, arguments)?
+            || self.waits_for_axes(host, name, arguments)?
+            || self.cancel(host, name, arguments)?;
+        if is_statement {
             return Ok(());
         }
         let is_text = host.is_code_text(name) || host.is_register(&format!("{name}("));
@@ -413,27 +426,6 @@ pub(super) fn skipped<'a>(host: &dyn Programs, text: &'a str) -> Option<&'a str>
         text = rest.get(usize::from(digit.is_some())..).unwrap_or_default().trim_start();
     }
     Some(text)
-}
-
-/// TRANS replaces the whole translation: axes that it does not name are not moved any more.
-fn whole_translation(host: &dyn Host, left: &mut Left) {
-    if left.words.is_empty() {
-        return;
-    }
-    let mut words = left.words.split(' ');
-    if !words.any(|word| word == "TRANS") || !host.is_code_text("TRANS") {
-        return;
-    }
-    for axis in host.axes().iter().filter(|axis| matches!(axis.letter.as_str(), "X" | "Y" | "Z")) {
-        let is_axis = |word: &str| {
-            let (letter, value) = word.split_at_checked(1).unwrap_or_default();
-            letter.eq_ignore_ascii_case(&axis.letter) && !value.starts_with(|c: char| c.is_ascii_alphabetic())
-        };
-        if !left.words.split(' ').any(is_axis) {
-            let word = format!("{}0", axis.letter);
-            left.add(&word);
-        }
-    }
 }
 
 /// G90 and G91: whether positions are distances.

@@ -20,7 +20,7 @@ const MOST_TOOLS: i64 = 32_000;
 const PLANE_GROUP: i64 = 6;
 
 /// The working plane: 1 G17, 2 G18, 3 G19.
-fn plane(host: &dyn Host) -> Option<i64> {
+pub(super) fn plane(host: &dyn Host) -> Option<i64> {
     let planes = [codes::PLANE_XY, codes::PLANE_ZX, codes::PLANE_YZ];
     host.modes()
         .0

@@ -58,6 +58,10 @@ impl Flow for Kernel<'_> {
         &self.channel.state.others.turning.kept.elements
     }
 
+    fn contour_begins_rapid(&self) -> bool {
+        self.channel.state.others.turning.kept.first.is_some_and(|first| first.rapid)
+    }
+
     fn remove_stock(&mut self, strip: Strip) {
         self.ask(Pending::Strip(Box::new(strip)));
     }

@@ -1,0 +1,229 @@
+//! Synchronised actions: `ID=1 WHEN condition DO action`, with WHENEVER, EVERY, FROM or no condition, and CANCEL.
+//!
+//! Facts: programming manual, synchronised actions: the control tests conditions in its interpolation cycle, a WHEN acts once, a
+//! WHENEVER in each cycle while it is true, an EVERY when it becomes true, a FROM for ever after; without ID an action holds for the
+//! block behind it, with ID to the end of the program, with IDS beyond it. Decisions: conditions are tested where a block begins, so
+//! one that is true only within a move is missed; actions set variables and outputs, give M codes to the block that begins, and set
+//! alarms (SETAL). *Invariant:* what an action cannot do here is refused where the action is written, so no axis moves otherwise than
+//! on the control without a word.
+
+use super::cursor::Cursor;
+use super::expression::{Argument, Expression, expression, unexpected};
+use super::line::{Item, item};
+use super::run::Left;
+use super::{Fault, Outcome, Siemens, syntax};
+use crate::host::Host;
+use counterpoint_fault as diag;
+
+/// Most actions that wait.
+const MOST: usize = 255;
+/// Blocks at whose beginning an action without a number is tested: the one behind it, and the one after that.
+const TESTS: u8 = 2;
+/// Variables that actions set.
+const SET: [&str; 7] = ["$AC_MARKER", "$AC_PARAM", "$AC_TIMER", "$A_OUT", "$A_OUTA", "$A_DB", "R"];
+
+/// When an action acts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Trigger {
+    Once,
+    While,
+    Edge,
+    Since,
+    Always,
+}
+
+/// An action as it is written.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Action {
+    /// Its number, and whether it stays beyond the program.
+    number: Option<(Expression, bool)>,
+    trigger: Trigger,
+    condition: Option<Expression>,
+    does: Vec<Item>,
+    text: String,
+}
+
+/// An action that waits.
+#[derive(Debug)]
+pub(super) struct Waiting {
+    number: Option<i64>,
+    stays: bool,
+    action: std::sync::Arc<Action>,
+    was: bool,
+    tests: u8,
+}
+
+impl Waiting {
+    pub(super) fn stays(&self) -> bool {
+        self.stays
+    }
+}
+
+fn trigger(name: &str) -> Option<Trigger> {
+    Some(match name {
+        "WHEN" => Trigger::Once,
+        "WHENEVER" => Trigger::While,
+        "EVERY" => Trigger::Edge,
+        "FROM" => Trigger::Since,
+        "DO" => Trigger::Always,
+        _ => return None,
+    })
+}
+
+/// Whether a word begins an action.
+pub(super) fn begins(name: &str, cursor: &Cursor<'_>) -> bool {
+    trigger(name).is_some() || matches!(name, "ID" | "IDS") && cursor.rest().trim_start().starts_with('=')
+}
+
+/// Reads an action whose first word is `name`; it takes the rest of the block.
+pub(super) fn action(cursor: &mut Cursor<'_>, name: &str) -> Result<Item, String> {
+    // Values of the main run are those of the block here.
+    let text = cursor.rest().replace("$$", "$").replace("$R", "R");
+    let mut inner = Cursor::new(&text);
+    while !cursor.is_at_end() {
+        cursor.step();
+    }
+    let mut number = None;
+    let mut key = name.to_owned();
+    if matches!(name, "ID" | "IDS") {
+        inner.takes("=");
+        number = Some((expression(&mut inner)?, name == "IDS"));
+        key = inner.name().unwrap_or_default().to_ascii_uppercase();
+    }
+    let Some(trigger) = trigger(&key) else {
+        return Err(format!("{name}= needs WHEN, WHENEVER, EVERY, FROM or DO, not '{key}'"));
+    };
+    let mut condition = None;
+    if trigger != Trigger::Always {
+        condition = Some(expression(&mut inner)?);
+        if !inner.word("DO") {
+            return Err(format!("DO is missing, {}", unexpected(&inner)));
+        }
+    }
+    let mut does = Vec::new();
+    loop {
+        inner.blanks();
+        if inner.is_at_end() {
+            break;
+        }
+        does.push(item(&mut inner)?);
+    }
+    Ok(Item::Synchronised(std::sync::Arc::new(Action {
+        number,
+        trigger,
+        condition,
+        does,
+        text: text.trim().to_owned(),
+    })))
+}
+
+impl Siemens {
+    /// An action is written: it waits from now on.
+    pub(super) fn synchronise(&mut self, host: &mut dyn Host, action: &std::sync::Arc<Action>) -> Outcome<()> {
+        for item in &action.does {
+            self.check_action(item, &action.text)?;
+        }
+        let number = match &action.number {
+            Some((number, _)) => Some(self.whole_number(host, number)?),
+            None => None,
+        };
+        if number.is_some_and(|number| !(1..=MOST as i64).contains(&number)) {
+            return super::wrong_type(format!("a synchronised action has a number from 1 to {MOST}"));
+        }
+        self.held.actions.retain(|waiting| number.is_none() || waiting.number != number);
+        if self.held.actions.len() >= MOST {
+            return super::wrong_type(format!("more than {MOST} synchronised actions wait"));
+        }
+        let stays = action.number.as_ref().is_some_and(|(_, stays)| *stays);
+        self.held.actions.push(Waiting { number, stays, action: action.clone(), was: false, tests: TESTS });
+        self.watch(host);
+        Ok(())
+    }
+
+    /// Refuses what an action cannot do here.
+    fn check_action(&self, item: &Item, text: &str) -> Outcome<()> {
+        let fits = match item {
+            Item::Set { name, .. } => {
+                SET.iter().any(|set| name.name == *set || *set == "$A_DB" && name.name.starts_with(set))
+                    || self.variables.knows(&name.name)
+            }
+            Item::Function(name, _) => name == "SETAL",
+            Item::Text(word) => word.starts_with(['M', 'm']) || word.starts_with(['H', 'h']),
+            _ => false,
+        };
+        if fits {
+            return Ok(());
+        }
+        Err(Fault::Alarm(
+            &diag::SIEMENS_STATE,
+            format!(
+                "synchronised actions set variables and outputs, M codes and SETAL here; '{text}' does something else"
+            ),
+        ))
+    }
+
+    /// Tests the actions that wait, where a block begins.
+    pub(super) fn test_actions(&mut self, host: &mut dyn Host, left: &mut Left) -> Outcome<()> {
+        if self.held.actions.is_empty() || host.reads_contour() {
+            return Ok(());
+        }
+        let mut waiting = std::mem::take(&mut self.held.actions);
+        let mut done = Ok(());
+        waiting.retain_mut(|one| {
+            done.is_err() || {
+                let kept = self.test_action(host, one, left);
+                kept.unwrap_or_else(|fault| {
+                    done = Err(fault);
+                    true
+                })
+            }
+        });
+        // Actions do not write actions.
+        self.held.actions = waiting;
+        self.watch(host);
+        done
+    }
+
+    /// Whether it goes on waiting.
+    fn test_action(&mut self, host: &mut dyn Host, one: &mut Waiting, left: &mut Left) -> Outcome<bool> {
+        let action = one.action.clone();
+        let holds = match &action.condition {
+            Some(condition) => self.is_true(host, condition)?,
+            None => true,
+        };
+        let acts = match action.trigger {
+            Trigger::Once | Trigger::While | Trigger::Always => holds,
+            Trigger::Edge => holds && !one.was,
+            Trigger::Since => holds || one.was,
+        };
+        one.was = holds || action.trigger == Trigger::Since && one.was;
+        if acts {
+            let mut own = Left::default();
+            for item in &action.does {
+                self.item(host, item, &mut own)?;
+            }
+            if !own.words.is_empty() {
+                left.before.push(own.words);
+            }
+        }
+        one.tests = one.tests.saturating_sub(1);
+        let ends = acts && action.trigger == Trigger::Once || one.number.is_none() && one.tests == 0;
+        Ok(!ends)
+    }
+
+    /// CANCEL(n, …): these actions wait no longer.
+    pub(super) fn cancel(&mut self, host: &mut dyn Host, name: &str, arguments: &[Argument]) -> Outcome<bool> {
+        if name != "CANCEL" {
+            return Ok(false);
+        }
+        if arguments.is_empty() {
+            return syntax("CANCEL needs the number of a synchronised action");
+        }
+        for argument in arguments {
+            let number = self.argument(host, argument)?.and_then(|value| value.number());
+            self.held.actions.retain(|waiting| waiting.number.map(|number| number as f64) != number);
+        }
+        self.watch(host);
+        Ok(true)
+    }
+}

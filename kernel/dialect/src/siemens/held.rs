@@ -1,0 +1,21 @@
+//! What statements keep for later blocks of the channel. *Invariant:* a program begins without any of it, but for actions that stay.
+
+use rustc_hash::{FxHashMap, FxHashSet};
+
+use super::actions::Waiting;
+use super::preparation::Preparation;
+
+/// What is kept.
+#[derive(Debug, Default)]
+pub(super) struct Held {
+    /// Subprograms that were declared by EXTERN.
+    pub(super) externals: FxHashSet<String>,
+    /// Synchronised actions that wait.
+    pub(super) actions: Vec<Waiting>,
+    /// Additive part of the programmable translation, along X, Y and Z.
+    pub(super) additive: [f64; 3],
+    /// Feeds of axes that POS moves, by letter.
+    pub(super) axis_feeds: FxHashMap<String, f64>,
+    /// CONTPRON without its EXECUTE.
+    pub(super) preparation: Option<Preparation>,
+}
