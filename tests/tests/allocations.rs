@@ -57,7 +57,7 @@ const LOOPS: [(&str, &str, &str, &str, f64); 11] = [
         "",
         "p.h",
         "BEGIN PGM T MM\nQ1 = 0\nTOOL CALL 1 Z S1000\nL X+0 Y+0 R0 FMAX\nLBL 1\nCC X+5 Y+0\nC X+10 Y+0 DR- F1000\nC X+0 Y+0 DR-\nQ1 = Q1 + 1\nFN 12: IF +Q1 LT +{n} GOTO LBL 1\nEND PGM T MM\n",
-        49.0,
+        43.0,
     ),
     (
         "fanuc-mill",

@@ -163,8 +163,8 @@ impl Evaluator<'_> {
         let name = Arc::clone(&word.name);
         let (value, text) = match &word.operand {
             Operand::None => (None, name.to_string()),
-            Operand::Number(text, value) => (Some(*value), format!("{name}{text}")),
-            Operand::Sign(sign) => (None, format!("{name}{sign}")),
+            Operand::Number(text, value) => (Some(*value), [&*name, text].concat()),
+            Operand::Sign(sign) => (None, [&*name, sign.encode_utf8(&mut [0; 4])].concat()),
             Operand::Parameter { negative, name: parameter } => match self.value_or_kept(*parameter)? {
                 Some(Value::Number(value)) => {
                     let value = if *negative { -value } else { value };
@@ -180,7 +180,8 @@ impl Evaluator<'_> {
 
 /// The words of a block, one blank between them.
 pub(super) fn joined(head: &str, words: &[Seen]) -> String {
-    let mut out = head.to_owned();
+    let mut out = String::with_capacity(head.len() + words.iter().map(|word| word.text.len() + 1).sum::<usize>());
+    out.push_str(head);
     for word in words {
         if !out.is_empty() {
             out.push(' ');

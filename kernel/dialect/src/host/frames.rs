@@ -40,7 +40,7 @@ pub trait Frames {
     fn axis_letter(&self, name: &str) -> Option<&str>;
 
     /// Positions of the channel's axes by name: in the work frame as programmed, in the machine frame.
-    fn positions(&self) -> Vec<(String, f64, f64)>;
+    fn positions(&self) -> Vec<(&str, f64, f64)>;
 
     /// Positions count from where the axes are.
     fn relative(&self) -> bool;

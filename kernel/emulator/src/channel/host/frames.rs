@@ -65,11 +65,11 @@ impl Frames for Kernel<'_> {
         axes.find(|axis| is(&axis.letter) || is(&axis.name)).map(|axis| &*axis.letter)
     }
 
-    fn positions(&self) -> Vec<(String, f64, f64)> {
+    fn positions(&self) -> Vec<(&str, f64, f64)> {
         let programmed = self.channel.programmed();
         let machine = self.channel.machine_point(&self.channel.state.place.position);
         let axes = self.channel.state.place.layout.axes.entries();
-        let named = |axis: &Axis| self.channel.env.machine.axes[axis.machine].name.clone();
+        let named = |axis: &Axis| &*self.channel.env.machine.axes[axis.machine].name;
         axes.map(|(slot, axis)| (named(axis), programmed.at(slot), machine.at(slot))).collect()
     }
 
