@@ -241,7 +241,7 @@ fn row(
 fn steepest(piece: &Element, face: bool) -> f64 {
     let angle = |[first, second]: [f64; 2]| {
         let (along, across) = if face { (second, first) } else { (first, second) };
-        across.atan2(along).to_degrees()
+        libm::atan2(across, along).to_degrees()
     };
     let from = angle(piece.start());
     let turns =
@@ -290,14 +290,14 @@ fn relief_cuts(pieces: &[Element], preparation: &Preparation) -> usize {
 
 /// Where an arc is highest and lowest within its way, in order.
 fn extremes(piece: &Element, center: [f64; 2], sweep: f64, face: bool) -> Vec<f64> {
-    let start = (piece.from[1] - center[1]).atan2(piece.from[0] - center[0]);
-    let radius = (piece.from[0] - center[0]).hypot(piece.from[1] - center[1]);
+    let start = libm::atan2(piece.from[1] - center[1], piece.from[0] - center[0]);
+    let radius = libm::hypot(piece.from[0] - center[0], piece.from[1] - center[1]);
     let quarter = std::f64::consts::FRAC_PI_2;
     let first = if face { 0.0 } else { quarter };
     let places = (-4..=4).map(|turn| first + f64::from(turn) * 2.0 * quarter);
     let mut found: Vec<(f64, f64)> = places
         .map(|place| {
-            let way = if face { place.cos() } else { place.sin() };
+            let way = if face { libm::cos(place) } else { libm::sin(place) };
             ((place - start) / sweep, height(center, face) + radius * way)
         })
         .filter(|(way, _)| (NOISE..1.0 - NOISE).contains(way))
