@@ -85,7 +85,13 @@ impl Kernel<'_> {
             self.categorise_conditional();
         }
         for index in 0..self.channel.block.texts.len() {
-            if let Some(&row) = self.channel.block.texts.get(index) {
+            if let Some(mut row) = self.channel.block.texts.get(index).copied() {
+                if !self.fits(&machine.codes[row]) {
+                    row = self.fitting_text(row);
+                    if let Some(slot) = self.channel.block.texts.get_mut(index) {
+                        *slot = row;
+                    }
+                }
                 self.queue(row, &machine.codes[row], 0.0, false);
             }
         }
@@ -142,6 +148,21 @@ impl Kernel<'_> {
         format!("{}{}", register.before, written(word.value, &register.format))
     }
 
+    /// The conditions of a row on other words of the block are met.
+    fn fits(&self, row: &CodeRow) -> bool {
+        let with = row.with.is_empty() || row.with.iter().any(|&r| self.channel.block.has(r));
+        with && row.without.iter().all(|&r| !self.channel.block.has(r))
+    }
+
+    /// The row of the same text whose conditions are met, or this one.
+    #[cold]
+    fn fitting_text(&self, row: CodeRowId) -> CodeRowId {
+        let machine = self.channel.env.machine;
+        let same = |other: &&CodeRowId| machine.codes[**other].form == machine.codes[row].form;
+        let rows = machine.tables.texts.iter().filter(same);
+        rows.copied().find(|&other| self.fits(&machine.codes[other])).unwrap_or(row)
+    }
+
     /// Second pass over words whose rows depend on other words of the block.
     fn categorise_conditional(&mut self) {
         let machine = self.channel.env.machine;
@@ -154,12 +175,8 @@ impl Kernel<'_> {
             if candidates.is_empty() {
                 continue;
             }
-            let chosen = candidates.iter().find_map(|&index| {
-                let row = &machine.codes[index];
-                let with = row.with.is_empty() || row.with.iter().any(|&r| self.channel.block.has(r));
-                let without = row.without.iter().all(|&r| !self.channel.block.has(r));
-                (with && without).then_some((index, row))
-            });
+            let mut rows = candidates.iter().map(|&index| (index, &machine.codes[index]));
+            let chosen = rows.find(|(_, row)| self.fits(row));
             match chosen {
                 Some((index, row)) => {
                     self.use_word(position);
