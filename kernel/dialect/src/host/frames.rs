@@ -94,6 +94,12 @@ pub trait Frames {
     /// Sets it; whether it was set.
     fn set_tip(&mut self, offset: u32, tip: f64) -> bool;
 
+    /// Wear of a tool offset: 0 to 2 of its length along X, Y and Z as the table has it, 3 of its radius.
+    fn wear(&self, offset: u32, of: usize) -> f64;
+
+    /// Sets it; whether it was set.
+    fn set_wear(&mut self, offset: u32, of: usize, value: f64) -> bool;
+
     /// The active codes, to be restored later.
     fn modes(&self) -> Modes;
 

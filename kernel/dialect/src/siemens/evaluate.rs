@@ -89,7 +89,10 @@ impl Siemens {
         if name.name.starts_with('$') {
             let asked = self.written(host, name)?;
             return match self.ask(host, &asked, None)? {
-                Answer::Instead(text) => self.instead(host, &text),
+                Answer::Instead(text) => {
+                    let value = self.instead(host, &text)?;
+                    self.worn(host, name, value)
+                }
                 Answer::Drop => Ok(Data::Int(0)),
                 Answer::Keep => Ok(Data::Axis(asked)),
                 Answer::Unknown => match self.system(host, name)? {

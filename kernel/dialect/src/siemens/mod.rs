@@ -22,6 +22,7 @@ mod files;
 mod frame;
 mod frames;
 mod functions;
+mod groups;
 mod held;
 mod jumps;
 mod line;
@@ -38,6 +39,7 @@ mod system;
 #[cfg(test)]
 mod tests;
 mod texts;
+mod tools;
 mod value;
 mod variables;
 mod words;

@@ -243,7 +243,10 @@ impl Siemens {
                 }
                 Err(Fault::Alarm(&diag::MACRO_VARIABLE, format!("the variable {asked} cannot be set")))
             }
-            Answer::Unknown => self.word(host, name, value, left),
+            Answer::Unknown => match limit(&name.name) {
+                Some(limit) => Err(Fault::Alarm(&diag::SIEMENS_STATE, format!("{}: {limit}", name.name))),
+                None => self.word(host, name, value, left),
+            },
         }
     }
 
@@ -412,6 +415,23 @@ impl Siemens {
         }
         Ok(())
     }
+}
+
+/// What a word would need that is not emulated, and what to do instead.
+fn limit(name: &str) -> Option<&'static str> {
+    Some(match name {
+        "FXS" | "FXST" | "FXSW" => {
+            "travel to a fixed stop is not emulated; move the axis to the place of the stop by G1 in a run without the part"
+        }
+        "MEAS" | "MEAW" | "MEASA" | "MEAWA" | "MEAC" => {
+            "measuring is not emulated; write the measured values into the variables that the program reads, and skip the block"
+        }
+        "OFFN" => "an allowance of the contour is not emulated; add it to the radius of the tool ($TC_DP15)",
+        "DISR" | "DISCL" | "DISRP" | "FAD" => {
+            "soft approach and retraction are not emulated; write the way to the contour as G0, G1, G2 and G3"
+        }
+        _ => return None,
+    })
 }
 
 /// The block after its marks of optional skip; none if it is skipped.

@@ -14,8 +14,6 @@ use counterpoint_machine::ident::codes;
 /// Largest number of a timer.
 const MOST_TIMERS: i64 = 99;
 
-/// Largest number of a tool.
-const MOST_TOOLS: i64 = 32_000;
 /// Group of the working plane.
 const PLANE_GROUP: i64 = 6;
 
@@ -62,12 +60,11 @@ impl Siemens {
                     Some(plane) => Data::Int(plane),
                     None => return Ok(None),
                 },
-                _ => return Ok(None),
+                group => match super::groups::active(host, group) {
+                    Some(function) => Data::Int(function),
+                    None => return Ok(None),
+                },
             },
-            "$TC_DP2" => {
-                let edge = self.edge(host, name)?;
-                Data::Int(i64::from(host.tip(edge)))
-            }
             "$AC_TIME" => Data::Real(0.0),
             "$AC_CYCLE_TIME" | "$AC_OPERATING_TIME" | "$AC_PROG_NET_TIME" => Data::Real(seconds(host.clock())),
             "$AC_TIMER" => {
@@ -75,7 +72,10 @@ impl Siemens {
                 let (value, since) = self.stored.timers.get(&number).copied().unwrap_or((0.0, None));
                 Data::Real(value + since.map_or(0.0, |since| seconds(host.clock().saturating_sub(since))))
             }
-            _ => return self.stored_value(host, name),
+            _ => match self.tool_value(host, name)? {
+                Some(value) => value,
+                None => return self.stored_value(host, name),
+            },
         }))
     }
 
@@ -103,14 +103,8 @@ impl Siemens {
             host.effect();
             return Ok(Some(Vec::new()));
         }
-        if name.name == "$TC_DP2" {
-            let (edge, tip) = (self.edge(host, name)?, number(value)?);
-            return if host.set_tip(edge, tip) {
-                host.effect();
-                Ok(Some(Vec::new()))
-            } else {
-                super::wrong_type(format!("the position of an edge is 0 to 9, not {tip}"))
-            };
+        if self.set_tool_value(host, name, value)? {
+            return Ok(Some(Vec::new()));
         }
         if self.store_value(host, name, value)? {
             return Ok(Some(Vec::new()));
@@ -118,19 +112,7 @@ impl Siemens {
         self.set_control_frame(host, name, value)
     }
 
-    /// The tool offset of an edge, `[T,D]`.
-    fn edge(&mut self, host: &mut dyn Host, name: &Name) -> Outcome<u32> {
-        let [tool, edge] = name.index.as_slice() else {
-            return syntax(format!("{} needs a tool and an edge", name.name));
-        };
-        let (tool, edge) = (self.whole_number(host, tool)?, self.whole_number(host, edge)?);
-        if !(1..=MOST_TOOLS).contains(&tool) || !(1..=9).contains(&edge) {
-            return syntax(format!("edge {edge} of tool {tool} does not exist"));
-        }
-        Ok(u32::try_from(tool * 10 + edge).unwrap_or(0))
-    }
-
-    fn only_index(&mut self, host: &mut dyn Host, name: &Name) -> Outcome<i64> {
+    pub(super) fn only_index(&mut self, host: &mut dyn Host, name: &Name) -> Outcome<i64> {
         match name.index.as_slice() {
             [index] => self.whole_number(host, index),
             _ => syntax(format!("{} needs one index", name.name)),

@@ -174,6 +174,24 @@ impl Frames for Kernel<'_> {
         self.channel.set_offset_tip(offset, tip)
     }
 
+    fn wear(&self, offset: u32, of: usize) -> f64 {
+        match self.channel.state.place.layout.cartesian.get(of) {
+            Some(axis) => axis.map_or(0.0, |axis| self.channel.offset_values(Table::Wear, offset).at(axis)),
+            None => self.channel.offset_radius(Radii::Wear, offset),
+        }
+    }
+
+    fn set_wear(&mut self, offset: u32, of: usize, value: f64) -> bool {
+        let axis = match self.channel.state.place.layout.cartesian.get(of) {
+            Some(axis) => *axis,
+            None => return self.channel.set_offset_radius(Radii::Wear, offset, value),
+        };
+        let Some(axis) = axis else { return false };
+        let mut values = self.channel.offset_values(Table::Wear, offset);
+        *values.at_mut(axis) = value;
+        Kernel::set_offset(self, Table::Wear, offset, values)
+    }
+
     fn modes(&self) -> Modes {
         Modes(self.channel.state.modal.saved())
     }

@@ -1,0 +1,47 @@
+//! `$P_GG`: which function of a G group is active.
+//!
+//! Facts: list of G functions, which numbers them in each group. *Invariant:* a function that is not in the table has no number, so
+//! that the program is told instead of getting another one's.
+
+use crate::host::Host;
+use counterpoint_machine::ident::{CodeId, codes};
+
+/// Group, code, number in the group.
+const FUNCTIONS: &[(i64, CodeId, i64)] = &[
+    (1, codes::RAPID, 1),
+    (1, codes::INTERP_LINEAR, 2),
+    (1, codes::INTERP_ARC_CLW, 3),
+    (1, codes::INTERP_ARC_CCLW, 4),
+    (1, codes::INTERP_ARC_3D, 5),
+    (7, codes::COMP_DIAM_OFF, 1),
+    (7, codes::COMP_DIAM_LEFT, 2),
+    (7, codes::COMP_DIAM_RIGHT, 3),
+    (8, codes::COMP_WORKP_OFF, 1),
+    (13, codes::UNITS_SECONDARY, 1),
+    (13, codes::UNITS_PRIMARY, 2),
+    (14, codes::POSITION_ABSOLUTE, 1),
+    (14, codes::POSITION_RELATIVE, 2),
+    (15, codes::FEED_1T, 1),
+    (15, codes::FEED_UPM, 2),
+    (15, codes::FEED_UPR, 3),
+    (29, codes::XAXIS_RADIUS, 1),
+    (29, codes::XAXIS_DIAMETER, 2),
+    (29, codes::XAXIS_DIAMETER_ABSOLUTE, 3),
+];
+/// Settable frames.
+const FRAMES: i64 = 8;
+/// Types of the feed; with a cutting speed it is G96 or G961.
+const FEEDS: i64 = 15;
+
+/// Number of the active function of a group; none if it is not known.
+pub(super) fn active(host: &dyn Host, group: i64) -> Option<i64> {
+    let modes = host.modes().0;
+    let is_active = |wanted: CodeId| modes.iter().any(|(_, code, _)| *code == wanted);
+    if group == FRAMES && host.work_offset() > 0 {
+        return Some(i64::from(host.work_offset()) + 1);
+    }
+    if group == FEEDS && is_active(codes::SPINDLE_CSS) {
+        return Some(if is_active(codes::FEED_UPR) { 4 } else { 7 });
+    }
+    FUNCTIONS.iter().find(|(of, code, _)| *of == group && is_active(*code)).map(|(_, _, number)| *number)
+}
