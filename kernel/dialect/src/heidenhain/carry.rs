@@ -72,7 +72,7 @@ impl Heidenhain {
             Statement::End => self.end_program(host),
             Statement::CycleDefinition(words) => self.define_cycle(host, words),
             Statement::CyclePart { .. } => self.define_by_parts(host, line, place),
-            Statement::CycleCall { kind, words } => self.call_cycle(host, *kind, words),
+            Statement::CycleCall { kind, words } => self.call_cycle(host, (*kind, words), place),
             Statement::ToolCall { tool, words } => self.call_tool(host, tool.as_ref(), words),
             Statement::ToolDefinition { tool, words } => self.define_tool(host, tool, words),
             Statement::Stop(words) => {
@@ -87,7 +87,11 @@ impl Heidenhain {
                     Some(joined("", &first.collect::<Vec<_>>()))
                 };
                 if !(1..=4).any(|count| starts(count).is_some_and(|text| host.is_code_text(&text))) {
-                    return Ok(self.not_understood(host));
+                    return match starts(2).as_deref() {
+                        Some("PATTERN DEF") => self.define_pattern(host, words).map(|()| None),
+                        Some("TRANS DATUM") => self.shift_datum(host, words),
+                        _ => Ok(self.not_understood(host)),
+                    };
                 }
                 if words.first().is_some_and(|word| &*word.name == "PLANE") {
                     return self.plane(host, words);
@@ -324,8 +328,10 @@ impl Heidenhain {
 
     /// Path blocks that a block has to know: a corner with what follows it, or the first element of a contour.
     fn ahead(&mut self, host: &mut dyn Host, shape: Shape, next: u32, place: Place) -> Result<Vec<Step>, Halt> {
-        let approach = matches!(shape, Shape::Approach(_));
-        if !approach && !matches!(shape, Shape::Line | Shape::Space | Shape::PolarLine | Shape::Iso) {
+        // An arc may end where the line behind it goes on.
+        let approach = matches!(shape, Shape::Approach(_) | Shape::FreeArc { .. });
+        let line = matches!(shape, Shape::Line | Shape::Space | Shape::PolarLine | Shape::Iso | Shape::FreeLine { .. });
+        if !approach && !line {
             return Ok(Vec::new());
         }
         let Some((first, behind)) = self.following(host, next, place) else { return Ok(Vec::new()) };

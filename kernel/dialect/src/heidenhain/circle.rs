@@ -30,7 +30,7 @@ impl Walk<'_> {
     /// Direction at the end of a circle.
     pub(super) fn leave_circle(&mut self, center: Point, end: Point, clockwise: bool) {
         self.head_for(contour::heading_on(center, end, clockwise));
-        self.path.clockwise = Some(clockwise);
+        (self.path.clockwise, self.path.round) = (Some(clockwise), true);
     }
 
     /// Whether the machine keeps the centre that `CC` defines.

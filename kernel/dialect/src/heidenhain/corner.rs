@@ -80,7 +80,7 @@ impl Walk<'_> {
     pub(super) fn corner(&mut self, corner: Option<Corner>) -> Vec<String> {
         let Some(corner) = corner.filter(|corner| corner.line == self.step.line) else {
             // A line that could not make room has said so.
-            if self.path.heading.is_none() {
+            if self.path.heading.is_none() || self.path.round {
                 self.complain("a corner needs a line before it");
             }
             return Vec::new();

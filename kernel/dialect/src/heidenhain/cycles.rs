@@ -13,6 +13,7 @@ use super::flow;
 use super::formula::{Kind, Name, Wrong, expected};
 use super::lex::Cursor;
 use super::path::{AXES, actual, axis};
+use super::patterns::Pattern;
 use super::statement::{Call, Statement};
 use super::variables::Value;
 use super::words::{Operand, Seen, Word, joined, shown, words};
@@ -93,6 +94,15 @@ pub(super) struct Running {
     surface: Option<f64>,
 }
 
+/// The cycle of a program.
+#[derive(Debug, Default)]
+pub(super) struct Cycles {
+    pub(super) defined: State,
+    pub(super) running: Running,
+    /// Points of the last PATTERN DEF.
+    pub(super) pattern: Pattern,
+}
+
 /// Q203, the surface.
 const SURFACE: Name = Name { kind: Kind::Q, index: 203 };
 
@@ -119,6 +129,43 @@ fn asks(seen: &[Seen]) -> Asked {
     asked
 }
 
+/// A feed of a block, or FMAX.
+fn is_rate(word: &Seen) -> bool {
+    word.is("F") && word.value.is_some() || word.is("FMAX")
+}
+
+/// How a call of a cycle leads to its position: straight, without compensation, at the feed of its block or at rapid.
+pub(super) struct Way {
+    feed: Option<String>,
+    rapid: &'static str,
+    /// What straight blocks begin with, with a feed and at rapid.
+    line: [&'static str; 2],
+    off: &'static str,
+}
+
+impl Way {
+    /// As the words of a call say.
+    pub(super) fn of(host: &dyn Host, seen: &[Seen]) -> Self {
+        let text = |text: &'static str| if host.is_code_text(text) { text } else { "" };
+        let feed = seen.iter().find(|word| is_rate(word) && word.is("F")).map(|word| word.text.clone());
+        let line = if host.is_code_text("L") { ["L"; 2] } else { ["G1", "G0"] };
+        Self { feed, rapid: text("FMAX"), line, off: text("R0") }
+    }
+
+    /// The call has a feed of its own.
+    pub(super) fn has_feed(&self) -> bool {
+        self.feed.is_some()
+    }
+
+    /// A block to some positions; `rapid` whatever the feed.
+    pub(super) fn block(&self, words: &str, rapid: bool) -> String {
+        let feed = self.feed.as_deref().filter(|_| !rapid);
+        let line = if feed.is_some() { self.line[0] } else { self.line[1] };
+        let parts = [line, words, self.off, feed.unwrap_or(self.rapid)];
+        parts.into_iter().filter(|part| !part.is_empty()).collect::<Vec<_>>().join(" ")
+    }
+}
+
 impl Heidenhain {
     /// A cycle with its parameters.
     pub(super) fn define_cycle(&mut self, host: &mut dyn Host, words: &[Word]) -> Result<Option<String>, Halt> {
@@ -138,11 +185,11 @@ impl Heidenhain {
         }
         self.shifts.define(number, &mut []);
         if self.settings.cycles.contains(&number) {
-            self.cycle = State { program: Some(number.to_string().into()), modal: false };
+            self.cycles.defined = State { program: Some(number.to_string().into()), modal: false };
             return Ok(None);
         }
         if !ACT_AT_ONCE.contains(&number) {
-            self.cycle = State::default();
+            self.cycles.defined = State::default();
         }
         let keeps = self.settings.keeps;
         let stays =
@@ -196,11 +243,11 @@ impl Heidenhain {
                 },
                 None => program.trim_matches('"').into(),
             };
-            self.cycle = State { program: Some(name), modal: false };
+            self.cycles.defined = State { program: Some(name), modal: false };
             return Ok(None);
         }
         if !ACT_AT_ONCE.contains(cycle) {
-            self.cycle = State::default();
+            self.cycles.defined = State::default();
         }
         let mut seen = Evaluator::new(&mut self.variables, host).seen(&all)?;
         self.shifts.define(*cycle, &mut seen);
@@ -212,12 +259,29 @@ impl Heidenhain {
         Ok(Some(joined("", &seen)))
     }
 
+    /// TRANS DATUM AXIS and RESET: cycle 7 by another name.
+    pub(super) fn shift_datum(&mut self, host: &mut dyn Host, words: &[Word]) -> Result<Option<String>, Halt> {
+        let (form, values) = words.get(2..).and_then(<[Word]>::split_first).unzip();
+        let mut all = vec![head(7)];
+        match form.map(|word| &*word.name) {
+            Some("AXIS") => all.extend_from_slice(values.unwrap_or_default()),
+            Some("RESET") => {
+                let zero = |name: &str| Word { name: name.into(), operand: Operand::Number("0".into(), 0.0) };
+                all.extend(["X", "Y", "Z"].map(zero));
+            }
+            _ => return Ok(self.not_understood(host)),
+        }
+        let mut seen = Evaluator::new(&mut self.variables, host).seen(&all)?;
+        self.shifts.define(7, &mut seen);
+        Ok(Some(joined("", &seen)))
+    }
+
     /// CYCL CALL.
     pub(super) fn call_cycle(
         &mut self,
         host: &mut dyn Host,
-        kind: Call,
-        words: &[Word],
+        (kind, words): (Call, &[Word]),
+        place: Place,
     ) -> Result<Option<String>, Halt> {
         let mut seen = Evaluator::new(&mut self.variables, host).seen(words)?;
         self.functions_of(&seen);
@@ -228,9 +292,13 @@ impl Heidenhain {
             Call::Pattern => "CYCL CALL PAT",
         };
         if kind == Call::Pattern && !host.is_code_text(text) {
-            return Ok(self.not_understood(host));
+            let Some(program) = self.cycles.defined.program.clone() else { return Ok(self.not_understood(host)) };
+            return Ok(match self.call_at_pattern(host, &program, &seen, place)? {
+                Some(blocks) => Some(blocks.join("\n")),
+                None => self.not_understood(host),
+            });
         }
-        let Some(program) = self.cycle.program.clone().filter(|_| kind != Call::Pattern) else {
+        let Some(program) = self.cycles.defined.program.clone().filter(|_| kind != Call::Pattern) else {
             return Ok(Some(joined(text, &seen)));
         };
         if kind == Call::Here {
@@ -242,47 +310,56 @@ impl Heidenhain {
         Ok(Some(blocks.join("\n")))
     }
 
+    /// A number that the program has given a parameter, 0 before.
+    fn number(&self, name: Name) -> f64 {
+        match self.variables.get(name) {
+            Some(Value::Number(value)) => value,
+            _ => 0.0,
+        }
+    }
+
+    /// Q203.
+    pub(super) fn surface(&self) -> f64 {
+        self.number(SURFACE)
+    }
+
+    /// Q204.
+    pub(super) fn second_clearance(&self) -> f64 {
+        self.number(Name { kind: Kind::Q, index: 204 })
+    }
+
     /// Blocks that lead to the position of CYCL CALL POS, and the surface there, which its word of the tool axis moves: from
     /// above first in the plane, from below first up to the clearance. The feed of the block is that of the way alone.
     fn approach(&mut self, host: &mut dyn Host, seen: Vec<Seen>) -> (Vec<String>, f64) {
         let along = self.variables.control.tool_axis.unwrap_or(2);
-        let number = |name: Name| match self.variables.get(name) {
-            Some(Value::Number(value)) => value,
-            _ => 0.0,
-        };
         let is_height = |word: &Seen| word.value.is_some() && axis(&word.name).is_some_and(|(at, _)| at == along);
         let shift = seen.iter().find(|word| is_height(word)).and_then(|word| word.value).unwrap_or(0.0);
-        let surface = number(SURFACE) + shift;
-        let is_feed = |word: &Seen| word.is("F") && word.value.is_some();
-        let own = seen.iter().find(|word| is_feed(word)).map(|word| word.text.clone());
-        let rapid = host.is_code_text("FMAX");
-        let (line, rate) = match (host.is_code_text("L"), &own) {
-            (true, Some(feed)) => ("L", feed.clone()),
-            (true, None) => ("L", if rapid { "FMAX".to_owned() } else { String::new() }),
-            (false, Some(feed)) => ("G1", feed.clone()),
-            (false, None) => ("G0", String::new()),
-        };
-        let off = if host.is_code_text("R0") { " R0" } else { "" };
+        let surface = self.surface() + shift;
+        let way = Way::of(host, &seen);
         let mut blocks = Vec::new();
         if actual(host).get(along).is_some_and(|height| *height < surface) {
             let letter = AXES.get(along).copied().unwrap_or("Z");
-            blocks.push(format!("{line} {letter}{}{off} {rate}", shown(surface + number(CLEARANCE))));
+            blocks.push(way.block(&format!("{letter}{}", shown(surface + self.number(CLEARANCE))), false));
         }
-        let others: Vec<Seen> =
-            seen.into_iter().filter(|word| !is_height(word) && !is_feed(word) && !word.is("FMAX")).collect();
-        blocks.push(format!("{}{off} {rate}", joined(line, &others)));
-        blocks.extend(self.path.feed.clone().filter(|_| own.is_some()));
+        let others: Vec<Seen> = seen.into_iter().filter(|word| !is_height(word) && !is_rate(word)).collect();
+        blocks.push(way.block(&joined("", &others), false));
+        blocks.extend(self.path.feed.clone().filter(|_| way.has_feed()));
         (blocks, surface)
     }
 
     /// Calls the program of a cycle, with a surface of the call.
-    fn call_cycle_program(&mut self, host: &mut dyn Host, program: &str, surface: Option<f64>) -> Result<(), Halt> {
+    pub(super) fn call_cycle_program(
+        &mut self,
+        host: &mut dyn Host,
+        program: &str,
+        surface: Option<f64>,
+    ) -> Result<(), Halt> {
         self.call_program(host, program)?;
         self.calling = Some(flow::Kind::Cycle);
-        self.running.surface = None;
+        self.cycles.running.surface = None;
         if let Some(moved) = surface {
             let defined = self.variables.get(SURFACE);
-            self.running.surface = Some(if let Some(Value::Number(value)) = defined { value } else { 0.0 });
+            self.cycles.running.surface = Some(if let Some(Value::Number(value)) = defined { value } else { 0.0 });
             self.variables.set(SURFACE, Value::Number(moved));
         }
         Ok(())
@@ -290,16 +367,16 @@ impl Heidenhain {
 
     /// The program of a cycle has been called.
     pub(super) fn cycle_begins(&mut self) {
-        if self.running.depth == 0 {
-            self.running.depth = self.variables.calls.depth();
-            self.running.feed.clone_from(&self.path.feed);
+        if self.cycles.running.depth == 0 {
+            self.cycles.running.depth = self.variables.calls.depth();
+            self.cycles.running.feed.clone_from(&self.path.feed);
         }
     }
 
     /// A program or label has returned: a cycle is over, its surface is that of its definition again.
     pub(super) fn cycle_returns(&mut self) {
-        if self.running.depth > self.variables.calls.depth() {
-            let Running { surface, feed, .. } = std::mem::take(&mut self.running);
+        if self.cycles.running.depth > self.variables.calls.depth() {
+            let Running { surface, feed, .. } = std::mem::take(&mut self.cycles.running);
             self.path.feed = feed;
             if let Some(surface) = surface {
                 self.variables.set(SURFACE, Value::Number(surface));
@@ -312,16 +389,16 @@ impl Heidenhain {
     pub(super) fn cycle_calls(&mut self, host: &mut dyn Host, seen: &mut Vec<Seen>, moves: bool) -> Result<(), Halt> {
         let asked = asks(seen);
         // Moves of the cycle itself call nothing.
-        let modal = self.cycle.modal && moves && self.running.depth == 0;
+        let modal = self.cycles.defined.modal && moves && self.cycles.running.depth == 0;
         if asked == Asked::No && !modal {
             return Ok(());
         }
         match asked {
-            Asked::Once => self.cycle.modal = false,
-            Asked::Modally => self.cycle.modal = true,
+            Asked::Once => self.cycles.defined.modal = false,
+            Asked::Modally => self.cycles.defined.modal = true,
             Asked::No => {}
         }
-        let program = self.cycle.program.clone();
+        let program = self.cycles.defined.program.clone();
         seen.retain(|word| match (&*word.name, word.value) {
             ("M", Some(89.0)) => false,
             ("M", Some(99.0)) | ("G", Some(79.0)) => program.is_none(),

@@ -14,10 +14,12 @@ mod eval;
 mod feeds;
 mod flow;
 mod formula;
+mod free;
 mod functions;
 mod iso;
 mod lex;
 mod path;
+mod patterns;
 mod planes;
 mod polar;
 mod print;
@@ -72,8 +74,7 @@ pub(crate) struct Heidenhain {
     calling: Option<flow::Kind>,
     /// Program that CALL SELECTED PGM calls.
     selected: Option<Arc<str>>,
-    cycle: cycles::State,
-    running: cycles::Running,
+    cycles: cycles::Cycles,
     shifts: shifts::Shifts,
     units: feeds::Units,
     tools: tools::Tools,
@@ -169,10 +170,11 @@ impl Interpreter for Heidenhain {
         self.units = feeds::Units::default();
         self.space = space::Space::default();
         self.planes = planes::Planes::default();
-        self.running = cycles::Running::default();
+        self.cycles.running = cycles::Running::default();
         if reset {
             self.shifts = shifts::Shifts::default();
-            self.cycle = cycles::State::default();
+            self.cycles.defined = cycles::State::default();
+            self.cycles.pattern = patterns::Pattern::default();
             self.selected = None;
         }
     }
@@ -219,7 +221,11 @@ impl Interpreter for Heidenhain {
     }
 
     fn memory(&self) -> u64 {
-        (self.variables.bytes() + self.compiled.bytes() + self.labels.bytes() + self.tools.bytes()) as u64
+        (self.variables.bytes()
+            + self.compiled.bytes()
+            + self.labels.bytes()
+            + self.tools.bytes()
+            + self.cycles.pattern.bytes()) as u64
     }
 
     fn setting(&mut self, _: &mut dyn Host, name: &str, values: &[Value]) -> Setting {

@@ -33,13 +33,20 @@ pub(super) enum Shape {
     Round,
     Approach(PathShape),
     Depart(PathShape),
+    /// Elements of free contours.
+    FreeLine {
+        tangent: bool,
+    },
+    FreeArc {
+        tangent: bool,
+    },
     /// As G words say, or the last of them.
     Iso,
 }
 
 impl Shape {
     /// Key words of the shapes.
-    pub(super) const WORDS: [(&'static str, Self); 24] = [
+    pub(super) const WORDS: [(&'static str, Self); 28] = [
         ("L", Self::Line),
         ("LN", Self::Space),
         ("C", Self::Arc),
@@ -64,6 +71,10 @@ impl Shape {
         ("DEP CT", Self::Depart(PathShape::Circle)),
         ("DEP LCT", Self::Depart(PathShape::LineAndCircle)),
         ("DEP PLCT", Self::Depart(PathShape::LineAndCircle)),
+        ("FL", Self::FreeLine { tangent: false }),
+        ("FLT", Self::FreeLine { tangent: true }),
+        ("FC", Self::FreeArc { tangent: false }),
+        ("FCT", Self::FreeArc { tangent: true }),
     ];
 
     /// Key word of the block, where one begins it.
@@ -130,6 +141,8 @@ pub(super) struct Path {
     /// Last feed, as written; of TOOL CALL.
     pub(super) feed: Option<String>,
     pub(super) tool_feed: Option<String>,
+    /// The last element was an arc.
+    pub(super) round: bool,
     /// A corner had a feed of its own.
     pub(super) gives_feed_back: bool,
 }
@@ -150,6 +163,7 @@ impl Default for Path {
             ends_compensation: false,
             feed: None,
             tool_feed: None,
+            round: false,
             gives_feed_back: false,
         }
     }
@@ -225,6 +239,8 @@ impl Walk<'_> {
             Shape::Chamfer | Shape::Round => self.corner(corner),
             Shape::Approach(way) => self.approach(way),
             Shape::Depart(way) => self.depart(way),
+            Shape::FreeLine { tangent } => self.free_line(tangent),
+            Shape::FreeArc { tangent } => self.free_arc(tangent),
             Shape::Iso => vec![self.verbatim(&[])],
         })
     }
@@ -378,6 +394,7 @@ impl Walk<'_> {
             None => self.verbatim(&[]),
         };
         self.head_for(minus(to, start));
+        self.path.round = false;
         let mut line = line;
         if std::mem::take(&mut self.path.ends_compensation)
             && !self.step.seen.iter().any(|word| word.is("RL") || word.is("RR") || word.text == "R0")

@@ -56,6 +56,7 @@ impl Walk<'_> {
         }
         let line = self.straight(&stop, &self.others(self.polar_words()));
         self.head_for(minus(to, start));
+        self.path.round = false;
         vec![line]
     }
 

@@ -124,16 +124,12 @@ pub(super) enum Call {
 }
 
 /// Key words of statements that are not emulated.
-const FOREIGN: [&str; 28] = [
+const FOREIGN: [&str; 24] = [
     "PLANE",
     "FUNCTION",
     "TRANS",
     "PATTERN",
     "FPOL",
-    "FL",
-    "FLT",
-    "FC",
-    "FCT",
     "FSELECT",
     "TCH",
     "SEL",
