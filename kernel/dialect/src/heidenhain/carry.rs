@@ -13,9 +13,6 @@ use crate::host::{Host, Place};
 use counterpoint_fault as diag;
 use counterpoint_fault::Halt;
 
-/// Blocks between a line and the corner or the path block after it.
-const NEAR: u32 = 50;
-
 impl Heidenhain {
     /// Executes a block: what is left of it, blocks in lines of their own.
     pub(super) fn carry_out(&mut self, host: &mut dyn Host, line: &Line, place: Place) -> Result<Option<String>, Halt> {
@@ -118,7 +115,7 @@ impl Heidenhain {
         })
     }
 
-    fn holds(&mut self, host: &mut dyn Host, condition: &Condition) -> Result<bool, Halt> {
+    pub(super) fn holds(&mut self, host: &mut dyn Host, condition: &Condition) -> Result<bool, Halt> {
         let (left, test, right) = match condition {
             Condition::Defined(name, defined) => return Ok(self.variables.get(*name).is_some() == *defined),
             Condition::Compare(left, test, right) => (left, test, right),
@@ -324,56 +321,5 @@ impl Heidenhain {
         let mut lines = retracts;
         lines.extend(walk(&mut self.path, host, &step, &ahead)?);
         Ok(if lines.is_empty() { None } else { Some(lines.join("\n")) })
-    }
-
-    /// Path blocks that a block has to know: a corner with what follows it, or the first element of a contour.
-    fn ahead(&mut self, host: &mut dyn Host, shape: Shape, next: u32, place: Place) -> Result<Vec<Step>, Halt> {
-        // An arc may end where the line behind it goes on.
-        let approach = matches!(shape, Shape::Approach(_) | Shape::FreeArc { .. });
-        let line = matches!(shape, Shape::Line | Shape::Space | Shape::PolarLine | Shape::Iso | Shape::FreeLine { .. });
-        if !approach && !line {
-            return Ok(Vec::new());
-        }
-        let Some((first, behind)) = self.following(host, next, place) else { return Ok(Vec::new()) };
-        let is_corner = match &first.statement {
-            Statement::Path { shape: Shape::Chamfer | Shape::Round, .. } => true,
-            Statement::Path { shape: Shape::Iso, words, .. } => words.iter().any(|word| {
-                &*word.name == "G"
-                    && matches!(word.operand, super::words::Operand::Number(_, value) if value == 24.0 || value == 25.0)
-            }),
-            _ => false,
-        };
-        if !approach && !is_corner {
-            return Ok(Vec::new());
-        }
-        let mut steps = Vec::new();
-        let second = if is_corner { self.following(host, behind, place) } else { None };
-        // The line of a corner follows from what it was read from.
-        for (read, at) in [(Some(first), behind), (second.map(|(read, _)| read), 0)] {
-            if let Some(read) = read
-                && let Statement::Path { shape, iso, words } = &read.statement
-            {
-                let seen = Evaluator::new(&mut self.variables, host).seen(words)?;
-                steps.push(Step { shape: *shape, iso: *iso, seen, line: at.saturating_sub(1) });
-            }
-        }
-        Ok(steps)
-    }
-
-    /// The next path block from a line on, with the line after it.
-    fn following(&mut self, host: &mut dyn Host, from: u32, place: Place) -> Option<(std::sync::Arc<Line>, u32)> {
-        let mut line = from;
-        while line <= place.range.last && line < from.saturating_add(NEAR) {
-            let read = self.line(host, line).ok()?;
-            match &read.statement {
-                Statement::Nothing => line = read.next,
-                Statement::Path { .. } => {
-                    let next = read.next;
-                    return Some((read, next));
-                }
-                _ => return None,
-            }
-        }
-        None
     }
 }

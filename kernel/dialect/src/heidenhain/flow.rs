@@ -53,13 +53,13 @@ const MOST: f64 = 65_534.0;
 
 impl Heidenhain {
     /// Line of a label in the file being processed.
-    fn find_label(&mut self, host: &mut dyn Host, label: &Label) -> Option<u32> {
+    pub(super) fn find_label(&mut self, host: &mut dyn Host, label: &Label) -> Option<u32> {
         let file = host.place().file;
         let known = self.labels.get(file, || host.source(file).map(|source| labels(&source)).unwrap_or_default());
         known.find(label, Search::FromTop, 0, (1, u32::MAX))
     }
 
-    fn label_of(&mut self, host: &mut dyn Host, formula: &Formula) -> Result<Label, Halt> {
+    pub(super) fn label_of(&mut self, host: &mut dyn Host, formula: &Formula) -> Result<Label, Halt> {
         let value = Evaluator::new(&mut self.variables, host).value(formula)?;
         match value {
             Value::Text(name) => Ok(Label::Name(name.to_string())),

@@ -5,6 +5,7 @@
 //! are words for the tables of the machine: [docs/preprocessors.md] says which. Invariants: a statement is compiled
 //! once for each line that stands as it was read; the calls here are those of the kernel, in the same order.
 
+mod ahead;
 mod carry;
 mod circle;
 mod control;

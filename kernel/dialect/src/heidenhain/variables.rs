@@ -153,6 +153,23 @@ impl Variables {
         true
     }
 
+    /// Gives a parameter the value back that it had, or none.
+    pub(super) fn put_back(&mut self, name: Name, value: Option<Value>) {
+        if let Some(value) = value {
+            self.set(name, value);
+            return;
+        }
+        match name.kind {
+            Kind::Q => self.q.remove(&name.index),
+            Kind::Kept => self.kept.remove(&name.index),
+            Kind::Local => self.calls.program_mut().local.remove(&name.index),
+            Kind::Text => {
+                self.texts.remove(&name.index);
+                None
+            }
+        };
+    }
+
     /// The program begins again.
     pub(super) fn begin(&mut self, reset: bool) {
         self.calls = CallStack::default();

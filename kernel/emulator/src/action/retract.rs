@@ -16,7 +16,7 @@ use counterpoint_motion::frame::kinematics::unit;
 use counterpoint_motion::frame::plane::UNITS;
 
 /// Codes and what they do.
-pub(crate) const ENTRIES: &[Entry] = &[Entry::of(&[codes::TOOL_RETRACT], |act, _, _| back(act))];
+pub(crate) const ENTRIES: &[Entry] = &[Entry::of(&[codes::RETRACT_TOOL], |act, _, _| back(act))];
 
 fn back(act: &mut Act<'_, '_>) -> Acted {
     let rate = rate(act);

@@ -59,7 +59,7 @@ macro_rules! with_own {
             TILT_POSITIVE 0 90 true true Plane(Tilt::Side(true)) => ": of two ways the one with the tilting axis on the positive side (SEQ+)";
             TILT_NEGATIVE 0 90 true true Plane(Tilt::Side(false)) => ": on the negative side (SEQ-)";
             TILT_TABLE 0 90 true true Plane(Tilt::Table) => ": a rotary axis that has nothing to do turns the plane (TABLE ROT)";
-            TOOL_RETRACT 0 460 true true Plain => ": the tool goes back along its axis (Heidenhain M140)";
+            RETRACT_TOOL 0 460 true true Plain => ": the tool goes back along its axis (Heidenhain M140)";
         }
     };
 }

@@ -1,0 +1,120 @@
+//! What a path block has to know of those behind it.
+//!
+//! Facts: programming manuals of the control (corners and approaches are computed with the next element). Decisions: behind a
+//! corner the control goes on by assignments and jumps; calls end the look. Invariant: a look ahead leaves the parameters as they
+//! were.
+
+use super::eval::Evaluator;
+use super::formula::Name;
+use super::path::{Shape, Step};
+use super::statement::Statement;
+use super::variables::Value;
+use super::{Heidenhain, Line};
+use crate::host::{Host, Place};
+use counterpoint_fault::Halt;
+
+/// Blocks between a line and the corner or the path block after it.
+const NEAR: u32 = 50;
+
+impl Heidenhain {
+    /// Path blocks that a block has to know: a corner with what follows it, or the first element of a contour.
+    pub(super) fn ahead(
+        &mut self,
+        host: &mut dyn Host,
+        shape: Shape,
+        next: u32,
+        place: Place,
+    ) -> Result<Vec<Step>, Halt> {
+        // An arc may end where the line behind it goes on.
+        let approach = matches!(shape, Shape::Approach(_) | Shape::FreeArc { .. });
+        let line = matches!(shape, Shape::Line | Shape::Space | Shape::PolarLine | Shape::Iso | Shape::FreeLine { .. });
+        if !approach && !line {
+            return Ok(Vec::new());
+        }
+        let Some((first, behind)) = self.following(host, next, place) else { return Ok(Vec::new()) };
+        let is_corner = match &first.statement {
+            Statement::Path { shape: Shape::Chamfer | Shape::Round, .. } => true,
+            Statement::Path { shape: Shape::Iso, words, .. } => words.iter().any(|word| {
+                &*word.name == "G"
+                    && matches!(word.operand, super::words::Operand::Number(_, value) if value == 24.0 || value == 25.0)
+            }),
+            _ => false,
+        };
+        if !approach && !is_corner {
+            return Ok(Vec::new());
+        }
+        let mut steps = Vec::new();
+        if let Statement::Path { shape, iso, words } = &first.statement {
+            let seen = Evaluator::new(&mut self.variables, host).seen(words)?;
+            // The line of a corner follows from what it was read from.
+            steps.push(Step { shape: *shape, iso: *iso, seen, line: behind.saturating_sub(1) });
+        }
+        if is_corner {
+            steps.extend(self.next_step(host, behind, place)?);
+        }
+        Ok(steps)
+    }
+
+    /// The next path block as the program comes to it; assignments on the way are taken back.
+    fn next_step(&mut self, host: &mut dyn Host, from: u32, place: Place) -> Result<Option<Step>, Halt> {
+        let mut before = Vec::new();
+        let found = self.run_to_step(host, (from, place), &mut before);
+        for (name, value) in before.into_iter().rev() {
+            self.variables.put_back(name, value);
+        }
+        found
+    }
+
+    fn run_to_step(
+        &mut self,
+        host: &mut dyn Host,
+        (from, place): (u32, Place),
+        before: &mut Vec<(Name, Option<Value>)>,
+    ) -> Result<Option<Step>, Halt> {
+        let mut line = from;
+        for _ in 0..NEAR {
+            let Some(read) = Some(line).filter(|line| *line <= place.range.last) else { return Ok(None) };
+            let Ok(read) = self.line(host, read) else { return Ok(None) };
+            line = match &read.statement {
+                Statement::Nothing | Statement::Label(_) => read.next,
+                Statement::Assign(name, formula) => {
+                    let value = Evaluator::new(&mut self.variables, host).value(formula)?;
+                    before.push((*name, self.variables.get(*name)));
+                    if !self.variables.set(*name, value) {
+                        return Ok(None);
+                    }
+                    read.next
+                }
+                Statement::Branch(condition, to) if self.holds(host, condition)? => {
+                    let label = self.label_of(host, to)?;
+                    let Some(line) = self.find_label(host, &label) else { return Ok(None) };
+                    line
+                }
+                Statement::Branch(..) => read.next,
+                Statement::Path { shape, iso, words } => {
+                    let seen = Evaluator::new(&mut self.variables, host).seen(words)?;
+                    return Ok(Some(Step { shape: *shape, iso: *iso, seen, line: 0 }));
+                }
+                _ => return Ok(None),
+            };
+        }
+        Ok(None)
+    }
+
+    /// The next path block from a line on, with the line after it.
+    fn following(&mut self, host: &mut dyn Host, from: u32, place: Place) -> Option<(std::sync::Arc<Line>, u32)> {
+        let mut line = from;
+        while line <= place.range.last && line < from.saturating_add(NEAR) {
+            let read = self.line(host, line).ok()?;
+            match &read.statement {
+                Statement::Nothing => line = read.next,
+                Statement::Path { .. } => {
+                    let next = read.next;
+                    return Some((read, next));
+                }
+                _ => return None,
+            }
+        }
+        None
+    }
+}
