@@ -32,53 +32,67 @@ var jobs = new Jobs.JobsClient(channel);
 var blobs = new Blobs.BlobsClient(channel);
 var results = new Results.ResultsClient(channel);
 
-// The request id makes the submit safe to repeat: the same id gives the same job.
-var request = new SubmitJobRequest { RequestId = Guid.NewGuid().ToString(), Machine = args[1] };
-foreach (var path in args.Skip(2))
+try
 {
-    var content = await File.ReadAllBytesAsync(path);
-    var digest = Convert.ToHexString(SHA256.HashData(content)).ToLowerInvariant();
-    request.Programs.Add(new Counterpoint.V1.Program { Path = Path.GetFileName(path) });
-    request.Files.Add(new FileRef { Path = Path.GetFileName(path), Digest = digest });
-    var question = new FindMissingRequest();
-    question.Digests.Add(digest);
-    if ((await blobs.FindMissingAsync(question, headers)).Digests.Count == 0)
-    {
-        continue;
-    }
-    using var upload = blobs.Upload(headers);
-    const int chunk = 64 * 1024;
-    for (var at = 0; at == 0 || at < content.Length; at += chunk)
-    {
-        var data = ByteString.CopyFrom(content, at, Math.Min(chunk, content.Length - at));
-        var part = new UploadRequest { Data = data };
-        if (at == 0)
-        {
-            part.Digest = digest;
-            part.Size = (ulong)content.Length;
-        }
-        await upload.RequestStream.WriteAsync(part);
-    }
-    await upload.RequestStream.CompleteAsync();
-    await upload;
+    return await Run();
 }
-
-var job = (await jobs.SubmitJobAsync(request, headers)).Status.JobId;
-Console.Error.WriteLine($"job {job}");
-var status = await Follow(job);
-Console.WriteLine($"{status.State} after {status.MakespanNs / 1e9:F3} s of machine time");
-if (status.Error != "")
+catch (RpcException error)
 {
-    Console.Error.WriteLine(status.Error);
+    // The server says what is wrong and what to do about it.
+    Console.Error.WriteLine($"{error.StatusCode}: {error.Status.Detail}");
     return 1;
 }
-using var summary = results.GetSummary(new GetSummaryRequest { JobId = job }, headers);
-await using var file = File.Create("summary.json");
-await foreach (var part in summary.ResponseStream.ReadAllAsync())
+
+async Task<int> Run()
 {
-    part.Data.WriteTo(file);
+    // The request id makes the submit safe to repeat: the same id gives the same job.
+    var request = new SubmitJobRequest { RequestId = Guid.NewGuid().ToString(), Machine = args[1] };
+    foreach (var path in args.Skip(2))
+    {
+        var content = await File.ReadAllBytesAsync(path);
+        var digest = Convert.ToHexString(SHA256.HashData(content)).ToLowerInvariant();
+        request.Programs.Add(new Counterpoint.V1.Program { Path = Path.GetFileName(path) });
+        request.Files.Add(new FileRef { Path = Path.GetFileName(path), Digest = digest });
+        var question = new FindMissingRequest();
+        question.Digests.Add(digest);
+        if ((await blobs.FindMissingAsync(question, headers)).Digests.Count == 0)
+        {
+            continue;
+        }
+        using var upload = blobs.Upload(headers);
+        const int chunk = 64 * 1024;
+        for (var at = 0; at == 0 || at < content.Length; at += chunk)
+        {
+            var data = ByteString.CopyFrom(content, at, Math.Min(chunk, content.Length - at));
+            var part = new UploadRequest { Data = data };
+            if (at == 0)
+            {
+                part.Digest = digest;
+                part.Size = (ulong)content.Length;
+            }
+            await upload.RequestStream.WriteAsync(part);
+        }
+        await upload.RequestStream.CompleteAsync();
+        await upload;
+    }
+
+    var job = (await jobs.SubmitJobAsync(request, headers)).Status.JobId;
+    Console.Error.WriteLine($"job {job}");
+    var status = await Follow(job);
+    Console.WriteLine($"{status.State} after {status.MakespanNs / 1e9:F3} s of machine time");
+    if (status.Error != "")
+    {
+        Console.Error.WriteLine(status.Error);
+        return 1;
+    }
+    using var summary = results.GetSummary(new GetSummaryRequest { JobId = job }, headers);
+    await using var file = File.Create("summary.json");
+    await foreach (var part in summary.ResponseStream.ReadAllAsync())
+    {
+        part.Data.WriteTo(file);
+    }
+    return status.State == JobState.Succeeded ? 0 : 1;
 }
-return status.State == JobState.Succeeded ? 0 : 1;
 
 // Every event once: after a broken stream the watch continues at its cursor.
 async Task<JobStatus> Follow(string id)
