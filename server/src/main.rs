@@ -4,7 +4,7 @@
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use std::time::{SystemTime, UNIX_EPOCH};
+use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
 use clap::{Parser, Subcommand};
 use counterpoint_server::access::{Role, token};
@@ -148,6 +148,10 @@ fn examine(folder: &Path, repair: bool) -> ExitCode {
     ExitCode::from(u8::from(left > 0))
 }
 
+/// A thread for work that may block ends when it had none for so long. Idle threads take turns, so under steady load a longer
+/// time would keep as many for ever as the largest burst has needed.
+const IDLE_THREAD: Duration = Duration::from_millis(100);
+
 fn main() -> ExitCode {
     let arguments = Arguments::parse();
     let base = match &arguments.config {
@@ -166,7 +170,12 @@ fn main() -> ExitCode {
         return run(&command, &options);
     }
     logging();
-    match tokio::runtime::Builder::new_multi_thread().enable_all().thread_name("rpc").build() {
+    match tokio::runtime::Builder::new_multi_thread()
+        .enable_all()
+        .thread_name("rpc")
+        .thread_keep_alive(IDLE_THREAD)
+        .build()
+    {
         Ok(runtime) => match runtime.block_on(serve(options, arguments.config.as_deref())) {
             Ok(()) => ExitCode::SUCCESS,
             Err(error) => fail(3, &error),
