@@ -5,10 +5,13 @@
 
 use std::alloc::System;
 
+use counterpoint_kernel::control::Control;
 use counterpoint_kernel::files::Memory;
-use counterpoint_kernel::job::Program;
+use counterpoint_kernel::job::{Job, Program, Sink, Spec};
+use counterpoint_kernel::log::builder::ResultsBuilder;
+use counterpoint_kernel::log::event::Event;
 use counterpoint_kernel::options::Options;
-use counterpoint_tests::{Work, machine};
+use counterpoint_tests::machine;
 use stats_alloc::{INSTRUMENTED_SYSTEM, Region, StatsAlloc};
 
 #[global_allocator]
@@ -75,6 +78,23 @@ const LOOPS: [(&str, &str, &str, &str, f64); 11] = [
     ),
 ];
 
+/// Makes results, keeps no log.
+struct Results(ResultsBuilder);
+
+impl Sink for Results {
+    fn results(&mut self) -> Option<&mut ResultsBuilder> {
+        Some(&mut self.0)
+    }
+
+    fn is_logged(&self) -> bool {
+        false
+    }
+
+    fn events(&mut self, _: u64, _: &[Event]) -> bool {
+        true
+    }
+}
+
 /// Allocations of a run with so many passes.
 fn allocations(machine_name: &str, overlay: &str, file: &str, program: &str, passes: usize) -> usize {
     let mut files = Memory::default();
@@ -82,11 +102,14 @@ fn allocations(machine_name: &str, overlay: &str, file: &str, program: &str, pas
     files.insert("sub.spf", "R2=R1\nRET\n");
     let programs = vec![Program { file: file.to_owned(), number: None, section: None, channel: None }];
     let options = Options { threads: 1, ..Options::default() };
-    let work = Work { machine: machine(machine_name, overlay), files, programs, options };
+    let spec = Spec { machine: machine(machine_name, overlay), programs, options };
+    let job = Job::prepare(spec, &files).unwrap();
+    // Without a watchdog, which allocates by the clock.
+    let (control, mut sink) = (Control::new(1), Results(ResultsBuilder::new(job.info())));
     let region = Region::new(ALLOCATOR);
-    let (results, ..) = work.results(None).unwrap();
+    let outcome = job.run(&files, &control, &mut sink);
     let allocations = region.change().allocations;
-    assert_eq!(results.summary.diagnostics, [], "{program}");
+    assert_eq!(sink.0.finish(&outcome).summary.diagnostics, [], "{program}");
     allocations
 }
 
