@@ -14,6 +14,6 @@ mod ways;
 pub(super) use circle::{angle_between, pieces};
 pub(super) use corner::{Corner, corner};
 pub(super) use plane::{Point, along, center_by_radius, direction, left, minus, times};
-pub(super) use polar::Polar;
+pub(super) use polar::{Polar, towards};
 pub(super) use tangent::{Tangent, heading_on, tangent};
 pub(super) use ways::{Approach, Departure, PathShape, Side, approach, depart};

@@ -13,6 +13,11 @@ pub(crate) struct Polar {
     pub(crate) angle: f64,
 }
 
+/// The direction of an angle, degrees.
+pub(crate) fn towards(degrees: f64) -> Point {
+    [cosine(degrees), sine(degrees)]
+}
+
 impl Polar {
     /// Of a point.
     pub(crate) fn of(pole: Point, point: Point) -> Self {
@@ -22,7 +27,7 @@ impl Polar {
 
     /// The point.
     pub(crate) fn point(self, pole: Point) -> Point {
-        along(pole, [cosine(self.angle), sine(self.angle)], self.radius)
+        along(pole, towards(self.angle), self.radius)
     }
 }
 

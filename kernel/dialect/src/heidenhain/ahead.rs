@@ -1,8 +1,8 @@
-//! What a path block has to know of those behind it.
+//! The path blocks after a path block that its end depends on.
 //!
-//! Facts: programming manuals of the control (corners and approaches are computed with the next element). Decisions: behind a
-//! corner the control goes on by assignments and jumps; calls end the look. Invariant: a look ahead leaves the parameters as they
-//! were.
+//! Facts: programming manuals of the control (corners and approaches are computed with the next element). Decisions: after a
+//! corner the look ahead follows assignments and jumps, and ends at a call. Invariant: a look ahead leaves the parameters as
+//! they were.
 
 use super::eval::Evaluator;
 use super::formula::Name;
@@ -25,7 +25,7 @@ impl Heidenhain {
         next: u32,
         place: Place,
     ) -> Result<Vec<Step>, Halt> {
-        // An arc may end where the line behind it goes on.
+        // The line after an arc may say where the arc ends.
         let approach = matches!(shape, Shape::Approach(_) | Shape::FreeArc { .. });
         let line = matches!(shape, Shape::Line | Shape::Space | Shape::PolarLine | Shape::Iso | Shape::FreeLine { .. });
         if !approach && !line {

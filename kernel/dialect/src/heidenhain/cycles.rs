@@ -129,11 +129,6 @@ fn asks(seen: &[Seen]) -> Asked {
     asked
 }
 
-/// A feed of a block, or FMAX.
-fn is_rate(word: &Seen) -> bool {
-    word.is("F") && word.value.is_some() || word.is("FMAX")
-}
-
 /// How a call of a cycle leads to its position: straight, without compensation, at the feed of its block or at rapid.
 pub(super) struct Way {
     feed: Option<String>,
@@ -147,7 +142,7 @@ impl Way {
     /// As the words of a call say.
     pub(super) fn of(host: &dyn Host, seen: &[Seen]) -> Self {
         let text = |text: &'static str| if host.is_code_text(text) { text } else { "" };
-        let feed = seen.iter().find(|word| is_rate(word) && word.is("F")).map(|word| word.text.clone());
+        let feed = seen.iter().find(|word| word.is_rate() && word.is("F")).map(|word| word.text.clone());
         let line = if host.is_code_text("L") { ["L"; 2] } else { ["G1", "G0"] };
         Self { feed, rapid: text("FMAX"), line, off: text("R0") }
     }
@@ -341,7 +336,7 @@ impl Heidenhain {
             let letter = AXES.get(along).copied().unwrap_or("Z");
             blocks.push(way.block(&format!("{letter}{}", shown(surface + self.number(CLEARANCE))), false));
         }
-        let others: Vec<Seen> = seen.into_iter().filter(|word| !is_height(word) && !is_rate(word)).collect();
+        let others: Vec<Seen> = seen.into_iter().filter(|word| !is_height(word) && !word.is_rate()).collect();
         blocks.push(way.block(&joined("", &others), false));
         blocks.extend(self.path.feed.clone().filter(|_| way.has_feed()));
         (blocks, surface)

@@ -6,7 +6,7 @@
 //! of a solution are not made. Invariant: an element that is not determined is reported and moves nothing.
 
 use super::path::{Position, Shape, Step, Walk};
-use crate::contour::{Point, Polar, along, angle_between, direction, left, minus, times};
+use crate::contour::{Point, Polar, along, angle_between, direction, left, minus, pieces, times, towards};
 
 /// Largest piece of an arc that is made by its radius, degrees.
 const PIECE: f64 = 170.0;
@@ -18,11 +18,6 @@ const ARC: [&str; 11] = ["AN", "LEN", "PR", "PA", "IPR", "IPA", "R", "DR", "CCX"
 /// Words that ask for more than one element.
 const MORE: [&str; 14] =
     ["CLSD", "RX", "RY", "RPR", "RPA", "RAN", "RCCX", "RCCY", "PDX", "PDY", "PAR", "DP", "CCPR", "CCPA"];
-
-/// The direction of an angle.
-fn towards(degrees: f64) -> Point {
-    Polar { radius: 1.0, angle: degrees }.point([0.0; 2])
-}
 
 /// An arc to be made.
 struct Arc {
@@ -153,16 +148,15 @@ impl Walk<'_> {
 
     /// An arc about a centre in pieces by their radius.
     fn arc_about(&mut self, arc: &Arc, from: f64, clockwise: bool) -> Vec<String> {
-        let count = (arc.sweep / PIECE - 1e-9).ceil().max(1.0) as u32;
         let (mut lines, mut last) = (Vec::new(), self.start);
-        for piece in 1..=count {
-            let part = arc.sweep * f64::from(piece) / f64::from(count);
-            let angle = from + if clockwise { -part } else { part };
+        for part in pieces(arc.sweep, PIECE) {
+            let turn = arc.sweep * part;
+            let angle = from + if clockwise { -turn } else { turn };
             self.put(&mut last, Polar { radius: arc.radius, angle }.point(arc.center));
-            if let Some(end) = arc.end.filter(|_| piece == count) {
+            if let Some(end) = arc.end.filter(|_| part >= 1.0) {
                 last = end;
             }
-            let others = if piece == 1 { self.others(&ARC) } else { Vec::new() };
+            let others = if lines.is_empty() { self.others(&ARC) } else { Vec::new() };
             lines.push(self.by_radius(&last, arc.radius, clockwise, &others));
         }
         self.leave_circle(arc.center, self.flat(&last), clockwise);

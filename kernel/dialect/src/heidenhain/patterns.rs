@@ -12,7 +12,7 @@ use super::cycles::Way;
 use super::eval::Evaluator;
 use super::path::{AXES, actual};
 use super::words::{Seen, Word, shown};
-use crate::contour::{Point, Polar, along};
+use crate::contour::{Point, along, towards};
 use crate::host::{Host, Place};
 use counterpoint_event::FileId;
 
@@ -45,11 +45,6 @@ impl Pattern {
     pub(super) fn bytes(&self) -> usize {
         self.spots.len() * size_of::<Spot>()
     }
-}
-
-/// The direction of an angle.
-fn direction(degrees: f64) -> Point {
-    Polar { radius: 1.0, angle: degrees }.point([0.0; 2])
 }
 
 /// Values of a figure of a definition.
@@ -85,18 +80,18 @@ impl Figure<'_> {
         let circle = |step: f64, count: usize| {
             let angle = |at: usize| self.or_zero("START") + step * at as f64;
             let radius = self.or_zero("D") / 2.0;
-            (0..count).map(|at| along(start, direction(angle(at)), radius)).collect()
+            (0..count).map(|at| along(start, towards(angle(at)), radius)).collect()
         };
         Some(match self.name {
             "POS" => vec![start],
             "ROW" => {
-                let way = direction(self.or_zero("ROT"));
+                let way = towards(self.or_zero("ROT"));
                 (0..self.count("NUM")?).map(|at| along(start, way, self.or_zero("D") * at as f64)).collect()
             }
             "PAT" => {
                 let turn = self.or_zero("ROT");
                 let (columns, rows) = (self.count("NUMX")?, self.count("NUMY")?);
-                let sides = [direction(turn + self.or_zero("ROTX")), direction(turn + self.or_zero("ROTY") + 90.0)];
+                let sides = [towards(turn + self.or_zero("ROTX")), towards(turn + self.or_zero("ROTY") + 90.0)];
                 let [across, up] = [self.or_zero("DX"), self.or_zero("DY")];
                 let spot = |row: usize, column: usize| {
                     let column = if row.is_multiple_of(2) { column } else { columns - 1 - column };

@@ -7,6 +7,9 @@ use super::path::{Position, Walk};
 use super::words::joined;
 use crate::contour::{Polar, angle_between, minus, pieces};
 
+/// Largest arc of a circle about the pole that is made in one piece, degrees.
+const LARGEST: f64 = 270.0;
+
 impl Walk<'_> {
     const POLAR: [&'static str; 6] = ["PR", "IPR", "PA", "IPA", "H", "R"];
 
@@ -85,7 +88,7 @@ impl Walk<'_> {
             return Vec::new();
         }
         let (begin, mut lines, mut last) = (self.actual, Vec::new(), self.actual);
-        for (piece, part) in pieces(turned).enumerate() {
+        for (piece, part) in pieces(turned, LARGEST).enumerate() {
             let angle = from + if clockwise { -turned * part } else { turned * part };
             let mut to = end;
             for ((slot, from), end) in to.iter_mut().zip(&begin).zip(&end) {

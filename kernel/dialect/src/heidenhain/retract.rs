@@ -26,8 +26,7 @@ impl Heidenhain {
                 own.push(way);
             }
         }
-        let is_feed = |word: &Seen| word.is("F") && word.value.is_some() || word.is("FMAX");
-        let feed = if seen.get(at).is_some_and(is_feed) { Some(seen.remove(at)) } else { None };
+        let feed = if seen.get(at).is_some_and(Seen::is_rate) { Some(seen.remove(at)) } else { None };
         let changes = feed.as_ref().is_some_and(|feed| feed.is("F"));
         own.push(feed.unwrap_or_else(|| Seen::text("FMAX")));
         let mut blocks = vec![joined("", &own)];

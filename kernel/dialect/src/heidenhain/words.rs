@@ -55,6 +55,11 @@ impl Seen {
     pub(super) fn is(&self, name: &str) -> bool {
         *self.name == *name
     }
+
+    /// A feed, or FMAX.
+    pub(super) fn is_rate(&self) -> bool {
+        self.is("F") && self.value.is_some() || self.is("FMAX")
+    }
 }
 
 /// A number as words have it; what lies after the ninth digit is nothing that was programmed.

@@ -1,9 +1,9 @@
 //! Synchronised actions: `ID=1 WHEN condition DO action`, with WHENEVER, EVERY, FROM or no condition, and CANCEL.
 //!
 //! Facts: programming manual, synchronised actions: the control tests conditions in its interpolation cycle, a WHEN acts once, a
-//! WHENEVER in each cycle while it is true, an EVERY when it becomes true, a FROM for ever after; without ID an action holds for the
-//! block behind it, with ID to the end of the program, with IDS beyond it. Decisions: conditions are tested where a block begins, so
-//! one that is true only within a move is missed; actions set variables and outputs, give M codes to the block that begins, and set
+//! WHENEVER in each cycle while it is true, an EVERY when it becomes true, a FROM in each cycle after it was true once; an action
+//! without ID holds for the next block, with ID to the end of the program, with IDS beyond it. Decisions: conditions are tested
+//! where a block begins, so one that is true only within a move is missed; actions set variables and outputs, give M codes to the block that begins, and set
 //! alarms (SETAL). *Invariant:* what an action cannot do here is refused where the action is written, so no axis moves otherwise than
 //! on the control without a word.
 
@@ -17,7 +17,7 @@ use counterpoint_fault as diag;
 
 /// Most actions that wait.
 const MOST: usize = 255;
-/// Blocks at whose beginning an action without a number is tested: the one behind it, and the one after that.
+/// Tests of an action without a number: where the next block begins, and the block after it.
 const TESTS: u8 = 2;
 /// Variables that actions set.
 const SET: [&str; 7] = ["$AC_MARKER", "$AC_PARAM", "$AC_TIMER", "$A_OUT", "$A_OUTA", "$A_DB", "R"];
@@ -184,7 +184,7 @@ impl Siemens {
         done
     }
 
-    /// Whether it goes on waiting.
+    /// Tests an action; whether it keeps waiting.
     fn test_action(&mut self, host: &mut dyn Host, one: &mut Waiting, left: &mut Left) -> Outcome<bool> {
         let action = one.action.clone();
         let holds = match &action.condition {

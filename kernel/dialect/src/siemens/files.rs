@@ -186,7 +186,7 @@ impl Siemens {
         Ok(())
     }
 
-    /// Definitions of the channel and of the control; everything else of the file is passed over. A line that cannot be
+    /// Definitions of the channel and of the control; other lines of the file are ignored. A line that cannot be
     /// executed is reported with its place, and the lines after it count.
     fn definition_file(&mut self, host: &mut dyn Host, file: FileId) -> Outcome<()> {
         host.load(file)?;

@@ -68,7 +68,7 @@ impl Siemens {
         let edge = Name { name: "$P_TOOL".to_owned(), index: Vec::new() };
         let edge = number(&self.read(host, &edge)?)?;
         let (Some(place), true) = (self.wear_place(host, part)?, edge > 0.0) else { return Ok(value) };
-        let wear = host.wear(host.tool() * 10 + edge as u32, place.of) / place.factor;
+        let wear = host.wear(host.tool().saturating_mul(10).saturating_add(edge as u32), place.of) / place.factor;
         Ok(if wear == 0.0 { value } else { Data::Real(number(&value)? + wear) })
     }
 
