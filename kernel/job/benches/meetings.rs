@@ -22,6 +22,8 @@ use jobs::{job_with, lathe, machine, results};
 /// Runs of each kind.
 const RUNS: usize = 15;
 const MEETINGS: usize = 10_000;
+/// The argument that asks for the meetings beside other processes only.
+const BESIDE: &str = "--beside";
 /// The argument that makes this program one that is only busy.
 const BUSY: &str = "--busy";
 
@@ -178,6 +180,10 @@ fn main() {
     // A number is that of channels: their meetings only.
     if let Some(channels) = std::env::args().find_map(|argument| argument.parse().ok()) {
         meetings(&[channels]);
+        return;
+    }
+    if std::env::args().any(|argument| argument == BESIDE) {
+        beside_others();
         return;
     }
     meetings(&[2, 4, 8, 16, 32]);

@@ -6,6 +6,7 @@
 
 mod lifecycle;
 mod permits;
+mod processor;
 #[cfg(all(test, feature = "shuttle"))]
 mod schedules;
 mod sleep;
@@ -50,6 +51,8 @@ struct Slot {
     /// Its thread sleeps, or is about to; changed under the lock.
     asleep: AtomicBool,
     condvar: Condvar,
+    /// The processor it ran on when it last began or ended to wait.
+    processor: AtomicU32,
 }
 
 /// Everything under the lock.
@@ -121,12 +124,18 @@ impl Coordinator {
         let one_thread = permits <= 1 || cores() == 1;
         // On one thread a kernel runs until it has to wait, so nobody needs a permit.
         let permits = if one_thread { kernels } else { permits };
+        let spin = match () {
+            () if one_thread => 0,
+            () if permits < kernels || kernels > cores() => sleep::FEW_TURNS,
+            () => sleep::TURNS,
+        };
         let slot = || Slot {
             bound: AtomicI64::new(0),
             need: AtomicI64::new(i64::MAX),
             signal: AtomicU32::new(0),
             asleep: AtomicBool::new(false),
             condvar: Condvar::new(),
+            processor: AtomicU32::new(processor::UNKNOWN),
         };
         Self {
             slots: (0..kernels).map(|_| slot()).collect(),
@@ -145,7 +154,7 @@ impl Coordinator {
             single: AtomicBool::new(false),
             limited: permits < kernels,
             one_thread,
-            spin: if one_thread { 0 } else { sleep::TURNS },
+            spin,
             crowded: AtomicU32::new(0),
             crowded_waits: AtomicU32::new(sleep::CROWDED_WAITS),
         }

@@ -9,8 +9,13 @@ use super::locks::{PoisonError, spin_loop, yield_now};
 use super::switch::{Pause, Switch};
 use super::{Coordinator, Guard, Slot};
 
-/// Looks at the signal before the processor is given away.
-pub(super) const TURNS: u32 = if cfg!(all(test, feature = "shuttle")) { 2 } else { 150 };
+/// Looks at the signal before the processor is given away, where every kernel has a processor: the partner runs, or goes on
+/// after its time slice, and a kernel that still spins then loses nothing. Below 500 a machine with other work takes a job
+/// apart now and then, so that its kernels no longer run at the same time.
+pub(super) const TURNS: u32 = if cfg!(all(test, feature = "shuttle")) { 2 } else { 1200 };
+
+/// The same, where there are more kernels than may run at once: whoever spins keeps another one from running.
+pub(super) const FEW_TURNS: u32 = if cfg!(all(test, feature = "shuttle")) { 2 } else { 150 };
 
 /// Turns of the processor given away before a waiting thread is put to sleep.
 const YIELDS: u32 = if cfg!(all(test, feature = "shuttle")) { 1 } else { 300 };
@@ -47,7 +52,9 @@ impl Coordinator {
         match switch {
             Switch::Thread => {
                 slot.asleep.store(true, SeqCst);
-                slot.condvar.wait(inner).unwrap_or_else(PoisonError::into_inner)
+                let inner = slot.condvar.wait(inner).unwrap_or_else(PoisonError::into_inner);
+                slot.note_processor();
+                inner
             }
             Switch::Coroutine(yielder) => {
                 slot.asleep.store(true, Relaxed);

@@ -118,7 +118,10 @@ impl Coordinator {
         {
             let seen = slot.signal.load(SeqCst);
             drop(inner);
-            self.spin_for_signal(slot, seen, |look| work(state, look));
+            if !self.holds_up_others(slot) {
+                self.spin_for_signal(slot, seen, |look| work(state, look));
+                slot.note_processor();
+            }
             inner = self.lock();
             if let Some(wake) = inner.order.take_wake(channel) {
                 return (inner, wake);
