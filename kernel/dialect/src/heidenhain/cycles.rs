@@ -178,7 +178,7 @@ impl Heidenhain {
                 evaluator.assign(Name { kind: Kind::Q, index }, Value::Number(value))?;
             }
         }
-        self.shifts.define(number, &mut []);
+        let mut before = self.shifts.define(host, number, &mut Vec::new());
         if self.settings.cycles.contains(&number) {
             self.cycles.defined = State { program: Some(number.to_string().into()), modal: false };
             return Ok(None);
@@ -190,7 +190,8 @@ impl Heidenhain {
         let stays =
             |word: &Seen| parameter_of(&word.name).is_none() || keeps.unwrap_or_else(|| host.is_register(&word.name));
         let left: Vec<Seen> = seen.into_iter().filter(stays).collect();
-        Ok(Some(joined("", &left)))
+        before.push(joined("", &left));
+        Ok(Some(before.join("\n")))
     }
 
     /// A cycle of several lines: those that follow belong to it.
@@ -245,13 +246,14 @@ impl Heidenhain {
             self.cycles.defined = State::default();
         }
         let mut seen = Evaluator::new(&mut self.variables, host).seen(&all)?;
-        self.shifts.define(*cycle, &mut seen);
+        let mut before = self.shifts.define(host, *cycle, &mut seen);
         if *cycle == 19
             && let Some(plane) = self.plane_cycle(host, &seen)
         {
             return Ok(Some(plane));
         }
-        Ok(Some(joined("", &seen)))
+        before.push(joined("", &seen));
+        Ok(Some(before.join("\n")))
     }
 
     /// TRANS DATUM AXIS and RESET: cycle 7 by another name.
@@ -267,7 +269,7 @@ impl Heidenhain {
             _ => return Ok(self.not_understood(host)),
         }
         let mut seen = Evaluator::new(&mut self.variables, host).seen(&all)?;
-        self.shifts.define(7, &mut seen);
+        self.shifts.define(host, 7, &mut seen);
         Ok(Some(joined("", &seen)))
     }
 

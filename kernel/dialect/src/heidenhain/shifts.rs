@@ -1,16 +1,33 @@
-//! Cycles 7 and 10: what incremental values add to.
+//! Cycles 7, 8, 10, 11 and 26: shift, mirror, rotation and scale in force.
 //!
 //! Facts: programming manuals of the control: a datum shift by incremental values adds to the shift in force, a rotation
-//! by IROT to the angle in force; cycle 247 takes both away. Invariant: the tables of the machine get absolute values.
+//! by IROT to the angle in force; cycle 8 mirrors the axes that it names and no other, none ends it; cycle 26 changes the axes
+//! that it names, about a centre or the datum; cycle 247 takes all of them away. Decision: cycles 11 and 26 are one scale, the
+//! later one counts for its axes. Invariant: the tables of the machine get absolute values, and all axes of a mirror or scale.
 
 use super::path::{AXES, axis};
-use super::words::{Seen, shown};
+use super::words::{Seen, joined, shown};
+use crate::host::Host;
+
+/// What ends a mirror, in words of the tables.
+const NO_MIRROR: &str = "MIRROR OFF";
+
+/// Words for the centre of a scale.
+const CENTER: [&str; 3] = ["CCX", "CCY", "CCZ"];
 
 /// Values in force.
-#[derive(Debug, Clone, Default, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub(super) struct Shifts {
     datum: [f64; AXES.len()],
     angle: f64,
+    mirrored: [bool; 3],
+    factors: [f64; 3],
+}
+
+impl Default for Shifts {
+    fn default() -> Self {
+        Self { datum: Default::default(), angle: 0.0, mirrored: [false; 3], factors: [1.0; 3] }
+    }
 }
 
 impl Shifts {
@@ -19,36 +36,129 @@ impl Shifts {
         self.datum.get(axis).copied()
     }
 
-    /// The words of a cycle: notes what they set, and makes incremental ones absolute.
-    pub(super) fn define(&mut self, cycle: u32, seen: &mut [Seen]) {
+    /// The angle of the rotation.
+    pub(super) fn angle(&self) -> f64 {
+        self.angle
+    }
+
+    /// Which axes are mirrored, bit 0 for X.
+    pub(super) fn mirror_bits(&self) -> u32 {
+        self.mirrored.iter().rev().fold(0, |bits, mirrored| bits * 2 + u32::from(*mirrored))
+    }
+
+    /// The factor of an axis, 0 for X.
+    pub(super) fn factor(&self, axis: usize) -> Option<f64> {
+        if axis < AXES.len() { Some(self.factors.get(axis).copied().unwrap_or(1.0)) } else { None }
+    }
+
+    /// The words of a cycle: notes what they set, makes incremental ones absolute and says what they leave out. Blocks that have
+    /// to come before them.
+    pub(super) fn define(&mut self, host: &dyn Host, cycle: u32, seen: &mut Vec<Seen>) -> Vec<String> {
         match cycle {
-            7 => {
-                for word in seen {
-                    let (Some((at, incremental)), Some(value)) = (axis(&word.name), word.value) else { continue };
-                    let Some(slot) = self.datum.get_mut(at) else { continue };
-                    *slot = if incremental { *slot + value } else { value };
-                    if incremental {
-                        *word = Seen::made(AXES.get(at).copied().unwrap_or_default(), *slot);
-                    }
-                }
-            }
-            10 => {
-                for word in seen {
-                    let Some(value) = word.value else { continue };
-                    match &*word.name {
-                        "ROT" => self.angle = value,
-                        "IROT" => {
-                            self.angle += value;
-                            let sign = if self.angle < 0.0 { "" } else { "+" };
-                            let text = format!("ROT{sign}{}", shown(self.angle));
-                            *word = Seen { name: "ROT".into(), value: Some(self.angle), text };
-                        }
-                        _ => {}
-                    }
-                }
-            }
-            247 => *self = Self::default(),
+            7 => self.shift(seen),
+            8 => return self.mirror(seen),
+            10 => self.turn(seen),
+            11 | 26 => self.scale(host, cycle, seen),
+            247 => return std::mem::take(self).undone(),
             _ => {}
         }
+        Vec::new()
+    }
+
+    fn shift(&mut self, seen: &mut [Seen]) {
+        for word in seen {
+            let (Some((at, incremental)), Some(value)) = (axis(&word.name), word.value) else { continue };
+            let Some(slot) = self.datum.get_mut(at) else { continue };
+            *slot = if incremental { *slot + value } else { value };
+            if incremental {
+                *word = Seen::made(AXES.get(at).copied().unwrap_or_default(), *slot);
+            }
+        }
+    }
+
+    /// An axis stands without a value; the mirror is at the datum.
+    fn mirror(&mut self, seen: &mut Vec<Seen>) -> Vec<String> {
+        let before = std::mem::take(&mut self.mirrored);
+        for word in &mut *seen {
+            let Some(at) = AXES.iter().position(|axis| word.is(axis)).filter(|_| word.value.is_none()) else {
+                continue;
+            };
+            if let Some(slot) = self.mirrored.get_mut(at) {
+                *slot = true;
+                *word = Seen::made(AXES.get(at).copied().unwrap_or_default(), 0.0);
+            }
+        }
+        if self.mirrored == [false; 3] {
+            // A word that is no axis stays, so that the tables refuse it.
+            if seen.iter().all(|word| axis(&word.name).is_none()) {
+                seen.clear();
+            }
+        } else if self.mirrored == before {
+            return Vec::new();
+        }
+        if before.contains(&true) { vec![NO_MIRROR.to_owned()] } else { Vec::new() }
+    }
+
+    fn turn(&mut self, seen: &mut [Seen]) {
+        for word in seen {
+            let Some(value) = word.value else { continue };
+            match &*word.name {
+                "ROT" => self.angle = value,
+                "IROT" => {
+                    self.angle += value;
+                    let sign = if self.angle < 0.0 { "" } else { "+" };
+                    let text = format!("ROT{sign}{}", shown(self.angle));
+                    *word = Seen { name: "ROT".into(), value: Some(self.angle), text };
+                }
+                _ => {}
+            }
+        }
+    }
+
+    fn scale(&mut self, host: &dyn Host, cycle: u32, seen: &mut Vec<Seen>) {
+        for word in &*seen {
+            match (AXES.iter().position(|axis| word.is(axis)), word.value) {
+                (Some(at), Some(value)) => {
+                    if let Some(slot) = self.factors.get_mut(at) {
+                        *slot = value;
+                    }
+                }
+                (_, Some(value)) if word.is("SCL") => self.factors = [value; 3],
+                _ => {}
+            }
+        }
+        if cycle == 26 {
+            for (letter, factor) in AXES.into_iter().zip(self.factors) {
+                if !seen.iter().any(|word| word.is(letter)) && factor != 1.0 {
+                    seen.push(Seen::made(letter, factor));
+                }
+            }
+        }
+        // Where the tables have words for the centre, one that is not there would be the place of the tool.
+        for letter in CENTER {
+            if host.is_register(letter) && !seen.iter().any(|word| word.is(letter)) {
+                seen.push(Seen::made(letter, 0.0));
+            }
+        }
+    }
+
+    /// The blocks that take all of it away.
+    fn undone(self) -> Vec<String> {
+        let mut blocks = Vec::new();
+        let shifted = AXES.iter().zip(self.datum).filter(|(_, datum)| *datum != 0.0);
+        let words: Vec<Seen> = shifted.map(|(letter, _)| Seen::made(letter, 0.0)).collect();
+        if !words.is_empty() {
+            blocks.push(joined("CYCL DEF 7", &words));
+        }
+        if self.mirrored.contains(&true) {
+            blocks.push(NO_MIRROR.to_owned());
+        }
+        if self.angle != 0.0 {
+            blocks.push("CYCL DEF 10 ROT0".to_owned());
+        }
+        if self.factors != [1.0; 3] {
+            blocks.push("CYCL DEF 11 SCL1".to_owned());
+        }
+        blocks
     }
 }

@@ -70,6 +70,9 @@ impl Heidenhain {
                     _ => None,
                 }
             }
+            (210, 2) => Some(self.shifts.angle()),
+            (210, 3) => Some(f64::from(self.shifts.mirror_bits())),
+            (210, 4) => self.shifts.factor(whole(index?)?.checked_sub(1)? as usize),
             (210, 6) => Some(if host.plane_angles().is_some() { -1.0 } else { 0.0 }),
             (220, 2) => self.shifts.datum((whole(index?)?).checked_sub(1)? as usize),
             (230, 2 | 3) => {
