@@ -1,7 +1,9 @@
-; Boring: to the depth, dwell Q211, oriented stop at Q336, 0.2 mm off the wall in the direction Q214, out with the feed Q208, back over the hole.
+; Boring: to the depth, dwell Q211, oriented stop at Q336, off the wall by Q357 in the direction
+; Q214, out with the feed Q208, back over the hole with the spindle as before.
 BEGIN PGM 202 MM
 FN 9: IF +Q201 EQU +0 GOTO LBL 98
 FN 18: SYSREAD QL90 = ID20 NR9
+FN 18: SYSREAD QL93 = ID20 NR5
 QL1 = Q203 + Q200
 QL2 = Q203 + Q204
 L Z+QL1 R0 FMAX
@@ -23,16 +25,16 @@ CYCL DEF 13.1 ANGLE+Q336
 QL10 = QL91
 QL11 = QL92
 FN 10: IF +Q214 NE +1 GOTO LBL 8
-QL10 = QL91 - 0.2
+QL10 = QL91 - Q357
 LBL 8
 FN 10: IF +Q214 NE +2 GOTO LBL 9
-QL11 = QL92 - 0.2
+QL11 = QL92 - Q357
 LBL 9
 FN 10: IF +Q214 NE +3 GOTO LBL 10
-QL10 = QL91 + 0.2
+QL10 = QL91 + Q357
 LBL 10
 FN 10: IF +Q214 NE +4 GOTO LBL 11
-QL11 = QL92 + 0.2
+QL11 = QL92 + Q357
 LBL 11
 L X+QL10 Y+QL11 F+Q206
 LBL 7
@@ -42,6 +44,12 @@ L Z+QL2 R0 FMAX
 LBL 97
 FN 9: IF +Q214 EQU +0 GOTO LBL 12
 L X+QL91 Y+QL92 R0 FMAX
+FN 9: IF +QL93 EQU +1 GOTO LBL 13
+FN 10: IF +QL93 NE +0 GOTO LBL 12
+M3
+FN 9: IF +0 EQU +0 GOTO LBL 12
+LBL 13
+M4
 LBL 12
 F+QL90
 LBL 98

@@ -303,6 +303,7 @@ impl Heidenhain {
         let mut seen = Evaluator::new(&mut self.variables, host).seen(words)?;
         // Old programs show what they do not say.
         seen.retain(|word| word.value.is_some() || !matches!(word.text.as_str(), "R" | "F" | "M"));
+        self.rapid_feeds(&mut seen);
         self.functions_of(&seen);
         self.follow(host, &mut seen);
         if shape == Shape::Space {

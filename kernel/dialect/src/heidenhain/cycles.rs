@@ -12,6 +12,7 @@ use super::eval::Evaluator;
 use super::flow;
 use super::formula::{Kind, Name, Wrong, expected};
 use super::lex::Cursor;
+use super::old;
 use super::path::{AXES, actual, axis};
 use super::patterns::Pattern;
 use super::statement::{Call, Statement};
@@ -71,14 +72,48 @@ pub(super) fn parameter_of(name: &str) -> Option<super::formula::Name> {
 /// Cycles that act where they are defined.
 const ACT_AT_ONCE: [u32; 14] = [7, 8, 9, 10, 11, 13, 14, 19, 20, 26, 30, 32, 239, 247];
 
-/// Parameters that newer software has at the end of a definition, with what they are where it does not say them: depth of the
-/// tip, retraction at rapid.
-const APPENDED: [(u32, u32, f64); 4] = [(200, 395, 0.0), (203, 395, 0.0), (205, 395, 0.0), (205, 208, 99_999.0)];
+/// A feed from which on a parameter means rapid.
+const RAPID: f64 = 99_999.0;
+
+/// Parameters that newer software has at the end of a definition, with what they are where it does not say them.
+const APPENDED: [(u32, &[(u32, f64)]); 8] = [
+    (200, &[(395, 0.0)]),
+    (202, &[(357, 0.2)]),
+    (203, &[(395, 0.0)]),
+    (205, &[(395, 0.0), (208, RAPID)]),
+    (208, &[(351, 1.0)]),
+    (209, &[(403, 1.0)]),
+    (241, &[(401, 100.0), (202, 0.0), (212, 0.0), (205, 0.0)]),
+    (251, &[(439, 0.0)]),
+];
+
+/// Parameters that stand as a word: MAX and FMAX are rapid, AUTO is the feed of TOOL CALL.
+fn with_words(seen: &mut Vec<Seen>, tool_feed: Option<&str>) {
+    let feed = tool_feed.and_then(|feed| feed.rsplit('F').next()?.parse::<f64>().ok());
+    let mut at = 0;
+    while at + 1 < seen.len() {
+        let value = seen.get(at + 1).and_then(|word| match &*word.name {
+            "MAX" | "FMAX" => Some(RAPID),
+            "AUTO" | "FAUTO" => feed,
+            _ => None,
+        });
+        if let (Some(word), Some(value)) = (seen.get_mut(at), value)
+            && word.value.is_none()
+            && parameter_of(&word.name).is_some()
+        {
+            *word = Seen::made(&word.name, value);
+            seen.remove(at + 1);
+        }
+        at += 1;
+    }
+}
 
 /// The cycle that calls carry out, where that is a program.
 #[derive(Debug, Clone, Default)]
 pub(super) struct State {
     program: Option<Arc<str>>,
+    /// The program is one of the control, not of the job.
+    stored: bool,
     /// Every position calls it since M89.
     modal: bool,
 }
@@ -99,6 +134,8 @@ pub(super) struct Running {
 pub(super) struct Cycles {
     pub(super) defined: State,
     pub(super) running: Running,
+    /// What the last definition of an old cycle says.
+    pub(super) old: old::Data,
     /// Points of the last PATTERN DEF.
     pub(super) pattern: Pattern,
 }
@@ -165,14 +202,16 @@ impl Heidenhain {
     /// A cycle with its parameters.
     pub(super) fn define_cycle(&mut self, host: &mut dyn Host, words: &[Word]) -> Result<Option<String>, Halt> {
         let mut evaluator = Evaluator::new(&mut self.variables, host);
-        let seen = evaluator.seen(words)?;
+        let mut seen = evaluator.seen(words)?;
+        with_words(&mut seen, self.path.tool_feed.as_deref());
         for word in &seen {
             if let (Some(name), Some(value)) = (parameter_of(&word.name), word.value) {
                 evaluator.assign(name, Value::Number(value))?;
             }
         }
         let number = seen.first().and_then(|word| word.value).unwrap_or(0.0) as u32;
-        for (_, index, value) in APPENDED.into_iter().filter(|(cycle, ..)| *cycle == number) {
+        let appended = APPENDED.iter().filter(|(cycle, _)| *cycle == number).flat_map(|(_, appended)| *appended);
+        for &(index, value) in appended {
             let is = |word: &Seen| parameter_of(&word.name).is_some_and(|name| name == Name { kind: Kind::Q, index });
             if !seen.iter().any(is) {
                 evaluator.assign(Name { kind: Kind::Q, index }, Value::Number(value))?;
@@ -180,7 +219,7 @@ impl Heidenhain {
         }
         let mut before = self.shifts.define(host, number, &mut Vec::new());
         if self.settings.cycles.contains(&number) {
-            self.cycles.defined = State { program: Some(number.to_string().into()), modal: false };
+            self.cycles.defined = State { program: Some(number.to_string().into()), stored: true, modal: false };
             return Ok(None);
         }
         if !ACT_AT_ONCE.contains(&number) {
@@ -204,8 +243,10 @@ impl Heidenhain {
         let Statement::CyclePart { cycle, part, words, text } = &line.statement else { return Ok(None) };
         let mut all = vec![head(*cycle)];
         let mut program = None;
+        let mut lines = Vec::new();
         let mut add = |part: u32, words: &[Word], text: &str| {
             if part > 0 {
+                lines.push((part, all.len()));
                 all.extend_from_slice(words);
                 program = text.strip_prefix("PGM").map(|name| name.trim().to_owned()).or(program.take());
             }
@@ -239,13 +280,21 @@ impl Heidenhain {
                 },
                 None => program.trim_matches('"').into(),
             };
-            self.cycles.defined = State { program: Some(name), modal: false };
+            self.cycles.defined = State { program: Some(name), stored: false, modal: false };
             return Ok(None);
         }
         if !ACT_AT_ONCE.contains(cycle) {
             self.cycles.defined = State::default();
         }
         let mut seen = Evaluator::new(&mut self.variables, host).seen(&all)?;
+        if self.settings.cycles.contains(cycle) {
+            let ends = lines.iter().skip(1).map(|(_, begin)| *begin).chain([seen.len()]);
+            let lines =
+                lines.iter().zip(ends).map(|(&(part, begin), end)| (part, seen.get(begin..end).unwrap_or_default()));
+            self.cycles.old = old::data(*cycle, lines, self.path.plane);
+            self.cycles.defined = State { program: Some(cycle.to_string().into()), stored: true, modal: false };
+            return Ok(None);
+        }
         let mut before = self.shifts.define(host, *cycle, &mut seen);
         if *cycle == 19
             && let Some(plane) = self.plane_cycle(host, &seen)
@@ -351,7 +400,7 @@ impl Heidenhain {
         program: &str,
         surface: Option<f64>,
     ) -> Result<(), Halt> {
-        self.call_program(host, program)?;
+        self.call_file(host, program, self.cycles.defined.stored)?;
         self.calling = Some(flow::Kind::Cycle);
         self.cycles.running.surface = None;
         if let Some(moved) = surface {
@@ -360,6 +409,14 @@ impl Heidenhain {
             self.variables.set(SURFACE, Value::Number(moved));
         }
         Ok(())
+    }
+
+    /// Feeds of a cycle that mean rapid.
+    pub(super) fn rapid_feeds(&self, seen: &mut [Seen]) {
+        let rapid = |word: &&mut Seen| word.is("F") && word.value.is_some_and(|feed| feed >= RAPID);
+        for word in seen.iter_mut().filter(|_| self.cycles.running.depth > 0).filter(rapid) {
+            *word = Seen::text("FMAX");
+        }
     }
 
     /// The program of a cycle has been called.

@@ -153,7 +153,12 @@ impl Heidenhain {
 
     /// A program called by name.
     pub(super) fn call_program(&mut self, host: &mut dyn Host, name: &str) -> Result<(), Halt> {
-        let place = self.find_program(host, name)?;
+        self.call_file(host, name, false)
+    }
+
+    /// A program called by name; one of the control is looked for there first.
+    pub(super) fn call_file(&mut self, host: &mut dyn Host, name: &str, stored: bool) -> Result<(), Halt> {
+        let place = self.find_program(host, name, stored)?;
         self.calling = Some(Kind::Program);
         host.call(Call { name: name.trim().into(), place, passes: 1, closes: true });
         Ok(())
@@ -177,7 +182,12 @@ impl Heidenhain {
     }
 
     /// Where a program of a name is: beside the calling or the main program, then where the settings say.
-    pub(super) fn find_program(&self, host: &mut dyn Host, name: &str) -> Result<Option<(FileId, Range)>, Halt> {
+    pub(super) fn find_program(
+        &self,
+        host: &mut dyn Host,
+        name: &str,
+        stored: bool,
+    ) -> Result<Option<(FileId, Range)>, Halt> {
         let path = name.trim().trim_matches('"').replace('\\', "/");
         let files = host.files();
         let folder = |file: FileId| {
@@ -185,6 +195,9 @@ impl Heidenhain {
             name.rsplit_once('/').map_or(String::new(), |(folder, _)| format!("{folder}/"))
         };
         let mut wanted = Vec::new();
+        if stored {
+            wanted.push(format!("{}{path}", StoredFile::ROOT));
+        }
         let root = self.settings.root.as_str();
         let absolute = path.get(..4).filter(|drive| drive.eq_ignore_ascii_case("TNC:")).and_then(|_| path.get(4..));
         match absolute {

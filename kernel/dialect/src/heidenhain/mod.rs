@@ -19,6 +19,7 @@ mod free;
 mod functions;
 mod iso;
 mod lex;
+mod old;
 mod path;
 mod patterns;
 mod planes;

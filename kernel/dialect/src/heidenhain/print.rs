@@ -51,7 +51,7 @@ impl Heidenhain {
         // Paths have strokes of their own, the output stands after one between blanks or after the last one.
         let (mask, _) = text.split_once(" /").or_else(|| text.rsplit_once('/')).unwrap_or((text, ""));
         let mask = mask.trim().trim_matches('"');
-        let Some((file, _)) = self.find_program(host, mask)? else {
+        let Some((file, _)) = self.find_program(host, mask, false)? else {
             let text = format!("mask {mask} not found for '{}'; nothing is printed", host.block_text());
             host.diagnose(&diag::PRINT_MASK, text);
             return Ok(());

@@ -53,6 +53,7 @@ impl Heidenhain {
             (20, 3) | (60, 2) => Some(control.tool_axis.map_or(-1.0, |axis| axis as f64)),
             (20, 5) => Some(control.spindle.map_or(-1.0, f64::from)),
             (20, 8) => Some(f64::from(u8::from(control.coolant))),
+            (30, number) => self.cycles.old.get(number.checked_sub(1)? as usize).copied(),
             (50, column) => self.tools.column(host, of_tool()?, column),
             (51, column) => self.tools.pocket(whole(index?)?, column),
             (52, 1) => Some(self.tools.pocket_of(of_tool()?)),
