@@ -57,6 +57,8 @@ impl Heidenhain {
                 self.selected = Some(self.text(host, name)?);
                 Ok(None)
             }
+            Statement::SelectPoints(name) => self.select_points(host, name).map(|()| None),
+            Statement::SelectDatums(name) => self.select_datums(host, name).map(|()| None),
             Statement::CallSelected => match self.selected.clone() {
                 Some(name) => self.call_program(host, &name).map(|()| None),
                 None => {
@@ -67,7 +69,7 @@ impl Heidenhain {
             Statement::Begin { iso: true, .. } if line.number.is_some() => self.end_program(host),
             Statement::Begin { inch, words, .. } => self.begin_program(host, *inch, words),
             Statement::End => self.end_program(host),
-            Statement::CycleDefinition(words) => self.define_cycle(host, words),
+            Statement::CycleDefinition(words) => self.define_cycle(host, words, place),
             Statement::CyclePart { .. } => self.define_by_parts(host, line, place),
             Statement::CycleCall { kind, words } => self.call_cycle(host, (*kind, words), place),
             Statement::ToolCall { tool, words } => self.call_tool(host, tool.as_ref(), words),
@@ -108,7 +110,7 @@ impl Heidenhain {
     }
 
     /// A value that has to be a text.
-    fn text(&mut self, host: &mut dyn Host, formula: &Formula) -> Result<std::sync::Arc<str>, Halt> {
+    pub(super) fn text(&mut self, host: &mut dyn Host, formula: &Formula) -> Result<std::sync::Arc<str>, Halt> {
         Ok(match Evaluator::new(&mut self.variables, host).value(formula)? {
             Value::Text(text) => text,
             Value::Number(number) => super::words::shown(number).into(),

@@ -1,4 +1,4 @@
-//! Cycles: CYCL DEF of both kinds, and what calls them.
+//! Cycles: CYCL DEF of both kinds.
 //!
 //! Facts: Heidenhain pre-processor pages and release notes (cycles as subprograms of the machine by
 //! `$FCEPP('CYCLEDEF',…)`, KEEPCYCLDEFQVARS, cycle 12), programming manuals. Decisions: what a cycle does is said by
@@ -9,15 +9,13 @@ use counterpoint_fault::Halt;
 use std::sync::Arc;
 
 use super::eval::Evaluator;
-use super::flow;
 use super::formula::{Kind, Name, Wrong, expected};
 use super::lex::Cursor;
 use super::old;
-use super::path::{AXES, actual, axis};
 use super::patterns::Pattern;
-use super::statement::{Call, Statement};
+use super::statement::Statement;
 use super::variables::Value;
-use super::words::{Operand, Seen, Word, joined, shown, words};
+use super::words::{Operand, Seen, Word, joined, words};
 use super::{Heidenhain, Line};
 use crate::host::{Host, Place};
 use counterpoint_fault as diag;
@@ -73,7 +71,7 @@ pub(super) fn parameter_of(name: &str) -> Option<super::formula::Name> {
 const ACT_AT_ONCE: [u32; 14] = [7, 8, 9, 10, 11, 13, 14, 19, 20, 26, 30, 32, 239, 247];
 
 /// A feed from which on a parameter means rapid.
-const RAPID: f64 = 99_999.0;
+pub(super) const RAPID: f64 = 99_999.0;
 
 /// Parameters that newer software has at the end of a definition, with what they are where it does not say them.
 const APPENDED: [(u32, &[(u32, f64)]); 8] = [
@@ -111,22 +109,22 @@ fn with_words(seen: &mut Vec<Seen>, tool_feed: Option<&str>) {
 /// The cycle that calls carry out, where that is a program.
 #[derive(Debug, Clone, Default)]
 pub(super) struct State {
-    program: Option<Arc<str>>,
+    pub(super) program: Option<Arc<str>>,
     /// The program is one of the control, not of the job.
-    stored: bool,
+    pub(super) stored: bool,
     /// Every position calls it since M89.
-    modal: bool,
+    pub(super) modal: bool,
 }
 
 /// The program of a cycle that runs.
 #[derive(Debug, Default)]
 pub(super) struct Running {
     /// Programs and labels that run with it, 0 for none.
-    depth: usize,
+    pub(super) depth: usize,
     /// Feed of the program that has called it.
-    feed: Option<String>,
-    /// The surface that the program has defined, where the call has moved it.
-    surface: Option<f64>,
+    pub(super) feed: Option<String>,
+    /// Parameters that the call has changed, with what they were.
+    pub(super) changed: Vec<(Name, f64)>,
 }
 
 /// The cycle of a program.
@@ -140,67 +138,14 @@ pub(super) struct Cycles {
     pub(super) pattern: Pattern,
 }
 
-/// Q203, the surface.
-const SURFACE: Name = Name { kind: Kind::Q, index: 203 };
-
-/// Q200, the clearance above it.
-const CLEARANCE: Name = Name { kind: Kind::Q, index: 200 };
-
-/// Calls that the words of a block ask for.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Asked {
-    No,
-    Once,
-    Modally,
-}
-
-fn asks(seen: &[Seen]) -> Asked {
-    let mut asked = Asked::No;
-    for word in seen {
-        match (&*word.name, word.value) {
-            ("M", Some(99.0)) | ("G", Some(79.0)) => return Asked::Once,
-            ("M", Some(89.0)) => asked = Asked::Modally,
-            _ => {}
-        }
-    }
-    asked
-}
-
-/// How a call of a cycle leads to its position: straight, without compensation, at the feed of its block or at rapid.
-pub(super) struct Way {
-    feed: Option<String>,
-    rapid: &'static str,
-    /// What straight blocks begin with, with a feed and at rapid.
-    line: [&'static str; 2],
-    off: &'static str,
-}
-
-impl Way {
-    /// As the words of a call say.
-    pub(super) fn of(host: &dyn Host, seen: &[Seen]) -> Self {
-        let text = |text: &'static str| if host.is_code_text(text) { text } else { "" };
-        let feed = seen.iter().find(|word| word.is_rate() && word.is("F")).map(|word| word.text.clone());
-        let line = if host.is_code_text("L") { ["L"; 2] } else { ["G1", "G0"] };
-        Self { feed, rapid: text("FMAX"), line, off: text("R0") }
-    }
-
-    /// The call has a feed of its own.
-    pub(super) fn has_feed(&self) -> bool {
-        self.feed.is_some()
-    }
-
-    /// A block to some positions; `rapid` whatever the feed.
-    pub(super) fn block(&self, words: &str, rapid: bool) -> String {
-        let feed = self.feed.as_deref().filter(|_| !rapid);
-        let line = if feed.is_some() { self.line[0] } else { self.line[1] };
-        let parts = [line, words, self.off, feed.unwrap_or(self.rapid)];
-        parts.into_iter().filter(|part| !part.is_empty()).collect::<Vec<_>>().join(" ")
-    }
-}
-
 impl Heidenhain {
     /// A cycle with its parameters.
-    pub(super) fn define_cycle(&mut self, host: &mut dyn Host, words: &[Word]) -> Result<Option<String>, Halt> {
+    pub(super) fn define_cycle(
+        &mut self,
+        host: &mut dyn Host,
+        words: &[Word],
+        place: Place,
+    ) -> Result<Option<String>, Halt> {
         let mut evaluator = Evaluator::new(&mut self.variables, host);
         let mut seen = evaluator.seen(words)?;
         with_words(&mut seen, self.path.tool_feed.as_deref());
@@ -216,6 +161,9 @@ impl Heidenhain {
             if !seen.iter().any(is) {
                 evaluator.assign(Name { kind: Kind::Q, index }, Value::Number(value))?;
             }
+        }
+        if matches!(number, 220 | 221) && self.settings.cycles.contains(&number) {
+            return self.point_cycle(host, number, place);
         }
         let mut before = self.shifts.define(host, number, &mut Vec::new());
         if self.settings.cycles.contains(&number) {
@@ -287,6 +235,12 @@ impl Heidenhain {
             self.cycles.defined = State::default();
         }
         let mut seen = Evaluator::new(&mut self.variables, host).seen(&all)?;
+        if *cycle == 7
+            && let Some(row) = seen.iter().find(|word| word.is("#")).and_then(|word| word.value)
+        {
+            seen.truncate(1);
+            seen.extend(self.datum_row(host, row, None)?);
+        }
         if self.settings.cycles.contains(cycle) {
             let ends = lines.iter().skip(1).map(|(_, begin)| *begin).chain([seen.len()]);
             let lines =
@@ -315,157 +269,20 @@ impl Heidenhain {
                 let zero = |name: &str| Word { name: name.into(), operand: Operand::Number("0".into(), 0.0) };
                 all.extend(["X", "Y", "Z"].map(zero));
             }
+            Some("TABLE") => {
+                let seen = Evaluator::new(&mut self.variables, host).seen(values.unwrap_or_default())?;
+                let Some(row) = seen.iter().find(|word| word.is("TABLINE")).and_then(|word| word.value) else {
+                    return Ok(self.not_understood(host));
+                };
+                let table = seen.iter().find(|word| word.text.starts_with('"')).map(|word| word.text.as_str());
+                let mut words = self.datum_row(host, row, table)?;
+                self.shifts.define(host, 7, &mut words);
+                return Ok(Some(joined("CYCL DEF 7", &words)));
+            }
             _ => return Ok(self.not_understood(host)),
         }
         let mut seen = Evaluator::new(&mut self.variables, host).seen(&all)?;
         self.shifts.define(host, 7, &mut seen);
         Ok(Some(joined("", &seen)))
-    }
-
-    /// CYCL CALL.
-    pub(super) fn call_cycle(
-        &mut self,
-        host: &mut dyn Host,
-        (kind, words): (Call, &[Word]),
-        place: Place,
-    ) -> Result<Option<String>, Halt> {
-        let mut seen = Evaluator::new(&mut self.variables, host).seen(words)?;
-        self.functions_of(&seen);
-        self.feed_units(host, &mut seen)?;
-        let text = match kind {
-            Call::Here => "CYCL CALL",
-            Call::Position => "CYCL CALL POS",
-            Call::Pattern => "CYCL CALL PAT",
-        };
-        if kind == Call::Pattern && !host.is_code_text(text) {
-            let Some(program) = self.cycles.defined.program.clone() else { return Ok(self.not_understood(host)) };
-            return Ok(match self.call_at_pattern(host, &program, &seen, place)? {
-                Some(blocks) => Some(blocks.join("\n")),
-                None => self.not_understood(host),
-            });
-        }
-        let Some(program) = self.cycles.defined.program.clone().filter(|_| kind != Call::Pattern) else {
-            return Ok(Some(joined(text, &seen)));
-        };
-        if kind == Call::Here {
-            self.call_cycle_program(host, &program, None)?;
-            return Ok(Some(joined("", &seen)));
-        }
-        let (blocks, surface) = self.approach(host, seen);
-        self.call_cycle_program(host, &program, Some(surface))?;
-        Ok(Some(blocks.join("\n")))
-    }
-
-    /// A number that the program has given a parameter, 0 before.
-    fn number(&self, name: Name) -> f64 {
-        match self.variables.get(name) {
-            Some(Value::Number(value)) => value,
-            _ => 0.0,
-        }
-    }
-
-    /// Q203.
-    pub(super) fn surface(&self) -> f64 {
-        self.number(SURFACE)
-    }
-
-    /// Q204.
-    pub(super) fn second_clearance(&self) -> f64 {
-        self.number(Name { kind: Kind::Q, index: 204 })
-    }
-
-    /// Blocks that lead to the position of CYCL CALL POS, and the surface there, which its word of the tool axis moves: from
-    /// above first in the plane, from below first up to the clearance. The feed of the block is that of the way alone.
-    fn approach(&mut self, host: &mut dyn Host, seen: Vec<Seen>) -> (Vec<String>, f64) {
-        let along = self.variables.control.tool_axis.unwrap_or(2);
-        let is_height = |word: &Seen| word.value.is_some() && axis(&word.name).is_some_and(|(at, _)| at == along);
-        let shift = seen.iter().find(|word| is_height(word)).and_then(|word| word.value).unwrap_or(0.0);
-        let surface = self.surface() + shift;
-        let way = Way::of(host, &seen);
-        let mut blocks = Vec::new();
-        if actual(host).get(along).is_some_and(|height| *height < surface) {
-            let letter = AXES.get(along).copied().unwrap_or("Z");
-            blocks.push(way.block(&format!("{letter}{}", shown(surface + self.number(CLEARANCE))), false));
-        }
-        let others: Vec<Seen> = seen.into_iter().filter(|word| !is_height(word) && !word.is_rate()).collect();
-        blocks.push(way.block(&joined("", &others), false));
-        blocks.extend(self.path.feed.clone().filter(|_| way.has_feed()));
-        (blocks, surface)
-    }
-
-    /// Calls the program of a cycle, with a surface of the call.
-    pub(super) fn call_cycle_program(
-        &mut self,
-        host: &mut dyn Host,
-        program: &str,
-        surface: Option<f64>,
-    ) -> Result<(), Halt> {
-        self.call_file(host, program, self.cycles.defined.stored)?;
-        self.calling = Some(flow::Kind::Cycle);
-        self.cycles.running.surface = None;
-        if let Some(moved) = surface {
-            let defined = self.variables.get(SURFACE);
-            self.cycles.running.surface = Some(if let Some(Value::Number(value)) = defined { value } else { 0.0 });
-            self.variables.set(SURFACE, Value::Number(moved));
-        }
-        Ok(())
-    }
-
-    /// Feeds of a cycle that mean rapid.
-    pub(super) fn rapid_feeds(&self, seen: &mut [Seen]) {
-        let rapid = |word: &&mut Seen| word.is("F") && word.value.is_some_and(|feed| feed >= RAPID);
-        for word in seen.iter_mut().filter(|_| self.cycles.running.depth > 0).filter(rapid) {
-            *word = Seen::text("FMAX");
-        }
-    }
-
-    /// The program of a cycle has been called.
-    pub(super) fn cycle_begins(&mut self) {
-        if self.cycles.running.depth == 0 {
-            self.cycles.running.depth = self.variables.calls.depth();
-            self.cycles.running.feed.clone_from(&self.path.feed);
-        }
-    }
-
-    /// A program or label has returned: a cycle is over, its surface is that of its definition again.
-    pub(super) fn cycle_returns(&mut self) {
-        if self.cycles.running.depth > self.variables.calls.depth() {
-            let Running { surface, feed, .. } = std::mem::take(&mut self.cycles.running);
-            self.path.feed = feed;
-            if let Some(surface) = surface {
-                self.variables.set(SURFACE, Value::Number(surface));
-            }
-        }
-    }
-
-    /// M99, M89, G79 of a block, and what M89 has said before. A cycle that is a program is called; of any other the
-    /// call stays on the block, M89 as M99 on its own block and on all that follow.
-    pub(super) fn cycle_calls(&mut self, host: &mut dyn Host, seen: &mut Vec<Seen>, moves: bool) -> Result<(), Halt> {
-        let asked = asks(seen);
-        // Moves of the cycle itself call nothing.
-        let modal = self.cycles.defined.modal && moves && self.cycles.running.depth == 0;
-        if asked == Asked::No && !modal {
-            return Ok(());
-        }
-        match asked {
-            Asked::Once => self.cycles.defined.modal = false,
-            Asked::Modally => self.cycles.defined.modal = true,
-            Asked::No => {}
-        }
-        let program = self.cycles.defined.program.clone();
-        seen.retain(|word| match (&*word.name, word.value) {
-            ("M", Some(89.0)) => false,
-            ("M", Some(99.0)) | ("G", Some(79.0)) => program.is_none(),
-            _ => true,
-        });
-        match program {
-            Some(program) => self.call_cycle_program(host, &program, None),
-            None => {
-                if asked != Asked::Once {
-                    seen.push(Seen::made("M", 99.0));
-                }
-                Ok(())
-            }
-        }
     }
 }

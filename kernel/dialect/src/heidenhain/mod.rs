@@ -6,6 +6,7 @@
 //! once for each line that stands as it was read; the calls here are those of the kernel, in the same order.
 
 mod ahead;
+mod calls;
 mod carry;
 mod circle;
 mod control;
@@ -31,6 +32,7 @@ mod shifts;
 mod space;
 mod statement;
 mod system;
+mod tables;
 mod tools;
 mod variables;
 mod words;
@@ -76,6 +78,8 @@ pub(crate) struct Heidenhain {
     calling: Option<flow::Kind>,
     /// Program that CALL SELECTED PGM calls.
     selected: Option<Arc<str>>,
+    /// Datum table that SEL TABLE has named.
+    datums: Option<Arc<str>>,
     cycles: cycles::Cycles,
     shifts: shifts::Shifts,
     units: feeds::Units,
@@ -178,6 +182,7 @@ impl Interpreter for Heidenhain {
             self.cycles.defined = cycles::State::default();
             self.cycles.pattern = patterns::Pattern::default();
             self.selected = None;
+            self.datums = None;
         }
     }
 

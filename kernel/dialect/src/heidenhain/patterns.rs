@@ -1,26 +1,37 @@
-//! PATTERN DEF and CYCL CALL PAT: a cycle at each of several points.
+//! A cycle at each of several points: PATTERN DEF and tables of points with CYCL CALL PAT, cycles 220 and 221.
 //!
-//! Facts: programming manuals of the control (POS, ROW, PAT, CIRC, PITCHCIRC; between points the tool is at the second clearance
-//! or at the height of the call, whichever is higher; Z of a pattern moves the surface). Decisions: rows of a PAT alternate in
-//! direction; a frame of points is refused. Invariant: the block of the call runs once for each point, and a cycle that is no
-//! program is never called so.
+//! Facts: programming manuals of the control (POS, ROW, PAT, FRAME, CIRC, PITCHCIRC; between points the tool is at the second
+//! clearance, of a table at its own, or at the height of the call, whichever is higher; Z of a pattern moves the surface; cycles
+//! 220 and 221 call the cycle defined before them where they are defined, at the first or second clearance between points).
+//! Decisions: rows of a PAT alternate in direction, a FRAME goes round against the clock; before the first point the tool only
+//! rises. Invariant: the block of the call runs once for each point, and a cycle that is no program is never called so.
 
 use counterpoint_fault::Halt;
 
 use super::Heidenhain;
-use super::cycles::Way;
+use super::calls::{SECOND_CLEARANCE, Way};
 use super::eval::Evaluator;
+use super::formula::{Kind, Name};
 use super::path::{AXES, actual};
 use super::words::{Seen, Word, shown};
 use crate::contour::{Point, along, towards};
 use crate::host::{Host, Place};
 use counterpoint_event::FileId;
+use counterpoint_fault as diag;
 
 /// Most points of a definition.
 const MOST: usize = 10_000;
 
-/// A point in the plane, and how much its surface lies above Q203.
-type Spot = (Point, f64);
+/// A point.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Spot {
+    /// Its place in the plane.
+    pub(super) at: Point,
+    /// How much its surface lies above Q203.
+    pub(super) above: f64,
+    /// Height above the surface on the way to it, where it has one of its own.
+    pub(super) clearance: Option<f64>,
+}
 
 /// A call that is at work.
 #[derive(Debug, Clone, Copy)]
@@ -33,17 +44,23 @@ struct Call {
     height: f64,
 }
 
-/// The points of the last definition.
+/// The points of the last definition or table, and of a cycle that is at work.
 #[derive(Debug, Default)]
 pub(super) struct Pattern {
     spots: Vec<Spot>,
+    of_cycle: Vec<Spot>,
     call: Option<Call>,
 }
 
 impl Pattern {
+    /// The points of calls to come.
+    pub(super) fn define(&mut self, spots: Vec<Spot>) {
+        *self = Self { spots, ..Self::default() };
+    }
+
     /// Bytes that it takes, about.
     pub(super) fn bytes(&self) -> usize {
-        self.spots.len() * size_of::<Spot>()
+        (self.spots.len() + self.of_cycle.len()) * size_of::<Spot>()
     }
 }
 
@@ -88,17 +105,12 @@ impl Figure<'_> {
                 let way = towards(self.or_zero("ROT"));
                 (0..self.count("NUM")?).map(|at| along(start, way, self.or_zero("D") * at as f64)).collect()
             }
-            "PAT" => {
-                let turn = self.or_zero("ROT");
+            "PAT" | "FRAME" => {
                 let (columns, rows) = (self.count("NUMX")?, self.count("NUMY")?);
+                let turn = self.or_zero("ROT");
                 let sides = [towards(turn + self.or_zero("ROTX")), towards(turn + self.or_zero("ROTY") + 90.0)];
-                let [across, up] = [self.or_zero("DX"), self.or_zero("DY")];
-                let spot = |row: usize, column: usize| {
-                    let column = if row.is_multiple_of(2) { column } else { columns - 1 - column };
-                    along(along(start, sides[0], across * column as f64), sides[1], up * row as f64)
-                };
-                let count = rows.checked_mul(columns).filter(|count| *count <= MOST)?;
-                (0..count).map(|at| spot(at / columns, at % columns)).collect()
+                let grid = Grid { start, sides, steps: [self.or_zero("DX"), self.or_zero("DY")], columns, rows };
+                if self.name == "PAT" { grid.rows()? } else { grid.frame() }
             }
             "CIRC" => {
                 let count = self.count("NUM")?;
@@ -110,12 +122,74 @@ impl Figure<'_> {
     }
 }
 
+/// Points in columns and rows.
+struct Grid {
+    start: Point,
+    sides: [Point; 2],
+    steps: [f64; 2],
+    columns: usize,
+    rows: usize,
+}
+
+impl Grid {
+    fn spot(&self, column: usize, row: usize) -> Point {
+        let across = along(self.start, self.sides[0], self.steps[0] * column as f64);
+        along(across, self.sides[1], self.steps[1] * row as f64)
+    }
+
+    /// Row by row, there and back.
+    fn rows(&self) -> Option<Vec<Point>> {
+        let count = self.rows.checked_mul(self.columns).filter(|count| *count <= MOST)?;
+        let spot = |at: usize| {
+            let (row, column) = (at / self.columns, at % self.columns);
+            self.spot(if row.is_multiple_of(2) { column } else { self.columns - 1 - column }, row)
+        };
+        Some((0..count).map(spot).collect())
+    }
+
+    /// Once round, from the first point along the first row.
+    fn frame(&self) -> Vec<Point> {
+        let (last, top) = (self.columns - 1, self.rows - 1);
+        let mut spots: Vec<Point> = (0..=last).map(|column| self.spot(column, 0)).collect();
+        spots.extend((1..=top).map(|row| self.spot(last, row)));
+        if top > 0 {
+            spots.extend((0..last).rev().map(|column| self.spot(column, top)));
+        }
+        if last > 0 {
+            spots.extend((1..top).rev().map(|row| self.spot(0, row)));
+        }
+        spots
+    }
+}
+
+/// How the tool goes from point to point.
+struct Journey<'s> {
+    program: &'s str,
+    way: Way,
+    /// Heights above the surface: before the first point and between points.
+    clearances: [f64; 2],
+    /// The cycle ends at the first clearance, but at the last point.
+    stays_low: bool,
+    /// Functions of the block.
+    functions: &'s [Seen],
+    of_cycle: bool,
+}
+
 impl Heidenhain {
+    /// Letters of the working plane.
+    pub(super) fn plane_letters(&self) -> [&'static str; 2] {
+        self.path.plane.map(|axis| AXES.get(axis).copied().unwrap_or_default())
+    }
+
+    /// Letter of the tool axis.
+    pub(super) fn tool_letter(&self) -> &'static str {
+        AXES.get(self.variables.control.tool_axis.unwrap_or(2)).copied().unwrap_or("Z")
+    }
+
     /// PATTERN DEF.
     pub(super) fn define_pattern(&mut self, host: &mut dyn Host, words: &[Word]) -> Result<(), Halt> {
         let seen = Evaluator::new(&mut self.variables, host).seen(words)?;
-        let letters = self.path.plane.map(|axis| AXES.get(axis).copied().unwrap_or_default());
-        let height = AXES.get(self.variables.control.tool_axis.unwrap_or(2)).copied().unwrap_or("Z");
+        let (letters, height) = (self.plane_letters(), self.tool_letter());
         self.cycles.pattern = Pattern::default();
         let mut spots: Vec<Spot> = Vec::new();
         // Behind `PATTERN DEF`: a name, its words in brackets.
@@ -126,7 +200,7 @@ impl Heidenhain {
                 let words = behind.get(1..end).unwrap_or_default();
                 (Figure { name: &head.name, words }, end)
             });
-            let before = spots.last().map_or([0.0; 2], |(point, _)| *point);
+            let before = spots.last().map_or([0.0; 2], |spot| spot.at);
             let made = figure.and_then(|(figure, end)| {
                 let points = figure.points(letters, before)?;
                 Some((points, figure.or_zero(height), end))
@@ -136,10 +210,10 @@ impl Heidenhain {
                 self.not_understood(host);
                 return Ok(());
             };
-            spots.extend(points.into_iter().map(|point| (point, surface)));
+            spots.extend(points.into_iter().map(|at| Spot { at, above: surface, clearance: None }));
             rest = behind.get(end + 1..).unwrap_or_default();
         }
-        self.cycles.pattern.spots = spots;
+        self.cycles.pattern.define(spots);
         Ok(())
     }
 
@@ -152,33 +226,117 @@ impl Heidenhain {
         seen: &[Seen],
         place: Place,
     ) -> Result<Option<Vec<String>>, Halt> {
+        let way = Way::of(host, seen);
+        let clearances = [self.second_clearance(); 2];
+        self.next_point(
+            host,
+            &Journey { program, way, clearances, stays_low: false, functions: seen, of_cycle: false },
+            place,
+        )
+    }
+
+    /// Cycles 220 and 221: the same for the cycle defined before them.
+    pub(super) fn point_cycle(
+        &mut self,
+        host: &mut dyn Host,
+        number: u32,
+        place: Place,
+    ) -> Result<Option<String>, Halt> {
+        let Some(program) = self.cycles.defined.program.clone() else {
+            let text = format!("no cycle is defined for the points of '{}'; define one before it", host.block_text());
+            host.diagnose(&diag::STATEMENT_UNKNOWN, text);
+            return Ok(None);
+        };
+        if self.cycles.pattern.call.is_none_or(|call| call.at != (place.file, place.line)) {
+            let spots = if number == 220 { self.on_circle() } else { self.in_rows() };
+            let Some(spots) = spots else {
+                let text = format!("the numbers of points in '{}' have to be 1 to {MOST} in all", host.block_text());
+                host.diagnose(&diag::STATEMENT_UNKNOWN, text);
+                return Ok(None);
+            };
+            self.cycles.pattern.of_cycle =
+                spots.into_iter().map(|at| Spot { at, above: 0.0, clearance: None }).collect();
+            if number == 220 && self.q(365) == 1.0 {
+                let text =
+                    format!("ways on arcs (Q365=1) are not made in '{}'; the tool goes straight", host.block_text());
+                host.diagnose(&diag::PATH_NOT_MADE, text);
+            }
+        }
+        let low = self.q(301) == 0.0;
+        let second = self.second_clearance();
+        let clearances = [second, if low { self.q(200) } else { second }];
+        let way = Way::of(host, &[]);
+        let journey = Journey { program: &program, way, clearances, stays_low: low, functions: &[], of_cycle: true };
+        Ok(self.next_point(host, &journey, place)?.map(|blocks| blocks.join("\n")))
+    }
+
+    /// A Q parameter of the program.
+    fn q(&self, index: u32) -> f64 {
+        self.number(Name { kind: Kind::Q, index })
+    }
+
+    fn points(&self, index: u32) -> Option<usize> {
+        Some(self.q(index)).filter(|count| (1.0..=MOST as f64).contains(count)).map(|count| count as usize)
+    }
+
+    /// Points of cycle 220: without a step they share the way from the first angle to the last, of a full circle its end is free.
+    fn on_circle(&self) -> Option<Vec<Point>> {
+        let count = self.points(241)?;
+        let [first, last, step] = [245, 246, 247].map(|index| self.q(index));
+        let whole = ((last - first).abs() - 360.0).abs() < 1e-9;
+        let shares = if whole { count } else { count.saturating_sub(1).max(1) };
+        let step = if step == 0.0 { (last - first) / shares as f64 } else { step };
+        let center = [self.q(216), self.q(217)];
+        Some((0..count).map(|at| along(center, towards(first + step * at as f64), self.q(244) / 2.0)).collect())
+    }
+
+    /// Points of cycle 221.
+    fn in_rows(&self) -> Option<Vec<Point>> {
+        let turn = self.q(224);
+        let sides = [towards(turn), towards(turn + 90.0)];
+        let (columns, rows) = (self.points(242)?, self.points(243)?);
+        Grid { start: [self.q(225), self.q(226)], sides, steps: [self.q(237), self.q(238)], columns, rows }.rows()
+    }
+
+    /// The way to the next point and the call there.
+    fn next_point(
+        &mut self,
+        host: &mut dyn Host,
+        journey: &Journey<'_>,
+        place: Place,
+    ) -> Result<Option<Vec<String>>, Halt> {
         let along = self.variables.control.tool_axis.unwrap_or(2);
         let stands = actual(host).get(along).copied().unwrap_or(0.0);
         let here = (place.file, place.line);
         let call = self.cycles.pattern.call.take().filter(|call| call.at == here);
-        let call = call.unwrap_or(Call { at: here, next: 0, height: stands });
-        let Some(&(point, above)) = self.cycles.pattern.spots.get(call.next).filter(|_| place.as_read) else {
-            return Ok(None);
-        };
-        let surface = self.surface() + above;
-        let safe = call.height.max(surface + self.second_clearance());
-        let way = Way::of(host, seen);
+        let height = if journey.of_cycle { f64::NEG_INFINITY } else { stands };
+        let call = call.unwrap_or(Call { at: here, next: 0, height });
+        let pattern = &self.cycles.pattern;
+        let spots = if journey.of_cycle { &pattern.of_cycle } else { &pattern.spots };
+        let Some(&spot) = spots.get(call.next).filter(|_| place.as_read) else { return Ok(None) };
+        let is_last = call.next + 1 >= spots.len();
+        let surface = self.surface() + spot.above;
+        let clearance = spot.clearance.unwrap_or(journey.clearances[usize::from(call.next > 0)]);
+        let safe = call.height.max(surface + clearance);
+        let way = &journey.way;
         let mut blocks = Vec::new();
         if stands < safe {
-            let letter = AXES.get(along).copied().unwrap_or("Z");
-            blocks.push(way.block(&format!("{letter}{}", shown(safe)), true));
+            blocks.push(way.block(&format!("{}{}", self.tool_letter(), shown(safe)), true));
         }
-        let [first, second] = self.path.plane.map(|axis| AXES.get(axis).copied().unwrap_or_default());
-        let mut words = format!("{first}{} {second}{}", shown(point[0]), shown(point[1]));
+        let [first, second] = self.plane_letters();
+        let mut words = format!("{first}{} {second}{}", shown(spot.at[0]), shown(spot.at[1]));
         // Functions of the block act at its beginning.
-        for word in seen.iter().filter(|word| call.next == 0 && word.is("M")) {
+        for word in journey.functions.iter().filter(|word| call.next == 0 && word.is("M")) {
             words.push(' ');
             words.push_str(&word.text);
         }
         blocks.push(way.block(&words, false));
         blocks.extend(self.path.feed.clone().filter(|_| way.has_feed()));
-        self.call_cycle_program(host, program, Some(surface))?;
-        if call.next + 1 < self.cycles.pattern.spots.len() {
+        self.call_cycle_program(host, journey.program, Some(surface))?;
+        if journey.stays_low && !is_last {
+            self.for_this_call(SECOND_CLEARANCE, 0.0);
+        }
+        if !is_last {
             self.cycles.pattern.call = Some(Call { next: call.next + 1, ..call });
             self.keeping = true;
             host.effect();

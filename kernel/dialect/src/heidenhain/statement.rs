@@ -79,6 +79,9 @@ pub(super) enum Statement {
     CallProgram(Formula),
     SelectProgram(Formula),
     CallSelected,
+    /// SEL PATTERN and SEL TABLE with the name of a table.
+    SelectPoints(Formula),
+    SelectDatums(Formula),
     Begin {
         iso: bool,
         inch: Option<bool>,
@@ -237,6 +240,10 @@ fn key_word(cursor: &mut Cursor<'_>) -> Result<Option<Statement>, Wrong> {
         Statement::CallSelected
     } else if cursor.keyword("SEL PGM") {
         Statement::SelectProgram(program_name(cursor)?)
+    } else if cursor.keyword("SEL PATTERN") {
+        Statement::SelectPoints(program_name(cursor)?)
+    } else if cursor.keyword("SEL TABLE") {
+        Statement::SelectDatums(program_name(cursor)?)
     } else if cursor.keyword("BEGIN PGM") {
         let inch = cursor.all().split_whitespace().last().and_then(|unit| match unit {
             "INCH" => Some(true),

@@ -1,0 +1,231 @@
+//! Calls of cycles: CYCL CALL, CYCL CALL POS, M99, M89, and the cycle that runs.
+//!
+//! Facts: programming manuals of the control (POS leads to its position first; M89 calls at every position up to M99; a feed of the
+//! call is that of its way). Invariant: parameters that a call has changed have their values again when the cycle is over.
+
+use counterpoint_fault::Halt;
+
+use super::Heidenhain;
+use super::cycles::{RAPID, Running};
+use super::eval::Evaluator;
+use super::flow;
+use super::formula::{Kind, Name};
+use super::path::{AXES, actual, axis};
+use super::statement::Call;
+use super::variables::Value;
+use super::words::{Seen, Word, joined, shown};
+use crate::host::{Host, Place};
+
+/// Q203, the surface.
+const SURFACE: Name = Name { kind: Kind::Q, index: 203 };
+
+/// Q204, the second clearance.
+pub(super) const SECOND_CLEARANCE: Name = Name { kind: Kind::Q, index: 204 };
+
+/// Q200, the clearance above it.
+const CLEARANCE: Name = Name { kind: Kind::Q, index: 200 };
+
+/// Calls that the words of a block ask for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Asked {
+    No,
+    Once,
+    Modally,
+}
+
+fn asks(seen: &[Seen]) -> Asked {
+    let mut asked = Asked::No;
+    for word in seen {
+        match (&*word.name, word.value) {
+            ("M", Some(99.0)) | ("G", Some(79.0)) => return Asked::Once,
+            ("M", Some(89.0)) => asked = Asked::Modally,
+            _ => {}
+        }
+    }
+    asked
+}
+
+/// How a call of a cycle leads to its position: straight, without compensation, at the feed of its block or at rapid.
+pub(super) struct Way {
+    feed: Option<String>,
+    rapid: &'static str,
+    /// What straight blocks begin with, with a feed and at rapid.
+    line: [&'static str; 2],
+    off: &'static str,
+}
+
+impl Way {
+    /// As the words of a call say.
+    pub(super) fn of(host: &dyn Host, seen: &[Seen]) -> Self {
+        let text = |text: &'static str| if host.is_code_text(text) { text } else { "" };
+        let feed = seen.iter().find(|word| word.is_rate() && word.is("F")).map(|word| word.text.clone());
+        let line = if host.is_code_text("L") { ["L"; 2] } else { ["G1", "G0"] };
+        Self { feed, rapid: text("FMAX"), line, off: text("R0") }
+    }
+
+    /// The call has a feed of its own.
+    pub(super) fn has_feed(&self) -> bool {
+        self.feed.is_some()
+    }
+
+    /// A block to some positions; `rapid` whatever the feed.
+    pub(super) fn block(&self, words: &str, rapid: bool) -> String {
+        let feed = self.feed.as_deref().filter(|_| !rapid);
+        let line = if feed.is_some() { self.line[0] } else { self.line[1] };
+        let parts = [line, words, self.off, feed.unwrap_or(self.rapid)];
+        parts.into_iter().filter(|part| !part.is_empty()).collect::<Vec<_>>().join(" ")
+    }
+}
+
+impl Heidenhain {
+    /// CYCL CALL.
+    pub(super) fn call_cycle(
+        &mut self,
+        host: &mut dyn Host,
+        (kind, words): (Call, &[Word]),
+        place: Place,
+    ) -> Result<Option<String>, Halt> {
+        let mut seen = Evaluator::new(&mut self.variables, host).seen(words)?;
+        self.functions_of(&seen);
+        self.feed_units(host, &mut seen)?;
+        let text = match kind {
+            Call::Here => "CYCL CALL",
+            Call::Position => "CYCL CALL POS",
+            Call::Pattern => "CYCL CALL PAT",
+        };
+        if kind == Call::Pattern && !host.is_code_text(text) {
+            let Some(program) = self.cycles.defined.program.clone() else { return Ok(self.not_understood(host)) };
+            return Ok(match self.call_at_pattern(host, &program, &seen, place)? {
+                Some(blocks) => Some(blocks.join("\n")),
+                None => self.not_understood(host),
+            });
+        }
+        let Some(program) = self.cycles.defined.program.clone().filter(|_| kind != Call::Pattern) else {
+            return Ok(Some(joined(text, &seen)));
+        };
+        if kind == Call::Here {
+            self.call_cycle_program(host, &program, None)?;
+            return Ok(Some(joined("", &seen)));
+        }
+        let (blocks, surface) = self.approach(host, seen);
+        self.call_cycle_program(host, &program, Some(surface))?;
+        Ok(Some(blocks.join("\n")))
+    }
+
+    /// A number that the program has given a parameter, 0 before.
+    pub(super) fn number(&self, name: Name) -> f64 {
+        match self.variables.get(name) {
+            Some(Value::Number(value)) => value,
+            _ => 0.0,
+        }
+    }
+
+    /// Q203.
+    pub(super) fn surface(&self) -> f64 {
+        self.number(SURFACE)
+    }
+
+    /// Q204.
+    pub(super) fn second_clearance(&self) -> f64 {
+        self.number(SECOND_CLEARANCE)
+    }
+
+    /// Blocks that lead to the position of CYCL CALL POS, and the surface there, which its word of the tool axis moves: from
+    /// above first in the plane, from below first up to the clearance. The feed of the block is that of the way alone.
+    fn approach(&mut self, host: &mut dyn Host, seen: Vec<Seen>) -> (Vec<String>, f64) {
+        let along = self.variables.control.tool_axis.unwrap_or(2);
+        let is_height = |word: &Seen| word.value.is_some() && axis(&word.name).is_some_and(|(at, _)| at == along);
+        let shift = seen.iter().find(|word| is_height(word)).and_then(|word| word.value).unwrap_or(0.0);
+        let surface = self.surface() + shift;
+        let way = Way::of(host, &seen);
+        let mut blocks = Vec::new();
+        if actual(host).get(along).is_some_and(|height| *height < surface) {
+            let letter = AXES.get(along).copied().unwrap_or("Z");
+            blocks.push(way.block(&format!("{letter}{}", shown(surface + self.number(CLEARANCE))), false));
+        }
+        let others: Vec<Seen> = seen.into_iter().filter(|word| !is_height(word) && !word.is_rate()).collect();
+        blocks.push(way.block(&joined("", &others), false));
+        blocks.extend(self.path.feed.clone().filter(|_| way.has_feed()));
+        (blocks, surface)
+    }
+
+    /// Calls the program of a cycle, with a surface of the call.
+    pub(super) fn call_cycle_program(
+        &mut self,
+        host: &mut dyn Host,
+        program: &str,
+        surface: Option<f64>,
+    ) -> Result<(), Halt> {
+        self.call_file(host, program, self.cycles.defined.stored)?;
+        self.calling = Some(flow::Kind::Cycle);
+        self.cycles.running.changed.clear();
+        if let Some(moved) = surface {
+            self.for_this_call(SURFACE, moved);
+        }
+        Ok(())
+    }
+
+    /// Changes a parameter until the cycle that has been called is over.
+    pub(super) fn for_this_call(&mut self, name: Name, value: f64) {
+        self.cycles.running.changed.push((name, self.number(name)));
+        self.variables.set(name, Value::Number(value));
+    }
+
+    /// Feeds of a cycle that mean rapid.
+    pub(super) fn rapid_feeds(&self, seen: &mut [Seen]) {
+        let rapid = |word: &&mut Seen| word.is("F") && word.value.is_some_and(|feed| feed >= RAPID);
+        for word in seen.iter_mut().filter(|_| self.cycles.running.depth > 0).filter(rapid) {
+            *word = Seen::text("FMAX");
+        }
+    }
+
+    /// The program of a cycle has been called.
+    pub(super) fn cycle_begins(&mut self) {
+        if self.cycles.running.depth == 0 {
+            self.cycles.running.depth = self.variables.calls.depth();
+            self.cycles.running.feed.clone_from(&self.path.feed);
+        }
+    }
+
+    /// A program or label has returned: a cycle is over, its parameters are those of its definition again.
+    pub(super) fn cycle_returns(&mut self) {
+        if self.cycles.running.depth > self.variables.calls.depth() {
+            let Running { changed, feed, .. } = std::mem::take(&mut self.cycles.running);
+            self.path.feed = feed;
+            for (name, value) in changed {
+                self.variables.set(name, Value::Number(value));
+            }
+        }
+    }
+
+    /// M99, M89, G79 of a block, and what M89 has said before. A cycle that is a program is called; of any other the
+    /// call stays on the block, M89 as M99 on its own block and on all that follow.
+    pub(super) fn cycle_calls(&mut self, host: &mut dyn Host, seen: &mut Vec<Seen>, moves: bool) -> Result<(), Halt> {
+        let asked = asks(seen);
+        // Moves of the cycle itself call nothing.
+        let modal = self.cycles.defined.modal && moves && self.cycles.running.depth == 0;
+        if asked == Asked::No && !modal {
+            return Ok(());
+        }
+        match asked {
+            Asked::Once => self.cycles.defined.modal = false,
+            Asked::Modally => self.cycles.defined.modal = true,
+            Asked::No => {}
+        }
+        let program = self.cycles.defined.program.clone();
+        seen.retain(|word| match (&*word.name, word.value) {
+            ("M", Some(89.0)) => false,
+            ("M", Some(99.0)) | ("G", Some(79.0)) => program.is_none(),
+            _ => true,
+        });
+        match program {
+            Some(program) => self.call_cycle_program(host, &program, None),
+            None => {
+                if asked != Asked::Once {
+                    seen.push(Seen::made("M", 99.0));
+                }
+                Ok(())
+            }
+        }
+    }
+}
