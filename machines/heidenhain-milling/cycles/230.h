@@ -1,0 +1,31 @@
+; Multipass milling of Q218 by Q219 from Q225, Q226 at the height Q227 in Q240 passes to and fro, beyond both ends by the radius of the tool; steps at Q209.
+BEGIN PGM 230 MM
+FN 18: SYSREAD QL90 = ID20 NR9
+QL1 = Q227 + Q200
+QL2 = Q225 - Q108
+QL3 = Q225 + Q218 + Q108
+QL4 = Q226
+QL5 = 0
+FN 12: IF +Q240 LT +2 GOTO LBL 1
+QL5 = Q219 / ( Q240 - 1 )
+LBL 1
+QL6 = Q240
+L X+QL2 Y+QL4 R0 FMAX
+L Z+QL1 R0 FMAX
+L Z+Q227 F+Q206
+LBL 2
+L X+QL3 F+Q207
+QL6 = QL6 - 1
+FN 12: IF +QL6 LT +0.5 GOTO LBL 3
+QL4 = QL4 + QL5
+L Y+QL4 F+Q209
+L X+QL2 F+Q207
+QL6 = QL6 - 1
+FN 12: IF +QL6 LT +0.5 GOTO LBL 3
+QL4 = QL4 + QL5
+L Y+QL4 F+Q209
+FN 9: IF +0 EQU +0 GOTO LBL 2
+LBL 3
+L Z+QL1 R0 FMAX
+F+QL90
+END PGM 230 MM

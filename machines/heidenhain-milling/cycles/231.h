@@ -1,0 +1,48 @@
+; Ruled surface between the lines from point 1 (Q225 to Q227) to 2 (Q228 to Q230) and from point 4 (Q234 to Q236) to 3 (Q231 to Q233) in Q240 passes, each in the same direction; in
+; between the tool is its diameter above the end of the pass.
+BEGIN PGM 231 MM
+FN 18: SYSREAD QL90 = ID20 NR9
+QL4 = Q108 * 2
+QL5 = 0
+QL6 = Q240 - 1
+FN 11: IF +QL6 GT +0 GOTO LBL 1
+QL6 = 1
+LBL 1
+L X+Q225 Y+Q226 Z+Q227 R0 F+Q207
+LBL 2
+QL7 = QL5 / QL6
+QL11 = Q225 + ( Q234 - Q225 ) * QL7
+QL12 = Q226 + ( Q235 - Q226 ) * QL7
+QL13 = Q227 + ( Q236 - Q227 ) * QL7
+QL14 = Q228 + ( Q231 - Q228 ) * QL7
+QL15 = Q229 + ( Q232 - Q229 ) * QL7
+QL16 = Q230 + ( Q233 - Q230 ) * QL7
+FN 9: IF +QL5 EQU +0 GOTO LBL 3
+L X+QL11 Y+QL12 Z+QL13 F+Q207
+LBL 3
+L X+QL14 Y+QL15 Z+QL16 F+Q207
+QL17 = QL16 + QL4
+L Z+QL17 R0 FMAX
+QL5 = QL5 + 1
+FN 11: IF +QL5 GT +QL6 GOTO LBL 4
+FN 12: IF +Q240 LT +2 GOTO LBL 4
+QL17 = QL13 + QL4
+L X+QL11 Y+QL12 Z+QL17 R0 FMAX
+L Z+QL13 R0 FMAX
+FN 9: IF +0 EQU +0 GOTO LBL 2
+LBL 4
+; Above the highest of the points.
+QL17 = Q227
+FN 11: IF +QL17 GT +Q230 GOTO LBL 5
+QL17 = Q230
+LBL 5
+FN 11: IF +QL17 GT +Q233 GOTO LBL 6
+QL17 = Q233
+LBL 6
+FN 11: IF +QL17 GT +Q236 GOTO LBL 7
+QL17 = Q236
+LBL 7
+QL17 = QL17 + QL4
+L Z+QL17 R0 FMAX
+F+QL90
+END PGM 231 MM

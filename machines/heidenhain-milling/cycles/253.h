@@ -1,0 +1,39 @@
+; Slot Q218 long and Q219 wide, turned by Q374 about the place of the tool: its middle or, by Q367, its left end, the centre of its left circle, that of
+; its right circle, its right end. Roughing in rings, too; it plunges to and fro.
+BEGIN PGM 253 MM
+FN 9: IF +Q201 EQU +0 GOTO LBL 98
+FN 18: SYSREAD QL90 = ID20 NR9
+FN 18: SYSREAD QL91 = ID270 NR1 IDX1
+FN 18: SYSREAD QL92 = ID270 NR1 IDX2
+QL1 = Q203 + Q200
+QL2 = Q203 + Q204
+QL10 = 0
+FN 9: IF +Q367 EQU +0 GOTO LBL 1
+QL10 = Q218 / 2
+FN 9: IF +Q367 EQU +1 GOTO LBL 1
+QL10 = Q218 / 2 - Q219 / 2
+FN 9: IF +Q367 EQU +2 GOTO LBL 1
+QL10 = 0 - QL10
+FN 9: IF +Q367 EQU +3 GOTO LBL 1
+QL10 = 0 - Q218 / 2
+LBL 1
+Q1101 = QL91 + QL10 * COS Q374
+Q1102 = QL92 + QL10 * SIN Q374
+Q1103 = Q374
+Q1104 = Q218 / 2
+Q1105 = Q219 / 2
+Q1106 = Q1105
+Q1115 = Q108
+Q1116 = 0
+FN 9: IF +Q366 EQU +0 GOTO LBL 2
+Q1116 = 2
+LBL 2
+CALL PGM POCKET
+L Z+QL1 R0 FMAX
+FN 12: IF +Q204 LT +Q200 GOTO LBL 97
+L Z+QL2 R0 FMAX
+LBL 97
+L X+QL91 Y+QL92 R0 FMAX
+F+QL90
+LBL 98
+END PGM 253 MM

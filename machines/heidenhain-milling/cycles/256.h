@@ -1,0 +1,45 @@
+; Rectangular stud Q218 by Q219 with corners of Q220 out of a blank of Q424 by Q425, turned by Q224 about the place of the tool, which is its centre or, by Q367, one of
+; its corners. The tool comes from 2 mm right of the blank, Q437 = 0.
+BEGIN PGM 256 MM
+FN 9: IF +Q201 EQU +0 GOTO LBL 98
+FN 11: IF +Q108 GT +0 GOTO LBL 96
+FN 14: ERROR = 1002
+LBL 96
+FN 18: SYSREAD QL90 = ID20 NR9
+FN 18: SYSREAD QL91 = ID270 NR1 IDX1
+FN 18: SYSREAD QL92 = ID270 NR1 IDX2
+QL1 = Q203 + Q200
+QL2 = Q203 + Q204
+FN 9: IF +Q437 EQU +0 GOTO LBL 3
+FN 38: SEND /"Q437 has to be 0 in cycle 256: other places to start from are not emulated"
+FN 14: ERROR = 1099
+LBL 3
+QL10 = 0
+QL11 = 0
+FN 9: IF +Q367 EQU +0 GOTO LBL 1
+QL10 = Q218 / 2
+QL11 = Q219 / 2
+FN 9: IF +Q367 EQU +1 GOTO LBL 1
+FN 9: IF +Q367 EQU +4 GOTO LBL 2
+QL10 = 0 - QL10
+FN 9: IF +Q367 EQU +2 GOTO LBL 1
+LBL 2
+QL11 = 0 - QL11
+LBL 1
+Q1101 = QL91 + QL10 * COS Q224 - QL11 * SIN Q224
+Q1102 = QL92 + QL10 * SIN Q224 + QL11 * COS Q224
+Q1103 = Q224
+Q1104 = Q218 / 2
+Q1105 = Q219 / 2
+Q1106 = Q220
+Q1121 = Q424 / 2
+Q1122 = Q425 / 2
+CALL PGM STUD
+L Z+QL1 R0 FMAX
+FN 12: IF +Q204 LT +Q200 GOTO LBL 97
+L Z+QL2 R0 FMAX
+LBL 97
+L X+QL91 Y+QL92 R0 FMAX
+F+QL90
+LBL 98
+END PGM 256 MM

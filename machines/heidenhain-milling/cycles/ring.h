@@ -1,0 +1,39 @@
+; A rectangle with round corners, once round from the middle of its lower side: centre Q1101, Q1102, angle Q1103, half sizes Q1104 and Q1105,
+; radius of the corners Q1106, against the clock with Q1107 = 1, with it with -1. Feed Q1108, in the corners Q1109.
+BEGIN PGM RING MM
+QL1 = 0
+QL2 = Q1104
+QL3 = Q1105
+; Direction of the normal of the side, and along it.
+QL4 = Q1103 - 90
+LBL 1
+QL5 = QL4 + Q1107 * 90
+QL6 = QL2 - Q1106
+QL10 = Q1101 + QL3 * COS QL4 + QL6 * COS QL5
+QL11 = Q1102 + QL3 * SIN QL4 + QL6 * SIN QL5
+FN 12: IF +QL6 LT +0.0001 GOTO LBL 2
+L X+QL10 Y+QL11 F+Q1108
+LBL 2
+FN 12: IF +Q1106 LT +0.0001 GOTO LBL 4
+QL7 = QL3 - Q1106
+QL12 = Q1101 + QL7 * COS QL4 + QL2 * COS QL5
+QL13 = Q1102 + QL7 * SIN QL4 + QL2 * SIN QL5
+FN 12: IF +Q1107 LT +0 GOTO LBL 3
+CR X+QL12 Y+QL13 R+Q1106 DR+ F+Q1109
+FN 9: IF +0 EQU +0 GOTO LBL 4
+LBL 3
+CR X+QL12 Y+QL13 R+Q1106 DR- F+Q1109
+LBL 4
+QL4 = QL5
+QL5 = QL2
+QL2 = QL3
+QL3 = QL5
+QL1 = QL1 + 1
+FN 12: IF +QL1 LT +4 GOTO LBL 1
+QL6 = QL2 - Q1106
+FN 12: IF +QL6 LT +0.0001 GOTO LBL 5
+QL10 = Q1101 + QL3 * COS QL4
+QL11 = Q1102 + QL3 * SIN QL4
+L X+QL10 Y+QL11 F+Q1108
+LBL 5
+END PGM RING MM
