@@ -115,6 +115,10 @@ pub(super) enum Positioning {
     Negative,
     /// `QU(…)`: only the value counts.
     Value,
+    /// `PM(…)`: a feed per minute.
+    PerMinute,
+    /// `PR(…)`: a feed per revolution.
+    PerRevolution,
 }
 
 /// Where a jump looks for its target.
@@ -154,7 +158,7 @@ const STRUCTURES: [(&str, Structure); 7] = [
     ("REPEAT", Structure::Repeat),
 ];
 
-const POSITIONINGS: [(&str, Positioning); 10] = [
+const POSITIONINGS: [(&str, Positioning); 12] = [
     ("AC", Positioning::Absolute),
     ("IC", Positioning::Incremental),
     ("DC", Positioning::Shortest),
@@ -165,6 +169,8 @@ const POSITIONINGS: [(&str, Positioning); 10] = [
     ("CACP", Positioning::Positive),
     ("CACN", Positioning::Negative),
     ("QU", Positioning::Value),
+    ("PM", Positioning::PerMinute),
+    ("PR", Positioning::PerRevolution),
 ];
 
 /// Key words of statements that other controls have too.

@@ -426,10 +426,6 @@ fn limit(name: &str) -> Option<&'static str> {
         "MEAS" | "MEAW" | "MEASA" | "MEAWA" | "MEAC" => {
             "measuring is not emulated; write the measured values into the variables that the program reads, and skip the block"
         }
-        "OFFN" => "an allowance of the contour is not emulated; add it to the radius of the tool ($TC_DP15)",
-        "DISR" | "DISCL" | "DISRP" | "FAD" => {
-            "soft approach and retraction are not emulated; write the way to the contour as G0, G1, G2 and G3"
-        }
         _ => return None,
     })
 }

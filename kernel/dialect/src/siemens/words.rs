@@ -15,6 +15,13 @@ use crate::host::{AxisPlace, Host};
 
 /// Largest value of a word.
 const BOUND: f64 = 1e12;
+/// Addresses whose values count in another way with a key word, and the register of that: heights of soft approach and its feed.
+const OTHERWISE: [(&str, Positioning, &str); 4] = [
+    ("DISCL", Positioning::Absolute, "SC_DISCL"),
+    ("DISRP", Positioning::Absolute, "SC_DISRP"),
+    ("FAD", Positioning::PerMinute, "SC_FADM"),
+    ("FAD", Positioning::PerRevolution, "SC_FADR"),
+];
 /// Most addresses whose spelling is remembered.
 const MOST_SPELLINGS: usize = 500;
 
@@ -62,6 +69,11 @@ impl Siemens {
                 } else {
                     return super::wrong_type("the position is out of range");
                 };
+                let other = OTHERWISE.iter().find(|(name, by, _)| *name == address && by == way);
+                if let Some((_, _, register)) = other {
+                    left.add(&format!("{register}={}", Data::Real(value).word()));
+                    return Ok(());
+                }
                 if let (Positioning::Incremental, Some(at)) =
                     (*way, ["AP", "RP"].iter().position(|name| *name == address))
                 {
@@ -188,7 +200,9 @@ fn placed(
         let turn = (value - axis.work).rem_euclid(360.0);
         return match way {
             Positioning::Incremental => Placed::Step(value),
-            Positioning::Absolute | Positioning::Value => to(value),
+            Positioning::Absolute | Positioning::Value | Positioning::PerMinute | Positioning::PerRevolution => {
+                to(value)
+            }
             Positioning::Shortest => to(axis.work + if turn > 180.0 { turn - 360.0 } else { turn }),
             Positioning::Positive => to(axis.work + turn),
             Positioning::Negative => to(axis.work + if turn == 0.0 { 0.0 } else { turn - 360.0 }),

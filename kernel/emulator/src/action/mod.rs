@@ -56,6 +56,7 @@ static ENTRIES: &[&[Entry]] = &[
     compensation::ENTRIES,
     coolant::ENTRIES,
     corners::ENTRIES,
+    cutter::smooth::ENTRIES,
     couple::ENTRIES,
     cycle::ENTRIES,
     dwell::ENTRIES,

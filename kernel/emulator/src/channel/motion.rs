@@ -63,6 +63,7 @@ impl Kernel<'_> {
         self.flow.pass.effects = true;
         if self.plan.rules.keeps_last_move {
             self.channel.state.arcs.last = Some(self.last_move(motion));
+            self.channel.state.arcs.feed = Some((motion.feed, motion.feed_unit));
         }
         self.channel.state.place.position = motion.to;
         let ns = crate::state::channel::nanoseconds(seconds);

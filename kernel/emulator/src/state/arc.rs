@@ -2,7 +2,7 @@
 //!
 //! *Invariant:* a defined centre is a point and stays until another definition.
 
-use counterpoint_event::event::Position;
+use counterpoint_event::event::{FeedUnit, Position};
 use counterpoint_machine::ident::kind::arc::By;
 use counterpoint_machine::index::AxisSlot;
 
@@ -31,6 +31,8 @@ pub(crate) struct Arcs {
     pub(crate) radius: Option<f64>,
     /// The last move along the contour.
     pub(crate) last: Option<LastMove>,
+    /// Its feed with its unit.
+    pub(crate) feed: Option<(f64, FeedUnit)>,
     /// Pole of polar coordinates in the frame of the program, by axis of the channel.
     pub(crate) pole: Position,
     /// Clockwise, as the last circle or code of direction said.

@@ -10,6 +10,7 @@ use counterpoint_event::event::{Event, FeedUnit, FileId, Position};
 use counterpoint_motion::contour::element::{Element, Spot};
 
 use super::corner::{Asked, Corner, Open};
+use super::smooth::Smooth;
 use counterpoint_sync::tag::Tag;
 
 /// Where compensation is.
@@ -28,8 +29,9 @@ pub(crate) enum Stage {
     },
     /// Side or radius have changed beside the contour.
     Turned,
-    /// Switched off; the next move in the plane goes to its point.
-    Ending,
+    /// Switched off; the next move in the plane goes to its point. The end of the contour and the direction of the way there,
+    /// where they are known.
+    Ending(Option<(Spot, Spot)>),
 }
 
 /// A move as programmed, in the work frame.
@@ -65,6 +67,8 @@ pub(crate) struct Waiting {
     pub(crate) corner: Option<Corner>,
     /// A line whose end the next one gives.
     pub(crate) open: Option<Open>,
+    /// It is the way to the contour, whose beginning is the end of this move.
+    pub(crate) smooth: Option<Box<Smooth>>,
     pub(crate) file: FileId,
     pub(crate) line: u32,
     pub(crate) block: u64,
@@ -109,6 +113,15 @@ pub(crate) struct Cutter {
     pub(crate) plain: bool,
     /// What the words of the block ask of the contour, until its move is known.
     pub(crate) asked: Asked,
+    /// A way to the contour or from it that no move has made yet.
+    pub(crate) smooth: Option<Box<Smooth>>,
+}
+
+impl Stage {
+    /// Compensation has been switched off.
+    pub(crate) fn is_ending(&self) -> bool {
+        matches!(self, Self::Ending(_))
+    }
 }
 
 impl Cutter {

@@ -19,6 +19,7 @@ pub(crate) mod modal;
 pub(crate) mod pace;
 pub(crate) mod position;
 pub(crate) mod probing;
+pub(crate) mod smooth;
 pub(crate) mod spindle;
 pub(crate) mod thread;
 pub(crate) mod turning;

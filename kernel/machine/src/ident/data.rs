@@ -321,4 +321,13 @@ data! {
     TILT_SHIFT_Z true true Plain, Length => "the same along its Z";
     TILT_DISTANCE true true Plain, Length => "from the tip of the tool to the point that keeps its place (Heidenhain MOVE DIST)";
     TILT_RETRACT true true Plain, Length => "way along the tool before the turn, below zero up to the end of travel (Heidenhain MB)";
+    CONTOUR_ALLOWANCE true true Plain, Length => "allowance of the contour on the side of the compensated tool (Siemens OFFN)";
+    SMOOTH_SIZE true true Plain, Length => "line or radius on which the tool comes to a contour or leaves it (Siemens DISR)";
+    SMOOTH_LEVEL true true Plain, Length => "distance from the contour along the tool at which the quick move ends (Siemens DISCL)";
+    SMOOTH_LEVEL_AT true true Plain, Length => "the same as a position (Siemens DISCL=AC)";
+    SMOOTH_RETRACTION true true Plain, Length => "distance from the contour along the tool of the first point of the way (Siemens DISRP)";
+    SMOOTH_RETRACTION_AT true true Plain, Length => "the same as a position (Siemens DISRP=AC)";
+    SMOOTH_FEED true true Plain, Feed => "feed of the slow way along the tool (Siemens FAD)";
+    SMOOTH_FEED_UPM true true Plain, Feed => "the same per minute (Siemens FAD=PM)";
+    SMOOTH_FEED_UPR true true Plain, Feed => "the same per revolution (Siemens FAD=PR)";
 }

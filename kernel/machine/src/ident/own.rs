@@ -60,6 +60,22 @@ macro_rules! with_own {
             TILT_NEGATIVE 0 90 true true Plane(Tilt::Side(false)) => ": on the negative side (SEQ-)";
             TILT_TABLE 0 90 true true Plane(Tilt::Table) => ": a rotary axis that has nothing to do turns the plane (TABLE ROT)";
             RETRACT_TOOL 0 460 true true Plain => ": the tool goes back along its axis (Heidenhain M140)";
+            SMOOTH_LINE_IN 0 440 true true Plain => ": the tool comes to the contour on a line in its direction (Siemens G147)";
+            SMOOTH_QUARTER_IN 0 440 true true Plain => ": on a quarter of a circle (Siemens G247)";
+            SMOOTH_HALF_IN 0 440 true true Plain => ": on half a circle (Siemens G347)";
+            SMOOTH_LINE_OUT 0 440 true true Plain => ": the tool leaves the contour on a line in its direction (Siemens G148)";
+            SMOOTH_QUARTER_OUT 0 440 true true Plain => ": on a quarter of a circle (Siemens G248)";
+            SMOOTH_HALF_OUT 0 440 true true Plain => ": on half a circle (Siemens G348)";
+            SMOOTH_SIDE_TOOL 146 100 true true Mode("smooth side tool") => ": such circles lie on the side of the compensated tool (Siemens G140)";
+            SMOOTH_SIDE_LEFT 146 100 true true Mode("smooth side left") => ": on the left of the contour (Siemens G141)";
+            SMOOTH_SIDE_RIGHT 146 100 true true Mode("smooth side right") => ": on the right (Siemens G142)";
+            SMOOTH_SIDE_POINT 146 100 true true Mode("smooth side point") => ": where the way to the contour begins, or the way from it ends (Siemens G143)";
+            SMOOTH_IN_SPACE 147 100 true true Mode("smooth in space") => ": the tool goes down on the circle or line itself (Siemens G340)";
+            SMOOTH_IN_PLANE 147 100 true true Mode("smooth in plane") => ": before it (Siemens G341)";
+            CONTOUR_NORMAL 145 100 true true Mode("contour normal") => ": compensation begins and ends straight beside the contour (Siemens NORM)";
+            CONTOUR_AROUND 145 100 true true Mode("contour around") => ": around the end of the contour, if the point is behind it (Siemens KONT)";
+            COMP_IN_MACHINE 148 90 true true Mode("comp plane machine") => ": compensation of the radius is in the plane of the machine (Siemens CUT2D)";
+            COMP_IN_FRAME 148 90 true true Mode("comp plane frame") => ": in the plane of the frame (Siemens CUT2DF)";
         }
     };
 }

@@ -38,6 +38,7 @@ pub(super) fn take_part(act: &mut Act<'_, '_>) -> bool {
         suspended: false,
         plain: true,
         asked: Asked::default(),
+        smooth: None,
     };
     act.frames().cutter = Some(Box::new(new));
     true
@@ -69,7 +70,9 @@ pub(super) fn follow(act: &mut Act<'_, '_>, contour: Contour) -> Acted {
 /// Nothing waits any more: without compensation and modal rounding moves are plain again.
 pub(super) fn end(act: &mut Act<'_, '_>) {
     let rounds = act.state.place.frames.as_deref().is_some_and(|frames| frames.rounding.is_some());
-    if !rounds && act.cutter().is_some_and(|cutter| cutter.plain && cutter.waiting.is_empty()) {
+    if !rounds
+        && act.cutter().is_some_and(|cutter| cutter.plain && cutter.waiting.is_empty() && cutter.smooth.is_none())
+    {
         act.forget_cutter();
     }
 }

@@ -6,9 +6,11 @@
 //! control-emulator.md 6.6. Decisions: docs/emulation.md, "Cutter radius".
 
 mod angle;
+mod around;
 mod corner;
 mod held;
 mod moves;
+pub(super) mod smooth;
 mod words;
 
 pub(super) use words::{code as corner_code, has_words, with_words};
@@ -56,13 +58,18 @@ pub(super) fn switched(act: &mut Act<'_, '_>, code: CodeId) -> Acted {
         codes::COMP_3D_VECTOR => 0.0,
         _ => {
             if let Some(cutter) = act.cutter().filter(|cutter| !cutter.plain) {
-                cutter.stage = Stage::Ending;
+                cutter.stage = match cutter.stage {
+                    Stage::Settled { corner, along } => Stage::Ending(Some((corner, along))),
+                    Stage::Ending(known) => Stage::Ending(known),
+                    _ => Stage::Ending(None),
+                };
             }
             return Ok(());
         }
     };
     let number = act.diameter_in_force().unwrap_or(0);
-    let radius = act.cutter_radius(number);
+    let radius = act.cutter_radius(number) + contour_allowance(act);
+    act.check_stop()?;
     if radius == 0.0 {
         no_radius(act, number);
     }
@@ -74,10 +81,18 @@ pub(super) fn switched(act: &mut Act<'_, '_>, code: CodeId) -> Acted {
         act.diagnose(&diag::CUTTER_PLANE, text);
         return Ok(());
     };
+    if around::frame_tilts(act, plane_code) {
+        let text = format!(
+            "'{}' compensates in the plane of a tilted frame (CUT2DF), which is not emulated; tilt by CYCLE800, or program CUT2D",
+            act.block_text()
+        );
+        act.diagnose(&diag::SIEMENS_STATE, text);
+        return act.check_stop();
+    }
     let tip = act.nose_tip(number, plane_code);
     let contour = act.contour();
     let side = if is_mirrored(act) { -side } else { side };
-    let kept = act.cutter().filter(|cutter| cutter.stage != Stage::Ending && !cutter.plain).map(|_| Stage::Turned);
+    let kept = act.cutter().filter(|cutter| !cutter.stage.is_ending() && !cutter.plain).map(|_| Stage::Turned);
     let new = Cutter {
         side: if radius < 0.0 { -side } else { side },
         radius: radius.abs(),
@@ -91,6 +106,7 @@ pub(super) fn switched(act: &mut Act<'_, '_>, code: CodeId) -> Acted {
         suspended: false,
         plain: false,
         asked: Asked::default(),
+        smooth: None,
     };
     act.frames().cutter = Some(Box::new(new));
     Ok(())
@@ -114,6 +130,23 @@ pub(super) fn frame_changed(act: &mut Act<'_, '_>, was_mirrored: bool) {
     {
         cutter.side = -cutter.side;
     }
+}
+
+/// Allowance of the contour: that of the block, or the last one.
+fn contour_allowance(act: &mut Act<'_, '_>) -> f64 {
+    if let Some(value) = act.take(data::CONTOUR_ALLOWANCE).map(|datum| datum.value) {
+        act.state.modal.remember(data::CONTOUR_ALLOWANCE, value);
+    }
+    let allowance = act.state.modal.value(data::CONTOUR_ALLOWANCE).unwrap_or(0.0);
+    if allowance != 0.0 && act.polar().is_some() {
+        let text = format!(
+            "'{}' compensates with an allowance of the contour (OFFN) on a transformed surface, where it is the wall of a \
+             groove; this is not emulated",
+            act.block_text()
+        );
+        act.diagnose(&diag::SIEMENS_STATE, text);
+    }
+    allowance
 }
 
 /// Says that compensation changes nothing: the control would continue the contour as well, the part would be wrong.
@@ -143,7 +176,7 @@ pub(super) fn plane_changed(act: &mut Act<'_, '_>) {
     let number = act.diameter_in_force().unwrap_or(0);
     let made = compensated_plane(act).map(|(code, axes)| (axes, act.nose_tip(number, code)));
     let Some(cutter) = act.cutter() else { return };
-    if cutter.stage != Stage::Ending {
+    if !cutter.stage.is_ending() {
         cutter.stage = Stage::Start;
     }
     let text = match made {
@@ -180,7 +213,9 @@ pub(super) fn before(act: &mut Act<'_, '_>, contour: Contour) -> Acted {
         cutter.idle += u32::from(cutter.waiting.first().is_some_and(|first| first.block != cutter.seen));
         cutter.seen = blocks;
     }
-    let long = cutter.idle > if cutter.is_due() { most } else { LOOKED_THROUGH };
+    let smooth = cutter.waiting.first().is_some_and(|first| first.smooth.is_some());
+    let most = if smooth { most.max(smooth::LOOKED_THROUGH) } else { most };
+    let long = cutter.idle > if smooth || cutter.is_due() { most } else { LOOKED_THROUGH };
     match contour {
         Contour::Follows if !in_machine => cutter.suspended = false,
         Contour::Follows | Contour::Waits => {}
@@ -251,10 +286,18 @@ impl Act<'_, '_> {
         if self.state.modal.code(group::DIAMETER) == Some(codes::COMP_3D_VECTOR) {
             return self.along_vector(step);
         }
+        if self.block_has(data::CONTOUR_ALLOWANCE)
+            && let Some(code) = self.state.modal.code(group::DIAMETER).filter(|code| *code != codes::COMP_DIAM_OFF)
+        {
+            switched(self, code)?;
+        }
         let from = self.contour();
         let Some(cutter) = self.cutter() else { return Ok(()) };
+        if let Some(smooth) = cutter.smooth.take() {
+            return self.smooth_step(step, smooth);
+        }
         let (axes, stage, first) = (cutter.axes, cutter.stage, cutter.waiting.is_empty());
-        if cutter.asked.open.is_some() && stage != Stage::Ending && !cutter.suspended {
+        if cutter.asked.open.is_some() && !stage.is_ending() && !cutter.suspended {
             self.wait_for_end(step);
             return Ok(());
         }
@@ -269,10 +312,11 @@ impl Act<'_, '_> {
         let round = matches!(step.shape, Shape::Circle { .. });
         let rules = self.env.machine.compensation;
         match stage {
-            Stage::Ending => {
+            Stage::Ending(end) => {
                 self.report_switch(&step, "off", (rapid && !rules.rapid, round && !rules.arcs));
                 self.corner_at_switch("off");
                 self.check_stop()?;
+                self.around_end(&step, &element, end)?;
                 self.forget_cutter();
                 return self.on_contour(&step);
             }
@@ -357,7 +401,7 @@ impl Act<'_, '_> {
         let mut to = step.to;
         let Some(cutter) = self.cutter() else { return Ok(()) };
         cutter.contour = step.to;
-        let ending = cutter.stage == Stage::Ending;
+        let ending = cutter.stage.is_ending();
         let radius = if length.is_normal() && !ending { cutter.radius / length } else { 0.0 };
         for (role, part) in vector.into_iter().enumerate() {
             let axis = self.state.place.layout.cartesian.get(role).copied().flatten();
@@ -414,7 +458,8 @@ impl Act<'_, '_> {
         let exact = self.block.flags.exact_stop;
         let text = self.text.edited.clone();
         let open = self.cutter().and_then(|cutter| cutter.asked.open.take());
-        let first = element.is_some() || open.is_some();
+        let smooth = self.cutter().and_then(|cutter| cutter.smooth.take());
+        let first = element.is_some() || open.is_some() || smooth.is_some();
         if first {
             self.buffer_events();
         }
@@ -424,7 +469,8 @@ impl Act<'_, '_> {
         if first {
             cutter.idle = 0;
         }
-        let waiting = Waiting { step, element, corner, open, file, line, block, clock, micro, exact, text, events };
+        let waiting =
+            Waiting { step, element, corner, open, smooth, file, line, block, clock, micro, exact, text, events };
         cutter.waiting.push(waiting);
         self.block.flags.moved = true;
         self.note_effect();

@@ -33,13 +33,13 @@ impl Act<'_, '_> {
     }
 
     /// Where the tool's centre is in the plane.
-    fn spot_of(&self, cutter: &Cutter) -> Spot {
+    pub(super) fn spot_of(&self, cutter: &Cutter) -> Spot {
         plus(self.plane_spot(&self.state.place.position, cutter.axes), cutter.tip, 1.0)
     }
 
     /// The position that puts the tool's centre on a spot straight from where it is, the other axes where `to` has
     /// them.
-    fn position_at(&self, cutter: &Cutter, to: &Position, spot: Spot) -> Position {
+    pub(super) fn position_at(&self, cutter: &Cutter, to: &Position, spot: Spot) -> Position {
         let mut position = *to;
         if let Some(polar) = self.polar() {
             polar.reach_straight(&self.state.place, &mut position, spot);
@@ -53,7 +53,7 @@ impl Act<'_, '_> {
     }
 
     /// The same along an arc of the tool's centre.
-    fn position_round(&self, cutter: &Cutter, to: &Position, spot: Spot, made: &Arc) -> Position {
+    pub(super) fn position_round(&self, cutter: &Cutter, to: &Position, spot: Spot, made: &Arc) -> Position {
         let mut position = self.position_at(cutter, to, spot);
         if let Some(polar) = self.polar() {
             polar.reach(&self.state.place, &mut position, spot, crate::action::polar::way_round(made));
@@ -61,7 +61,7 @@ impl Act<'_, '_> {
         position
     }
 
-    fn offset(&self, cutter: &Cutter) -> Offset {
+    pub(super) fn offset(&self, cutter: &Cutter) -> Offset {
         let limit = libm::cos(self.env.machine.compensation.corner_angle.to_radians());
         Offset { side: cutter.side, radius: cutter.radius, corner: self.state.place.compensation.corner, limit }
     }
@@ -113,7 +113,7 @@ impl Act<'_, '_> {
                 }
             }
             Stage::Turned => vec![Link::Line(offset.at_start(element))],
-            Stage::On | Stage::Ending => return Ok(()),
+            Stage::On | Stage::Ending(_) => return Ok(()),
         };
         if let Some(cutter) = self.cutter() {
             cutter.stage = Stage::On;
@@ -141,7 +141,7 @@ impl Act<'_, '_> {
             if result.is_ok() {
                 missing = missing.or_else(|| self.missing(waits));
                 result = self.make(waits, begun, next);
-                begun = if waits.element.is_some() { Stage::On } else { begun };
+                begun = if waits.element.is_some() || waits.smooth.is_some() { Stage::On } else { begun };
             }
             late = late.saturating_add(self.at.clock.saturating_sub(before));
         }
@@ -162,6 +162,9 @@ impl Act<'_, '_> {
     /// Makes a move that has waited.
     fn make(&mut self, waits: &Waiting, begun: Stage, next: Option<&Element>) -> Acted {
         let Some(cutter) = self.cutter().cloned() else { return Ok(()) };
+        if let Some(smooth) = &waits.smooth {
+            return self.smooth_approach(waits, smooth, next);
+        }
         let (step, offset) = (&waits.step, self.offset(&cutter));
         let Some(element) = &waits.element else {
             let to = cutter.lifted(&step.to, &self.state.place.position);
@@ -175,6 +178,14 @@ impl Act<'_, '_> {
             cutter.stage = stage;
         }
         if begun == Stage::Start && !matches!(step.shape, Shape::Circle { .. }) {
+            if let Some(next) = next
+                && let Some(corner) = self.around_start(step, element, next)?
+            {
+                let to = self.position_at(&cutter, &step.to, corner.end);
+                self.straight(step, to)?;
+                let level = self.state.place.position;
+                return self.links((step, element), &cutter, &corner.links, level);
+            }
             let end = next.map_or_else(|| offset.at_end(element), |next| offset.at_start(next));
             let to = self.position_at(&cutter, &step.to, end);
             return self.straight(step, to);
@@ -231,12 +242,18 @@ impl Act<'_, '_> {
         self.round(&Circle { made, coded, from: self.state.place.position, to, axes, turns, feed, unit })
     }
 
-    fn round(&mut self, circle: &Circle) -> Acted {
+    pub(super) fn round(&mut self, circle: &Circle) -> Acted {
         self.without_cutter(|act| act.circle_to(circle))
     }
 
     /// The moves around a corner, the axes beside the plane standing.
-    fn links(&mut self, (step, element): (&Step, &Element), cutter: &Cutter, links: &[Link], level: Position) -> Acted {
+    pub(super) fn links(
+        &mut self,
+        (step, element): (&Step, &Element),
+        cutter: &Cutter,
+        links: &[Link],
+        level: Position,
+    ) -> Acted {
         let length = element.length();
         for link in links {
             match *link {

@@ -1,0 +1,438 @@
+//! Soft approach to a contour and retraction from it: a line or a part of a circle that touches the contour, and the way
+//! between it and the tool.
+//!
+//! P0 is where the tool comes from, P1 above P3 at the height of P0, P2 where the quick way down ends, P3 where the line or circle
+//! begins, P4 the contour; the way from the contour goes through them backwards. Facts: programming manual, fundamentals, and
+//! function manual W1, chapter "smooth approach and retraction"; the points are those of the
+//! tool's centre. *Invariant:* along the tool the way never turns back; what would is refused before anything moves. Decisions:
+//! docs/emulation.md, "Cutter radius".
+
+use std::f64::consts::PI;
+
+use counterpoint_event::event::{FeedUnit, Position};
+use counterpoint_fault as diag;
+use counterpoint_fault::Acted;
+use counterpoint_machine::ident::{DataId, codes, data};
+use counterpoint_machine::index::{AxisSlot, BySlot as _};
+use counterpoint_motion::arc::Arc;
+use counterpoint_motion::contour::element::{Element, NOISE, Spot, angle, cross, distance, plus};
+
+use super::{Cutter, Shape, Stage, Step, Waiting, corner};
+use crate::act::Act;
+use crate::action::arc::Circle;
+use crate::action::entry::{Contour, Entry};
+use crate::state::arc::LastMove;
+use crate::state::modal::{feed_of, group, plane};
+use crate::state::smooth::{Form, Level, Lies, Smooth, Speed};
+
+/// Codes and what they do.
+pub(in crate::action) const ENTRIES: &[Entry] = &[
+    Entry::of(&[codes::SMOOTH_LINE_IN], |act, _, _| asked(act, Form::Line, false)).contour(Contour::Waits),
+    Entry::of(&[codes::SMOOTH_QUARTER_IN], |act, _, _| asked(act, Form::Quarter, false)).contour(Contour::Waits),
+    Entry::of(&[codes::SMOOTH_HALF_IN], |act, _, _| asked(act, Form::Half, false)).contour(Contour::Waits),
+    Entry::of(&[codes::SMOOTH_LINE_OUT], |act, _, _| asked(act, Form::Line, true)).contour(Contour::Waits),
+    Entry::of(&[codes::SMOOTH_QUARTER_OUT], |act, _, _| asked(act, Form::Quarter, true)).contour(Contour::Waits),
+    Entry::of(&[codes::SMOOTH_HALF_OUT], |act, _, _| asked(act, Form::Half, true)).contour(Contour::Waits),
+];
+
+/// Blocks without motion in the plane between the way and the contour (MD20202).
+pub(super) const LOOKED_THROUGH: u32 = 5;
+
+/// Length by which the way along the tool may turn back (MD20204).
+const TOLERANCE: f64 = 0.01;
+
+/// A block asks for a way.
+fn asked(act: &mut Act<'_, '_>, form: Form, leaves: bool) -> Acted {
+    act.flush_lookahead()?;
+    if !corner::take_part(act) {
+        return act.check_stop();
+    }
+    let before = speed_before(act);
+    let (id, unit) = feed_of(act.state.modal.code(group::FEED));
+    let own = if unit != FeedUnit::InverseTime && act.block_has(id) {
+        let (feed, unit) = act.feed();
+        Some(Speed::Feed(feed, unit))
+    } else {
+        None
+    };
+    let feed = Speed::Feed(act.state.modal.value(id), unit);
+    let slow = [
+        (data::SMOOTH_FEED, unit),
+        (data::SMOOTH_FEED_UPM, FeedUnit::PerMinute),
+        (data::SMOOTH_FEED_UPR, FeedUnit::PerRevolution),
+    ];
+    let slow = slow.map(|(id, unit)| act.take(id).map(|datum| Speed::Feed(Some(datum.value), unit)));
+    let level = level_of(act, [data::SMOOTH_LEVEL, data::SMOOTH_LEVEL_AT]);
+    let retraction = level_of(act, [data::SMOOTH_RETRACTION, data::SMOOTH_RETRACTION_AT]);
+    let lies = match act.state.modal.code(LIES) {
+        Some(codes::SMOOTH_SIDE_LEFT) => Lies::Left,
+        Some(codes::SMOOTH_SIDE_RIGHT) => Lies::Right,
+        Some(codes::SMOOTH_SIDE_POINT) => Lies::WithPoint,
+        _ => Lies::WithTool,
+    };
+    let smooth = Smooth {
+        leaves,
+        form,
+        lies,
+        in_space: act.state.modal.code(DEPTH) != Some(codes::SMOOTH_IN_PLANE),
+        size: act.take(data::SMOOTH_SIZE).map_or(0.0, |datum| datum.value),
+        level,
+        retraction,
+        slow: slow.into_iter().flatten().next(),
+        before,
+        own,
+        feed,
+        heading: if leaves { act.heading() } else { None },
+    };
+    if act.cutter().is_some_and(|cutter| cutter.smooth.is_some()) {
+        return act.refuse_way("a way to the contour is asked for again before the contour has begun", 10743);
+    }
+    if leaves && !act.has_axis_word() {
+        return act.smooth_retract(None, &smooth);
+    }
+    if let Some(cutter) = act.cutter() {
+        cutter.smooth = Some(Box::new(smooth));
+    }
+    act.check_stop()
+}
+
+/// Groups of the side and of the kind of descent.
+const LIES: u16 = 146;
+const DEPTH: u16 = 147;
+
+/// Speed of the blocks before this one.
+fn speed_before(act: &Act<'_, '_>) -> Speed {
+    if act.state.modal.code(group::MOTION) == Some(codes::RAPID) {
+        return Speed::Rapid;
+    }
+    let (id, unit) = feed_of(act.state.modal.code(group::FEED));
+    match act.state.arcs.feed {
+        // The block itself changes the type of the feed.
+        Some((feed, last)) if last != unit && last != FeedUnit::Rapid => Speed::Feed(Some(feed), last),
+        _ => Speed::Feed(act.state.modal.value(id), unit),
+    }
+}
+
+fn level_of(act: &mut Act<'_, '_>, [above, at]: [DataId; 2]) -> Option<Level> {
+    let above = act.take(above).map(|datum| Level::Above(datum.value.abs()));
+    let at = act.take(at).map(|datum| Level::At(datum.value));
+    at.or(above)
+}
+
+/// Heights of a way along the tool: of the far end, of the end of the quick part, of the contour.
+#[derive(Debug, Clone, Copy)]
+struct Heights {
+    axis: Option<AxisSlot>,
+    far: f64,
+    quick: f64,
+    contour: f64,
+}
+
+/// Points of a way in the plane, and its circle.
+#[derive(Debug, Clone, Copy)]
+struct Touch {
+    /// Where the line or circle begins or ends.
+    far: Spot,
+    /// Centre and side.
+    circle: Option<(Spot, f64)>,
+}
+
+impl Act<'_, '_> {
+    /// Says why a way is not possible.
+    pub(super) fn refuse_way(&mut self, why: &str, alarm: u32) -> Acted {
+        let text = format!("'{}': {why} (alarm {alarm})", self.block_text());
+        self.diagnose(&diag::CONTOUR_APPROACH, text);
+        self.check_stop()
+    }
+
+    /// Direction of the contour where it ends.
+    fn heading(&mut self) -> Option<Spot> {
+        let here = self.contour();
+        let last = self.state.arcs.last;
+        let cutter = self.cutter()?;
+        let axes = cutter.axes;
+        match cutter.stage {
+            Stage::Settled { along, .. } | Stage::Ending(Some((_, along))) => return Some(along),
+            _ => {}
+        }
+        let way = match last? {
+            LastMove::By(by) => axes.map(|axis| self.radial(&by, axis)),
+            LastMove::Round { axes: round, center, turn } if round == axes => {
+                let center = [(axes[0], center[0]), (axes[1], center[1])]
+                    .map(|(axis, at)| at * self.state.place.layout.axes[axis].scale);
+                let [x, y] = plus(axes.map(|axis| self.radial(&here, axis)), center, -1.0);
+                [-y * turn, x * turn]
+            }
+            LastMove::Round { .. } => return None,
+        };
+        let length = distance(way, [0.0; 2]);
+        (length > NOISE).then(|| way.map(|part| part / length))
+    }
+
+    /// Takes the move of a block while a way is asked for.
+    pub(super) fn smooth_step(&mut self, step: Step, smooth: Box<Smooth>) -> Acted {
+        if smooth.leaves {
+            return self.smooth_retract(Some(&step), &smooth);
+        }
+        if matches!(step.shape, Shape::Circle { .. }) {
+            return self.refuse_way("the move that gives the beginning of the contour is a circle", 10745);
+        }
+        let Some(cutter) = self.cutter() else { return Ok(()) };
+        let in_plane = cutter.axes.iter().any(|axis| step.coded & axis.bit() != 0);
+        cutter.smooth = Some(smooth);
+        if in_plane {
+            self.wait(step, None, None);
+        } else {
+            // Only the height of the contour.
+            cutter.contour = step.to;
+            self.block.flags.moved = true;
+        }
+        self.check_stop()
+    }
+
+    /// Axis along the tool.
+    fn axis_of_tool(&self) -> Option<AxisSlot> {
+        let plane = self.state.modal.code(group::PLANE).and_then(plane)?;
+        let role = (0..3).find(|role| *role != plane.first && *role != plane.second)?;
+        self.state.place.layout.cartesian.get(role).copied().flatten()
+    }
+
+    /// A height as a coordinate.
+    fn height(&mut self, axis: AxisSlot, level: Level, (contour, up): (f64, f64)) -> f64 {
+        match level {
+            Level::Above(by) => contour + up * by,
+            Level::At(at) => {
+                let mut point = self.programmed();
+                *point.at_mut(axis) = at;
+                self.work_point(&point).at(axis)
+            }
+        }
+    }
+
+    /// Heights of a way; `far` is that of its far end where it is known.
+    fn heights(&mut self, smooth: &Smooth, contour: f64, far: Option<f64>) -> Result<Heights, diag::Halt> {
+        let Some(axis) = self.axis_of_tool() else {
+            return Ok(Heights { axis: None, far: 0.0, quick: 0.0, contour: 0.0 });
+        };
+        let up = if far.is_some_and(|far| far < contour) { -1.0 } else { 1.0 };
+        let quick = smooth.level.map_or(contour, |level| self.height(axis, level, (contour, up)));
+        let first = smooth.retraction.map(|level| self.height(axis, level, (contour, up)));
+        let far = first.or(far).unwrap_or(quick);
+        if (far - quick) * up < -TOLERANCE || (quick - contour) * up < -TOLERANCE {
+            self.refuse_way(
+                "the way along the tool turns back: DISCL is not between its far end and the contour",
+                10741,
+            )?;
+        }
+        Ok(Heights { axis: Some(axis), far, quick, contour })
+    }
+
+    /// The line or circle at a point with a direction; `ahead` is 1 for the way from the contour, −1 for that to it.
+    fn touch(
+        &mut self,
+        smooth: &Smooth,
+        cutter: &Cutter,
+        (at, heading): (Spot, Spot),
+        (point, ahead): (Option<Spot>, f64),
+    ) -> Result<Touch, diag::Halt> {
+        let size = smooth.size;
+        if size <= 0.0 {
+            self.refuse_way("DISR is missing or not above 0", 10742)?;
+        }
+        if smooth.form == Form::Line {
+            return Ok(Touch { far: plus(at, heading, ahead * (size + cutter.radius)), circle: None });
+        }
+        if size < cutter.radius - NOISE {
+            self.refuse_way("DISR, the radius of the tool's centre, is below the radius of the tool", 10742)?;
+        }
+        let side = match smooth.lies {
+            Lies::Left => 1.0,
+            Lies::Right => -1.0,
+            Lies::WithTool if cutter.side != 0.0 => cutter.side,
+            Lies::WithTool | Lies::WithPoint => match point {
+                Some(point) if cross(heading, plus(point, at, -1.0)) < 0.0 => -1.0,
+                Some(_) => 1.0,
+                None => {
+                    self.refuse_way("the block does not say to which side the tool leaves the contour", 10744)?;
+                    1.0
+                }
+            },
+        };
+        let across = [-heading[1] * side, heading[0] * side];
+        let center = plus(at, across, size);
+        let far = match smooth.form {
+            Form::Half => plus(at, across, 2.0 * size),
+            _ => plus(center, heading, ahead * size),
+        };
+        Ok(Touch { far, circle: Some((center, side)) })
+    }
+
+    /// A straight part of a way.
+    fn part(&mut self, coded: u8, to: Position, speed: Speed) -> Acted {
+        if to == self.state.place.position {
+            return Ok(());
+        }
+        let step = match speed {
+            Speed::Rapid => Step { shape: Shape::Rapid, coded, to, feed: None, unit: FeedUnit::Rapid },
+            Speed::Feed(feed, unit) => {
+                self.check_feed(feed)?;
+                Step { shape: Shape::Linear, coded, to, feed, unit }
+            }
+        };
+        self.straight(&step, to)
+    }
+
+    /// The line or circle of a way, to a spot at a height.
+    fn curve(
+        &mut self,
+        (coded, cutter, smooth): (u8, &Cutter, &Smooth),
+        touch: &Touch,
+        (level, to): (Position, Spot),
+        speed: Speed,
+    ) -> Acted {
+        let Some((center, side)) = touch.circle else {
+            let to = self.position_at(cutter, &level, to);
+            return self.part(coded, to, speed);
+        };
+        let ((Speed::Feed(feed, unit), _) | (Speed::Rapid, Speed::Feed(feed, unit))) = (speed, smooth.feed) else {
+            return Ok(());
+        };
+        self.check_feed(feed)?;
+        let here = self.spot_of(cutter);
+        let sweep = if smooth.form == Form::Half { PI } else { PI / 2.0 };
+        let made = Arc {
+            center: plus(center, cutter.tip, -1.0),
+            radius: smooth.size,
+            start_angle: angle(center, here),
+            sweep: side * sweep,
+        };
+        let to = self.position_round(cutter, &level, to, &made);
+        let from = self.state.place.position;
+        self.round(&Circle { made, coded, from, to, axes: cutter.axes, turns: 0, feed, unit })
+    }
+
+    /// Makes the way to a contour whose first piece is known now.
+    pub(super) fn smooth_approach(&mut self, waits: &Waiting, smooth: &Smooth, next: Option<&Element>) -> Acted {
+        let Some(cutter) = self.cutter().cloned() else { return Ok(()) };
+        let Some(next) = next else {
+            return self.refuse_way("no move of the plane follows the way to the contour", 10740);
+        };
+        let step = &waits.step;
+        let offset = self.offset(&cutter);
+        let (at, here) = (offset.at_start(next), self.spot_of(&cutter));
+        let touch = self.touch(smooth, &cutter, (at, next.start()), (Some(here), -1.0))?;
+        let tool = self.axis_of_tool();
+        let stands = tool.map(|axis| self.state.place.position.at(axis));
+        let contour = tool.map_or(0.0, |axis| step.to.at(axis));
+        let heights = self.heights(smooth, contour, stands)?;
+        let at_height = |height: f64| {
+            let mut level = step.to;
+            if let Some(axis) = heights.axis {
+                *level.at_mut(axis) = height;
+            }
+            level
+        };
+        let [far, quick] = [heights.far, heights.quick].map(|height| {
+            let level = at_height(height);
+            self.position_at(&cutter, &level, touch.far)
+        });
+        let after = match (step.shape, smooth.own) {
+            (Shape::Rapid, None) => Speed::Rapid,
+            (Shape::Rapid, Some(own)) => own,
+            _ => Speed::Feed(step.feed, step.unit),
+        };
+        self.part(step.coded, far, smooth.before)?;
+        self.part(step.coded, quick, smooth.before)?;
+        let slow = smooth.slow.unwrap_or(after);
+        let speed = if smooth.in_space {
+            slow
+        } else {
+            let level = at_height(heights.contour);
+            let down = self.position_at(&cutter, &level, touch.far);
+            self.part(step.coded, down, slow)?;
+            after
+        };
+        let level = at_height(heights.contour);
+        self.curve((step.coded, &cutter, smooth), &touch, (level, at), speed)?;
+        if let Some(cutter) = self.cutter() {
+            cutter.stage = Stage::On;
+        }
+        Ok(())
+    }
+
+    /// Makes the way from a contour; a step says where it ends.
+    fn smooth_retract(&mut self, step: Option<&Step>, smooth: &Smooth) -> Acted {
+        let Some(cutter) = self.cutter().cloned() else { return Ok(()) };
+        let Some(heading) = smooth.heading else {
+            return self.refuse_way("no move of the plane is before it, so the contour has no direction", 10747);
+        };
+        let here = self.state.place.position;
+        let coded = step.map_or(0, |step| step.coded);
+        let in_plane = cutter.axes.iter().any(|axis| coded & axis.bit() != 0);
+        let end = step.filter(|_| in_plane).map(|step| plus(self.plane_spot(&step.to, cutter.axes), cutter.tip, 1.0));
+        let at = self.spot_of(&cutter);
+        let touch = self.touch(smooth, &cutter, (at, heading), (end, 1.0))?;
+        let tool = self.axis_of_tool();
+        let contour = tool.map_or(0.0, |axis| here.at(axis));
+        let far = tool.zip(step).filter(|(axis, _)| coded & axis.bit() != 0).map(|(axis, step)| step.to.at(axis));
+        let heights = self.heights(smooth, contour, far)?;
+        let base = step.map_or(here, |step| cutter.lifted(&step.to, &here));
+        let at_height = |height: f64| {
+            let mut level = base;
+            if let Some(axis) = heights.axis {
+                *level.at_mut(axis) = height;
+            }
+            level
+        };
+        let old = match smooth.before {
+            // The contour has had a feed.
+            Speed::Rapid => smooth.feed,
+            feed => feed,
+        };
+        let slow = smooth.slow.unwrap_or(old);
+        if smooth.in_space {
+            let level = at_height(heights.quick);
+            self.curve((coded, &cutter, smooth), &touch, (level, touch.far), slow)?;
+        } else {
+            let level = at_height(heights.contour);
+            self.curve((coded, &cutter, smooth), &touch, (level, touch.far), old)?;
+            let level = at_height(heights.quick);
+            let up = self.position_at(&cutter, &level, touch.far);
+            self.part(coded, up, slow)?;
+        }
+        if let Some(step) = step {
+            let after = match (step.shape, smooth.own) {
+                (_, Some(own)) => own,
+                (Shape::Rapid, None) => Speed::Rapid,
+                _ => old,
+            };
+            let level = at_height(heights.far);
+            let up = self.position_at(&cutter, &level, touch.far);
+            self.part(coded, up, after)?;
+            if in_plane {
+                let mut to = step.to;
+                if let Some(axis) = heights.axis {
+                    *to.at_mut(axis) = far.unwrap_or(heights.far);
+                }
+                self.part(coded, to, after)?;
+            }
+        }
+        self.left_contour();
+        self.block.flags.moved = true;
+        self.check_stop()
+    }
+
+    /// The tool has left the contour: it stands where the program is.
+    fn left_contour(&mut self) {
+        let position = self.state.place.position;
+        let Some(cutter) = self.cutter() else { return };
+        (cutter.contour, cutter.smooth) = (position, None);
+        if cutter.stage.is_ending() {
+            self.forget_cutter();
+        } else if cutter.plain {
+            corner::end(self);
+        } else {
+            cutter.stage = Stage::Start;
+        }
+    }
+}
