@@ -1,7 +1,8 @@
 //! Statements by which the cycles of the control read contours and cut along them.
 //!
-//! `SC_KEEP(name)` keeps the name of a contour for the next cycle that has none (CYCLE62); `SC_READ(name)` runs the subprogram, or the section between the labels of `A:B` of the program that has called the cycle,
-//! so that its moves are recorded; `SC_PIECES(count, table)` gives what was recorded; `SC_STRIP(…)` removes stock along it.
+//! `SC_KEEP(name)` keeps the name of a contour for the next cycle that has none (CYCLE62); `SC_READ(name, …)` runs the subprogram, with what
+//! stands behind its name as arguments, or the section between the labels of `A:B` of the program that has called the cycle, so that its
+//! moves are recorded; `SC_PIECES(count, table)` gives what was recorded; `SC_STRIP(…)` removes stock along it.
 //! The control does the same by CONTPRON and EXECUTE. Facts: reference siemens-cycles.md 1.6. *Invariant:* only programs
 //! stored with the machine have these statements; elsewhere their names are as unknown as on the control.
 
@@ -78,7 +79,7 @@ impl Siemens {
                     let text = format!("the contour '{name}' is no subprogram (alarm 14011, program not there)");
                     return Err(Fault::Alarm(&diag::SUBPROGRAM_MISSING, text));
                 }
-                self.prepare_call(host, &name, found, &[])?
+                self.prepare_call(host, &name, found, arguments.get(1..).unwrap_or_default())?
             }
         };
         host.read_contour(call);
