@@ -435,6 +435,16 @@ def show(args, folder):
             print(kind, *(f"{v:.7f}" for v in values))
 
 
+def prepare(folder, machine):
+    """Puts into the folder what both interpreters need: the machine, the tool table, and the library for more digits."""
+    os.mkdir(os.path.join(folder, "peer"))
+    for name, text in [("peer/machine.toml", machine), ("tool.tbl", f"T1 P1 Z0 D{2 * RADIUS / 25.4:.12f}\n"), ("digits.c", PRELOAD)]:
+        with open(os.path.join(folder, name), "w", encoding="ascii") as file:
+            file.write(text)
+    source, library = os.path.join(folder, "digits.c"), os.path.join(folder, "digits.so")
+    subprocess.run(["cc", "-shared", "-fPIC", "-U_FORTIFY_SOURCE", "-o", library, source], check=True)
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--seeds", type=int, default=300)
@@ -445,12 +455,7 @@ def main():
     parser.add_argument("--show", type=int)
     args = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:
-        os.mkdir(os.path.join(folder, "peer"))
-        for name, text in [("peer/machine.toml", MACHINE), ("tool.tbl", f"T1 P1 Z0 D{2 * RADIUS / 25.4:.12f}\n"), ("digits.c", PRELOAD)]:
-            with open(os.path.join(folder, name), "w", encoding="ascii") as file:
-                file.write(text)
-        source, library = os.path.join(folder, "digits.c"), os.path.join(folder, "digits.so")
-        subprocess.run(["cc", "-shared", "-fPIC", "-U_FORTIFY_SOURCE", "-o", library, source], check=True)
+        prepare(folder, MACHINE)
         if args.show is not None:
             return show(args, folder)
         counts = {"equal": 0, "different": 0, "refused": 0}
