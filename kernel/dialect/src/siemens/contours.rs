@@ -3,17 +3,22 @@
 //! `SC_KEEP(name)` keeps the name of a contour for the next cycle that has none (CYCLE62); `SC_READ(name, …)` runs the subprogram, with what
 //! stands behind its name as arguments, or the section between the labels of `A:B` of the program that has called the cycle, so that its
 //! moves are recorded; `SC_PIECES(count, table)` gives what was recorded; `SC_STRIP(…)` removes stock along it.
+//! `SC_KEPT` and `SC_FORGET` count and forget the names; `SC_READ` with a number reads the one with that number. `SC_ADDRING` makes a ring of a
+//! pocket of what was read, `SC_WAYS` and `SC_LINES` give the ways of a tool around and between its rings.
 //! The control does the same by CONTPRON and EXECUTE. Facts: reference siemens-cycles.md 1.6. *Invariant:* only programs
 //! stored with the machine have these statements; elsewhere their names are as unknown as on the control.
 
 use super::evaluate::number;
-use super::expression::{Argument, as_name};
+use super::expression::Argument;
 use super::value::Data;
+use super::variables::Target;
 use super::{Fault, Outcome, Siemens, syntax, wrong_type};
 use crate::host::{Call, Host};
 use counterpoint_event::FileId;
 use counterpoint_fault as diag;
 use counterpoint_machine::stored::StoredFile;
+use counterpoint_motion::contour::area::{Area, backwards, lines};
+use counterpoint_motion::contour::element::Element;
 use counterpoint_motion::contour::shifted::shifted;
 use counterpoint_motion::turning::strip::Strip;
 use counterpoint_program::shape::Range;
@@ -34,6 +39,11 @@ impl Siemens {
             "SC_READ" => Self::read_contour,
             "SC_PIECES" => Self::pieces,
             "SC_STRIP" => Self::strip,
+            "SC_FORGET" => Self::forget_contours,
+            "SC_KEPT" => Self::kept_contours,
+            "SC_ADDRING" => Self::ring,
+            "SC_WAYS" => Self::ways,
+            "SC_LINES" => Self::lines,
             _ => return Ok(false),
         };
         let place = host.place();
@@ -53,10 +63,20 @@ impl Siemens {
         Ok(())
     }
 
+    fn forget_contours(&mut self, _: &mut dyn Host, _: &[Argument]) -> Outcome<()> {
+        self.variables.contours.clear();
+        self.variables.area = Area::default();
+        Ok(())
+    }
+
     fn contour_name(&mut self, host: &mut dyn Host, arguments: &[Argument]) -> Outcome<String> {
         let Some(first) = arguments.first() else { return syntax("the name of a contour is missing") };
         match self.argument(host, first)? {
             Some(Data::Text(name)) => Ok(name.trim().to_ascii_uppercase()),
+            Some(Data::Int(number)) => {
+                let kept = usize::try_from(number - 1).ok().and_then(|at| self.variables.contours.get(at));
+                kept.cloned().map_or_else(|| syntax(format!("contour {number} has no name")), Ok)
+            }
             _ => wrong_type("the name of a contour is a text"),
         }
     }
@@ -101,21 +121,90 @@ impl Siemens {
         Ok(call)
     }
 
+    /// Number of the contours that are named.
+    fn kept_contours(&mut self, host: &mut dyn Host, arguments: &[Argument]) -> Outcome<()> {
+        let count = i64::try_from(self.variables.contours.len()).unwrap_or(i64::MAX);
+        let [target] = self.targets(host, arguments)?;
+        self.store(host, &target, Data::Int(count))
+    }
+
+    /// Adds the contour that was read to the pocket, as its rim or as an island; the number of rings, -1 if it is not closed.
+    fn ring(&mut self, host: &mut dyn Host, arguments: &[Argument]) -> Outcome<()> {
+        let [target] = self.targets(host, arguments)?;
+        let count = self.variables.area.add(host.contour());
+        let count = count.ok().and_then(|count| i64::try_from(count).ok()).unwrap_or(-1);
+        self.store(host, &target, Data::Int(count))
+    }
+
+    /// Ways around the pocket and its islands at a distance, in the directions of G3 around the rim or, with a fourth number other than 0,
+    /// of G2: rows of a table, each way behind a row of kind 0 with its beginning. -1 rows if the tool does not fit.
+    fn ways(&mut self, host: &mut dyn Host, arguments: &[Argument]) -> Outcome<()> {
+        let [count, table] = self.targets(host, arguments)?;
+        let [by, turned] = self.numbers(host, arguments)?;
+        let factor = host.length_factor();
+        let Some(ways) = self.variables.area.ways(by * factor) else { return self.store(host, &count, Data::Int(-1)) };
+        let mut rows = Vec::new();
+        for way in ways {
+            let way = if turned == 0.0 { way } else { backwards(&way) };
+            if let Some(first) = way.first() {
+                let [x, y] = first.from;
+                rows.push([0.0, x, y, 0.0, 0.0]);
+            }
+            rows.extend(way.iter().map(row));
+        }
+        self.fill(host, (&count, &table), &rows, factor)
+    }
+
+    /// Lines that clear the pocket inside of such ways, not further apart than a step: rows of kind 1 with the beginning and the end.
+    fn lines(&mut self, host: &mut dyn Host, arguments: &[Argument]) -> Outcome<()> {
+        let [count, table] = self.targets(host, arguments)?;
+        let [by, step] = self.numbers(host, arguments)?;
+        let factor = host.length_factor();
+        let Some(ways) = self.variables.area.ways(by * factor) else { return self.store(host, &count, Data::Int(-1)) };
+        let rows: Vec<_> = lines(&ways, step * factor).iter().map(|[y, from, to]| [1.0, *from, *y, *to, *y]).collect();
+        self.fill(host, (&count, &table), &rows, factor)
+    }
+
+    /// Variables that the first arguments name.
+    fn targets<const N: usize>(&mut self, host: &mut dyn Host, arguments: &[Argument]) -> Outcome<[Target; N]> {
+        let mut targets = Vec::new();
+        for argument in arguments.iter().take(N) {
+            targets.push(self.variable_of(host, argument)?);
+        }
+        targets.try_into().or_else(|_| syntax("a statement of contours needs variables"))
+    }
+
+    /// The two numbers behind a count and a table.
+    fn numbers(&mut self, host: &mut dyn Host, arguments: &[Argument]) -> Outcome<[f64; 2]> {
+        let mut values = [0.0; 2];
+        for (slot, argument) in values.iter_mut().zip(arguments.iter().skip(2)) {
+            *slot = self.argument(host, argument)?.map_or(Ok(0.0), |value| number(&value))?;
+        }
+        Ok(values)
+    }
+
+    /// Puts rows into a table as far as it has room, and their number into a variable.
+    fn fill(
+        &mut self,
+        host: &mut dyn Host,
+        (count, table): (&Target, &Target),
+        rows: &[[f64; COLUMNS]],
+        factor: f64,
+    ) -> Outcome<()> {
+        let values = rows.iter().flat_map(|[kind, places @ ..]| {
+            std::iter::once(*kind).chain(places.iter().map(move |place| place / factor))
+        });
+        let room = table.count.saturating_sub(table.at);
+        for (step, value) in values.take(room).enumerate() {
+            self.store(host, &table.element(step), Data::Real(value))?;
+        }
+        self.store(host, count, Data::Int(i64::try_from(rows.len()).unwrap_or(i64::MAX)))
+    }
+
     /// Number of pieces, and the pieces as far as the table has room; the first row is where the contour begins. A third number
     /// moves them to the left, below zero to the right; -1 pieces if that is not possible.
     fn pieces(&mut self, host: &mut dyn Host, arguments: &[Argument]) -> Outcome<()> {
-        let mut targets = Vec::new();
-        for argument in arguments.iter().take(2) {
-            let target = match &argument.value {
-                Ok(Some(expression)) => match as_name(expression) {
-                    Some(name) => self.locate(host, name)?,
-                    None => None,
-                },
-                _ => None,
-            };
-            targets.extend(target);
-        }
-        let [count, table] = targets.as_slice() else { return syntax("SC_PIECES needs a variable and a table") };
+        let [count, table] = self.targets(host, arguments)?;
         let by = match arguments.get(2) {
             Some(argument) => self.argument(host, argument)?.map_or(Ok(0.0), |value| number(&value))?,
             None => 0.0,
@@ -128,26 +217,16 @@ impl Siemens {
         } else {
             shifted(host.contour(), by.signum(), by.abs() * factor)
         };
-        let Some(contour) = moved else { return self.store(host, count, Data::Int(-1)) };
+        let Some(contour) = moved else { return self.store(host, &count, Data::Int(-1)) };
         for element in &contour {
             if rows.is_empty() {
                 rows.push([0.0, element.from[0], element.from[1], 0.0, 0.0]);
             }
-            let [end, second] = element.to;
-            rows.push(match &element.arc {
-                None => [1.0, end, second, 0.0, 0.0],
-                Some(arc) => [if arc.sweep < 0.0 { 2.0 } else { 3.0 }, end, second, arc.center[0], arc.center[1]],
-            });
+            rows.push(row(element));
         }
         let pieces = i64::try_from(contour.len()).unwrap_or(i64::MAX);
-        let values = rows.iter().flat_map(|[kind, places @ ..]| {
-            std::iter::once(*kind).chain(places.iter().map(move |place| place / factor))
-        });
-        let room = table.count.saturating_sub(table.at);
-        for (step, value) in values.take(room).enumerate() {
-            self.store(host, &table.element(step), Data::Real(value))?;
-        }
-        self.store(host, count, Data::Int(pieces))
+        self.fill(host, (&count, &table), &rows, factor)?;
+        self.store(host, &count, Data::Int(pieces))
     }
 
     /// Removes stock along the contour that was read.
@@ -176,6 +255,15 @@ impl Siemens {
             clearance,
         });
         Ok(())
+    }
+}
+
+/// A piece as a row of a table.
+fn row(element: &Element) -> [f64; COLUMNS] {
+    let [end, second] = element.to;
+    match &element.arc {
+        None => [1.0, end, second, 0.0, 0.0],
+        Some(arc) => [if arc.sweep < 0.0 { 2.0 } else { 3.0 }, end, second, arc.center[0], arc.center[1]],
     }
 }
 

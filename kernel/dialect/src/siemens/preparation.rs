@@ -161,7 +161,7 @@ impl Siemens {
     }
 
     /// The variable that an argument is.
-    fn variable_of(&mut self, host: &mut dyn Host, argument: &Argument) -> Outcome<Target> {
+    pub(super) fn variable_of(&mut self, host: &mut dyn Host, argument: &Argument) -> Outcome<Target> {
         let name = match &argument.value {
             Ok(Some(expression)) => as_name(expression),
             _ => None,

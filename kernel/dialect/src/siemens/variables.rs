@@ -4,6 +4,7 @@
 //! program, in the channel, in what all channels share. Invariants: what all channels share goes through the host; the
 //! number of elements is bounded; an index is checked before anything is read or written.
 
+use counterpoint_motion::contour::area::Area;
 use std::borrow::Cow;
 
 use counterpoint_lang::value::Value;
@@ -60,6 +61,8 @@ pub(super) struct Variables {
     parameters: FxHashMap<u32, f64>,
     /// Contours that were named for the next cycle.
     pub(super) contours: Vec<String>,
+    /// Rim and islands of the pocket that a cycle works on.
+    pub(super) area: Area,
     pub(super) elements: usize,
     /// Bytes of their names, texts and frames.
     texts: usize,

@@ -1,5 +1,6 @@
 //! Contours in a plane and paths beside them.
 
+pub mod area;
 pub mod blend;
 pub mod corner;
 pub mod element;

@@ -1,0 +1,246 @@
+//! An area inside a closed rim and outside islands, as a tool with a radius can clear it.
+//!
+//! The area lies on the left of all rings: the rim turns counter-clockwise, islands clockwise. *Invariant:* every way of the tool's
+//! centre keeps its distance from all rings; where a passage is narrower than that, there is no way.
+
+use std::f64::consts::{PI, TAU};
+
+use super::element::{Element, NOISE, Spot, angle, cross, distance, plus};
+use super::shifted::shifted;
+use crate::arc::Arc;
+
+/// A ring that is no closed contour with an area.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Open;
+
+/// Rim and islands.
+#[derive(Debug, Clone, Default)]
+pub struct Area {
+    rings: Vec<Vec<Element>>,
+}
+
+impl Area {
+    /// Takes a ring more, the rim first; how many there are.
+    ///
+    /// # Errors
+    /// It is not closed, or has no area.
+    pub fn add(&mut self, contour: &[Element]) -> Result<usize, Open> {
+        let (Some(first), Some(last)) = (contour.first(), contour.last()) else { return Err(Open) };
+        let size = size(contour);
+        if distance(first.from, last.to) > 1e-4 || size.abs() < NOISE {
+            return Err(Open);
+        }
+        let rim = self.rings.is_empty();
+        let turned = if (size > 0.0) == rim { contour.to_vec() } else { backwards(contour) };
+        self.rings.push(begun_within(turned));
+        Ok(self.rings.len())
+    }
+
+    /// Ways of the tool's centre along all rings, at a distance; none if it does not fit everywhere.
+    #[must_use]
+    pub fn ways(&self, by: f64) -> Option<Vec<Vec<Element>>> {
+        let ways: Option<Vec<_>> = self.rings.iter().map(|ring| shifted(ring, 1.0, by)).collect();
+        let ways = ways?;
+        let fits = |spot: Spot| {
+            let [along, across] = spot;
+            let near = self.rings.iter().flatten().any(|piece| to_piece(piece, spot) < by - 1e-5);
+            !near && crossings(self.rings.iter().flatten(), across).iter().filter(|x| **x < along).count() % 2 == 1
+        };
+        let shares = [0.0, 0.25, 0.5, 0.75];
+        let fit = ways.iter().flatten().all(|piece| shares.iter().all(|share| fits(at(piece, *share))));
+        fit.then_some(ways)
+    }
+}
+
+/// Lines along the first axis that clear what lies between ways, not further apart than a step: second coordinate, first coordinate of
+/// both ends, alternately to and fro.
+#[must_use]
+pub fn lines(ways: &[Vec<Element>], step: f64) -> Vec<[f64; 3]> {
+    let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+    for piece in ways.iter().flatten().flat_map(monotone) {
+        low = low.min(piece.low[1]).min(piece.high[1]);
+        high = high.max(piece.low[1]).max(piece.high[1]);
+    }
+    if !(high > low && step > 0.0) {
+        return Vec::new();
+    }
+    let count = ((high - low) / step - 1e-6).ceil().clamp(1.0, 1e6) as u32;
+    let mut made = Vec::new();
+    for number in 1..count {
+        let across = low + (high - low) * f64::from(number) / f64::from(count);
+        let places = crossings(ways.iter().flatten(), across);
+        let mut row: Vec<[f64; 3]> = Vec::new();
+        let mut ends = places.into_iter();
+        while let (Some(from), Some(to)) = (ends.next(), ends.next()) {
+            row.push([across, from, to]);
+        }
+        if number % 2 == 0 {
+            row.reverse();
+            row.iter_mut().for_each(|[_, from, to]| std::mem::swap(from, to));
+        }
+        made.extend(row);
+    }
+    made
+}
+
+/// Size of what a ring surrounds, positive if it turns counter-clockwise.
+fn size(ring: &[Element]) -> f64 {
+    let piece = |piece: &Element| {
+        let bow = piece.arc.map_or(0.0, |arc| arc.radius * arc.radius * (arc.sweep - libm::sin(arc.sweep)) / 2.0);
+        cross(piece.from, piece.to) / 2.0 + bow
+    };
+    ring.iter().map(piece).sum()
+}
+
+/// A way or ring the other way round.
+#[must_use]
+pub fn backwards(ring: &[Element]) -> Vec<Element> {
+    let turn = |piece: &Element| Element {
+        from: piece.to,
+        to: piece.from,
+        arc: piece.arc.map(|arc| Arc { start_angle: arc.start_angle + arc.sweep, sweep: -arc.sweep, ..arc }),
+    };
+    ring.iter().rev().map(turn).collect()
+}
+
+/// The ring from the middle of its first straight piece on, so that its end has no corner.
+fn begun_within(mut ring: Vec<Element>) -> Vec<Element> {
+    let first = ring.iter().position(|piece| piece.arc.is_none()).unwrap_or(0);
+    ring.rotate_left(first);
+    let Some(piece) = ring.first().copied() else { return ring };
+    let middle = at(&piece, 0.5);
+    let halves = match piece.arc {
+        None => [Element { to: middle, ..piece }, Element { from: middle, ..piece }],
+        Some(arc) => {
+            let half = Arc { sweep: arc.sweep / 2.0, ..arc };
+            let rest = Arc { start_angle: arc.start_angle + half.sweep, ..half };
+            [Element { to: middle, arc: Some(half), ..piece }, Element { from: middle, arc: Some(rest), ..piece }]
+        }
+    };
+    let [before, behind] = halves;
+    if let Some(slot) = ring.first_mut() {
+        *slot = behind;
+    }
+    ring.push(before);
+    ring
+}
+
+/// A spot of a piece by its share.
+fn at(piece: &Element, share: f64) -> Spot {
+    match &piece.arc {
+        None => plus(piece.from, plus(piece.to, piece.from, -1.0), share),
+        Some(arc) => on(arc, arc.start_angle + arc.sweep * share),
+    }
+}
+
+fn on(arc: &Arc, angle: f64) -> Spot {
+    plus(arc.center, [libm::cos(angle), libm::sin(angle)], arc.radius)
+}
+
+/// Distance of a spot from a piece.
+fn to_piece(piece: &Element, spot: Spot) -> f64 {
+    let ends = distance(piece.from, spot).min(distance(piece.to, spot));
+    let beside = match &piece.arc {
+        None => {
+            let share = piece.share(spot);
+            (0.0..=1.0).contains(&share).then(|| distance(at(piece, share), spot))
+        }
+        Some(arc) => {
+            let way = ((angle(arc.center, spot) - arc.start_angle) * arc.sweep.signum()).rem_euclid(TAU);
+            (way <= arc.sweep.abs()).then(|| (distance(arc.center, spot) - arc.radius).abs())
+        }
+    };
+    beside.map_or(ends, |beside| beside.min(ends))
+}
+
+/// A part of a piece that only rises or only falls.
+#[derive(Debug, Clone, Copy)]
+struct Monotone {
+    low: Spot,
+    high: Spot,
+    /// Centre, radius, and the side of the centre on which it lies.
+    round: Option<(Spot, f64, f64)>,
+}
+
+fn monotone(piece: &Element) -> Vec<Monotone> {
+    let part = |from: Spot, to: Spot, round| {
+        let (low, high) = if from[1] <= to[1] { (from, to) } else { (to, from) };
+        Monotone { low, high, round }
+    };
+    let Some(arc) = &piece.arc else { return vec![part(piece.from, piece.to, None)] };
+    let (begin, end) = (arc.start_angle, arc.start_angle + arc.sweep);
+    let (least, most) = (begin.min(end), begin.max(end));
+    let mut angles = vec![least];
+    let mut turn = ((least - PI / 2.0) / PI).ceil() * PI + PI / 2.0;
+    while turn < most {
+        if turn > least {
+            angles.push(turn);
+        }
+        turn += PI;
+    }
+    angles.push(most);
+    let spot = |angle: f64| match angle {
+        angle if angle == begin => piece.from,
+        angle if angle == end => piece.to,
+        angle => on(arc, angle),
+    };
+    let pairs = angles.windows(2).filter_map(|pair| Some((*pair.first()?, *pair.get(1)?)));
+    pairs
+        .map(|(from, to)| {
+            let side = libm::cos(f64::midpoint(from, to)).signum();
+            part(spot(from), spot(to), Some((arc.center, arc.radius, side)))
+        })
+        .collect()
+}
+
+/// Where pieces cross a line along the first axis, in order.
+fn crossings<'e>(pieces: impl Iterator<Item = &'e Element>, across: f64) -> Vec<f64> {
+    let mut places: Vec<f64> = pieces
+        .flat_map(monotone)
+        // A corner on the line belongs to the piece above it.
+        .filter(|part| part.low[1] <= across && across < part.high[1])
+        .map(|part| match part.round {
+            None => {
+                let share = (across - part.low[1]) / (part.high[1] - part.low[1]);
+                part.low[0] + (part.high[0] - part.low[0]) * share
+            }
+            Some((center, radius, side)) => {
+                let off = across - center[1];
+                center[0] + side * (radius * radius - off * off).max(0.0).sqrt()
+            }
+        })
+        .collect();
+    places.sort_by(f64::total_cmp);
+    places
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn square(from: f64, to: f64) -> Vec<Element> {
+        let corners = [[from, from], [to, from], [to, to], [from, to], [from, from]];
+        corners.windows(2).map(|pair| Element { from: pair[0], to: pair[1], arc: None }).collect()
+    }
+
+    fn circle(center: Spot, radius: f64) -> Vec<Element> {
+        let from = plus(center, [radius, 0.0], 1.0);
+        vec![Element { from, to: from, arc: Some(Arc { center, radius, start_angle: 0.0, sweep: TAU }) }]
+    }
+
+    #[test]
+    fn a_square_with_a_round_island() {
+        let mut area = Area::default();
+        assert_eq!(area.add(&square(0.0, 40.0)), Ok(1));
+        assert_eq!(area.add(&circle([20.0, 20.0], 5.0)), Ok(2));
+        let ways = area.ways(3.0).unwrap();
+        // Islands turn clockwise, with the radius and the distance.
+        assert!(ways[1].iter().all(|piece| piece.arc.is_some_and(|arc| arc.radius == 8.0 && arc.sweep < 0.0)));
+        assert_eq!(ways[0].first().map(|piece| piece.from), Some([20.0, 3.0]));
+        // From Y3 to Y37 in steps of 17: the line through the middle is cut by the island.
+        assert_eq!(lines(&ways, 17.0), [[20.0, 3.0, 12.0], [20.0, 28.0, 37.0]]);
+        // Between island and rim there is room for 15, not for more.
+        assert!(area.ways(7.4).is_some() && area.ways(7.6).is_none());
+        assert_eq!(area.add(&square(0.0, 1.0)[..3]), Err(Open));
+    }
+}
