@@ -69,6 +69,7 @@ impl Heidenhain {
             Statement::Begin { iso: true, .. } if line.number.is_some() => self.end_program(host),
             Statement::Begin { inch, words, .. } => self.begin_program(host, *inch, words),
             Statement::End => self.end_program(host),
+            Statement::Contour(what) => self.contour_statement(host, what, place),
             Statement::CycleDefinition(words) => self.define_cycle(host, words, place),
             Statement::CyclePart { .. } => self.define_by_parts(host, line, place),
             Statement::CycleCall { kind, words } => self.call_cycle(host, (*kind, words), place),

@@ -28,6 +28,10 @@ impl Dialect for Control {
         &["SETFILEROOT", "CYCLEDEF", "GRAMMAR", "CONCATENATE", "KEEPCYCLDEFQVARS"]
     }
 
+    fn reads_contours(&self) -> bool {
+        true
+    }
+
     fn interpreter(&self, _: &Machine) -> Option<Box<dyn Interpreter>> {
         Some(Box::<Heidenhain>::default())
     }

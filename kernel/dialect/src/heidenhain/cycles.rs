@@ -8,6 +8,7 @@
 use counterpoint_fault::Halt;
 use std::sync::Arc;
 
+use super::contours::Contours;
 use super::eval::Evaluator;
 use super::formula::{Kind, Name, Wrong, expected};
 use super::lex::Cursor;
@@ -74,7 +75,10 @@ const ACT_AT_ONCE: [u32; 14] = [7, 8, 9, 10, 11, 13, 14, 19, 20, 26, 30, 32, 239
 pub(super) const RAPID: f64 = 99_999.0;
 
 /// Parameters that newer software has at the end of a definition, with what they are where it does not say them.
-const APPENDED: [(u32, &[(u32, f64)]); 14] = [
+const APPENDED: [(u32, &[(u32, f64)]); 17] = [
+    (22, &[(18, 0.0), (19, 0.0), (208, RAPID)]),
+    (23, &[(208, RAPID)]),
+    (24, &[(14, 0.0)]),
     (200, &[(395, 0.0)]),
     (202, &[(357, 0.2)]),
     (203, &[(395, 0.0)]),
@@ -140,6 +144,8 @@ pub(super) struct Cycles {
     pub(super) running: Running,
     /// What the last definition of an old cycle says.
     pub(super) old: old::Data,
+    /// Contours of the last cycle 14.
+    pub(super) contours: Contours,
     /// Points of the last PATTERN DEF.
     pub(super) pattern: Pattern,
 }
@@ -170,6 +176,9 @@ impl Heidenhain {
         }
         if matches!(number, 220 | 221) && self.settings.cycles.contains(&number) {
             return self.point_cycle(host, number, place);
+        }
+        if number == 20 && self.settings.cycles.contains(&number) {
+            return Ok(None);
         }
         let mut before = self.shifts.define(host, number, &mut Vec::new());
         if self.settings.cycles.contains(&number) {
@@ -246,6 +255,10 @@ impl Heidenhain {
         {
             seen.truncate(1);
             seen.extend(self.datum_row(host, row, None)?);
+        }
+        if *cycle == 14 && self.settings.cycles.contains(cycle) {
+            self.name_contours(host, &seen);
+            return Ok(None);
         }
         if self.settings.cycles.contains(cycle) {
             let ends = lines.iter().skip(1).map(|(_, begin)| *begin).chain([seen.len()]);

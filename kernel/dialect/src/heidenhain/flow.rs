@@ -55,6 +55,11 @@ impl Heidenhain {
     /// Line of a label in the file being processed.
     pub(super) fn find_label(&mut self, host: &mut dyn Host, label: &Label) -> Option<u32> {
         let file = host.place().file;
+        self.find_label_in(host, file, label)
+    }
+
+    /// Line of a label in a file.
+    pub(super) fn find_label_in(&mut self, host: &mut dyn Host, file: FileId, label: &Label) -> Option<u32> {
         let known = self.labels.get(file, || host.source(file).map(|source| labels(&source)).unwrap_or_default());
         known.find(label, Search::FromTop, 0, (1, u32::MAX))
     }

@@ -9,6 +9,8 @@ mod ahead;
 mod calls;
 mod carry;
 mod circle;
+mod clearing;
+mod contours;
 mod control;
 mod corner;
 mod cycles;
@@ -179,6 +181,7 @@ impl Interpreter for Heidenhain {
         self.cycles.running = cycles::Running::default();
         if reset {
             self.shifts = shifts::Shifts::default();
+            self.cycles.contours = contours::Contours::default();
             self.cycles.defined = cycles::State::default();
             self.cycles.pattern = patterns::Pattern::default();
             self.selected = None;
@@ -232,6 +235,7 @@ impl Interpreter for Heidenhain {
             + self.compiled.bytes()
             + self.labels.bytes()
             + self.tools.bytes()
+            + self.cycles.contours.bytes()
             + self.cycles.pattern.bytes()) as u64
     }
 

@@ -316,7 +316,8 @@ impl Heidenhain {
         let Some(&spot) = spots.get(call.next).filter(|_| place.as_read) else { return Ok(None) };
         let is_last = call.next + 1 >= spots.len();
         let surface = self.surface() + spot.above;
-        let clearance = spot.clearance.unwrap_or(journey.clearances[usize::from(call.next > 0)]);
+        let clearance =
+            spot.clearance.unwrap_or(if call.next == 0 { journey.clearances[0] } else { journey.clearances[1] });
         let safe = call.height.max(surface + clearance);
         let way = &journey.way;
         let mut blocks = Vec::new();

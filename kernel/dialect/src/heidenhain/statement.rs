@@ -114,6 +114,8 @@ pub(super) enum Statement {
         iso: bool,
         words: Vec<Word>,
     },
+    /// What the program of an SL cycle asks for.
+    Contour(String),
     /// A statement of the control that is not emulated, unless the machine has a code for it.
     Foreign(Vec<Word>),
 }
@@ -273,6 +275,8 @@ fn key_word(cursor: &mut Cursor<'_>) -> Result<Option<Statement>, Wrong> {
             Call::Here
         };
         Statement::CycleCall { kind, words: words(cursor) }
+    } else if cursor.keyword("SL") {
+        Statement::Contour(cursor.all().trim().to_owned())
     } else if cursor.keyword("STOP") {
         Statement::Stop(words(cursor))
     } else {

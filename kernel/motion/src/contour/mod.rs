@@ -2,6 +2,7 @@
 
 pub mod area;
 pub mod blend;
+pub mod closed;
 pub mod corner;
 pub mod element;
 pub mod shifted;

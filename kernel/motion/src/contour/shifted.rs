@@ -4,13 +4,33 @@
 //! would meet before it, there is none.
 
 use super::corner::{Link, Offset};
-use super::element::{Element, NOISE, distance};
-use crate::arc::Arc;
+use super::element::{Element, NOISE, Spot, distance};
+use crate::arc::{Arc, by_center};
 
 /// The contour moved square to itself: to the left with a side of +1, to the right with −1. Corners outside stay sharp.
 #[must_use]
 pub fn shifted(contour: &[Element], side: f64, amount: f64) -> Option<Vec<Element>> {
-    let offset = Offset { side, radius: amount, corner: 1, limit: -1.0 };
+    beside(contour, Offset { side, radius: amount, corner: 1, limit: -1.0 })
+}
+
+/// The same with arcs round the corners outside.
+#[must_use]
+pub fn rounded(contour: &[Element], side: f64, amount: f64) -> Option<Vec<Element>> {
+    beside(contour, Offset { side, radius: amount, corner: 2, limit: -1.0 })
+}
+
+/// A way between two pieces.
+fn of_link(here: Spot, link: Link) -> Element {
+    match link {
+        Link::Line(to) => Element { from: here, to, arc: None },
+        Link::Round { to, center, clockwise } => {
+            Element { from: here, to, arc: by_center(here, to, center, clockwise).ok() }
+        }
+    }
+}
+
+fn beside(contour: &[Element], offset: Offset) -> Option<Vec<Element>> {
+    let (side, amount) = (offset.side, offset.radius);
     let mut moved = Vec::with_capacity(contour.len());
     let mut here = offset.at_start(contour.first()?);
     let mut pieces = contour.iter().peekable();
@@ -37,11 +57,11 @@ pub fn shifted(contour: &[Element], side: f64, amount: f64) -> Option<Vec<Elemen
         }
         here = end;
         for link in links {
-            let (Link::Line(to) | Link::Round { to, .. }) = link;
-            if distance(here, to) > NOISE {
-                moved.push(Element { from: here, to, arc: None });
+            let way = of_link(here, link);
+            if distance(here, way.to) > NOISE {
+                moved.push(way);
             }
-            here = to;
+            here = way.to;
         }
     }
     Some(moved)

@@ -24,13 +24,28 @@ use counterpoint_program::block::PendingCode;
 #[derive(Debug)]
 struct Shaping;
 
+/// What defines the next circle.
+#[derive(Debug)]
+struct Defining;
+
+impl Action for Defining {
+    fn run(&self, kernel: &mut Kernel<'_>, row: &CodeRow, code: &PendingCode) -> Acted {
+        find(row.id).map_or(Ok(()), |action| action.run(kernel, row, code))
+    }
+}
+
 /// All other codes.
 static OTHERS: Entry = Entry::of(&[], other).contour(Contour::Waits);
 
 /// What a code does while contour blocks are read.
 pub(in crate::action) fn reading(id: CodeId) -> Option<&'static dyn Action> {
     let shapes = matches!(id, codes::RAPID | codes::INTERP_LINEAR) || matches!(id.kind(), CodeKind::Arc(_));
-    Some(if shapes { &Shaping } else { &OTHERS })
+    let defines = matches!(id, codes::INTERP_DEF_CENTER | codes::INTERP_DEF_CLW | codes::INTERP_DEF_CCLW);
+    Some(match () {
+        () if shapes => &Shaping,
+        () if defines => &Defining,
+        () => &OTHERS,
+    })
 }
 
 impl Action for Shaping {

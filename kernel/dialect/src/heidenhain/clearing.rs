@@ -1,0 +1,298 @@
+//! What SL cycles do with their contours: the blocks of cycles 21 to 25.
+//!
+//! Facts: programming manuals of the control (Q1 to Q9 of cycle 20; Q10 to Q19, Q208 of the cycles: levels, feeds, allowances, sense).
+//! Decisions: a pocket is cleared by cuts along the first axis, then once round each contour; the tool plunges straight and rises to the
+//! clearance Q6 between rows; sides are reached and left on quarter circles of the radius of the tool, smaller where there is less
+//! room. What is not plain is refused: contours that overlap or leave too little room, rough cuts after another tool (Q18).
+//! *Invariant:* no way comes nearer to a contour than the radius of the tool with its allowance.
+
+use counterpoint_motion::arc::by_center;
+use counterpoint_motion::contour::closed::{Closed, cuts, is_clear};
+use counterpoint_motion::contour::element::{Element, Spot, distance, plus};
+use counterpoint_motion::contour::shifted::rounded;
+
+use super::Heidenhain;
+use super::contours::Figure;
+use super::cycles::RAPID;
+use super::formula::{Kind, Name};
+use super::words::shown;
+use crate::host::Host;
+
+/// Blocks in the making.
+struct Blocks<'a> {
+    lines: Vec<String>,
+    letters: [&'a str; 2],
+    height: &'a str,
+    /// Geometry units of a unit of the program.
+    factor: f64,
+}
+
+impl Blocks<'_> {
+    fn feed(feed: f64) -> String {
+        if feed >= RAPID { "FMAX".to_owned() } else { format!("F{}", shown(feed)) }
+    }
+
+    fn at(&self, spot: Spot) -> String {
+        let [first, second] = self.letters;
+        format!("{first}{} {second}{}", shown(spot[0] / self.factor), shown(spot[1] / self.factor))
+    }
+
+    fn over(&mut self, spot: Spot) {
+        let at = self.at(spot);
+        self.lines.push(format!("L {at} R0 FMAX"));
+    }
+
+    fn line(&mut self, spot: Spot, feed: f64) {
+        let at = self.at(spot);
+        self.lines.push(format!("L {at} {}", Self::feed(feed)));
+    }
+
+    fn rise_to(&mut self, height: f64, feed: f64) {
+        self.lines.push(format!("L {}{} R0 {}", self.height, shown(height), Self::feed(feed)));
+    }
+
+    fn element(&mut self, element: &Element, feed: f64) {
+        let Some(arc) = &element.arc else { return self.line(element.to, feed) };
+        let center = self.at(arc.center);
+        let to = self.at(element.to);
+        self.lines.push(format!("CC {center}"));
+        let sense = if arc.sweep < 0.0 { "DR-" } else { "DR+" };
+        self.lines.push(format!("C {to} {sense} {}", Self::feed(feed)));
+    }
+}
+
+/// Levels from a surface down to a depth.
+fn levels(surface: f64, bottom: f64, infeed: f64) -> Vec<f64> {
+    let infeed = infeed.abs();
+    let mut levels = Vec::new();
+    let mut level = surface;
+    while infeed > 0.0 && level - infeed > bottom + 1e-9 && levels.len() < 10_000 {
+        level -= infeed;
+        levels.push(level);
+    }
+    levels.push(bottom);
+    levels
+}
+
+/// A quarter circle to a way or from it.
+fn quarter(at: Spot, heading: Spot, side: f64, radius: f64, arrives: bool) -> Option<Element> {
+    let center = plus(at, [-heading[1] * side, heading[0] * side], radius);
+    let end = plus(center, heading, if arrives { -radius } else { radius });
+    let (from, to) = if arrives { (end, at) } else { (at, end) };
+    Some(Element { from, to, arc: Some(by_center(from, to, center, side < 0.0).ok()?) })
+}
+
+impl Heidenhain {
+    fn sl(&self, index: u32) -> f64 {
+        self.number(Name { kind: Kind::Q, index })
+    }
+
+    fn blocks(&self, host: &dyn Host) -> Blocks<'static> {
+        Blocks {
+            lines: Vec::new(),
+            letters: self.plane_letters(),
+            height: self.tool_letter(),
+            factor: host.length_factor(),
+        }
+    }
+
+    /// Radius of the tool in force, in geometry units.
+    fn cutter(&self, host: &dyn Host) -> Result<f64, String> {
+        let radius =
+            self.variables.control.radius.map_or_else(|| host.tool_in_force()[1], |own| own * host.length_factor());
+        if radius > 0.0 { Ok(radius) } else { Err("the tool of an SL cycle has no radius".to_owned()) }
+    }
+
+    /// Ways beside the figures, in the sense of Q9, with their figures.
+    fn ways<'f>(&self, figures: &'f [Figure], amount: f64) -> Result<Vec<(Closed, &'f Figure)>, String> {
+        let all: Vec<Closed> = figures.iter().map(|figure| figure.outline.clone()).collect();
+        let climbs = self.sl(9) >= 0.0;
+        let ways = figures.iter().enumerate().map(|(at, figure)| {
+            // Climbing is against the clock in a pocket, with it round an island.
+            let clockwise = figure.is_pocket != climbs;
+            let outline = if figure.outline.is_clockwise() == clockwise { figure.outline.clone() } else { figure.outline.reversed() };
+            let side = if climbs { 1.0 } else { -1.0 };
+            let number = at + 1;
+            let way = outline.beside(side, amount);
+            let way = way.ok_or_else(|| format!("the tool with its allowance does not fit into contour {number} of cycle 14"))?;
+            if !way.keeps_away(&all, amount) {
+                return Err(format!(
+                    "contours that overlap, or leave less room than the tool with its allowance, are not emulated: contour {number} of cycle 14"
+                ));
+            }
+            Ok((way, figure))
+        });
+        ways.collect()
+    }
+
+    /// Cycles 22 and 23.
+    pub(super) fn rough_out(&self, host: &dyn Host, floor: bool) -> Result<Vec<String>, String> {
+        if !floor && self.sl(18) != 0.0 {
+            return Err("roughing after a larger tool (Q18) is not emulated: program Q18=0".to_owned());
+        }
+        let (figures, radius, factor) = (self.figures()?, self.cutter(host)?, host.length_factor());
+        let amount = radius + self.sl(3) * factor;
+        let ways = self.ways(&figures, amount)?;
+        let outlines: Vec<Closed> = ways.iter().map(|(way, _)| way.clone()).collect();
+        let overlap = if self.sl(2) > 0.0 { self.sl(2) } else { 1.0 };
+        let rows = cuts(&outlines, overlap * radius);
+        let surface = self.sl(5);
+        let bottom = surface + self.sl(1) + if floor { 0.0 } else { self.sl(4) };
+        let levels = if floor { vec![bottom] } else { levels(surface, bottom, self.sl(10)) };
+        let (plunge, feed) = (self.sl(11), self.sl(12));
+        let out = if self.sl(208) > 0.0 { self.sl(208) } else { feed };
+        let clear = surface + self.sl(6);
+        let mut blocks = self.blocks(host);
+        blocks.rise_to(self.sl(7), RAPID);
+        for level in levels {
+            let rows = rows.iter().filter_map(|row| Some((row.first()?.0, row)));
+            for (start, row) in rows {
+                blocks.over(start);
+                blocks.rise_to(clear, RAPID);
+                blocks.rise_to(level, plunge);
+                let mut here = start;
+                for (from, to) in row {
+                    if distance(here, *from) > 1e-7 {
+                        blocks.line(*from, feed);
+                    }
+                    blocks.line(*to, feed);
+                    here = *to;
+                }
+                blocks.rise_to(clear, out);
+            }
+            for way in &outlines {
+                let Some(first) = way.elements().first() else { continue };
+                blocks.over(first.from);
+                blocks.rise_to(clear, RAPID);
+                blocks.rise_to(level, plunge);
+                for element in way.elements() {
+                    blocks.element(element, feed);
+                }
+                blocks.rise_to(clear, out);
+            }
+        }
+        blocks.rise_to(self.sl(7), RAPID);
+        Ok(blocks.lines)
+    }
+
+    /// Cycle 24.
+    pub(super) fn finish_sides(&self, host: &dyn Host) -> Result<Vec<String>, String> {
+        let (figures, radius, factor) = (self.figures()?, self.cutter(host)?, host.length_factor());
+        let all: Vec<Closed> = figures.iter().map(|figure| figure.outline.clone()).collect();
+        let amount = radius + self.sl(14) * factor;
+        let side = if self.sl(9) >= 0.0 { 1.0 } else { -1.0 };
+        let surface = self.sl(5);
+        let clear = surface + self.sl(6);
+        let mut blocks = self.blocks(host);
+        blocks.rise_to(self.sl(7), RAPID);
+        for (way, _) in self.ways(&figures, amount)? {
+            let (Some(first), Some(last)) = (way.elements().first(), way.elements().last()) else { continue };
+            let both = |size: f64| {
+                let to = quarter(first.from, first.start(), side, size, true)?;
+                let from = quarter(last.to, last.end(), side, size, false)?;
+                (is_clear(&to, &all, amount) && is_clear(&from, &all, amount)).then_some((to, from))
+            };
+            let quarters = (0..6).find_map(|halved| both(radius / f64::from(1 << halved)));
+            let Some((to, from)) = quarters else {
+                return Err("a side of a contour of cycle 14 has no room for a way to it".to_owned());
+            };
+            for level in levels(surface, surface + self.sl(1), self.sl(10)) {
+                blocks.over(to.from);
+                blocks.rise_to(clear, RAPID);
+                blocks.rise_to(level, self.sl(11));
+                blocks.element(&to, self.sl(12));
+                for element in way.elements() {
+                    blocks.element(element, self.sl(12));
+                }
+                blocks.element(&from, self.sl(12));
+                blocks.rise_to(clear, RAPID);
+            }
+        }
+        blocks.rise_to(self.sl(7), RAPID);
+        Ok(blocks.lines)
+    }
+
+    /// Cycle 21: holes where cycle 22 plunges with tool Q13.
+    pub(super) fn drill_pilots(&self, host: &dyn Host) -> Result<Vec<String>, String> {
+        let (figures, factor) = (self.figures()?, host.length_factor());
+        let radius = host.tool_size(self.sl(13) as u32)[1];
+        if radius <= 0.0 {
+            return Err("tool Q13, with which cycle 22 roughs, has no radius".to_owned());
+        }
+        let ways = self.ways(&figures, radius + self.sl(3) * factor)?;
+        let outlines: Vec<Closed> = ways.into_iter().map(|(way, _)| way).collect();
+        let overlap = if self.sl(2) > 0.0 { self.sl(2) } else { 1.0 };
+        let rows = cuts(&outlines, overlap * radius);
+        let of_rows = rows.iter().filter_map(|row| row.first()).map(|(from, _)| *from);
+        let starts =
+            of_rows.chain(outlines.iter().filter_map(|way| way.elements().first()).map(|element| element.from));
+        let surface = self.sl(5);
+        let (bottom, clear) = (surface + self.sl(1) + self.sl(4), surface + self.sl(6));
+        let depth = surface - bottom;
+        let ahead = if depth > 30.0 { (depth / 50.0).min(7.0) } else { 0.6 };
+        let mut blocks = self.blocks(host);
+        blocks.rise_to(self.sl(7), RAPID);
+        for start in starts {
+            blocks.over(start);
+            blocks.rise_to(clear, RAPID);
+            let mut last = None;
+            for level in levels(surface, bottom, self.sl(10)) {
+                if let Some(last) = last {
+                    blocks.rise_to(clear, RAPID);
+                    blocks.rise_to(last + ahead, RAPID);
+                }
+                blocks.rise_to(level, self.sl(11));
+                last = Some(level);
+            }
+            blocks.rise_to(clear, RAPID);
+        }
+        blocks.rise_to(self.sl(7), RAPID);
+        Ok(blocks.lines)
+    }
+
+    /// Cycle 25.
+    pub(super) fn follow_train(&self, host: &dyn Host) -> Result<Vec<String>, String> {
+        let contour = self.only_contour()?;
+        let amount = self.cutter(host)? + self.sl(3) * host.length_factor();
+        let side = contour.is_left.map(|left| if left { 1.0 } else { -1.0 });
+        let way = match side {
+            None => Some(contour.elements.clone()),
+            Some(side) => rounded(&contour.elements, side, amount),
+        };
+        let way =
+            way.ok_or_else(|| "the tool with its allowance does not fit into the contour of cycle 14".to_owned())?;
+        let line = Closed::open(contour.elements.clone());
+        if side.is_some() && way.iter().any(|element| !is_clear(element, std::slice::from_ref(&line), amount)) {
+            return Err("a contour that leaves less room than the tool with its allowance is not emulated".to_owned());
+        }
+        let back = Closed::open(way.clone()).reversed();
+        // Climbing is along a contour that the tool is left of.
+        let forward = (self.sl(15) >= 0.0) == side.is_none_or(|side| side > 0.0);
+        let mut ways = [&way[..], back.elements()];
+        if !forward {
+            ways.reverse();
+        }
+        let (surface, safe) = (self.sl(5), self.sl(7));
+        let alternates = self.sl(15) == 0.0;
+        let mut blocks = self.blocks(host);
+        blocks.rise_to(safe, RAPID);
+        for (at, level) in levels(surface, surface + self.sl(1), self.sl(10)).into_iter().enumerate() {
+            let way = if alternates && at % 2 == 1 { ways[1] } else { ways[0] };
+            let Some(first) = way.first() else { continue };
+            if at == 0 || !alternates {
+                blocks.over(first.from);
+            }
+            blocks.rise_to(level, self.sl(11));
+            for element in way {
+                blocks.element(element, self.sl(12));
+            }
+            if !alternates {
+                blocks.rise_to(safe, RAPID);
+            }
+        }
+        if alternates {
+            blocks.rise_to(safe, RAPID);
+        }
+        Ok(blocks.lines)
+    }
+}

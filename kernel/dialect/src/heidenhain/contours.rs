@@ -1,0 +1,147 @@
+//! SL cycles: subprograms that are contours, and what the programs of the cycles ask for.
+//!
+//! `SL READ` records the contours that cycle 14 names, each with its side; `SL ROUGH`, `SL FLOOR`, `SL SIDE`, `SL PILOT` and
+//! `SL TRAIN` leave the blocks of a cycle. Facts: programming manuals of the control (the side of the compensation and the sense of
+//! the contour tell pockets from islands; words of the tool axis do not count). Decision: a contour without compensation is a
+//! pocket. *Invariant:* only programs stored with the machine have these statements.
+
+use counterpoint_event::FileId;
+use counterpoint_fault as diag;
+use counterpoint_fault::Halt;
+use counterpoint_machine::stored::StoredFile;
+use counterpoint_motion::contour::closed::Closed;
+use counterpoint_motion::contour::element::Element;
+use counterpoint_program::shape::Range;
+
+use super::Heidenhain;
+use super::flow::Kind;
+use super::path::Path;
+use super::statement::Label;
+use super::words::Seen;
+use crate::host::{Call, Host, Place};
+
+/// A contour that has been read.
+#[derive(Debug, Clone)]
+pub(super) struct Contour {
+    pub(super) elements: Vec<Element>,
+    /// The tool goes left of it.
+    pub(super) is_left: Option<bool>,
+}
+
+/// A pocket or an island.
+#[derive(Debug, Clone)]
+pub(super) struct Figure {
+    pub(super) outline: Closed,
+    pub(super) is_pocket: bool,
+}
+
+/// The contours of cycle 14.
+#[derive(Debug, Default)]
+pub(super) struct Contours {
+    labels: Vec<(FileId, Label)>,
+    read: Vec<Contour>,
+    /// A contour is being recorded; what the path was before.
+    before: Option<Box<Path>>,
+}
+
+impl Contours {
+    /// Bytes that they take, about.
+    pub(super) fn bytes(&self) -> usize {
+        self.read.iter().map(|contour| contour.elements.len() * size_of::<Element>()).sum::<usize>()
+            + self.labels.len() * 60
+    }
+}
+
+impl Heidenhain {
+    /// Cycle 14: `CONTOUR LABEL 1 /2 /3`.
+    pub(super) fn name_contours(&mut self, host: &dyn Host, seen: &[Seen]) {
+        let file = host.place().file;
+        let values = seen.iter().filter(|word| word.is("LABEL") || word.is("/")).filter_map(|word| word.value);
+        let labels = values.map(|value| (file, Label::Number(value as u32))).collect();
+        self.cycles.contours = Contours { labels, ..Contours::default() };
+    }
+
+    /// A statement of the programs of SL cycles.
+    pub(super) fn contour_statement(
+        &mut self,
+        host: &mut dyn Host,
+        what: &str,
+        place: Place,
+    ) -> Result<Option<String>, Halt> {
+        let stored = host.files().get(usize::from(place.file)).is_some_and(|name| name.starts_with(StoredFile::ROOT));
+        if !stored {
+            return Ok(self.not_understood(host));
+        }
+        if what == "READ" {
+            return self.read_contours(host, place).map(|()| None);
+        }
+        let made = match what {
+            "ROUGH" => self.rough_out(host, false),
+            "FLOOR" => self.rough_out(host, true),
+            "SIDE" => self.finish_sides(host),
+            "PILOT" => self.drill_pilots(host),
+            "TRAIN" => self.follow_train(host),
+            _ => return Ok(self.not_understood(host)),
+        };
+        match made {
+            Ok(blocks) => Ok(Some(blocks.join("\n"))),
+            Err(why) => {
+                let text = format!("{why}, in '{}'", host.block_text());
+                Err(host.alarm(&diag::PATH_NOT_MADE, text))
+            }
+        }
+    }
+
+    /// Records the contours one after the other; the block runs again until all are there.
+    fn read_contours(&mut self, host: &mut dyn Host, place: Place) -> Result<(), Halt> {
+        match self.cycles.contours.before.take() {
+            None => self.cycles.contours.read.clear(),
+            Some(before) => {
+                let is_left = self.path.is_left;
+                self.path = *before;
+                self.cycles.contours.read.push(Contour { elements: host.contour().to_vec(), is_left });
+            }
+        }
+        let Some((file, label)) = self.cycles.contours.labels.get(self.cycles.contours.read.len()).cloned() else {
+            if self.cycles.contours.labels.is_empty() {
+                let text = "the cycle has no contour; program cycle 14 before it".to_owned();
+                return Err(host.alarm(&diag::PATH_NOT_MADE, text));
+            }
+            return Ok(());
+        };
+        let Some(line) = self.find_label_in(host, file, &label) else {
+            let text = format!("{label}, a contour of cycle 14, is not in the program");
+            return Err(host.alarm(&diag::JUMP_TARGET, text));
+        };
+        self.cycles.contours.before = Some(Box::new(self.path.clone()));
+        self.path.is_left = None;
+        let last = host.source(file).map_or(line, |source| source.lines());
+        let range = Range { number: None, first: line, last };
+        self.calling = Some(Kind::Label);
+        self.keeping = true;
+        host.read_contour(Call { name: label.to_string().into(), place: Some((file, range)), passes: 1, closes: true });
+        host.effect();
+        host.go_to(place.line)
+    }
+
+    /// The contours as pockets and islands.
+    pub(super) fn figures(&self) -> Result<Vec<Figure>, String> {
+        let figures = self.cycles.contours.read.iter().enumerate().map(|(at, contour)| {
+            let number = at + 1;
+            let outline = Closed::new(contour.elements.clone());
+            let outline = outline.ok_or_else(|| format!("contour {number} of cycle 14 has no element"))?;
+            let is_pocket = contour.is_left.is_none_or(|left| left != outline.is_clockwise());
+            Ok(Figure { outline, is_pocket })
+        });
+        figures.collect()
+    }
+
+    /// The only contour.
+    pub(super) fn only_contour(&self) -> Result<&Contour, String> {
+        match self.cycles.contours.read.as_slice() {
+            [contour] if !contour.elements.is_empty() => Ok(contour),
+            [_] => Err("the contour of cycle 14 has no element".to_owned()),
+            _ => Err("a contour train has one contour in cycle 14".to_owned()),
+        }
+    }
+}

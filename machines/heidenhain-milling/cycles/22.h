@@ -1,0 +1,9 @@
+; Rough-out of the contours of cycle 14.
+BEGIN PGM 22 MM
+FN 9: IF +Q1 EQU +0 GOTO LBL 98
+FN 18: SYSREAD QL90 = ID20 NR9
+SL READ
+SL ROUGH
+F+QL90
+LBL 98
+END PGM 22 MM
