@@ -1,50 +1,58 @@
-//! Corners between straight lines.
+//! Corners between two elements of a contour.
 //!
-//! *Invariant:* a corner takes no more of a line than there is of it.
+//! *Invariant:* a corner takes no more of an element than there is of it.
 
 use counterpoint_motion::contour::blend::{Cut, TooLong, blend};
-use counterpoint_motion::contour::element::Element;
+use counterpoint_motion::contour::element::{Element, NOISE};
 
-use super::plane::{Point, direction, minus, turn};
+use super::plane::{Point, minus, turn};
 
-/// What a corner needs of both its lines, and how it turns.
+/// What a corner needs of both its elements, and how it turns.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Corner {
-    /// Where the first line ends.
+    /// Where the first element ends.
     pub(crate) from: Point,
-    /// Where the second line begins.
+    /// Where the second element begins, and in which direction.
     pub(crate) to: Point,
+    pub(crate) heading: Point,
     /// The rounding is clockwise.
     pub(crate) clockwise: bool,
 }
 
-/// A chamfer of this length on both lines, or a rounding with this radius.
+/// A chamfer of this length on both elements, or a rounding with this radius.
 ///
 /// # Errors
 /// Why there is none.
-pub(crate) fn corner(
-    before: Point,
-    corner: Point,
-    after: Point,
-    chamfer: bool,
-    size: f64,
-) -> Result<Corner, &'static str> {
-    let (Some(in_), Some(out)) = (direction(minus(corner, before)), direction(minus(after, corner))) else {
-        return Err("a corner needs a line before it and a line after it");
-    };
+pub(crate) fn corner(first: Element, second: Element, chamfer: bool, size: f64) -> Result<Corner, &'static str> {
+    if first.length() < NOISE || second.length() < NOISE {
+        return Err("a corner needs an element before it and one after it");
+    }
     if !(size > 0.0 && size.is_finite()) {
         return Err("a corner needs a length or radius above zero");
     }
-    if turn(in_, out).abs() < 1e-9 {
-        return Err("lines of one direction have no corner");
+    let (mut first, mut second) = (first, second);
+    let turns = turn(first.end(), second.start());
+    if turns.abs() < 1e-9 {
+        return Err("elements of one direction have no corner");
     }
-    let mut first = Element { from: before, to: corner, arc: None };
-    let mut second = Element { from: corner, to: after, arc: None };
     let cut = if chamfer { Cut::Legs(size) } else { Cut::Round(size) };
     match blend(&mut first, &mut second, cut) {
-        Ok(_) => Ok(Corner { from: first.to, to: second.from, clockwise: turn(in_, out) < 0.0 }),
-        Err(TooLong) => Err("the corner is larger than its lines"),
+        Ok(_) if minus(first.to, second.from).iter().all(|way| way.abs() < NOISE) => {
+            Err("the corner is larger than its elements")
+        }
+        Ok(_) => Ok(Corner { from: first.to, to: second.from, heading: second.start(), clockwise: turns < 0.0 }),
+        Err(TooLong) => Err("the corner is larger than its elements"),
     }
+}
+
+/// A line.
+pub(crate) fn line(from: Point, to: Point) -> Element {
+    Element { from, to, arc: None }
+}
+
+/// An arc about a centre; a whole circle where it ends at its start.
+pub(crate) fn arc(from: Point, to: Point, center: Point, clockwise: bool) -> Element {
+    Element { from, to, arc: counterpoint_motion::arc::by_center(from, to, center, clockwise).ok() }
 }
 
 #[cfg(test)]
@@ -52,12 +60,24 @@ mod tests {
     use super::*;
 
     #[test]
-    fn corners_take_room_of_both_lines() {
-        let made = corner([0.0, 0.0], [10.0, 0.0], [10.0, 10.0], false, 2.0).unwrap();
+    fn corners_take_room_of_both_elements() {
+        let between =
+            |a: Point, b: Point, c: Point, chamfer: bool, size: f64| corner(line(a, b), line(b, c), chamfer, size);
+        let made = between([0.0, 0.0], [10.0, 0.0], [10.0, 10.0], false, 2.0).unwrap();
         assert_eq!((made.from, made.to, made.clockwise), ([8.0, 0.0], [10.0, 2.0], false));
-        let made = corner([0.0, 0.0], [10.0, 0.0], [10.0, -10.0], true, 1.0).unwrap();
+        let made = between([0.0, 0.0], [10.0, 0.0], [10.0, -10.0], true, 1.0).unwrap();
         assert_eq!((made.from, made.to, made.clockwise), ([9.0, 0.0], [10.0, -1.0], true));
-        assert!(corner([0.0, 0.0], [1.0, 0.0], [1.0, 10.0], false, 2.0).is_err());
-        assert!(corner([0.0, 0.0], [1.0, 0.0], [2.0, 0.0], false, 0.1).is_err());
+        assert!(between([0.0, 0.0], [1.0, 0.0], [1.0, 10.0], false, 2.0).is_err());
+        assert!(between([0.0, 0.0], [1.0, 0.0], [2.0, 0.0], false, 0.1).is_err());
+    }
+
+    #[test]
+    fn a_rounding_between_a_line_and_an_arc() {
+        // From the line along X onto the circle of radius 10 about 20, 0: the centre is 2 above the line and 12 from 20, 0.
+        let second = arc([10.0, 0.0], [20.0, 10.0], [20.0, 0.0], true);
+        let made = corner(line([0.0, 0.0], [10.0, 0.0]), second, false, 2.0).unwrap();
+        let way = 20.0 - 140.0_f64.sqrt();
+        assert!((made.from[0] - way).abs() < 1e-9 && made.from[1] == 0.0, "{made:?}");
+        assert!((made.to[1] - 2.0 * 10.0 / 12.0).abs() < 1e-9 && !made.clockwise);
     }
 }

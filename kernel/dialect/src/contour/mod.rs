@@ -12,7 +12,7 @@ mod tangent;
 mod ways;
 
 pub(super) use circle::{angle_between, pieces};
-pub(super) use corner::{Corner, corner};
+pub(super) use corner::{Corner, arc, corner, line};
 pub(super) use plane::{Point, along, center_by_radius, direction, left, minus, times};
 pub(super) use polar::{Polar, towards};
 pub(super) use tangent::{Tangent, heading_on, tangent};

@@ -27,8 +27,17 @@ impl Heidenhain {
     ) -> Result<Vec<Step>, Halt> {
         // The line after an arc may say where the arc ends.
         let approach = matches!(shape, Shape::Approach(_) | Shape::FreeArc { .. });
-        let line = matches!(shape, Shape::Line | Shape::Space | Shape::PolarLine | Shape::Iso | Shape::FreeLine { .. });
-        if !approach && !line {
+        let cuts = matches!(
+            shape,
+            Shape::Line
+                | Shape::Space
+                | Shape::PolarLine
+                | Shape::Iso
+                | Shape::FreeLine { .. }
+                | Shape::Arc
+                | Shape::Radius
+        );
+        if !approach && !cuts {
             return Ok(Vec::new());
         }
         let Some((first, behind)) = self.following(host, next, place) else { return Ok(Vec::new()) };
@@ -50,19 +59,31 @@ impl Heidenhain {
             steps.push(Step { shape: *shape, iso: *iso, seen, line: behind.saturating_sub(1) });
         }
         if is_corner {
-            steps.extend(self.next_step(host, behind, place)?);
+            steps.extend(self.next_steps(host, behind, place)?);
         }
         Ok(steps)
     }
 
-    /// The next path block as the program comes to it; assignments on the way are taken back.
-    fn next_step(&mut self, host: &mut dyn Host, from: u32, place: Place) -> Result<Option<Step>, Halt> {
-        let mut before = Vec::new();
-        let found = self.run_to_step(host, (from, place), &mut before);
+    /// The next path block as the program comes to it, with the one after it where it is a pole; assignments on the way are taken
+    /// back.
+    fn next_steps(&mut self, host: &mut dyn Host, from: u32, place: Place) -> Result<Vec<Step>, Halt> {
+        let (mut before, mut steps) = (Vec::new(), Vec::new());
+        let mut next = Some(from);
+        let mut done = Ok(());
+        while let Some(line) = next.take() {
+            match self.run_to_step(host, (line, place), &mut before) {
+                Ok(Some((step, behind))) => {
+                    next = (step.shape == Shape::Pole && steps.is_empty()).then_some(behind);
+                    steps.push(step);
+                }
+                Ok(None) => {}
+                Err(halt) => done = Err(halt),
+            }
+        }
         for (name, value) in before.into_iter().rev() {
             self.variables.put_back(name, value);
         }
-        found
+        done.map(|()| steps)
     }
 
     fn run_to_step(
@@ -70,7 +91,7 @@ impl Heidenhain {
         host: &mut dyn Host,
         (from, place): (u32, Place),
         before: &mut Vec<(Name, Option<Value>)>,
-    ) -> Result<Option<Step>, Halt> {
+    ) -> Result<Option<(Step, u32)>, Halt> {
         let mut line = from;
         for _ in 0..NEAR {
             let Some(read) = Some(line).filter(|line| *line <= place.range.last) else { return Ok(None) };
@@ -93,7 +114,7 @@ impl Heidenhain {
                 Statement::Branch(..) => read.next,
                 Statement::Path { shape, iso, words } => {
                     let seen = Evaluator::new(&mut self.variables, host).seen(words)?;
-                    return Ok(Some(Step { shape: *shape, iso: *iso, seen, line: 0 }));
+                    return Ok(Some((Step { shape: *shape, iso: *iso, seen, line: 0 }, read.next)));
                 }
                 _ => return Ok(None),
             };

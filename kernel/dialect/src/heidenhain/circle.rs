@@ -3,7 +3,7 @@
 //! Facts: programming manuals of the control (C, CR, CT, CC; G2, G3, G5, G6, I, J, K). Invariant: the centre of a
 //! circle comes either from `CC` before it or by words of its own block, never by both.
 
-use super::path::{AXES, Position, Shape, Walk};
+use super::path::{AXES, Position, Shape, Walk, axis};
 use super::words::{Seen, joined};
 use crate::contour::{self, Point, Tangent, center_by_radius, minus};
 
@@ -51,28 +51,41 @@ impl Walk<'_> {
         let own = self.take_center();
         let end = self.target();
         let (start, to) = (self.flat(&self.start), self.flat(&end));
-        let base = self.path.base.take();
-        let mut lines = Vec::new();
         let Some(clockwise) = self.path.clockwise else {
+            self.path.base = None;
             self.complain("the circle has no direction of rotation");
             return vec![self.verbatim(&[])];
         };
+        let radius = self.step.seen.iter().find(|word| word.is("R") && word.text != "R0").and_then(|word| word.value);
         let mut centre = Vec::new();
-        if shape == Shape::Arc {
+        let center = if shape == Shape::Arc {
             let Some(pole) = self.path.pole else {
+                self.path.base = None;
                 self.complain("the circle has no centre (CC)");
                 return vec![self.verbatim(&[])];
             };
             centre = self.center_words(pole);
-            if own && self.keeps_center() {
-                lines.push(self.pole_line(pole));
-            }
-            self.leave_circle(pole, to, clockwise);
+            Some(pole)
         } else {
-            let radius =
-                self.step.seen.iter().find(|word| word.is("R") && word.text != "R0").and_then(|word| word.value);
-            if let Some(center) = radius.and_then(|radius| center_by_radius(start, to, radius, clockwise)) {
-                self.leave_circle(center, to, clockwise);
+            radius.and_then(|radius| center_by_radius(start, to, radius, clockwise))
+        };
+        let base = self.path.base.take();
+        let mut lines = Vec::new();
+        if own && self.keeps_center() {
+            lines.extend(center.filter(|_| shape == Shape::Arc).map(|pole| self.pole_line(pole)));
+        }
+        if let Some(center) = center {
+            // After a corner the tool is on the circle already.
+            let element = contour::arc(self.flat(&self.actual), to, center, clockwise);
+            let shortened = if self.step.iso { None } else { self.corner_ahead(element, &end) };
+            self.leave_circle(center, to, clockwise);
+            if shortened.is_some() || base.is_some() && shape == Shape::Radius {
+                let mut stop = end;
+                if let Some(corner) = shortened {
+                    self.put(&mut stop, corner);
+                    self.path.base = Some(end);
+                }
+                return vec![self.arc_to(&stop, center, clockwise, shape, radius)];
             }
         }
         let by_last = self.step.iso && self.path.mode == Some(5);
@@ -91,6 +104,25 @@ impl Walk<'_> {
         words.extend(centre);
         lines.push(joined(&code, &words));
         lines
+    }
+
+    /// A circle whose start or end a corner has taken.
+    fn arc_to(&mut self, to: &Position, center: Point, clockwise: bool, shape: Shape, radius: Option<f64>) -> String {
+        let others = self.others(&["I", "J", "K", "DR", "R"]);
+        if shape == Shape::Arc {
+            let (code, sign) = self.circle_code("C", clockwise);
+            self.path.restate = true;
+            let mut words = self.positions(&self.actual, to);
+            words.extend(others);
+            words.extend(sign);
+            words.extend(self.center_words(center));
+            return joined(&code, &words);
+        }
+        let sweep =
+            contour::arc(self.flat(&self.actual), self.flat(to), center, clockwise).arc.map_or(0.0, |arc| arc.sweep);
+        let radius = radius.unwrap_or(0.0).abs();
+        let radius = if sweep.abs() > std::f64::consts::PI { -radius } else { radius };
+        self.by_radius(to, radius, clockwise, &others)
     }
 
     /// Takes a centre from words of an ISO block.
@@ -124,16 +156,20 @@ impl Walk<'_> {
         joined("CC", &words)
     }
 
+    /// The pole that words define. Without a word it stays where it was along that axis; without any it is where the tool is.
+    pub(super) fn pole_of(&self, seen: &[Seen], start: &Position) -> Option<Point> {
+        let here = self.flat(start);
+        let new = self.flat(&self.target_of(seen, start));
+        let said = self.path.plane.map(|at| {
+            seen.iter().any(|word| word.value.is_some() && axis(&word.name).is_some_and(|(own, _)| own == at))
+        });
+        let old = if said.contains(&true) { self.path.pole.unwrap_or(here) } else { here };
+        Some([if said[0] { new[0] } else { old[0] }, if said[1] { new[1] } else { old[1] }])
+    }
+
     pub(super) fn pole(&mut self) -> Vec<String> {
         if !self.take_center() {
-            let end = self.target();
-            // Without a word the pole stays where it was along that axis; without any it is where the tool is.
-            let coded = self.coded();
-            let here = self.flat(&self.start);
-            let said = self.path.plane.map(|axis| coded.get(axis) == Some(&true));
-            let old = if said.contains(&true) { self.path.pole.unwrap_or(here) } else { here };
-            let new = self.flat(&end);
-            self.path.pole = Some([if said[0] { new[0] } else { old[0] }, if said[1] { new[1] } else { old[1] }]);
+            self.path.pole = self.pole_of(&self.step.seen, &self.start);
         }
         let others = self.others(&["I", "J", "K"]);
         let mut lines = Vec::new();

@@ -1,18 +1,20 @@
 //! Corners, and ways to and from a contour.
 //!
-//! Facts: programming manuals of the control (CHF, RND, APPR, DEP; G24, G25). Decisions: only corners between straight
-//! lines are made; a way to the contour takes the direction of the path block after it; radius compensation begins on
+//! Facts: programming manuals of the control (CHF, RND, APPR, DEP; G24, G25). Decisions: corners are made between lines and
+//! circles whose blocks say where they end, before G2 and G3 of ISO programs only between lines; a way to the contour takes the direction of the path block after it; radius compensation begins on
 //! the first line of an approach and ends on the last line of a departure, after an arc on the next straight line.
 //! Invariant: a corner that cannot be made is left sharp and reported.
 
 use super::path::{Corner, Position, Shape, Walk, axis};
 use super::words::Seen;
+use counterpoint_motion::contour::element::Element;
+
 use crate::contour::{self, Approach, Departure, PathShape, Point, Polar, Side, direction, minus};
 
 impl Walk<'_> {
-    /// Where a line has to end, if the next block makes a corner at its end.
-    pub(super) fn corner_ahead(&mut self, end: &Position) -> Option<Point> {
-        let (first, second) = (self.ahead.first()?, self.ahead.get(1));
+    /// Where an element has to end, if the next block makes a corner at its end.
+    pub(super) fn corner_ahead(&mut self, own: Element, end: &Position) -> Option<Point> {
+        let first = self.ahead.first()?;
         let chamfer = match first.shape {
             Shape::Chamfer => true,
             Shape::Round => false,
@@ -25,23 +27,16 @@ impl Walk<'_> {
             .iter()
             .find(|word| (word.is("R") || word.is("") || word.is("RND") || word.is("CHF")) && word.value.is_some());
         let size = size.and_then(|word| word.value).unwrap_or(0.0);
-        let after = second.and_then(|step| {
-            let straight = match step.shape {
-                Shape::Line | Shape::PolarLine => true,
-                Shape::Iso => step.seen.iter().all(|word| !is_arc(word)) && self.is_straight_mode(&step.seen),
-                _ => false,
-            };
-            straight.then(|| self.end_of(&step.seen, end, step.shape == Shape::PolarLine)).flatten()
-        });
-        let Some(after) = after else {
-            self.complain("corners are made between straight lines only; the corner after this block is left sharp");
+        let Some(after) = self.element_behind(end) else {
+            self.complain(
+                "corners are made before lines and circles whose blocks say where they end; the corner after this block is left sharp",
+            );
             return None;
         };
-        let (before, corner) = (self.flat(&self.actual), self.flat(end));
-        match contour::corner(before, corner, after, chamfer, size) {
-            Ok(contour::Corner { from, to, clockwise }) => {
+        match contour::corner(own, after, chamfer, size) {
+            Ok(contour::Corner { from, to, heading, clockwise }) => {
                 let radius = if chamfer { None } else { Some(size) };
-                self.path.corner = Some(Corner { line: first.line, to, radius, clockwise });
+                self.path.corner = Some(Corner { line: first.line, to, heading, radius, clockwise });
                 Some(from)
             }
             Err(why) => {
@@ -51,6 +46,39 @@ impl Walk<'_> {
         }
     }
 
+    /// The element after the corner that follows, with the pole that may stand before it.
+    fn element_behind(&self, end: &Position) -> Option<Element> {
+        let mut steps = self.ahead.iter().skip(1);
+        let mut step = steps.next()?;
+        let mut pole = self.path.pole;
+        if step.shape == Shape::Pole {
+            pole = self.pole_of(&step.seen, end);
+            step = steps.next()?;
+        }
+        let from = self.flat(end);
+        let to = |polar: bool| self.end_of(&step.seen, end, pole.filter(|_| polar), polar);
+        let clockwise = || {
+            let own =
+                step.seen.iter().find(|word| word.is("DR") && word.value.is_none()).map(|word| word.text == "DR-");
+            own.or(self.path.clockwise)
+        };
+        Some(match step.shape {
+            Shape::Line => contour::line(from, to(false)?),
+            Shape::PolarLine => contour::line(from, to(true)?),
+            Shape::Iso if step.seen.iter().all(|word| !is_arc(word)) && self.is_straight_mode(&step.seen) => {
+                contour::line(from, to(false)?)
+            }
+            Shape::Arc => contour::arc(from, to(false)?, pole?, clockwise()?),
+            Shape::PolarArc => contour::arc(from, to(true)?, pole?, clockwise()?),
+            Shape::Radius => {
+                let radius = step.seen.iter().find(|word| word.is("R") && word.text != "R0")?.value?;
+                let to = to(false)?;
+                contour::arc(from, to, contour::center_by_radius(from, to, radius, clockwise()?)?, clockwise()?)
+            }
+            _ => return None,
+        })
+    }
+
     /// A block without a motion word goes straight on.
     fn is_straight_mode(&self, seen: &[Seen]) -> bool {
         let own = seen.iter().any(|word| word.is("G") && word.value.is_some_and(|value| value < 2.0));
@@ -58,11 +86,11 @@ impl Walk<'_> {
     }
 
     /// End of another block in the plane.
-    fn end_of(&self, seen: &[Seen], start: &Position, polar: bool) -> Option<Point> {
+    fn end_of(&self, seen: &[Seen], start: &Position, pole: Option<Point>, polar: bool) -> Option<Point> {
         if !polar {
             return Some(self.flat(&self.target_of(seen, start)));
         }
-        let pole = self.path.pole?;
+        let pole = pole?;
         let Polar { mut radius, mut angle } = Polar::of(pole, self.flat(start));
         for word in seen {
             match (&*word.name, word.value) {
@@ -79,9 +107,9 @@ impl Walk<'_> {
     /// A corner: what the line before has made room for.
     pub(super) fn corner(&mut self, corner: Option<Corner>) -> Vec<String> {
         let Some(corner) = corner.filter(|corner| corner.line == self.step.line) else {
-            // A line that could not make room has said so.
-            if self.path.heading.is_none() || self.path.round {
-                self.complain("a corner needs a line before it");
+            // An element that could not make room has said so.
+            if self.path.heading.is_none() {
+                self.complain("a corner needs an element before it");
             }
             return Vec::new();
         };
@@ -92,10 +120,7 @@ impl Walk<'_> {
             Some(radius) => self.by_radius(&end, radius, corner.clockwise, &others),
             None => self.straight(&end, &others),
         };
-        if let Some(base) = &self.path.base {
-            let out = minus(corner.to, self.flat(base));
-            self.head_for(out);
-        }
+        self.head_for(corner.heading);
         vec![line]
     }
 
@@ -160,14 +185,14 @@ impl Walk<'_> {
         });
         match step.shape {
             _ if !moves => None,
-            Shape::Line | Shape::Tangent => direction(minus(self.end_of(&step.seen, from, false)?, point)),
-            Shape::PolarLine => direction(minus(self.end_of(&step.seen, from, true)?, point)),
+            Shape::Line | Shape::Tangent => direction(minus(self.end_of(&step.seen, from, None, false)?, point)),
+            Shape::PolarLine => direction(minus(self.end_of(&step.seen, from, self.path.pole, true)?, point)),
             Shape::Arc | Shape::PolarArc => {
                 let clockwise = step.seen.iter().any(|word| word.text == "DR-");
                 direction(contour::heading_on(self.path.pole?, point, clockwise))
             }
             Shape::Radius => {
-                let to = self.end_of(&step.seen, from, false)?;
+                let to = self.end_of(&step.seen, from, None, false)?;
                 let clockwise = step.seen.iter().any(|word| word.text == "DR-");
                 let radius = step.seen.iter().find(|word| word.is("R") && word.text != "R0")?.value?;
                 let center = contour::center_by_radius(point, to, radius, clockwise)?;

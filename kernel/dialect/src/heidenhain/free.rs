@@ -88,7 +88,8 @@ impl Walk<'_> {
         let Some(end) = end.filter(|_| !self.asks_more()) else { return self.not_determined() };
         self.path.base = None;
         let mut stop = end;
-        if let Some(corner) = self.corner_ahead(&end) {
+        let own = crate::contour::line(self.flat(&self.actual), self.flat(&end));
+        if let Some(corner) = self.corner_ahead(own, &end) {
             self.put(&mut stop, corner);
             self.path.base = Some(end);
         }

@@ -111,6 +111,8 @@ pub(super) struct Corner {
     /// Line of the block that makes it.
     pub(super) line: u32,
     pub(super) to: Point,
+    /// Direction of the element after it.
+    pub(super) heading: Point,
     /// Radius, none for a chamfer.
     pub(super) radius: Option<f64>,
     pub(super) clockwise: bool,
@@ -383,7 +385,8 @@ impl Walk<'_> {
         let end = self.target();
         let (start, to) = (self.flat(&self.start), self.flat(&end));
         let base = self.path.base.take();
-        let line = match self.corner_ahead(&end) {
+        let own = crate::contour::line(self.flat(&self.actual), to);
+        let line = match self.corner_ahead(own, &end) {
             Some(corner_start) => {
                 let mut short = end;
                 self.put(&mut short, corner_start);

@@ -53,7 +53,8 @@ impl Walk<'_> {
         self.path.base = None;
         let to = self.flat(&end);
         let mut stop = end;
-        if let Some(corner_start) = self.corner_ahead(&end) {
+        let own = crate::contour::line(self.flat(&self.actual), self.flat(&end));
+        if let Some(corner_start) = self.corner_ahead(own, &end) {
             self.put(&mut stop, corner_start);
             self.path.base = Some(end);
         }
