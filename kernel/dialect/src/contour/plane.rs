@@ -26,11 +26,11 @@ pub(crate) fn left(a: Point) -> Point {
 }
 
 /// Positive if the second turns to the left of the first.
-pub(super) fn turn(a: Point, b: Point) -> f64 {
+pub(crate) fn turn(a: Point, b: Point) -> f64 {
     a[0] * b[1] - a[1] * b[0]
 }
 
-pub(super) fn length(a: Point) -> f64 {
+pub(crate) fn length(a: Point) -> f64 {
     libm::hypot(a[0], a[1])
 }
 
@@ -51,7 +51,7 @@ pub(crate) fn center_by_radius(from: Point, to: Point, radius: f64, clockwise: b
 }
 
 /// Where a line to a circle touches it so that it goes on round its centre.
-pub(super) fn touch(from: Point, center: Point, radius: f64, clockwise: bool) -> Option<Point> {
+pub(crate) fn touch(from: Point, center: Point, radius: f64, clockwise: bool) -> Option<Point> {
     let way = minus(center, from);
     let distance = length(way);
     if !(distance >= radius && distance > 0.0) {

@@ -27,16 +27,7 @@ impl Heidenhain {
     ) -> Result<Vec<Step>, Halt> {
         // The line after an arc may say where the arc ends.
         let approach = matches!(shape, Shape::Approach(_) | Shape::FreeArc { .. });
-        let cuts = matches!(
-            shape,
-            Shape::Line
-                | Shape::Space
-                | Shape::PolarLine
-                | Shape::Iso
-                | Shape::FreeLine { .. }
-                | Shape::Arc
-                | Shape::Radius
-        );
+        let cuts = !matches!(shape, Shape::Pole | Shape::FreePole | Shape::Chamfer | Shape::Round | Shape::Depart(_));
         if !approach && !cuts {
             return Ok(Vec::new());
         }
@@ -49,16 +40,17 @@ impl Heidenhain {
             }),
             _ => false,
         };
-        if !approach && !is_corner {
+        if !approach && !is_corner && !matches!(shape, Shape::FreeLine { .. }) {
             return Ok(Vec::new());
         }
         let mut steps = Vec::new();
         if let Statement::Path { shape, iso, words } = &first.statement {
             let seen = Evaluator::new(&mut self.variables, host).seen(words)?;
             // The line of a corner follows from what it was read from.
-            steps.push(Step { shape: *shape, iso: *iso, seen, line: behind.saturating_sub(1) });
+            steps.push(Step { shape: *shape, iso: *iso, seen, line: behind.saturating_sub(1), number: first.number });
         }
-        if is_corner {
+        let elements = matches!(shape, Shape::FreeLine { .. } | Shape::FreeArc { .. });
+        if is_corner || elements {
             steps.extend(self.next_steps(host, behind, place)?);
         }
         Ok(steps)
@@ -114,7 +106,10 @@ impl Heidenhain {
                 Statement::Branch(..) => read.next,
                 Statement::Path { shape, iso, words } => {
                     let seen = Evaluator::new(&mut self.variables, host).seen(words)?;
-                    return Ok(Some((Step { shape: *shape, iso: *iso, seen, line: 0 }, read.next)));
+                    return Ok(Some((
+                        Step { shape: *shape, iso: *iso, seen, line: 0, number: read.number },
+                        read.next,
+                    )));
                 }
                 _ => return Ok(None),
             };

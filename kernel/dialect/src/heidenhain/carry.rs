@@ -320,7 +320,7 @@ impl Heidenhain {
         });
         self.cycle_calls(host, &mut seen, moves)?;
         self.after_block(&seen);
-        let step = Step { shape, iso, seen, line: place.line };
+        let step = Step { shape, iso, seen, line: place.line, number: line.number };
         let ahead = if place.as_read { self.ahead(host, shape, line.next, place)? } else { Vec::new() };
         let mut lines = retracts;
         lines.extend(walk(&mut self.path, host, &step, &ahead)?);

@@ -30,6 +30,7 @@ impl Walk<'_> {
     /// Direction at the end of a circle.
     pub(super) fn leave_circle(&mut self, center: Point, end: Point, clockwise: bool) {
         self.head_for(contour::heading_on(center, end, clockwise));
+        self.ends_at(end);
         (self.path.clockwise, self.path.round) = (Some(clockwise), true);
     }
 
@@ -118,11 +119,15 @@ impl Walk<'_> {
             words.extend(self.center_words(center));
             return joined(&code, &words);
         }
-        let sweep =
-            contour::arc(self.flat(&self.actual), self.flat(to), center, clockwise).arc.map_or(0.0, |arc| arc.sweep);
-        let radius = radius.unwrap_or(0.0).abs();
-        let radius = if sweep.abs() > std::f64::consts::PI { -radius } else { radius };
+        let radius = self.radius_to(to, center, clockwise, radius.unwrap_or(0.0));
         self.by_radius(to, radius, clockwise, &others)
+    }
+
+    /// A radius for the way from the tool to a point of its circle: below zero for more than half a circle.
+    fn radius_to(&self, to: &Position, center: Point, clockwise: bool, radius: f64) -> f64 {
+        let element = contour::arc(self.flat(&self.actual), self.flat(to), center, clockwise);
+        let longer = element.arc.is_some_and(|arc| arc.sweep.abs() > std::f64::consts::PI);
+        if longer { -radius.abs() } else { radius.abs() }
     }
 
     /// Takes a centre from words of an ISO block.
@@ -193,7 +198,14 @@ impl Walk<'_> {
         };
         match contour::tangent(start, heading, to) {
             Tangent::Arc { center, radius, clockwise } => {
-                let line = self.by_radius(&end, radius, clockwise, &others);
+                let element = contour::arc(start, to, center, clockwise);
+                let (mut stop, mut radius) = (end, radius);
+                if let Some(corner) = self.corner_ahead(element, &end) {
+                    self.put(&mut stop, corner);
+                    self.path.base = Some(end);
+                    radius = self.radius_to(&stop, center, clockwise, radius);
+                }
+                let line = self.by_radius(&stop, radius, clockwise, &others);
                 self.leave_circle(center, to, clockwise);
                 vec![line]
             }

@@ -97,7 +97,7 @@ impl Heidenhain {
         match self.cycles.contours.before.take() {
             None => self.cycles.contours.read.clear(),
             Some(before) => {
-                let is_left = self.path.is_left;
+                let is_left = self.path.side.is_left;
                 self.path = *before;
                 self.cycles.contours.read.push(Contour { elements: host.contour().to_vec(), is_left });
             }
@@ -114,7 +114,7 @@ impl Heidenhain {
             return Err(host.alarm(&diag::JUMP_TARGET, text));
         };
         self.cycles.contours.before = Some(Box::new(self.path.clone()));
-        self.path.is_left = None;
+        self.path.side.is_left = None;
         let last = host.source(file).map_or(line, |source| source.lines());
         let range = Range { number: None, first: line, last };
         self.calling = Some(Kind::Label);

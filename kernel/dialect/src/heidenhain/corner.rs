@@ -75,6 +75,9 @@ impl Walk<'_> {
                 let to = to(false)?;
                 contour::arc(from, to, contour::center_by_radius(from, to, radius, clockwise()?)?, clockwise()?)
             }
+            // An element of a free contour that says its end, and of an arc its centre.
+            Shape::FreeLine { .. } => contour::line(from, self.end_behind(step)?),
+            Shape::FreeArc { .. } => contour::arc(from, self.end_behind(step)?, self.center_of(step)?, clockwise()?),
             _ => return None,
         })
     }
@@ -134,7 +137,7 @@ impl Walk<'_> {
         let size =
             self.word(if matches!(way, PathShape::Straight | PathShape::Normal) { "LEN" } else { "R" }).unwrap_or(0.0);
         let angle = self.word("CCA").unwrap_or(90.0).abs();
-        Side { size: size.abs(), on_left: self.path.is_left.unwrap_or(size >= 0.0), angle }
+        Side { size: size.abs(), on_left: self.path.side.is_left.unwrap_or(size >= 0.0), angle }
     }
 
     pub(super) fn approach(&mut self, way: PathShape) -> Vec<String> {
@@ -220,7 +223,7 @@ impl Walk<'_> {
             self.complain("a departure has no length or radius");
             return Vec::new();
         }
-        self.path.is_left = None;
+        self.path.side.is_left = None;
         let mut with_end = others;
         if !with_end.iter().any(|word| word.text == "R0") {
             with_end.insert(0, Seen::text("R0"));
@@ -234,7 +237,7 @@ impl Walk<'_> {
             Some(Departure::Arc { to, radius, heading }) => {
                 self.put(&mut end, to);
                 self.path.heading = Some(heading);
-                self.path.ends_compensation = true;
+                self.path.side.ends = true;
                 with_end.retain(|word| word.text != "R0");
                 vec![self.by_radius(&end, radius, !side.on_left, &with_end)]
             }

@@ -1,23 +1,48 @@
-//! Free contours: elements whose end follows from what the block says.
+//! Free contours: elements whose end follows from what the block says, and from the elements after it.
 //!
 //! Facts: programming manuals of the control (FL, FLT, FC, FCT: end, length, angle, centre, radius, angle of the arc, direction
-//! of rotation), reference heidenhain-cycles.md 1. Decisions: only elements that have one solution at once, with the tangent of
-//! the element before and, behind a tangential arc, the angle of the line after it; closed contours, relative data and choices
-//! of a solution are not made. Invariant: an element that is not determined is reported and moves nothing.
+//! of rotation; FPOL; CLSD; data relative to another block), reference heidenhain-cycles.md 1. Decisions: only elements that have
+//! one solution: at once, with the tangent of the element before, or with one or two elements behind it; choices of a solution
+//! (FSELECT) and parallels are not made. Invariant: an element that is not determined is reported and moves nothing.
 
 use super::path::{Position, Shape, Step, Walk};
-use crate::contour::{Point, Polar, along, angle_between, direction, left, minus, pieces, times, towards};
+use crate::contour::{
+    Point, Polar, along, angle_between, direction, left, length, minus, pieces, times, touch, towards, turn,
+};
 
 /// Largest piece of an arc that is made by its radius, degrees.
 const PIECE: f64 = 170.0;
 
 /// Words that elements of free contours use up; R of a line is that of the compensation.
-const LINE: [&str; 6] = ["AN", "LEN", "PR", "PA", "IPR", "IPA"];
-const ARC: [&str; 11] = ["AN", "LEN", "PR", "PA", "IPR", "IPA", "R", "DR", "CCX", "CCY", "CCA"];
+const LINE: [&str; 13] = ["AN", "IAN", "LEN", "PR", "PA", "IPR", "IPA", "CLSD", "RX", "RY", "RPR", "RPA", "RAN"];
+const ARC: [&str; 24] = [
+    "AN", "IAN", "LEN", "PR", "PA", "IPR", "IPA", "CLSD", "RX", "RY", "RPR", "RPA", "RAN", "R", "DR", "CCX", "CCY",
+    "CCA", "ICCX", "ICCY", "CCPR", "CCPA", "RCCX", "RCCY",
+];
 
-/// Words that ask for more than one element.
-const MORE: [&str; 14] =
-    ["CLSD", "RX", "RY", "RPR", "RPA", "RAN", "RCCX", "RCCY", "PDX", "PDY", "PAR", "DP", "CCPR", "CCPA"];
+/// Words that ask for a choice, or for more than is made.
+const MORE: [&str; 6] = ["PDX", "PDY", "PAR", "DP", "P1X", "P1Y"];
+
+/// Elements that are remembered for data relative to them.
+const REMEMBERED: usize = 100;
+
+/// Differences below this are none, millimetres or inches.
+const NEAR: f64 = 1e-3;
+
+/// How far the start of an arc may lie off its circle, as its end may.
+const OFF: f64 = 0.016;
+
+/// What free contours know besides the path.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Free {
+    pub(super) pole: Option<Point>,
+    /// Where the contour of CLSD+ begins.
+    begins: Option<Point>,
+    /// Elements with the number of their block: end, direction there.
+    known: Vec<(u32, Point, Option<Point>)>,
+    /// The end of the element that is being made.
+    end: Option<Point>,
+}
 
 /// An arc to be made.
 struct Arc {
@@ -29,59 +54,247 @@ struct Arc {
     end: Option<Position>,
 }
 
+/// A value of a step.
+fn of_step(step: &Step, name: &str) -> Option<f64> {
+    step.seen.iter().find(|word| word.is(name) && word.text != "R0").and_then(|word| word.value)
+}
+
+/// The direction of rotation of a step.
+fn sense_of(step: &Step) -> Option<bool> {
+    step.seen.iter().find(|word| word.is("DR") && word.value.is_none()).map(|word| word.text == "DR-")
+}
+
+/// Where a ray meets a line through a point; none behind its start.
+fn meets(from: Point, way: Point, at: Point, other: Point) -> Option<Point> {
+    let by = turn(way, other);
+    let share = turn(minus(at, from), other) / by;
+    (by.abs() > 1e-9 && share > 1e-9).then(|| along(from, way, share))
+}
+
 impl Walk<'_> {
     fn free(&self, name: &str) -> Option<f64> {
-        self.step.seen.iter().find(|word| word.is(name) && word.text != "R0").and_then(|word| word.value)
+        of_step(self.step, name)
     }
 
     fn not_determined(&mut self) -> Vec<String> {
-        self.complain("the words do not determine this element of a free contour by itself; it is not made");
+        self.complain("the words do not determine this element of a free contour by itself or with those behind it; it is not made");
         Vec::new()
+    }
+
+    /// FPOL.
+    pub(super) fn free_pole(&mut self) -> Vec<String> {
+        let to = self.flat(&self.target());
+        self.path.free.pole = Some(to);
+        Vec::new()
+    }
+
+    /// The element of the block ends here.
+    pub(super) fn ends_at(&mut self, end: Point) {
+        self.path.free.end = Some(end);
+    }
+
+    /// Remembers where an element with a number ends.
+    pub(super) fn remember(&mut self) {
+        let Some(number) = self.step.number else { return };
+        let Some(end) = self.path.free.end.take() else { return };
+        let heading = self.path.heading;
+        let known = &mut self.path.free.known;
+        known.retain(|(of, ..)| *of != number);
+        if known.len() >= REMEMBERED {
+            known.remove(0);
+        }
+        known.push((number, end, heading));
+    }
+
+    /// The element that a word names by the number of its block: its end, and the direction there.
+    fn relative(&self, name: &str) -> Option<(Point, Option<Point>)> {
+        let number = self.free(name)?;
+        let known = self.path.free.known.iter().find(|(of, ..)| f64::from(*of) == number);
+        known.map(|(_, end, heading)| (*end, *heading))
+    }
+
+    /// Every element that words name is known.
+    fn relations_hold(&self) -> bool {
+        let words = ["RX", "RY", "RPR", "RPA", "RAN", "RCCX", "RCCY"];
+        words.iter().all(|name| self.free(name).is_none() || self.relative(name).is_some())
     }
 
     /// Which coordinates of the plane the block says, and where they are.
     fn said(&self) -> [Option<f64>; 2] {
         let (coded, end) = (self.coded(), self.flat(&self.target()));
-        let said = self.path.plane.map(|axis| coded.get(axis) == Some(&true));
-        [said[0].then_some(end[0]), said[1].then_some(end[1])]
+        let here = self.flat(&self.start);
+        let of = |side: usize, name: &str| {
+            let axis = self.path.plane.get(side)?;
+            let value = *end.get(side)?;
+            // An incremental value counts from the end of the element that it is relative to.
+            let moved = self.relative(name).and_then(|(other, _)| Some(value - here.get(side)? + other.get(side)?));
+            (coded.get(*axis) == Some(&true)).then_some(moved.unwrap_or(value))
+        };
+        [of(0, "RX"), of(1, "RY")]
     }
 
-    /// The end that the block says by coordinates or about the pole.
+    /// The end that the block says by coordinates, about the pole, or by closing the contour.
     fn free_end(&mut self) -> Option<Position> {
+        if self.step.seen.iter().any(|word| word.text == "CLSD-")
+            && let Some(begin) = self.path.free.begins
+        {
+            let mut end = self.start;
+            self.put(&mut end, begin);
+            return Some(end);
+        }
         let polar = ["PR", "PA", "IPR", "IPA"].iter().any(|name| self.free(name).is_some());
         if polar {
-            return self.polar_end().map(|(end, _)| end);
+            return self.free_polar();
         }
-        self.said().iter().all(Option::is_some).then(|| self.target())
+        let [Some(first), Some(second)] = self.said() else { return None };
+        let mut end = self.target();
+        self.put(&mut end, [first, second]);
+        Some(end)
     }
 
-    /// Direction in which the element begins: by its angle, or that of the element before.
+    /// An end about the pole of FPOL, else about that of CC; both coordinates have to stand.
+    fn free_polar(&mut self) -> Option<Position> {
+        let Some(pole) = self.path.free.pole else { return self.polar_end().map(|(end, _)| end) };
+        let here = Polar::of(pole, self.flat(&self.start));
+        let of = |name: &str| self.relative(name).map_or(here, |(end, _)| Polar::of(pole, end));
+        let radius = self.free("PR").or_else(|| Some(of("RPR").radius + self.free("IPR")?))?;
+        let angle = self.free("PA").or_else(|| Some(of("RPA").angle + self.free("IPA")?))?;
+        let mut end = self.target();
+        self.put(&mut end, Polar { radius, angle }.point(pole));
+        Some(end)
+    }
+
+    /// Direction in which the element begins: by its angle, relative to the element before or another one, or that of the element
+    /// before.
     fn begins(&self, tangent: bool) -> Option<Point> {
-        let angle = self.free("AN").map(towards);
-        angle.or_else(|| self.path.heading.filter(|_| tangent).and_then(direction))
+        if let Some(angle) = self.free("AN") {
+            return Some(towards(angle));
+        }
+        let before = match self.free("RAN") {
+            Some(_) => self.relative("RAN")?.1,
+            None => self.path.heading,
+        };
+        match self.free("IAN") {
+            Some(by) => direction(before?).map(|way| crate::contour::turned(way, by)),
+            None => before.filter(|_| tangent).and_then(direction),
+        }
     }
 
     fn asks_more(&self) -> bool {
-        self.step.seen.iter().any(|word| MORE.iter().any(|name| word.is(name)))
+        let more = self.step.seen.iter().any(|word| MORE.iter().any(|name| word.is(name)));
+        more || !self.relations_hold()
+    }
+
+    /// CLSD+ begins a contour that CLSD- closes.
+    fn note_begin(&mut self) {
+        if self.step.seen.iter().any(|word| word.text == "CLSD+") {
+            self.path.free.begins = Some(self.flat(&self.start));
+        }
+    }
+
+    /// The centre that a step says, in coordinates of the plane.
+    pub(super) fn center_of(&self, step: &Step) -> Option<Point> {
+        Some([of_step(step, "CCX")?, of_step(step, "CCY")?])
+    }
+
+    /// The end of a step behind, where its coordinates say it.
+    pub(super) fn end_behind(&self, step: &Step) -> Option<Point> {
+        let letters = self.path.plane.map(|axis| super::path::AXES.get(axis).copied().unwrap_or_default());
+        Some([of_step(step, letters[0])?, of_step(step, letters[1])?])
+    }
+
+    /// A line behind that is known: through its end, along its angle.
+    fn line_behind(&self, step: &Step) -> Option<(Point, Point)> {
+        let is_line = matches!(step.shape, Shape::FreeLine { .. });
+        Some((self.end_behind(step)?, towards(of_step(step, "AN")?))).filter(|_| is_line)
+    }
+
+    /// The end of a line that the elements behind determine.
+    fn line_end(&self, way: Option<Point>) -> Option<Point> {
+        let start = self.flat(&self.start);
+        let next = self.ahead.first()?;
+        match next.shape {
+            // It meets the next line.
+            Shape::FreeLine { tangent: false } => {
+                let (at, other) = self.line_behind(next)?;
+                meets(start, way?, at, other)
+            }
+            Shape::FreeArc { tangent: true } => {
+                let clockwise = sense_of(next);
+                if let Some(center) = self.center_of(next) {
+                    return match way {
+                        // It touches the circle, which lies on the side to which it turns.
+                        Some(way) => {
+                            let by = minus(center, start);
+                            let foot = along(start, way, by[0] * way[0] + by[1] * way[1]);
+                            let turns = turn(way, by) < 0.0;
+                            let fits = of_step(next, "R")
+                                .is_none_or(|radius| (length(minus(center, foot)) - radius.abs()).abs() < NEAR);
+                            let ahead = by[0] * way[0] + by[1] * way[1] > 1e-9;
+                            (ahead && fits && clockwise.is_none_or(|own| own == turns)).then_some(foot)
+                        }
+                        None => touch(start, center, of_step(next, "R")?.abs(), clockwise?),
+                    };
+                }
+                // An arc of a radius leads to the line behind it.
+                let (at, other) = self.line_behind(self.ahead.get(1)?)?;
+                let (radius, way, clockwise) = (of_step(next, "R")?.abs(), way?, clockwise?);
+                let side = if clockwise { -radius } else { radius };
+                let from = along(start, left(way), side);
+                let center = meets_line(from, way, along(at, left(other), side), other)?;
+                let foot = along(center, left(way), -side);
+                let by = minus(foot, start);
+                (by[0] * way[0] + by[1] * way[1] > 1e-9).then_some(foot)
+            }
+            _ => None,
+        }
+    }
+
+    /// The end of an arc about a centre that the element behind determines.
+    fn arc_end(&self, center: Point, radius: f64, clockwise: bool) -> Option<Point> {
+        let next = self.ahead.first()?;
+        match next.shape {
+            // A tangent leads to the end of the line.
+            Shape::FreeLine { tangent: true } => touch(self.end_behind(next)?, center, radius, !clockwise),
+            // It touches the next circle.
+            Shape::FreeArc { tangent: true } => {
+                let (other, size) = (self.center_of(next)?, of_step(next, "R")?.abs());
+                let by = minus(other, center);
+                let way = direction(by)?;
+                let apart = length(by);
+                let same = sense_of(next)? == clockwise;
+                match same {
+                    false if (apart - radius - size).abs() < NEAR => Some(along(center, way, radius)),
+                    true if (apart - (radius - size).abs()).abs() < NEAR => {
+                        Some(along(center, way, if radius > size { radius } else { -radius }))
+                    }
+                    _ => None,
+                }
+            }
+            _ => None,
+        }
     }
 
     /// FL and FLT.
     pub(super) fn free_line(&mut self, tangent: bool) -> Vec<String> {
+        self.note_begin();
         let start = self.flat(&self.start);
+        let way = self.begins(tangent);
         let ray = || {
-            let way = self.begins(tangent)?;
+            let way = way?;
             if let Some(length) = self.free("LEN") {
                 return Some(along(start, way, length));
             }
-            let side = self.said().iter().position(Option::is_some)?;
-            let to = self.said().get(side).copied().flatten()?;
+            let said = self.said();
+            let side = said.iter().position(Option::is_some)?;
+            let to = said.get(side).copied().flatten()?;
             let (from, part) = (start.get(side)?, way.get(side)?);
             let length = (to - from) / part;
             (part.abs() > 1e-9 && length > 0.0).then(|| along(start, way, length))
         };
-        let ray = ray();
+        let ray = ray().or_else(|| self.line_end(way));
         let end = self.free_end().or_else(|| {
-            let mut end = self.start;
+            let mut end = self.target();
             self.put(&mut end, ray?);
             Some(end)
         });
@@ -95,8 +308,22 @@ impl Walk<'_> {
         }
         let line = self.straight(&stop, &self.others(&LINE));
         self.head_for(minus(self.flat(&end), start));
+        self.ends_at(self.flat(&end));
         self.path.round = false;
         vec![line]
+    }
+
+    /// The centre that the block says, relative to another one or to the start by I.
+    fn free_center(&self) -> Option<Point> {
+        let here = self.flat(&self.start);
+        if let (Some(radius), Some(angle)) = (self.free("CCPR"), self.free("CCPA")) {
+            return Some(Polar { radius, angle }.point(self.path.free.pole.or(self.path.pole)?));
+        }
+        let of = |side: usize, [name, by, relative]: [&str; 3]| {
+            let from = self.relative(relative).map_or(here, |(end, _)| end);
+            self.free(name).or_else(|| Some(from.get(side)? + self.free(by)?))
+        };
+        Some([of(0, ["CCX", "ICCX", "RCCX"])?, of(1, ["CCY", "ICCY", "RCCY"])?])
     }
 
     /// FC and FCT.
@@ -104,8 +331,9 @@ impl Walk<'_> {
         if self.asks_more() {
             return self.not_determined();
         }
+        self.note_begin();
         let end = self.free_end();
-        let center = self.free("CCX").zip(self.free("CCY")).map(|(x, y)| [x, y]);
+        let center = self.free_center();
         if let Some(end) = end.filter(|_| tangent && center.is_none() && self.free("R").is_none()) {
             return self.tangent(end);
         }
@@ -125,19 +353,27 @@ impl Walk<'_> {
             let Some(center) = crate::contour::center_by_radius(start, to, radius, clockwise) else {
                 return self.not_determined();
             };
-            let line = self.by_radius(&end, radius, clockwise, &self.others(&ARC));
-            self.leave_circle(center, to, clockwise);
-            return vec![line];
+            let angle = Polar::of(center, start).angle;
+            let sweep = angle_between(angle, Polar::of(center, to).angle, clockwise);
+            return self.arc_about(&Arc { center, radius, sweep, end: Some(end) }, angle, clockwise);
         };
+        let said = radius;
         let Polar { radius, angle } = Polar::of(center, start);
+        if said.is_some_and(|said| (said - radius).abs() > OFF) {
+            return self.not_determined();
+        }
         let turn = if clockwise { -90.0 } else { 90.0 };
         let chord = self.free("LEN").map(|chord| 2.0 * libm::asin(chord / (2.0 * radius)).to_degrees());
         let sweep = match end {
             Some(end) => Some(angle_between(angle, Polar::of(center, self.flat(&end)).angle, clockwise)),
             // The direction of the line behind is square to the radius at the end.
             None => self.free("CCA").map(f64::abs).or(chord).or_else(|| {
-                let exit = self.ahead.first().and_then(exit_angle).filter(|_| begins.is_some())?;
-                Some(angle_between(angle, exit - turn, clockwise))
+                let exit = self.ahead.first().and_then(exit_angle).filter(|_| begins.is_some());
+                let by_exit = exit.map(|exit| angle_between(angle, exit - turn, clockwise));
+                by_exit.or_else(|| {
+                    let end = self.arc_end(center, radius, clockwise)?;
+                    Some(angle_between(angle, Polar::of(center, end).angle, clockwise))
+                })
             }),
         };
         let sweep = sweep.filter(|sweep| (1e-9..=360.0).contains(sweep) && radius > 1e-9);
@@ -149,20 +385,40 @@ impl Walk<'_> {
 
     /// An arc about a centre in pieces by their radius.
     fn arc_about(&mut self, arc: &Arc, from: f64, clockwise: bool) -> Vec<String> {
+        let signed = |turn: f64| if clockwise { -turn } else { turn };
+        let mut end = arc.end.unwrap_or(self.target());
+        if arc.end.is_none() {
+            self.put(&mut end, Polar { radius: arc.radius, angle: from + signed(arc.sweep) }.point(arc.center));
+        }
+        let to = self.flat(&end);
+        // A corner ends the arc earlier.
+        let whole = crate::contour::arc(self.flat(&self.actual), to, arc.center, clockwise);
+        let corner = self.corner_ahead(whole, &end);
+        let (mut stop, mut sweep) = (end, arc.sweep);
+        if let Some(corner) = corner {
+            sweep = angle_between(from, Polar::of(arc.center, corner).angle, clockwise);
+            self.put(&mut stop, corner);
+        }
         let (mut lines, mut last) = (Vec::new(), self.start);
-        for part in pieces(arc.sweep, PIECE) {
-            let turn = arc.sweep * part;
-            let angle = from + if clockwise { -turn } else { turn };
+        for part in pieces(sweep, PIECE) {
+            let angle = from + signed(sweep * part);
             self.put(&mut last, Polar { radius: arc.radius, angle }.point(arc.center));
-            if let Some(end) = arc.end.filter(|_| part >= 1.0) {
-                last = end;
+            if part >= 1.0 {
+                last = stop;
             }
             let others = if lines.is_empty() { self.others(&ARC) } else { Vec::new() };
             lines.push(self.by_radius(&last, arc.radius, clockwise, &others));
         }
-        self.leave_circle(arc.center, self.flat(&last), clockwise);
+        self.path.base = corner.map(|_| end);
+        self.leave_circle(arc.center, to, clockwise);
         lines
     }
+}
+
+/// Where two lines meet.
+fn meets_line(from: Point, way: Point, at: Point, other: Point) -> Option<Point> {
+    let by = turn(way, other);
+    (by.abs() > 1e-9).then(|| along(from, way, turn(minus(at, from), other) / by))
 }
 
 /// Angle of a tangential line behind an arc.

@@ -4,6 +4,7 @@
 //! words say everything is left as it is; polar, tangential and corner blocks become blocks with positions. Invariant:
 //! positions are in the units of the program, in the frame that the program sees; what cannot be made is diagnosed.
 
+use super::free::Free;
 use super::words::{Seen, joined};
 use crate::contour::{PathShape, Point, direction, minus};
 use crate::host::Host;
@@ -33,6 +34,8 @@ pub(super) enum Shape {
     Round,
     Approach(PathShape),
     Depart(PathShape),
+    /// The pole of free contours.
+    FreePole,
     /// Elements of free contours.
     FreeLine {
         tangent: bool,
@@ -46,7 +49,7 @@ pub(super) enum Shape {
 
 impl Shape {
     /// Key words of the shapes.
-    pub(super) const WORDS: [(&'static str, Self); 28] = [
+    pub(super) const WORDS: [(&'static str, Self); 29] = [
         ("L", Self::Line),
         ("LN", Self::Space),
         ("C", Self::Arc),
@@ -71,6 +74,7 @@ impl Shape {
         ("DEP CT", Self::Depart(PathShape::Circle)),
         ("DEP LCT", Self::Depart(PathShape::LineAndCircle)),
         ("DEP PLCT", Self::Depart(PathShape::LineAndCircle)),
+        ("FPOL", Self::FreePole),
         ("FL", Self::FreeLine { tangent: false }),
         ("FLT", Self::FreeLine { tangent: true }),
         ("FC", Self::FreeArc { tangent: false }),
@@ -103,6 +107,8 @@ pub(super) struct Step {
     pub(super) seen: Vec<Seen>,
     /// Line that it stands in.
     pub(super) line: u32,
+    /// Number of its block.
+    pub(super) number: Option<u32>,
 }
 
 /// A corner that the block before has made room for.
@@ -116,6 +122,15 @@ pub(super) struct Corner {
     /// Radius, none for a chamfer.
     pub(super) radius: Option<f64>,
     pub(super) clockwise: bool,
+}
+
+/// Radius compensation.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Beside {
+    /// The tool goes left of the contour.
+    pub(super) is_left: Option<bool>,
+    /// The next straight line ends it.
+    pub(super) ends: bool,
 }
 
 /// What is known of the path.
@@ -136,10 +151,8 @@ pub(super) struct Path {
     pub(super) restate: bool,
     /// G91.
     pub(super) increments: bool,
-    /// The tool goes left of the contour.
-    pub(super) is_left: Option<bool>,
-    /// The next straight line ends the compensation.
-    pub(super) ends_compensation: bool,
+    pub(super) side: Beside,
+    pub(super) free: Free,
     /// Last feed, as written; of TOOL CALL.
     pub(super) feed: Option<String>,
     pub(super) tool_feed: Option<String>,
@@ -161,8 +174,8 @@ impl Default for Path {
             mode: None,
             restate: false,
             increments: false,
-            is_left: None,
-            ends_compensation: false,
+            side: Beside::default(),
+            free: Free::default(),
             feed: None,
             tool_feed: None,
             round: false,
@@ -204,6 +217,7 @@ pub(super) fn walk(path: &mut Path, host: &mut dyn Host, step: &Step, ahead: &[S
     let start = path.base.unwrap_or(actual);
     let mut walk = Walk { path, host, step, ahead, actual, start };
     let mut lines = walk.lines()?;
+    walk.remember();
     walk.feeds(&mut lines);
     Ok(lines)
 }
@@ -241,6 +255,7 @@ impl Walk<'_> {
             Shape::Chamfer | Shape::Round => self.corner(corner),
             Shape::Approach(way) => self.approach(way),
             Shape::Depart(way) => self.depart(way),
+            Shape::FreePole => self.free_pole(),
             Shape::FreeLine { tangent } => self.free_line(tangent),
             Shape::FreeArc { tangent } => self.free_arc(tangent),
             Shape::Iso => vec![self.verbatim(&[])],
@@ -257,9 +272,9 @@ impl Walk<'_> {
                 ("G", Some(19.0)) => path.plane = [1, 2],
                 ("G", Some(90.0)) => path.increments = false,
                 ("G", Some(91.0)) => path.increments = true,
-                ("G", Some(40.0)) | ("R", Some(0.0)) if word.is("G") || word.text == "R0" => path.is_left = None,
-                ("RL", None) | ("G", Some(41.0)) => path.is_left = Some(true),
-                ("RR", None) | ("G", Some(42.0)) => path.is_left = Some(false),
+                ("G", Some(40.0)) | ("R", Some(0.0)) if word.is("G") || word.text == "R0" => path.side.is_left = None,
+                ("RL", None) | ("G", Some(41.0)) => path.side.is_left = Some(true),
+                ("RR", None) | ("G", Some(42.0)) => path.side.is_left = Some(false),
                 ("DR", None) => path.clockwise = Some(word.text == "DR-"),
                 _ => {}
             }
@@ -397,9 +412,10 @@ impl Walk<'_> {
             None => self.verbatim(&[]),
         };
         self.head_for(minus(to, start));
+        self.ends_at(to);
         self.path.round = false;
         let mut line = line;
-        if std::mem::take(&mut self.path.ends_compensation)
+        if std::mem::take(&mut self.path.side.ends)
             && !self.step.seen.iter().any(|word| word.is("RL") || word.is("RR") || word.text == "R0")
             && !self.step.iso
         {

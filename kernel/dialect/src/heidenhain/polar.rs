@@ -5,7 +5,7 @@
 
 use super::path::{Position, Walk};
 use super::words::joined;
-use crate::contour::{Polar, angle_between, minus, pieces};
+use crate::contour::{Point, Polar, angle_between, minus, pieces};
 
 /// Largest arc of a circle about the pole that is made in one piece, degrees.
 const LARGEST: f64 = 270.0;
@@ -15,7 +15,12 @@ impl Walk<'_> {
 
     /// End of a block in polar coordinates, and the angle that the tool goes round the pole if that is said.
     pub(super) fn polar_end(&mut self) -> Option<(Position, Option<f64>)> {
-        let Some(pole) = self.path.pole else {
+        self.polar_end_about(self.path.pole)
+    }
+
+    /// The same about another pole.
+    pub(super) fn polar_end_about(&mut self, pole: Option<Point>) -> Option<(Position, Option<f64>)> {
+        let Some(pole) = pole else {
             self.complain("polar coordinates have no pole (CC)");
             return None;
         };
@@ -60,6 +65,7 @@ impl Walk<'_> {
         }
         let line = self.straight(&stop, &self.others(self.polar_words()));
         self.head_for(minus(to, start));
+        self.ends_at(to);
         self.path.round = false;
         vec![line]
     }
@@ -88,6 +94,12 @@ impl Walk<'_> {
             self.complain("a circle has no radius or more than 1000 turns");
             return Vec::new();
         }
+        let own = crate::contour::arc(self.flat(&self.actual), self.flat(&end), pole, clockwise);
+        let mut turned = turned;
+        if let Some(corner) = self.corner_ahead(own, &end).filter(|_| turned <= 360.0) {
+            turned = angle_between(from, Polar::of(pole, corner).angle, clockwise);
+            self.path.base = Some(end);
+        }
         let (begin, mut lines, mut last) = (self.actual, Vec::new(), self.actual);
         for (piece, part) in pieces(turned, LARGEST).enumerate() {
             let angle = from + if clockwise { -turned * part } else { turned * part };
@@ -109,7 +121,8 @@ impl Walk<'_> {
             last = to;
         }
         self.path.restate = true;
-        self.leave_circle(pole, self.flat(&last), clockwise);
+        let to = self.flat(self.path.base.as_ref().unwrap_or(&last));
+        self.leave_circle(pole, to, clockwise);
         lines
     }
 }

@@ -129,12 +129,11 @@ pub(super) enum Call {
 }
 
 /// Key words of statements that are not emulated.
-const FOREIGN: [&str; 24] = [
+const FOREIGN: [&str; 23] = [
     "PLANE",
     "FUNCTION",
     "TRANS",
     "PATTERN",
-    "FPOL",
     "FSELECT",
     "TCH",
     "SEL",
