@@ -4,6 +4,7 @@
 //! rewind-stop belongs to exactly one program.
 
 use std::ops::{Deref, RangeInclusive};
+use std::sync::atomic::{AtomicU8, Ordering::Relaxed};
 use std::sync::{Arc, OnceLock};
 
 use bytes::Bytes;
@@ -15,7 +16,13 @@ use super::line_up::LineUp;
 use super::shape::{Range, Shape, leading_number};
 use super::spot::Spot;
 use super::syntax::Syntax;
+use super::tape::Rules;
 use counterpoint_ports::control::Stop;
+
+/// What is known of a byte in a text.
+const UNKNOWN: u8 = 0;
+const PRESENT: u8 = 1;
+const ABSENT: u8 = 2;
 
 /// A file of the job.
 #[derive(Debug)]
@@ -27,8 +34,10 @@ pub struct Source {
     stop: Stop,
     programs: OnceLock<Vec<Range>>,
     sequences: OnceLock<FxHashMap<u32, Vec<Spot>>>,
-    /// Whether a byte comes up in the text: the one that was asked for first.
-    has: OnceLock<(u8, bool)>,
+    /// Whether a byte comes up in the text, by byte: [`UNKNOWN`] until it is asked for.
+    has: [AtomicU8; 256],
+    /// What one tape editor has found out about the whole text, and its number.
+    tape: OnceLock<(u64, Rules)>,
     /// Labels at which systems line up, ascending.
     labels: OnceLock<Vec<u32>>,
     /// Stretches that belong to channels, in order.
@@ -55,9 +64,10 @@ impl Source {
     #[must_use]
     pub fn shaped(name: impl Into<String>, bytes: Bytes, shape: Arc<Shape>, stop: Stop) -> Self {
         let text = Arc::new(Text::new(bytes, || stop.asked()));
-        let (programs, sequences, has) = (OnceLock::new(), OnceLock::new(), OnceLock::new());
+        let (programs, sequences, tape) = (OnceLock::new(), OnceLock::new(), OnceLock::new());
+        let has = [const { AtomicU8::new(UNKNOWN) }; 256];
         let (labels, sections, views) = (OnceLock::new(), Vec::new(), Vec::new());
-        Self { name: name.into(), text, shape, stop, programs, sequences, has, labels, sections, views }
+        Self { name: name.into(), text, shape, stop, programs, sequences, has, tape, labels, sections, views }
     }
 
     /// The same file with the stretches that belong to channels, and what each channel sees of it.
@@ -94,23 +104,29 @@ impl Source {
         &self.text
     }
 
-    /// Whether a byte comes up in the text; the byte that is asked for first is looked for once.
+    /// Whether a byte comes up in the text; it is looked for once.
     #[inline(always)]
     pub fn has(&self, byte: u8) -> bool {
-        match self.has.get() {
-            Some((known, has)) if *known == byte => *has,
-            _ => self.find(byte),
+        match self.has.get(usize::from(byte)).map(|known| known.load(Relaxed)) {
+            Some(UNKNOWN) | None => self.find(byte),
+            Some(known) => known == PRESENT,
         }
     }
 
     #[cold]
     #[inline(never)]
     fn find(&self, byte: u8) -> bool {
-        let find = || memchr::memchr(byte, self.text.bytes()).is_some();
-        match *self.has.get_or_init(|| (byte, find())) {
-            (known, has) if known == byte => has,
-            _ => find(),
+        let found = memchr::memchr(byte, self.text.bytes()).is_some();
+        if let Some(known) = self.has.get(usize::from(byte)) {
+            known.store(if found { PRESENT } else { ABSENT }, Relaxed);
         }
+        found
+    }
+
+    /// Rules of the tape editor with this number that may change something in the text: found out once, for one tape editor.
+    pub(super) fn tape_rules(&self, number: u64, find: impl FnOnce(&[u8]) -> Rules) -> Option<Rules> {
+        let (of, rules) = self.tape.get_or_init(|| (number, find(self.text.bytes())));
+        (*of == number).then_some(*rules)
     }
 
     /// The numbers of these lines, as long as nobody wants the job to end.

@@ -2,11 +2,14 @@
 //!
 //! Facts: reference control-emulator.md 5.2. Invariants: every rule that is on is applied once, to its first match, in
 //! list order, each to what the rules before it left; a block that no rule matches costs one search for the texts that
-//! the rules need, and no memory.
+//! the rules need, and no memory; a file in which none of these texts comes up costs one search in all.
+
+use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 
 use aho_corasick::AhoCorasick;
 use counterpoint_lang::pattern::{Memory, Pattern, STEPS};
 
+use super::source::Source;
 use counterpoint_machine::model::TapeRule;
 use counterpoint_ports::control::Stop;
 
@@ -41,9 +44,18 @@ impl Rules {
     }
 }
 
+/// Longest file in whose text rules are looked for at once, bytes. In a longer one they are looked for by block, since a
+/// program may end long before its text.
+const LONGEST_FILE: usize = 1 << 20;
+
+/// Numbers of tape editors.
+static NUMBERS: AtomicU64 = AtomicU64::new(0);
+
 /// The rules of a machine, compiled once.
 #[derive(Debug)]
 pub struct Tape {
+    /// No other tape editor has this number.
+    number: u64,
     rules: Vec<Rule>,
     /// The texts that rules need, and whose they are.
     needed: Option<(AhoCorasick, Vec<u16>)>,
@@ -121,11 +133,14 @@ impl Tape {
             return None;
         }
         let needed = AhoCorasick::builder().kind(Some(aho_corasick::AhoCorasickKind::DFA)).build(&texts);
+        let number = NUMBERS.fetch_add(1, Relaxed);
         match needed {
-            Ok(automaton) => Some(Self { rules: compiled, needed: Some((automaton, owners)), always, every, start }),
+            Ok(automaton) => {
+                Some(Self { number, rules: compiled, needed: Some((automaton, owners)), always, every, start })
+            }
             Err(_) => {
                 owners.iter().for_each(|&owner| always.set(usize::from(owner), true));
-                Some(Self { rules: compiled, needed: None, always, every, start })
+                Some(Self { number, rules: compiled, needed: None, always, every, start })
             }
         }
     }
@@ -144,6 +159,16 @@ impl Tape {
             }
         }
         Candidates { rules, unsure: false }
+    }
+
+    /// No rule that is on can match anywhere in the file: the text that it needs does not come up.
+    #[inline]
+    pub fn leaves_alone(&self, source: &Source, on: &Rules) -> bool {
+        if source.text().bytes().len() > LONGEST_FILE {
+            return false;
+        }
+        let rules = source.tape_rules(self.number, |text| self.candidates(text).rules);
+        rules.is_some_and(|rules| rules.next(0, on).is_none())
     }
 
     /// Applies the rules that are on, within limits.
@@ -243,6 +268,25 @@ mod tests {
             file: String::new(),
         };
         Tape::new(&rules.iter().map(rule).collect::<Vec<_>>()).unwrap()
+    }
+
+    #[test]
+    fn a_file_is_left_alone_if_no_rule_that_is_on_finds_its_text() {
+        let source = |text: &'static str| Source::new("a.mpf", text.into());
+        let mut own = tape(&[("SPOS *=", "M19 SPOS="), ("WAITS", "")]);
+        let on = own.start;
+        assert!(own.leaves_alone(&source("G0 X1\nM30\n"), &on));
+        assert!(!own.leaves_alone(&source("G0 X1\nSPOS=3\n"), &on));
+        let mut off = on;
+        off.set(0, false);
+        assert!(own.leaves_alone(&source("G0 X1\nSPOS=3\n"), &off));
+        // What one tape editor has found says nothing to another one; a rule without a text of its own is always tried.
+        let other = tape(&[("WAITM", "")]);
+        let shared = source("WAITM\n");
+        assert!(own.leaves_alone(&shared, &on));
+        assert!(!other.leaves_alone(&shared, &other.start));
+        own = tape(&[("^", "N1 ")]);
+        assert!(!own.leaves_alone(&source("M30\n"), &own.start));
     }
 
     fn within(tape: &Tape, line: &[u8], on: &Rules) -> Edited {

@@ -34,6 +34,15 @@ pub(super) fn is_rewritten(text: &[u8]) -> bool {
     matches!(digits.trim_start_matches('0'), "58" | "59" | "74" | "75")
 }
 
+/// Some word may be one of those above: what most blocks are asked, so only the first two characters of each word count.
+fn may_be_rewritten(words: &str) -> bool {
+    let mut begins = true;
+    words.as_bytes().windows(2).any(|pair| {
+        let first = std::mem::replace(&mut begins, pair.first() == Some(&b' '));
+        first && matches!(pair, b"TR" | b"RO" | b"SC" | b"MI" | b"AT" | [b'G' | b'g', b'0' | b'5' | b'7'])
+    })
+}
+
 /// The axis of a word by its letter, and the value.
 fn axis_word<'w>(axes: &[AxisPlace], word: &'w str) -> Option<(usize, &'w str)> {
     let (letter, value) = word.split_at_checked(1)?;
@@ -45,7 +54,7 @@ fn axis_word<'w>(axes: &[AxisPlace], word: &'w str) -> Option<(usize, &'w str)> 
 impl Siemens {
     /// Rewrites the words of a block.
     pub(super) fn rewrite(&mut self, host: &mut dyn Host, left: &mut Left) -> Outcome<()> {
-        if left.words.is_empty() {
+        if !may_be_rewritten(&left.words) {
             return Ok(());
         }
         match left.words.split(' ').find_map(code) {

@@ -76,6 +76,11 @@ impl Kernel<'_> {
         if !self.knows_data(data::OPSKIP) {
             return;
         }
+        let absent = |mark: u8| self.macros.block.text.is_none() && self.is_line_without(mark);
+        if self.plan.scanner.skip_mark().is_none_or(absent) {
+            self.macros.block.mark = None;
+            return;
+        }
         let level = match self.block_scanner() {
             Some(scanner) => scanner.first_mark(&self.text_bytes()),
             None => self.plan.scanner.first_mark(&self.text_bytes()),

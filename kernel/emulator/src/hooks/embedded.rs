@@ -56,7 +56,9 @@ impl Kernel<'_> {
     pub(crate) fn has_embedded(&self, kind: usize) -> bool {
         let runtime = &*self.macros;
         let open = runtime.variables.store.embedding.get(kind).map_or("", String::as_str);
-        !open.is_empty() && contains(&self.text_bytes(), open.as_bytes())
+        let Some(&first) = open.as_bytes().first() else { return false };
+        let absent = runtime.block.text.is_none() && self.is_line_without(first);
+        !absent && contains(&self.text_bytes(), open.as_bytes())
     }
 
     /// Runs embedded code and puts its values in its place; true if there was any.

@@ -78,7 +78,10 @@ impl Kernel<'_> {
     /// somewhere in the file.
     #[inline(always)]
     pub(crate) fn is_reshaped(&mut self, source: &Source) -> bool {
-        if self.plan.edits.tape.is_some() || self.plan.scanner.eob().is_some_and(|eob| source.has(eob)) {
+        let tape = self.plan.edits.tape.as_ref();
+        if tape.is_some_and(|tape| !tape.leaves_alone(source, &self.channel.text.tape.0))
+            || self.plan.scanner.eob().is_some_and(|eob| source.has(eob))
+        {
             return true;
         }
         if self.channel.text.edited.is_some() {
@@ -162,6 +165,12 @@ impl Kernel<'_> {
             let stage = if active { Stage::DeleteOn } else { Stage::DeleteOff };
             self.trace('E', |_| crate::trace::edited(stage, String::from_utf8_lossy(&left).trim()));
         }
+    }
+
+    /// The block is a line of a file as it was read, and this byte comes up nowhere in the file.
+    pub(crate) fn is_line_without(&self, byte: u8) -> bool {
+        let source = || self.channel.env.sources.get(self.channel.at.file);
+        self.channel.text.edited.is_none() && source().is_some_and(|source| !source.has(byte))
     }
 
     /// Text of the block being processed.

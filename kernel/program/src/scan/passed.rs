@@ -86,6 +86,11 @@ impl Scanner {
         line.len()
     }
 
+    /// The character that marks a block that may be skipped.
+    pub fn skip_mark(&self) -> Option<u8> {
+        self.opskip
+    }
+
     /// The character that ends blocks.
     pub fn eob(&self) -> Option<u8> {
         self.eob
