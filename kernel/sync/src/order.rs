@@ -233,6 +233,24 @@ impl Order {
         self.effects.push(Effect::Bound(tag.channel, bound));
     }
 
+    /// The turn of the only kernel that runs: nobody comes before it. `false`: the job was stopped before this tag.
+    pub fn take_turn(&mut self, tag: Tag) -> bool {
+        if self.stop.is_some_and(|stop| stop < tag) {
+            return false;
+        }
+        if let Some(seat) = self.seat(tag.channel) {
+            seat.status = Status::Running;
+            seat.bound = seat.bound.max(tag.t);
+        }
+        (self.now, self.acting) = (tag, Some(tag.channel));
+        true
+    }
+
+    /// Nothing has been decided that is not carried out yet.
+    pub fn has_effects(&self) -> bool {
+        !self.effects.is_empty()
+    }
+
     /// A running kernel does nothing before this tag until it is [`back`](Self::back).
     pub fn away(&mut self, tag: Tag) {
         if let Some(seat) = self.seat(tag.channel) {

@@ -36,7 +36,10 @@ impl DerefMut for Turn<'_> {
 impl Drop for Turn<'_> {
     fn drop(&mut self) {
         self.inner.order.leave(self.channel);
-        self.coordinator.settle(&mut self.inner);
+        // Nobody waits for the turn of the only kernel.
+        if !self.coordinator.is_single() || self.inner.order.has_effects() {
+            self.coordinator.settle(&mut self.inner);
+        }
     }
 }
 
@@ -71,6 +74,10 @@ impl Coordinator {
         waiter: Waiter<'_, &mut S, impl FnOnce(&mut S), impl Fn(&mut S, bool) -> bool>,
     ) -> Result<Turn<'_>, Stopped> {
         let mut inner = self.lock();
+        if self.is_single() {
+            let comes = inner.order.take_turn(tag);
+            return if comes { Ok(Turn { coordinator: self, channel: tag.channel, inner }) } else { Err(Stopped) };
+        }
         inner.order.request(tag, None);
         self.settle(&mut inner);
         match self.wake(inner, waiter) {
