@@ -94,6 +94,25 @@ fn block() -> impl Strategy<Value = String> {
         "FC DR+ R10 CCX+5 CCY+5 CCA400",
         "FCT DR- R3",
         "FCT X+1 Y+2",
+        "FL AN+10",
+        "FL X+50 Y+50 AN-60 CLSD+",
+        "FL CLSD-",
+        "FPOL X+1 Y+2",
+        "FC IX+3 RX 5 CCX+9 CCY+3 DR+",
+        "CYCL DEF 8.1 X",
+        "CYCL DEF 26.1 X1.5 YQ1",
+        "CYCL DEF 247 Q339=2",
+        "SEL PATTERN \"p1.nc\"",
+        "SEL TABLE \"p1.nc\"",
+        "CYCL DEF 7.1 #2",
+        "SL READ",
+        "CYCL DEF 14.1 CONTOUR LABEL1 /3",
+        "CYCL DEF 20 X Q1=-5 Q2=1 Q3=Q1 Q4=0 Q5=0 Q6=2 Q7=50 Q8=0 Q9=1",
+        "CYCL DEF 22 X Q10=2 Q11=100 Q12=200 Q18=0 Q19=0",
+        "CYCL DEF 25 X Q1=-5 Q3=0 Q5=0 Q7=50 Q10=2 Q11=100 Q12=200 Q15=0",
+        "CYCL DEF 251 X Q215=0 Q218=Q1 Q219=30 Q220=0 Q368=0 Q224=0 Q367=0 Q207=500 Q351=1 Q201=-5 Q202=Q2 Q369=0",
+        "CYCL DEF 208 X Q200=2 Q201=-10 Q206=150 Q334=Q1 Q203=0 Q204=50 Q335=20 Q342=0",
+        "CYCL DEF 220 X Q216=0 Q217=0 Q244=60 Q245=0 Q246=360 Q247=0 Q241=3 Q200=2 Q203=0 Q204=9 Q301=0 Q365=0",
         "PATTERN DEF POS1 (X+1 Y+2 Z+0)",
         "PATTERN DEF ROW1 (X+1 IY+2 D+3 NUM4 ROT+5 Z+0)",
         "CYCL CALL PAT FMAX",
@@ -144,8 +163,12 @@ fn block() -> impl Strategy<Value = String> {
 }
 
 fn program() -> impl Strategy<Value = String> {
-    prop::collection::vec(block(), 1..30)
-        .prop_map(|blocks| format!("{}\nM30\nLBL 1\nL IX+1\nLBL 0\n", blocks.join("\n")))
+    prop::collection::vec(block(), 1..30).prop_map(|blocks| {
+        format!(
+            "{}\nM30\nLBL 1\nL IX+1\nLBL 0\nLBL 3\nL X+0 Y+0 RL\nL X+40\nL Y+30\nL X+0 Y+0\nLBL 0\n",
+            blocks.join("\n")
+        )
+    })
 }
 
 /// Tables of a conversational machine, or those of the family alone.
@@ -234,9 +257,12 @@ proptest! {
     #![proptest_config(ProptestConfig { cases: cases(150), failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
-    fn random_programs_end_in_one_way(text in program(), conversational in any::<bool>()) {
-        let tables = if conversational { CONVERSATIONAL } else { "" };
-        let machine = machine("fanuc-mill-exact", &format!("preprocessor = \"heidenhain\"\n{tables}"));
+    fn random_programs_end_in_one_way(text in program(), which in 0..3) {
+        let machine = match which {
+            0 => machine("fanuc-mill-exact", "preprocessor = \"heidenhain\"\n"),
+            1 => machine("fanuc-mill-exact", &format!("preprocessor = \"heidenhain\"\n{CONVERSATIONAL}")),
+            _ => machine("heidenhain-mill-exact", "[[tool.offsets]]\nnumber = 5\nradius = 3\n"),
+        };
         let work = |threads| Work::texts(machine.clone(), &[&text], options(threads));
         // What cannot begin has no log.
         if let Ok(one) = work(1).run(None) {

@@ -20,6 +20,9 @@ use super::statement::Label;
 use super::words::Seen;
 use crate::host::{Call, Host, Place};
 
+/// Most elements of all contours.
+const MOST: usize = 1000;
+
 /// A contour that has been read.
 #[derive(Debug, Clone)]
 pub(super) struct Contour {
@@ -35,10 +38,19 @@ pub(super) struct Figure {
     pub(super) is_pocket: bool,
 }
 
-/// The contours of cycle 14.
+/// A subprogram that is a contour.
+#[derive(Debug, Clone)]
+struct Named {
+    file: FileId,
+    label: Label,
+    /// What CONTOUR DEF makes of it; in cycle 14 its side tells.
+    is_pocket: Option<bool>,
+}
+
+/// The contours of cycle 14 or CONTOUR DEF.
 #[derive(Debug, Default)]
 pub(super) struct Contours {
-    labels: Vec<(FileId, Label)>,
+    labels: Vec<Named>,
     read: Vec<Contour>,
     /// A contour is being recorded; what the path was before.
     before: Option<Box<Path>>,
@@ -57,8 +69,26 @@ impl Heidenhain {
     pub(super) fn name_contours(&mut self, host: &dyn Host, seen: &[Seen]) {
         let file = host.place().file;
         let values = seen.iter().filter(|word| word.is("LABEL") || word.is("/")).filter_map(|word| word.value);
-        let labels = values.map(|value| (file, Label::Number(value as u32))).collect();
+        let labels = values.map(|value| Named { file, label: Label::Number(value as u32), is_pocket: None }).collect();
         self.cycles.contours = Contours { labels, ..Contours::default() };
+    }
+
+    /// CONTOUR DEF: `P1 = LBL 1 I2 = LBL 2`; whether it is understood.
+    pub(super) fn define_contours(&mut self, host: &dyn Host, words: &[Seen]) -> bool {
+        let file = host.place().file;
+        let mut labels = Vec::new();
+        for part in words.chunks(3) {
+            let (Some(kind), Some(sign), Some(label)) = (part.first(), part.get(1), part.get(2)) else { return false };
+            let is_pocket = match &*kind.name {
+                "P" => true,
+                "I" => false,
+                _ => return false,
+            };
+            let Some(number) = label.value.filter(|_| sign.text == "=" && label.is("LBL")) else { return false };
+            labels.push(Named { file, label: Label::Number(number as u32), is_pocket: Some(is_pocket) });
+        }
+        self.cycles.contours = Contours { labels, ..Contours::default() };
+        true
     }
 
     /// A statement of the programs of SL cycles.
@@ -102,7 +132,8 @@ impl Heidenhain {
                 self.cycles.contours.read.push(Contour { elements: host.contour().to_vec(), is_left });
             }
         }
-        let Some((file, label)) = self.cycles.contours.labels.get(self.cycles.contours.read.len()).cloned() else {
+        let contours = &self.cycles.contours;
+        let Some(Named { file, label, .. }) = contours.labels.get(contours.read.len()).cloned() else {
             if self.cycles.contours.labels.is_empty() {
                 let text = "the cycle has no contour; program cycle 14 before it".to_owned();
                 return Err(host.alarm(&diag::PATH_NOT_MADE, text));
@@ -126,11 +157,17 @@ impl Heidenhain {
 
     /// The contours as pockets and islands.
     pub(super) fn figures(&self) -> Result<Vec<Figure>, String> {
+        let count = self.cycles.contours.read.iter().map(|contour| contour.elements.len()).sum::<usize>();
+        if count > MOST {
+            return Err(format!("the contours of cycle 14 have {count} elements, at most {MOST} are possible"));
+        }
         let figures = self.cycles.contours.read.iter().enumerate().map(|(at, contour)| {
             let number = at + 1;
             let outline = Closed::new(contour.elements.clone());
             let outline = outline.ok_or_else(|| format!("contour {number} of cycle 14 has no element"))?;
-            let is_pocket = contour.is_left.is_none_or(|left| left != outline.is_clockwise());
+            let by_side = contour.is_left.is_none_or(|left| left != outline.is_clockwise());
+            let named = self.cycles.contours.labels.get(at).and_then(|named| named.is_pocket);
+            let is_pocket = named.unwrap_or(by_side);
             Ok(Figure { outline, is_pocket })
         });
         figures.collect()
@@ -139,8 +176,8 @@ impl Heidenhain {
     /// The only contour.
     pub(super) fn only_contour(&self) -> Result<&Contour, String> {
         match self.cycles.contours.read.as_slice() {
-            [contour] if !contour.elements.is_empty() => Ok(contour),
-            [_] => Err("the contour of cycle 14 has no element".to_owned()),
+            [contour] if (1..=MOST).contains(&contour.elements.len()) => Ok(contour),
+            [_] => Err(format!("the contour of cycle 14 has no element, or more than {MOST}")),
             _ => Err("a contour train has one contour in cycle 14".to_owned()),
         }
     }

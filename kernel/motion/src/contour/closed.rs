@@ -13,8 +13,8 @@ const LOOKS: u32 = 32;
 /// How much nearer than it should a way may come.
 const NEAR: f64 = 1e-5;
 
-/// Most cuts.
-const MOST: usize = 100_000;
+/// Most lines of cuts.
+const MOST: usize = 10_000;
 
 /// A closed contour.
 #[derive(Debug, Clone, PartialEq)]
