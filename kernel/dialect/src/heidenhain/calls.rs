@@ -15,6 +15,7 @@ use super::statement::Call;
 use super::variables::Value;
 use super::words::{Seen, Word, joined, shown};
 use crate::host::{Host, Place};
+use counterpoint_fault as diag;
 
 /// Q203, the surface.
 const SURFACE: Name = Name { kind: Kind::Q, index: 203 };
@@ -156,7 +157,16 @@ impl Heidenhain {
         program: &str,
         surface: Option<f64>,
     ) -> Result<(), Halt> {
-        self.call_file(host, program, self.cycles.defined.stored)?;
+        let stored = self.cycles.defined.stored;
+        if stored && self.variables.control.tool_axis.is_some_and(|axis| axis != 2) {
+            let text = format!(
+                "cycles work along Z: tool axis {} is not emulated in '{}'",
+                self.tool_letter(),
+                host.block_text()
+            );
+            return Err(host.alarm(&diag::STATEMENT_UNKNOWN, text));
+        }
+        self.call_file(host, program, stored)?;
         self.calling = Some(flow::Kind::Cycle);
         self.cycles.running.changed.clear();
         if let Some(moved) = surface {

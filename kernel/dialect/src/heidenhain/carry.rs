@@ -192,7 +192,8 @@ impl Heidenhain {
         inch: Option<bool>,
         words: &[Word],
     ) -> Result<Option<String>, Halt> {
-        if let Some(inch) = inch {
+        // Q113 is the unit of the main program.
+        if let Some(inch) = inch.filter(|_| self.variables.calls.depth() == 0) {
             self.variables.control.inch = inch;
         }
         if !words.is_empty() {
