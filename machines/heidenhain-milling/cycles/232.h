@@ -1,99 +1,20 @@
-; Face milling of Q218 by Q219 from Q225, Q226 from the height Q227 down to Q386 in equal infeeds of Q202 at most, the last the allowance Q369 with the feed Q385; passes
-; at most Q370 times the tool radius apart. Q389 = 0: to and fro, steps beyond the surface by Q357; 1: steps at its edge; 2: each pass from the same side, back Q200 above.
+; Face milling of Q218 by Q219 from Q225, Q226 from the height Q227 down to Q386 as FACE has it, Q389 as its kind of steps, the last infeed the allowance Q369 with the feed Q385.
 BEGIN PGM 232 MM
 FN 18: SYSREAD QL90 = ID20 NR9
-FN 11: IF +Q108 GT +0 GOTO LBL 96
-FN 14: ERROR = 1002
-LBL 96
-FN 18: SYSREAD QL93 = ID270 NR1 IDX3
-QL2 = Q227 + Q204
-; Passes: their number, how far apart, where they begin and end.
-QL10 = Q370 * Q108
-FN 11: IF +QL10 GT +0 GOTO LBL 1
-QL10 = Q108
-LBL 1
-QL11 = INT ( ABS Q219 / QL10 + 0.9999 )
-FN 11: IF +QL11 GT +0 GOTO LBL 2
-QL11 = 1
-LBL 2
-QL12 = Q219 / QL11
-QL13 = SGN Q218
-QL14 = Q225 - QL13 * ( Q108 + Q357 )
-QL15 = Q225 + Q218 + QL13 * ( Q108 + Q357 )
-FN 10: IF +Q389 NE +1 GOTO LBL 3
-QL14 = Q225
-QL15 = Q225 + Q218
-LBL 3
-QL16 = Q226 + QL12 - SGN Q219 * Q108
-QL17 = Q226 + Q219 - SGN Q219 * Q108
-; Infeeds.
-QL20 = Q386 + Q369
-QL21 = INT ( ( Q227 - QL20 ) / Q202 + 0.9999 )
-FN 11: IF +QL21 GT +0 GOTO LBL 4
-QL21 = 1
-LBL 4
-QL22 = ( Q227 - QL20 ) / QL21
-QL3 = Q227
-QL8 = Q207
-; To the start: in the plane first from above the second clearance.
-QL25 = Q225 - QL13 * ( Q108 + Q357 )
-FN 11: IF +QL93 GT +QL2 GOTO LBL 5
-L Z+QL2 R0 FMAX
-LBL 5
-L X+QL25 Y+QL16 R0 FMAX
-L Z+QL2 R0 FMAX
-QL30 = QL16
-QL31 = QL12
-QL32 = 0
-LBL 10
-QL3 = QL3 - QL22
-LBL 11
-L Z+QL3 F+Q253
-QL24 = QL11
-LBL 12
-FN 9: IF +QL32 EQU +1 GOTO LBL 13
-L X+QL15 F+QL8
-FN 9: IF +0 EQU +0 GOTO LBL 14
-LBL 13
-L X+QL14 F+QL8
-LBL 14
-QL24 = QL24 - 1
-FN 9: IF +Q389 EQU +2 GOTO LBL 16
-QL32 = 1 - QL32
-FN 12: IF +QL24 LT +0.5 GOTO LBL 20
-QL30 = QL30 + QL31
-FN 9: IF +Q389 EQU +1 GOTO LBL 15
-L Y+QL30 F+Q253
-FN 9: IF +0 EQU +0 GOTO LBL 12
-LBL 15
-L Y+QL30 F+QL8
-FN 9: IF +0 EQU +0 GOTO LBL 12
-LBL 16
-; Back above the ground.
-QL9 = QL3 + Q200
-L Z+QL9 F+Q253
-FN 12: IF +QL24 LT +0.5 GOTO LBL 17
-QL30 = QL30 + QL31
-L X+QL14 Y+QL30 F+Q253
-L Z+QL3 F+Q253
-FN 9: IF +0 EQU +0 GOTO LBL 12
-LBL 17
-QL30 = QL16
-FN 9: IF +QL3 EQU +Q386 GOTO LBL 30
-L X+QL14 Y+QL30 F+Q253
-FN 9: IF +0 EQU +0 GOTO LBL 21
-LBL 20
-; The next infeed goes back the same way.
-QL31 = 0 - QL31
-LBL 21
-QL21 = QL21 - 1
-FN 11: IF +QL21 GT +0.5 GOTO LBL 10
-FN 9: IF +Q369 EQU +0 GOTO LBL 30
-FN 9: IF +QL3 EQU +Q386 GOTO LBL 30
-QL3 = Q386
-QL8 = Q385
-FN 9: IF +0 EQU +0 GOTO LBL 11
-LBL 30
-L Z+QL2 R0 FMAX
+Q1101 = Q225
+Q1102 = Q226
+Q1104 = Q218
+Q1105 = Q219
+Q1108 = Q207
+Q1111 = Q227
+Q1114 = Q227
+Q1112 = Q386 + Q369
+Q1113 = Q202
+Q1115 = Q370 * Q108
+Q1116 = 0
+Q1118 = Q389
+Q1121 = Q386
+Q1122 = Q385
+CALL PGM FACE
 F+QL90
 END PGM 232 MM

@@ -1,0 +1,68 @@
+; Face milling of Q218 by Q219 about the place of the tool, by Q367 its middle, a corner, or the start (-1), from the height Q227 down to Q386 as FACE has it, Q389 as its kind of
+; steps, along X (Q350 = 1) or Y; the allowance Q369 is finished in infeeds of Q338 with the feed Q385. Sides that limit it are not emulated, nor the way from outside inwards (Q389 = 4).
+BEGIN PGM 233 MM
+QL1 = ABS Q347 + ABS Q348 + ABS Q349
+FN 11: IF +QL1 GT +0 GOTO LBL 90
+FN 11: IF +Q389 GT +3 GOTO LBL 90
+FN 18: SYSREAD QL90 = ID20 NR9
+FN 18: SYSREAD QL91 = ID270 NR1 IDX1
+FN 18: SYSREAD QL92 = ID270 NR1 IDX2
+; The corner from which it begins.
+QL10 = 0
+QL11 = 0
+FN 12: IF +Q367 LT +0 GOTO LBL 1
+FN 9: IF +Q367 EQU +1 GOTO LBL 1
+QL10 = 0 - Q218 / 2
+QL11 = 0 - Q219 / 2
+FN 9: IF +Q367 EQU +0 GOTO LBL 1
+QL10 = 0 - Q218
+QL11 = 0
+FN 9: IF +Q367 EQU +2 GOTO LBL 1
+QL11 = 0 - Q219
+FN 9: IF +Q367 EQU +3 GOTO LBL 1
+QL10 = 0
+LBL 1
+Q1101 = QL91 + QL10
+Q1102 = QL92 + QL11
+Q1104 = Q218
+Q1105 = Q219
+Q1116 = 0
+FN 10: IF +Q350 NE +2 GOTO LBL 2
+Q1101 = QL92 + QL11
+Q1102 = QL91 + QL10
+Q1104 = Q219
+Q1105 = Q218
+Q1116 = 1
+LBL 2
+Q1108 = Q207
+Q1111 = Q227
+Q1114 = Q227
+Q1112 = Q386 + Q369
+Q1113 = Q202
+Q1115 = Q370 * Q108
+Q1118 = Q389
+Q1121 = Q1112
+Q1122 = Q385
+FN 9: IF +Q215 EQU +2 GOTO LBL 3
+CALL PGM FACE
+LBL 3
+FN 9: IF +Q215 EQU +1 GOTO LBL 4
+FN 9: IF +Q369 EQU +0 GOTO LBL 4
+Q1108 = Q385
+Q1111 = Q386 + Q369
+Q1112 = Q386
+Q1113 = Q338
+FN 11: IF +Q1113 GT +0 GOTO LBL 5
+Q1113 = Q369
+LBL 5
+Q1121 = Q386
+CALL PGM FACE
+LBL 4
+L X+QL91 Y+QL92 R0 FMAX
+F+QL90
+FN 9: IF +0 EQU +0 GOTO LBL 98
+LBL 90
+FN 38: SEND /"limits (Q347 to Q349) and Q389=4 of cycle 233 are not emulated"
+FN 14: ERROR = 1099
+LBL 98
+END PGM 233 MM

@@ -1,0 +1,126 @@
+; Clears a face from Q1111 down to Q1112 in equal infeeds of Q1113 at most, then, where Q1121 is lower, to that with the feed Q1122. Passes from Q1101 over Q1104, from Q1102 on over
+; Q1105, at most Q1115 apart; with Q1116 = 1 the passes run along Y. Q1118 = 0: to and fro, steps beyond the surface by Q357; 1: steps at its edge; 2: each pass from the same
+; side, back Q200 above; 3: the same, from edge to edge. Feed Q1108. The second clearance counts from Q1114.
+BEGIN PGM FACE MM
+FN 11: IF +Q108 GT +0 GOTO LBL 96
+FN 14: ERROR = 1002
+LBL 96
+FN 18: SYSREAD QL93 = ID270 NR1 IDX3
+QL2 = Q1114 + Q204
+; Passes: their number, how far apart, where they begin and end.
+QL10 = Q1115
+FN 11: IF +QL10 GT +0 GOTO LBL 1
+QL10 = Q108
+LBL 1
+QL11 = INT ( ABS Q1105 / QL10 + 0.9999 )
+FN 11: IF +QL11 GT +0 GOTO LBL 2
+QL11 = 1
+LBL 2
+QL12 = Q1105 / QL11
+QL13 = SGN Q1104
+QL25 = Q1101 - QL13 * ( Q108 + Q357 )
+QL14 = Q1101
+QL15 = Q1101 + Q1104
+FN 9: IF +Q1118 EQU +1 GOTO LBL 3
+FN 9: IF +Q1118 EQU +3 GOTO LBL 3
+QL14 = QL25
+QL15 = Q1101 + Q1104 + QL13 * ( Q108 + Q357 )
+LBL 3
+QL16 = Q1102 + QL12 - SGN Q1105 * Q108
+; Infeeds.
+QL3 = Q1111
+QL8 = Q1108
+QL21 = 0
+FN 9: IF +Q1111 EQU +Q1112 GOTO LBL 4
+QL21 = INT ( ( Q1111 - Q1112 ) / Q1113 + 0.9999 )
+FN 11: IF +QL21 GT +0 GOTO LBL 5
+QL21 = 1
+LBL 5
+QL22 = ( Q1111 - Q1112 ) / QL21
+LBL 4
+; To the start: in the plane first from above the second clearance.
+FN 11: IF +QL93 GT +QL2 GOTO LBL 6
+L Z+QL2 R0 FMAX
+LBL 6
+QL30 = QL16
+QL31 = QL12
+QL32 = 0
+QL26 = QL25
+QL40 = 99999
+QL41 = 10
+FN 9: IF +0 EQU +0 GOTO LBL 40
+LBL 41
+L Z+QL2 R0 FMAX
+FN 9: IF +QL21 EQU +0 GOTO LBL 22
+LBL 10
+QL3 = QL3 - QL22
+LBL 11
+L Z+QL3 F+Q253
+QL24 = QL11
+LBL 12
+QL26 = QL15
+FN 9: IF +QL32 EQU +0 GOTO LBL 13
+QL26 = QL14
+LBL 13
+QL40 = QL8
+QL41 = 14
+FN 9: IF +0 EQU +0 GOTO LBL 40
+LBL 14
+QL24 = QL24 - 1
+FN 11: IF +Q1118 GT +1 GOTO LBL 16
+QL32 = 1 - QL32
+FN 12: IF +QL24 LT +0.5 GOTO LBL 20
+QL30 = QL30 + QL31
+QL40 = Q253
+FN 9: IF +Q1118 EQU +0 GOTO LBL 15
+QL40 = QL8
+LBL 15
+QL41 = 12
+FN 9: IF +0 EQU +0 GOTO LBL 40
+LBL 16
+; Back above the ground.
+QL9 = QL3 + Q200
+L Z+QL9 F+Q253
+FN 12: IF +QL24 LT +0.5 GOTO LBL 17
+QL30 = QL30 + QL31
+QL26 = QL14
+QL40 = Q253
+QL41 = 18
+FN 9: IF +0 EQU +0 GOTO LBL 40
+LBL 18
+L Z+QL3 F+Q253
+FN 9: IF +0 EQU +0 GOTO LBL 12
+LBL 17
+FN 9: IF +QL3 EQU +Q1121 GOTO LBL 30
+QL30 = QL16
+QL26 = QL14
+QL40 = Q253
+QL41 = 21
+FN 9: IF +0 EQU +0 GOTO LBL 40
+LBL 20
+; The next infeed goes back the same way.
+QL31 = 0 - QL31
+LBL 21
+QL21 = QL21 - 1
+FN 11: IF +QL21 GT +0.5 GOTO LBL 10
+LBL 22
+FN 9: IF +QL3 EQU +Q1121 GOTO LBL 30
+QL3 = Q1121
+QL8 = Q1122
+FN 9: IF +0 EQU +0 GOTO LBL 11
+; To QL26 along the passes and QL30 across them with the feed QL40, then on at QL41.
+LBL 40
+FN 9: IF +Q1116 EQU +1 GOTO LBL 42
+L X+QL26 Y+QL30 R0 F+QL40
+FN 9: IF +0 EQU +0 GOTO LBL 43
+LBL 42
+L X+QL30 Y+QL26 R0 F+QL40
+LBL 43
+FN 9: IF +QL41 EQU +10 GOTO LBL 41
+FN 9: IF +QL41 EQU +12 GOTO LBL 12
+FN 9: IF +QL41 EQU +14 GOTO LBL 14
+FN 9: IF +QL41 EQU +18 GOTO LBL 18
+FN 9: IF +0 EQU +0 GOTO LBL 21
+LBL 30
+L Z+QL2 R0 FMAX
+END PGM FACE MM
