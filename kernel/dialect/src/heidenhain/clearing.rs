@@ -250,11 +250,48 @@ impl Heidenhain {
         Ok(blocks.lines)
     }
 
+    /// How a train that cycle 270 describes begins or ends: a point, and the element from there or to it.
+    fn train_end(&self, element: &Element, side: f64, arrives: bool, factor: f64) -> Result<Option<Element>, String> {
+        let (at, heading) = if arrives { (element.from, element.start()) } else { (element.to, element.end()) };
+        // Away from the contour, and back along it where the tool arrives.
+        let across = [-heading[1] * side, heading[0] * side];
+        let along = if arrives { -1.0 } else { 1.0 };
+        let apart = self.sl(394) * factor;
+        let outer = match self.sl(390) {
+            1.0 => {
+                let radius = self.sl(392) * factor;
+                let center = plus(at, across, radius);
+                let turn = self.sl(393).to_radians() * side * along;
+                let (sine, cosine) = (libm::sin(turn), libm::cos(turn));
+                let spoke = plus(at, center, -1.0);
+                let outer =
+                    plus(center, [spoke[0] * cosine - spoke[1] * sine, spoke[0] * sine + spoke[1] * cosine], 1.0);
+                let (from, to) = if arrives { (outer, at) } else { (at, outer) };
+                if radius <= 0.0 || distance(from, to) < 1e-7 {
+                    return Ok(None);
+                }
+                return Ok(Some(Element { from, to, arc: by_center(from, to, center, side < 0.0).ok() }));
+            }
+            2.0 => plus(at, heading, along * apart),
+            3.0 => plus(at, across, apart),
+            _ => return Err("Q390 of cycle 270 is 1, 2 or 3".to_owned()),
+        };
+        let (from, to) = if arrives { (outer, at) } else { (at, outer) };
+        Ok((distance(from, to) > 1e-7).then_some(Element { from, to, arc: None }))
+    }
+
     /// Cycle 25.
     pub(super) fn follow_train(&self, host: &dyn Host) -> Result<Vec<String>, String> {
         let contour = self.only_contour()?;
         let amount = self.cutter(host)? + self.sl(3) * host.length_factor();
-        let side = contour.is_left.map(|left| if left { 1.0 } else { -1.0 });
+        let described = self.cycles.contours.train;
+        let is_left = match self.sl(391) {
+            _ if !described => contour.is_left,
+            1.0 => Some(true),
+            2.0 => Some(false),
+            _ => None,
+        };
+        let side = is_left.map(|left| if left { 1.0 } else { -1.0 });
         let way = match side {
             None => Some(contour.elements.clone()),
             Some(side) => rounded(&contour.elements, side, amount),
@@ -264,6 +301,14 @@ impl Heidenhain {
         let line = Closed::open(contour.elements.clone());
         if side.is_some() && way.iter().any(|element| !is_clear(element, std::slice::from_ref(&line), amount)) {
             return Err("a contour that leaves less room than the tool with its allowance is not emulated".to_owned());
+        }
+        let mut way = way;
+        if described {
+            // On the contour the tool leaves to its left.
+            let (side, factor) = (side.unwrap_or(1.0), host.length_factor());
+            let arrives = way.first().map(|first| self.train_end(first, side, true, factor)).transpose()?.flatten();
+            let leaves = way.last().map(|last| self.train_end(last, side, false, factor)).transpose()?.flatten();
+            way = arrives.into_iter().chain(way).chain(leaves).collect();
         }
         let back = Closed::open(way.clone()).reversed();
         // Climbing is along a contour that the tool is left of.

@@ -51,6 +51,8 @@ struct Named {
 #[derive(Debug, Default)]
 pub(super) struct Contours {
     labels: Vec<Named>,
+    /// Cycle 270 says how a train begins and ends.
+    pub(super) train: bool,
     read: Vec<Contour>,
     /// A contour is being recorded; what the path was before.
     before: Option<Box<Path>>,

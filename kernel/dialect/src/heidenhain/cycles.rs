@@ -177,7 +177,8 @@ impl Heidenhain {
         if matches!(number, 220 | 221) && self.settings.cycles.contains(&number) {
             return self.point_cycle(host, number, place);
         }
-        if number == 20 && self.settings.cycles.contains(&number) {
+        if matches!(number, 20 | 270) && self.settings.cycles.contains(&number) {
+            self.cycles.contours.train |= number == 270;
             return Ok(None);
         }
         let mut before = self.shifts.define(host, number, &mut Vec::new());
