@@ -1,13 +1,14 @@
-//! What SL cycles do with their contours: the blocks of cycles 21 to 25.
+//! What SL cycles do with their contours: the blocks of cycles 21 to 25, and of 6, 15 and 16.
 //!
-//! Facts: programming manuals of the control (Q1 to Q9 of cycle 20; Q10 to Q19, Q208 of the cycles: levels, feeds, allowances, sense).
+//! Facts: programming manuals of the control (Q1 to Q9 of cycle 20; Q10 to Q19, Q208 of the cycles: levels, feeds, allowances, sense;
+//! the lines of the old cycles, which count from where the tool stands).
 //! Decisions: a pocket is cleared by cuts along the first axis, then once round each contour; the tool plunges straight and rises to the
 //! clearance Q6 between rows; sides are reached and left on quarter circles of the radius of the tool, smaller where there is less
 //! room. What is not plain is refused: contours that overlap or leave too little room, rough cuts after another tool (Q18).
 //! *Invariant:* no way comes nearer to a contour than the radius of the tool with its allowance.
 
 use counterpoint_motion::arc::by_center;
-use counterpoint_motion::contour::closed::{Closed, cuts, is_clear};
+use counterpoint_motion::contour::closed::{Closed, Cut, cuts, is_clear, turned_by};
 use counterpoint_motion::contour::element::{Element, Spot, distance, plus};
 use counterpoint_motion::contour::shifted::rounded;
 
@@ -15,6 +16,8 @@ use super::Heidenhain;
 use super::contours::Figure;
 use super::cycles::RAPID;
 use super::formula::{Kind, Name};
+use super::old;
+use super::path::actual;
 use super::words::shown;
 use crate::host::Host;
 
@@ -51,6 +54,13 @@ impl Blocks<'_> {
         self.lines.push(format!("L {}{} R0 {}", self.height, shown(height), Self::feed(feed)));
     }
 
+    /// To a place and down to a level.
+    fn plunge(&mut self, spot: Spot, task: &Task, level: f64) {
+        self.over(spot);
+        self.rise_to(task.clear, RAPID);
+        self.rise_to(level, task.plunge);
+    }
+
     fn element(&mut self, element: &Element, feed: f64) {
         let Some(arc) = &element.arc else { return self.line(element.to, feed) };
         let center = self.at(arc.center);
@@ -59,6 +69,27 @@ impl Blocks<'_> {
         let sense = if arc.sweep < 0.0 { "DR-" } else { "DR+" };
         self.lines.push(format!("C {to} {sense} {}", Self::feed(feed)));
     }
+}
+
+/// What a cycle says, lengths and heights as the program does.
+pub(super) struct Task {
+    surface: f64,
+    bottom: f64,
+    infeed: f64,
+    allowance: f64,
+    /// How much of the radius of the tool rows lie apart.
+    overlap: f64,
+    climbs: bool,
+    /// Heights between rows, and before and behind the cycle.
+    clear: f64,
+    safe: f64,
+    plunge: f64,
+    feed: f64,
+    out: f64,
+    /// Direction of the cuts, degrees.
+    along: f64,
+    /// The tool that holes are for; none for that in force.
+    tool: Option<u32>,
 }
 
 /// Levels from a surface down to a depth.
@@ -83,7 +114,7 @@ fn quarter(at: Spot, heading: Spot, side: f64, radius: f64, arrives: bool) -> Op
 }
 
 impl Heidenhain {
-    fn sl(&self, index: u32) -> f64 {
+    pub(super) fn sl(&self, index: u32) -> f64 {
         self.number(Name { kind: Kind::Q, index })
     }
 
@@ -103,89 +134,125 @@ impl Heidenhain {
         if radius > 0.0 { Ok(radius) } else { Err("the tool of an SL cycle has no radius".to_owned()) }
     }
 
-    /// Ways beside the figures, in the sense of Q9, with their figures.
-    fn ways<'f>(&self, figures: &'f [Figure], amount: f64) -> Result<Vec<(Closed, &'f Figure)>, String> {
+    /// What a cycle from 21 to 24 says: how deep it goes, and what it leaves at the side.
+    pub(super) fn task(&self, bottom: f64, allowance: f64) -> Task {
+        let surface = self.sl(5);
+        let feed = self.sl(12);
+        Task {
+            surface,
+            bottom: surface + bottom,
+            infeed: self.sl(10),
+            allowance,
+            overlap: if self.sl(2) > 0.0 { self.sl(2) } else { 1.0 },
+            climbs: self.sl(9) >= 0.0,
+            clear: surface + self.sl(6),
+            safe: self.sl(7),
+            plunge: self.sl(11),
+            feed,
+            out: if self.sl(208) > 0.0 { self.sl(208) } else { feed },
+            along: 0.0,
+            tool: Some(self.sl(13) as u32),
+        }
+    }
+
+    /// What cycle 6, 15 or 16 says; 16 says the sense.
+    pub(super) fn old_task(&self, host: &dyn Host) -> Task {
+        let of = |number: usize| self.cycles.old.get(number - 1).copied().unwrap_or(0.0);
+        let along = self.variables.control.tool_axis.unwrap_or(2);
+        let stands = actual(host).get(along).copied().unwrap_or(0.0);
+        let surface = stands - of(old::CLEARANCE).abs();
+        Task {
+            surface,
+            bottom: surface - of(old::DEPTH).abs(),
+            infeed: of(old::INFEED),
+            allowance: of(old::ALLOWANCE),
+            overlap: 1.2,
+            climbs: of(old::DIRECTION) >= 0.0,
+            clear: stands,
+            safe: stands,
+            plunge: of(old::PLUNGE_FEED),
+            feed: of(old::FEED),
+            out: RAPID,
+            along: of(old::ANGLE),
+            tool: None,
+        }
+    }
+
+    /// Ways beside the figures in the sense of the task.
+    fn ways(&self, figures: &[Figure], amount: f64, task: &Task) -> Result<Vec<Closed>, String> {
         let all: Vec<Closed> = figures.iter().map(|figure| figure.outline.clone()).collect();
-        let climbs = self.sl(9) >= 0.0;
         let ways = figures.iter().enumerate().map(|(at, figure)| {
             // Climbing is against the clock in a pocket, with it round an island.
-            let clockwise = figure.is_pocket != climbs;
-            let outline = if figure.outline.is_clockwise() == clockwise { figure.outline.clone() } else { figure.outline.reversed() };
-            let side = if climbs { 1.0 } else { -1.0 };
+            let clockwise = figure.is_pocket != task.climbs;
+            let same = figure.outline.is_clockwise() == clockwise;
+            let outline = if same { figure.outline.clone() } else { figure.outline.reversed() };
             let number = at + 1;
-            let way = outline.beside(side, amount);
+            let way = outline.beside(if task.climbs { 1.0 } else { -1.0 }, amount);
             let way = way.ok_or_else(|| format!("the tool with its allowance does not fit into contour {number} of cycle 14"))?;
             if !way.keeps_away(&all, amount) {
                 return Err(format!(
                     "contours that overlap, or leave less room than the tool with its allowance, are not emulated: contour {number} of cycle 14"
                 ));
             }
-            Ok((way, figure))
+            Ok(way)
         });
         ways.collect()
     }
 
-    /// Cycles 22 and 23.
-    pub(super) fn rough_out(&self, host: &dyn Host, floor: bool) -> Result<Vec<String>, String> {
-        if !floor && self.sl(18) != 0.0 {
-            return Err("roughing after a larger tool (Q18) is not emulated: program Q18=0".to_owned());
+    /// Rows of cuts between ways.
+    fn rows(outlines: &[Closed], task: &Task, radius: f64) -> Vec<Vec<Cut>> {
+        let turned: Vec<Closed> = outlines.iter().map(|way| way.turned(-task.along)).collect();
+        let mut rows = cuts(&turned, task.overlap * radius);
+        for spot in rows.iter_mut().flatten().flat_map(|(from, to)| [from, to]) {
+            *spot = turned_by(*spot, task.along);
         }
+        rows
+    }
+
+    /// Cycles 22 and 23, in one go, and 6.
+    pub(super) fn rough_out(&self, host: &dyn Host, task: &Task, at_once: bool) -> Result<Vec<String>, String> {
         let (figures, radius, factor) = (self.figures()?, self.cutter(host)?, host.length_factor());
-        let amount = radius + self.sl(3) * factor;
-        let ways = self.ways(&figures, amount)?;
-        let outlines: Vec<Closed> = ways.iter().map(|(way, _)| way.clone()).collect();
-        let overlap = if self.sl(2) > 0.0 { self.sl(2) } else { 1.0 };
-        let rows = cuts(&outlines, overlap * radius);
-        let surface = self.sl(5);
-        let bottom = surface + self.sl(1) + if floor { 0.0 } else { self.sl(4) };
-        let levels = if floor { vec![bottom] } else { levels(surface, bottom, self.sl(10)) };
-        let (plunge, feed) = (self.sl(11), self.sl(12));
-        let out = if self.sl(208) > 0.0 { self.sl(208) } else { feed };
-        let clear = surface + self.sl(6);
+        let outlines = self.ways(&figures, radius + task.allowance * factor, task)?;
+        let rows = Self::rows(&outlines, task, radius);
+        let levels = if at_once { vec![task.bottom] } else { levels(task.surface, task.bottom, task.infeed) };
         let mut blocks = self.blocks(host);
-        blocks.rise_to(self.sl(7), RAPID);
+        blocks.rise_to(task.safe, RAPID);
         for level in levels {
             let rows = rows.iter().filter_map(|row| Some((row.first()?.0, row)));
             for (start, row) in rows {
-                blocks.over(start);
-                blocks.rise_to(clear, RAPID);
-                blocks.rise_to(level, plunge);
+                blocks.plunge(start, task, level);
                 let mut here = start;
                 for (from, to) in row {
                     if distance(here, *from) > 1e-7 {
-                        blocks.line(*from, feed);
+                        blocks.line(*from, task.feed);
                     }
-                    blocks.line(*to, feed);
+                    blocks.line(*to, task.feed);
                     here = *to;
                 }
-                blocks.rise_to(clear, out);
+                blocks.rise_to(task.clear, task.out);
             }
             for way in &outlines {
                 let Some(first) = way.elements().first() else { continue };
-                blocks.over(first.from);
-                blocks.rise_to(clear, RAPID);
-                blocks.rise_to(level, plunge);
+                blocks.plunge(first.from, task, level);
                 for element in way.elements() {
-                    blocks.element(element, feed);
+                    blocks.element(element, task.feed);
                 }
-                blocks.rise_to(clear, out);
+                blocks.rise_to(task.clear, task.out);
             }
         }
-        blocks.rise_to(self.sl(7), RAPID);
+        blocks.rise_to(task.safe, RAPID);
         Ok(blocks.lines)
     }
 
-    /// Cycle 24.
-    pub(super) fn finish_sides(&self, host: &dyn Host) -> Result<Vec<String>, String> {
+    /// Cycles 24 and 16.
+    pub(super) fn finish_sides(&self, host: &dyn Host, task: &Task) -> Result<Vec<String>, String> {
         let (figures, radius, factor) = (self.figures()?, self.cutter(host)?, host.length_factor());
         let all: Vec<Closed> = figures.iter().map(|figure| figure.outline.clone()).collect();
-        let amount = radius + self.sl(14) * factor;
-        let side = if self.sl(9) >= 0.0 { 1.0 } else { -1.0 };
-        let surface = self.sl(5);
-        let clear = surface + self.sl(6);
+        let amount = radius + task.allowance * factor;
+        let side = if task.climbs { 1.0 } else { -1.0 };
         let mut blocks = self.blocks(host);
-        blocks.rise_to(self.sl(7), RAPID);
-        for (way, _) in self.ways(&figures, amount)? {
+        blocks.rise_to(task.safe, RAPID);
+        for way in self.ways(&figures, amount, task)? {
             let (Some(first), Some(last)) = (way.elements().first(), way.elements().last()) else { continue };
             let both = |size: f64| {
                 let to = quarter(first.from, first.start(), side, size, true)?;
@@ -196,57 +263,54 @@ impl Heidenhain {
             let Some((to, from)) = quarters else {
                 return Err("a side of a contour of cycle 14 has no room for a way to it".to_owned());
             };
-            for level in levels(surface, surface + self.sl(1), self.sl(10)) {
-                blocks.over(to.from);
-                blocks.rise_to(clear, RAPID);
-                blocks.rise_to(level, self.sl(11));
-                blocks.element(&to, self.sl(12));
+            for level in levels(task.surface, task.bottom, task.infeed) {
+                blocks.plunge(to.from, task, level);
+                blocks.element(&to, task.feed);
                 for element in way.elements() {
-                    blocks.element(element, self.sl(12));
+                    blocks.element(element, task.feed);
                 }
-                blocks.element(&from, self.sl(12));
-                blocks.rise_to(clear, RAPID);
+                blocks.element(&from, task.feed);
+                blocks.rise_to(task.clear, RAPID);
             }
         }
-        blocks.rise_to(self.sl(7), RAPID);
+        blocks.rise_to(task.safe, RAPID);
         Ok(blocks.lines)
     }
 
-    /// Cycle 21: holes where cycle 22 plunges with tool Q13.
-    pub(super) fn drill_pilots(&self, host: &dyn Host) -> Result<Vec<String>, String> {
+    /// Cycles 21 and 15: holes where the roughing cycle plunges, with tool Q13 or that in force.
+    pub(super) fn drill_pilots(&self, host: &dyn Host, task: &Task) -> Result<Vec<String>, String> {
         let (figures, factor) = (self.figures()?, host.length_factor());
-        let radius = host.tool_size(self.sl(13) as u32)[1];
+        let radius = match task.tool {
+            Some(tool) => host.tool_size(tool)[1],
+            None => self.cutter(host)?,
+        };
         if radius <= 0.0 {
             return Err("tool Q13, with which cycle 22 roughs, has no radius".to_owned());
         }
-        let ways = self.ways(&figures, radius + self.sl(3) * factor)?;
-        let outlines: Vec<Closed> = ways.into_iter().map(|(way, _)| way).collect();
-        let overlap = if self.sl(2) > 0.0 { self.sl(2) } else { 1.0 };
-        let rows = cuts(&outlines, overlap * radius);
+        let outlines = self.ways(&figures, radius + task.allowance * factor, task)?;
+        let rows = Self::rows(&outlines, task, radius);
         let of_rows = rows.iter().filter_map(|row| row.first()).map(|(from, _)| *from);
         let starts =
             of_rows.chain(outlines.iter().filter_map(|way| way.elements().first()).map(|element| element.from));
-        let surface = self.sl(5);
-        let (bottom, clear) = (surface + self.sl(1) + self.sl(4), surface + self.sl(6));
-        let depth = surface - bottom;
+        let depth = task.surface - task.bottom;
         let ahead = if depth > 30.0 { (depth / 50.0).min(7.0) } else { 0.6 };
         let mut blocks = self.blocks(host);
-        blocks.rise_to(self.sl(7), RAPID);
+        blocks.rise_to(task.safe, RAPID);
         for start in starts {
             blocks.over(start);
-            blocks.rise_to(clear, RAPID);
+            blocks.rise_to(task.clear, RAPID);
             let mut last = None;
-            for level in levels(surface, bottom, self.sl(10)) {
+            for level in levels(task.surface, task.bottom, task.infeed) {
                 if let Some(last) = last {
-                    blocks.rise_to(clear, RAPID);
+                    blocks.rise_to(task.clear, RAPID);
                     blocks.rise_to(last + ahead, RAPID);
                 }
-                blocks.rise_to(level, self.sl(11));
+                blocks.rise_to(level, task.plunge);
                 last = Some(level);
             }
-            blocks.rise_to(clear, RAPID);
+            blocks.rise_to(task.clear, RAPID);
         }
-        blocks.rise_to(self.sl(7), RAPID);
+        blocks.rise_to(task.safe, RAPID);
         Ok(blocks.lines)
     }
 

@@ -1,7 +1,7 @@
 //! SL cycles: subprograms that are contours, and what the programs of the cycles ask for.
 //!
 //! `SL READ` records the contours that cycle 14 names, each with its side; `SL ROUGH`, `SL FLOOR`, `SL SIDE`, `SL PILOT` and
-//! `SL TRAIN` leave the blocks of a cycle. Facts: programming manuals of the control (the side of the compensation and the sense of
+//! `SL TRAIN` leave the blocks of a cycle, with OLD those of cycles 6, 15 and 16. Facts: programming manuals of the control (the side of the compensation and the sense of
 //! the contour tell pockets from islands; words of the tool axis do not count). Decision: a contour without compensation is a
 //! pocket. *Invariant:* only programs stored with the machine have these statements.
 
@@ -108,11 +108,17 @@ impl Heidenhain {
             return self.read_contours(host, place).map(|()| None);
         }
         let made = match what {
-            "ROUGH" => self.rough_out(host, false),
-            "FLOOR" => self.rough_out(host, true),
-            "SIDE" => self.finish_sides(host),
-            "PILOT" => self.drill_pilots(host),
+            "ROUGH" if self.sl(18) != 0.0 => {
+                Err("roughing after a larger tool (Q18) is not emulated: program Q18=0".to_owned())
+            }
+            "ROUGH" => self.rough_out(host, &self.task(self.sl(1) + self.sl(4), self.sl(3)), false),
+            "FLOOR" => self.rough_out(host, &self.task(self.sl(1), self.sl(3)), true),
+            "SIDE" => self.finish_sides(host, &self.task(self.sl(1), self.sl(14))),
+            "PILOT" => self.drill_pilots(host, &self.task(self.sl(1) + self.sl(4), self.sl(3))),
             "TRAIN" => self.follow_train(host),
+            "OLD ROUGH" => self.rough_out(host, &self.old_task(host), false),
+            "OLD SIDE" => self.finish_sides(host, &self.old_task(host)),
+            "OLD PILOT" => self.drill_pilots(host, &self.old_task(host)),
             _ => return Ok(self.not_understood(host)),
         };
         match made {

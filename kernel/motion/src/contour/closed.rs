@@ -3,7 +3,7 @@
 //! Decisions: a way beside a contour goes round its corners on arcs; cuts run along the first axis. *Invariant:* a way that comes
 //! nearer to any contour than it should is none, so what is not plain is refused, not guessed.
 
-use super::element::{Element, NOISE, Spot, cross, distance, dot, plus};
+use super::element::{Element, NOISE, Spot, cross, direction, distance, dot, plus};
 use super::shifted;
 use crate::arc::{Arc, by_center};
 
@@ -61,6 +61,24 @@ impl Closed {
     #[must_use]
     pub fn reversed(&self) -> Self {
         Self { elements: self.elements.iter().rev().map(turned).collect() }
+    }
+
+    /// The same, turned about the origin by degrees.
+    #[must_use]
+    pub fn turned(&self, degrees: f64) -> Self {
+        if degrees == 0.0 {
+            return self.clone();
+        }
+        let of = |element: &Element| {
+            let (from, to) = (turned_by(element.from, degrees), turned_by(element.to, degrees));
+            let arc = element.arc.map(|arc| Arc {
+                center: turned_by(arc.center, degrees),
+                start_angle: arc.start_angle + degrees.to_radians(),
+                ..arc
+            });
+            Element { from, to, arc }
+        };
+        Self { elements: self.elements.iter().map(of).collect() }
     }
 
     /// It begins in the middle of its longest element.
@@ -134,6 +152,13 @@ impl Closed {
         }
         range
     }
+}
+
+/// A spot turned about the origin by degrees.
+#[must_use]
+pub fn turned_by([x, y]: Spot, degrees: f64) -> Spot {
+    let [cosine, sine] = direction(degrees);
+    [x * cosine - y * sine, x * sine + y * cosine]
 }
 
 fn turned(element: &Element) -> Element {

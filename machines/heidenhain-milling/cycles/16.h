@@ -1,0 +1,7 @@
+; Contour milling of old programs.
+BEGIN PGM 16 MM
+FN 18: SYSREAD QL90 = ID20 NR9
+SL READ
+SL OLD SIDE
+F+QL90
+END PGM 16 MM
