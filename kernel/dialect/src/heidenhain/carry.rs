@@ -89,6 +89,7 @@ impl Heidenhain {
                 if !(1..=4).any(|count| starts(count).is_some_and(|text| host.is_code_text(&text))) {
                     return match starts(2).as_deref() {
                         Some("PATTERN DEF") => self.define_pattern(host, words).map(|()| None),
+                        Some("GLOBAL DEF") => self.define_globally(host, words).map(|()| None),
                         Some("CONTOUR DEF") if self.settings.cycles.contains(&14) => {
                             let seen = Evaluator::new(&mut self.variables, host).seen(words)?;
                             match self.define_contours(host, seen.get(2..).unwrap_or_default()) {

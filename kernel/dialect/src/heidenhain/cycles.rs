@@ -95,14 +95,19 @@ const APPENDED: [(u32, &[(u32, f64)]); 17] = [
     (262, &[(512, 0.0)]),
 ];
 
-/// Parameters that stand as a word: MAX and FMAX are rapid, AUTO is the feed of TOOL CALL.
-fn with_words(seen: &mut Vec<Seen>, tool_feed: Option<&str>) {
+/// Parameters that stand as a word: MAX and FMAX are rapid, AUTO is the feed of TOOL CALL, PREDEF what GLOBAL DEF says.
+fn with_words(seen: &mut Vec<Seen>, tool_feed: Option<&str>, global: &[(Name, f64)]) {
     let feed = tool_feed.and_then(|feed| feed.rsplit('F').next()?.parse::<f64>().ok());
     let mut at = 0;
     while at + 1 < seen.len() {
+        let of_global = || {
+            let name = parameter_of(&seen.get(at)?.name)?;
+            global.iter().find(|(of, _)| *of == name).map(|(_, value)| *value)
+        };
         let value = seen.get(at + 1).and_then(|word| match &*word.name {
             "MAX" | "FMAX" => Some(RAPID),
             "AUTO" | "FAUTO" => feed,
+            "PREDEF" => of_global(),
             _ => None,
         });
         if let (Some(word), Some(value)) = (seen.get_mut(at), value)
@@ -144,6 +149,8 @@ pub(super) struct Cycles {
     pub(super) running: Running,
     /// What the last definition of an old cycle says.
     pub(super) old: old::Data,
+    /// Parameters of GLOBAL DEF, for definitions that say PREDEF.
+    pub(super) global: Vec<(Name, f64)>,
     /// Contours of the last cycle 14.
     pub(super) contours: Contours,
     /// Points of the last PATTERN DEF.
@@ -160,13 +167,22 @@ impl Heidenhain {
     ) -> Result<Option<String>, Halt> {
         let mut evaluator = Evaluator::new(&mut self.variables, host);
         let mut seen = evaluator.seen(words)?;
-        with_words(&mut seen, self.path.tool_feed.as_deref());
+        with_words(&mut seen, self.path.tool_feed.as_deref(), &self.cycles.global);
+        let number = seen.first().and_then(|word| word.value).unwrap_or(0.0) as u32;
+        let empty = seen.iter().find(|word| parameter_of(&word.name).is_some() && word.value.is_none());
+        if let Some(word) = empty.filter(|_| self.settings.cycles.contains(&number)) {
+            let text = format!(
+                "{} has no value in '{}'; write a number, MAX, AUTO, or PREDEF after a GLOBAL DEF that says it",
+                word.name.trim_end_matches('='),
+                evaluator.host.block_text()
+            );
+            return Err(evaluator.host.alarm(&diag::STATEMENT_UNKNOWN, text));
+        }
         for word in &seen {
             if let (Some(name), Some(value)) = (parameter_of(&word.name), word.value) {
                 evaluator.assign(name, Value::Number(value))?;
             }
         }
-        let number = seen.first().and_then(|word| word.value).unwrap_or(0.0) as u32;
         let appended = APPENDED.iter().filter(|(cycle, _)| *cycle == number).flat_map(|(_, appended)| *appended);
         for &(index, value) in appended {
             let is = |word: &Seen| parameter_of(&word.name).is_some_and(|name| name == Name { kind: Kind::Q, index });
@@ -277,6 +293,18 @@ impl Heidenhain {
         }
         before.push(joined("", &seen));
         Ok(Some(before.join("\n")))
+    }
+
+    /// GLOBAL DEF: what PREDEF means in definitions to come.
+    pub(super) fn define_globally(&mut self, host: &mut dyn Host, words: &[Word]) -> Result<(), Halt> {
+        let mut seen = Evaluator::new(&mut self.variables, host).seen(words)?;
+        with_words(&mut seen, self.path.tool_feed.as_deref(), &[]);
+        for word in seen {
+            let (Some(name), Some(value)) = (parameter_of(&word.name), word.value) else { continue };
+            self.cycles.global.retain(|(of, _)| *of != name);
+            self.cycles.global.push((name, value));
+        }
+        Ok(())
     }
 
     /// TRANS DATUM AXIS and RESET: cycle 7 by another name.

@@ -182,6 +182,7 @@ impl Interpreter for Heidenhain {
         if reset {
             self.shifts = shifts::Shifts::default();
             self.cycles.contours = contours::Contours::default();
+            self.cycles.global.clear();
             self.cycles.defined = cycles::State::default();
             self.cycles.pattern = patterns::Pattern::default();
             self.selected = None;

@@ -129,9 +129,10 @@ pub(super) enum Call {
 }
 
 /// Key words of statements that are not emulated.
-const FOREIGN: [&str; 23] = [
+const FOREIGN: [&str; 24] = [
     "PLANE",
     "FUNCTION",
+    "GLOBAL",
     "TRANS",
     "PATTERN",
     "FSELECT",
