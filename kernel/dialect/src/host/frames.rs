@@ -61,6 +61,9 @@ pub trait Frames {
     /// Positions of the rotary axes, by letter, that turn into the tilted plane; none without one, or before that is known.
     fn plane_angles(&self) -> Option<Vec<(String, f64)>>;
 
+    /// Direction from the tip of the tool to the spindle, in the frame of the part; along Z without control of the tip.
+    fn tool_direction(&self) -> Option<[f64; 3]>;
+
     /// Compensation of the tool radius is on, so that moves are kept back.
     fn keeps_moves_back(&self) -> bool;
 

@@ -16,6 +16,8 @@ pub(super) struct Held {
     pub(super) additive: [f64; 3],
     /// Feeds of axes that POS moves, by letter.
     pub(super) axis_feeds: FxHashMap<String, f64>,
+    /// Angles of directions are RPY angles.
+    pub(super) rpy: bool,
     /// CONTPRON without its EXECUTE.
     pub(super) preparation: Option<Preparation>,
 }

@@ -29,6 +29,8 @@ pub(super) struct Left {
     passes_word: Option<String>,
     /// An axis is programmed.
     pub(super) moves: bool,
+    /// Direction of the tool by angles.
+    pub(super) angles: Option<[f64; 3]>,
     /// G90 or G91 stands on the block.
     pub(super) relative: Option<bool>,
 }
@@ -108,6 +110,7 @@ impl Siemens {
             }
         }
         self.call_modally(host, &mut left);
+        self.orient(host, &mut left)?;
         self.rewrite(host, &mut left)?;
         self.finish(host, line, left)
     }

@@ -49,6 +49,15 @@ impl Siemens {
             (_, []) => name.name.clone(),
             _ => self.written(host, name)?,
         };
+        let angle = super::orientation::ANGLES.iter().position(|name| *name == address);
+        if let (Some(at), Assigned::One(value, _)) = (angle.filter(|_| super::orientation::has_directions(host)), value)
+        {
+            let value = number(&self.evaluate(host, value)?)?;
+            if let Some(slot) = left.angles.get_or_insert_default().get_mut(at) {
+                *slot = value;
+            }
+            return Ok(());
+        }
         let letter = host.axis_letter(&address).map(str::to_owned);
         left.moves |= letter.is_some();
         let has_word = self.spelling(host, &address).is_word();

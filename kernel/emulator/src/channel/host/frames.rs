@@ -104,6 +104,12 @@ impl Frames for Kernel<'_> {
         Some(angles.iter().map(of).collect())
     }
 
+    fn tool_direction(&self) -> Option<[f64; 3]> {
+        let Some(tip) = self.channel.tip() else { return Some([0.0, 0.0, 1.0]) };
+        let machine = self.channel.machine_point(&self.channel.state.place.position);
+        tip.chain.direction(|axis| machine.at(axis))
+    }
+
     fn keeps_moves_back(&self) -> bool {
         self.channel.is_compensated()
     }
