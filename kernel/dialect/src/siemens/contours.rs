@@ -25,6 +25,9 @@ use counterpoint_program::shape::Range;
 
 /// Columns of a table of pieces: kind (1 to 3 as G1 to G3), end, centre, along both axes of the plane.
 const COLUMNS: usize = 5;
+/// Pieces of a ring, and lines of a pocket, at most: its cycle takes fewer.
+const MOST_PIECES: usize = 1000;
+const MOST_LINES: u32 = 2002;
 
 impl Siemens {
     /// Executes such a statement; whether it is one.
@@ -131,6 +134,9 @@ impl Siemens {
     /// Adds the contour that was read to the pocket, as its rim or as an island; the number of rings, -1 if it is not closed.
     fn ring(&mut self, host: &mut dyn Host, arguments: &[Argument]) -> Outcome<()> {
         let [target] = self.targets(host, arguments)?;
+        if host.contour().len() > MOST_PIECES {
+            return syntax(format!("a contour of a pocket has more than {MOST_PIECES} pieces"));
+        }
         let count = self.variables.area.add(host.contour());
         let count = count.ok().and_then(|count| i64::try_from(count).ok()).unwrap_or(-1);
         self.store(host, &target, Data::Int(count))
@@ -161,7 +167,8 @@ impl Siemens {
         let [by, step] = self.numbers(host, arguments)?;
         let factor = host.length_factor();
         let Some(ways) = self.variables.area.ways(by * factor) else { return self.store(host, &count, Data::Int(-1)) };
-        let rows: Vec<_> = lines(&ways, step * factor).iter().map(|[y, from, to]| [1.0, *from, *y, *to, *y]).collect();
+        let rows: Vec<_> =
+            lines(&ways, step * factor, MOST_LINES).iter().map(|[y, from, to]| [1.0, *from, *y, *to, *y]).collect();
         self.fill(host, (&count, &table), &rows, factor)
     }
 

@@ -52,10 +52,10 @@ impl Area {
     }
 }
 
-/// Lines along the first axis that clear what lies between ways, not further apart than a step: second coordinate, first coordinate of
-/// both ends, alternately to and fro.
+/// Lines along the first axis that clear what lies between ways, not further apart than a step, but for a number of them: second coordinate,
+/// first coordinate of both ends, alternately to and fro.
 #[must_use]
-pub fn lines(ways: &[Vec<Element>], step: f64) -> Vec<[f64; 3]> {
+pub fn lines(ways: &[Vec<Element>], step: f64, most: u32) -> Vec<[f64; 3]> {
     let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
     for piece in ways.iter().flatten().flat_map(monotone) {
         low = low.min(piece.low[1]).min(piece.high[1]);
@@ -64,7 +64,7 @@ pub fn lines(ways: &[Vec<Element>], step: f64) -> Vec<[f64; 3]> {
     if !(high > low && step > 0.0) {
         return Vec::new();
     }
-    let count = ((high - low) / step - 1e-6).ceil().clamp(1.0, 1e6) as u32;
+    let count = ((high - low) / step - 1e-6).ceil().clamp(1.0, f64::from(most)) as u32;
     let mut made = Vec::new();
     for number in 1..count {
         let across = low + (high - low) * f64::from(number) / f64::from(count);
@@ -238,7 +238,7 @@ mod tests {
         assert!(ways[1].iter().all(|piece| piece.arc.is_some_and(|arc| arc.radius == 8.0 && arc.sweep < 0.0)));
         assert_eq!(ways[0].first().map(|piece| piece.from), Some([20.0, 3.0]));
         // From Y3 to Y37 in steps of 17: the line through the middle is cut by the island.
-        assert_eq!(lines(&ways, 17.0), [[20.0, 3.0, 12.0], [20.0, 28.0, 37.0]]);
+        assert_eq!(lines(&ways, 17.0, 100), [[20.0, 3.0, 12.0], [20.0, 28.0, 37.0]]);
         // Between island and rim there is room for 15, not for more.
         assert!(area.ways(7.4).is_some() && area.ways(7.6).is_none());
         assert_eq!(area.add(&square(0.0, 1.0)[..3]), Err(Open));

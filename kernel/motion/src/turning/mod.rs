@@ -65,6 +65,14 @@ pub trait Sink {
         Ok(())
     }
 
+    /// The nose of the tool goes beside the moves that follow, on a side: +1 left of the way, −1 right; or on them again.
+    ///
+    /// # Errors
+    /// The cycle is to end.
+    fn beside(&mut self, _side: Option<f64>) -> Result<(), Self::Stop> {
+        Ok(())
+    }
+
     /// Executes a move.
     ///
     /// # Errors

@@ -2,7 +2,7 @@
 //!
 //! Facts: reference siemens-cycles.md 1.6. A section is what lies above the beginning of the contour, or a relief cut; each is
 //! divided into equal levels of the given depth at most. A level ends on the contour, goes up along it to the level before,
-//! and lifts off in both axes. *Invariant:* every move lies on the stock side of the contour with its allowances; a cycle
+//! and lifts off in both axes. Finishing compensates the nose of the tool, as the control does within its cycle. *Invariant:* every move lies on the stock side of the contour with its allowances; a cycle
 //! begins and ends at its start point, one lift beyond the contour in both axes.
 
 use super::allowance::leave;
@@ -405,12 +405,14 @@ impl<'c> Removal<'c> {
     fn finish<S: Sink>(&self, cut: &mut Cut<'_, S>) -> Result<(), S::Stop> {
         cut.sink.pass()?;
         let Some(first) = self.contour.first() else { return Ok(()) };
+        cut.sink.beside(Some(if self.view.turns_over() { -1.0 } else { 1.0 }))?;
         cut.rapid(self.view.see(first.from))?;
         cut.sink.use_feed(2);
         for element in self.contour {
             cut.at = self.view.see(element.to);
             cut.sink.go(along(element))?;
         }
+        cut.sink.beside(None)?;
         if cut.at[1] < self.high - NOISE {
             return self.back(cut);
         }

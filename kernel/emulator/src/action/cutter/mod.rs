@@ -132,6 +132,24 @@ pub(super) fn frame_changed(act: &mut Act<'_, '_>, was_mirrored: bool) {
     }
 }
 
+/// A cycle goes beside its contour with the nose of the tool, or on it again; without a radius it is the same.
+pub(super) fn beside(act: &mut Act<'_, '_>, side: Option<f64>) -> Acted {
+    let code = match side {
+        None => codes::COMP_DIAM_OFF,
+        Some(side) if side > 0.0 => codes::COMP_DIAM_LEFT,
+        Some(_) => codes::COMP_DIAM_RIGHT,
+    };
+    let before = (act.state.modal.code(group::DIAMETER), act.state.modal.row(group::DIAMETER));
+    act.state.modal.activate(group::DIAMETER, code, None);
+    if side.is_none() || act.diameter_in_force().is_some_and(|number| act.cutter_radius(number) > 0.0) {
+        return switched(act, code);
+    }
+    if let (Some(code), row) = before {
+        act.state.modal.activate(group::DIAMETER, code, row);
+    }
+    Ok(())
+}
+
 /// Allowance of the contour: that of the block, or the last one.
 fn contour_allowance(act: &mut Act<'_, '_>) -> f64 {
     if let Some(value) = act.take(data::CONTOUR_ALLOWANCE).map(|datum| datum.value) {
@@ -250,7 +268,10 @@ impl Act<'_, '_> {
 
     /// From the imaginary tip to the centre of the nose, in the plane.
     fn nose_tip(&self, number: u32, plane: CodeId) -> [f64; 2] {
-        if !self.is_turning() || plane != codes::PLANE_ZX {
+        let across = self.state.place.layout.cartesian.first().copied().flatten();
+        let turns =
+            across.is_some_and(|axis| self.env.machine.axes[self.state.place.layout.axes[axis].machine].diameter);
+        if !(turns || self.is_turning()) || plane != codes::PLANE_ZX {
             return [0.0; 2];
         }
         TIPS.get(usize::from(self.offset_tip(number))).copied().unwrap_or_default()

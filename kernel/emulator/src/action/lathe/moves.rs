@@ -7,7 +7,7 @@ use counterpoint_motion::turning::{Move, Sink};
 
 use crate::act::Act;
 use crate::action::arc::Circle;
-use crate::action::{dwell, turned};
+use crate::action::{cutter, dwell, turned};
 use crate::state::modal::plane;
 use crate::state::turning::LathePlane;
 use counterpoint_event::event::{FeedUnit, Position};
@@ -62,6 +62,10 @@ impl Sink for Cutting<'_, '_, '_> {
 
     fn pause(&mut self, seconds: f64) -> Acted {
         dwell::of_cycle(self.act, seconds)
+    }
+
+    fn beside(&mut self, side: Option<f64>) -> Acted {
+        cutter::beside(self.act, side)
     }
 
     fn go(&mut self, to: Move) -> Acted {
