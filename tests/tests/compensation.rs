@@ -118,6 +118,51 @@ fn program(mill: bool) -> impl Strategy<Value = String> {
         .prop_map(move |lines| format!("O1\n{head}\n{}\nM30\nO77\nM9\nM99\n", lines.join("\n")))
 }
 
+/// Blocks of a Siemens mill: soft approach and retraction, the way around the ends of a contour, allowances.
+fn soft_blocks() -> impl Strategy<Value = String> {
+    let number = -12_i32..12;
+    let straight = (0..2_u8, number.clone(), number.clone()).prop_map(|(g, x, y)| format!("G{g} X{x} Y{y}"));
+    let arc = (2..4_u8, number.clone(), number.clone(), number.clone(), number.clone())
+        .prop_map(|(g, x, y, a, b)| format!("G{g} X{x} Y{y} I{a} J{b}"));
+    let ways = prop::sample::select(vec!["G147", "G247", "G347", "G148", "G248", "G348"]);
+    let words = prop::sample::select(vec!["G41", "G42", "G40", "G140", "G141", "G142", "G143", "G340", "G341", ""]);
+    let place = prop::sample::select(vec!["X5 Y5 Z0", "X-3 Y8", "Z-2", "Z20", "", "X9", "X0 Y0 Z3"]);
+    let level =
+        prop::sample::select(vec!["", "DISCL=1", "DISCL=AC(2)", "DISCL=0", "DISRP=4", "FAD=100", "FAD=PR(0.1)"]);
+    let soft = (ways, words, place, level, 0..9_u8)
+        .prop_map(|(way, word, place, level, size)| format!("{way} {word} {place} {level} DISR={size} F300"));
+    let other = prop::sample::select(vec![
+        "G41",
+        "G42",
+        "G40",
+        "KONT",
+        "NORM",
+        "G450",
+        "G451",
+        "OFFN=1",
+        "OFFN=0",
+        "OFFN=-1 X4",
+        "Z1",
+        "M8",
+        "G4 F0.1",
+        "CUT2DF",
+        "CUT2D",
+        "G18",
+        "G17",
+        "X5 RND=1",
+        "D2",
+        "D1",
+        "G91",
+        "G90",
+        "G95",
+        "G94",
+        "S100 M3",
+        "ROT RPL=30",
+    ])
+    .prop_map(str::to_owned);
+    prop_oneof![4 => straight, 1 => arc, 3 => soft, 2 => other]
+}
+
 /// Lines do not go back but for calls, times never do, and every move begins where the one before has ended.
 fn check(done: &Done, text: &str) {
     let channels: std::collections::BTreeSet<u16> = done.events.iter().map(|event| event.channel).collect();
@@ -172,6 +217,17 @@ proptest! {
     #[test]
     fn any_program_of_a_mill(text in program(true)) {
         run("fanuc-mill-exact", &[text]);
+    }
+
+    #[test]
+    fn any_soft_approach(lines in prop::collection::vec(soft_blocks(), 0..30)) {
+        let head = "$TC_DP6[1,1]=2\n$TC_DP6[1,2]=0.5\nT1 M6\nG17 G90 G94 F500 G0 X0 Y0 Z10";
+        let text = format!("{head}\n{}\nM30\n", lines.join("\n"));
+        let machine = machine("siemens-mill-exact", "\n[control]\nstops = false\n\n[[diagnostics]]\nnumber = 2900414\nseverity = 4\n");
+        let of = |threads| Work::texts(machine.clone(), &[text.clone()], options(threads)).run(None).expect("a job");
+        let one = of(1);
+        check(&one, &text);
+        prop_assert_eq!(one.events, of(0).events);
     }
 
     #[test]

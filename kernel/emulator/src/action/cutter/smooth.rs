@@ -209,10 +209,10 @@ impl Act<'_, '_> {
         }
     }
 
-    /// Heights of a way; `far` is that of its far end where it is known.
-    fn heights(&mut self, smooth: &Smooth, contour: f64, far: Option<f64>) -> Result<Heights, diag::Halt> {
+    /// Heights of a way; `far` is that of its far end where it is known. None if it was refused.
+    fn heights(&mut self, smooth: &Smooth, contour: f64, far: Option<f64>) -> Result<Option<Heights>, diag::Halt> {
         let Some(axis) = self.axis_of_tool() else {
-            return Ok(Heights { axis: None, far: 0.0, quick: 0.0, contour: 0.0 });
+            return Ok(Some(Heights { axis: None, far: 0.0, quick: 0.0, contour: 0.0 }));
         };
         let up = if far.is_some_and(|far| far < contour) { -1.0 } else { 1.0 };
         let quick = smooth.level.map_or(contour, |level| self.height(axis, level, (contour, up)));
@@ -223,27 +223,31 @@ impl Act<'_, '_> {
                 "the way along the tool turns back: DISCL is not between its far end and the contour",
                 10741,
             )?;
+            return Ok(None);
         }
-        Ok(Heights { axis: Some(axis), far, quick, contour })
+        Ok(Some(Heights { axis: Some(axis), far, quick, contour }))
     }
 
     /// The line or circle at a point with a direction; `ahead` is 1 for the way from the contour, −1 for that to it.
+    /// None if it was refused.
     fn touch(
         &mut self,
         smooth: &Smooth,
         cutter: &Cutter,
         (at, heading): (Spot, Spot),
         (point, ahead): (Option<Spot>, f64),
-    ) -> Result<Touch, diag::Halt> {
+    ) -> Result<Option<Touch>, diag::Halt> {
         let size = smooth.size;
         if size <= 0.0 {
             self.refuse_way("DISR is missing or not above 0", 10742)?;
+            return Ok(None);
         }
         if smooth.form == Form::Line {
-            return Ok(Touch { far: plus(at, heading, ahead * (size + cutter.radius)), circle: None });
+            return Ok(Some(Touch { far: plus(at, heading, ahead * (size + cutter.radius)), circle: None }));
         }
         if size < cutter.radius - NOISE {
             self.refuse_way("DISR, the radius of the tool's centre, is below the radius of the tool", 10742)?;
+            return Ok(None);
         }
         let side = match smooth.lies {
             Lies::Left => 1.0,
@@ -254,7 +258,7 @@ impl Act<'_, '_> {
                 Some(_) => 1.0,
                 None => {
                     self.refuse_way("the block does not say to which side the tool leaves the contour", 10744)?;
-                    1.0
+                    return Ok(None);
                 }
             },
         };
@@ -264,7 +268,7 @@ impl Act<'_, '_> {
             Form::Half => plus(at, across, 2.0 * size),
             _ => plus(center, heading, ahead * size),
         };
-        Ok(Touch { far, circle: Some((center, side)) })
+        Ok(Some(Touch { far, circle: Some((center, side)) }))
     }
 
     /// A straight part of a way.
@@ -314,10 +318,11 @@ impl Act<'_, '_> {
     /// Makes the way to a contour whose first piece is known now.
     pub(super) fn smooth_approach(&mut self, waits: &Waiting, smooth: &Smooth, next: Option<&Element>) -> Acted {
         let Some(cutter) = self.cutter().cloned() else { return Ok(()) };
-        let Some(next) = next else {
-            return self.refuse_way("no move of the plane follows the way to the contour", 10740);
-        };
         let step = &waits.step;
+        let Some(next) = next else {
+            self.refuse_way("no move of the plane follows the way to the contour", 10740)?;
+            return self.straight(step, step.to);
+        };
         let offset = self.offset(&cutter);
         let (at, here) = (offset.at_start(next), self.spot_of(&cutter));
         let touch = self.touch(smooth, &cutter, (at, next.start()), (Some(here), -1.0))?;
@@ -325,6 +330,13 @@ impl Act<'_, '_> {
         let stands = tool.map(|axis| self.state.place.position.at(axis));
         let contour = tool.map_or(0.0, |axis| step.to.at(axis));
         let heights = self.heights(smooth, contour, stands)?;
+        if let Some(cutter) = self.cutter() {
+            cutter.stage = Stage::On;
+        }
+        let Some((touch, heights)) = touch.zip(heights) else {
+            let to = self.position_at(&cutter, &step.to, at);
+            return self.straight(step, to);
+        };
         let at_height = |height: f64| {
             let mut level = step.to;
             if let Some(axis) = heights.axis {
@@ -353,18 +365,16 @@ impl Act<'_, '_> {
             after
         };
         let level = at_height(heights.contour);
-        self.curve((step.coded, &cutter, smooth), &touch, (level, at), speed)?;
-        if let Some(cutter) = self.cutter() {
-            cutter.stage = Stage::On;
-        }
-        Ok(())
+        self.curve((step.coded, &cutter, smooth), &touch, (level, at), speed)
     }
 
     /// Makes the way from a contour; a step says where it ends.
     fn smooth_retract(&mut self, step: Option<&Step>, smooth: &Smooth) -> Acted {
         let Some(cutter) = self.cutter().cloned() else { return Ok(()) };
         let Some(heading) = smooth.heading else {
-            return self.refuse_way("no move of the plane is before it, so the contour has no direction", 10747);
+            self.refuse_way("no move of the plane is before it, so the contour has no direction", 10747)?;
+            self.left_contour();
+            return Ok(());
         };
         let here = self.state.place.position;
         let coded = step.map_or(0, |step| step.coded);
@@ -376,6 +386,13 @@ impl Act<'_, '_> {
         let contour = tool.map_or(0.0, |axis| here.at(axis));
         let far = tool.zip(step).filter(|(axis, _)| coded & axis.bit() != 0).map(|(axis, step)| step.to.at(axis));
         let heights = self.heights(smooth, contour, far)?;
+        let Some((touch, heights)) = touch.zip(heights) else {
+            if let Some(step) = step {
+                self.straight(step, step.to)?;
+            }
+            self.left_contour();
+            return Ok(());
+        };
         let base = step.map_or(here, |step| cutter.lifted(&step.to, &here));
         let at_height = |height: f64| {
             let mut level = base;
