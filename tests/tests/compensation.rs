@@ -224,7 +224,7 @@ proptest! {
         let head = "$TC_DP6[1,1]=2\n$TC_DP6[1,2]=0.5\nT1 M6\nG17 G90 G94 F500 G0 X0 Y0 Z10";
         let text = format!("{head}\n{}\nM30\n", lines.join("\n"));
         let machine = machine("siemens-mill-exact", "\n[control]\nstops = false\n\n[[diagnostics]]\nnumber = 2900414\nseverity = 4\n");
-        let of = |threads| Work::texts(machine.clone(), &[text.clone()], options(threads)).run(None).expect("a job");
+        let of = |threads| Work::texts(machine.clone(), std::slice::from_ref(&text), options(threads)).run(None).expect("a job");
         let one = of(1);
         check(&one, &text);
         prop_assert_eq!(one.events, of(0).events);

@@ -58,7 +58,16 @@ pub(super) fn follow(act: &mut Act<'_, '_>, contour: Contour) -> Acted {
         };
         if !stays {
             act.flush_lookahead()?;
-            act.forget_cutter();
+            let plane = compensated_plane(act);
+            match act.cutter() {
+                // A way to the contour is still to come, in the plane that is active then.
+                Some(cutter) if cutter.smooth.is_some() => {
+                    if let Some((_, axes)) = plane {
+                        cutter.axes = axes;
+                    }
+                }
+                _ => act.forget_cutter(),
+            }
         }
     }
     if rounds && contour == Contour::Follows && !act.is_compensated() && !act.block.flags.machine_frame {

@@ -441,6 +441,14 @@ impl Act<'_, '_> {
         if !self.is_compensated() {
             return halt;
         }
+        let pending = self.cutter().and_then(|cutter| cutter.smooth.take());
+        if pending.is_some()
+            && matches!(halt, Halt::ProgramEnd(_))
+            && let Err(stop) = self.refuse_way("the program ends before the contour of a soft approach", 10740)
+        {
+            self.forget_cutter();
+            return stop;
+        }
         if matches!(halt, Halt::ProgramEnd(_) | Halt::Alarm) {
             // What was programmed before the alarm is executed.
             self.clear_stop();
