@@ -1,5 +1,5 @@
 ; Bore milling: from the clearance on a semicircle to the wall of Q335, down a helix of Q334 a turn, a full circle at the depth, back to the
-; centre. A tool of that diameter goes straight down.
+; centre. A tool of that diameter goes straight down. The sense is that of the cycle, also in a mirror.
 BEGIN PGM 208 MM
 FN 9: IF +Q201 EQU +0 GOTO LBL 98
 QL10 = Q335 / 2 - Q108
@@ -23,7 +23,18 @@ LBL 3
 QL11 = QL91 + QL10
 QL12 = QL10 / 2
 QL13 = 360 * ( QL1 - QL4 ) / Q334
-FN 12: IF +Q351 LT +0 GOTO LBL 4
+QL14 = 1
+FN 11: IF +Q351 GT -0.5 GOTO LBL 7
+QL14 = -1
+LBL 7
+; X or Y alone is mirrored.
+FN 18: SYSREAD QL15 = ID210 NR3
+QL15 = QL15 - 4 * INT ( QL15 / 4 )
+FN 9: IF +QL15 EQU +0 GOTO LBL 8
+FN 9: IF +QL15 EQU +3 GOTO LBL 8
+QL14 = 0 - QL14
+LBL 8
+FN 12: IF +QL14 LT +0 GOTO LBL 4
 CR X+QL11 Y+QL92 R+QL12 DR+ F+Q206
 CC X+QL91 Y+QL92
 CP IPA+QL13 Z+QL4 DR+
