@@ -78,7 +78,14 @@ impl Walk<'_> {
         if let Some(center) = center {
             // After a corner the tool is on the circle already.
             let element = contour::arc(self.flat(&self.actual), to, center, clockwise);
-            let shortened = if self.step.iso { None } else { self.corner_ahead(element, &end) };
+            let shortened = if self.step.iso {
+                if self.corner_follows() {
+                    self.complain("corners beside circles of ISO programs are not made; the corner after this block is left sharp");
+                }
+                None
+            } else {
+                self.corner_ahead(element, &end)
+            };
             self.leave_circle(center, to, clockwise);
             if shortened.is_some() || base.is_some() && shape == Shape::Radius {
                 let mut stop = end;

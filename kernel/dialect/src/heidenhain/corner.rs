@@ -12,6 +12,15 @@ use counterpoint_motion::contour::element::Element;
 use crate::contour::{self, Approach, Departure, PathShape, Point, Polar, Side, direction, minus};
 
 impl Walk<'_> {
+    /// The next block is a corner.
+    pub(super) fn corner_follows(&self) -> bool {
+        self.ahead.first().is_some_and(|first| match first.shape {
+            Shape::Chamfer | Shape::Round => true,
+            Shape::Iso => is_g(&first.seen, 24.0) || is_g(&first.seen, 25.0),
+            _ => false,
+        })
+    }
+
     /// Where an element has to end, if the next block makes a corner at its end.
     pub(super) fn corner_ahead(&mut self, own: Element, end: &Position) -> Option<Point> {
         let first = self.ahead.first()?;
