@@ -200,20 +200,22 @@ impl Heidenhain {
     }
 
     /// Rows of cuts between ways.
-    fn rows(outlines: &[Closed], task: &Task, radius: f64) -> Vec<Vec<Cut>> {
+    fn rows(outlines: &[Closed], task: &Task, radius: f64) -> Result<Vec<Vec<Cut>>, String> {
         let turned: Vec<Closed> = outlines.iter().map(|way| way.turned(-task.along)).collect();
-        let mut rows = cuts(&turned, task.overlap * radius);
+        let rows = cuts(&turned, task.overlap * radius);
+        let mut rows =
+            rows.ok_or_else(|| "the contours of cycle 14 have room for more than 10000 rows of cuts".to_owned())?;
         for spot in rows.iter_mut().flatten().flat_map(|(from, to)| [from, to]) {
             *spot = turned_by(*spot, task.along);
         }
-        rows
+        Ok(rows)
     }
 
     /// Cycles 22 and 23, in one go, and 6.
     pub(super) fn rough_out(&self, host: &dyn Host, task: &Task, at_once: bool) -> Result<Vec<String>, String> {
         let (figures, radius, factor) = (self.figures()?, self.cutter(host)?, host.length_factor());
         let outlines = self.ways(&figures, radius + task.allowance * factor, task)?;
-        let rows = Self::rows(&outlines, task, radius);
+        let rows = Self::rows(&outlines, task, radius)?;
         let levels = if at_once { vec![task.bottom] } else { levels(task.surface, task.bottom, task.infeed) };
         let mut blocks = self.blocks(host);
         blocks.rise_to(task.safe, RAPID);
@@ -288,7 +290,7 @@ impl Heidenhain {
             return Err("tool Q13, with which cycle 22 roughs, has no radius".to_owned());
         }
         let outlines = self.ways(&figures, radius + task.allowance * factor, task)?;
-        let rows = Self::rows(&outlines, task, radius);
+        let rows = Self::rows(&outlines, task, radius)?;
         let of_rows = rows.iter().filter_map(|row| row.first()).map(|(from, _)| *from);
         let starts =
             of_rows.chain(outlines.iter().filter_map(|way| way.elements().first()).map(|element| element.from));

@@ -125,7 +125,7 @@ impl Heidenhain {
             Ok(blocks) => Ok(Some(blocks.join("\n"))),
             Err(why) => {
                 let text = format!("{why}, in '{}'", host.block_text());
-                Err(host.alarm(&diag::PATH_NOT_MADE, text))
+                Err(host.alarm(&diag::STATEMENT_UNKNOWN, text))
             }
         }
     }
@@ -144,7 +144,7 @@ impl Heidenhain {
         let Some(Named { file, label, .. }) = contours.labels.get(contours.read.len()).cloned() else {
             if self.cycles.contours.labels.is_empty() {
                 let text = "the cycle has no contour; program cycle 14 before it".to_owned();
-                return Err(host.alarm(&diag::PATH_NOT_MADE, text));
+                return Err(host.alarm(&diag::STATEMENT_UNKNOWN, text));
             }
             return Ok(());
         };

@@ -215,14 +215,14 @@ fn is_away(at: Spot, contours: &[Closed], amount: f64) -> bool {
 pub type Cut = (Spot, Spot);
 
 /// Cuts between closed ways, to and fro, at most `apart`; cuts that follow each other through free room make one row. The ways are
-/// those of the middle of a tool.
+/// those of the middle of a tool. None where there would be too many.
 #[must_use]
-pub fn cuts(ways: &[Closed], apart: f64) -> Vec<Vec<Cut>> {
+pub fn cuts(ways: &[Closed], apart: f64) -> Option<Vec<Vec<Cut>>> {
     let ranges = ways.iter().map(Closed::heights);
     let (low, high) = ranges.fold((f64::INFINITY, f64::NEG_INFINITY), |all, own| (all.0.min(own.0), all.1.max(own.1)));
     let count = ((high - low) / apart).ceil();
     if !(count.is_finite() && apart > NOISE && count < MOST as f64) {
-        return Vec::new();
+        return None;
     }
     let (mut rows, mut crossings) = (Vec::<Vec<Cut>>::new(), Vec::new());
     let count = count.max(1.0);
@@ -262,7 +262,7 @@ pub fn cuts(ways: &[Closed], apart: f64) -> Vec<Vec<Cut>> {
         }
         rows.extend(open.into_iter().map(|cut| vec![cut]));
     }
-    rows
+    Some(rows)
 }
 
 /// Nothing of the ways lies between two spots on them.
@@ -303,7 +303,7 @@ mod tests {
 
     #[test]
     fn cuts_go_to_and_fro_and_round_an_island() {
-        let rows = cuts(&[square(10.0)], 4.0);
+        let rows = cuts(&[square(10.0)], 4.0).unwrap();
         assert_eq!(rows.len(), 1);
         assert_eq!(rows[0].len(), 2);
         let island = Closed::new(vec![
@@ -312,7 +312,8 @@ mod tests {
             Element { from: [6.0, 6.0], to: [4.0, 6.0], arc: None },
             Element { from: [4.0, 6.0], to: [4.0, 4.0], arc: None },
         ]);
-        let rows = cuts(&[square(10.0), island.unwrap()], 1.0);
+        let rows = cuts(&[square(10.0), island.unwrap()], 1.0).unwrap();
+        assert_eq!(cuts(&[square(10.0)], 1e-4), None);
         assert_eq!(rows.iter().map(Vec::len).sum::<usize>(), 9 + 2);
     }
 }
