@@ -41,13 +41,14 @@ impl Area {
     pub fn ways(&self, by: f64) -> Option<Vec<Vec<Element>>> {
         let ways: Option<Vec<_>> = self.rings.iter().map(|ring| shifted(ring, 1.0, by)).collect();
         let ways = ways?;
-        let fits = |spot: Spot| {
-            let [along, across] = spot;
-            let near = self.rings.iter().flatten().any(|piece| to_piece(piece, spot) < by - 1e-5);
-            !near && crossings(self.rings.iter().flatten(), across).iter().filter(|x| **x < along).count() % 2 == 1
+        let all = || self.rings.iter().flatten();
+        let clear = |piece: &Element| all().all(|ring| nearest(piece, ring) > by - 1e-5);
+        // A way that keeps its distance does not leave the area it begins in.
+        let within = |way: &Vec<Element>| {
+            let Some([along, across]) = way.first().map(|first| first.from) else { return false };
+            crossings(all(), across).iter().filter(|place| **place < along).count() % 2 == 1
         };
-        let shares = [0.0, 0.25, 0.5, 0.75];
-        let fit = ways.iter().flatten().all(|piece| shares.iter().all(|share| fits(at(piece, *share))));
+        let fit = ways.iter().all(within) && ways.iter().flatten().all(clear);
         fit.then_some(ways)
     }
 }
@@ -153,6 +154,83 @@ fn to_piece(piece: &Element, spot: Spot) -> f64 {
     beside.map_or(ends, |beside| beside.min(ends))
 }
 
+/// A direction from the centre of an arc is one of the arc.
+fn has(arc: &Arc, direction: Spot) -> bool {
+    let way = ((angle([0.0; 2], direction) - arc.start_angle) * arc.sweep.signum()).rem_euclid(TAU);
+    way <= arc.sweep.abs() + 1e-12
+}
+
+/// Distance of two pieces, 0 if they cross.
+fn nearest(a: &Element, b: &Element) -> f64 {
+    let ends = [to_piece(a, b.from), to_piece(a, b.to), to_piece(b, a.from), to_piece(b, a.to)];
+    let ends = ends.into_iter().fold(f64::INFINITY, f64::min);
+    let between = match (&a.arc, &b.arc) {
+        (None, None) => {
+            let side = |of: &Element, spot: Spot| cross(plus(of.to, of.from, -1.0), plus(spot, of.from, -1.0));
+            let parts = |of: &Element, other: &Element| side(of, other.from) * side(of, other.to) < 0.0;
+            if parts(a, b) && parts(b, a) { 0.0 } else { f64::INFINITY }
+        }
+        (None, Some(arc)) => line_and_arc(a, arc),
+        (Some(arc), None) => line_and_arc(b, arc),
+        (Some(one), Some(other)) => arcs(one, other),
+    };
+    ends.min(between)
+}
+
+/// Distance of a line and an arc between the ends of both.
+fn line_and_arc(line: &Element, arc: &Arc) -> f64 {
+    let share = line.share(arc.center);
+    let foot = at(line, share);
+    let way = plus(foot, arc.center, -1.0);
+    let off = distance(way, [0.0; 2]);
+    let mut least = f64::INFINITY;
+    if (0.0..=1.0).contains(&share) && off > NOISE && has(arc, way) {
+        least = (off - arc.radius).abs();
+    }
+    let half = arc.radius * arc.radius - off * off;
+    if half > 0.0 {
+        let along = line.start();
+        for half in [half.sqrt(), -half.sqrt()] {
+            let spot = plus(foot, along, half);
+            if (0.0..=1.0).contains(&line.share(spot)) && has(arc, plus(spot, arc.center, -1.0)) {
+                least = 0.0;
+            }
+        }
+    }
+    least
+}
+
+/// Distance of two arcs between the ends of both.
+fn arcs(a: &Arc, b: &Arc) -> f64 {
+    let way = plus(b.center, a.center, -1.0);
+    let off = distance(way, [0.0; 2]);
+    if off < NOISE {
+        return f64::INFINITY;
+    }
+    let along = way.map(|part| part / off);
+    let mut least = f64::INFINITY;
+    for (first, second) in [(1.0, -1.0), (1.0, 1.0), (-1.0, -1.0), (-1.0, 1.0)] {
+        let [one, other] = [first, second].map(|side| along.map(|part| part * side));
+        if has(a, one) && has(b, other) {
+            let spots = (plus(a.center, one, a.radius), plus(b.center, other, b.radius));
+            least = least.min(distance(spots.0, spots.1));
+        }
+    }
+    // Where the circles meet.
+    let foot = (off * off + a.radius * a.radius - b.radius * b.radius) / (2.0 * off);
+    let half = a.radius * a.radius - foot * foot;
+    if half > 0.0 {
+        let [x, y] = along;
+        for half in [half.sqrt(), -half.sqrt()] {
+            let spot = plus(plus(a.center, along, foot), [-y, x], half);
+            if has(a, plus(spot, a.center, -1.0)) && has(b, plus(spot, b.center, -1.0)) {
+                least = 0.0;
+            }
+        }
+    }
+    least
+}
+
 /// A part of a piece that only rises or only falls.
 #[derive(Debug, Clone, Copy)]
 struct Monotone {
@@ -226,6 +304,59 @@ mod tests {
     fn circle(center: Spot, radius: f64) -> Vec<Element> {
         let from = plus(center, [radius, 0.0], 1.0);
         vec![Element { from, to: from, arc: Some(Arc { center, radius, start_angle: 0.0, sweep: TAU }) }]
+    }
+
+    /// Numbers between 0 and 1 that are the same each time.
+    struct Dice(u64);
+
+    impl Dice {
+        fn next(&mut self) -> f64 {
+            self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (self.0 >> 11) as f64 / (1_u64 << 53) as f64
+        }
+    }
+
+    #[test]
+    fn no_way_and_no_line_comes_nearer_than_its_distance() {
+        let mut dice = Dice(7);
+        let mut fitted = 0;
+        for _ in 0..1_000 {
+            let count = 3 + (dice.next() * 8.0) as usize;
+            let corner = |number: usize, dice: &mut Dice| {
+                let turn = TAU * number as f64 / count as f64;
+                plus([0.0; 2], [libm::cos(turn), libm::sin(turn)], 10.0 + 30.0 * dice.next())
+            };
+            let mut corners: Vec<Spot> = (0..count).map(|number| corner(number, &mut dice)).collect();
+            corners.extend(corners.first().copied());
+            if dice.next() < 0.5 {
+                corners.reverse();
+            }
+            let rim: Vec<Element> =
+                corners.windows(2).map(|pair| Element { from: pair[0], to: pair[1], arc: None }).collect();
+            let mut area = Area::default();
+            assert_eq!(area.add(&rim), Ok(1));
+            if dice.next() < 0.7 {
+                area.add(&circle([4.0 * dice.next(), 4.0 * dice.next()], 1.0 + 2.0 * dice.next())).unwrap();
+            }
+            let by = 0.5 + 4.0 * dice.next();
+            let Some(ways) = area.ways(by) else { continue };
+            fitted += 1;
+            let free =
+                |spot: Spot| area.rings.iter().flatten().map(|piece| to_piece(piece, spot)).fold(f64::MAX, f64::min);
+            let spots = (0..=40).map(|number| f64::from(number) / 40.0);
+            for piece in ways.iter().flatten() {
+                for share in spots.clone() {
+                    assert!(free(at(piece, share)) > by - 1e-3, "{piece:?} of {rim:?} by {by}");
+                }
+            }
+            for [across, from, to] in lines(&ways, 1.5 * by, 1000) {
+                for share in spots.clone() {
+                    let spot = [from + (to - from) * share, across];
+                    assert!(free(spot) > by - 1e-3, "{spot:?} of {rim:?} by {by}");
+                }
+            }
+        }
+        assert!(fitted > 100, "{fitted}");
     }
 
     #[test]
