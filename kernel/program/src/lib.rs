@@ -9,6 +9,7 @@ mod mains;
 pub mod prefix_registers;
 pub mod presets;
 mod readers;
+mod rules;
 pub mod scan;
 pub mod sections;
 pub mod shape;

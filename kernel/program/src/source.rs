@@ -13,10 +13,10 @@ use counterpoint_event::info::Section;
 use rustc_hash::FxHashMap;
 
 use super::line_up::LineUp;
+use super::rules::Rules;
 use super::shape::{Range, Shape, leading_number};
 use super::spot::Spot;
 use super::syntax::Syntax;
-use super::tape::Rules;
 use counterpoint_ports::control::Stop;
 
 /// What is known of a byte in a text.

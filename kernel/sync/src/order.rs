@@ -7,6 +7,7 @@
 //! Invariants: operations take their turns in ascending order of their tags; one kernel has the turn at a time; a kernel that
 //! waits is woken once for each wait. Facts: reference channel-synchronisation.md 1.1, 2.3.
 
+mod alone;
 pub mod arrive;
 #[cfg(test)]
 mod explore;
@@ -231,19 +232,6 @@ impl Order {
         seat.arriving = arriving;
         let bound = seat.bound;
         self.effects.push(Effect::Bound(tag.channel, bound));
-    }
-
-    /// The turn of the only kernel that runs: nobody comes before it. `false`: the job was stopped before this tag.
-    pub fn take_turn(&mut self, tag: Tag) -> bool {
-        if self.stop.is_some_and(|stop| stop < tag) {
-            return false;
-        }
-        if let Some(seat) = self.seat(tag.channel) {
-            seat.status = Status::Running;
-            seat.bound = seat.bound.max(tag.t);
-        }
-        (self.now, self.acting) = (tag, Some(tag.channel));
-        true
     }
 
     /// Nothing has been decided that is not carried out yet.

@@ -37,7 +37,7 @@ pub(super) fn change(act: &mut Act<'_, '_>, part: Part, change: Change) -> Acted
     let has = act.state.place.has_axes();
     let levels = act.cycle_levels();
     let before = act.counts_from();
-    let mirrored = cutter::is_mirrored(act);
+    let mirrored = cutter::mirror::is_mirrored(act);
     let made = match (part, change) {
         (Part::Mirror, Change::Off) => {
             let given = fewer_mirrors(act);
@@ -71,7 +71,7 @@ pub(super) fn change(act: &mut Act<'_, '_>, part: Part, change: Change) -> Acted
         refuse(act, refused);
     }
     act.frames_changed();
-    cutter::frame_changed(act, mirrored);
+    cutter::mirror::frame_changed(act, mirrored);
     act.keep_ways(before);
     act.keep_levels(levels);
     let text = act.frame_text();

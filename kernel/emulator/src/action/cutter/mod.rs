@@ -9,6 +9,7 @@ mod angle;
 mod around;
 mod corner;
 mod held;
+pub(super) mod mirror;
 mod moves;
 pub(super) mod smooth;
 mod words;
@@ -91,7 +92,7 @@ pub(super) fn switched(act: &mut Act<'_, '_>, code: CodeId) -> Acted {
     }
     let tip = act.nose_tip(number, plane_code);
     let contour = act.contour();
-    let side = if is_mirrored(act) { -side } else { side };
+    let side = if mirror::is_mirrored(act) { -side } else { side };
     let kept = act.cutter().filter(|cutter| !cutter.stage.is_ending() && !cutter.plain).map(|_| Stage::Turned);
     let new = Cutter {
         side: if radius < 0.0 { -side } else { side },
@@ -110,26 +111,6 @@ pub(super) fn switched(act: &mut Act<'_, '_>, code: CodeId) -> Acted {
     };
     act.frames().cutter = Some(Box::new(new));
     Ok(())
-}
-
-/// The local frame shows the active plane from behind: what is left in the program is right of the way of the tool.
-pub(super) fn is_mirrored(act: &Act<'_, '_>) -> bool {
-    let Some(plane) = act.state.modal.code(group::PLANE).and_then(plane) else { return false };
-    let values = act.frame_values();
-    let turned = |role: usize| {
-        let mirrored = values.mirror.get(role).is_some_and(|mirror| *mirror != 0.0);
-        mirrored != values.scale.get(role).is_some_and(|scale| *scale < 0.0)
-    };
-    turned(plane.first) != turned(plane.second)
-}
-
-/// The local frame has changed: compensation that is active changes its side with it.
-pub(super) fn frame_changed(act: &mut Act<'_, '_>, was_mirrored: bool) {
-    if is_mirrored(act) != was_mirrored
-        && let Some(cutter) = act.cutter()
-    {
-        cutter.side = -cutter.side;
-    }
 }
 
 /// A cycle goes beside its contour with the nose of the tool, or on it again; without a radius it is the same.

@@ -1,0 +1,26 @@
+//! The side of compensation in a frame that mirrors the plane.
+//!
+//! Invariant: the tool stays on the side of the contour that the program says, whatever the frame.
+
+use crate::act::Act;
+use crate::state::modal::{group, plane};
+
+/// The local frame shows the active plane from behind: what is left in the program is right of the way of the tool.
+pub(in crate::action) fn is_mirrored(act: &Act<'_, '_>) -> bool {
+    let Some(plane) = act.state.modal.code(group::PLANE).and_then(plane) else { return false };
+    let values = act.frame_values();
+    let turned = |role: usize| {
+        let mirrored = values.mirror.get(role).is_some_and(|mirror| *mirror != 0.0);
+        mirrored != values.scale.get(role).is_some_and(|scale| *scale < 0.0)
+    };
+    turned(plane.first) != turned(plane.second)
+}
+
+/// The local frame has changed: compensation that is active changes its side with it.
+pub(in crate::action) fn frame_changed(act: &mut Act<'_, '_>, was_mirrored: bool) {
+    if is_mirrored(act) != was_mirrored
+        && let Some(cutter) = act.cutter()
+    {
+        cutter.side = -cutter.side;
+    }
+}
