@@ -158,6 +158,10 @@ def parts(case, moves):
     """What both controls define alike."""
     if case["kind"] == "thread":
         starts = [start for kind, start, to, _ in moves if kind in ("feed", "thread") and abs(start[0] - to[0]) <= NEAR]
+        # Where a pass hits the depth exactly, rs274 may miss it by a rounding and add one more pass there.
+        exact = (case["depth"] / case["first"]) ** 2
+        if abs(exact - round(exact)) < NEAR:
+            starts = [start for at, start in enumerate(starts) if at == 0 or not near(start, starts[at - 1])]
         return {"passes": starts}
     contour = case["contour"]
     feeds = [(kind, start, to, center) for kind, start, to, center in moves if kind != "rapid" and not near(start, to)]
