@@ -189,9 +189,11 @@ impl Heidenhain {
             let number = at + 1;
             let way = outline.beside(if task.climbs { 1.0 } else { -1.0 }, amount);
             let way = way.ok_or_else(|| format!("the tool with its allowance does not fit into contour {number} of cycle 14"))?;
-            if !way.keeps_away(&all, amount) {
+            // In one pocket and no island: not in a pocket of another one, nor beside all.
+            let within = |at: Spot| all.iter().filter(|contour| contour.holds(at)).count() % 2 == 1;
+            if !way.keeps_away(&all, amount) || !way.elements().first().is_some_and(|first| within(first.from)) {
                 return Err(format!(
-                    "contours that overlap, or leave less room than the tool with its allowance, are not emulated: contour {number} of cycle 14"
+                    "contours that overlap, lie outside of all pockets, or leave less room than the tool with its allowance, are not emulated: contour {number} of cycle 14"
                 ));
             }
             Ok(way)
@@ -199,10 +201,16 @@ impl Heidenhain {
         ways.collect()
     }
 
-    /// Rows of cuts between ways.
-    fn rows(outlines: &[Closed], task: &Task, radius: f64) -> Result<Vec<Vec<Cut>>, String> {
+    /// Rows of cuts between ways that keep away from the figures by an amount.
+    fn rows(
+        outlines: &[Closed],
+        (figures, amount): (&[Figure], f64),
+        task: &Task,
+        radius: f64,
+    ) -> Result<Vec<Vec<Cut>>, String> {
         let turned: Vec<Closed> = outlines.iter().map(|way| way.turned(-task.along)).collect();
-        let rows = cuts(&turned, task.overlap * radius);
+        let contours: Vec<Closed> = figures.iter().map(|figure| figure.outline.turned(-task.along)).collect();
+        let rows = cuts(&turned, task.overlap * radius, |link| is_clear(link, &contours, amount));
         let mut rows =
             rows.ok_or_else(|| "the contours of cycle 14 have room for more than 10000 rows of cuts".to_owned())?;
         for spot in rows.iter_mut().flatten().flat_map(|(from, to)| [from, to]) {
@@ -214,8 +222,9 @@ impl Heidenhain {
     /// Cycles 22 and 23, in one go, and 6.
     pub(super) fn rough_out(&self, host: &dyn Host, task: &Task, at_once: bool) -> Result<Vec<String>, String> {
         let (figures, radius, factor) = (self.figures()?, self.cutter(host)?, host.length_factor());
-        let outlines = self.ways(&figures, radius + task.allowance * factor, task)?;
-        let rows = Self::rows(&outlines, task, radius)?;
+        let amount = radius + task.allowance * factor;
+        let outlines = self.ways(&figures, amount, task)?;
+        let rows = Self::rows(&outlines, (&figures, amount), task, radius)?;
         let levels = if at_once { vec![task.bottom] } else { levels(task.surface, task.bottom, task.infeed) };
         let mut blocks = self.blocks(host);
         blocks.rise_to(task.safe, RAPID);
@@ -289,8 +298,9 @@ impl Heidenhain {
         if radius <= 0.0 {
             return Err("tool Q13, with which cycle 22 roughs, has no radius".to_owned());
         }
-        let outlines = self.ways(&figures, radius + task.allowance * factor, task)?;
-        let rows = Self::rows(&outlines, task, radius)?;
+        let amount = radius + task.allowance * factor;
+        let outlines = self.ways(&figures, amount, task)?;
+        let rows = Self::rows(&outlines, (&figures, amount), task, radius)?;
         let of_rows = rows.iter().filter_map(|row| row.first()).map(|(from, _)| *from);
         let starts =
             of_rows.chain(outlines.iter().filter_map(|way| way.elements().first()).map(|element| element.from));

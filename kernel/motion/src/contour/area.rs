@@ -3,9 +3,9 @@
 //! The area lies on the left of all rings: the rim turns counter-clockwise, islands clockwise. *Invariant:* every way of the tool's
 //! centre keeps its distance from all rings; where a passage is narrower than that, there is no way.
 
-use std::f64::consts::{PI, TAU};
-
-use super::element::{Element, NOISE, Spot, angle, cross, distance, plus};
+use super::crossing::{crossings, heights};
+use super::element::{Element, NOISE, cross, distance};
+use super::near::{at, nearest, turned};
 use super::shifted::shifted;
 use crate::arc::Arc;
 
@@ -57,11 +57,7 @@ impl Area {
 /// first coordinate of both ends, alternately to and fro.
 #[must_use]
 pub fn lines(ways: &[Vec<Element>], step: f64, most: u32) -> Vec<[f64; 3]> {
-    let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
-    for piece in ways.iter().flatten().flat_map(monotone) {
-        low = low.min(piece.low[1]).min(piece.high[1]);
-        high = high.max(piece.low[1]).max(piece.high[1]);
-    }
+    let (low, high) = heights(ways.iter().flatten());
     if !(high > low && step > 0.0) {
         return Vec::new();
     }
@@ -85,7 +81,7 @@ pub fn lines(ways: &[Vec<Element>], step: f64, most: u32) -> Vec<[f64; 3]> {
 }
 
 /// Size of what a ring surrounds, positive if it turns counter-clockwise.
-fn size(ring: &[Element]) -> f64 {
+pub(super) fn size(ring: &[Element]) -> f64 {
     let piece = |piece: &Element| {
         let bow = piece.arc.map_or(0.0, |arc| arc.radius * arc.radius * (arc.sweep - libm::sin(arc.sweep)) / 2.0);
         cross(piece.from, piece.to) / 2.0 + bow
@@ -96,12 +92,7 @@ fn size(ring: &[Element]) -> f64 {
 /// A way or ring the other way round.
 #[must_use]
 pub fn backwards(ring: &[Element]) -> Vec<Element> {
-    let turn = |piece: &Element| Element {
-        from: piece.to,
-        to: piece.from,
-        arc: piece.arc.map(|arc| Arc { start_angle: arc.start_angle + arc.sweep, sweep: -arc.sweep, ..arc }),
-    };
-    ring.iter().rev().map(turn).collect()
+    ring.iter().rev().map(turned).collect()
 }
 
 /// The ring from the middle of its first straight piece on, so that its end has no corner.
@@ -126,175 +117,12 @@ fn begun_within(mut ring: Vec<Element>) -> Vec<Element> {
     ring
 }
 
-/// A spot of a piece by its share.
-fn at(piece: &Element, share: f64) -> Spot {
-    match &piece.arc {
-        None => plus(piece.from, plus(piece.to, piece.from, -1.0), share),
-        Some(arc) => on(arc, arc.start_angle + arc.sweep * share),
-    }
-}
-
-fn on(arc: &Arc, angle: f64) -> Spot {
-    plus(arc.center, [libm::cos(angle), libm::sin(angle)], arc.radius)
-}
-
-/// Distance of a spot from a piece.
-fn to_piece(piece: &Element, spot: Spot) -> f64 {
-    let ends = distance(piece.from, spot).min(distance(piece.to, spot));
-    let beside = match &piece.arc {
-        None => {
-            let share = piece.share(spot);
-            (0.0..=1.0).contains(&share).then(|| distance(at(piece, share), spot))
-        }
-        Some(arc) => {
-            let way = ((angle(arc.center, spot) - arc.start_angle) * arc.sweep.signum()).rem_euclid(TAU);
-            (way <= arc.sweep.abs()).then(|| (distance(arc.center, spot) - arc.radius).abs())
-        }
-    };
-    beside.map_or(ends, |beside| beside.min(ends))
-}
-
-/// A direction from the centre of an arc is one of the arc.
-fn has(arc: &Arc, direction: Spot) -> bool {
-    let way = ((angle([0.0; 2], direction) - arc.start_angle) * arc.sweep.signum()).rem_euclid(TAU);
-    way <= arc.sweep.abs() + 1e-12
-}
-
-/// Distance of two pieces, 0 if they cross.
-fn nearest(a: &Element, b: &Element) -> f64 {
-    let ends = [to_piece(a, b.from), to_piece(a, b.to), to_piece(b, a.from), to_piece(b, a.to)];
-    let ends = ends.into_iter().fold(f64::INFINITY, f64::min);
-    let between = match (&a.arc, &b.arc) {
-        (None, None) => {
-            let side = |of: &Element, spot: Spot| cross(plus(of.to, of.from, -1.0), plus(spot, of.from, -1.0));
-            let parts = |of: &Element, other: &Element| side(of, other.from) * side(of, other.to) < 0.0;
-            if parts(a, b) && parts(b, a) { 0.0 } else { f64::INFINITY }
-        }
-        (None, Some(arc)) => line_and_arc(a, arc),
-        (Some(arc), None) => line_and_arc(b, arc),
-        (Some(one), Some(other)) => arcs(one, other),
-    };
-    ends.min(between)
-}
-
-/// Distance of a line and an arc between the ends of both.
-fn line_and_arc(line: &Element, arc: &Arc) -> f64 {
-    let share = line.share(arc.center);
-    let foot = at(line, share);
-    let way = plus(foot, arc.center, -1.0);
-    let off = distance(way, [0.0; 2]);
-    let mut least = f64::INFINITY;
-    if (0.0..=1.0).contains(&share) && off > NOISE && has(arc, way) {
-        least = (off - arc.radius).abs();
-    }
-    let half = arc.radius * arc.radius - off * off;
-    if half > 0.0 {
-        let along = line.start();
-        for half in [half.sqrt(), -half.sqrt()] {
-            let spot = plus(foot, along, half);
-            if (0.0..=1.0).contains(&line.share(spot)) && has(arc, plus(spot, arc.center, -1.0)) {
-                least = 0.0;
-            }
-        }
-    }
-    least
-}
-
-/// Distance of two arcs between the ends of both.
-fn arcs(a: &Arc, b: &Arc) -> f64 {
-    let way = plus(b.center, a.center, -1.0);
-    let off = distance(way, [0.0; 2]);
-    if off < NOISE {
-        return f64::INFINITY;
-    }
-    let along = way.map(|part| part / off);
-    let mut least = f64::INFINITY;
-    for (first, second) in [(1.0, -1.0), (1.0, 1.0), (-1.0, -1.0), (-1.0, 1.0)] {
-        let [one, other] = [first, second].map(|side| along.map(|part| part * side));
-        if has(a, one) && has(b, other) {
-            let spots = (plus(a.center, one, a.radius), plus(b.center, other, b.radius));
-            least = least.min(distance(spots.0, spots.1));
-        }
-    }
-    // Where the circles meet.
-    let foot = (off * off + a.radius * a.radius - b.radius * b.radius) / (2.0 * off);
-    let half = a.radius * a.radius - foot * foot;
-    if half > 0.0 {
-        let [x, y] = along;
-        for half in [half.sqrt(), -half.sqrt()] {
-            let spot = plus(plus(a.center, along, foot), [-y, x], half);
-            if has(a, plus(spot, a.center, -1.0)) && has(b, plus(spot, b.center, -1.0)) {
-                least = 0.0;
-            }
-        }
-    }
-    least
-}
-
-/// A part of a piece that only rises or only falls.
-#[derive(Debug, Clone, Copy)]
-struct Monotone {
-    low: Spot,
-    high: Spot,
-    /// Centre, radius, and the side of the centre on which it lies.
-    round: Option<(Spot, f64, f64)>,
-}
-
-fn monotone(piece: &Element) -> Vec<Monotone> {
-    let part = |from: Spot, to: Spot, round| {
-        let (low, high) = if from[1] <= to[1] { (from, to) } else { (to, from) };
-        Monotone { low, high, round }
-    };
-    let Some(arc) = &piece.arc else { return vec![part(piece.from, piece.to, None)] };
-    let (begin, end) = (arc.start_angle, arc.start_angle + arc.sweep);
-    let (least, most) = (begin.min(end), begin.max(end));
-    let mut angles = vec![least];
-    let mut turn = ((least - PI / 2.0) / PI).ceil() * PI + PI / 2.0;
-    while turn < most {
-        if turn > least {
-            angles.push(turn);
-        }
-        turn += PI;
-    }
-    angles.push(most);
-    let spot = |angle: f64| match angle {
-        angle if angle == begin => piece.from,
-        angle if angle == end => piece.to,
-        angle => on(arc, angle),
-    };
-    let pairs = angles.windows(2).filter_map(|pair| Some((*pair.first()?, *pair.get(1)?)));
-    pairs
-        .map(|(from, to)| {
-            let side = libm::cos(f64::midpoint(from, to)).signum();
-            part(spot(from), spot(to), Some((arc.center, arc.radius, side)))
-        })
-        .collect()
-}
-
-/// Where pieces cross a line along the first axis, in order.
-fn crossings<'e>(pieces: impl Iterator<Item = &'e Element>, across: f64) -> Vec<f64> {
-    let mut places: Vec<f64> = pieces
-        .flat_map(monotone)
-        // A corner on the line belongs to the piece above it.
-        .filter(|part| part.low[1] <= across && across < part.high[1])
-        .map(|part| match part.round {
-            None => {
-                let share = (across - part.low[1]) / (part.high[1] - part.low[1]);
-                part.low[0] + (part.high[0] - part.low[0]) * share
-            }
-            Some((center, radius, side)) => {
-                let off = across - center[1];
-                center[0] + side * (radius * radius - off * off).max(0.0).sqrt()
-            }
-        })
-        .collect();
-    places.sort_by(f64::total_cmp);
-    places
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::contour::element::{Spot, plus};
+    use crate::contour::near::to_piece;
+    use std::f64::consts::TAU;
 
     fn square(from: f64, to: f64) -> Vec<Element> {
         let corners = [[from, from], [to, from], [to, to], [from, to], [from, from]];

@@ -4,6 +4,8 @@ pub mod area;
 pub mod blend;
 pub mod closed;
 pub mod corner;
+mod crossing;
 pub mod element;
+mod near;
 pub mod shifted;
 pub mod tangent;
