@@ -8,8 +8,9 @@ use std::sync::Arc;
 use counterpoint_kernel::control::Control;
 use counterpoint_kernel::files::Memory;
 use counterpoint_kernel::job::{Job, Program, Sink, Spec};
-use counterpoint_kernel::log::builder::ResultsBuilder;
+use counterpoint_kernel::log::builder::{Results, ResultsBuilder};
 use counterpoint_kernel::log::event::Event;
+use counterpoint_kernel::log::summary::State;
 use counterpoint_kernel::machine::{Machine, load, package};
 use counterpoint_kernel::options::{Options, TimeModel};
 
@@ -39,10 +40,10 @@ impl Sink for Fold {
     }
 }
 
-pub(crate) fn results(job: &Job, files: &Memory, channels: usize) {
+pub(crate) fn results(job: &Job, files: &Memory, channels: usize) -> Results {
     let mut sink = Fold(ResultsBuilder::new(job.info()));
     let outcome = job.run(files, &Control::new(channels), &mut sink);
-    std::hint::black_box(sink.0.finish(&outcome));
+    std::hint::black_box(sink.0.finish(&outcome))
 }
 
 pub(crate) fn machine(name: &str) -> Arc<Machine> {
@@ -64,11 +65,16 @@ pub(crate) fn job_with(machine: &Arc<Machine>, texts: &[String], options: Option
         programs.push(Program { file, number: None, section: None, channel: None });
     }
     let spec = Spec { machine: machine.clone(), programs, options };
-    (Job::prepare(spec, &files).expect("a job"), files)
+    let job = Job::prepare(spec, &files).expect("a job");
+    // A job that stops at an alarm would be fast.
+    let summary = results(&job, &files, machine.channels.len()).summary;
+    assert_eq!(summary.state, State::Succeeded, "{:?}", summary.diagnostics);
+    (job, files)
 }
 
 pub(crate) fn mill(blocks: usize) -> String {
     let mut text = "G17 G21 G90 G94 G40\nG0 X0. Y0. Z5.\nS3000 M3\nG1 Z-1. F500.\n".to_owned();
+    let mut last = [0.0; 2];
     for k in 0..blocks {
         let x = 50.0 + (k % 977) as f64 * 0.0173;
         let y = 40.0 + (k % 613) as f64 * 0.0291;
@@ -77,8 +83,10 @@ pub(crate) fn mill(blocks: usize) -> String {
             1 => writeln!(text, "X{x:.4} Y{y:.4}"),
             2 => writeln!(text, "X{x:.4}"),
             3 => writeln!(text, "G1 X{x:.4} Y{y:.4}"),
-            _ => writeln!(text, "G3 X{:.4} Y{y:.4} R{:.2}", x + 2.0, 2.0 + (k % 7) as f64 * 0.25),
+            // From where the tool is, though a coordinate begins again in this block.
+            _ => writeln!(text, "G3 X{:.4} Y{:.4} R{:.2}", last[0] + 2.0, last[1], 2.0 + (k % 7) as f64 * 0.25),
         };
+        last = [x, y];
     }
     text.push_str("G0 Z5.\nM5\nM30\n");
     text
