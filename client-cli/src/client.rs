@@ -8,7 +8,7 @@ use counterpoint_proto::v1::admin_client::AdminClient;
 use counterpoint_proto::v1::jobs_client::JobsClient;
 use counterpoint_proto::v1::machines_client::MachinesClient;
 use counterpoint_proto::v1::operator_client::OperatorClient;
-use counterpoint_server::options::{Embedded, Options, System};
+use counterpoint_server::options::{Embedded, Guard, Options, System};
 use counterpoint_server::service;
 
 use crate::error::Error;
@@ -47,7 +47,9 @@ impl Client {
         let embedded = Embedded { log, ..own.embedded };
         let usual = System { allow_system, ..System::default() };
         let system = if patient { System { operator_wait_s: LONG, ..usual } } else { usual };
-        let options = Options { embedded, system, ..own };
+        // Nobody asks this server for the contract, and to make it readable takes longer than a small program does.
+        let guard = Guard { reflection: false, ..own.guard };
+        let options = Options { embedded, system, guard, ..own };
         let service = service::build(options).await.map_err(|error| Error::Connection(error.to_string()))?;
         let address = format!("http://{}", service.handle().address());
         // Ends with the runtime, when the command ends.

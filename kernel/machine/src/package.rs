@@ -3,27 +3,34 @@
 //! Invariant: what a user's view holds wins over what is shipped, file by file, so a user's machine may extend a
 //! shipped family and may also replace one.
 
+use std::sync::LazyLock;
+
 use include_dir::{Dir, DirEntry, include_dir};
 
 use counterpoint_ports::files::{Bytes, Error, Files, Memory};
 
 static MACHINES: Dir<'_> = include_dir!("$CARGO_MANIFEST_DIR/../../machines");
 
-/// The machines folder as shipped.
-#[must_use]
-pub fn shipped() -> Memory {
+/// The files by path. Their bytes are those of the program itself.
+static FILES: LazyLock<Memory> = LazyLock::new(|| {
     let mut files = Memory::default();
     add(&MACHINES, &mut files);
     files
+});
+
+/// The machines folder as shipped.
+#[must_use]
+pub fn shipped() -> Memory {
+    FILES.clone()
 }
 
-fn add(dir: &Dir<'_>, files: &mut Memory) {
+fn add(dir: &'static Dir<'_>, files: &mut Memory) {
     for entry in dir.entries() {
         match entry {
             DirEntry::Dir(dir) => add(dir, files),
             DirEntry::File(file) => {
                 let parts: Vec<_> = file.path().iter().map(|part| part.to_string_lossy()).collect();
-                files.insert(parts.join("/"), file.contents());
+                files.0.insert(parts.join("/"), Bytes::from_static(file.contents()));
             }
         }
     }
@@ -32,20 +39,18 @@ fn add(dir: &Dir<'_>, files: &mut Memory) {
 /// Names of the shipped machines, families not included, sorted.
 #[must_use]
 pub fn shipped_names() -> Vec<String> {
-    let files = shipped();
-    let folders = files.list().into_iter().filter_map(|path| path.strip_suffix("/machine.toml").map(str::to_owned));
-    let mut names: Vec<String> = folders.filter(|folder| !is_family(&files, folder)).collect();
+    let folders = FILES.0.iter().filter_map(|(path, text)| Some((path.strip_suffix("/machine.toml")?, text)));
+    let mut names: Vec<String> =
+        folders.filter(|(_, text)| !is_family(text)).map(|(folder, _)| folder.to_owned()).collect();
     // The paths stand in another order: a hyphen comes before the slash.
     names.sort_unstable();
     names
 }
 
-/// Whether a folder holds a family: `abstract = true` before the first section.
-fn is_family(files: &Memory, folder: &str) -> bool {
-    let text = files.read(&format!("{folder}/machine.toml")).unwrap_or_default();
-    let text = String::from_utf8_lossy(&text);
-    let mut head = text.lines().take_while(|line| !line.starts_with('['));
-    head.any(|line| line.split('=').map(str::trim).eq(["abstract", "true"]))
+/// Whether a `machine.toml` is that of a family: `abstract = true` before the first section.
+fn is_family(text: &[u8]) -> bool {
+    let mut head = text.split(|byte| *byte == b'\n').take_while(|line| !line.starts_with(b"["));
+    head.any(|line| line.split(|byte| *byte == b'=').map(<[u8]>::trim_ascii).eq([&b"abstract"[..], b"true"]))
 }
 
 /// One view of files over another.
