@@ -53,11 +53,13 @@ impl<T> CallStack<T> {
     }
 
     /// Level of the program or part that runs.
+    #[inline]
     pub fn here(&self) -> &T {
         self.called.last().map_or(&self.main, |called| &called.level)
     }
 
     /// The same, to be changed.
+    #[inline]
     pub fn here_mut(&mut self) -> &mut T {
         self.called.last_mut().map_or(&mut self.main, |called| &mut called.level)
     }

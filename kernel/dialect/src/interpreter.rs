@@ -75,7 +75,7 @@ pub trait Interpreter: Send {
     /// The line of the file is known as a statement: its text need not be split to find that out.
     ///
     /// *Invariant:* the scanner takes the text of such a line for a statement, too.
-    fn executes(&self, _: (FileId, u32)) -> bool {
+    fn executes(&mut self, _: (FileId, u32)) -> bool {
         false
     }
 

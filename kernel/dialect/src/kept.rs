@@ -17,28 +17,43 @@ const LINE: usize = 256;
 /// Bytes that a byte of its text takes once it is read.
 const PER_BYTE: usize = 16;
 
+/// Lines that are at hand without a search: those of a loop of usual length. A power of two.
+const AT_HAND: usize = 64;
+
+/// File and line number.
+type Key = (FileId, u32);
+
+/// What was asked for last at a place: a line that is kept, or one that is not.
+type AtHand<L> = Option<(Key, Option<Arc<L>>)>;
+
 /// Lines by file and line number.
 #[derive(Debug)]
 pub(crate) struct Kept<L> {
-    lines: FxHashMap<(FileId, u32), Arc<L>>,
+    lines: FxHashMap<Key, Arc<L>>,
+    /// Those that were asked for last, each at the place that its number gives it.
+    at_hand: Box<[AtHand<L>; AT_HAND]>,
     bytes: usize,
 }
 
 impl<L> Default for Kept<L> {
     fn default() -> Self {
-        Self { lines: FxHashMap::default(), bytes: 0 }
+        Self { lines: FxHashMap::default(), at_hand: Box::new([const { None }; AT_HAND]), bytes: 0 }
     }
 }
 
 impl<L> Kept<L> {
     /// A line that was kept.
     #[inline]
-    pub(crate) fn get(&self, key: (FileId, u32)) -> Option<&Arc<L>> {
-        self.lines.get(&key)
+    pub(crate) fn get(&mut self, key: Key) -> Option<&Arc<L>> {
+        let slot = self.at_hand.get_mut(key.1 as usize % AT_HAND)?;
+        if slot.as_ref().is_none_or(|(of, _)| *of != key) {
+            *slot = Some((key, self.lines.get(&key).map(Arc::clone)));
+        }
+        slot.as_ref()?.1.as_ref()
     }
 
     /// Keeps a line whose text has so many bytes.
-    pub(crate) fn insert(&mut self, key: (FileId, u32), line: &Arc<L>, text: usize) {
+    pub(crate) fn insert(&mut self, key: Key, line: &Arc<L>, text: usize) {
         let size = LINE + text * PER_BYTE;
         if self.bytes + size > MOST {
             self.clear();
@@ -46,6 +61,9 @@ impl<L> Kept<L> {
         if size <= MOST {
             self.bytes += size;
             self.lines.insert(key, Arc::clone(line));
+            if let Some(slot) = self.at_hand.get_mut(key.1 as usize % AT_HAND) {
+                *slot = None;
+            }
         }
     }
 
@@ -53,6 +71,7 @@ impl<L> Kept<L> {
     pub(crate) fn clear(&mut self) {
         // The room of a large table is given back, too.
         self.lines = FxHashMap::default();
+        self.at_hand.fill_with(|| None);
         self.bytes = 0;
     }
 
@@ -75,19 +94,32 @@ pub(super) trait Table {
 #[derive(Debug)]
 pub(super) struct Tables<K, T> {
     tables: FxHashMap<K, Arc<T>>,
+    /// The one that was asked for last.
+    at_hand: Option<(K, Arc<T>)>,
     bytes: usize,
 }
 
 impl<K, T> Default for Tables<K, T> {
     fn default() -> Self {
-        Self { tables: FxHashMap::default(), bytes: 0 }
+        Self { tables: FxHashMap::default(), at_hand: None, bytes: 0 }
     }
 }
 
-impl<K: Eq + Hash, T: Table> Tables<K, T> {
+impl<K: Copy + Eq + Hash, T: Table> Tables<K, T> {
     /// The table of a file or program, made when it is wanted for the first time.
+    #[inline]
     pub(super) fn get(&mut self, key: K, make: impl FnOnce() -> T) -> Arc<T> {
+        match &self.at_hand {
+            Some((of, table)) if *of == key => Arc::clone(table),
+            _ => self.look_up(key, make),
+        }
+    }
+
+    /// The same for another key than the last one.
+    #[inline(never)]
+    fn look_up(&mut self, key: K, make: impl FnOnce() -> T) -> Arc<T> {
         if let Some(table) = self.tables.get(&key) {
+            self.at_hand = Some((key, Arc::clone(table)));
             return Arc::clone(table);
         }
         let table = Arc::new(make());
@@ -97,12 +129,14 @@ impl<K: Eq + Hash, T: Table> Tables<K, T> {
         }
         self.bytes += size;
         self.tables.insert(key, Arc::clone(&table));
+        self.at_hand = Some((key, Arc::clone(&table)));
         table
     }
 
     /// Forgets all tables.
     pub(super) fn clear(&mut self) {
         self.tables = FxHashMap::default();
+        self.at_hand = None;
         self.bytes = 0;
     }
 
@@ -129,6 +163,26 @@ mod tests {
         assert_eq!(kept.get((0, 5)), None, "larger than all that is kept");
     }
 
+    #[test]
+    fn a_line_at_hand_is_that_of_its_file_and_the_latest() {
+        let mut kept = Kept::default();
+        let number = |kept: &mut Kept<u32>, key| kept.get(key).map(|line| **line);
+        let far = 5 + AT_HAND as u32;
+        for (file, line) in [(0, 5), (1, 5), (0, far)] {
+            kept.insert((file, line), &Arc::new(u32::from(file) * 1000 + line), 20);
+        }
+        for _ in 0..2 {
+            assert_eq!(number(&mut kept, (0, 5)), Some(5));
+            assert_eq!(number(&mut kept, (1, 5)), Some(1005));
+            assert_eq!(number(&mut kept, (0, far)), Some(far));
+            assert_eq!(number(&mut kept, (2, 5)), None);
+        }
+        kept.insert((0, far), &Arc::new(7), 20);
+        assert_eq!(number(&mut kept, (0, far)), Some(7));
+        kept.clear();
+        assert_eq!(number(&mut kept, (0, far)), None);
+    }
+
     impl Table for usize {
         fn bytes(&self) -> usize {
             *self
@@ -143,5 +197,6 @@ mod tests {
             assert!(tables.bytes() <= MOST_OF_TABLES);
         }
         assert_eq!(*tables.get(99, || 0), MOST_OF_TABLES / 8, "made once");
+        assert_eq!(*tables.get(98, || 0), MOST_OF_TABLES / 8, "not the one that was asked for last");
     }
 }

@@ -79,6 +79,7 @@ impl Text {
 
     /// Text of line `number` (from 1) without its end; empty beyond the file.
     #[must_use]
+    #[inline]
     pub fn line(&self, number: u32) -> &[u8] {
         let index = (number as usize).wrapping_sub(1);
         let (Some(&start), Some(&end)) = (self.starts.get(index), self.starts.get(index.wrapping_add(1))) else {

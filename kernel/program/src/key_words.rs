@@ -4,6 +4,7 @@
 //! Facts: reference control-emulator.md 5.4 (key words may be cut to two letters). *Invariant:* scanner and compiler ask
 //! the same question, so a line that one of them takes for words is never a statement for the other.
 
+use super::by_first::Literals;
 use super::prefix_registers::{LiteralFirst, stands};
 use counterpoint_machine::index::CodeRowId;
 
@@ -31,11 +32,18 @@ pub struct Names<'a> {
     /// Literal texts that look like words, and special registers.
     pub literal_first: Option<&'a LiteralFirst>,
     /// All literal texts with their rows, longest first.
-    pub texts: &'a [(Vec<u8>, CodeRowId)],
+    pub texts: Option<&'a Literals>,
     /// How expressions are written.
     pub formulas: Formulas,
     /// Key words of statements.
     pub key_words: KeyWords,
+}
+
+impl<'a> Names<'a> {
+    /// Literal texts that begin with a byte, with their rows, longest first.
+    pub fn texts(&self, byte: u8) -> &'a [(Vec<u8>, CodeRowId)] {
+        self.texts.map_or(&[], |texts| texts.of(byte))
+    }
 }
 
 /// A number as written.
@@ -79,5 +87,5 @@ fn opens_key_word(names: Names<'_>, line: &[u8], at: usize) -> bool {
     let begins = letters.get(..joined.len()).is_some_and(|begin| begin.eq_ignore_ascii_case(joined.as_bytes()));
     let joins = !joined.is_empty() && letters.len() > joined.len() && begins;
     (joins || all.iter().any(opens))
-        && !names.texts.iter().any(|(text, _)| text.len() > length && stands(text, line, at))
+        && !names.texts(first).iter().any(|(text, _)| text.len() > length && stands(text, line, at))
 }

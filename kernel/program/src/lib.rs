@@ -1,6 +1,7 @@
 //! NC program text (machine control data): sources, layouts, words, the reader.
 
 pub mod block;
+pub mod by_first;
 pub mod callers;
 pub mod key_words;
 pub mod layout;

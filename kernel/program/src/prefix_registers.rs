@@ -6,6 +6,7 @@
 //! first, so that `C1=` is not hidden by a register `C`; only those that begin with the byte in question are tried; a machine
 //! with neither has nothing here.
 
+use super::by_first::{ByFirst, Literals};
 use counterpoint_machine::Machine;
 use counterpoint_machine::index::{CodeRowId, RegisterId};
 use counterpoint_machine::rows::CodeForm;
@@ -14,7 +15,7 @@ use counterpoint_machine::rows::CodeForm;
 #[derive(Debug)]
 pub struct LiteralFirst {
     /// Literal texts that a register would read as a word, with their rows.
-    texts: ByFirst<(Vec<u8>, CodeRowId)>,
+    texts: Literals,
     /// Special registers with a text before the number.
     registers: ByFirst<PrefixRegister>,
     /// Those without.
@@ -23,27 +24,6 @@ pub struct LiteralFirst {
     tools: Vec<(Vec<u8>, u32)>,
     /// Bytes that any of them begins with.
     first: [u64; 4],
-}
-
-/// Texts by their first byte, in their order.
-#[derive(Debug)]
-struct ByFirst<T> {
-    all: Vec<T>,
-    /// Where those of a byte begin; one more at the end.
-    starts: Vec<u16>,
-}
-
-impl<T> ByFirst<T> {
-    fn new(mut all: Vec<T>, first: impl Fn(&T) -> u8) -> Self {
-        all.sort_by_key(|one| first(one));
-        let starts = (0..=256).map(|byte| all.partition_point(|one| u16::from(first(one)) < byte) as u16).collect();
-        Self { all, starts }
-    }
-
-    fn of(&self, byte: u8) -> &[T] {
-        let bounds = self.starts.get(usize::from(byte)).zip(self.starts.get(usize::from(byte) + 1));
-        bounds.and_then(|(&from, &to)| self.all.get(usize::from(from)..usize::from(to))).unwrap_or_default()
-    }
 }
 
 /// A register with text around its number.
@@ -127,10 +107,9 @@ impl LiteralFirst {
         }
         let tools = machine.tool.names.iter().map(|(name, number)| (name.clone().into_bytes(), *number)).collect();
         let (bare, registers) = registers.into_iter().partition(|prefix: &PrefixRegister| prefix.before.is_empty());
-        let initial = |text: &[u8]| text.first().copied().unwrap_or_default();
         Some(Box::new(Self {
-            texts: ByFirst::new(texts, |(text, _)| initial(text)),
-            registers: ByFirst::new(registers, |prefix| initial(&prefix.before)),
+            texts: ByFirst::new(texts, |(text, _)| text),
+            registers: ByFirst::new(registers, |prefix| &prefix.before),
             bare,
             tools,
             first,

@@ -18,6 +18,12 @@ impl Rules {
         self.0.get(rule / 64).is_some_and(|bits| bits & 1 << (rule % 64) != 0)
     }
 
+    /// No rule is in both.
+    #[inline]
+    pub(super) fn is_apart(&self, from: &Self) -> bool {
+        self.0.iter().zip(&from.0).fold(0, |both, (one, other)| both | one & other) == 0
+    }
+
     /// The first rule from `from` on that is in both.
     pub(super) fn next(&self, from: usize, and: &Self) -> Option<usize> {
         (from / 64..4).find_map(|word| {

@@ -8,6 +8,7 @@ mod numbers;
 mod passed;
 
 use crate::block::{Block, Word, irregular};
+use crate::by_first::{ByFirst, Literals};
 use crate::key_words::{Formulas, Names, Number, key_word};
 use crate::line_up::LineUp;
 use crate::prefix_registers::{self, LiteralFirst};
@@ -37,7 +38,7 @@ pub struct Scanner {
     opskip_default: u8,
     eob: Option<u8>,
     /// Literal text codes: text and row.
-    texts: Vec<(Vec<u8>, CodeRowId)>,
+    texts: Literals,
     /// What words begin with at which systems line up, and their row.
     line_up: Option<(u8, CodeRowId)>,
     /// How numbers of each register are read, in primary and in secondary units.
@@ -81,15 +82,7 @@ impl Scanner {
             opskip_default: machine.format.opskip_default,
             eob: ascii(machine.format.eob),
             line_up: line_up(machine),
-            texts: machine
-                .tables
-                .texts
-                .iter()
-                .filter_map(|&row| match &machine.codes[row].form {
-                    CodeForm::Text(text) => Some((text.clone().into_bytes(), row)),
-                    _ => None,
-                })
-                .collect(),
+            texts: literals(machine),
             reads: machine.registers.map(|_, register| reads(machine, register)),
             syntax,
             levels: levels(machine, opskip),
@@ -141,7 +134,7 @@ impl Scanner {
     pub fn names(&self) -> Names<'_> {
         Names {
             literal_first: self.literal_first.as_deref(),
-            texts: &self.texts,
+            texts: Some(&self.texts),
             formulas: self.formulas,
             key_words: self.syntax.key_words.unwrap_or_default(),
         }
@@ -220,7 +213,7 @@ impl Scanner {
             block.push_text(row, (at as u32, end as u32));
             return end;
         }
-        for (text, row) in &self.texts {
+        for (text, row) in self.texts.of(byte) {
             if prefix_registers::stands(text, line, at) {
                 let end = at + text.len().max(1);
                 block.push_text(*row, (at as u32, end as u32));
@@ -336,6 +329,15 @@ impl Scanner {
         block.push(Word { register, incremental, used: false, value, start: at as u32, end: end as u32 });
         Some(end)
     }
+}
+
+/// The literal texts of a machine, longest first.
+fn literals(machine: &Machine) -> Literals {
+    let text = |&row: &CodeRowId| match &machine.codes[row].form {
+        CodeForm::Text(text) => Some((text.clone().into_bytes(), row)),
+        _ => None,
+    };
+    ByFirst::new(machine.tables.texts.iter().filter_map(text).collect(), |(text, _)| text)
 }
 
 /// What words begin with at which systems line up, and their row of the code table.

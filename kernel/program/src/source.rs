@@ -124,9 +124,10 @@ impl Source {
     }
 
     /// Rules of the tape editor with this number that may change something in the text: found out once, for one tape editor.
-    pub(super) fn tape_rules(&self, number: u64, find: impl FnOnce(&[u8]) -> Rules) -> Option<Rules> {
+    #[inline]
+    pub(super) fn tape_rules(&self, number: u64, find: impl FnOnce(&[u8]) -> Rules) -> Option<&Rules> {
         let (of, rules) = self.tape.get_or_init(|| (number, find(self.text.bytes())));
-        (*of == number).then_some(*rules)
+        (*of == number).then_some(rules)
     }
 
     /// The numbers of these lines, as long as nobody wants the job to end.
@@ -227,6 +228,7 @@ impl Source {
 impl Deref for Source {
     type Target = Text;
 
+    #[inline]
     fn deref(&self) -> &Text {
         &self.text
     }

@@ -141,7 +141,7 @@ impl Tape {
             return false;
         }
         let rules = source.tape_rules(self.number, |text| self.candidates(text).rules);
-        rules.is_some_and(|rules| rules.next(0, on).is_none())
+        rules.is_some_and(|rules| rules.is_apart(on))
     }
 
     /// Applies the rules that are on, within limits.

@@ -36,8 +36,12 @@ impl<'h> Access<'h> {
         Self { steps, ..Self::new(host) }
     }
 
+    #[inline]
     fn known(&mut self, index: u32) -> Result<f64, Fault> {
-        self.host.number(index).map_err(|why| fault(index, why))
+        match self.host.number(index) {
+            Ok(value) => Ok(value),
+            Err(why) => Err(fault(index, why)),
+        }
     }
 
     /// What a variable that cannot be read counts as.

@@ -9,6 +9,7 @@ pub(super) use crate::numeric::is_vacant;
 use crate::numeric::{Function, Operator, truth};
 
 /// The value in arithmetic: vacant is zero.
+#[inline]
 pub(super) fn number(value: f64) -> f64 {
     if is_vacant(value) { 0.0 } else { value }
 }
@@ -110,7 +111,7 @@ impl<V: Variables> Evaluate<f64, Own> for Values<'_, V> {
 
     fn apply(&mut self, function: Function, value: f64) -> Result<f64, Fault> {
         let value = number(value);
-        function.value(value).ok_or(Fault::Domain(function.name(), value))
+        function.value(value).ok_or_else(|| Fault::Domain(function.name(), value))
     }
 
     fn combine(&mut self, operator: Operator, left: f64, right: f64) -> Result<f64, Fault> {
@@ -118,7 +119,10 @@ impl<V: Variables> Evaluate<f64, Own> for Values<'_, V> {
         match operator {
             Operator::Eq if is_vacant(left) || is_vacant(right) => Ok(truth(is_vacant(left) && is_vacant(right))),
             Operator::Ne if is_vacant(left) || is_vacant(right) => Ok(truth(is_vacant(left) != is_vacant(right))),
-            operator => operator.value(number(left), number(right)).ok_or(Fault::Division),
+            operator => match operator.value(number(left), number(right)) {
+                Some(value) => Ok(value),
+                None => Err(Fault::Division),
+            },
         }
     }
 }

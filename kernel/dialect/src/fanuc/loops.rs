@@ -1,18 +1,16 @@
 //! Which DO belongs to which END, and which IF to which ELSE and ENDIF, in one program.
 
-use rustc_hash::FxHashMap;
-
 use super::statement::Statement;
 use crate::kept::Table;
 use counterpoint_program::spot::Spot;
 
-/// Partners of the bracketing statements of a program, by block.
+/// Partners of the bracketing statements of a program, in the order of the blocks.
 #[derive(Debug, Default)]
 pub(super) struct Pairs {
     /// `WHILE … DO m` or `DO m` → its `END m`, and back.
-    loops: FxHashMap<Spot, Spot>,
+    loops: Vec<(Spot, Spot)>,
     /// A block `IF` or `ELSE` → its `ELSE` or `ENDIF`.
-    branches: FxHashMap<Spot, Spot>,
+    branches: Vec<(Spot, Spot)>,
 }
 
 impl Pairs {
@@ -37,8 +35,7 @@ impl Pairs {
                             *count -= 1;
                         }
                         if other == number {
-                            pairs.loops.insert(start, spot);
-                            pairs.loops.insert(spot, start);
+                            pairs.loops.extend([(start, spot), (spot, start)]);
                             break;
                         }
                     }
@@ -46,34 +43,41 @@ impl Pairs {
                 Statement::IfBlock(_) => ifs.push(spot),
                 Statement::Else => {
                     if let Some(start) = ifs.pop() {
-                        pairs.branches.insert(start, spot);
+                        pairs.branches.push((start, spot));
                         ifs.push(spot);
                     }
                 }
                 Statement::EndIf => {
                     if let Some(start) = ifs.pop() {
-                        pairs.branches.insert(start, spot);
+                        pairs.branches.push((start, spot));
                     }
                 }
                 _ => {}
             }
         }
+        pairs.loops.sort_unstable();
+        pairs.branches.sort_unstable();
         pairs
     }
 
     /// Partner of a loop statement.
     pub(super) fn of_loop(&self, spot: Spot) -> Option<Spot> {
-        self.loops.get(&spot).copied()
+        partner(&self.loops, spot)
     }
 
     /// Where a block `IF` or `ELSE` leads when its branch is not taken.
     pub(super) fn of_branch(&self, spot: Spot) -> Option<Spot> {
-        self.branches.get(&spot).copied()
+        partner(&self.branches, spot)
     }
+}
+
+fn partner(pairs: &[(Spot, Spot)], of: Spot) -> Option<Spot> {
+    let at = pairs.binary_search_by_key(&of, |(spot, _)| *spot).ok()?;
+    pairs.get(at).map(|(_, partner)| *partner)
 }
 
 impl Table for Pairs {
     fn bytes(&self) -> usize {
-        (self.loops.len() + self.branches.len()) * 36
+        (self.loops.len() + self.branches.len()) * size_of::<(Spot, Spot)>()
     }
 }

@@ -165,7 +165,7 @@ impl Interpreter for Fanuc {
     }
 
     #[inline]
-    fn executes(&self, line: (FileId, u32)) -> bool {
+    fn executes(&mut self, line: (FileId, u32)) -> bool {
         self.lines.get(line).is_some_and(|line| line.executes)
     }
 

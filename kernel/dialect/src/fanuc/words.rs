@@ -65,7 +65,7 @@ impl Parser<'_> {
         if starts_value(text, start + 1) {
             return None;
         }
-        let (plain, row) = names.texts.iter().find(|(name, _)| stands(name, text, start))?;
+        let (plain, row) = names.texts(*text.get(start)?).iter().find(|(name, _)| stands(name, text, start))?;
         self.at += plain.len();
         Some((Name::Text(*row), Expr::constant(0.0)))
     }

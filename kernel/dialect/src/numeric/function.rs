@@ -8,14 +8,25 @@ use std::f64::consts::PI;
 /// Degrees of a radian.
 pub(crate) const DEGREES: f64 = 180.0 / PI;
 
+/// Whole multiples of a whole number of degrees, which most angles of programs are not: a remainder costs more.
+#[inline]
+pub(crate) fn is_multiple(degrees: f64, of: f64) -> bool {
+    /// Up to here a product of whole numbers is exact.
+    const EXACT: f64 = 9e15;
+    if degrees.abs() > EXACT {
+        return degrees.rem_euclid(of) == 0.0;
+    }
+    (degrees / of) as i64 as f64 * of == degrees
+}
+
 /// Sine.
 pub(crate) fn sine(degrees: f64) -> f64 {
-    if degrees.rem_euclid(180.0) == 0.0 { 0.0 } else { libm::sin(degrees * PI / 180.0) }
+    if is_multiple(degrees, 180.0) { 0.0 } else { libm::sin(degrees * PI / 180.0) }
 }
 
 /// Cosine.
 pub(crate) fn cosine(degrees: f64) -> f64 {
-    if (degrees - 90.0).rem_euclid(180.0) == 0.0 { 0.0 } else { libm::cos(degrees * PI / 180.0) }
+    if is_multiple(degrees - 90.0, 180.0) { 0.0 } else { libm::cos(degrees * PI / 180.0) }
 }
 
 /// Tangent; none where there is none.
@@ -178,6 +189,19 @@ mod tests {
             assert_eq!((sine(degrees), cosine(degrees)), (sin, cos), "{degrees}");
         }
         assert_eq!((tangent(180.0), tangent(-90.0), tangent(450.0)), (Some(-0.0), None, None));
+    }
+
+    #[test]
+    fn multiples_are_those_without_a_remainder() {
+        let near = |value: f64| [value.next_down(), value, value.next_up()];
+        let whole = (-5_i32..40).flat_map(|power| near(180.0 * f64::from(power) * 10_f64.powi(power.max(0))));
+        let other =
+            [0.1, 90.0, 359.999_999_999_999_94, 1e16, 180.0 * 2_f64.powi(60), f64::MAX, f64::NAN, f64::INFINITY];
+        for degrees in whole.chain(other.into_iter().flat_map(near)).flat_map(|degrees| [degrees, -degrees]) {
+            for of in [90.0, 180.0] {
+                assert_eq!(is_multiple(degrees, of), degrees.rem_euclid(of) == 0.0, "{degrees} {of}");
+            }
+        }
     }
 
     #[test]

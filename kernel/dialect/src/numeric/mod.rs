@@ -5,7 +5,7 @@
 mod function;
 mod operator;
 
-pub(super) use function::{Function, NAMED, cosine, sine};
+pub(super) use function::{Function, NAMED, cosine, is_multiple, sine};
 pub(super) use operator::Operator;
 
 /// The value of a numbered variable that has none: one special NaN, which counts as zero in arithmetic and equals only
@@ -13,11 +13,13 @@ pub(super) use operator::Operator;
 pub const VACANT: f64 = f64::from_bits(0x7ff8_0000_0c0d_e001);
 
 /// Tells the vacant value from every other one.
+#[inline]
 pub fn is_vacant(value: f64) -> bool {
     value.to_bits() == VACANT.to_bits()
 }
 
 /// A truth as a number.
+#[inline]
 pub(super) fn truth(is: bool) -> f64 {
     if is { 1.0 } else { 0.0 }
 }

@@ -54,7 +54,20 @@ impl Operator {
     }
 
     /// Value for two numbers; none for a division by zero.
+    #[inline]
     pub(crate) fn value(self, a: f64, b: f64) -> Option<f64> {
+        match self {
+            Self::Add => Some(a + b),
+            Self::Sub => Some(a - b),
+            Self::Mul => Some(a * b),
+            Self::Lt => Some(truth(a < b)),
+            _ => self.other_value(a, b),
+        }
+    }
+
+    /// The same for operators that programs have less often.
+    #[inline(never)]
+    fn other_value(self, a: f64, b: f64) -> Option<f64> {
         Some(match self {
             Self::Add => a + b,
             Self::Sub => a - b,

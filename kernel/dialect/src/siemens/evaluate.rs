@@ -86,6 +86,9 @@ impl Siemens {
 
     /// Value of a name.
     pub(super) fn read(&mut self, host: &mut dyn Host, name: &Name) -> Outcome<Data> {
+        if let Some(number) = name.parameter() {
+            return Ok(Data::Real(self.variables.parameter(number)));
+        }
         if name.name.starts_with('$') {
             let asked = self.written(host, name)?;
             return match self.ask(host, &asked, None)? {

@@ -7,6 +7,7 @@
 use super::cursor::{Cursor, split_list};
 use super::functions;
 use super::value::Data;
+use super::variables::MOST_PARAMETERS;
 use crate::expression::{self, Code, Grammar, Operators, Part, Sign, read};
 use crate::numeric::Operator;
 
@@ -42,6 +43,20 @@ pub(super) fn as_name(expression: &Expression) -> Option<&Name> {
 pub(super) struct Name {
     pub(super) name: String,
     pub(super) index: Vec<Expression>,
+}
+
+impl Name {
+    /// Number of the R parameter that it is, as written.
+    #[inline]
+    pub(super) fn parameter(&self) -> Option<u32> {
+        match (self.name.as_bytes(), self.index.as_slice()) {
+            (b"R", [index]) => match index.as_constant() {
+                Some(Data::Int(number @ 0..=MOST_PARAMETERS)) => Some(*number as u32),
+                _ => None,
+            },
+            _ => None,
+        }
+    }
 }
 
 /// An argument as it is written, and as an expression if it is one; both empty if it was left out.

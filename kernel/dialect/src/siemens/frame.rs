@@ -4,6 +4,8 @@
 //! outside of its right side. A frame is given as translation, then rotations about Z, the turned Y and the turned X,
 //! then scale and mirror. Invariant: all numbers are finite.
 
+use crate::numeric::is_multiple;
+
 /// Largest number of a frame.
 const BOUND: f64 = 1e12;
 /// What counts as nothing.
@@ -72,12 +74,26 @@ impl Part {
 
 /// Sine and cosine of degrees, exact at multiples of 90.
 pub(super) fn turn(degrees: f64) -> (f64, f64) {
+    (sine(degrees), cosine(degrees))
+}
+
+/// Sine of degrees, exact at multiples of 90.
+pub(super) fn sine(degrees: f64) -> f64 {
+    if is_multiple(degrees, 90.0) { exact(degrees).0 } else { libm::sin(degrees.to_radians()) }
+}
+
+/// Cosine of degrees, exact at multiples of 90.
+pub(super) fn cosine(degrees: f64) -> f64 {
+    if is_multiple(degrees, 90.0) { exact(degrees).1 } else { libm::cos(degrees.to_radians()) }
+}
+
+/// Sine and cosine of a multiple of 90 degrees.
+fn exact(degrees: f64) -> (f64, f64) {
     match degrees.rem_euclid(360.0) {
         0.0 => (0.0, 1.0),
         90.0 => (1.0, 0.0),
         180.0 => (0.0, -1.0),
-        270.0 => (-1.0, 0.0),
-        _ => (libm::sin(degrees.to_radians()), libm::cos(degrees.to_radians())),
+        _ => (-1.0, 0.0),
     }
 }
 

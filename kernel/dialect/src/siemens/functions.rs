@@ -5,7 +5,7 @@
 //! the next larger whole number. Invariant: an argument outside its domain is an alarm.
 
 use super::evaluate::{bits, number, real, same};
-use super::frame::turn;
+use super::frame::{cosine, sine, turn};
 use super::value::Data;
 use super::{Fault, Outcome, syntax};
 use crate::numeric::{Function, Operator};
@@ -87,8 +87,8 @@ pub(super) fn apply(function: Function, value: &Data) -> Outcome<Data> {
         // What rounding has left of a whole number is that number, as for comparisons.
         (Function::Fix, _) if same(v, v.round()) => return whole(v.round()),
         (Function::Fix | Function::Round | Function::Ceil, _) => return whole(function.value(v).unwrap_or(v)),
-        (Function::Sin, _) => Some(turn(v).0),
-        (Function::Cos, _) => Some(turn(v).1),
+        (Function::Sin, _) => Some(sine(v)),
+        (Function::Cos, _) => Some(cosine(v)),
         (Function::Tan, _) => match turn(v) {
             (_, 0.0) => None,
             (sine, cosine) => Some(sine / cosine),

@@ -20,6 +20,10 @@ pub(super) struct Line {
     /// In capital letters.
     pub(super) label: Option<String>,
     pub(super) items: Vec<Item>,
+    /// Its text has neither a mark of optional skip nor is it the head of a program: nothing is to be asked before it acts.
+    pub(super) at_once: bool,
+    /// Its text is such a one, and is for the interpreter whether plain words are or not.
+    pub(super) is_statement: bool,
 }
 
 /// A word or statement.
@@ -213,7 +217,7 @@ pub(super) fn head(cursor: &mut Cursor<'_>) -> (Option<String>, Option<String>) 
 pub(super) fn read(text: &str) -> Result<Line, String> {
     let mut cursor = Cursor::new(text);
     let (number, label) = head(&mut cursor);
-    let mut line = Line { number, label, items: Vec::new() };
+    let mut line = Line { number, label, ..Line::default() };
     loop {
         cursor.blanks();
         if cursor.is_at_end() {

@@ -182,6 +182,12 @@ impl Interpreter for Siemens {
             return Err(halt);
         }
         self.calling = None;
+        if let Some(line) = self.read_before(host).filter(|_| self.settings.definitions.is_empty())
+            && let Ok(line) = &*line
+        {
+            let outcome = self.run(host, line);
+            return Ok(self.reported(host, outcome)?.into());
+        }
         let outcome = match self.definition_files(host) {
             Ok(()) => match std::str::from_utf8(text) {
                 Ok(text) => self.carry_out(host, text),
@@ -236,6 +242,12 @@ impl Interpreter for Siemens {
 
     fn setting(&mut self, _: &mut dyn Host, name: &str, values: &[Value]) -> Setting {
         self.settings.set(name, values)
+    }
+
+    #[inline]
+    fn executes(&mut self, line: (FileId, u32)) -> bool {
+        let line = self.read.get(line).map(|line| line.as_ref().as_ref());
+        line.is_some_and(|line| line.is_ok_and(|line| line.is_statement))
     }
 
     fn memory(&self) -> u64 {

@@ -69,6 +69,9 @@ fn words(key: &str, names: [&str; 3], values: [f64; 3]) -> String {
 impl Siemens {
     /// Rewrites directions by angles and frames by directions.
     pub(super) fn orient(&mut self, host: &mut dyn Host, left: &mut Left) -> Outcome<()> {
+        if left.angles.is_none() && !may_orient(&left.words) {
+            return Ok(());
+        }
         for word in left.words.split(' ') {
             match word {
                 "ORIRPY" => self.held.rpy = true,
@@ -151,6 +154,15 @@ impl Siemens {
         left.words = words("AROT", AXES, angles.map(|angle| if angle.abs() < 1e-9 { 0.0 } else { angle }));
         Ok(())
     }
+}
+
+/// Some word may be one of those above: the first two characters of each decide about most blocks.
+fn may_orient(words: &str) -> bool {
+    let mut begins = true;
+    words.as_bytes().windows(2).any(|pair| {
+        let first = std::mem::replace(&mut begins, pair.first() == Some(&b' '));
+        first && matches!(pair, b"OR" | b"RO" | b"AR" | b"TO")
+    })
 }
 
 /// The word is the number of a block.

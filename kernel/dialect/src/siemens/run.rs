@@ -9,7 +9,7 @@ use std::sync::Arc;
 use super::expression::{Argument, Expression, Name, as_name, whole};
 use super::line::{Assigned, Item, Line, read};
 use super::value::Data;
-use super::{Fault, Outcome, Siemens, syntax};
+use super::{Fault, Outcome, Siemens, needs_interpreter, syntax};
 use crate::host::{Answer, Call, Host, Programs};
 use crate::text::without_comment;
 use counterpoint_fault as diag;
@@ -41,6 +41,12 @@ impl Left {
         Self { relative: other.relative, ..Self::default() }
     }
 
+    /// Nothing is left.
+    fn is_empty(&self) -> bool {
+        let Self { before, words, call, passes_word, angles, moves, passes: _, relative: _ } = self;
+        before.is_empty() && words.is_empty() && call.is_none() && passes_word.is_none() && angles.is_none() && !moves
+    }
+
     /// A word more.
     pub(super) fn add(&mut self, word: &str) {
         if !self.words.is_empty() {
@@ -59,8 +65,8 @@ pub(super) enum Then {
 
 impl Siemens {
     /// Executes a block: the text of the words that are left.
-    pub(super) fn carry_out(&mut self, host: &mut dyn Host, text: &str) -> Outcome<Option<String>> {
-        let Some(text) = skipped(host, text) else { return Ok(None) };
+    pub(super) fn carry_out(&mut self, host: &mut dyn Host, whole: &str) -> Outcome<Option<String>> {
+        let Some(text) = skipped(host, whole) else { return Ok(None) };
         let place = host.place();
         if super::jumps::is_head(text) {
             return self.program_head(host).map(|()| None);
@@ -69,8 +75,10 @@ impl Siemens {
         let line = match self.read.get((place.file, place.line)).filter(|_| kept) {
             Some(line) => Arc::clone(line),
             None => {
+                let at_once = !whole.trim_start().starts_with('/');
                 let text = self.expanded(without_comment(text));
-                let line = Arc::new(read(&text));
+                let is_statement = at_once && needs_interpreter(whole.as_bytes());
+                let line = Arc::new(read(&text).map(|line| Line { at_once, is_statement, ..line }));
                 if kept {
                     self.read.insert((place.file, place.line), &line, text.len());
                 }
@@ -83,6 +91,16 @@ impl Siemens {
         }
     }
 
+    /// The block as it was read before, if it may act at once.
+    #[inline]
+    pub(super) fn read_before(&mut self, host: &dyn Host) -> Option<Arc<Result<Line, String>>> {
+        if !self.defines.is_empty() {
+            return None;
+        }
+        let line = self.read.get(host.unchanged_line()?)?;
+        line.as_ref().as_ref().is_ok_and(|line| line.at_once).then(|| Arc::clone(line))
+    }
+
     /// The head of a program of an archive: the next one is not run into.
     fn program_head(&mut self, host: &mut dyn Host) -> Outcome<()> {
         let place = host.place();
@@ -93,7 +111,7 @@ impl Siemens {
         if is_first { Ok(()) } else { Ok(host.go_to(place.range.last.saturating_add(1))?) }
     }
 
-    fn run(&mut self, host: &mut dyn Host, line: &Line) -> Outcome<Option<String>> {
+    pub(super) fn run(&mut self, host: &mut dyn Host, line: &Line) -> Outcome<Option<String>> {
         let mut left = Left::default();
         self.test_actions(host, &mut left)?;
         let is_mode = |item: &&Item| matches!(item, Item::Text(text) if mode(text).is_some());
@@ -108,6 +126,9 @@ impl Siemens {
             if self.item(host, item, &mut left)? == Then::Stop {
                 break;
             }
+        }
+        if left.is_empty() && self.modal.is_none() {
+            return Ok(None);
         }
         self.call_modally(host, &mut left);
         self.orient(host, &mut left)?;
@@ -207,6 +228,9 @@ impl Siemens {
     }
 
     pub(super) fn set(&mut self, host: &mut dyn Host, name: &Name, value: &Assigned, left: &mut Left) -> Outcome<()> {
+        if self.set_r(host, name, value)? {
+            return Ok(());
+        }
         if name.name.starts_with('$') {
             return self.set_by_name(host, name, value, left);
         }

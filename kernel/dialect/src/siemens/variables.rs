@@ -23,7 +23,7 @@ use counterpoint_fault as diag;
 /// Most elements of all variables of a kernel.
 pub(super) const MOST_IN_ALL: usize = 1_000_000;
 /// Largest number of an R parameter.
-const MOST_PARAMETERS: i64 = 32_535;
+pub(super) const MOST_PARAMETERS: i64 = 32_535;
 
 /// A variable.
 #[derive(Debug, Clone, PartialEq)]
@@ -58,7 +58,8 @@ pub(super) struct Variables {
     pub(super) channel: FxHashMap<String, Variable>,
     /// Types and sizes of variables that all channels share.
     pub(super) shared: FxHashMap<String, (Type, Vec<usize>)>,
-    parameters: FxHashMap<u32, f64>,
+    /// R parameters by number, up to the highest one that was written.
+    parameters: Vec<f64>,
     /// Contours that were named for the next cycle.
     pub(super) contours: Vec<String>,
     /// Rim and islands of the pocket that a cycle works on.
@@ -95,7 +96,7 @@ pub(super) struct Target {
 impl Variables {
     /// Bytes that they take, about.
     pub(super) fn bytes(&self) -> usize {
-        (self.elements + self.parameters.len()) * 48 + self.texts + self.shared.len() * 100
+        self.elements * 48 + self.parameters.len() * size_of::<f64>() + self.texts + self.shared.len() * 100
     }
 
     fn find(&self, name: &str) -> Option<(Holder, &Variable)> {
@@ -120,7 +121,17 @@ impl Variables {
 
     /// Value of an R parameter.
     pub(super) fn parameter(&self, number: u32) -> f64 {
-        self.parameters.get(&number).copied().unwrap_or(0.0)
+        self.parameters.get(number as usize).copied().unwrap_or(0.0)
+    }
+
+    /// Writes an R parameter, whose number is not too large.
+    fn set_parameter(&mut self, number: usize, value: f64) {
+        if self.parameters.len() <= number {
+            self.parameters.resize(number + 1, 0.0);
+        }
+        if let Some(slot) = self.parameters.get_mut(number) {
+            *slot = value;
+        }
     }
 
     fn held(&mut self, holder: Holder, name: &str) -> Option<&mut Variable> {
@@ -252,6 +263,18 @@ impl Siemens {
         }
     }
 
+    /// Sets an R parameter by its number as written; false for anything else.
+    pub(super) fn set_r(&mut self, host: &mut dyn Host, name: &Name, value: &Assigned) -> Outcome<bool> {
+        let (Some(number), Assigned::One(value, _)) = (name.parameter(), value) else { return Ok(false) };
+        let value = self.evaluate(host, value)?;
+        let Some(value) = value.number() else {
+            return wrong_type(format!("{} cannot be a value of {}, for R", value.described(), Type::Real.name()));
+        };
+        host.effect();
+        self.variables.set_parameter(number as usize, value);
+        Ok(true)
+    }
+
     /// Where a variable is; none if there is none of this name.
     pub(super) fn locate(&mut self, host: &mut dyn Host, name: &Name) -> Outcome<Option<Target>> {
         if name.name == "R" {
@@ -342,7 +365,7 @@ impl Siemens {
         host.effect();
         match target.holder {
             Holder::Parameter => {
-                self.variables.parameters.insert(target.at as u32, value.number().unwrap_or(0.0));
+                self.variables.set_parameter(target.at, value.number().unwrap_or(0.0));
             }
             Holder::Shared => {
                 host.set_shared(&element_key(&target.name, target.at, target.count), Some(value.value()))?;

@@ -5,6 +5,8 @@
 //! ACP and ACN become the position to which a rotary axis goes on from where it stands; AC of I, J and K counts from the
 //! start of the circle. Invariant: a number is written without an exponent.
 
+use std::borrow::Cow;
+
 use super::evaluate::{number, words_name};
 use super::expression::{Argument, Name, as_name};
 use super::line::{Assigned, Positioning};
@@ -44,10 +46,10 @@ impl Spelling {
 impl Siemens {
     /// `ADDRESS=value` as a word.
     pub(super) fn word(&mut self, host: &mut dyn Host, name: &Name, value: &Assigned, left: &mut Left) -> Outcome<()> {
-        let address = match (name.name.as_str(), name.index.as_slice()) {
-            ("AX", [_]) => self.axis_of(host, name)?.text(),
-            (_, []) => name.name.clone(),
-            _ => self.written(host, name)?,
+        let address: Cow<'_, str> = match (name.name.as_str(), name.index.as_slice()) {
+            ("AX", [_]) => self.axis_of(host, name)?.text().into(),
+            (address, []) => address.into(),
+            _ => self.written(host, name)?.into(),
         };
         let angle = super::orientation::ANGLES.iter().position(|name| *name == address);
         if let (Some(at), Assigned::One(value, _)) = (angle.filter(|_| super::orientation::has_directions(host)), value)
@@ -58,19 +60,23 @@ impl Siemens {
             }
             return Ok(());
         }
-        let letter = host.axis_letter(&address).map(str::to_owned);
+        let mut spelling = self.spelling(host, &address);
+        let has_word = spelling.is_word();
+        let letter = host.axis_letter(&address);
         left.moves |= letter.is_some();
-        let has_word = self.spelling(host, &address).is_word();
         let (address, named) = match letter {
             // The name of an axis stands for the letter by which the channel programs it.
-            Some(letter) if !has_word => (letter, Some(address)),
+            Some(letter) if !has_word => (Cow::from(letter.to_owned()), Some(address)),
             _ => (address, None),
         };
-        let text = match value {
-            Assigned::One(_, text) if is_number(text) => text.clone(),
-            Assigned::One(value, _) => self.evaluate(host, value)?.word(),
-            Assigned::List(values) => format!("SET({})", self.texts(host, values)?),
-            Assigned::Fill(values) => format!("REP({})", self.texts(host, values)?),
+        if named.is_some() {
+            spelling = self.spelling(host, &address);
+        }
+        let text: Cow<'_, str> = match value {
+            Assigned::One(_, text) if is_number(text) => text.into(),
+            Assigned::One(value, _) => self.evaluate(host, value)?.word().into(),
+            Assigned::List(values) => format!("SET({})", self.texts(host, values)?).into(),
+            Assigned::Fill(values) => format!("REP({})", self.texts(host, values)?).into(),
             Assigned::Positioned(way, value, key) => {
                 let value = number(&self.evaluate(host, value)?)?;
                 let value = if value.abs() <= BOUND {
@@ -99,7 +105,7 @@ impl Siemens {
                 // Positions of one step along the axis.
                 let step = if axis.is_some_and(|axis| axis.diameter) && host.steps_are_radii() { 2.0 } else { 1.0 };
                 match placed(&axes, axis, &address, *way, value, relative.then_some(step)) {
-                    Placed::Value(value) => Data::Real(value).word(),
+                    Placed::Value(value) => Data::Real(value).word().into(),
                     Placed::Step(value) => match host.second(&address) {
                         Some(second) => {
                             left.add(&format!("{second}{}", Data::Real(value).word()));
@@ -107,29 +113,34 @@ impl Siemens {
                         }
                         None => {
                             let at = axis.map_or(0.0, |axis| axis.from);
-                            Data::Real(if relative { value } else { at + value * step }).word()
+                            Data::Real(if relative { value } else { at + value * step }).word().into()
                         }
                     },
-                    Placed::Text => format!("{key}({})", shown(value)),
+                    Placed::Text => format!("{key}({})", shown(value)).into(),
                 }
             }
         };
-        let word = [address.as_str(), self.sign(host, &address), text.as_str()].concat();
-        if address.len() > 1 && splits(&address) && !has_word && !host.is_code_text(&word) {
-            // The scanner would read a word of the letter and its extension.
-            host.report_unrecognised(&word)?;
-            return Ok(());
+        let sign = self.sign(&address, spelling);
+        if address.len() > 1 && splits(&address) && !has_word {
+            let word = [&*address, sign, &*text].concat();
+            if !host.is_code_text(&word) {
+                // The scanner would read a word of the letter and its extension.
+                host.report_unrecognised(&word)?;
+                return Ok(());
+            }
         }
-        left.add(&word);
+        left.add(&address);
+        left.words.push_str(sign);
+        left.words.push_str(&text);
         Ok(())
     }
 
     /// `=`, or nothing, between an address and its value.
-    fn sign(&mut self, host: &dyn Host, address: &str) -> &'static str {
+    fn sign(&self, address: &str, spelling: Spelling) -> &'static str {
         let one = address.len() == 1;
         let collapses = match self.settings.collapse {
             Some(collapse) => collapse && one,
-            None => one && self.spelling(host, address) == Spelling { plain: true, equals: false },
+            None => one && spelling == Spelling { plain: true, equals: false },
         };
         if collapses { "" } else { "=" }
     }

@@ -34,7 +34,7 @@ impl Kernel<'_> {
         let interpreters = || kept.clone().chain([&self.dialect]).filter_map(|dialect| dialect.interpreter.as_deref());
         let interpreter = interpreters().map(|interpreter| interpreter.memory()).sum();
         let compiled: u64 = interpreters().map(|interpreter| interpreter.tables()).sum();
-        let tables = self.flow.tables as u64 + compiled;
+        let tables = self.flow.known.tables as u64 + compiled;
         let parts = [
             (self.channel.burden.results, "diagnostics and waits"),
             (interpreter, "variables of the program"),

@@ -4,6 +4,8 @@
 //! only on a machine whose Machine Shutdown may start it again; everything that belongs to one run of all kernels
 //! (clock of the coordinator, waits, streams) begins again.
 
+use std::sync::Arc;
+
 use counterpoint_lang::pattern::Memory;
 use rustc_hash::FxHashMap;
 
@@ -121,7 +123,7 @@ impl Kernel<'_> {
     }
 
     /// Begins another program. It counts as a block, so that a macro that restarts indefinitely comes to a limit.
-    pub(crate) fn begin_again(&mut self, file: FileId, range: Range, name: Box<str>, reset: bool) -> Acted {
+    pub(crate) fn begin_again(&mut self, file: FileId, range: Range, name: Arc<str>, reset: bool) -> Acted {
         self.macros.course.closing = false;
         self.channel.at.blocks += 1;
         self.channel.at.idle_blocks += 1;

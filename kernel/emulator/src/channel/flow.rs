@@ -36,7 +36,7 @@ pub(crate) struct Frame {
     /// Kind of the word that called it; a call of another form has none.
     pub(crate) by: Option<WordKind>,
     /// Name for events.
-    pub(crate) name: Box<str>,
+    pub(crate) name: Arc<str>,
     /// Where the tool goes at its end, as programmed (a finishing cycle), and the axes that go first, bit by axis.
     pub(crate) back: Option<Box<(Position, u8)>>,
 }
@@ -107,16 +107,41 @@ pub(crate) struct Flow {
     pub(crate) loops: dialect::Loops,
     /// Byte at which the block being processed begins in its line.
     pub(crate) offset: u32,
-    /// Lines of labels by file and label.
-    pub(crate) labels: FxHashMap<FileId, Arc<Labels>>,
-    /// Bytes of labels.
-    pub(crate) tables: usize,
+    pub(crate) known: Known,
     /// Plain words are for the pre-processor too.
     pub(crate) watched: bool,
     /// Definitions run into and texts of no program that have been reported, by file and line.
     pub(crate) reported: Vec<(FileId, u32)>,
     /// The rewind-stop that opens the program has been met.
     pub(crate) opened: bool,
+}
+
+/// What was found out about programs, kept for the next time.
+#[derive(Debug, Default)]
+pub(crate) struct Known {
+    /// Names of programs that were called by number.
+    pub(crate) names: Names,
+    /// Lines of labels by file and label.
+    pub(crate) labels: FxHashMap<FileId, Arc<Labels>>,
+    /// Bytes of labels.
+    pub(crate) tables: usize,
+}
+
+/// Names of programs by number, as events have them: those that were called last.
+#[derive(Debug, Default)]
+pub(crate) struct Names([Option<(u32, Arc<str>)>; 8]);
+
+impl Names {
+    /// The name of a program.
+    pub(crate) fn of(&mut self, number: u32) -> Arc<str> {
+        let name = || Arc::from(format!("O{number:04}"));
+        let place = number as usize % self.0.len();
+        let Some(slot) = self.0.get_mut(place) else { return name() };
+        match slot {
+            Some((known, name)) if *known == number => Arc::clone(name),
+            _ => Arc::clone(&slot.insert((number, name())).1),
+        }
+    }
 }
 
 impl Flow {
@@ -133,7 +158,7 @@ impl Frame {
     }
 
     /// A text from its first block on, once, as the main program.
-    pub(crate) fn main(file: FileId, range: Range, name: Box<str>) -> Self {
+    pub(crate) fn main(file: FileId, range: Range, name: Arc<str>) -> Self {
         Self {
             file,
             range,

@@ -1,5 +1,7 @@
 //! Beginning and end of a kernel, its limits, and hopeless polling.
 
+use std::sync::Arc;
+
 use super::Kernel;
 use super::carried::Lived;
 use super::flow::Frame;
@@ -38,7 +40,7 @@ fn terminal(halt: Halt) -> (Terminal, Phase, State) {
 impl Kernel<'_> {
     /// Runs the channel until its program has ended and nobody can start it any more. `again` restarts it with another file,
     /// with (`true`) or without resetting modal state. Without a program it waits for a start.
-    pub fn live(mut self, start: Option<(FileId, Range, Box<str>)>, again: Option<bool>) -> Lived {
+    pub fn live(mut self, start: Option<(FileId, Range, Arc<str>)>, again: Option<bool>) -> Lived {
         self.ports.coordinator.begin(self.channel.at.channel);
         let mut ending = Ending { halt: Halt::ProgramEnd(None), ended: Some(self.tag()), idle: start.is_none() };
         let (mut next, mut again) = (start, again);
@@ -57,7 +59,7 @@ impl Kernel<'_> {
     }
 
     /// Runs a program.
-    fn run(&mut self, start: (FileId, Range, Box<str>), again: Option<bool>) -> Ending {
+    fn run(&mut self, start: (FileId, Range, Arc<str>), again: Option<bool>) -> Ending {
         let (file, range, name) = start;
         self.ports.progress.set_state(State::Running);
         (self.channel.at.file, self.channel.at.line) = (file, 0);
@@ -80,7 +82,7 @@ impl Kernel<'_> {
     }
 
     /// Waits until another channel starts a program here; none if nobody can any more.
-    fn wait_for_start(&mut self) -> Option<(FileId, Range, Box<str>)> {
+    fn wait_for_start(&mut self) -> Option<(FileId, Range, Arc<str>)> {
         let (coordinator, channel) = (self.ports.coordinator, self.channel.at.channel);
         let wake = coordinator.wait(channel, self, |kernel| kernel.flush());
         self.ports.control.disturb(channel);
@@ -99,7 +101,7 @@ impl Kernel<'_> {
         Some((program.file, range, (*program.name).into()))
     }
 
-    fn begin(&mut self, file: FileId, range: Range, name: Box<str>) -> Acted {
+    fn begin(&mut self, file: FileId, range: Range, name: Arc<str>) -> Acted {
         self.flow.frames.push(Frame::main(file, range, name));
         self.initial_codes();
         self.initial_frame();

@@ -18,9 +18,9 @@ use counterpoint_program::block::PendingCode;
 pub(crate) struct Refusals {
     /// Rules that look for each code row, bit by rule.
     rows: Table<CodeRowId, u64>,
-    /// Rules without codes, bit by rule.
-    free: u64,
-    /// Registers of data words that rules without codes look for, bit by register.
+    /// Rules without codes that look for words of each register, bit by rule.
+    free: Table<RegisterId, u64>,
+    /// Those registers, bit by register.
     registers: u128,
     /// What each of the first 63 rules wants of the words of a block.
     words: Vec<Words>,
@@ -70,11 +70,13 @@ impl Refusals {
             })
         };
         let free =
-            machine.diagnostics.refusals.iter().filter(|rule| rule.codes.is_empty()).filter_map(|rule| rule.word);
-        let registers = free.fold(0, |bits, word| bits | word.register.bit());
+            |of: RegisterId| rules(&|rule| rule.codes.is_empty() && rule.word.is_some_and(|word| word.register == of));
+        let free = machine.registers.map(|register, _| free(register));
+        let registers =
+            free.entries().filter(|(_, rules)| **rules != 0).fold(0, |bits, (register, _)| bits | register.bit());
         let rows = machine.codes.map(|_, row| looks(row));
         let words = machine.diagnostics.refusals.iter().take(63).map(Words::of).collect();
-        Some(Box::new(Self { rows, free: rules(&|rule| rule.codes.is_empty()), registers, words }))
+        Some(Box::new(Self { rows, free, registers, words }))
     }
 
     /// Of these rules those whose wants of the words of a block are met; the last bit stays as it is.
@@ -94,18 +96,6 @@ impl Refusals {
 /// The bit of a rule; the last one stands for all rules that have none of their own.
 fn bit(rule: usize) -> u64 {
     1 << rule.min(63)
-}
-
-/// The rules of these bits, in their order.
-fn named(rules: &[Refusal], mut bits: u64) -> impl Iterator<Item = &Refusal> {
-    let last = if bits & bit(63) == 0 { &[][..] } else { rules.get(63..).unwrap_or_default() };
-    bits &= !bit(63);
-    let own = std::iter::from_fn(move || {
-        let at = bits.trailing_zeros() as usize;
-        bits &= bits.checked_sub(1)?;
-        rules.get(at)
-    });
-    own.chain(last)
 }
 
 /// Some value of the row is what the rule names.
@@ -129,8 +119,12 @@ impl Kernel<'_> {
         let looked = |pending: &PendingCode| refusals.rows[pending.row];
         let rules = self.channel.block.pending.iter().fold(0, |bits, pending| bits | looked(pending));
         if rules != 0 || self.channel.block.present & refusals.registers != 0 {
-            let words = self.channel.block.words.iter().fold(ANY_BLOCK, |bits, word| bits | word.register.bit());
-            let rules = refusals.fitting(rules | refusals.free, words);
+            let (mut words, mut rules) = (ANY_BLOCK, rules);
+            for word in &self.channel.block.words {
+                words |= word.register.bit();
+                rules |= refusals.free[word.register];
+            }
+            let rules = refusals.fitting(rules, words);
             if rules != 0 {
                 return self.refused(rules, words);
             }
@@ -171,18 +165,32 @@ impl Kernel<'_> {
     #[inline(never)]
     fn refused(&mut self, rules: u64, words: u128) -> Acted {
         let machine = self.channel.env.machine;
-        let Some(rule) = named(&machine.diagnostics.refusals, rules).find(|rule| self.is_refused_by(rule, words))
-        else {
-            return Ok(());
+        let all = &machine.diagnostics.refusals;
+        let mut own = rules & !bit(63);
+        let rule = loop {
+            if own == 0 {
+                let last = if rules & bit(63) == 0 { &[][..] } else { all.get(63..).unwrap_or_default() };
+                break last.iter().find(|rule| Words::of(rule).fit(words) && self.is_refused_by(rule));
+            }
+            let rule = all.get(own.trailing_zeros() as usize).filter(|rule| self.is_refused_by(rule));
+            if rule.is_some() {
+                break rule;
+            }
+            own &= own - 1;
         };
+        let Some(rule) = rule else { return Ok(()) };
         let text = format!("{} {} in '{}'; no part of the block acts", rule.alarm, rule.text, self.block_text());
         Err(self.alarm(&diag::REFUSED, text))
     }
 
-    fn is_refused_by(&self, rule: &Refusal, words: u128) -> bool {
-        if !Words::of(rule).fit(words) || rule.word.is_some_and(|word| !self.is_wrong(&word)) {
-            return false;
-        }
+    /// A rule refuses the block, whose words are as it wants them.
+    #[inline]
+    fn is_refused_by(&self, rule: &Refusal) -> bool {
+        rule.word.as_ref().is_none_or(|word| self.is_wrong(word)) && self.has_state(rule)
+    }
+
+    /// A code of the block is one of the rule, and what is active is as it wants it.
+    fn has_state(&self, rule: &Refusal) -> bool {
         let mut pending = self
             .channel
             .block

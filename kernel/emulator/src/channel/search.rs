@@ -150,7 +150,7 @@ impl Kernel<'_> {
 
     /// Labels of the current file, found once. A block with a word for a label has it, unless it calls a range.
     fn labels(&mut self) -> Arc<Labels> {
-        if let Some(labels) = self.flow.labels.get(&self.channel.at.file) {
+        if let Some(labels) = self.flow.known.labels.get(&self.channel.at.file) {
             return Arc::clone(labels);
         }
         let mut labels = Labels::default();
@@ -170,9 +170,9 @@ impl Kernel<'_> {
                 }
             }
         }
-        self.flow.tables += labels.len() * 64;
+        self.flow.known.tables += labels.len() * 64;
         let labels = Arc::new(labels);
-        self.flow.labels.insert(self.channel.at.file, Arc::clone(&labels));
+        self.flow.known.labels.insert(self.channel.at.file, Arc::clone(&labels));
         labels
     }
 

@@ -94,6 +94,14 @@ impl ChannelVariables {
         locals.map(|(number, value)| (number, *value)).chain(own).take(most).collect()
     }
 
+    /// A local variable that has a value.
+    #[inline]
+    pub(super) fn local_with_value(&self, index: u32) -> Option<f64> {
+        // Number 0 and the numbers of others have none here.
+        self.calls.here().get(index as usize).copied().filter(|value| !is_vacant(*value))
+    }
+
+    #[inline]
     fn local(&self, index: u32) -> f64 {
         self.calls.here().get(index as usize).copied().unwrap_or(VACANT)
     }
@@ -139,6 +147,7 @@ impl Kernel<'_> {
     ///
     /// # Errors
     /// It does not exist, or the job was stopped.
+    #[inline(never)]
     pub(super) fn numbered(&mut self, index: u32) -> Result<f64, NotThere> {
         match self.value_of(index) {
             Ok(value) if !is_vacant(value) => Ok(value),

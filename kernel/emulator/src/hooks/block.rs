@@ -33,8 +33,11 @@ impl Kernel<'_> {
     /// Block delete around embedded code, embedded code before the pre-processor, Pre-Processor Startup.
     pub(crate) fn edit_block(&mut self) -> Result<Edited, Halt> {
         self.note_mark();
-        self.delete_around_code();
-        if self.embedded(0)? && self.text_bytes().trim_ascii().is_empty() {
+        let may_embed = self.has_embedded(0) || self.has_embedded(1);
+        if may_embed {
+            self.delete_around_code();
+        }
+        if may_embed && self.embedded(0)? && self.text_bytes().trim_ascii().is_empty() {
             return Ok(Edited::Dropped);
         }
         let preprocess = self.plan.scanner.has_preprocessor();

@@ -97,7 +97,7 @@ impl Kernel<'_> {
             loops: std::mem::replace(&mut self.flow.loops, next.loops),
             levels: levels.clone(),
         });
-        (self.flow.labels, self.flow.tables) = (Default::default(), 0);
+        (self.flow.known.labels, self.flow.known.tables) = (Default::default(), 0);
         if let Some(rested) = self.components.turns.dialects.last() {
             self.dialect.variables.follow(&rested.dialect.variables);
         }

@@ -18,10 +18,9 @@ const LONGEST_CODE: usize = 4096;
 const MOST_CODES: usize = 5000;
 
 impl Kernel<'_> {
-    /// Block delete comes before embedded code; a mark inside such code is none.
+    /// Block delete comes before embedded code, which the block holds; a mark inside such code is none.
     pub(crate) fn delete_around_code(&mut self) {
-        let fresh = self.macros.block.text.is_none();
-        if !fresh || !self.has_embedded(0) && !self.has_embedded(1) {
+        if self.macros.block.text.is_some() {
             return;
         }
         let text = self.text_bytes().into_owned();

@@ -2,6 +2,8 @@
 //!
 //! Facts: reference control-emulator.md 2.1, 2.4, 4.1, 4.3.
 
+use std::sync::Arc;
+
 use counterpoint_lang::value::Value;
 
 use crate::channel::Kernel;
@@ -74,7 +76,7 @@ impl Kernel<'_> {
     }
 
     /// Starts the next program after the previous one has ended.
-    pub(crate) fn start_over(&mut self, file: FileId, range: Range, name: Box<str>, reset: bool) -> Acted {
+    pub(crate) fn start_over(&mut self, file: FileId, range: Range, name: Arc<str>, reset: bool) -> Acted {
         if reset {
             self.channel.state.modal = Modal::new(self.channel.env.machine);
             self.initial_codes();

@@ -3,6 +3,8 @@
 //! *Invariant:* a part is looked through line by line, whatever jumps are in it; where they lead beyond it, the part grows. What
 //! cannot be known counts as something that others notice.
 
+use std::sync::Arc;
+
 use counterpoint_dialect::outline::{Called, Goal, Step};
 use counterpoint_event::event::FileId;
 use counterpoint_fault::Halt;
@@ -76,7 +78,7 @@ impl Walk<'_, '_> {
         // A program that calls itself says nothing new.
         self.looked.insert(key, None);
         let stands = self.stand();
-        self.kernel.flow.frames.push(Frame::main(file, range, Box::default()));
+        self.kernel.flow.frames.push(Frame::main(file, range, Arc::default()));
         let looked = self.look(Part { first: range.first, last: range.last }, false);
         self.kernel.flow.frames.pop();
         self.back_to(stands);

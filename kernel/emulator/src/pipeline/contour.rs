@@ -84,9 +84,9 @@ impl Kernel<'_> {
         let back = back.map(|off| Box::new((self.channel.programmed(), off)));
         let range = Range { number: None, first: first.line, last: last.line };
         let name = match &what {
-            Callee::Named(name) => name.as_ref().into(),
+            Callee::Named(name) => Arc::clone(name),
             Callee::Blocks(from, to) => format!("N{from}-N{to}").into(),
-            _ => Box::default(),
+            _ => Arc::default(),
         };
         let called = Called { what, passes: 1, block: None };
         let text = Frame::main(file, range, name);

@@ -2,6 +2,8 @@
 //!
 //! Facts: reference control-emulator.md 5.7. *Invariant:* nesting is bounded; a backward jump is always counted.
 
+use std::sync::Arc;
+
 use crate::channel::Kernel;
 use crate::channel::custom_macro::By;
 use crate::channel::flow::{Callee, Frame, Pending};
@@ -96,19 +98,15 @@ impl Kernel<'_> {
             self.dialect.variables.enter(&arguments);
         }
         let (repeats, by) = (passes.saturating_sub(1), by.map(|by| by.kind));
-        let text = Frame::main(file, range, Self::name_of(&what));
+        let text = Frame::main(file, range, self.name_of(&what));
         self.enter(Frame { repeats, own_variables, called, by, ..text });
         Ok(())
     }
 
     /// What is called, as events name it.
-    fn name_of(what: &Callee) -> Box<str> {
+    fn name_of(&mut self, what: &Callee) -> Arc<str> {
         match what {
-            Callee::Program(number) => {
-                // Without the machinery of formats: programs call often.
-                let digits = number.to_string();
-                ["O", "000".get(digits.len().min(4) - 1..).unwrap_or_default(), &digits].concat().into()
-            }
+            Callee::Program(number) => self.flow.known.names.of(*number),
             Callee::Named(name) => format!("<{name}>").into(),
             Callee::Labels(first, last) => format!("label {first}-{last}").into(),
             Callee::Blocks(first, last) => format!("N{first}-N{last}").into(),
@@ -135,7 +133,8 @@ impl Kernel<'_> {
             return Err(self.alarm(&diag::SUBPROGRAM_MISSING, text));
         };
         let repeats = passes.saturating_sub(1);
-        self.enter(Frame { repeats, closes: true, called, ..Frame::main(file, range, Self::name_of(&what)) });
+        let text = Frame::main(file, range, self.name_of(&what));
+        self.enter(Frame { repeats, closes: true, called, ..text });
         Ok(())
     }
 
@@ -171,7 +170,7 @@ impl Kernel<'_> {
 
     pub(crate) fn enter(&mut self, frame: Frame) {
         let level = self.flow.frames.len() as u16;
-        self.emit(0, Kind::Call(Call { program: frame.name.clone(), level }));
+        self.emit(0, Kind::Call(Call { program: Arc::clone(&frame.name), level }));
         self.flow.repeats = true;
         self.flow.pass.changes = true;
         self.flow.frames.push(frame);

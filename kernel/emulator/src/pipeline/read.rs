@@ -96,7 +96,11 @@ impl Kernel<'_> {
     #[inline(always)]
     fn before_rewind_stop<'l>(&self, text: &'l [u8]) -> Option<&'l [u8]> {
         let format = &self.channel.env.machine.format;
-        if !format.rws_inline || !text.trim_ascii_end().ends_with(format.rws.as_bytes()) {
+        // The last byte decides about most blocks.
+        if !format.rws_inline || text.trim_ascii_end().last() != format.rws.as_bytes().last() {
+            return None;
+        }
+        if !text.trim_ascii_end().ends_with(format.rws.as_bytes()) {
             return None;
         }
         let end = self.plan.scanner.outside_remarks(text, *format.rws.as_bytes().first()?)?;

@@ -23,12 +23,9 @@ impl Kernel<'_> {
     }
 
     /// The pre-processor has executed this line of the program before.
-    fn is_known_statement(&self) -> bool {
-        // Macros may change how a text is split.
-        self.plan.hooks.is_none()
-            && self.unchanged_line().is_some_and(|line| {
-                self.dialect.interpreter.as_deref().is_some_and(|interpreter| interpreter.executes(line))
-            })
+    fn is_known_statement(&mut self) -> bool {
+        let (line, interpreter) = (self.unchanged_line(), self.dialect.interpreter.as_deref_mut());
+        line.zip(interpreter).is_some_and(|(line, interpreter)| interpreter.executes(line))
     }
 
     /// Splits the text of the block again, as macros have changed it; the pre-processor has had its turn.

@@ -1,5 +1,7 @@
 //! Subprograms.
 
+use std::sync::Arc;
+
 use super::declare::record;
 
 record! {
@@ -7,7 +9,7 @@ record! {
     #[derive(Debug, Clone, PartialEq, Eq)]
     pub struct Call {
         /// Program number or name as written.
-        pub program: Box<str> = 1,
+        pub program: Arc<str> = 1,
         /// Nesting level inside the subprogram, from 1.
         pub level: u16 = 2,
     }

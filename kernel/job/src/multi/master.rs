@@ -3,6 +3,8 @@
 //! Facts: reference control-emulator.md 2.1, 2.4, 8.1, 8.2. Invariant: the master works only while no channel does, so
 //! what it does to shared variables needs no order. A machine with one channel has no master.
 
+use std::sync::Arc;
+
 use counterpoint_fault::Halt;
 use counterpoint_lang::value::Value;
 
@@ -21,7 +23,7 @@ use counterpoint_program::layout::first_main;
 use counterpoint_program::shape::Range;
 
 /// Where a kernel starts.
-pub(crate) type At = (FileId, Range, Box<str>);
+pub(crate) type At = (FileId, Range, Arc<str>);
 
 /// Program and name of a kernel, and its first channel of the model, as Machine Startup left them.
 pub(super) type KernelInput = (String, String, f64);

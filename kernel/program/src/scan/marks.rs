@@ -117,6 +117,10 @@ impl Scanner {
     /// means a comment.
     pub fn remarks(&self, line: &[u8]) -> Vec<(bool, usize, usize)> {
         let mut found = Vec::new();
+        let first = [&self.comment, &self.message].map(|pair| pair.as_ref().and_then(|(start, _)| start.first()));
+        if !line.iter().any(|byte| first.contains(&Some(byte))) {
+            return found;
+        }
         let (mut at, mut formula) = (0, Formula::default());
         while at < line.len() {
             let rest = line.get(at..).unwrap_or_default();

@@ -48,6 +48,7 @@ pub struct Port<'a> {
 impl Deref for Port<'_> {
     type Target = Coordinator;
 
+    #[inline]
     fn deref(&self) -> &Coordinator {
         self.core
     }

@@ -40,7 +40,11 @@ impl Values for Kernel<'_> {
     }
 
     fn number(&mut self, index: u32) -> Result<f64, NotThere> {
-        self.numbered(index)
+        // What most expressions read.
+        match self.dialect.variables.local_with_value(index) {
+            Some(value) => Ok(value),
+            None => self.numbered(index),
+        }
     }
 
     fn set_number(&mut self, index: u32, value: f64) -> Result<(), NotThere> {
