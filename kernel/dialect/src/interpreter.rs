@@ -79,6 +79,11 @@ pub trait Interpreter: Send {
         false
     }
 
+    /// The same, right before the interpreter executes that block: it need not look for the line again.
+    fn takes_at_once(&mut self, line: (FileId, u32)) -> bool {
+        self.executes(line)
+    }
+
     /// Bytes that its variables and what it remembers of programs take, about.
     fn memory(&self) -> u64 {
         0

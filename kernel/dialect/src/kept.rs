@@ -43,13 +43,21 @@ impl<L> Default for Kept<L> {
 
 impl<L> Kept<L> {
     /// A line that was kept.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn get(&mut self, key: Key) -> Option<&Arc<L>> {
-        let slot = self.at_hand.get_mut(key.1 as usize % AT_HAND)?;
-        if slot.as_ref().is_none_or(|(of, _)| *of != key) {
+        let here = self.at_hand.get(key.1 as usize % AT_HAND)?;
+        if here.as_ref().is_none_or(|(of, _)| *of != key) {
+            self.take_in_hand(key);
+        }
+        self.at_hand.get(key.1 as usize % AT_HAND)?.as_ref()?.1.as_ref()
+    }
+
+    /// Looks for a line that another one has the place of.
+    #[inline(never)]
+    fn take_in_hand(&mut self, key: Key) {
+        if let Some(slot) = self.at_hand.get_mut(key.1 as usize % AT_HAND) {
             *slot = Some((key, self.lines.get(&key).map(Arc::clone)));
         }
-        slot.as_ref()?.1.as_ref()
     }
 
     /// Keeps a line whose text has so many bytes.

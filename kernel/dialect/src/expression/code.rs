@@ -14,6 +14,8 @@ pub(crate) enum Op<V, X> {
     Apply(Function),
     /// An operator between two values.
     Combine(Operator),
+    /// An operator between a value and a constant, which [`Code::new`] makes of both.
+    CombineWith(Operator, V),
     /// An operation of the dialect.
     Own(X),
 }
@@ -27,7 +29,14 @@ pub(crate) struct Code<V, X> {
 impl<V, X> Code<V, X> {
     /// From operations that leave one value.
     pub(crate) fn new(ops: Vec<Op<V, X>>) -> Self {
-        Self { ops: ops.into() }
+        let mut out: Vec<Op<V, X>> = Vec::with_capacity(ops.len());
+        for op in ops {
+            match (op, out.pop()) {
+                (Op::Combine(operator), Some(Op::Value(right))) => out.push(Op::CombineWith(operator, right)),
+                (op, before) => out.extend(before.into_iter().chain([op])),
+            }
+        }
+        Self { ops: out.into() }
     }
 
     /// A constant.

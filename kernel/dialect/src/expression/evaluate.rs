@@ -77,6 +77,9 @@ pub(crate) trait Evaluate<V: Clone + Default, X> {
                 Op::Value(value) => stack.push(std::mem::replace(&mut top, value.clone())),
                 Op::Apply(function) => top = self.apply(*function, std::mem::take(&mut top))?,
                 Op::Combine(operator) => top = self.combine(*operator, stack.pop(), std::mem::take(&mut top))?,
+                Op::CombineWith(operator, right) => {
+                    top = self.combine(*operator, std::mem::take(&mut top), right.clone())?;
+                }
                 Op::Own(own) => {
                     stack.push(std::mem::take(&mut top));
                     top = self.own(own, &mut stack)?;
@@ -113,6 +116,9 @@ mod tests {
     fn operations_take_their_operands_in_the_order_of_the_text() {
         let ops = vec![Op::Value(7.0), Op::Value(2.0), Op::Combine(Operator::Sub), Op::Own(())];
         assert_eq!(Numbers.evaluate(&Code::new(ops)), Ok(105.0));
+        // What stands on the right is a constant, and what is not.
+        let ops = vec![Op::Value(7.0), Op::Value(2.0), Op::Own(()), Op::Combine(Operator::Sub)];
+        assert_eq!(Numbers.evaluate(&Code::new(ops)), Ok(-95.0));
         let ops = vec![Op::Value(1.0), Op::Value(0.0), Op::Combine(Operator::Div), Op::Own(())];
         assert_eq!(Numbers.evaluate(&Code::new(ops)), Err(()));
     }

@@ -232,6 +232,7 @@ mod tests {
         let op = |op: &Op<u32, ()>| match op {
             Op::Value(value) => value.to_string(),
             Op::Combine(operator) => format!("{operator:?} "),
+            Op::CombineWith(operator, value) => format!("{value}{operator:?} "),
             Op::Apply(function) => format!("{function:?} "),
             Op::Own(()) => String::new(),
         };

@@ -45,6 +45,8 @@ use statement::Line;
 #[derive(Debug, Default)]
 struct Fanuc {
     lines: Kept<Line>,
+    /// The line that is executed next.
+    next: Option<Arc<Line>>,
     /// Partners of loops and branches by program.
     pairs: Tables<(FileId, Range), Pairs>,
     /// Text of the block without comments.
@@ -56,10 +58,8 @@ impl Fanuc {
     /// every pass, but once for a block that is read twice.
     #[inline]
     fn line(&mut self, host: &mut dyn Host, text: &[u8], displays: bool) -> Result<Arc<Line>, Halt> {
-        if let Some(place) = host.unchanged_line()
-            && let Some(line) = self.lines.get(place)
-        {
-            let line = Arc::clone(line);
+        let known = self.next.take().or_else(|| self.lines.get(host.unchanged_line()?).map(Arc::clone));
+        if let Some(line) = known {
             if displays && !line.messages.is_empty() {
                 host.display_again(text, &line.messages);
             }
@@ -167,6 +167,12 @@ impl Interpreter for Fanuc {
     #[inline]
     fn executes(&mut self, line: (FileId, u32)) -> bool {
         self.lines.get(line).is_some_and(|line| line.executes)
+    }
+
+    #[inline]
+    fn takes_at_once(&mut self, line: (FileId, u32)) -> bool {
+        self.next = self.lines.get(line).filter(|line| line.executes).map(Arc::clone);
+        self.next.is_some()
     }
 
     fn tables(&self) -> u64 {

@@ -56,6 +56,10 @@ impl Kernel<'_> {
         }
         (self.channel.at.file, self.channel.at.line) = (file, line);
         self.begin_block()?;
+        if self.flow.repeats && hooks.is_none() && self.takes_at_once(source) {
+            self.statement_line(text)?;
+            return self.follow();
+        }
         if text.len() > self.channel.env.options.limits.block_length {
             return Err(self.too_long(text.len()));
         }
@@ -92,6 +96,16 @@ impl Kernel<'_> {
         self.follow()
     }
 
+    /// The line is a statement that was executed before, and is as it was then.
+    #[inline(always)]
+    fn takes_at_once(&mut self, source: &Source) -> bool {
+        if self.plan.edits.reshapes && self.is_reshaped(source) {
+            return false;
+        }
+        let line = (self.channel.at.file, self.channel.at.line);
+        self.dialect.interpreter.as_deref_mut().is_some_and(|interpreter| interpreter.takes_at_once(line))
+    }
+
     /// The block before a rewind-stop at the end of its line, where one may stand there.
     #[inline(always)]
     fn before_rewind_stop<'l>(&self, text: &'l [u8]) -> Option<&'l [u8]> {
@@ -110,7 +124,11 @@ impl Kernel<'_> {
     /// A block at the end of whose line the tape ends; more text is reported, as that behind a rewind-stop of its own line.
     #[cold]
     fn last_of_tape(&mut self, block: &[u8], (file, line): (FileId, u32)) -> Acted {
-        self.block(block)?;
+        // A part of its line, so nothing is kept for the line.
+        let read = self.channel.text.edited.replace(block.into());
+        let done = self.block(block);
+        self.channel.text.edited = read;
+        done?;
         self.follow()?;
         let goes_on = self.frame().is_some_and(|frame| (frame.file, frame.next) == (file, line + 1));
         match self.channel.env.sources.get(file).filter(|_| goes_on) {

@@ -10,7 +10,8 @@ impl Kernel<'_> {
     /// Splits a text into words, unless it is for the pre-processor.
     #[inline(always)]
     pub(crate) fn split(&mut self, text: &[u8], preprocess: bool) -> Split {
-        if preprocess && self.flow.repeats && self.is_known_statement() {
+        // Without macros a known one does not come here.
+        if preprocess && self.flow.repeats && self.plan.hooks.is_some() && self.is_known_statement() {
             return Split::Statement;
         }
         let (plan, own) = (self.plan, self.block_scanner());
