@@ -25,6 +25,8 @@ pub(super) struct Line {
     pub(super) open: bool,
     /// What it has to do with contours.
     pub(super) lap: Option<Lap>,
+    /// Its text, which begins with no mark of optional skip, is for the interpreter whether plain words are or not.
+    pub(super) executes: bool,
 }
 
 /// What stands before a statement.
@@ -124,7 +126,7 @@ pub(super) fn read(prepared: Prepared, wanted: Wanted) -> Result<Line, Mistake> 
     }
     let head = reading.head();
     let statement = reading.statement(wanted)?;
-    Ok(Line { head, statement, messages, open, lap: None })
+    Ok(Line { head, statement, messages, open, ..Line::default() })
 }
 
 /// A block that is being read.

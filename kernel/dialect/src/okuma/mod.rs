@@ -115,7 +115,9 @@ impl Okuma {
         let lap = if self.has_contours { lap::find(&mut block) } else { None };
         match line::read(block, wanted) {
             Ok(line) => {
-                let line = Arc::new(line::Line { lap, ..line });
+                let marked = line.head.iter().any(|head| matches!(head, line::Head::Mark(_)));
+                let executes = !marked && quick_look::needs_interpreter(text);
+                let line = Arc::new(line::Line { lap, executes, ..line });
                 if self.caching && place.as_read {
                     self.lines.insert(key, &line, text.len());
                 }
@@ -288,6 +290,11 @@ impl Interpreter for Okuma {
             }
             _ => Ok(false),
         }
+    }
+
+    #[inline]
+    fn executes(&mut self, line: (FileId, u32)) -> bool {
+        self.lines.get(line).is_some_and(|line| line.executes)
     }
 
     fn memory(&self) -> u64 {

@@ -5,6 +5,8 @@
 //! machining centres and V1 to V200 on lathes; both are understood, and they are different ones. Facts: reference
 //! control-emulator.md 5.4.
 
+use arrayvec::ArrayString;
+
 /// Number of common variables of each kind.
 const COMMON: f64 = 200.0;
 
@@ -55,35 +57,27 @@ impl Family {
     }
 }
 
-/// A common variable: its name, filled up with zeros.
+/// A common variable by its name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub(super) struct Common {
-    name: [u8; 8],
-    length: usize,
-}
+pub(super) struct Common(ArrayString<8>);
 
 impl Common {
     fn new(family: Family, number: u8) -> Self {
-        let mut common = Self { name: [0; 8], length: 0 };
-        common.push(family.prefix().bytes());
+        let mut name = ArrayString::new();
         let digits = [number / 100, number / 10 % 10, number % 10];
         let leading = digits.iter().take_while(|digit| **digit == 0).count();
-        common.push(digits.iter().skip(leading).map(|digit| b'0' + digit));
-        common
-    }
-
-    fn push(&mut self, bytes: impl Iterator<Item = u8>) {
-        for byte in bytes {
-            if let Some(slot) = self.name.get_mut(self.length) {
-                *slot = byte;
-                self.length += 1;
-            }
+        let digits = digits.iter().skip(leading).map(|digit| char::from(b'0' + digit));
+        // Three letters and three digits fit.
+        for character in family.prefix().chars().chain(digits) {
+            _ = name.try_push(character);
         }
+        Self(name)
     }
 
     /// Its name.
+    #[inline]
     pub(super) fn name(&self) -> &str {
-        std::str::from_utf8(self.name.get(..self.length).unwrap_or_default()).unwrap_or_default()
+        self.0.as_str()
     }
 }
 
