@@ -72,6 +72,18 @@ pub mod irregular {
     pub const NUMBERS: u8 = DIGITS | SIGN | POINT;
 }
 
+/// How a move beside a compensated contour comes to the next one.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum ContourEnd {
+    /// Round or sharp outside, where the offsets cut each other inside.
+    #[default]
+    Meets,
+    /// Where the offsets meet, outside too.
+    Sharp,
+    /// At its own end.
+    Open,
+}
+
 /// What is so about a block as a whole.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct BlockFlags {
@@ -81,6 +93,8 @@ pub struct BlockFlags {
     pub machine_frame: bool,
     /// Exact stop for this block.
     pub exact_stop: bool,
+    /// How its move ends beside a compensated contour.
+    pub end: ContourEnd,
     /// A motion code acted.
     pub moved: bool,
     /// Its first cut has been paired with that of another channel.

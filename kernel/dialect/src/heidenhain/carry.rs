@@ -168,11 +168,12 @@ impl Heidenhain {
         let mut seen = Evaluator::new(&mut self.variables, host).seen(words)?;
         self.functions_of(&seen);
         self.follow(host, &mut seen);
+        let mut before = self.function_words(host, &mut seen)?;
         self.feed_units(host, &mut seen)?;
-        let retracts = self.retract(host, &mut seen);
+        before.extend(self.retract(host, &mut seen));
         self.cycle_calls(host, &mut seen, false)?;
         self.after_block(&seen);
-        Ok(Some(retracts.into_iter().chain([joined("", &seen)]).collect::<Vec<_>>().join("\n")))
+        Ok(Some(before.into_iter().chain([joined("", &seen)]).collect::<Vec<_>>().join("\n")))
     }
 
     /// Several parameters of a cycle in a block of their own.
@@ -321,8 +322,9 @@ impl Heidenhain {
         if shape == Shape::Space {
             self.directions(host, &mut seen);
         }
+        let mut lines = self.function_words(host, &mut seen)?;
         self.feed_units(host, &mut seen)?;
-        let retracts = self.retract(host, &mut seen);
+        lines.extend(self.retract(host, &mut seen));
         let moves = seen.iter().any(|word| {
             word.value.is_some()
                 && (axis(&word.name).is_some() || matches!(&*word.name, "PR" | "PA" | "IPR" | "IPA" | "H"))
@@ -331,7 +333,6 @@ impl Heidenhain {
         self.after_block(&seen);
         let step = Step { shape, iso, seen, line: place.line, number: line.number };
         let ahead = if place.as_read { self.ahead(host, shape, line.next, place)? } else { Vec::new() };
-        let mut lines = retracts;
         lines.extend(walk(&mut self.path, host, &step, &ahead)?);
         Ok(if lines.is_empty() { None } else { Some(lines.join("\n")) })
     }

@@ -22,6 +22,7 @@ mod free;
 mod functions;
 mod iso;
 mod lex;
+mod m_words;
 mod old;
 mod path;
 mod patterns;

@@ -1,14 +1,26 @@
 //! Codes that say what the corner at the end of their block is.
 //!
-//! Facts: reference okuma-osp.md (G75, G76). *Invariant:* the corner belongs to the move of its block.
+//! Facts: reference okuma-osp.md (G75, G76), heidenhain-cycles.md 2 (M97, M98). *Invariant:* the corner belongs to the move of its
+//! block.
 
 use counterpoint_machine::ident::codes;
 
+use counterpoint_program::block::ContourEnd;
+
+use crate::act::Act;
 use crate::action::cutter;
 use crate::action::entry::{Contour, Entry};
+use counterpoint_fault::Acted;
 
 /// Codes and what they do.
 pub(crate) const ENTRIES: &[Entry] = &[
     Entry::of(&[codes::CORNER_CHAMFER], |act, _, _| cutter::corner_code(act, false)).contour(Contour::Waits),
     Entry::of(&[codes::CORNER_ROUND], |act, _, _| cutter::corner_code(act, true)).contour(Contour::Waits),
+    Entry::of(&[codes::CONTOUR_SHARP], |act, _, _| ends(act, ContourEnd::Sharp)).contour(Contour::Waits),
+    Entry::of(&[codes::CONTOUR_OPEN], |act, _, _| ends(act, ContourEnd::Open)).contour(Contour::Waits),
 ];
+
+fn ends(act: &mut Act<'_, '_>, end: ContourEnd) -> Acted {
+    act.block.flags.end = end;
+    Ok(())
+}

@@ -16,6 +16,7 @@ mod cycle;
 mod cylinder;
 mod dwell;
 pub(crate) mod entry;
+mod feeds;
 mod frame;
 mod head;
 mod home;
@@ -60,6 +61,7 @@ static ENTRIES: &[&[Entry]] = &[
     couple::ENTRIES,
     cycle::ENTRIES,
     dwell::ENTRIES,
+    feeds::ENTRIES,
     frame::ENTRIES,
     head::ENTRIES,
     home::ENTRIES,
@@ -84,6 +86,7 @@ static ENTRIES: &[&[Entry]] = &[
     tilt::ENTRIES,
     tip::ENTRIES,
     tool::ENTRIES,
+    turning::ENTRIES,
 ];
 
 /// The built-in actions, as a plan takes them.

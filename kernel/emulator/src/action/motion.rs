@@ -304,6 +304,7 @@ impl Act<'_, '_> {
         }
         let changes = self.feed_changes(&from, &target);
         let feed_length = changes.iter().map(|c| c * c).sum::<f64>().sqrt();
+        let feed = self.feed_down(feed, unit, &changes, feed_length);
         let path = Path { from: &from, to: &target, length: feed_length, arc: None };
         let seconds = self.feed_seconds(&path, feed, unit)?;
         let seconds = self.at_rates(seconds, &from, &target, None);

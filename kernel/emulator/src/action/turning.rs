@@ -1,12 +1,45 @@
 //! Absolute words of rotary axes that are angles: the shorter way, or the direction of the sign.
 //!
-//! Facts: reference control-emulator.md 1.5 (rotary axes #n11.10, #n11.20). Decisions: half a turn goes to the positive
+//! Facts: reference control-emulator.md 1.5 (rotary axes #n11.10, #n11.20), heidenhain-cycles.md 6 (M126, M127). Decisions: half a turn goes to the positive
 //! side; zero has the positive sign; a word of the angle at which the axis stands does not turn it. Positions continue
 //! beyond 360 degrees, codes that unwind bring them back.
 
 use crate::act::Act;
+use crate::action::entry::{Contour, Entry};
+use crate::state::clamps::Modulo;
+use counterpoint_fault::Acted;
+use counterpoint_machine::ident::codes;
 use counterpoint_machine::index::AxisSlot;
 use counterpoint_machine::model::Turn;
+
+/// Codes and what they do.
+pub(crate) const ENTRIES: &[Entry] = &[
+    Entry::of(&[codes::ANGLES_SHORTEST], |act, _, _| shortest(act, true)).contour(Contour::Waits),
+    Entry::of(&[codes::ANGLES_AS_WRITTEN], |act, _, _| shortest(act, false)),
+];
+
+/// Modal group of the shorter way.
+const SHORTEST: u16 = 151;
+
+/// Rotary axes that have no limits and take positions turn the shorter way to them, or not any more.
+fn shortest(act: &mut Act<'_, '_>, on: bool) -> Acted {
+    let axes: Vec<AxisSlot> = {
+        let takes = |(_, axis): &(AxisSlot, &crate::state::position::Axis)| {
+            axis.rotary && axis.limits.is_none() && act.env.machine.axes[axis.machine].turn == Turn::Position
+        };
+        act.state.place.layout.axes.entries().filter(takes).map(|(slot, _)| slot).collect()
+    };
+    let was = axes.iter().any(|axis| act.state.place.layout.angles & axis.bit() != 0);
+    let bits = axes.iter().fold(0, |bits, axis| bits | axis.bit());
+    let angles = &mut act.state.place.layout.angles;
+    *angles = if on { *angles | bits } else { *angles & !bits };
+    if was && !on {
+        for axis in axes {
+            act.unwind_axis(axis, Modulo::Plus);
+        }
+    }
+    super::mode::mode(act, if on { "angles shortest" } else { "angles as written" })
+}
 
 impl Act<'_, '_> {
     /// Where an absolute word turns an axis from a position; `away` is what its frame lies away from that of the
@@ -15,8 +48,9 @@ impl Act<'_, '_> {
     #[inline(never)]
     pub(super) fn turned_to(&self, axis: AxisSlot, from: f64, word: f64, away: f64) -> f64 {
         let turn = self.env.machine.axes[self.state.place.layout.axes[axis].machine].turn;
+        let as_written = turn == Turn::Position && self.state.modal.code(SHORTEST) != Some(codes::ANGLES_SHORTEST);
         // Polar interpolation takes the word as a length.
-        if turn == Turn::Position || self.polar().is_some() {
+        if as_written || self.polar().is_some() {
             return word - away;
         }
         let angle = if turn == Turn::Sign { word.abs() } else { word };

@@ -11,6 +11,7 @@ use counterpoint_motion::contour::element::{Element, Spot};
 
 use super::corner::{Asked, Corner, Open};
 use super::smooth::Smooth;
+use counterpoint_program::block::ContourEnd;
 use counterpoint_sync::tag::Tag;
 
 /// Where compensation is.
@@ -76,6 +77,8 @@ pub(crate) struct Waiting {
     pub(crate) clock: i64,
     pub(crate) micro: u32,
     pub(crate) exact: bool,
+    /// How it comes to the next move.
+    pub(crate) end: ContourEnd,
     pub(crate) text: Option<Arc<[u8]>>,
     /// Events that were held back before it.
     pub(crate) events: usize,

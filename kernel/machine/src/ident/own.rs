@@ -76,6 +76,16 @@ macro_rules! with_own {
             CONTOUR_AROUND 145 100 true true Mode("contour around") => ": around the end of the contour, if the point is behind it (Siemens KONT)";
             COMP_IN_MACHINE 148 90 true true Mode("comp plane machine") => ": compensation of the radius is in the plane of the machine (Siemens CUT2D)";
             COMP_IN_FRAME 148 90 true true Mode("comp plane frame") => ": in the plane of the frame (Siemens CUT2DF)";
+            FEED_AT_EDGE 149 100 true true Mode("feed edge") => ": beside arcs of a compensated contour the feed is that of the edge of the tool (Heidenhain M109)";
+            FEED_AT_EDGE_INSIDE 149 100 true true Mode("feed edge inside") => ": only where the tool is inside of the arc (Heidenhain M110)";
+            FEED_AT_CENTER 149 100 true true Mode("feed center") => ": the feed is that of the middle of the tool (Heidenhain M111)";
+            FEED_DOWN 0 100 true true Plain => ": moves against the tool axis keep it to a share of the feed; without the share that ends (Heidenhain M103)";
+            FEED_ROTARY_LENGTH 150 100 true true Plain => ": the feed of rotary axes is that of the tip on the part (Heidenhain M116)";
+            FEED_ROTARY_ANGLE 150 100 true true Plain => ": ends that (Heidenhain M117)";
+            ANGLES_SHORTEST 151 90 true true Plain => ": rotary axes without limits turn the shorter way to a position (Heidenhain M126)";
+            ANGLES_AS_WRITTEN 151 90 true true Plain => ": ends that, whole turns are taken off (Heidenhain M127)";
+            CONTOUR_SHARP 0 100 true true Plain => ": the offsets of this block and the next meet outside of the corner too (Heidenhain M97)";
+            CONTOUR_OPEN 0 100 true true Plain => ": the offset of this block goes to its end, also inside of the corner (Heidenhain M98)";
         }
     };
 }

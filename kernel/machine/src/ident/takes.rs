@@ -63,6 +63,7 @@ const OWN: &[(&[CodeId], &str)] = &[
     (&[codes::HEAD_ID], "REG_HEAD_ID"),
     (&[codes::RETRACT_TOOL], "REG_TILT_RETRACT REG_FEED_UPM REG_FEED_UPR"),
     (&[codes::AM_ON, codes::AM_OFF], "REG_AM"),
+    (&[codes::FEED_DOWN], "REG_DOWN_FEED"),
     (
         &[
             codes::SMOOTH_LINE_IN,

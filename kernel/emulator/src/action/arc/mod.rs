@@ -321,6 +321,10 @@ impl Act<'_, '_> {
         let radial = [first, second].iter().position(|&axis| Some(axis) == x);
         let scale = |axis: AxisSlot| self.state.place.layout.axes[axis].scale;
         let center = [made.center[0] / scale(first), made.center[1] / scale(second)];
+        let feed = match self.state.place.frames {
+            Some(_) => self.feed_down(feed, unit, &changes, made.length()),
+            None => feed,
+        };
         let path = Path { from: &from, to: &to, length: made.length(), arc: Some((&made, radial)) };
         let mut seconds = self.feed_seconds(&path, feed, unit)?;
         if self.state.place.frames.is_some() {

@@ -465,7 +465,7 @@ impl Act<'_, '_> {
     fn wait(&mut self, step: Step, element: Option<Element>, corner: Option<Corner>) {
         let (file, line, block, clock, micro) =
             (self.at.file, self.at.line, self.at.blocks, self.at.clock, self.at.micro);
-        let exact = self.block.flags.exact_stop;
+        let (exact, end) = (self.block.flags.exact_stop, self.block.flags.end);
         let text = self.text.edited.clone();
         let open = self.cutter().and_then(|cutter| cutter.asked.open.take());
         let smooth = self.cutter().and_then(|cutter| cutter.smooth.take());
@@ -480,7 +480,7 @@ impl Act<'_, '_> {
             cutter.idle = 0;
         }
         let waiting =
-            Waiting { step, element, corner, open, smooth, file, line, block, clock, micro, exact, text, events };
+            Waiting { step, element, corner, open, smooth, file, line, block, clock, micro, exact, end, text, events };
         cutter.waiting.push(waiting);
         self.block.flags.moved = true;
         self.note_effect();

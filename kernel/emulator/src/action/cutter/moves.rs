@@ -16,6 +16,7 @@ use counterpoint_event::event::{FeedUnit, Position};
 use counterpoint_fault as diag;
 use counterpoint_motion::contour::corner::{Corner, Link, Offset};
 use counterpoint_motion::contour::element::{Element, NOISE, Spot, angle, distance, plus};
+use counterpoint_program::block::ContourEnd;
 
 impl Act<'_, '_> {
     /// Coordinate of a position as geometry.
@@ -192,6 +193,10 @@ impl Act<'_, '_> {
         }
         let here = self.spot_of(&cutter);
         let corner = match next {
+            Some(next) if waits.end == ContourEnd::Open => {
+                Corner { end: offset.at_end(element), links: vec![Link::Line(offset.at_start(next))], hurts: false }
+            }
+            Some(next) if waits.end == ContourEnd::Sharp => Offset { corner: 1, ..offset }.between(element, next, here),
             Some(next) => offset.between(element, next, here),
             None => {
                 let hurts = element.is_too_small(cutter.side, cutter.radius);
@@ -238,7 +243,8 @@ impl Act<'_, '_> {
         }
         let made = Arc { center: plus(arc.center, cutter.tip, -1.0), radius, start_angle, sweep: turn * (way + whole) };
         let to = self.position_round(cutter, &step.to, end, &made);
-        let Step { coded, feed, unit, .. } = *step;
+        let Step { coded, unit, .. } = *step;
+        let feed = self.edge_feed(step.feed, unit, radius / arc.radius);
         self.round(&Circle { made, coded, from: self.state.place.position, to, axes, turns, feed, unit })
     }
 

@@ -19,6 +19,7 @@
 //! A point that has come from the program goes back to it unchanged. Facts: reference control-emulator.md 6.7.
 
 mod distance;
+pub(crate) mod feeds;
 pub(crate) mod levels;
 pub(crate) mod offsets;
 pub(crate) mod polar;
@@ -63,6 +64,8 @@ pub(crate) struct Frames {
     pub(crate) cutter: Option<Box<super::cutter::Cutter>>,
     /// All corners are rounded, with this radius.
     pub(crate) rounding: Option<f64>,
+    /// Feeds that depend on the way.
+    pub(crate) feeds: feeds::Feeds,
     /// What incremental words travel beside their distance, by axis.
     pub(crate) ways: Option<Box<Position>>,
     /// The last point that the program reached: in the work frame, and as programmed.
@@ -80,6 +83,7 @@ impl Frames {
             && self.tip.is_none()
             && self.cutter.is_none()
             && self.rounding.is_none()
+            && self.feeds == feeds::Feeds::default()
             && self.ways.is_none()
     }
 

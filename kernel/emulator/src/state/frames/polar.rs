@@ -225,6 +225,8 @@ impl Channel<'_> {
             {
                 *slot = 0.0;
             }
+        } else if self.state.place.frames.as_deref().is_some_and(|frames| frames.feeds.rotary_length) {
+            self.as_ways(&mut changes, from);
         }
         let Some(polar) = self.polar() else { return changes };
         let [before, after] = [from, to].map(|point| polar.part(&self.state.place, point));

@@ -1,0 +1,66 @@
+//! M functions with words of their own: M94 with an axis, M103 with a share, M118 with ways, M138 with axes.
+//!
+//! Facts: programming manuals of the control: M94 acts on the axes it names, else on all; F after M103 is a percentage;
+//! coordinates after M118 limit what a handwheel may add; M138 without axes takes all rotary axes again. Decision: M138 with some
+//! of the axes is refused. *Invariant:* none of these words moves an axis or is a feed.
+
+use counterpoint_fault as diag;
+use counterpoint_fault::Halt;
+
+use super::Heidenhain;
+use super::path::axis;
+use super::words::{Seen, joined};
+use crate::host::Host;
+
+/// Letters of rotary axes, as the register of M94 counts them from 1.
+const ROTARY: [&str; 3] = ["A", "B", "C"];
+
+fn is_function(word: &Seen, number: f64) -> bool {
+    word.is("M") && word.value == Some(number)
+}
+
+/// Takes the words behind a function that are its own.
+fn behind(seen: &mut Vec<Seen>, at: usize, own: impl Fn(&Seen) -> bool) -> Vec<Seen> {
+    let count = seen.iter().skip(at + 1).take_while(|word| own(word)).count();
+    seen.drain(at + 1..at + 1 + count).collect()
+}
+
+impl Heidenhain {
+    /// Takes the own words of M functions off a block; the blocks that come before it.
+    pub(super) fn function_words(&self, host: &mut dyn Host, seen: &mut Vec<Seen>) -> Result<Vec<String>, Halt> {
+        let mut before = Vec::new();
+        let place = |seen: &[Seen], number: f64| seen.iter().position(|word| is_function(word, number));
+        if let Some(at) = place(seen, 94.0).filter(|_| host.is_register("BELOW")) {
+            let axes = behind(seen, at, |word| word.value.is_none() && ROTARY.contains(&&*word.name));
+            if !axes.is_empty() {
+                let function = seen.remove(at);
+                let numbers = ROTARY.iter().zip(1_u8..).filter(|(letter, _)| axes.iter().any(|word| word.is(letter)));
+                before.extend(
+                    numbers.map(|(_, number)| joined("", &[function.clone(), Seen::made("BELOW", f64::from(number))])),
+                );
+            }
+        }
+        if let Some(at) = place(seen, 103.0).filter(|_| host.is_register("DOWN"))
+            && let Some(word) = seen.get_mut(at + 1).filter(|word| word.is("F"))
+            && let Some(share) = word.value
+        {
+            *word = Seen::made("DOWN", share);
+        }
+        if let Some(at) = place(seen, 118.0) {
+            behind(seen, at, |word| axis(&word.name).is_some());
+        }
+        if let Some(at) = place(seen, 138.0) {
+            let chosen = behind(seen, at, |word| word.value.is_none() && axis(&word.name).is_some());
+            let of_machine = |letter: &&str| host.positions().iter().any(|(name, ..)| name.starts_with(*letter));
+            let missing = |letter: &&str| !chosen.iter().any(|word| word.is(letter));
+            if !chosen.is_empty() && ROTARY.iter().filter(|letter| of_machine(letter)).any(missing) {
+                let text = format!(
+                    "M138 with some of the rotary axes is not emulated in '{}'; name all of them or none",
+                    host.block_text()
+                );
+                return Err(host.alarm(&diag::STATEMENT_UNKNOWN, text));
+            }
+        }
+        Ok(before)
+    }
+}
