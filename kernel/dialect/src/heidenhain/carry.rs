@@ -59,6 +59,10 @@ impl Heidenhain {
             }
             Statement::SelectPoints(name) => self.select_points(host, name).map(|()| None),
             Statement::SelectDatums(name) => self.select_datums(host, name).map(|()| None),
+            Statement::SelectContour(name) if self.settings.cycles.contains(&14) => {
+                self.select_contour(host, name).map(|()| None)
+            }
+            Statement::SelectContour(_) => Ok(self.not_understood(host)),
             Statement::CallSelected => match self.selected.clone() {
                 Some(name) => self.call_program(host, &name).map(|()| None),
                 None => {

@@ -4,15 +4,18 @@
 //! the lines of the old cycles, which count from where the tool stands).
 //! Decisions: a pocket is cleared by cuts along the first axis, then once round each contour; the tool plunges straight and rises to the
 //! clearance Q6 between rows; sides are reached and left on quarter circles of the radius of the tool, smaller where there is less
-//! room. What is not plain is refused: contours that overlap or leave too little room, rough cuts after another tool (Q18).
+//! room; where contours leave less room than the tool, it goes round what it reaches. What is not plain is refused: rough cuts after
+//! another tool (Q18).
 //! *Invariant:* no way comes nearer to a contour than the radius of the tool with its allowance.
 
 use counterpoint_motion::arc::by_center;
 use counterpoint_motion::contour::closed::{Closed, Cut, cuts, is_clear, turned_by};
+use counterpoint_motion::contour::combine::eroded;
 use counterpoint_motion::contour::element::{Element, Spot, distance, plus};
 use counterpoint_motion::contour::shifted::rounded;
 
 use super::Heidenhain;
+use super::areas::Stage;
 use super::contours::Figure;
 use super::cycles::RAPID;
 use super::formula::{Kind, Name};
@@ -61,6 +64,46 @@ impl Blocks<'_> {
         self.rise_to(level, task.plunge);
     }
 
+    /// Rows of cuts at a level, then once along each way.
+    fn cleared(&mut self, rows: &[Vec<Cut>], ways: &[Closed], task: &Task, level: f64) {
+        for (start, row) in rows.iter().filter_map(|row| Some((row.first()?.0, row))) {
+            self.plunge(start, task, level);
+            let mut here = start;
+            for (from, to) in row {
+                if distance(here, *from) > 1e-7 {
+                    self.line(*from, task.feed);
+                }
+                self.line(*to, task.feed);
+                here = *to;
+            }
+            self.rise_to(task.clear, task.out);
+        }
+        for way in ways {
+            let Some(first) = way.elements().first() else { continue };
+            self.plunge(first.from, task, level);
+            for element in way.elements() {
+                self.element(element, task.feed);
+            }
+            self.rise_to(task.clear, task.out);
+        }
+    }
+
+    /// A hole in pecks, each from a stop ahead of the last depth.
+    fn drilled(&mut self, at: Spot, task: &Task, levels: &[f64], ahead: f64) {
+        self.over(at);
+        self.rise_to(task.clear, RAPID);
+        let mut last = None;
+        for level in levels {
+            if let Some(last) = last {
+                self.rise_to(task.clear, RAPID);
+                self.rise_to(last + ahead, RAPID);
+            }
+            self.rise_to(*level, task.plunge);
+            last = Some(*level);
+        }
+        self.rise_to(task.clear, RAPID);
+    }
+
     fn element(&mut self, element: &Element, feed: f64) {
         let Some(arc) = &element.arc else { return self.line(element.to, feed) };
         let center = self.at(arc.center);
@@ -75,6 +118,8 @@ impl Blocks<'_> {
 pub(super) struct Task {
     surface: f64,
     bottom: f64,
+    /// What it leaves on the ground.
+    floor: f64,
     infeed: f64,
     allowance: f64,
     /// How much of the radius of the tool rows lie apart.
@@ -134,13 +179,14 @@ impl Heidenhain {
         if radius > 0.0 { Ok(radius) } else { Err("the tool of an SL cycle has no radius".to_owned()) }
     }
 
-    /// What a cycle from 21 to 24 says: how deep it goes, and what it leaves at the side.
-    pub(super) fn task(&self, bottom: f64, allowance: f64) -> Task {
+    /// What a cycle from 21 to 24 says, with what it leaves on the ground and at the side.
+    pub(super) fn task(&self, floor: f64, allowance: f64) -> Task {
         let surface = self.sl(5);
         let feed = self.sl(12);
         Task {
             surface,
-            bottom: surface + bottom,
+            bottom: surface + self.sl(1) + floor,
+            floor,
             infeed: self.sl(10),
             allowance,
             overlap: if self.sl(2) > 0.0 { self.sl(2) } else { 1.0 },
@@ -164,6 +210,7 @@ impl Heidenhain {
         Task {
             surface,
             bottom: surface - of(old::DEPTH).abs(),
+            floor: 0.0,
             infeed: of(old::INFEED),
             allowance: of(old::ALLOWANCE),
             overlap: 1.2,
@@ -178,27 +225,43 @@ impl Heidenhain {
         }
     }
 
-    /// Ways beside the figures in the sense of the task.
+    /// Ways beside the figures in the sense of the task: along each of them, or, where they leave too little room for that, round
+    /// all that the tool reaches.
     fn ways(&self, figures: &[Figure], amount: f64, task: &Task) -> Result<Vec<Closed>, String> {
         let all: Vec<Closed> = figures.iter().map(|figure| figure.outline.clone()).collect();
-        let ways = figures.iter().enumerate().map(|(at, figure)| {
+        let along = figures.iter().map(|figure| {
             // Climbing is against the clock in a pocket, with it round an island.
             let clockwise = figure.is_pocket != task.climbs;
             let same = figure.outline.is_clockwise() == clockwise;
             let outline = if same { figure.outline.clone() } else { figure.outline.reversed() };
-            let number = at + 1;
-            let way = outline.beside(if task.climbs { 1.0 } else { -1.0 }, amount);
-            let way = way.ok_or_else(|| format!("the tool with its allowance does not fit into contour {number} of cycle 14"))?;
-            // In one pocket and no island: not in a pocket of another one, nor beside all.
-            let within = |at: Spot| all.iter().filter(|contour| contour.holds(at)).count() % 2 == 1;
-            if !way.keeps_away(&all, amount) || !way.elements().first().is_some_and(|first| within(first.from)) {
-                return Err(format!(
-                    "contours that overlap, lie outside of all pockets, or leave less room than the tool with its allowance, are not emulated: contour {number} of cycle 14"
-                ));
-            }
-            Ok(way)
+            let way = outline.beside(if task.climbs { 1.0 } else { -1.0 }, amount)?;
+            way.keeps_away(&all, amount).then_some(way)
         });
-        ways.collect()
+        if let Some(ways) = along.collect::<Option<Vec<_>>>() {
+            return Ok(ways);
+        }
+        let reached = eroded(&all, amount).filter(|reached| !reached.is_empty()).ok_or_else(|| {
+            "the tool with its allowance does not fit into the contours of cycle 14, or they have too many elements to find where it does"
+                .to_owned()
+        })?;
+        let ways =
+            reached.iter().map(|way| if task.climbs { way.from_longest() } else { way.reversed().from_longest() });
+        Ok(ways.collect())
+    }
+
+    /// The ground of a stage.
+    fn ground(stage: &Stage, task: &Task) -> f64 {
+        stage.depth.map_or(task.bottom, |depth| task.surface - depth + task.floor)
+    }
+
+    /// The stages of a task, with where each begins and ends.
+    fn grounds(&self, task: &Task) -> Result<Vec<(Stage, f64, f64)>, String> {
+        let mut top = task.surface;
+        let stages = self.stages(task.surface - task.bottom + task.floor)?.into_iter().map(|stage| {
+            let ground = Self::ground(&stage, task);
+            (stage, std::mem::replace(&mut top, ground), ground)
+        });
+        Ok(stages.collect())
     }
 
     /// Rows of cuts between ways that keep away from the figures by an amount.
@@ -221,34 +284,16 @@ impl Heidenhain {
 
     /// Cycles 22 and 23, in one go, and 6.
     pub(super) fn rough_out(&self, host: &dyn Host, task: &Task, at_once: bool) -> Result<Vec<String>, String> {
-        let (figures, radius, factor) = (self.figures()?, self.cutter(host)?, host.length_factor());
+        let (radius, factor) = (self.cutter(host)?, host.length_factor());
         let amount = radius + task.allowance * factor;
-        let outlines = self.ways(&figures, amount, task)?;
-        let rows = Self::rows(&outlines, (&figures, amount), task, radius)?;
-        let levels = if at_once { vec![task.bottom] } else { levels(task.surface, task.bottom, task.infeed) };
         let mut blocks = self.blocks(host);
         blocks.rise_to(task.safe, RAPID);
-        for level in levels {
-            let rows = rows.iter().filter_map(|row| Some((row.first()?.0, row)));
-            for (start, row) in rows {
-                blocks.plunge(start, task, level);
-                let mut here = start;
-                for (from, to) in row {
-                    if distance(here, *from) > 1e-7 {
-                        blocks.line(*from, task.feed);
-                    }
-                    blocks.line(*to, task.feed);
-                    here = *to;
-                }
-                blocks.rise_to(task.clear, task.out);
-            }
-            for way in &outlines {
-                let Some(first) = way.elements().first() else { continue };
-                blocks.plunge(first.from, task, level);
-                for element in way.elements() {
-                    blocks.element(element, task.feed);
-                }
-                blocks.rise_to(task.clear, task.out);
+        for (Stage { figures, .. }, top, ground) in self.grounds(task)? {
+            let outlines = self.ways(&figures, amount, task)?;
+            let rows = Self::rows(&outlines, (&figures, amount), task, radius)?;
+            let levels = if at_once { vec![ground] } else { levels(top, ground, task.infeed) };
+            for level in levels {
+                blocks.cleared(&rows, &outlines, task, level);
             }
         }
         blocks.rise_to(task.safe, RAPID);
@@ -257,31 +302,33 @@ impl Heidenhain {
 
     /// Cycles 24 and 16.
     pub(super) fn finish_sides(&self, host: &dyn Host, task: &Task) -> Result<Vec<String>, String> {
-        let (figures, radius, factor) = (self.figures()?, self.cutter(host)?, host.length_factor());
-        let all: Vec<Closed> = figures.iter().map(|figure| figure.outline.clone()).collect();
+        let (radius, factor) = (self.cutter(host)?, host.length_factor());
         let amount = radius + task.allowance * factor;
         let side = if task.climbs { 1.0 } else { -1.0 };
         let mut blocks = self.blocks(host);
         blocks.rise_to(task.safe, RAPID);
-        for way in self.ways(&figures, amount, task)? {
-            let (Some(first), Some(last)) = (way.elements().first(), way.elements().last()) else { continue };
-            let both = |size: f64| {
-                let to = quarter(first.from, first.start(), side, size, true)?;
-                let from = quarter(last.to, last.end(), side, size, false)?;
-                (is_clear(&to, &all, amount) && is_clear(&from, &all, amount)).then_some((to, from))
-            };
-            let quarters = (0..6).find_map(|halved| both(radius / f64::from(1 << halved)));
-            let Some((to, from)) = quarters else {
-                return Err("a side of a contour of cycle 14 has no room for a way to it".to_owned());
-            };
-            for level in levels(task.surface, task.bottom, task.infeed) {
-                blocks.plunge(to.from, task, level);
-                blocks.element(&to, task.feed);
-                for element in way.elements() {
-                    blocks.element(element, task.feed);
+        for (Stage { figures, .. }, top, ground) in self.grounds(task)? {
+            let all: Vec<Closed> = figures.iter().map(|figure| figure.outline.clone()).collect();
+            for way in self.ways(&figures, amount, task)? {
+                let (Some(first), Some(last)) = (way.elements().first(), way.elements().last()) else { continue };
+                let both = |size: f64| {
+                    let to = quarter(first.from, first.start(), side, size, true)?;
+                    let from = quarter(last.to, last.end(), side, size, false)?;
+                    (is_clear(&to, &all, amount) && is_clear(&from, &all, amount)).then_some((to, from))
+                };
+                let quarters = (0..6).find_map(|halved| both(radius / f64::from(1 << halved)));
+                let Some((to, from)) = quarters else {
+                    return Err("a side of a contour of cycle 14 has no room for a way to it".to_owned());
+                };
+                for level in levels(top, ground, task.infeed) {
+                    blocks.plunge(to.from, task, level);
+                    blocks.element(&to, task.feed);
+                    for element in way.elements() {
+                        blocks.element(element, task.feed);
+                    }
+                    blocks.element(&from, task.feed);
+                    blocks.rise_to(task.clear, RAPID);
                 }
-                blocks.element(&from, task.feed);
-                blocks.rise_to(task.clear, RAPID);
             }
         }
         blocks.rise_to(task.safe, RAPID);
@@ -290,7 +337,7 @@ impl Heidenhain {
 
     /// Cycles 21 and 15: holes where the roughing cycle plunges, with tool Q13 or that in force.
     pub(super) fn drill_pilots(&self, host: &dyn Host, task: &Task) -> Result<Vec<String>, String> {
-        let (figures, factor) = (self.figures()?, host.length_factor());
+        let factor = host.length_factor();
         let radius = match task.tool {
             Some(tool) => host.tool_size(tool)[1],
             None => self.cutter(host)?,
@@ -299,28 +346,19 @@ impl Heidenhain {
             return Err("tool Q13, with which cycle 22 roughs, has no radius".to_owned());
         }
         let amount = radius + task.allowance * factor;
-        let outlines = self.ways(&figures, amount, task)?;
-        let rows = Self::rows(&outlines, (&figures, amount), task, radius)?;
-        let of_rows = rows.iter().filter_map(|row| row.first()).map(|(from, _)| *from);
-        let starts =
-            of_rows.chain(outlines.iter().filter_map(|way| way.elements().first()).map(|element| element.from));
-        let depth = task.surface - task.bottom;
-        let ahead = if depth > 30.0 { (depth / 50.0).min(7.0) } else { 0.6 };
         let mut blocks = self.blocks(host);
         blocks.rise_to(task.safe, RAPID);
-        for start in starts {
-            blocks.over(start);
-            blocks.rise_to(task.clear, RAPID);
-            let mut last = None;
-            for level in levels(task.surface, task.bottom, task.infeed) {
-                if let Some(last) = last {
-                    blocks.rise_to(task.clear, RAPID);
-                    blocks.rise_to(last + ahead, RAPID);
-                }
-                blocks.rise_to(level, task.plunge);
-                last = Some(level);
+        for (Stage { figures, .. }, _, ground) in self.grounds(task)? {
+            let outlines = self.ways(&figures, amount, task)?;
+            let rows = Self::rows(&outlines, (&figures, amount), task, radius)?;
+            let of_rows = rows.iter().filter_map(|row| row.first()).map(|(from, _)| *from);
+            let starts =
+                of_rows.chain(outlines.iter().filter_map(|way| way.elements().first()).map(|element| element.from));
+            let depth = task.surface - ground;
+            let ahead = if depth > 30.0 { (depth / 50.0).min(7.0) } else { 0.6 };
+            for start in starts {
+                blocks.drilled(start, task, &levels(task.surface, ground, task.infeed), ahead);
             }
-            blocks.rise_to(task.clear, RAPID);
         }
         blocks.rise_to(task.safe, RAPID);
         Ok(blocks.lines)

@@ -14,6 +14,7 @@ use counterpoint_motion::contour::element::Element;
 use counterpoint_program::shape::Range;
 
 use super::Heidenhain;
+use super::areas::Area;
 use super::flow::Kind;
 use super::path::Path;
 use super::statement::Label;
@@ -38,19 +39,31 @@ pub(super) struct Figure {
     pub(super) is_pocket: bool,
 }
 
+/// Where a contour stands.
+#[derive(Debug, Clone)]
+pub(super) enum Source {
+    Label(FileId, Label),
+    Program(String),
+}
+
 /// A subprogram that is a contour.
 #[derive(Debug, Clone)]
-struct Named {
-    file: FileId,
-    label: Label,
+pub(super) struct Named {
+    pub(super) source: Source,
     /// What CONTOUR DEF makes of it; in cycle 14 its side tells.
-    is_pocket: Option<bool>,
+    pub(super) is_pocket: Option<bool>,
+    /// DEPTH: that of a pocket, or how far an island lies below the surface.
+    pub(super) depth: Option<f64>,
 }
 
 /// The contours of cycle 14 or CONTOUR DEF.
 #[derive(Debug, Default)]
 pub(super) struct Contours {
     labels: Vec<Named>,
+    /// What SEL CONTOUR makes of them.
+    pub(super) formula: Option<Area>,
+    /// Pockets that overlap are what they have in common, where the first begins in the second.
+    pub(super) by_start: bool,
     /// Cycle 270 says how a train begins and ends.
     pub(super) train: bool,
     read: Vec<Contour>,
@@ -59,10 +72,21 @@ pub(super) struct Contours {
 }
 
 impl Contours {
+    /// Those that a formula joins.
+    pub(super) fn joined(labels: Vec<Named>, formula: Area) -> Self {
+        Self { labels, formula: Some(formula), ..Self::default() }
+    }
+
     /// Bytes that they take, about.
     pub(super) fn bytes(&self) -> usize {
         self.read.iter().map(|contour| contour.elements.len() * size_of::<Element>()).sum::<usize>()
             + self.labels.len() * 60
+            + self.formula.as_ref().map_or(0, Area::size) * 60
+    }
+
+    /// DEPTH of a contour.
+    pub(super) fn depth(&self, at: usize) -> Option<f64> {
+        self.labels.get(at)?.depth
     }
 }
 
@@ -71,23 +95,39 @@ impl Heidenhain {
     pub(super) fn name_contours(&mut self, host: &dyn Host, seen: &[Seen]) {
         let file = host.place().file;
         let values = seen.iter().filter(|word| word.is("LABEL") || word.is("/")).filter_map(|word| word.value);
-        let labels = values.map(|value| Named { file, label: Label::Number(value as u32), is_pocket: None }).collect();
-        self.cycles.contours = Contours { labels, ..Contours::default() };
+        let of = |value: f64| Source::Label(file, Label::Number(value as u32));
+        let labels = values.map(|value| Named { source: of(value), is_pocket: None, depth: None }).collect();
+        self.cycles.contours = Contours { labels, by_start: true, ..Contours::default() };
     }
 
-    /// CONTOUR DEF: `P1 = LBL 1 I2 = LBL 2`; whether it is understood.
+    /// CONTOUR DEF: `P1 = LBL 1 I2 = "ISLAND" DEPTH5`; whether it is understood.
     pub(super) fn define_contours(&mut self, host: &dyn Host, words: &[Seen]) -> bool {
         let file = host.place().file;
         let mut labels = Vec::new();
-        for part in words.chunks(3) {
-            let (Some(kind), Some(sign), Some(label)) = (part.first(), part.get(1), part.get(2)) else { return false };
+        let mut words = words.iter().filter(|word| word.text != "=").peekable();
+        while let Some(kind) = words.next() {
             let is_pocket = match &*kind.name {
-                "P" => true,
-                "I" => false,
+                "P" | "P=" => true,
+                "I" | "I=" => false,
                 _ => return false,
             };
-            let Some(number) = label.value.filter(|_| sign.text == "=" && label.is("LBL")) else { return false };
-            labels.push(Named { file, label: Label::Number(number as u32), is_pocket: Some(is_pocket) });
+            let Some(named) = words.next() else { return false };
+            let source = match (named.text.strip_prefix('"'), named.value) {
+                (Some(program), _) => Source::Program(program.trim_end_matches('"').to_owned()),
+                (None, Some(number)) if named.is("LBL") => Source::Label(file, Label::Number(number as u32)),
+                (None, None) if named.is("LBL") => match words.next().map(|word| word.text.trim_matches('"')) {
+                    Some(name) => Source::Label(file, Label::Name(name.to_owned())),
+                    None => return false,
+                },
+                _ => return false,
+            };
+            let depth = words.next_if(|word| matches!(&*word.name, "DEPTH" | "DEPTH=")).map(|word| word.value);
+            if depth == Some(None) {
+                return false;
+            }
+            // A depth of 0 is that of cycle 20.
+            let depth = depth.flatten().map(f64::abs).filter(|depth| *depth > 0.0);
+            labels.push(Named { source, is_pocket: Some(is_pocket), depth });
         }
         self.cycles.contours = Contours { labels, ..Contours::default() };
         true
@@ -111,10 +151,10 @@ impl Heidenhain {
             "ROUGH" if self.sl(18) != 0.0 => {
                 Err("roughing after a larger tool (Q18) is not emulated: program Q18=0".to_owned())
             }
-            "ROUGH" => self.rough_out(host, &self.task(self.sl(1) + self.sl(4), self.sl(3)), false),
-            "FLOOR" => self.rough_out(host, &self.task(self.sl(1), self.sl(3)), true),
-            "SIDE" => self.finish_sides(host, &self.task(self.sl(1), self.sl(14))),
-            "PILOT" => self.drill_pilots(host, &self.task(self.sl(1) + self.sl(4), self.sl(3))),
+            "ROUGH" => self.rough_out(host, &self.task(self.sl(4), self.sl(3)), false),
+            "FLOOR" => self.rough_out(host, &self.task(0.0, self.sl(3)), true),
+            "SIDE" => self.finish_sides(host, &self.task(0.0, self.sl(14))),
+            "PILOT" => self.drill_pilots(host, &self.task(self.sl(4), self.sl(3))),
             "TRAIN" => self.follow_train(host),
             "OLD ROUGH" => self.rough_out(host, &self.old_task(host), false),
             "OLD SIDE" => self.finish_sides(host, &self.old_task(host)),
@@ -141,24 +181,35 @@ impl Heidenhain {
             }
         }
         let contours = &self.cycles.contours;
-        let Some(Named { file, label, .. }) = contours.labels.get(contours.read.len()).cloned() else {
+        let Some(Named { source, .. }) = contours.labels.get(contours.read.len()).cloned() else {
             if self.cycles.contours.labels.is_empty() {
                 let text = "the cycle has no contour; program cycle 14 before it".to_owned();
                 return Err(host.alarm(&diag::STATEMENT_UNKNOWN, text));
             }
             return Ok(());
         };
-        let Some(line) = self.find_label_in(host, file, &label) else {
-            let text = format!("{label}, a contour of cycle 14, is not in the program");
-            return Err(host.alarm(&diag::JUMP_TARGET, text));
+        let (name, found, kind) = match source {
+            Source::Label(file, label) => {
+                let Some(line) = self.find_label_in(host, file, &label) else {
+                    let text = format!("{label}, a contour of cycle 14, is not in the program");
+                    return Err(host.alarm(&diag::JUMP_TARGET, text));
+                };
+                let last = host.source(file).map_or(line, |source| source.lines());
+                (label.to_string(), (file, Range { number: None, first: line, last }), Kind::Label)
+            }
+            Source::Program(name) => {
+                let Some(found) = self.find_program(host, &name, false)? else {
+                    let text = format!("contour program '{name}' not found; add it to the job");
+                    return Err(host.alarm(&diag::SUBPROGRAM_MISSING, text));
+                };
+                (name, found, Kind::Program)
+            }
         };
         self.cycles.contours.before = Some(Box::new(self.path.clone()));
         self.path.side.is_left = None;
-        let last = host.source(file).map_or(line, |source| source.lines());
-        let range = Range { number: None, first: line, last };
-        self.calling = Some(Kind::Label);
+        self.calling = Some(kind);
         self.keeping = true;
-        host.read_contour(Call { name: label.to_string().into(), place: Some((file, range)), passes: 1, closes: true });
+        host.read_contour(Call { name: name.into(), place: Some(found), passes: 1, closes: true });
         host.effect();
         host.go_to(place.line)
     }

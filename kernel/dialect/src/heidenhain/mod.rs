@@ -6,6 +6,7 @@
 //! once for each line that stands as it was read; the calls here are those of the kernel, in the same order.
 
 mod ahead;
+mod areas;
 mod calls;
 mod carry;
 mod circle;
@@ -23,6 +24,7 @@ mod functions;
 mod iso;
 mod lex;
 mod m_words;
+mod models;
 mod old;
 mod path;
 mod patterns;

@@ -82,6 +82,8 @@ pub(super) enum Statement {
     /// SEL PATTERN and SEL TABLE with the name of a table.
     SelectPoints(Formula),
     SelectDatums(Formula),
+    /// SEL CONTOUR with the program that makes an area of contours.
+    SelectContour(Formula),
     Begin {
         iso: bool,
         inch: Option<bool>,
@@ -244,6 +246,8 @@ fn key_word(cursor: &mut Cursor<'_>) -> Result<Option<Statement>, Wrong> {
         Statement::SelectProgram(program_name(cursor)?)
     } else if cursor.keyword("SEL PATTERN") {
         Statement::SelectPoints(program_name(cursor)?)
+    } else if cursor.keyword("SEL CONTOUR") {
+        Statement::SelectContour(program_name(cursor)?)
     } else if cursor.keyword("SEL TABLE") {
         Statement::SelectDatums(program_name(cursor)?)
     } else if cursor.keyword("BEGIN PGM") {

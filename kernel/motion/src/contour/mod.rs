@@ -3,9 +3,11 @@
 pub mod area;
 pub mod blend;
 pub mod closed;
+pub mod combine;
 pub mod corner;
 mod crossing;
 pub mod element;
+mod meet;
 mod near;
 pub mod shifted;
 pub mod tangent;

@@ -1,0 +1,190 @@
+//! The area that SL contours make together.
+//!
+//! Facts: programming manuals of the control (overlapping contours of cycle 14: two pockets are one if the first begins outside of the
+//! second, else what they have in common counts; islands are taken away; in CONTOUR DEF pockets are one; DEPTH is that of a pocket, or
+//! how far an island lies below the surface; formulas of SEL CONTOUR). Decisions: a pocket inside of an island is cut too; depths make
+//! levels, from each to the next the area is that of the contours there. *Invariant:* contours that neither meet nor lie in each other in
+//! another way than pocket, island, pocket are as they were programmed.
+
+use counterpoint_motion::contour::closed::Closed;
+use counterpoint_motion::contour::combine::{combined, touch};
+
+use super::Heidenhain;
+use super::contours::{Contours, Figure};
+
+/// How two areas make one.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Join {
+    Common,
+    Union,
+    Either,
+    Without,
+}
+
+/// What an area is made of; contours by their places.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) enum Area {
+    Contour(usize),
+    Outside(Box<Area>),
+    Of(Join, Box<Area>, Box<Area>),
+}
+
+impl Area {
+    /// A spot lies in it that is held by these contours.
+    fn holds(&self, held: &[bool]) -> bool {
+        match self {
+            Self::Contour(at) => held.get(*at).copied().unwrap_or(false),
+            Self::Outside(area) => !area.holds(held),
+            Self::Of(join, one, other) => {
+                let (one, other) = (one.holds(held), other.holds(held));
+                match join {
+                    Join::Common => one && other,
+                    Join::Union => one || other,
+                    Join::Either => one != other,
+                    Join::Without => one && !other,
+                }
+            }
+        }
+    }
+
+    /// Contours and joins of it.
+    pub(super) fn size(&self) -> usize {
+        match self {
+            Self::Contour(_) => 1,
+            Self::Outside(area) => 1 + area.size(),
+            Self::Of(_, one, other) => 1 + one.size() + other.size(),
+        }
+    }
+
+    fn joined(self, join: Join, other: Self) -> Self {
+        Self::Of(join, Box::new(self), Box::new(other))
+    }
+}
+
+/// The union of areas.
+fn union(areas: impl Iterator<Item = Area>) -> Option<Area> {
+    areas.reduce(|one, other| one.joined(Join::Union, other))
+}
+
+/// What the figures make together: pockets that meet, then islands taken away, then pockets inside of islands. `by_start`: two
+/// pockets are what they have in common where the first begins in the second.
+fn of_figures(figures: &[Figure], by_start: bool) -> Option<Area> {
+    let at = |place: usize| figures.get(place);
+    let starts_in = |one: usize, other: usize| {
+        let start = at(one).and_then(|figure| figure.outline.elements().first()).map(|element| element.from);
+        start.zip(at(other)).is_some_and(|(start, other)| other.outline.holds(start))
+    };
+    let meets = |one: usize, other: usize| at(one).zip(at(other)).is_some_and(|(a, b)| touch(&a.outline, &b.outline));
+    let of = |pocket: bool| (0..figures.len()).filter(move |place| at(*place).is_some_and(|f| f.is_pocket == pocket));
+    let inside = |one: usize, other: usize| starts_in(one, other) && !meets(one, other);
+    let is_inner = |pocket: &usize| of(false).any(|island| inside(*pocket, island));
+    // Pockets that meet, each group with what it is so far.
+    let mut groups: Vec<(Vec<usize>, Area)> = Vec::new();
+    for pocket in of(true).filter(|pocket| !is_inner(pocket)) {
+        let mut area = Area::Contour(pocket);
+        let mut members = vec![pocket];
+        while let Some(near) = groups.iter().position(|(others, _)| others.iter().any(|other| meets(*other, pocket))) {
+            let (others, group) = groups.remove(near);
+            let first = others.iter().find(|other| meets(**other, pocket)).copied().unwrap_or(pocket);
+            let join = if by_start && starts_in(first, pocket) { Join::Common } else { Join::Union };
+            area = group.joined(join, area);
+            members.extend(others);
+        }
+        groups.push((members, area));
+    }
+    let mut area = union(groups.into_iter().map(|(_, area)| area))?;
+    let outer = of(false).filter(|island| !of(true).filter(is_inner).any(|pocket| inside(*island, pocket)));
+    if let Some(islands) = union(outer.map(Area::Contour)) {
+        area = area.joined(Join::Without, islands);
+    }
+    for pocket in of(true).filter(is_inner) {
+        let own = union(of(false).filter(|island| inside(*island, pocket)).map(Area::Contour));
+        let pocket = Area::Contour(pocket);
+        let pocket = own.map_or_else(|| pocket.clone(), |own| pocket.clone().joined(Join::Without, own));
+        area = area.joined(Join::Union, pocket);
+    }
+    Some(area)
+}
+
+/// The rims of an area as pockets and islands.
+fn rims(figures: &[Figure], area: &Area) -> Result<Vec<Figure>, String> {
+    let outlines: Vec<Closed> = figures.iter().map(|figure| figure.outline.clone()).collect();
+    let rings = combined(&outlines, |held| area.holds(held))
+        .ok_or_else(|| "the contours meet too often, or leave a rim that does not close".to_owned())?;
+    let figure = |outline: Closed| Figure { is_pocket: !outline.is_clockwise(), outline };
+    Ok(rings.into_iter().map(figure).collect())
+}
+
+/// Pockets and islands as they may stand: apart, an island in a pocket, a pocket in an island.
+fn is_plain(figures: &[Figure]) -> bool {
+    figures.iter().enumerate().all(|(place, figure)| {
+        let others = || figures.iter().enumerate().filter(|(other, _)| *other != place).map(|(_, other)| other);
+        let Some(start) = figure.outline.elements().first().map(|element| element.from) else { return false };
+        let around = others().filter(|other| other.outline.holds(start)).count();
+        (around % 2 == 0) == figure.is_pocket && others().all(|other| !touch(&other.outline, &figure.outline))
+    })
+}
+
+/// An area down to a level, above which it is that of the stage before; the level as a depth below the surface, none for that of the
+/// cycle.
+pub(super) struct Stage {
+    pub(super) depth: Option<f64>,
+    pub(super) figures: Vec<Figure>,
+}
+
+impl Contours {
+    /// The area of figures without depths of their own.
+    fn together(&self, figures: Vec<Figure>) -> Result<Vec<Figure>, String> {
+        if let Some(formula) = &self.formula {
+            return rims(&figures, formula);
+        }
+        if is_plain(&figures) {
+            return Ok(figures);
+        }
+        let lost = figures.iter().enumerate().filter(|(_, figure)| !figure.is_pocket).find(|(_, island)| {
+            let start = island.outline.elements().first().map(|element| element.from);
+            !figures.iter().filter(|figure| figure.is_pocket).any(|pocket| {
+                touch(&pocket.outline, &island.outline) || start.is_some_and(|start| pocket.outline.holds(start))
+            })
+        });
+        if let Some((place, _)) = lost {
+            return Err(format!("contour {} of cycle 14 is an island outside of all pockets", place + 1));
+        }
+        let area = of_figures(&figures, self.by_start).ok_or_else(|| "cycle 14 has no pocket".to_owned())?;
+        rims(&figures, &area)
+    }
+}
+
+impl Heidenhain {
+    /// What the contours make together, from the surface down.
+    pub(super) fn stages(&self, bottom: f64) -> Result<Vec<Stage>, String> {
+        let figures = self.figures()?;
+        let contours = &self.cycles.contours;
+        let depth = |place: usize| contours.depth(place);
+        let mut stops: Vec<f64> = (0..figures.len()).filter_map(depth).collect();
+        if stops.is_empty() {
+            return Ok(vec![Stage { depth: None, figures: contours.together(figures)? }]);
+        }
+        let is_pocket = |figure: &Figure| figure.is_pocket;
+        if figures.iter().enumerate().any(|(place, figure)| is_pocket(figure) && depth(place).is_none()) {
+            stops.push(bottom);
+        }
+        stops.sort_by(f64::total_cmp);
+        stops.dedup_by(|a, b| (*a - *b).abs() < 1e-9);
+        let mut stages = Vec::new();
+        for stop in stops {
+            // Islands stand up from below their tops; pockets end at their floors.
+            let here = figures.iter().enumerate().filter(|(place, figure)| match depth(*place) {
+                None if figure.is_pocket => bottom >= stop - 1e-9,
+                None => true,
+                Some(own) if figure.is_pocket => own >= stop - 1e-9,
+                Some(top) => top < stop - 1e-9,
+            });
+            let here: Vec<Figure> = here.map(|(_, figure)| figure.clone()).collect();
+            if here.iter().any(is_pocket) {
+                stages.push(Stage { depth: Some(stop), figures: contours.together(here)? });
+            }
+        }
+        Ok(stages)
+    }
+}
