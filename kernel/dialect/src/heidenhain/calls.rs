@@ -194,14 +194,17 @@ impl Heidenhain {
         if self.cycles.running.depth == 0 {
             self.cycles.running.depth = self.variables.calls.depth();
             self.cycles.running.feed.clone_from(&self.path.feed);
+            let main = std::mem::replace(&mut self.variables.control.inch, self.units.inches);
+            self.cycles.running.main_in_inches = main;
         }
     }
 
     /// A program or label has returned: a cycle is over, its parameters are those of its definition again.
     pub(super) fn cycle_returns(&mut self) {
         if self.cycles.running.depth > self.variables.calls.depth() {
-            let Running { changed, feed, .. } = std::mem::take(&mut self.cycles.running);
+            let Running { changed, feed, main_in_inches, .. } = std::mem::take(&mut self.cycles.running);
             self.path.feed = feed;
+            self.variables.control.inch = main_in_inches;
             for (name, value) in changed {
                 self.variables.set(name, Value::Number(value));
             }

@@ -12,6 +12,12 @@ use super::{Heidenhain, Line};
 use crate::host::{Host, Place};
 use counterpoint_fault as diag;
 use counterpoint_fault::Halt;
+use counterpoint_machine::stored::StoredFile;
+
+/// The code of a unit.
+fn unit(inch: bool) -> &'static str {
+    if inch { "INCH" } else { "MM" }
+}
 
 impl Heidenhain {
     /// Executes a block: what is left of it, blocks in lines of their own.
@@ -191,15 +197,21 @@ impl Heidenhain {
         Ok(())
     }
 
-    /// Units are codes of the machine.
+    /// Units are codes of the machine. A program that is called may have another one, until it returns; cycles of the control count
+    /// as the program that calls them.
     fn begin_program(
         &mut self,
         host: &mut dyn Host,
         inch: Option<bool>,
         words: &[Word],
     ) -> Result<Option<String>, Halt> {
+        let file = host.place().file;
+        if host.files().get(usize::from(file)).is_some_and(|name| name.starts_with(StoredFile::ROOT)) {
+            return Ok(None);
+        }
+        let called = self.variables.calls.depth() > 0;
         // Q113 is the unit of the main program.
-        if let Some(inch) = inch.filter(|_| self.variables.calls.depth() == 0) {
+        if let Some(inch) = inch.filter(|_| !called) {
             self.variables.control.inch = inch;
         }
         if !words.is_empty() {
@@ -207,9 +219,12 @@ impl Heidenhain {
             return Ok(Some(joined("", &seen)));
         }
         let Some(inch) = inch else { return Ok(None) };
-        let unit = if inch { "INCH" } else { "MM" };
-        if host.is_code_text(unit) {
-            return Ok(Some(unit.to_owned()));
+        if host.is_code_text(unit(inch)) {
+            if called && inch != self.units.inches {
+                self.variables.calls.here_mut().caller_in_inches = Some(self.units.inches);
+            }
+            self.units.inches = inch;
+            return Ok(Some(unit(inch).to_owned()));
         }
         if inch {
             let text =
@@ -217,6 +232,13 @@ impl Heidenhain {
             host.diagnose(&diag::STATEMENT_UNKNOWN, text);
         }
         Ok(None)
+    }
+
+    /// The unit of the program that has called the one that ends, where that had another one.
+    pub(super) fn unit_of_caller(&mut self, host: &dyn Host) -> Option<String> {
+        let inches = self.variables.calls.here_mut().caller_in_inches.take()?;
+        self.units.inches = inches;
+        Some(unit(inches).to_owned()).filter(|unit| host.is_code_text(unit))
     }
 
     /// Number of a tool; none for a name that nobody knows.
@@ -277,6 +299,11 @@ impl Heidenhain {
             let said = |name: &str| seen.iter().find(|word| word.is(name)).and_then(|word| word.value).unwrap_or(0.0);
             let allowances = ["DL", "DR"].map(said);
             self.tools.add_allowances(host, number, &mut seen);
+            // Offsets of the machine are in its own unit.
+            let factor = if self.units.inches { host.length_factor() } else { 1.0 };
+            for word in seen.iter_mut().filter(|word| matches!(&*word.name, "DL" | "DR") && factor != 1.0) {
+                *word = Seen::made(&word.name.clone(), word.value.unwrap_or(0.0) * factor);
+            }
             let control = &mut self.variables.control;
             (control.tool, control.length, control.allowances) = (Some(number), own.0, allowances);
             control.radius = own.1.map(|radius| radius + allowances[1]);

@@ -138,6 +138,8 @@ pub(super) struct Running {
     pub(super) depth: usize,
     /// Feed of the program that has called it.
     pub(super) feed: Option<String>,
+    /// The main program counts in inches.
+    pub(super) main_in_inches: bool,
     /// Parameters that the call has changed, with what they were.
     pub(super) changed: Vec<(Name, f64)>,
 }
@@ -184,7 +186,10 @@ impl Heidenhain {
             }
         }
         let appended = APPENDED.iter().filter(|(cycle, _)| *cycle == number).flat_map(|(_, appended)| *appended);
+        let inches = evaluator.host.length_factor();
         for &(index, value) in appended {
+            // The way off the wall is a length of its own, 0.2 mm.
+            let value = if (number, index) == (202, 357) { value / inches } else { value };
             let is = |word: &Seen| parameter_of(&word.name).is_some_and(|name| name == Name { kind: Kind::Q, index });
             if !seen.iter().any(is) {
                 evaluator.assign(Name { kind: Kind::Q, index }, Value::Number(value))?;

@@ -13,9 +13,11 @@ use crate::host::Host;
 use counterpoint_fault as diag;
 use counterpoint_fault::Halt;
 
-/// Units of the feeds of a program.
+/// Units of a program and of its feeds.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Units {
+    /// The program that runs counts in inches.
+    pub(super) inches: bool,
     /// FU or FZ has been used.
     used: bool,
     /// M136 has been programmed.
@@ -30,6 +32,11 @@ impl Units {
             137.0 => self.per_turn = false,
             _ => {}
         }
+    }
+
+    /// Units of the machine of a unit of F words in an inch program: tenths of an inch a minute, inches a revolution.
+    pub(super) fn feed_factor(self, inch: f64) -> f64 {
+        if self.per_turn { inch } else { inch / 10.0 }
     }
 
     /// The M function that an F word means.
@@ -57,6 +64,11 @@ impl Heidenhain {
                 "FZ" if !host.is_register("FZ") => value * self.teeth(host)?,
                 _ => continue,
             };
+            if self.units.inches {
+                let text =
+                    format!("FU and FZ are not emulated in inch programs: '{}'; program M136", host.block_text());
+                return Err(host.alarm(&diag::STATEMENT_UNKNOWN, text));
+            }
             if !host.knows_code(b'M', 136.0) {
                 let text = format!("the machine has no code M136 for the feed of '{}'", host.block_text());
                 return Err(host.alarm(&diag::NO_FEED_PER_TURN, text));

@@ -28,6 +28,10 @@ impl Heidenhain {
         };
         let asked = name_of(id, number, index);
         let value = match evaluator.ask(&asked)? {
+            // The machine gives a feed in its own unit.
+            Asked::Value(Value::Number(feed)) if self.units.inches && (id, number) == (20.0, 9.0) => {
+                Value::Number(feed / self.units.feed_factor(host.length_factor()))
+            }
             Asked::Value(value) => value,
             Asked::Nothing | Asked::Kept => Value::Number(0.0),
             Asked::Unknown => {

@@ -97,7 +97,7 @@ impl Heidenhain {
         let name = name.trim().trim_matches('"');
         for name in [name.to_owned(), format!("{name}{ending}")] {
             if let Some((file, _)) = self.find_program(host, &name, false)? {
-                return Ok(rows(host, file, self.variables.control.inch));
+                return Ok(rows(host, file, self.units.inches));
             }
         }
         let text = format!("table {name} not found for '{}'; add it to the files of the job", host.block_text());

@@ -41,6 +41,7 @@ pub(super) struct ControlState {
     /// M3, M4, M5 after M3, M5 after M4: 0 to 3.
     pub(super) spindle: Option<u8>,
     pub(super) coolant: bool,
+    /// The main program counts in inches; while a cycle runs, the program that has called it.
     pub(super) inch: bool,
 }
 
@@ -82,6 +83,8 @@ pub(super) struct Level {
     local: FxHashMap<u32, f64>,
     /// Passes to come of the repeats that run, by line of their call.
     pub(super) repeats: Vec<(u32, u32)>,
+    /// Whether the program that has called this one counts in inches, where this one does not count as it does.
+    pub(super) caller_in_inches: Option<bool>,
 }
 
 /// The parameters of a kernel.

@@ -57,7 +57,9 @@ impl Act<'_, '_> {
         if !matches!(unit, FeedUnit::PerMinute | FeedUnit::PerRevolution) || way <= 0.0 {
             return feed;
         }
-        Some(full.min(full * share * length / way))
+        // Straight down the way is the length, but for rounding.
+        let times = if length - way < way * 1e-12 { 1.0 } else { length / way };
+        Some(full.min(full * share * times))
     }
 
     /// Feed of the middle of the tool beside an arc; `times`: how many times as large as that of the contour its radius is.

@@ -16,8 +16,9 @@ impl Channel<'_> {
         match (dimension, self.env.machine.unit) {
             (Dimension::Length | Dimension::Feed, Unit::Mm) => 25.4,
             (Dimension::Length | Dimension::Feed, Unit::Inch) => 1.0 / 25.4,
+            (Dimension::FeedTenths, Unit::Inch) => 10.0 / 25.4,
             // The least increment of an inch is ten times finer.
-            (Dimension::Increments, Unit::Mm) => 2.54,
+            (Dimension::Increments | Dimension::FeedTenths, Unit::Mm) => 2.54,
             (Dimension::Increments, Unit::Inch) => 10.0 / 25.4,
             _ => 1.0,
         }

@@ -13,6 +13,8 @@ pub enum Dimension {
     Angle,
     /// Length per minute or per revolution.
     Feed,
+    /// The same, in tenths of an inch where the program counts in inches.
+    FeedTenths,
     /// m/min or ft/min.
     SurfaceSpeed,
     /// Seconds.

@@ -85,6 +85,7 @@ fn dimension(section: &mut Section<'_>) -> Option<Dimension> {
         ("increments", Dimension::Increments),
         ("angle", Dimension::Angle),
         ("feed", Dimension::Feed),
+        ("feed-tenths", Dimension::FeedTenths),
         ("surface-speed", Dimension::SurfaceSpeed),
         ("time", Dimension::Time),
     ];
