@@ -10,7 +10,7 @@
 
 use counterpoint_motion::arc::by_center;
 use counterpoint_motion::contour::closed::{Closed, Cut, cuts, is_clear, turned_by};
-use counterpoint_motion::contour::combine::eroded;
+use counterpoint_motion::contour::combine::{eroded, grown};
 use counterpoint_motion::contour::element::{Element, Spot, distance, plus};
 use counterpoint_motion::contour::shifted::rounded;
 
@@ -18,9 +18,7 @@ use super::Heidenhain;
 use super::areas::Stage;
 use super::contours::Figure;
 use super::cycles::RAPID;
-use super::formula::{Kind, Name};
-use super::old;
-use super::path::actual;
+use super::tasks::Task;
 use super::words::shown;
 use crate::host::Host;
 
@@ -114,29 +112,6 @@ impl Blocks<'_> {
     }
 }
 
-/// What a cycle says, lengths and heights as the program does.
-pub(super) struct Task {
-    surface: f64,
-    bottom: f64,
-    /// What it leaves on the ground.
-    floor: f64,
-    infeed: f64,
-    allowance: f64,
-    /// How much of the radius of the tool rows lie apart.
-    overlap: f64,
-    climbs: bool,
-    /// Heights between rows, and before and behind the cycle.
-    clear: f64,
-    safe: f64,
-    plunge: f64,
-    feed: f64,
-    out: f64,
-    /// Direction of the cuts, degrees.
-    along: f64,
-    /// The tool that holes are for; none for that in force.
-    tool: Option<u32>,
-}
-
 /// Levels from a surface down to a depth.
 fn levels(surface: f64, bottom: f64, infeed: f64) -> Vec<f64> {
     let infeed = infeed.abs();
@@ -159,10 +134,6 @@ fn quarter(at: Spot, heading: Spot, side: f64, radius: f64, arrives: bool) -> Op
 }
 
 impl Heidenhain {
-    pub(super) fn sl(&self, index: u32) -> f64 {
-        self.number(Name { kind: Kind::Q, index })
-    }
-
     fn blocks(&self, host: &dyn Host) -> Blocks<'static> {
         Blocks {
             lines: Vec::new(),
@@ -173,62 +144,19 @@ impl Heidenhain {
     }
 
     /// Radius of the tool in force, in geometry units.
-    fn cutter(&self, host: &dyn Host) -> Result<f64, String> {
+    pub(super) fn cutter(&self, host: &dyn Host) -> Result<f64, String> {
         let radius =
             self.variables.control.radius.map_or_else(|| host.tool_in_force()[1], |own| own * host.length_factor());
         if radius > 0.0 { Ok(radius) } else { Err("the tool of an SL cycle has no radius".to_owned()) }
-    }
-
-    /// What a cycle from 21 to 24 says, with what it leaves on the ground and at the side.
-    pub(super) fn task(&self, floor: f64, allowance: f64) -> Task {
-        let surface = self.sl(5);
-        let feed = self.sl(12);
-        Task {
-            surface,
-            bottom: surface + self.sl(1) + floor,
-            floor,
-            infeed: self.sl(10),
-            allowance,
-            overlap: if self.sl(2) > 0.0 { self.sl(2) } else { 1.0 },
-            climbs: self.sl(9) >= 0.0,
-            clear: surface + self.sl(6),
-            safe: self.sl(7),
-            plunge: self.sl(11),
-            feed,
-            out: if self.sl(208) > 0.0 { self.sl(208) } else { feed },
-            along: 0.0,
-            tool: Some(self.sl(13) as u32),
-        }
-    }
-
-    /// What cycle 6, 15 or 16 says; 16 says the sense.
-    pub(super) fn old_task(&self, host: &dyn Host) -> Task {
-        let of = |number: usize| self.cycles.old.get(number - 1).copied().unwrap_or(0.0);
-        let along = self.variables.control.tool_axis.unwrap_or(2);
-        let stands = actual(host).get(along).copied().unwrap_or(0.0);
-        let surface = stands - of(old::CLEARANCE).abs();
-        Task {
-            surface,
-            bottom: surface - of(old::DEPTH).abs(),
-            floor: 0.0,
-            infeed: of(old::INFEED),
-            allowance: of(old::ALLOWANCE),
-            overlap: 1.2,
-            climbs: of(old::DIRECTION) >= 0.0,
-            clear: stands,
-            safe: stands,
-            plunge: of(old::PLUNGE_FEED),
-            feed: of(old::FEED),
-            out: RAPID,
-            along: of(old::ANGLE),
-            tool: None,
-        }
     }
 
     /// Ways beside the figures in the sense of the task: along each of them, or, where they leave too little room for that, round
     /// all that the tool reaches.
     fn ways(&self, figures: &[Figure], amount: f64, task: &Task) -> Result<Vec<Closed>, String> {
         let all: Vec<Closed> = figures.iter().map(|figure| figure.outline.clone()).collect();
+        if task.rounding > 0.0 {
+            return Self::rounded_ways(&all, amount, task);
+        }
         let along = figures.iter().map(|figure| {
             // Climbing is against the clock in a pocket, with it round an island.
             let clockwise = figure.is_pocket != task.climbs;
@@ -240,8 +168,19 @@ impl Heidenhain {
         if let Some(ways) = along.collect::<Option<Vec<_>>>() {
             return Ok(ways);
         }
-        let reached = eroded(&all, amount).filter(|reached| !reached.is_empty()).ok_or_else(|| {
-            "the tool with its allowance does not fit into the contours of cycle 14, or they have too many elements to find where it does"
+        Self::rims(eroded(&all, amount), task)
+    }
+
+    /// Ways that turn with a radius of their own inside of corners.
+    fn rounded_ways(all: &[Closed], amount: f64, task: &Task) -> Result<Vec<Closed>, String> {
+        let narrow = eroded(all, amount + task.rounding);
+        Self::rims(narrow.and_then(|narrow| grown(&narrow, task.rounding)), task)
+    }
+
+    /// The rims of what a tool reaches, in the sense of the task.
+    fn rims(reached: Option<Vec<Closed>>, task: &Task) -> Result<Vec<Closed>, String> {
+        let reached = reached.filter(|reached| !reached.is_empty()).ok_or_else(|| {
+            "the tool with its allowance does not fit into the contours, or they have too many elements to find where it does"
                 .to_owned()
         })?;
         let ways =

@@ -38,6 +38,7 @@ mod space;
 mod statement;
 mod system;
 mod tables;
+mod tasks;
 mod tools;
 mod variables;
 mod words;

@@ -93,6 +93,17 @@ pub fn combined(contours: &[Closed], inside: impl Fn(&[bool]) -> bool) -> Option
 /// too many elements.
 #[must_use]
 pub fn eroded(contours: &[Closed], amount: f64) -> Option<Vec<Closed>> {
+    beside_of(contours, amount, |inside, near| inside && !near)
+}
+
+/// What contours hold an odd number of times, and what lies nearer to it than an amount; none where they have too many elements.
+#[must_use]
+pub fn grown(contours: &[Closed], amount: f64) -> Option<Vec<Closed>> {
+    beside_of(contours, amount, |inside, near| inside || near)
+}
+
+/// The area by what lies inside of an odd number of contours, and nearer to one than an amount.
+fn beside_of(contours: &[Closed], amount: f64, of: impl Fn(bool, bool) -> bool) -> Option<Vec<Closed>> {
     let elements = || contours.iter().flat_map(Closed::elements);
     if elements().count() > MOST_ELEMENTS {
         return None;
@@ -103,7 +114,7 @@ pub fn eroded(contours: &[Closed], amount: f64) -> Option<Vec<Closed>> {
     let all: Vec<Closed> = contours.iter().cloned().chain(discs).chain(bands).collect();
     combined(&all, |held| {
         let (inside, near) = held.split_at_checked(rims).unwrap_or_default();
-        inside.iter().filter(|held| **held).count() % 2 == 1 && !near.iter().any(|held| *held)
+        of(inside.iter().filter(|held| **held).count() % 2 == 1, near.contains(&true))
     })
 }
 
@@ -340,6 +351,10 @@ mod tests {
         // A square of 20 with a tool of 3: 14 wide. Two squares of 20 joined by a neck of 4: two areas.
         let ring = eroded(&[square(0.0, 0.0, 20.0)], 3.0).unwrap();
         assert_eq!((ring.len(), size(ring[0].elements())), (1, 196.0));
+        // Grown by 1 it is 16 wide with round corners.
+        let grown = grown(&ring, 1.0).unwrap();
+        assert_eq!((grown.len(), grown[0].elements().len()), (1, 8));
+        assert!((size(grown[0].elements()) - (256.0 - 4.0 + PI)).abs() < 1e-9);
         let neck = Closed::new(
             [[20.0, 8.0], [30.0, 8.0], [30.0, 12.0], [20.0, 12.0], [20.0, 8.0]]
                 .windows(2)

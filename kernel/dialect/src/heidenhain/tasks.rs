@@ -1,0 +1,158 @@
+//! What the cycles along contours say: levels, feeds, allowances, sense.
+//!
+//! Facts: programming manuals of the control (Q1 to Q9 of cycle 20; Q10 to Q19, Q208 of the cycles; the lines of the old cycles, which
+//! count from where the tool stands; cycles 271 to 274 and 277). Decisions: the tool of 277 comes to a point.
+
+use super::Heidenhain;
+use super::cycles::RAPID;
+use super::formula::{Kind, Name};
+use super::old;
+use super::path::actual;
+use crate::host::Host;
+
+/// Column T-ANGLE of the tool table.
+const TIP_ANGLE: u32 = 32;
+
+/// What a cycle says, lengths and heights as the program does.
+pub(super) struct Task {
+    pub(super) surface: f64,
+    pub(super) bottom: f64,
+    /// What it leaves on the ground.
+    pub(super) floor: f64,
+    pub(super) infeed: f64,
+    pub(super) allowance: f64,
+    /// How much of the radius of the tool rows lie apart.
+    pub(super) overlap: f64,
+    pub(super) climbs: bool,
+    /// Heights between rows, and before and behind the cycle.
+    pub(super) clear: f64,
+    pub(super) safe: f64,
+    pub(super) plunge: f64,
+    pub(super) feed: f64,
+    pub(super) out: f64,
+    /// Direction of the cuts, degrees.
+    pub(super) along: f64,
+    /// The tool that holes are for; none for that in force.
+    pub(super) tool: Option<u32>,
+    /// Radius of the way of the tool inside of corners, geometry units.
+    pub(super) rounding: f64,
+}
+
+/// What an OCM cycle does.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Work {
+    Rough,
+    Floor,
+    Side,
+    Chamfer,
+}
+
+impl Heidenhain {
+    pub(super) fn sl(&self, index: u32) -> f64 {
+        self.number(Name { kind: Kind::Q, index })
+    }
+
+    /// What a cycle from 21 to 24 says, with what it leaves on the ground and at the side.
+    pub(super) fn task(&self, floor: f64, allowance: f64) -> Task {
+        let surface = self.sl(5);
+        let feed = self.sl(12);
+        Task {
+            surface,
+            bottom: surface + self.sl(1) + floor,
+            floor,
+            infeed: self.sl(10),
+            allowance,
+            overlap: if self.sl(2) > 0.0 { self.sl(2) } else { 1.0 },
+            climbs: self.sl(9) >= 0.0,
+            clear: surface + self.sl(6),
+            safe: self.sl(7),
+            plunge: self.sl(11),
+            feed,
+            out: if self.sl(208) > 0.0 { self.sl(208) } else { feed },
+            along: 0.0,
+            tool: Some(self.sl(13) as u32),
+            rounding: 0.0,
+        }
+    }
+
+    /// What cycles 271 and from 272 to 274 say: the last infeed that the ground leaves, the side, the infeed, the feed and that of plunging.
+    pub(super) fn adaptive_task(&self, host: &dyn Host, work: Work) -> Result<Task, String> {
+        let surface = self.sl(203);
+        let (floor, allowance, infeed, feed, plunge) = match work {
+            Work::Rough => (self.sl(369), self.sl(368), self.sl(202), self.sl(207), self.sl(207) * self.sl(568)),
+            Work::Floor => (0.0, self.sl(368), 0.0, self.sl(385), self.sl(385) * self.sl(568)),
+            Work::Side => (0.0, self.sl(14), self.sl(338), self.sl(385), self.sl(253)),
+            Work::Chamfer => (0.0, self.beside_chamfer(host)?, 0.0, self.sl(207), self.sl(253)),
+        };
+        let depth = self.sl(if work == Work::Chamfer { 353 } else { 201 });
+        if self.sl(569) != 0.0 {
+            return Err("open boundaries (Q569) are not emulated: program Q569=0".to_owned());
+        }
+        if matches!(work, Work::Rough | Work::Floor)
+            && self.sl(438) > 0.0
+            && Some(self.sl(438)) != self.variables.control.tool
+        {
+            return Err("roughing after another tool (Q438) is not emulated: program Q438=-1".to_owned());
+        }
+        Ok(Task {
+            surface,
+            bottom: surface + depth + floor,
+            floor,
+            infeed,
+            allowance,
+            overlap: if self.sl(370) > 0.0 { self.sl(370) } else { 1.0 },
+            climbs: self.sl(351) >= 0.0,
+            clear: surface + self.sl(200),
+            safe: self.sl(260),
+            plunge,
+            feed,
+            out: RAPID,
+            along: 0.0,
+            tool: None,
+            rounding: self.cutter(host)? * self.sl(578).max(0.0),
+        })
+    }
+
+    /// How much farther from the contour than its radius the tool of cycle 277 is: at the surface its cone reaches beyond the contour
+    /// by the width of the chamfer.
+    fn beside_chamfer(&self, host: &dyn Host) -> Result<f64, String> {
+        let tool = self.variables.control.tool.unwrap_or_else(|| f64::from(host.tool()));
+        let half = self.tools.column(host, tool as u32, TIP_ANGLE).unwrap_or(0.0) / 2.0;
+        if half <= 0.0 {
+            return Err("cycle 277 needs T-ANGLE of the tool (ID50 NR32)".to_owned());
+        }
+        if self.sl(354) > 0.0 && (self.sl(354) - half).abs() > 1e-4 {
+            return Err(format!("the angle Q354 of cycle 277 is not half of T-ANGLE, {half} degrees"));
+        }
+        let apart = self.sl(353).abs() * libm::tan(half.to_radians()) - self.sl(359);
+        if apart < 0.0 {
+            return Err("the chamfer Q359 is wider than the tool at the surface: program Q353 deeper".to_owned());
+        }
+        Ok(apart - self.cutter(host)? / host.length_factor())
+    }
+
+    /// What cycle 6, 15 or 16 says; 16 says the sense.
+    pub(super) fn old_task(&self, host: &dyn Host) -> Task {
+        let of = |number: usize| self.cycles.old.get(number - 1).copied().unwrap_or(0.0);
+        let along = self.variables.control.tool_axis.unwrap_or(2);
+        let stands = actual(host).get(along).copied().unwrap_or(0.0);
+        let surface = stands - of(old::CLEARANCE).abs();
+        Task {
+            surface,
+            bottom: surface - of(old::DEPTH).abs(),
+            floor: 0.0,
+            infeed: of(old::INFEED),
+            allowance: of(old::ALLOWANCE),
+            overlap: 1.2,
+            climbs: of(old::DIRECTION) >= 0.0,
+            clear: stands,
+            safe: stands,
+            plunge: of(old::PLUNGE_FEED),
+            feed: of(old::FEED),
+            out: RAPID,
+            along: of(old::ANGLE),
+            tool: None,
+            rounding: 0.0,
+        }
+    }
+}
