@@ -4,13 +4,13 @@
 //! the lines of the old cycles, which count from where the tool stands).
 //! Decisions: a pocket is cleared by cuts along the first axis, then once round each contour; the tool plunges straight and rises to the
 //! clearance Q6 between rows; sides are reached and left on quarter circles of the radius of the tool, smaller where there is less
-//! room; where contours leave less room than the tool, it goes round what it reaches. What is not plain is refused: rough cuts after
-//! another tool (Q18).
+//! room; where contours leave less room than the tool, it goes round what it reaches. After another tool (Q18) it
+//! clears where it touches what that has left.
 //! *Invariant:* no way comes nearer to a contour than the radius of the tool with its allowance.
 
 use counterpoint_motion::arc::by_center;
 use counterpoint_motion::contour::closed::{Closed, Cut, cuts, is_clear, turned_by};
-use counterpoint_motion::contour::combine::{eroded, grown};
+use counterpoint_motion::contour::combine::{eroded, grown, remaining};
 use counterpoint_motion::contour::element::{Element, Spot, distance, plus};
 use counterpoint_motion::contour::shifted::rounded;
 
@@ -177,15 +177,40 @@ impl Heidenhain {
         Self::rims(narrow.and_then(|narrow| grown(&narrow, task.rounding)), task)
     }
 
+    /// Ways round what an earlier tool has left; none where that had no larger radius.
+    fn remaining_ways(
+        host: &dyn Host,
+        figures: &[Figure],
+        (away, radius): (f64, f64),
+        (tool, task): (u32, &Task),
+    ) -> Result<Vec<Closed>, String> {
+        let earlier = host.tool_size(tool)[1];
+        if earlier <= 0.0 {
+            return Err(format!("tool {tool}, which has roughed before (Q18, Q438), has no radius"));
+        }
+        if earlier <= radius {
+            return Ok(Vec::new());
+        }
+        let all: Vec<Closed> = figures.iter().map(|figure| figure.outline.clone()).collect();
+        let left = remaining(&all, away, radius, earlier).ok_or_else(|| {
+            "the contours have too many elements to find what an earlier tool (Q18, Q438) has left".to_owned()
+        })?;
+        Ok(Self::turned_by_sense(&left, task))
+    }
+
+    /// Ways in the sense of the task, from the middle of their longest elements.
+    fn turned_by_sense(rims: &[Closed], task: &Task) -> Vec<Closed> {
+        let way = |way: &Closed| if task.climbs { way.from_longest() } else { way.reversed().from_longest() };
+        rims.iter().map(way).collect()
+    }
+
     /// The rims of what a tool reaches, in the sense of the task.
     fn rims(reached: Option<Vec<Closed>>, task: &Task) -> Result<Vec<Closed>, String> {
         let reached = reached.filter(|reached| !reached.is_empty()).ok_or_else(|| {
             "the tool with its allowance does not fit into the contours, or they have too many elements to find where it does"
                 .to_owned()
         })?;
-        let ways =
-            reached.iter().map(|way| if task.climbs { way.from_longest() } else { way.reversed().from_longest() });
-        Ok(ways.collect())
+        Ok(Self::turned_by_sense(&reached, task))
     }
 
     /// The ground of a stage.
@@ -228,7 +253,10 @@ impl Heidenhain {
         let mut blocks = self.blocks(host);
         blocks.rise_to(task.safe, RAPID);
         for (Stage { figures, .. }, top, ground) in self.grounds(task)? {
-            let outlines = self.ways(&figures, amount, task)?;
+            let outlines = match task.others.earlier {
+                Some(tool) => Self::remaining_ways(host, &figures, (task.allowance * factor, radius), (tool, task))?,
+                None => self.ways(&figures, amount, task)?,
+            };
             let rows = Self::rows(&outlines, (&figures, amount), task, radius)?;
             let levels = if at_once { vec![ground] } else { levels(top, ground, task.infeed) };
             for level in levels {
@@ -277,7 +305,7 @@ impl Heidenhain {
     /// Cycles 21 and 15: holes where the roughing cycle plunges, with tool Q13 or that in force.
     pub(super) fn drill_pilots(&self, host: &dyn Host, task: &Task) -> Result<Vec<String>, String> {
         let factor = host.length_factor();
-        let radius = match task.tool {
+        let radius = match task.others.holes {
             Some(tool) => host.tool_size(tool)[1],
             None => self.cutter(host)?,
         };

@@ -18,7 +18,7 @@ use super::areas::Area;
 use super::flow::Kind;
 use super::path::Path;
 use super::statement::Label;
-use super::tasks::Work;
+use super::tasks::{Others, Task, Work};
 use super::words::Seen;
 use crate::host::{Call, Host, Place};
 
@@ -149,10 +149,10 @@ impl Heidenhain {
             return self.read_contours(host, place).map(|()| None);
         }
         let made = match what {
-            "ROUGH" if self.sl(18) != 0.0 => {
-                Err("roughing after a larger tool (Q18) is not emulated: program Q18=0".to_owned())
+            "ROUGH" => {
+                let others = Others { holes: None, earlier: self.tool_before(18) };
+                self.rough_out(host, &Task { others, ..self.task(self.sl(4), self.sl(3)) }, false)
             }
-            "ROUGH" => self.rough_out(host, &self.task(self.sl(4), self.sl(3)), false),
             "FLOOR" => self.rough_out(host, &self.task(0.0, self.sl(3)), true),
             "SIDE" => self.finish_sides(host, &self.task(0.0, self.sl(14))),
             "PILOT" => self.drill_pilots(host, &self.task(self.sl(4), self.sl(3))),

@@ -32,10 +32,19 @@ pub(super) struct Task {
     pub(super) out: f64,
     /// Direction of the cuts, degrees.
     pub(super) along: f64,
-    /// The tool that holes are for; none for that in force.
-    pub(super) tool: Option<u32>,
+    /// Other tools that it names.
+    pub(super) others: Others,
     /// Radius of the way of the tool inside of corners, geometry units.
     pub(super) rounding: f64,
+}
+
+/// Other tools that a cycle names.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Others {
+    /// The one that holes are for; none for that in force.
+    pub(super) holes: Option<u32>,
+    /// The one that has roughed before.
+    pub(super) earlier: Option<u32>,
 }
 
 /// What an OCM cycle does.
@@ -70,7 +79,7 @@ impl Heidenhain {
             feed,
             out: if self.sl(208) > 0.0 { self.sl(208) } else { feed },
             along: 0.0,
-            tool: Some(self.sl(13) as u32),
+            others: Others { holes: Some(self.sl(13) as u32), earlier: None },
             rounding: 0.0,
         }
     }
@@ -88,12 +97,6 @@ impl Heidenhain {
         if self.sl(569) != 0.0 {
             return Err("open boundaries (Q569) are not emulated: program Q569=0".to_owned());
         }
-        if matches!(work, Work::Rough | Work::Floor)
-            && self.sl(438) > 0.0
-            && Some(self.sl(438)) != self.variables.control.tool
-        {
-            return Err("roughing after another tool (Q438) is not emulated: program Q438=-1".to_owned());
-        }
         Ok(Task {
             surface,
             bottom: surface + depth + floor,
@@ -108,9 +111,14 @@ impl Heidenhain {
             feed,
             out: RAPID,
             along: 0.0,
-            tool: None,
+            others: Others { holes: None, earlier: self.tool_before(438).filter(|_| work == Work::Rough) },
             rounding: self.cutter(host)? * self.sl(578).max(0.0),
         })
+    }
+
+    /// The tool of a parameter that has roughed before.
+    pub(super) fn tool_before(&self, index: u32) -> Option<u32> {
+        (self.sl(index) > 0.0).then(|| self.sl(index) as u32)
     }
 
     /// How much farther from the contour than its radius the tool of cycle 277 is: at the surface its cone reaches beyond the contour
@@ -151,7 +159,7 @@ impl Heidenhain {
             feed: of(old::FEED),
             out: RAPID,
             along: of(old::ANGLE),
-            tool: None,
+            others: Others::default(),
             rounding: 0.0,
         }
     }

@@ -102,6 +102,28 @@ pub fn grown(contours: &[Closed], amount: f64) -> Option<Vec<Closed>> {
     beside_of(contours, amount, |inside, near| inside || near)
 }
 
+/// The area of two areas, by whether a spot lies in the one and in the other.
+#[must_use]
+pub fn of_two(one: &[Closed], other: &[Closed], inside: impl Fn(bool, bool) -> bool) -> Option<Vec<Closed>> {
+    let all: Vec<Closed> = one.iter().chain(other).cloned().collect();
+    let odd = |held: &[bool]| held.iter().filter(|held| **held).count() % 2 == 1;
+    combined(&all, |held| {
+        let (first, second) = held.split_at_checked(one.len()).unwrap_or_default();
+        inside(odd(first), odd(second))
+    })
+}
+
+/// Where the middle of a tool reaches what an earlier one with a larger radius has left; both keep away from the contours by a distance
+/// besides their radii.
+#[must_use]
+pub fn remaining(contours: &[Closed], away: f64, radius: f64, earlier: f64) -> Option<Vec<Closed>> {
+    let wanted = if away > NOISE { eroded(contours, away)? } else { contours.to_vec() };
+    let cleared = grown(&eroded(contours, away + earlier)?, earlier)?;
+    let left = of_two(&wanted, &cleared, |wanted, cleared| wanted && !cleared)?;
+    let near = grown(&left, radius)?;
+    of_two(&near, &eroded(contours, away + radius)?, |near, reached| near && reached)
+}
+
 /// The area by what lies inside of an odd number of contours, and nearer to one than an amount.
 fn beside_of(contours: &[Closed], amount: f64, of: impl Fn(bool, bool) -> bool) -> Option<Vec<Closed>> {
     let elements = || contours.iter().flat_map(Closed::elements);
@@ -370,6 +392,18 @@ mod tests {
         assert_eq!(eroded(&[square(0.0, 0.0, 5.0)], 3.0), Some(Vec::new()));
         let island = eroded(&[square(-20.0, -20.0, 40.0), circle([0.0, 0.0], 5.0)], 3.0).unwrap();
         assert!((size(island[1].elements()) + 64.0 * PI).abs() < 1e-5);
+    }
+
+    #[test]
+    fn a_smaller_tool_reaches_the_corners() {
+        let rings = remaining(&[square(0.0, 0.0, 40.0)], 0.0, 5.0, 10.0).unwrap();
+        assert_eq!(rings.len(), 4);
+        // A square of 5 without a quarter of a circle of 5, three elements each.
+        for ring in &rings {
+            assert_eq!(ring.elements().len(), 3, "{ring:?}");
+            assert!((size(ring.elements()) - (25.0 - 25.0 * PI / 4.0)).abs() < 1e-6);
+        }
+        assert_eq!(remaining(&[square(0.0, 0.0, 40.0)], 1.0, 10.0, 10.0).map(|rings| rings.len()), Some(0));
     }
 
     #[test]
