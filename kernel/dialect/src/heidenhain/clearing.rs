@@ -23,8 +23,8 @@ use super::words::shown;
 use crate::host::Host;
 
 /// Blocks in the making.
-struct Blocks<'a> {
-    lines: Vec<String>,
+pub(super) struct Blocks<'a> {
+    pub(super) lines: Vec<String>,
     letters: [&'a str; 2],
     height: &'a str,
     /// Geometry units of a unit of the program.
@@ -32,6 +32,15 @@ struct Blocks<'a> {
 }
 
 impl Blocks<'_> {
+    pub(super) fn of(own: &Heidenhain, host: &dyn Host) -> Self {
+        Self {
+            lines: Vec::new(),
+            letters: own.plane_letters(),
+            height: own.tool_letter(),
+            factor: host.length_factor(),
+        }
+    }
+
     fn feed(feed: f64) -> String {
         if feed >= RAPID { "FMAX".to_owned() } else { format!("F{}", shown(feed)) }
     }
@@ -41,17 +50,17 @@ impl Blocks<'_> {
         format!("{first}{} {second}{}", shown(spot[0] / self.factor), shown(spot[1] / self.factor))
     }
 
-    fn over(&mut self, spot: Spot) {
+    pub(super) fn over(&mut self, spot: Spot) {
         let at = self.at(spot);
         self.lines.push(format!("L {at} R0 FMAX"));
     }
 
-    fn line(&mut self, spot: Spot, feed: f64) {
+    pub(super) fn line(&mut self, spot: Spot, feed: f64) {
         let at = self.at(spot);
         self.lines.push(format!("L {at} {}", Self::feed(feed)));
     }
 
-    fn rise_to(&mut self, height: f64, feed: f64) {
+    pub(super) fn rise_to(&mut self, height: f64, feed: f64) {
         self.lines.push(format!("L {}{} R0 {}", self.height, shown(height), Self::feed(feed)));
     }
 
@@ -134,15 +143,6 @@ fn quarter(at: Spot, heading: Spot, side: f64, radius: f64, arrives: bool) -> Op
 }
 
 impl Heidenhain {
-    fn blocks(&self, host: &dyn Host) -> Blocks<'static> {
-        Blocks {
-            lines: Vec::new(),
-            letters: self.plane_letters(),
-            height: self.tool_letter(),
-            factor: host.length_factor(),
-        }
-    }
-
     /// Radius of the tool in force, in geometry units.
     pub(super) fn cutter(&self, host: &dyn Host) -> Result<f64, String> {
         let radius =
@@ -250,7 +250,7 @@ impl Heidenhain {
     pub(super) fn rough_out(&self, host: &dyn Host, task: &Task, at_once: bool) -> Result<Vec<String>, String> {
         let (radius, factor) = (self.cutter(host)?, host.length_factor());
         let amount = radius + task.allowance * factor;
-        let mut blocks = self.blocks(host);
+        let mut blocks = Blocks::of(self, host);
         blocks.rise_to(task.safe, RAPID);
         for (Stage { figures, .. }, top, ground) in self.grounds(task)? {
             let outlines = match task.others.earlier {
@@ -272,7 +272,7 @@ impl Heidenhain {
         let (radius, factor) = (self.cutter(host)?, host.length_factor());
         let amount = radius + task.allowance * factor;
         let side = if task.climbs { 1.0 } else { -1.0 };
-        let mut blocks = self.blocks(host);
+        let mut blocks = Blocks::of(self, host);
         blocks.rise_to(task.safe, RAPID);
         for (Stage { figures, .. }, top, ground) in self.grounds(task)? {
             let all: Vec<Closed> = figures.iter().map(|figure| figure.outline.clone()).collect();
@@ -313,7 +313,7 @@ impl Heidenhain {
             return Err("tool Q13, with which cycle 22 roughs, has no radius".to_owned());
         }
         let amount = radius + task.allowance * factor;
-        let mut blocks = self.blocks(host);
+        let mut blocks = Blocks::of(self, host);
         blocks.rise_to(task.safe, RAPID);
         for (Stage { figures, .. }, _, ground) in self.grounds(task)? {
             let outlines = self.ways(&figures, amount, task)?;
@@ -402,7 +402,7 @@ impl Heidenhain {
         }
         let (surface, safe) = (self.sl(5), self.sl(7));
         let alternates = self.sl(15) == 0.0;
-        let mut blocks = self.blocks(host);
+        let mut blocks = Blocks::of(self, host);
         blocks.rise_to(safe, RAPID);
         for (at, level) in levels(surface, surface + self.sl(1), self.sl(10)).into_iter().enumerate() {
             let way = if alternates && at % 2 == 1 { ways[1] } else { ways[0] };

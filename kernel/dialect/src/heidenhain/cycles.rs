@@ -75,7 +75,7 @@ const ACT_AT_ONCE: [u32; 14] = [7, 8, 9, 10, 11, 13, 14, 19, 20, 26, 30, 32, 239
 pub(super) const RAPID: f64 = 99_999.0;
 
 /// Parameters that newer software has at the end of a definition, with what they are where it does not say them.
-const APPENDED: [(u32, &[(u32, f64)]); 19] = [
+const APPENDED: [(u32, &[(u32, f64)]); 20] = [
     (22, &[(18, 0.0), (19, 0.0), (208, RAPID)]),
     (23, &[(208, RAPID)]),
     (24, &[(14, 0.0)]),
@@ -85,6 +85,7 @@ const APPENDED: [(u32, &[(u32, f64)]); 19] = [
     (205, &[(395, 0.0), (208, RAPID)]),
     (208, &[(351, 1.0)]),
     (209, &[(403, 1.0)]),
+    (225, &[(367, 0.0), (574, 0.0)]),
     (241, &[(401, 100.0), (202, 0.0), (212, 0.0), (205, 0.0)]),
     (251, &[(385, 0.0), (439, 0.0)]),
     (252, &[(385, 0.0), (439, 0.0)]),
@@ -121,6 +122,19 @@ fn with_words(seen: &mut Vec<Seen>, tool_feed: Option<&str>, global: &[(Name, f6
         }
         at += 1;
     }
+}
+
+/// Text parameters of a definition get their texts.
+fn take_texts(evaluator: &mut Evaluator<'_>, seen: &mut Vec<Seen>) -> Result<(), Halt> {
+    let is_text = |word: &Seen| parameter_of(&word.name).is_some_and(|name| name.kind == Kind::Text);
+    while let Some(at) = seen.iter().position(|word| is_text(word) && word.value.is_none())
+        && let Some(text) = seen.get(at + 1).and_then(|word| word.text.strip_prefix('"')?.strip_suffix('"'))
+        && let Some(name) = seen.get(at).and_then(|word| parameter_of(&word.name))
+    {
+        evaluator.assign(name, Value::Text(text.into()))?;
+        seen.drain(at..at + 2);
+    }
+    Ok(())
 }
 
 /// The cycle that calls carry out, where that is a program.
@@ -171,6 +185,7 @@ impl Heidenhain {
     ) -> Result<Option<String>, Halt> {
         let mut evaluator = Evaluator::new(&mut self.variables, host);
         let mut seen = evaluator.seen(words)?;
+        take_texts(&mut evaluator, &mut seen)?;
         with_words(&mut seen, self.path.tool_feed.as_deref(), &self.cycles.global);
         let number = seen.first().and_then(|word| word.value).unwrap_or(0.0) as u32;
         let empty = seen.iter().find(|word| parameter_of(&word.name).is_some() && word.value.is_none());
