@@ -148,6 +148,9 @@ impl Heidenhain {
         if what == "READ" {
             return self.read_contours(host, place).map(|()| None);
         }
+        // Areas look at each element beside each other one.
+        let elements = self.cycles.contours.read.iter().map(|contour| contour.elements.len()).sum::<usize>().min(MOST);
+        host.work(elements * elements)?;
         let made = match what {
             "ROUGH" => {
                 let others = Others { holes: None, earlier: self.tool_before(18) };

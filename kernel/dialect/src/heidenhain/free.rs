@@ -2,8 +2,8 @@
 //!
 //! Facts: programming manuals of the control (FL, FLT, FC, FCT: end, length, angle, centre, radius, angle of the arc, direction
 //! of rotation; FPOL; CLSD; data relative to another block), reference heidenhain-cycles.md 1. Decisions: only elements that have
-//! one solution: at once, with the tangent of the element before, or with one or two elements behind it; choices of a solution
-//! (FSELECT) and parallels are not made. Invariant: an element that is not determined is reported and moves nothing.
+//! one solution: at once, with the tangent of the element before, with auxiliary points, or with one or two elements behind it; choices of
+//! a solution (FSELECT) and parallels are not made. Invariant: an element that is not determined is reported and moves nothing.
 
 use super::path::{Position, Shape, Step, Walk};
 use crate::contour::{
@@ -14,14 +14,15 @@ use crate::contour::{
 const PIECE: f64 = 170.0;
 
 /// Words that elements of free contours use up; R of a line is that of the compensation.
-const LINE: [&str; 13] = ["AN", "IAN", "LEN", "PR", "PA", "IPR", "IPA", "CLSD", "RX", "RY", "RPR", "RPA", "RAN"];
-const ARC: [&str; 24] = [
-    "AN", "IAN", "LEN", "PR", "PA", "IPR", "IPA", "CLSD", "RX", "RY", "RPR", "RPA", "RAN", "R", "DR", "CCX", "CCY",
-    "CCA", "ICCX", "ICCY", "CCPR", "CCPA", "RCCX", "RCCY",
+const LINE: [&str; 17] =
+    ["AN", "IAN", "LEN", "PR", "PA", "IPR", "IPA", "CLSD", "RX", "RY", "RPR", "RPA", "RAN", "P1X", "P1Y", "P2X", "P2Y"];
+const ARC: [&str; 30] = [
+    "P1X", "P1Y", "P2X", "P2Y", "P3X", "P3Y", "AN", "IAN", "LEN", "PR", "PA", "IPR", "IPA", "CLSD", "RX", "RY", "RPR",
+    "RPA", "RAN", "R", "DR", "CCX", "CCY", "CCA", "ICCX", "ICCY", "CCPR", "CCPA", "RCCX", "RCCY",
 ];
 
 /// Words that ask for a choice, or for more than is made.
-const MORE: [&str; 6] = ["PDX", "PDY", "PAR", "DP", "P1X", "P1Y"];
+const MORE: [&str; 5] = ["PDX", "PDY", "PAR", "DP", "D"];
 
 /// Elements that are remembered for data relative to them.
 const REMEMBERED: usize = 100;
@@ -275,6 +276,33 @@ impl Walk<'_> {
         }
     }
 
+    /// The end of a line through an auxiliary point, by one coordinate; where that is a choice of two ways there is none.
+    fn through_point(&self) -> Option<Point> {
+        let start = self.flat(&self.start);
+        let points = super::auxiliary::points(self.step, self.path.plane);
+        let way = direction(minus(*points.first()?, start))?;
+        if points.iter().any(|point| turn(way, minus(*point, start)).abs() > NEAR) {
+            return None;
+        }
+        let said = self.said();
+        let side = said.iter().position(Option::is_some)?;
+        let (from, part) = (start.get(side)?, way.get(side)?);
+        let share = (said.get(side).copied().flatten()? - from) / part;
+        (part.abs() > 1e-9 && share.abs() > 1e-9).then(|| along(start, way, share))
+    }
+
+    /// The centre of a circle through auxiliary points: by three points with its ends, or by the direction in which it begins and one.
+    fn center_through(&self, end: Option<Point>, begins: Option<Point>, clockwise: bool) -> Option<Point> {
+        let start = self.flat(&self.start);
+        let points = super::auxiliary::points(self.step, self.path.plane);
+        let first = *points.first()?;
+        if let Some(way) = begins {
+            return super::auxiliary::center_along(start, way, first, clockwise);
+        }
+        let others: Vec<Point> = points.into_iter().chain(end).collect();
+        super::auxiliary::center_of([start, first, *others.get(1)?])
+    }
+
     /// FL and FLT.
     pub(super) fn free_line(&mut self, tangent: bool) -> Vec<String> {
         self.note_begin();
@@ -292,7 +320,7 @@ impl Walk<'_> {
             let length = (to - from) / part;
             (part.abs() > 1e-9 && length > 0.0).then(|| along(start, way, length))
         };
-        let ray = ray().or_else(|| self.line_end(way));
+        let ray = ray().or_else(|| self.line_end(way)).or_else(|| self.through_point());
         let end = self.free_end().or_else(|| {
             let mut end = self.target();
             self.put(&mut end, ray?);
@@ -334,7 +362,8 @@ impl Walk<'_> {
         self.note_begin();
         let end = self.free_end();
         let center = self.free_center();
-        if let Some(end) = end.filter(|_| tangent && center.is_none() && self.free("R").is_none()) {
+        let has_points = !super::auxiliary::points(self.step, self.path.plane).is_empty();
+        if let Some(end) = end.filter(|_| tangent && center.is_none() && self.free("R").is_none() && !has_points) {
             return self.tangent(end);
         }
         let (Some(clockwise), start) = (self.path.clockwise, self.flat(&self.start)) else {
@@ -345,6 +374,8 @@ impl Walk<'_> {
         let begins = self.begins(tangent);
         let square = begins.map(|way| times(left(way), if clockwise { -1.0 } else { 1.0 }));
         let center = center.or_else(|| Some(along(start, square?, radius?)));
+        let flat_end = end.map(|end| self.flat(&end));
+        let center = center.or_else(|| self.center_through(flat_end, begins, clockwise).filter(|_| radius.is_none()));
         self.path.base = None;
         let Some(center) = center else {
             // By its ends and its radius, the shorter way.

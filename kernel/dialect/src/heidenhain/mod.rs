@@ -7,6 +7,7 @@
 
 mod ahead;
 mod areas;
+mod auxiliary;
 mod calls;
 mod carry;
 mod circle;

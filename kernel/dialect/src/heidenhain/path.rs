@@ -81,6 +81,11 @@ impl Shape {
         ("FCT", Self::FreeArc { tangent: true }),
     ];
 
+    /// An element of a free contour.
+    pub(super) fn is_free(self) -> bool {
+        matches!(self, Self::FreeLine { .. } | Self::FreeArc { .. })
+    }
+
     /// Key word of the block, where one begins it.
     pub(super) fn head(self) -> &'static str {
         match self {

@@ -186,7 +186,9 @@ pub(super) fn read(text: &str) -> Result<Statement, Wrong> {
     }
     for (word, shape) in Shape::WORDS {
         if path_word(&mut cursor, word) {
-            return Ok(Statement::Path { shape, iso: false, words: words(&mut cursor) });
+            let words = words(&mut cursor);
+            let words = if shape.is_free() { super::auxiliary::point_words(words) } else { words };
+            return Ok(Statement::Path { shape, iso: false, words });
         }
     }
     let foreign = FOREIGN.iter().any(|word| cursor.clone().keyword(word));
