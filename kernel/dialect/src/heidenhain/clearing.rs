@@ -10,8 +10,8 @@
 
 use counterpoint_motion::arc::by_center;
 use counterpoint_motion::contour::closed::{Closed, Cut, cuts, is_clear, turned_by};
-use counterpoint_motion::contour::combine::{eroded, grown, remaining};
 use counterpoint_motion::contour::element::{Element, Spot, distance, plus};
+use counterpoint_motion::contour::reach::{eroded, grown, remaining};
 use counterpoint_motion::contour::shifted::rounded;
 
 use super::Heidenhain;

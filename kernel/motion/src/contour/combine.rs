@@ -9,13 +9,12 @@ use std::f64::consts::{PI, TAU};
 
 use super::area::size;
 use super::closed::Closed;
-use super::element::{Element, NOISE, Spot, angle, beside, cross, distance, dot, plus};
+use super::element::{Element, NOISE, Spot, angle, cross, distance, dot, plus};
 use super::meet::{SAME, meetings};
 use super::near::{at, to_piece, turned};
 use crate::arc::Arc;
 
-/// Most elements of contours from which a tool keeps away, and most pieces of a rim.
-const MOST_ELEMENTS: usize = 300;
+/// Most pieces of a rim.
 const MOST_PIECES: usize = 10_000;
 
 /// A piece between two spots where contours meet, by their numbers.
@@ -51,11 +50,15 @@ pub fn touch(a: &Closed, b: &Closed) -> bool {
 pub fn combined(contours: &[Closed], inside: impl Fn(&[bool]) -> bool) -> Option<Vec<Closed>> {
     let mut rim: Vec<Piece> = Vec::new();
     let against: Vec<bool> = contours.iter().map(|contour| size(contour.elements()) < 0.0).collect();
+    let reaches: Vec<Reach> = contours.iter().map(Reach::of).collect();
     for piece in pieces(contours)? {
         let middle = at(&piece.element, 0.5);
         let along = heading(&piece.element, middle);
         let mut sides = [vec![false; contours.len()], vec![false; contours.len()]];
-        for (number, contour) in contours.iter().enumerate() {
+        for (number, (contour, reach)) in contours.iter().zip(&reaches).enumerate() {
+            if !reach.has(middle) {
+                continue;
+            }
             let beside = contour.elements().iter().find(|element| to_piece(element, middle) < 2.0 * SAME);
             let [left, right] = match beside {
                 // On the contour: its inside is on its left, on its right where it runs clockwise.
@@ -89,107 +92,6 @@ pub fn combined(contours: &[Closed], inside: impl Fn(&[bool]) -> bool) -> Option
     rings(rim)
 }
 
-/// Where the middle of a tool may be that keeps away from contours by an amount, inside of an odd number of them; none where they have
-/// too many elements.
-#[must_use]
-pub fn eroded(contours: &[Closed], amount: f64) -> Option<Vec<Closed>> {
-    beside_of(contours, amount, |inside, near| inside && !near)
-}
-
-/// What contours hold an odd number of times, and what lies nearer to it than an amount; none where they have too many elements.
-#[must_use]
-pub fn grown(contours: &[Closed], amount: f64) -> Option<Vec<Closed>> {
-    beside_of(contours, amount, |inside, near| inside || near)
-}
-
-/// The area of two areas, by whether a spot lies in the one and in the other.
-#[must_use]
-pub fn of_two(one: &[Closed], other: &[Closed], inside: impl Fn(bool, bool) -> bool) -> Option<Vec<Closed>> {
-    let all: Vec<Closed> = one.iter().chain(other).cloned().collect();
-    let odd = |held: &[bool]| held.iter().filter(|held| **held).count() % 2 == 1;
-    combined(&all, |held| {
-        let (first, second) = held.split_at_checked(one.len()).unwrap_or_default();
-        inside(odd(first), odd(second))
-    })
-}
-
-/// Where the middle of a tool reaches what an earlier one with a larger radius has left; both keep away from the contours by a distance
-/// besides their radii.
-#[must_use]
-pub fn remaining(contours: &[Closed], away: f64, radius: f64, earlier: f64) -> Option<Vec<Closed>> {
-    let wanted = if away > NOISE { eroded(contours, away)? } else { contours.to_vec() };
-    let cleared = grown(&eroded(contours, away + earlier)?, earlier)?;
-    let left = of_two(&wanted, &cleared, |wanted, cleared| wanted && !cleared)?;
-    let near = grown(&left, radius)?;
-    of_two(&near, &eroded(contours, away + radius)?, |near, reached| near && reached)
-}
-
-/// The area by what lies inside of an odd number of contours, and nearer to one than an amount.
-fn beside_of(contours: &[Closed], amount: f64, of: impl Fn(bool, bool) -> bool) -> Option<Vec<Closed>> {
-    let elements = || contours.iter().flat_map(Closed::elements);
-    if elements().count() > MOST_ELEMENTS {
-        return None;
-    }
-    let rims = contours.len();
-    let discs = elements().map(|element| disc(element.from, amount));
-    let bands = elements().flat_map(halves).filter_map(|element| band(&element, amount));
-    let all: Vec<Closed> = contours.iter().cloned().chain(discs).chain(bands).collect();
-    combined(&all, |held| {
-        let (inside, near) = held.split_at_checked(rims).unwrap_or_default();
-        of(inside.iter().filter(|held| **held).count() % 2 == 1, near.contains(&true))
-    })
-}
-
-/// What lies nearer to a spot than an amount.
-fn disc(center: Spot, radius: f64) -> Closed {
-    let from = plus(center, [radius, 0.0], 1.0);
-    Closed::open(vec![Element { from, to: from, arc: Some(Arc { center, radius, start_angle: 0.0, sweep: TAU }) }])
-}
-
-/// An element, or both halves of an arc that is longer than half a turn.
-fn halves(element: &Element) -> Vec<Element> {
-    match element.arc {
-        Some(arc) if arc.sweep.abs() > PI => {
-            let middle = at(element, 0.5);
-            let half = Arc { sweep: arc.sweep / 2.0, ..arc };
-            let rest = Arc { start_angle: arc.start_angle + half.sweep, ..half };
-            vec![
-                Element { from: element.from, to: middle, arc: Some(half) },
-                Element { from: middle, to: element.to, arc: Some(rest) },
-            ]
-        }
-        _ => vec![*element],
-    }
-}
-
-/// What lies beside an element, nearer than an amount.
-fn band(element: &Element, amount: f64) -> Option<Closed> {
-    let side = |spot: Spot, along: Spot, side: f64| beside(spot, along, side, amount);
-    let line = |from: Spot, to: Spot| Element { from, to, arc: None };
-    let (begin, end) = (element.start(), element.end());
-    let Some(arc) = element.arc else {
-        let corners = [
-            side(element.from, begin, -1.0),
-            side(element.to, end, -1.0),
-            side(element.to, end, 1.0),
-            side(element.from, begin, 1.0),
-        ];
-        let [a, b, c, d] = corners;
-        return Closed::new(vec![line(a, b), line(b, c), line(c, d), line(d, a)]);
-    };
-    // The outer side of an arc is on its right where it turns to the left.
-    let outside = -arc.sweep.signum();
-    let (a, b) = (side(element.from, begin, outside), side(element.to, end, outside));
-    let outer = Element { from: a, to: b, arc: Some(Arc { radius: arc.radius + amount, ..arc }) };
-    let inner = arc.radius - amount;
-    if inner < NOISE {
-        return Closed::new(vec![outer, line(b, arc.center), line(arc.center, a)]);
-    }
-    let (c, d) = (side(element.to, end, -outside), side(element.from, begin, -outside));
-    let back = Arc { radius: inner, start_angle: arc.start_angle + arc.sweep, sweep: -arc.sweep, ..arc };
-    Closed::new(vec![outer, line(b, c), Element { from: c, to: d, arc: Some(back) }, line(d, a)])
-}
-
 /// All elements, cut where they meet elements of any contour.
 fn pieces(contours: &[Closed]) -> Option<Vec<Piece>> {
     let elements: Vec<Element> = contours.iter().flat_map(Closed::elements).copied().collect();
@@ -214,6 +116,38 @@ fn pieces(contours: &[Closed]) -> Option<Vec<Piece>> {
         }
     }
     Some(pieces)
+}
+
+/// A rectangle round a contour; what lies outside is neither on it nor in it.
+#[derive(Debug, Clone, Copy)]
+struct Reach {
+    low: Spot,
+    high: Spot,
+}
+
+impl Reach {
+    fn of(contour: &Closed) -> Self {
+        let none = Self { low: [f64::INFINITY; 2], high: [f64::NEG_INFINITY; 2] };
+        contour.elements().iter().fold(none, |mut reach, element| {
+            let spots = match &element.arc {
+                Some(arc) => [plus(arc.center, [-1.0; 2], arc.radius), plus(arc.center, [1.0; 2], arc.radius)],
+                None => [element.from, element.to],
+            };
+            for spot in spots {
+                for (side, at) in spot.into_iter().enumerate() {
+                    if let (Some(low), Some(high)) = (reach.low.get_mut(side), reach.high.get_mut(side)) {
+                        (*low, *high) = (low.min(at), high.max(at));
+                    }
+                }
+            }
+            reach
+        })
+    }
+
+    fn has(&self, [x, y]: Spot) -> bool {
+        let within = |at: f64, low: f64, high: f64| at > low - 4.0 * SAME && at < high + 4.0 * SAME;
+        within(x, self.low[0], self.high[0]) && within(y, self.low[1], self.high[1])
+    }
 }
 
 /// Two elements are near enough to meet, seen as circles.
@@ -308,16 +242,16 @@ fn one(a: &Element, b: &Element) -> Option<Element> {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
 
-    fn square(x: f64, y: f64, size: f64) -> Closed {
+    pub(in crate::contour) fn square(x: f64, y: f64, size: f64) -> Closed {
         let corners = [[x, y], [x + size, y], [x + size, y + size], [x, y + size]];
         let sides = (0..4).map(|at| Element { from: corners[at], to: corners[(at + 1) % 4], arc: None });
         Closed::new(sides.collect()).unwrap()
     }
 
-    fn circle(center: Spot, radius: f64) -> Closed {
+    pub(in crate::contour) fn circle(center: Spot, radius: f64) -> Closed {
         let from = [center[0] + radius, center[1]];
         let arc = Arc { center, radius, start_angle: 0.0, sweep: -TAU };
         Closed::new(vec![Element { from, to: from, arc: Some(arc) }]).unwrap()
@@ -368,76 +302,11 @@ mod tests {
         assert_eq!(sizes(&corner, |held| held[0] || held[1]), [100.0, 100.0]);
     }
 
-    #[test]
-    fn the_middle_of_a_tool_keeps_away() {
-        // A square of 20 with a tool of 3: 14 wide. Two squares of 20 joined by a neck of 4: two areas.
-        let ring = eroded(&[square(0.0, 0.0, 20.0)], 3.0).unwrap();
-        assert_eq!((ring.len(), size(ring[0].elements())), (1, 196.0));
-        // Grown by 1 it is 16 wide with round corners.
-        let grown = grown(&ring, 1.0).unwrap();
-        assert_eq!((grown.len(), grown[0].elements().len()), (1, 8));
-        assert!((size(grown[0].elements()) - (256.0 - 4.0 + PI)).abs() < 1e-9);
-        let neck = Closed::new(
-            [[20.0, 8.0], [30.0, 8.0], [30.0, 12.0], [20.0, 12.0], [20.0, 8.0]]
-                .windows(2)
-                .map(|pair| Element { from: pair[0], to: pair[1], arc: None })
-                .collect(),
-        );
-        let parts = [square(0.0, 0.0, 20.0), square(30.0, 0.0, 20.0), neck.unwrap()];
-        let whole = combined(&parts, |held| held.contains(&true)).unwrap();
-        assert_eq!(whole.len(), 1);
-        let rings = eroded(&whole, 3.0).unwrap();
-        assert_eq!(rings.len(), 2);
-        // The tool fits nowhere; an island is gone round.
-        assert_eq!(eroded(&[square(0.0, 0.0, 5.0)], 3.0), Some(Vec::new()));
-        let island = eroded(&[square(-20.0, -20.0, 40.0), circle([0.0, 0.0], 5.0)], 3.0).unwrap();
-        assert!((size(island[1].elements()) + 64.0 * PI).abs() < 1e-5);
-    }
-
-    #[test]
-    fn a_smaller_tool_reaches_the_corners() {
-        let rings = remaining(&[square(0.0, 0.0, 40.0)], 0.0, 5.0, 10.0).unwrap();
-        assert_eq!(rings.len(), 4);
-        // A square of 5 without a quarter of a circle of 5, three elements each.
-        for ring in &rings {
-            assert_eq!(ring.elements().len(), 3, "{ring:?}");
-            assert!((size(ring.elements()) - (25.0 - 25.0 * PI / 4.0)).abs() < 1e-6);
-        }
-        assert_eq!(remaining(&[square(0.0, 0.0, 40.0)], 1.0, 10.0, 10.0).map(|rings| rings.len()), Some(0));
-    }
-
-    #[test]
-    fn a_spot_may_be_the_middle_of_a_tool_where_nothing_is_nearer() {
-        let mut dice = Dice(11);
-        for round in 0..60 {
-            let mut whole = |most: f64| (dice.next() * most).floor();
-            let mut parts = vec![square(0.0, 0.0, 12.0 + whole(8.0))];
-            for _ in 0..3 {
-                let (x, y, size) = (whole(20.0), whole(20.0), 1.0 + whole(4.0));
-                parts.push(if whole(2.0) == 0.0 { square(x, y, size) } else { circle([x, y], size) });
-            }
-            let rim = combined(&parts, |held| (held[0] || held[1]) && !(held[2] || held[3])).unwrap();
-            let amount = 0.3 + 3.0 * dice.next();
-            let reached = eroded(&rim, amount).unwrap_or_else(|| panic!("{round} {rim:?} {amount}"));
-            for _ in 0..60 {
-                let spot = [dice.next() * 25.0 - 2.0, dice.next() * 25.0 - 2.0];
-                let off =
-                    rim.iter().flat_map(Closed::elements).map(|piece| to_piece(piece, spot)).fold(f64::MAX, f64::min);
-                if (off - amount).abs() < 1e-4 {
-                    continue;
-                }
-                let inside = rim.iter().filter(|ring| ring.holds(spot)).count() % 2 == 1;
-                let found = reached.iter().filter(|ring| ring.holds(spot)).count() % 2 == 1;
-                assert_eq!(found, inside && off > amount, "{round} {spot:?} {amount} {rim:?}");
-            }
-        }
-    }
-
     /// Numbers between 0 and 1 that are the same each time.
-    struct Dice(u64);
+    pub(in crate::contour) struct Dice(pub(in crate::contour) u64);
 
     impl Dice {
-        fn next(&mut self) -> f64 {
+        pub(in crate::contour) fn next(&mut self) -> f64 {
             self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
             (self.0 >> 11) as f64 / (1_u64 << 53) as f64
         }

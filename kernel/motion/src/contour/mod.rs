@@ -9,5 +9,6 @@ mod crossing;
 pub mod element;
 mod meet;
 mod near;
+pub mod reach;
 pub mod shifted;
 pub mod tangent;
