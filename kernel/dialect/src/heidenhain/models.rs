@@ -50,10 +50,11 @@ impl Model {
         if !cursor.is_over() {
             return Err(wrong(text, "the end of the block; DEPTH is not emulated here"));
         }
-        if area.size() > MOST {
-            return Err(format!("'{text}' joins more than {MOST} contours"));
-        }
         self.areas.retain(|(known, _)| *known != target);
+        let all = self.areas.iter().map(|(_, area)| area.size()).sum::<usize>();
+        if area.size() > MOST || all > MOST * 10 || self.programs.len() > MOST {
+            return Err(format!("'{text}' joins more than {MOST} contours, or is one of too many formulas"));
+        }
         self.areas.push((target, area));
         Ok(())
     }

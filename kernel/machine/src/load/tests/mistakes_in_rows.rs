@@ -286,7 +286,7 @@ id = "REG_DELAY"
 dimension = "seconds""#
         ),
         [
-            r#"3:13: error: `dimension` must be one of "none", "length", "increments", "angle", "feed", "surface-speed", "time", not "seconds""#
+            r#"3:13: error: `dimension` must be one of "none", "length", "increments", "angle", "feed", "feed-tenths", "surface-speed", "time", not "seconds""#
         ]
     );
 }
