@@ -1,8 +1,8 @@
 //! M functions with words of their own: M94 with an axis, M103 with a share, M118 with ways, M138 with axes.
 //!
 //! Facts: programming manuals of the control: M94 acts on the axes it names, else on all; F after M103 is a percentage;
-//! coordinates after M118 limit what a handwheel may add; M138 without axes takes all rotary axes again. Decision: M138 with some
-//! of the axes is refused. *Invariant:* none of these words moves an axis or is a feed.
+//! coordinates after M118 limit what a handwheel may add; M138 without axes takes all rotary axes again. M130 counts
+//! positions of its block without the tilted plane. Decision: M138 with some of the axes, and M130 in a plane, are refused. *Invariant:* none of these words moves an axis or is a feed.
 
 use counterpoint_fault as diag;
 use counterpoint_fault::Halt;
@@ -45,6 +45,13 @@ impl Heidenhain {
             && let Some(share) = word.value
         {
             *word = Seen::made("DOWN", share);
+        }
+        if place(seen, 130.0).is_some() && host.plane_angles().is_some() {
+            let text = format!(
+                "positions of the system that is not tilted (M130) are not emulated in '{}'; program them in the plane",
+                host.block_text()
+            );
+            return Err(host.alarm(&diag::STATEMENT_UNKNOWN, text));
         }
         if let Some(at) = place(seen, 118.0) {
             behind(seen, at, |word| axis(&word.name).is_some());

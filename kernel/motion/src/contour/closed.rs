@@ -76,11 +76,13 @@ impl Closed {
         Self { elements: self.elements.iter().map(of).collect() }
     }
 
-    /// It begins in the middle of its longest element.
+    /// It begins in the middle of its longest element, the first of several.
     #[must_use]
     pub fn from_longest(&self) -> Self {
-        let longest = self.elements.iter().enumerate().rev().max_by(|a, b| a.1.length().total_cmp(&b.1.length()));
-        let Some((place, element)) = longest else { return self.clone() };
+        let longest = self.elements.iter().map(Element::length).fold(0.0, f64::max);
+        // Lengths that differ by rounding are the same.
+        let is_longest = |(_, element): &(usize, &Element)| element.length() > longest - NOISE;
+        let Some((place, element)) = self.elements.iter().enumerate().find(is_longest) else { return self.clone() };
         let middle = at(element, 0.5);
         let mut elements = vec![piece(element, middle, element.to)];
         let rest = self.elements.iter().cycle().skip(place + 1).take(self.elements.len() - 1);
