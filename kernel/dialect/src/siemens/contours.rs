@@ -2,7 +2,8 @@
 //!
 //! `SC_KEEP(name)` keeps the name of a contour for the next cycle that has none (CYCLE62); `SC_READ(name, …)` runs the subprogram, with what
 //! stands behind its name as arguments, or the section between the labels of `A:B` of the program that has called the cycle, so that its
-//! moves are recorded; `SC_PIECES(count, table)` gives what was recorded; `SC_STRIP(…)` removes stock along it.
+//! moves are recorded; a name that is no subprogram is that of a contour between the labels E_LAB_A_name and E_LAB_E_name. `SC_PIECES(count,
+//! table)` gives what was recorded; `SC_STRIP(…)` removes stock along it.
 //! `SC_KEPT` and `SC_FORGET` count and forget the names; `SC_READ` with a number reads the one with that number. `SC_ADDRING` makes a ring of a
 //! pocket of what was read, `SC_WAYS` and `SC_LINES` give the ways of a tool around and between its rings.
 //! The control does the same by CONTPRON and EXECUTE. Facts: reference siemens-cycles.md 1.6. *Invariant:* only programs
@@ -96,17 +97,27 @@ impl Siemens {
         }
         let call = match name.split_once(':') {
             Some((from, to)) => self.contour_section(host, &name, (from.trim(), to.trim()))?,
-            None => {
-                let found = self.program_by_path(host, &name)?;
-                if name.is_empty() || found.is_none() {
-                    let text = format!("the contour '{name}' is no subprogram (alarm 14011, program not there)");
-                    return Err(Fault::Alarm(&diag::SUBPROGRAM_MISSING, text));
-                }
-                self.prepare_call(host, &name, found, arguments.get(1..).unwrap_or_default())?
-            }
+            None => self.contour_by_name(host, &name, arguments)?,
         };
         host.read_contour(call);
         Ok(())
+    }
+
+    /// A contour by its name: the subprogram of that name, or the section between the labels that the control's editor of contours writes
+    /// around a contour within the program.
+    fn contour_by_name(&mut self, host: &mut dyn Host, name: &str, arguments: &[Argument]) -> Outcome<Call> {
+        let found = self.program_by_path(host, name)?;
+        if !name.is_empty() && found.is_some() {
+            return self.prepare_call(host, name, found, arguments.get(1..).unwrap_or_default());
+        }
+        let labels = [format!("E_LAB_A_{name}"), format!("E_LAB_E_{name}")];
+        self.contour_section(host, name, (&labels[0], &labels[1])).map_err(|_| {
+            let text = format!(
+                "the contour '{name}' is no subprogram (alarm 14011, program not there), and the program has no labels {} and {}",
+                labels[0], labels[1]
+            );
+            Fault::Alarm(&diag::SUBPROGRAM_MISSING, text)
+        })
     }
 
     /// The lines between two labels of the program that has called the cycle.

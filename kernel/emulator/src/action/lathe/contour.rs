@@ -11,6 +11,7 @@ use crate::action::entry::{Contour, Entry};
 use crate::action::find;
 use crate::channel::Kernel;
 use crate::channel::actions::Action;
+use crate::state::modal::plane;
 use crate::state::turning::First;
 use counterpoint_event::event::{Motion, MotionKind};
 use counterpoint_fault as diag;
@@ -114,10 +115,17 @@ fn other(act: &mut Act<'_, '_>, row: &CodeRow, code: &PendingCode) -> Acted {
         act.take(data::DELAY);
     }
     let (letter, _) = act.written(row, code);
-    if FLOW.contains(&row.id) || FRAMES.contains(&row.id) || letter == 'G' && !ALLOWED.contains(&row.id) {
+    let allowed = ALLOWED.contains(&row.id) || keeps_plane(act, row.id);
+    if FLOW.contains(&row.id) || FRAMES.contains(&row.id) || letter == 'G' && !allowed {
         return refuse(act);
     }
     Ok(())
+}
+
+/// A code of the plane that the contour is in already, as editors of contours write it.
+fn keeps_plane(act: &Act<'_, '_>, id: CodeId) -> bool {
+    let (Some(own), Some(new)) = (act.state.others.turning.reading.plane, act.active_plane()) else { return false };
+    plane(id).is_some() && own.axes == new.axes
 }
 
 fn refuse(act: &mut Act<'_, '_>) -> Acted {
