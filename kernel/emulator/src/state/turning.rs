@@ -83,6 +83,10 @@ pub(crate) struct Reading {
     pub(crate) first: Option<First>,
     /// Pieces after it.
     pub(crate) elements: Vec<Element>,
+    /// Feeds that rough cycles have along them.
+    pub(crate) feeds: Vec<Option<f64>>,
+    /// The feed of pieces to come.
+    pub(crate) feed: Option<f64>,
     /// The last piece is a rapid move.
     pub(crate) ends_rapid: bool,
 }

@@ -301,6 +301,7 @@ data! {
     TURN_CHANGE_Z_2 true true Plain, Length => "the same along Z (Okuma ZA, ZB)";
     TURN_CHANGE_DEPTH_2 true true Plain, Length => "depth from there on, along X as X is programmed (Okuma DA, DB)";
     TURN_CHANGE_FEED_2 true true Plain, Feed => "feed from there on (Okuma FA, FB)";
+    TURN_CONTOUR_FEED true true Plain, Feed => "feed of a rough cycle along this and the next pieces of its contour (Okuma E)";
     TILT_FORM true true Plain, None => "how a tilted plane is written: 0 Euler, 1 fixed axes, 2 points, 3 directions (Fanuc G68.2 P), 4 projections, 5 turned axes, 6 positions";
     TILT_PART true true Plain, None => "order of its rotations, or which part of it the block gives (Fanuc G68.2 Q)";
     TILT_X true true Plain, Length => "its zero, or a point of it, along X (Fanuc G68.2 X)";

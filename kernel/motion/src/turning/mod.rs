@@ -57,6 +57,9 @@ pub trait Sink {
     /// The feed moves that follow have a feed of the cycle: 0 its own, 1 and 2 those of changes.
     fn use_feed(&mut self, _number: usize) {}
 
+    /// The feed moves that follow have the feed that the contour gives for one of its pieces, if it gives one.
+    fn piece(&mut self, _index: usize) {}
+
     /// The tool stands for a time, seconds.
     ///
     /// # Errors

@@ -261,8 +261,9 @@ impl<'c> Rough<'c> {
         if let Some(first) = elements.peek() {
             cut.sink.go(self.contour.infeed(self.begin(first)))?;
         }
-        for element in elements {
+        for (index, element) in elements.enumerate() {
             end = element.to;
+            cut.sink.piece(index);
             cut.sink.go(along(&element))?;
         }
         Ok(end)

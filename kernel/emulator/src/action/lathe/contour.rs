@@ -52,6 +52,9 @@ pub(in crate::action) fn reading(id: CodeId) -> Option<&'static dyn Action> {
 impl Action for Shaping {
     fn run(&self, kernel: &mut Kernel<'_>, row: &CodeRow, code: &PendingCode) -> Acted {
         let act = &mut Act::new(kernel);
+        if let Some(feed) = act.take(data::TURN_CONTOUR_FEED) {
+            act.state.others.turning.reading.feed = Some(feed.value);
+        }
         if act.state.others.turning.reading.first.is_none() {
             return first(act, row.id);
         }
@@ -151,6 +154,7 @@ pub(in crate::action) fn record(act: &mut Act<'_, '_>, motion: &Motion) -> Acted
     if arc.is_some() || distance(from, to) > NOISE {
         let reading = &mut act.state.others.turning.reading;
         reading.elements.push(Element { from, to, arc });
+        reading.feeds.push(reading.feed);
         reading.ends_rapid = motion.kind == MotionKind::Rapid;
     }
     act.state.place.position = motion.to;

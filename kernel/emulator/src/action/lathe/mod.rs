@@ -202,7 +202,7 @@ pub(super) fn cut(act: &mut Act<'_, '_>, cycle: &ContourCycle, reading: Reading)
             match rough::Rough::new(&shape, rough::Settings { pockets, ..settings }) {
                 Ok(rough) => {
                     act.check_feed(cycle.feed.0)?;
-                    rough.run(&mut Cutting::new(act, &plane, cycle.feed).with_feeds(cycle.feeds))?;
+                    rough.run(&mut Cutting::new(act, &plane, cycle.feed).with_feeds(cycle.feeds, reading.feeds))?;
                     None
                 }
                 Err(refusal) => Some(refusal),

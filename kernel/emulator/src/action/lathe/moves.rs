@@ -21,17 +21,20 @@ pub(super) struct Cutting<'x, 'k, 'a> {
     feed: (Option<f64>, FeedUnit),
     /// Its own feed, and those of changes.
     feeds: [Option<f64>; 3],
+    /// Those of the pieces of its contour, and the one of pieces without.
+    pieces: Vec<Option<f64>>,
+    level: Option<f64>,
 }
 
 impl<'x, 'k, 'a> Cutting<'x, 'k, 'a> {
     /// A cycle at this feed.
     pub(super) fn new(act: &'x mut Act<'k, 'a>, plane: &LathePlane, feed: (Option<f64>, FeedUnit)) -> Self {
-        Self { act, plane: *plane, feed, feeds: [feed.0, None, None] }
+        Self { act, plane: *plane, feed, feeds: [feed.0, None, None], pieces: Vec::new(), level: feed.0 }
     }
 
-    /// With feeds of changes.
-    pub(super) fn with_feeds(self, [first, second]: [Option<f64>; 2]) -> Self {
-        Self { feeds: [self.feed.0, first, second], ..self }
+    /// With feeds of changes, and those of the pieces of the contour.
+    pub(super) fn with_feeds(self, [first, second]: [Option<f64>; 2], pieces: Vec<Option<f64>>) -> Self {
+        Self { feeds: [self.feed.0, first, second], pieces, ..self }
     }
 
     fn arc(&mut self, [from, to]: [Position; 2], (center, clockwise): ([f64; 2], bool), coded: u8) -> Acted {
@@ -57,7 +60,13 @@ impl Sink for Cutting<'_, '_, '_> {
 
     fn use_feed(&mut self, number: usize) {
         let own = self.feeds.iter().take(number + 1).rev().copied().flatten().next();
-        self.feed.0 = own.or(self.feed.0);
+        self.level = own.or(self.level);
+        self.feed.0 = self.level;
+    }
+
+    fn piece(&mut self, index: usize) {
+        let own = self.pieces.get(index).copied().flatten();
+        self.feed.0 = own.or(self.level);
     }
 
     fn pause(&mut self, seconds: f64) -> Acted {
