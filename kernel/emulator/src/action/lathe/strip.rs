@@ -32,7 +32,8 @@ fn cut(act: &mut Act<'_, '_>, strip: &Strip, reading: &Reading) -> Acted {
         Ok(removal) => {
             let [first, into, along] = strip.feeds;
             let (_, unit) = act.feed();
-            let mut cutting = Cutting::new(act, &plane, (Some(first), unit)).with_feeds([Some(into), Some(along)], Vec::new());
+            let mut cutting =
+                Cutting::new(act, &plane, (Some(first), unit)).with_feeds([Some(into), Some(along)], Vec::new());
             return removal.run(&mut cutting);
         }
         Err(Wrong::TurnsBack) => "61605: the contour turns back along the cut",
