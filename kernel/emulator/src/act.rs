@@ -19,6 +19,7 @@ use crate::state::frames::offsets::Table;
 use crate::state::spindle::Turning;
 use crate::state::turning::ContourCycle;
 use crate::waits::coupling::Pair;
+use counterpoint_dialect::{NotThere, is_vacant};
 use counterpoint_event::event::{Event, Kind, Motion, ToolAction};
 use counterpoint_machine::ident::{CodeId, DataId};
 use counterpoint_machine::index::AxisSlot;
@@ -67,6 +68,22 @@ impl Act<'_, '_> {
     /// Takes the program name off the block.
     pub(crate) fn take_name(&mut self) -> Option<Arc<str>> {
         self.kernel.take_name()
+    }
+
+    /// Value of a common variable, 0 without one.
+    pub(crate) fn common(&mut self, number: u32) -> Result<f64, Halt> {
+        match self.kernel.numbered(number) {
+            Err(NotThere::Halt(halt)) => Err(halt),
+            value => Ok(value.ok().filter(|value| !is_vacant(*value)).unwrap_or(0.0)),
+        }
+    }
+
+    /// Writes a common variable; nothing on a machine without it.
+    pub(crate) fn set_common(&mut self, number: u32, value: f64) -> Acted {
+        match self.kernel.set_numbered(number, value) {
+            Err(NotThere::Halt(halt)) => Err(halt),
+            _ => Ok(()),
+        }
     }
 
     /// A value of `id` is on the block.

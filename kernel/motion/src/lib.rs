@@ -6,6 +6,7 @@
 pub mod arc;
 pub mod contour;
 pub mod frame;
+pub mod lettering;
 pub mod lookahead;
 pub mod profile;
 pub mod space;

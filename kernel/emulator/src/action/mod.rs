@@ -15,6 +15,7 @@ mod cutter;
 mod cycle;
 mod cylinder;
 mod dwell;
+mod engrave;
 pub(crate) mod entry;
 mod feeds;
 mod frame;
@@ -74,6 +75,7 @@ static ENTRIES: &[&[Entry]] = &[
     polar_words::ENTRIES,
     cylinder::ENTRIES,
     pole::ENTRIES,
+    engrave::ENTRIES,
     retract::ENTRIES,
     skip::ENTRIES,
     spindle::ENTRIES,

@@ -148,7 +148,7 @@ impl Kernel<'_> {
     /// # Errors
     /// It does not exist, or the job was stopped.
     #[inline(never)]
-    pub(super) fn numbered(&mut self, index: u32) -> Result<f64, NotThere> {
+    pub(crate) fn numbered(&mut self, index: u32) -> Result<f64, NotThere> {
         match self.value_of(index) {
             Ok(value) if !is_vacant(value) => Ok(value),
             Err(NotThere::Halt(halt)) => Err(NotThere::Halt(halt)),
@@ -182,7 +182,7 @@ impl Kernel<'_> {
     ///
     /// # Errors
     /// It does not exist or cannot be written, or the job was stopped.
-    pub(super) fn set_numbered(&mut self, index: u32, value: f64) -> Result<(), NotThere> {
+    pub(crate) fn set_numbered(&mut self, index: u32, value: f64) -> Result<(), NotThere> {
         match index {
             1..=33 => {
                 // Writing the same value changes nothing for the next pass.

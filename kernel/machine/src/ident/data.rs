@@ -302,6 +302,11 @@ data! {
     TURN_CHANGE_DEPTH_2 true true Plain, Length => "depth from there on, along X as X is programmed (Okuma DA, DB)";
     TURN_CHANGE_FEED_2 true true Plain, Feed => "feed from there on (Okuma FA, FB)";
     TURN_CONTOUR_FEED true true Plain, Feed => "feed of a rough cycle along this and the next pieces of its contour (Okuma E)";
+    ENGRAVE_KIND true true Plain, None => "what is engraved: 0 the text, 1 the number of the part, or the code of a letter (Haas G47 P)";
+    ENGRAVE_ANGLE true true Plain, Angle => "direction of the text (Haas G47 I)";
+    ENGRAVE_HEIGHT true true Plain, Length => "height of its capitals (Haas G47 J)";
+    ENGRAVE_PLUNGE true true Plain, Feed => "feed into the material (Haas G47 E)";
+    ENGRAVE_CLEAR true true Plain, Length => "height between strokes (Haas G47 R)";
     TILT_FORM true true Plain, None => "how a tilted plane is written: 0 Euler, 1 fixed axes, 2 points, 3 directions (Fanuc G68.2 P), 4 projections, 5 turned axes, 6 positions";
     TILT_PART true true Plain, None => "order of its rotations, or which part of it the block gives (Fanuc G68.2 Q)";
     TILT_X true true Plain, Length => "its zero, or a point of it, along X (Fanuc G68.2 X)";

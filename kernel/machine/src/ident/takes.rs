@@ -61,6 +61,10 @@ const OWN: &[(&[CodeId], &str)] = &[
     (&[codes::TOOL_SELECT, codes::TOOL_LOAD], "REG_TOOL"),
     (&[codes::TOOL_LOAD_POINT, codes::TOOL_LOAD_RETURN], "REG_AXIS_*"),
     (&[codes::HEAD_ID], "REG_HEAD_ID"),
+    (
+        &[codes::ENGRAVE],
+        "REG_ENGRAVE_KIND REG_ENGRAVE_ANGLE REG_ENGRAVE_HEIGHT REG_ENGRAVE_PLUNGE REG_ENGRAVE_CLEAR REG_FEED_UPM REG_FEED_UPR REG_AXIS_*",
+    ),
     (&[codes::RETRACT_TOOL], "REG_TILT_RETRACT REG_FEED_UPM REG_FEED_UPR"),
     (&[codes::AM_ON, codes::AM_OFF], "REG_AM"),
     (&[codes::FEED_DOWN], "REG_DOWN_FEED"),
