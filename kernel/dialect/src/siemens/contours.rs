@@ -5,7 +5,8 @@
 //! moves are recorded; a name that is no subprogram is that of a contour between the labels E_LAB_A_name and E_LAB_E_name. `SC_PIECES(count,
 //! table)` gives what was recorded; `SC_STRIP(…)` removes stock along it.
 //! `SC_KEPT` and `SC_FORGET` count and forget the names; `SC_READ` with a number reads the one with that number. `SC_ADDRING` makes a ring of a
-//! pocket of what was read, `SC_WAYS` and `SC_LINES` give the ways of a tool around and between its rings.
+//! pocket of what was read, `SC_WAYS` and `SC_LINES` give the ways of a tool around and between its rings. `SC_LETTERS(count, table, text, width,
+//! gap)` gives the strokes of a text.
 //! The control does the same by CONTPRON and EXECUTE. Facts: reference siemens-cycles.md 1.6. *Invariant:* only programs
 //! stored with the machine have these statements; elsewhere their names are as unknown as on the control.
 
@@ -19,8 +20,9 @@ use counterpoint_event::FileId;
 use counterpoint_fault as diag;
 use counterpoint_machine::stored::StoredFile;
 use counterpoint_motion::contour::area::{Area, backwards, lines};
-use counterpoint_motion::contour::element::Element;
+use counterpoint_motion::contour::element::{Element, Spot};
 use counterpoint_motion::contour::shifted::shifted;
+use counterpoint_motion::lettering;
 use counterpoint_motion::turning::strip::Strip;
 use counterpoint_program::shape::Range;
 
@@ -48,6 +50,7 @@ impl Siemens {
             "SC_ADDRING" => Self::ring,
             "SC_WAYS" => Self::ways,
             "SC_LINES" => Self::lines,
+            "SC_LETTERS" => Self::letters,
             _ => return Ok(false),
         };
         let place = host.place();
@@ -181,6 +184,28 @@ impl Siemens {
         let rows: Vec<_> =
             lines(&ways, step * factor, MOST_LINES).iter().map(|[y, from, to]| [1.0, *from, *y, *to, *y]).collect();
         self.fill(host, (&count, &table), &rows, factor)
+    }
+
+    /// Strokes of a text whose capitals are as high as 1, and the width of one of its letters: rows of a table, each stroke from a row of kind 0 on.
+    /// -1 rows if it has a letter that is not of ASCII.
+    fn letters(&mut self, host: &mut dyn Host, arguments: &[Argument]) -> Outcome<()> {
+        let [count, table, wide] = self.targets(host, arguments)?;
+        let mut rest = [None, None];
+        for (slot, argument) in rest.iter_mut().zip(arguments.iter().skip(3)) {
+            *slot = self.argument(host, argument)?;
+        }
+        let [Some(Data::Text(text)), gap] = rest else { return wrong_type("what is engraved is a text") };
+        let gap = gap.map_or(Ok(lettering::GAP), |gap| number(&gap))?;
+        self.store(host, &wide, Data::Real(lettering::WIDTH))?;
+        if lettering::unknown(&text).is_some() {
+            return self.store(host, &count, Data::Int(-1));
+        }
+        let stroke = |stroke: Vec<Spot>| {
+            let row = |(at, [x, y]): (usize, Spot)| [if at == 0 { 0.0 } else { 1.0 }, x, y, 0.0, 0.0];
+            stroke.into_iter().enumerate().map(row).collect::<Vec<_>>()
+        };
+        let rows: Vec<_> = lettering::strokes(&text, gap).flat_map(stroke).collect();
+        self.fill(host, (&count, &table), &rows, 1.0)
     }
 
     /// Variables that the first arguments name.
