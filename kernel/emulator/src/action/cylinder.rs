@@ -14,7 +14,8 @@ use counterpoint_machine::ident::{DataId, codes, data};
 use counterpoint_machine::index::AxisSlot;
 
 /// Codes and what they do.
-pub(crate) const ENTRIES: &[Entry] = &[Entry::of(&[codes::CYLINDER_ON], |act, _, _| on(act))];
+pub(crate) const ENTRIES: &[Entry] =
+    &[Entry::of(&[codes::CYLINDER_ON], |act, _, _| on(act)), Entry::of(&[codes::CYLINDER_MAP], |act, _, _| map(act))];
 
 /// Rotary axes of the workpiece, each with the role of the linear axis that it turns about.
 const TURNS_ABOUT: [(DataId, usize); 4] =
@@ -28,9 +29,46 @@ fn on(act: &mut Act<'_, '_>) -> Acted {
         return Ok(());
     };
     if radius == 0.0 && !cartesian {
-        act.state.modal.activate(group::PART_INTERPOLATION, codes::CYLINDER_OFF, None);
-        return super::polar::off(act);
+        return off(act);
     }
+    begin(act, (radius, rotary, cartesian))
+}
+
+fn off(act: &mut Act<'_, '_>) -> Acted {
+    act.state.modal.activate(group::PART_INTERPOLATION, codes::CYLINDER_OFF, None);
+    super::polar::off(act)
+}
+
+/// Switches it on for the linear and the rotary axis that the block names, off without any. The radius is that of the block or the last
+/// one; without a linear axis the block only gives one.
+fn map(act: &mut Act<'_, '_>) -> Acted {
+    let radius = act.take(data::CYLINDER_RADIUS).map(|datum| datum.value);
+    let mut named = |id| act.axis_of_data(id).filter(|_| act.take(id).is_some());
+    let rotary = TURNS_ABOUT.into_iter().find_map(|(id, role)| Some((named(id)?, role)));
+    let [x, y, z] = [data::AXIS_X, data::AXIS_Y, data::AXIS_Z].map(|id| named(id).is_some());
+    if radius.is_none() && rotary.is_none() && !(x || y || z) {
+        return off(act);
+    }
+    if let Some(radius) = radius.filter(|radius| *radius != 0.0) {
+        act.state.others.cylinder = Some(radius);
+    }
+    if rotary.is_some() && !(x || y || z) {
+        return Ok(());
+    }
+    let known = y && !x && !z && rotary.is_some_and(|(_, role)| role == 0);
+    let Some(radius) = act.state.others.cylinder.filter(|_| known) else {
+        let text = format!(
+            "no cylinder for '{}': only Y is mapped, onto A, with a radius of this block or of one before",
+            act.block_text()
+        );
+        act.diagnose(&diag::NO_CYLINDER, text);
+        return Ok(());
+    };
+    // What cylindrical interpolation forbids is not forbidden here: its code stays off.
+    begin(act, (radius, rotary, true))
+}
+
+fn begin(act: &mut Act<'_, '_>, (radius, rotary, cartesian): Given) -> Acted {
     super::polar::not_tilted(act)?;
     let plane = act.state.modal.code(group::PLANE).and_then(plane).map(|plane| [plane.first, plane.second]);
     let found = rotary.filter(|_| radius > 0.0 && radius.is_finite()).and_then(|(axis, role)| {

@@ -226,7 +226,12 @@ impl Act<'_, '_> {
         let radius = own.and_then(|own| self.take(own)).map(|datum| Datum { value: datum.value / scale, ..datum });
         let spare = axis == polar.rotary && polar.cartesian && self.axis_of_data(data::AXIS_Y).is_none();
         let across = radius.or_else(|| if spare { self.take(data::AXIS_Y) } else { None });
-        across.or_else(|| self.take(id))
+        across.or_else(|| {
+            // A word of the rotary axis itself is degrees, what is taken here is the way round.
+            let degrees = axis == polar.rotary && polar.cartesian;
+            let way = polar.per_degree().filter(|_| degrees).unwrap_or(1.0);
+            self.take(id).map(|datum| Datum { value: datum.value * way, ..datum })
+        })
     }
 
     /// Length of a feed move on the part, or of its tool path.

@@ -103,6 +103,8 @@ pub(crate) struct Others {
     pub(crate) balance: Option<Wait>,
     /// Axes that are coupled with axes of other channels.
     pub(crate) couplings: Vec<coupling::Coupling>,
+    /// Radius of the last cylinder that was mapped.
+    pub(crate) cylinder: Option<f64>,
 }
 
 /// A function of the machine that takes its time beside others.
@@ -131,6 +133,7 @@ impl Others {
             running: [None; 2],
             balance: None,
             couplings: Vec::new(),
+            cylinder: None,
         }
     }
 }

@@ -21,6 +21,7 @@ macro_rules! with_own {
             POLAR_WORDS_ON 126 100 true true Plain => ": words of the plane are a radius and an angle (Fanuc G16)";
             POLAR_WORDS_OFF 126 100 true true Plain => ": ends that (Fanuc G15)";
             CYLINDER_ON 26 100 true true Plain => ": moves are those on the surface of a cylinder; radius 0 ends it (Fanuc G7.1)";
+            CYLINDER_MAP 0 100 true true Plain => ": a linear axis is the way round a cylinder; without words that ends (Haas G107)";
             CYLINDER_OFF 26 100 true true Plain => ": ends that (Siemens TRAFOOF)";
             OFFSET_SET 0 100 true true Plain => ": sets an offset of the control (Fanuc G10)";
             BALANCE_ON 0 100 true true Plain => ": two channels begin their cuts together (Fanuc G68)";

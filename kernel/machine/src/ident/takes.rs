@@ -87,7 +87,7 @@ const OWN: &[(&[CodeId], &str)] = &[
     (&[codes::COMP_WORKP_ON], "REG_COMP_WORKP"),
     (&[codes::COMP_EXTFIXT, codes::COMP_EXTFIXT_RANGE], "REG_COMP_EXTFIXT_RANGE REG_COMP_EXTFIXT_REG"),
     (&[codes::C2P_CART_ON, codes::C2P_POLAR_ON], "REG_C2P_INTERP_*"),
-    (&[codes::CYLINDER_ON], "REG_CYLINDER_RADIUS REG_AXIS_*"),
+    (&[codes::CYLINDER_ON, codes::CYLINDER_MAP], "REG_CYLINDER_RADIUS REG_AXIS_*"),
     (&[codes::SYNC_REG, codes::SYNC_REG_MAIN, codes::SYNC_REG_SIDE, codes::SYNC_REG_START], WAIT),
     (&[codes::SYNC_REG_STOP, codes::SYNC_START_MAIN, codes::SYNC_START_SIDE], WAIT),
     (&[codes::BALANCE_ON, codes::BALANCE_OFF], "REG_SYNC_PATHS"),
