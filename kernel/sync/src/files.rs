@@ -35,6 +35,11 @@ impl Written {
         self.files.get(path).cloned()
     }
 
+    /// Whether there is such a file; `Some(false)`: it has been removed.
+    pub fn has(&self, path: &str) -> Option<bool> {
+        if self.printed.contains_key(path) { Some(true) } else { self.files.get(path).map(Option::is_some) }
+    }
+
     /// All files; one without a text has been removed.
     pub fn all(&self) -> BTreeMap<String, Option<Arc<str>>> {
         let printed = self.printed.iter().map(|(path, text)| (path.clone(), Some(text.as_str().into())));
@@ -72,6 +77,9 @@ impl Written {
     /// What there is too much of.
     pub fn print(&mut self, path: &str, text: &str) -> Result<(), String> {
         if !self.printed.contains_key(path) {
+            if self.files.len() + self.printed.len() >= MOST_FILES {
+                return Err(format!("programs and macros may write {MOST_FILES} files, '{path}' is lost"));
+            }
             // A file of that name that macros have written goes on.
             let before = self.get(path).flatten().map_or_else(String::new, |text| (*text).to_owned());
             self.files.remove(path);
@@ -159,6 +167,10 @@ mod tests {
             assert_eq!(many.put(&number.to_string(), ""), Ok(()));
         }
         assert!(many.put("one more", "").is_err());
+        assert!(many.print("one more", "").is_err());
+        assert_eq!([many.has("0"), many.has("one more")], [Some(true), None]);
+        many.remove("0");
+        assert_eq!(many.has("0"), Some(false));
     }
 
     #[test]

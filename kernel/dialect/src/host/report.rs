@@ -1,5 +1,7 @@
 //! What people see: messages, diagnostics, alarms, and what programs print.
 
+use std::sync::Arc;
+
 use counterpoint_fault::{Acted, Facts, Halt};
 
 use counterpoint_machine::model::Output;
@@ -44,4 +46,28 @@ pub trait Report {
     /// # Errors
     /// The job was stopped.
     fn print(&mut self, line: &str) -> Acted;
+
+    /// Adds to a file of the job; false if that is full.
+    ///
+    /// # Errors
+    /// The job was stopped.
+    fn append(&mut self, path: &str, text: &str) -> Result<bool, Halt>;
+
+    /// Whether programs of the job have written such a file; false if it was removed.
+    ///
+    /// # Errors
+    /// The job was stopped.
+    fn has_written(&mut self, path: &str) -> Result<Option<bool>, Halt>;
+
+    /// Its text.
+    ///
+    /// # Errors
+    /// The job was stopped.
+    fn written(&mut self, path: &str) -> Result<Option<Arc<str>>, Halt>;
+
+    /// Removes such a file.
+    ///
+    /// # Errors
+    /// The job was stopped.
+    fn remove_written(&mut self, path: &str) -> Acted;
 }

@@ -29,7 +29,7 @@ fn file_name(name: &str) -> String {
 }
 
 /// A path of the control as a path of files.
-fn file_path(path: &str) -> String {
+pub(super) fn file_path(path: &str) -> String {
     let path = path.replace('\\', "/");
     path.split('/').filter(|part| !part.is_empty()).map(file_name).collect::<Vec<_>>().join("/")
 }
@@ -104,8 +104,14 @@ impl Siemens {
     }
 
     /// The control has such a file.
-    pub(super) fn has_file(&self, host: &dyn Host, path: &str) -> bool {
-        self.by_path(host, &file_path(path)).is_some()
+    pub(super) fn has_file(&mut self, host: &mut dyn Host, path: &str) -> Outcome<bool> {
+        let written = self.has_record(host, path)?;
+        Ok(written.unwrap_or_else(|| self.file_by_path(host, path).is_some()))
+    }
+
+    /// A file by a path of the control.
+    pub(super) fn file_by_path(&self, host: &dyn Host, path: &str) -> Option<FileId> {
+        self.by_path(host, &file_path(path))
     }
 
     fn program_file(&self, host: &dyn Programs, name: &str) -> Option<FileId> {

@@ -32,6 +32,7 @@ mod orientation;
 mod outline;
 mod positioning;
 mod preparation;
+mod records;
 mod run;
 mod settings;
 mod statement;

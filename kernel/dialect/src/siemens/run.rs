@@ -317,6 +317,7 @@ impl Siemens {
         let is_statement = self.coordination(host, name, arguments)?
             || self.contour_statement(host, name, arguments)?
             || self.preparation(host, name, arguments)?
+            || self.records(host, name, arguments)?
             || self.waits_for_axes(host, name, arguments)?
             || self.cancel(host, name, arguments)?;
         if is_statement {

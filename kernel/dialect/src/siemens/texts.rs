@@ -89,7 +89,7 @@ impl Siemens {
                 Data::Bool((1.0..4.0).contains(&wanted) && geometry_name(host, wanted as usize - 1).is_some())
             }
             "ISVAR" => Data::Bool(self.is_variable(host, &first()?)?),
-            "ISFILE" => Data::Bool(self.has_file(host, &first()?)),
+            "ISFILE" => Data::Bool(self.has_file(host, &first()?)?),
             "SPRINT" => Data::Text(sprint(&first()?, values.get(1..).unwrap_or_default())?),
             _ => return syntax(format!("function {name} does not exist")),
         })

@@ -1,5 +1,7 @@
 //! Messages, diagnostics and printed lines of the interpreter.
 
+use std::sync::Arc;
+
 use counterpoint_fault::{Acted, Facts, Halt};
 
 use crate::channel::Kernel;
@@ -78,5 +80,27 @@ impl Report for Kernel<'_> {
             self.diagnose(&diag::MACRO_FILES, text);
         }
         Ok(())
+    }
+
+    fn append(&mut self, path: &str, text: &str) -> Result<bool, Halt> {
+        self.flow.pass.effects = true;
+        let done = self.access(Door::File, Mode::Write, |shared| shared.files.print(path, text))?;
+        if let Err(text) = &done {
+            self.diagnose(&diag::MACRO_FILES, text.clone());
+        }
+        Ok(done.is_ok())
+    }
+
+    fn has_written(&mut self, path: &str) -> Result<Option<bool>, Halt> {
+        self.access(Door::File, Mode::Read, |shared| shared.files.has(path))
+    }
+
+    fn written(&mut self, path: &str) -> Result<Option<Arc<str>>, Halt> {
+        self.access(Door::File, Mode::Read, |shared| shared.files.get(path).flatten())
+    }
+
+    fn remove_written(&mut self, path: &str) -> Acted {
+        self.flow.pass.effects = true;
+        self.access(Door::File, Mode::Write, |shared| shared.files.remove(path))
     }
 }
