@@ -7,12 +7,12 @@
 
 use counterpoint_motion::contour::closed::turned_by;
 use counterpoint_motion::contour::element::{Spot, plus};
+use counterpoint_motion::lettering;
 
 use super::Heidenhain;
 use super::clearing::Blocks;
 use super::cycles::RAPID;
 use super::formula::{Kind, Name};
-use super::glyphs::{CAPITAL, GAP, glyph};
 use super::path::actual;
 use super::variables::Value;
 use crate::host::Host;
@@ -20,9 +20,9 @@ use crate::host::Host;
 /// The text of the cycle.
 const TEXT: Name = Name { kind: Kind::Text, index: 500 };
 
-/// Characters of a text, percent signs in their place.
-fn characters(text: &str) -> Result<Vec<char>, String> {
-    let mut out = Vec::new();
+/// A text with its percent signs in their place.
+fn plain(text: &str) -> Result<String, String> {
+    let mut out = String::new();
     let mut rest = text.chars();
     while let Some(character) = rest.next() {
         if character == '%' && rest.next() != Some('%') {
@@ -33,23 +33,10 @@ fn characters(text: &str) -> Result<Vec<char>, String> {
         }
         out.push(character);
     }
-    Ok(out)
-}
-
-/// Strokes of a text in steps from its beginning, and its length; `room` between characters.
-fn strokes(text: &str, room: f64) -> Result<(Vec<Vec<Spot>>, f64), String> {
-    let mut strokes = Vec::new();
-    let mut at = 0.0;
-    let mut end = 0.0;
-    for character in characters(text)? {
-        let Some((width, own)) = glyph(character) else {
-            return Err(format!("cycle 225 has no character '{character}'"));
-        };
-        strokes.extend(own.into_iter().map(|stroke| stroke.into_iter().map(|[x, y]| [x + at, y]).collect()));
-        end = at + width;
-        at = end + room;
+    match lettering::unknown(&out) {
+        Some(character) => Err(format!("cycle 225 has no character '{character}'")),
+        None => Ok(out),
     }
-    Ok((strokes, end))
 }
 
 impl Heidenhain {
@@ -63,23 +50,24 @@ impl Heidenhain {
                 return Err(format!("texts {what} are not emulated in cycle 225: program Q{index}=0"));
             }
         }
-        let factor = if self.sl(514) == 0.0 { 1.0 } else { self.sl(514) };
-        let (strokes, length) = strokes(&text, GAP * factor)?;
-        let mut step = self.sl(513) / CAPITAL;
+        let text = plain(&text)?;
+        let gap = lettering::GAP * if self.sl(514) == 0.0 { 1.0 } else { self.sl(514) };
+        let length = lettering::width(text.len(), gap);
+        let mut height = self.sl(513);
         let most = self.sl(574);
-        if most > 0.0 && length * step > most {
-            step = most / length;
+        if most > 0.0 && length * height > most {
+            height = most / length;
         }
         let stands = actual(host);
         let begin = self.path.plane.map(|axis| stands.get(axis).copied().unwrap_or(0.0));
         let unit = host.length_factor();
         // Blocks take places in units of the machine.
-        let place = |spot: Spot| plus([0.0; 2], plus(begin, turned_by(spot, self.sl(374)), step), unit);
+        let place = |spot: Spot| plus([0.0; 2], plus(begin, turned_by(spot, self.sl(374)), height), unit);
         let clear = self.sl(203) + self.sl(200);
         let ground = self.sl(203) + self.sl(201);
         let mut blocks = Blocks::of(self, host);
         blocks.rise_to(clear, RAPID);
-        for stroke in strokes {
+        for stroke in lettering::strokes(&text, gap) {
             let mut spots = stroke.into_iter().map(place);
             let Some(first) = spots.next() else { continue };
             blocks.over(first);

@@ -23,7 +23,6 @@ mod flow;
 mod formula;
 mod free;
 mod functions;
-mod glyphs;
 mod iso;
 mod lex;
 mod m_words;
