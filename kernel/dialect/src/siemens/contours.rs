@@ -113,13 +113,15 @@ impl Siemens {
         if !name.is_empty() && found.is_some() {
             return self.prepare_call(host, name, found, arguments.get(1..).unwrap_or_default());
         }
-        let labels = [format!("E_LAB_A_{name}"), format!("E_LAB_E_{name}")];
-        self.contour_section(host, name, (&labels[0], &labels[1])).map_err(|_| {
-            let text = format!(
-                "the contour '{name}' is no subprogram (alarm 14011, program not there), and the program has no labels {} and {}",
-                labels[0], labels[1]
-            );
-            Fault::Alarm(&diag::SUBPROGRAM_MISSING, text)
+        let (from, to) = (format!("E_LAB_A_{name}"), format!("E_LAB_E_{name}"));
+        self.contour_section(host, name, (&from, &to)).map_err(|fault| match fault {
+            Fault::Halt(halt) => Fault::Halt(halt),
+            Fault::Alarm(..) => {
+                let text = format!(
+                    "the contour '{name}' is no subprogram (alarm 14011, program not there), and the program has no labels {from} and {to}"
+                );
+                Fault::Alarm(&diag::SUBPROGRAM_MISSING, text)
+            }
         })
     }
 
