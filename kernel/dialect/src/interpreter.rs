@@ -79,9 +79,12 @@ pub trait Interpreter: Send {
         false
     }
 
-    /// The same, right before the interpreter executes that block: it need not look for the line again.
-    fn takes_at_once(&mut self, line: (FileId, u32)) -> bool {
-        self.executes(line)
+    /// Executes a line that it is known to execute ([`executes`](Self::executes)) without its text; none: it needs the text.
+    ///
+    /// # Errors
+    /// As those of [`block`](Self::block).
+    fn known_block(&mut self, _: &mut dyn Host, _: (FileId, u32)) -> Option<Result<Made, Halt>> {
+        None
     }
 
     /// Bytes that its variables and what it remembers of programs take, about.
@@ -92,6 +95,24 @@ pub trait Interpreter: Send {
     /// Bytes that compiled lines and tables take, about, if they are counted apart.
     fn tables(&self) -> u64 {
         0
+    }
+}
+
+/// What a line made that was executed without its text.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Made {
+    /// Nothing.
+    Nothing,
+    /// The words that the interpreter has put on the block ([`super::host::Words::push`]).
+    Words,
+}
+
+impl From<Made> for Remaining {
+    fn from(made: Made) -> Self {
+        match made {
+            Made::Nothing => Self::Nothing,
+            Made::Words => Self::Words,
+        }
     }
 }
 

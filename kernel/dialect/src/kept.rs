@@ -52,6 +52,23 @@ impl<L> Kept<L> {
         self.at_hand.get(key.1 as usize % AT_HAND)?.as_ref()?.1.as_ref()
     }
 
+    /// Takes a line that was kept out of those at hand; [`give_back`](Self::give_back) makes it come at once again.
+    #[inline(always)]
+    pub(crate) fn take(&mut self, key: Key) -> Option<Arc<L>> {
+        self.get(key)?;
+        self.at_hand.get_mut(key.1 as usize % AT_HAND)?.take()?.1
+    }
+
+    /// Puts a line back to those at hand, unless another one has come there meanwhile.
+    #[inline(always)]
+    pub(crate) fn give_back(&mut self, key: Key, line: Arc<L>) {
+        if let Some(slot) = self.at_hand.get_mut(key.1 as usize % AT_HAND)
+            && slot.is_none()
+        {
+            *slot = Some((key, Some(line)));
+        }
+    }
+
     /// Looks for a line that another one has the place of.
     #[inline(never)]
     fn take_in_hand(&mut self, key: Key) {
@@ -117,17 +134,23 @@ impl<K: Copy + Eq + Hash, T: Table> Tables<K, T> {
     /// The table of a file or program, made when it is wanted for the first time.
     #[inline]
     pub(super) fn get(&mut self, key: K, make: impl FnOnce() -> T) -> Arc<T> {
-        match &self.at_hand {
-            Some((of, table)) if *of == key => Arc::clone(table),
+        Arc::clone(self.look(key, make))
+    }
+
+    /// The same for a look at it.
+    #[inline]
+    pub(super) fn look(&mut self, key: K, make: impl FnOnce() -> T) -> &Arc<T> {
+        let table = match self.at_hand.take() {
+            Some((of, table)) if of == key => table,
             _ => self.look_up(key, make),
-        }
+        };
+        &self.at_hand.insert((key, table)).1
     }
 
     /// The same for another key than the last one.
     #[inline(never)]
     fn look_up(&mut self, key: K, make: impl FnOnce() -> T) -> Arc<T> {
         if let Some(table) = self.tables.get(&key) {
-            self.at_hand = Some((key, Arc::clone(table)));
             return Arc::clone(table);
         }
         let table = Arc::new(make());
@@ -137,7 +160,6 @@ impl<K: Copy + Eq + Hash, T: Table> Tables<K, T> {
         }
         self.bytes += size;
         self.tables.insert(key, Arc::clone(&table));
-        self.at_hand = Some((key, Arc::clone(&table)));
         table
     }
 

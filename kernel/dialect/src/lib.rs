@@ -31,7 +31,7 @@ pub use host::{
     Answer, AxisPlace, Call, Coordination, Flow, Frames, Loops, MadeWord, Modes, NotThere, Operands, Place, Programs,
     Report, Shape, Signal, Values, Words,
 };
-pub use interpreter::{Interpreter, MacroCall, Remaining, Setting};
+pub use interpreter::{Interpreter, MacroCall, Made, Remaining, Setting};
 pub use numeric::{VACANT, is_vacant};
 pub use outline::{Argument, Called, Deed, Goal, Named, Reader, Signalled, Step, sequence};
 pub use search::Search;

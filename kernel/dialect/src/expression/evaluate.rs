@@ -71,8 +71,15 @@ pub(crate) trait Evaluate<V: Clone + Default, X> {
     #[inline]
     fn evaluate(&mut self, code: &Code<V, X>) -> Result<V, Self::Stop> {
         // The value on top stays out of the stack until another one waits above it.
-        let (mut stack, mut top) = (Stack::new(), V::default());
-        for op in code.ops() {
+        let mut stack = Stack::new();
+        let Some((first, ops)) = code.ops().split_first() else { return Ok(V::default()) };
+        let mut top = match first {
+            Op::Value(value) => value.clone(),
+            Op::Own(own) => self.own(own, &mut stack)?,
+            // Nothing that is compiled begins with an operator.
+            _ => V::default(),
+        };
+        for op in ops {
             match op {
                 Op::Value(value) => stack.push(std::mem::replace(&mut top, value.clone())),
                 Op::Apply(function) => top = self.apply(*function, std::mem::take(&mut top))?,

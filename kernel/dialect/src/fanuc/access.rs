@@ -8,7 +8,7 @@ use counterpoint_fault::Halt;
 use counterpoint_lang::value::Value;
 
 use super::compile::compile;
-use super::expr::{self, Expr, Fault, Variables, number};
+use super::expr::{self, Expr, Fault, Variables, is_vacant, number};
 use super::statement::Statement;
 use crate::host::{Answer, Host, NotThere};
 use counterpoint_program::key_words::Names;
@@ -41,6 +41,17 @@ impl<'h> Access<'h> {
         match self.host.number(index) {
             Ok(value) => Ok(value),
             Err(why) => Err(fault(index, why)),
+        }
+    }
+
+    /// A variable that is not local, or has no value.
+    #[inline(never)]
+    fn look_up(&mut self, index: u32) -> Result<f64, Fault> {
+        let system = index >= SYSTEM && !self.host.is_common(index);
+        let value = if system && self.asks() { self.identified(index) } else { self.known(index) };
+        match value {
+            Ok(value) => Ok(value),
+            Err(fault) => self.missing(fault),
         }
     }
 
@@ -117,12 +128,8 @@ impl<'h> Access<'h> {
 impl Variables for Access<'_> {
     #[inline]
     fn get(&mut self, index: u32) -> Result<f64, Fault> {
-        let system = index >= SYSTEM && !self.host.is_common(index);
-        let value = if system && self.asks() { self.identified(index) } else { self.known(index) };
-        match value {
-            Ok(value) => Ok(value),
-            Err(fault) => self.missing(fault),
-        }
+        let local = self.host.local_number(index);
+        if is_vacant(local) { self.look_up(index) } else { Ok(local) }
     }
 
     fn unknown_function(&mut self, span: (u32, u32)) -> Result<f64, Fault> {

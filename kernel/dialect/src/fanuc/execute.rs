@@ -3,8 +3,6 @@
 //! Facts: reference control-emulator.md 5.4, fanuc-variables-and-alarms.md 2.5. *Invariant:* a loop is repeated only by a
 //! program that came in through its start.
 
-use std::sync::Arc;
-
 use counterpoint_fault as diag;
 use counterpoint_fault::{Acted, Halt};
 
@@ -15,11 +13,13 @@ use super::loops::Pairs;
 use super::statement::{Item, Name, Statement, Target, TemplateWord};
 use super::{Fanuc, print};
 use crate::host::{Host, MadeWord, Programs};
-use crate::interpreter::Remaining;
+use crate::interpreter::Made;
+use counterpoint_event::FileId;
+use counterpoint_program::shape::Range;
 use counterpoint_program::spot::Spot;
 
 impl Fanuc {
-    pub(super) fn statement(&mut self, host: &mut dyn Host, statement: &Statement) -> Result<Remaining, Abandoned> {
+    pub(super) fn statement(&mut self, host: &mut dyn Host, statement: &Statement) -> Result<Made, Abandoned> {
         match statement {
             Statement::Words(words) => return template(host, words),
             Statement::IfThen(condition, inner) => {
@@ -61,7 +61,7 @@ impl Fanuc {
             Statement::Print(items) => print_line(host, items, false)?,
             Statement::PrintBinary(items) => print_line(host, items, true)?,
         }
-        Ok(Remaining::Nothing)
+        Ok(Made::Nothing)
     }
 
     /// The block opens a loop, or starts its next pass.
@@ -93,13 +93,13 @@ impl Fanuc {
         if host.loops().is_empty() {
             return;
         }
-        let (pairs, level) = (self.pairs(host), host.level());
+        let (level, pairs) = (host.level(), self.pairs(host));
         host.loops().jump(level, |start| pairs.of_loop(start).is_some_and(|end| (start..=end).contains(&target)));
     }
 
     /// Continues after the partner of the block.
     fn skip_past(&mut self, host: &mut dyn Host, partner: fn(&Pairs, Spot) -> Option<Spot>) -> Acted {
-        match partner(&self.pairs(host), host.spot()) {
+        match partner(self.pairs(host), host.spot()) {
             Some(block) => {
                 let after = host.after(block);
                 host.go_to_block(after)
@@ -109,9 +109,10 @@ impl Fanuc {
     }
 
     /// Partners of the statements of the running program, found once.
-    pub(super) fn pairs(&mut self, host: &dyn Programs) -> Arc<Pairs> {
-        let Some((file, range)) = host.program() else { return Arc::default() };
-        self.pairs.get((file, range), || {
+    pub(super) fn pairs(&mut self, host: &dyn Programs) -> &Pairs {
+        // Without a program there is no source either.
+        let (file, range) = host.program().unwrap_or((FileId::MAX, Range { number: None, first: 1, last: 0 }));
+        self.pairs.look((file, range), || {
             let Some(source) = host.source(file) else { return Pairs::default() };
             let mut statements = Vec::new();
             for line in source.walk(range.first, range.last).filter(|&line| has_bracketing(source.line(line))) {
@@ -193,7 +194,7 @@ fn print_line(host: &mut dyn Host, items: &[Item], binary: bool) -> Result<(), A
 }
 
 /// Words with expressions become plain words; vacant values drop their word, kept ones remain text.
-fn template(host: &mut dyn Host, words: &[TemplateWord]) -> Result<Remaining, Abandoned> {
+fn template(host: &mut dyn Host, words: &[TemplateWord]) -> Result<Made, Abandoned> {
     host.effect();
     for word in words {
         let span = (word.start, word.end);
@@ -222,7 +223,7 @@ fn template(host: &mut dyn Host, words: &[TemplateWord]) -> Result<Remaining, Ab
         }
     }
     host.words_are_made();
-    Ok(Remaining::Words)
+    Ok(Made::Words)
 }
 
 /// A line that may hold a bracketing statement.

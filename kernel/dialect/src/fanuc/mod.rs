@@ -29,7 +29,7 @@ use counterpoint_lang::value::Value;
 pub(crate) use control::Control;
 
 use super::host::{Host, NotThere};
-use super::interpreter::{Arguments, Interpreter, Remaining, Setting};
+use super::interpreter::{Arguments, Interpreter, Made, Remaining, Setting};
 use super::kept::{Kept, Tables};
 use super::numeric::is_vacant;
 use access::{Abandoned, Access};
@@ -45,8 +45,6 @@ use statement::Line;
 #[derive(Debug, Default)]
 struct Fanuc {
     lines: Kept<Line>,
-    /// The line that is executed next.
-    next: Option<Arc<Line>>,
     /// Partners of loops and branches by program.
     pairs: Tables<(FileId, Range), Pairs>,
     /// Text of the block without comments.
@@ -58,14 +56,32 @@ impl Fanuc {
     /// every pass, but once for a block that is read twice.
     #[inline]
     fn line(&mut self, host: &mut dyn Host, text: &[u8], displays: bool) -> Result<Arc<Line>, Halt> {
-        let known = self.next.take().or_else(|| self.lines.get(host.unchanged_line()?).map(Arc::clone));
-        if let Some(line) = known {
+        if let Some(line) = host.unchanged_line().and_then(|line| self.lines.get(line).map(Arc::clone)) {
             if displays && !line.messages.is_empty() {
                 host.display_again(text, &line.messages);
             }
             return Ok(line);
         }
         self.compiled(host, text, displays)
+    }
+
+    /// Executes a compiled line.
+    #[inline]
+    fn execute(&mut self, host: &mut dyn Host, line: &Line) -> Result<Made, Halt> {
+        if let Some(number) = line.sequence {
+            host.set_sequence(number);
+        }
+        if let Some(span) = line.name {
+            host.set_program_name(span);
+        }
+        match self.statement(host, &line.statement) {
+            Ok(made) => Ok(made),
+            Err(Abandoned::Halt(halt)) => Err(halt),
+            Err(Abandoned::Text) => {
+                host.keep_text(line.place);
+                Ok(Made::Words)
+            }
+        }
     }
 
     /// Compiles the block.
@@ -93,20 +109,17 @@ impl Fanuc {
 impl Interpreter for Fanuc {
     fn block(&mut self, host: &mut dyn Host, text: &[u8]) -> Result<Remaining, Halt> {
         let line = self.line(host, text, true)?;
-        if let Some(number) = line.sequence {
-            host.set_sequence(number);
+        self.execute(host, &line).map(Remaining::from)
+    }
+
+    fn known_block(&mut self, host: &mut dyn Host, at: (FileId, u32)) -> Option<Result<Made, Halt>> {
+        let line = self.lines.take(at)?;
+        if !line.messages.is_empty() {
+            display_again(host, at, &line.messages);
         }
-        if let Some(span) = line.name {
-            host.set_program_name(span);
-        }
-        match self.statement(host, &line.statement) {
-            Ok(remaining) => Ok(remaining),
-            Err(Abandoned::Halt(halt)) => Err(halt),
-            Err(Abandoned::Text) => {
-                host.keep_text(line.place);
-                Ok(Remaining::Words)
-            }
-        }
+        let done = self.execute(host, &line);
+        self.lines.give_back(at, line);
+        Some(done)
     }
 
     fn arguments(
@@ -169,14 +182,16 @@ impl Interpreter for Fanuc {
         self.lines.get(line).is_some_and(|line| line.executes)
     }
 
-    #[inline]
-    fn takes_at_once(&mut self, line: (FileId, u32)) -> bool {
-        self.next = self.lines.get(line).filter(|line| line.executes).map(Arc::clone);
-        self.next.is_some()
-    }
-
     fn tables(&self) -> u64 {
         (self.lines.bytes() + self.pairs.bytes()) as u64
+    }
+}
+
+/// Shows the messages of a line again.
+#[cold]
+fn display_again(host: &mut dyn Host, (file, line): (FileId, u32), messages: &[(u32, u32)]) {
+    if let Some(source) = host.source(file) {
+        host.display_again(source.line(line), messages);
     }
 }
 

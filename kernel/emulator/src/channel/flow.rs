@@ -121,6 +121,8 @@ pub(crate) struct Flow {
 pub(crate) struct Known {
     /// Names of programs that were called by number.
     pub(crate) names: Names,
+    /// Where programs that were called by number are.
+    pub(crate) programs: Programs,
     /// Lines of labels by file and label.
     pub(crate) labels: FxHashMap<FileId, Arc<Labels>>,
     /// Bytes of labels.
@@ -140,6 +142,31 @@ impl Names {
         match slot {
             Some((known, name)) if *known == number => Arc::clone(name),
             _ => Arc::clone(&slot.insert((number, name())).1),
+        }
+    }
+}
+
+/// Where a program is called: its number, the file that calls, and the main program's.
+pub(crate) type Wanted = (u32, FileId, FileId);
+
+/// Programs by number and by the files from which they were called: those that were called last.
+///
+/// *Invariant:* the texts of a job do not change, so a program that was found stays where it is.
+#[derive(Debug, Default)]
+pub(crate) struct Programs([Option<(Wanted, (FileId, Range))>; 8]);
+
+impl Programs {
+    /// Where a program was found.
+    pub(crate) fn get(&self, wanted: Wanted) -> Option<(FileId, Range)> {
+        let (known, found) = (*self.0.get(wanted.0 as usize % self.0.len())?)?;
+        (known == wanted).then_some(found)
+    }
+
+    /// Keeps where a program is.
+    pub(crate) fn keep(&mut self, wanted: Wanted, found: (FileId, Range)) {
+        let place = wanted.0 as usize % self.0.len();
+        if let Some(slot) = self.0.get_mut(place) {
+            *slot = Some((wanted, found));
         }
     }
 }

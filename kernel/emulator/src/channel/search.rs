@@ -66,8 +66,28 @@ impl Look {
 }
 
 impl Kernel<'_> {
-    /// Looks a program up.
+    /// Looks a program up; one that was called by number before is known, unless macros say where programs are.
     pub(crate) fn find_program(&mut self, what: &Callee) -> Result<Option<(FileId, Range)>, Halt> {
+        let Callee::Program(number) = *what else { return self.look_for_program(what) };
+        let [Some(main), Some(caller)] = [self.flow.frames.first(), self.flow.frames.last()] else {
+            return self.look_for_program(what);
+        };
+        let wanted = (number, caller.file, main.file);
+        if self.plan.hooks.is_some() {
+            return self.look_for_program(what);
+        }
+        if let Some(found) = self.flow.known.programs.get(wanted) {
+            return Ok(Some(found));
+        }
+        let found = self.look_for_program(what)?;
+        if let Some(found) = found {
+            self.flow.known.programs.keep(wanted, found);
+        }
+        Ok(found)
+    }
+
+    /// Looks for a program in all places.
+    fn look_for_program(&mut self, what: &Callee) -> Result<Option<(FileId, Range)>, Halt> {
         self.work(self.channel.env.info.files.len())?;
         for look in Look::order(self.channel.env.machine.subprograms.placement) {
             let found = match look {

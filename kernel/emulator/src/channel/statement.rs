@@ -9,8 +9,9 @@ use counterpoint_fault::Acted;
 
 use super::Kernel;
 use super::flow::{Callee, Frame};
-use counterpoint_dialect::{Call, Interpreter, Remaining};
+use counterpoint_dialect::{Call, Interpreter, Made, Remaining};
 use counterpoint_fault as diag;
+use counterpoint_program::source::Source;
 use counterpoint_program::spot::Spot;
 
 impl Kernel<'_> {
@@ -21,17 +22,41 @@ impl Kernel<'_> {
         }
         self.channel.block.clear();
         match self.with_interpreter(|interpreter, kernel| interpreter.block(kernel, text)) {
-            Some(remaining) => match remaining? {
-                Remaining::Nothing => Ok(()),
-                Remaining::Words => self.made_words(),
-                Remaining::Text(left) => left.split('\n').try_for_each(|left| self.left_words(left, text)),
-            },
+            Some(remaining) => self.remains(remaining?, text),
             None => {
                 let text =
                     format!("'{}' is issued while the pre-processor waits for a macro; ignored", self.block_text());
                 self.diagnose(&diag::PREPROCESSOR_ASKS, text);
                 Ok(())
             }
+        }
+    }
+
+    /// A line that the interpreter is known to execute, on a kernel without macros.
+    #[inline(always)]
+    pub(crate) fn known_statement(&mut self, source: &Source) -> Acted {
+        let line = (self.channel.at.file, self.channel.at.line);
+        let Some(mut interpreter) = self.dialect.interpreter.take() else { return Ok(()) };
+        self.channel.block.clear();
+        let made = interpreter.known_block(self, line);
+        self.dialect.interpreter = Some(interpreter);
+        if std::mem::take(&mut self.dialect.is_stale) {
+            self.forget_lines();
+        }
+        match made {
+            Some(Ok(Made::Nothing)) => Ok(()),
+            Some(Ok(Made::Words)) => self.made_words(),
+            Some(Err(halt)) => Err(halt),
+            None => self.statement_line(source.line(line.1)),
+        }
+    }
+
+    /// What an interpreter has left of a block acts.
+    fn remains(&mut self, remaining: Remaining, text: &[u8]) -> Acted {
+        match remaining {
+            Remaining::Nothing => Ok(()),
+            Remaining::Words => self.made_words(),
+            Remaining::Text(left) => left.split('\n').try_for_each(|left| self.left_words(left, text)),
         }
     }
 

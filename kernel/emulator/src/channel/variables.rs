@@ -94,15 +94,9 @@ impl ChannelVariables {
         locals.map(|(number, value)| (number, *value)).chain(own).take(most).collect()
     }
 
-    /// A local variable that has a value.
+    /// A local variable; number 0 and the numbers of others have no value here.
     #[inline]
-    pub(super) fn local_with_value(&self, index: u32) -> Option<f64> {
-        // Number 0 and the numbers of others have none here.
-        self.calls.here().get(index as usize).copied().filter(|value| !is_vacant(*value))
-    }
-
-    #[inline]
-    fn local(&self, index: u32) -> f64 {
+    pub(super) fn local(&self, index: u32) -> f64 {
         self.calls.here().get(index as usize).copied().unwrap_or(VACANT)
     }
 
@@ -118,11 +112,11 @@ impl ChannelVariables {
         locals.fold(self.print, |all, (value, index)| all ^ print(index, *value))
     }
 
-    fn set_local(&mut self, index: u32, value: f64) {
+    /// Whether it has another value than before.
+    fn set_local(&mut self, index: u32, value: f64) -> bool {
         self.writes += 1;
-        if let Some(slot) = self.calls.here_mut().get_mut(index as usize) {
-            *slot = value;
-        }
+        let slot = self.calls.here_mut().get_mut(index as usize);
+        slot.is_some_and(|slot| std::mem::replace(slot, value).to_bits() != value.to_bits())
     }
 }
 
@@ -186,8 +180,7 @@ impl Kernel<'_> {
         match index {
             1..=33 => {
                 // Writing the same value changes nothing for the next pass.
-                self.flow.pass.changes |= self.dialect.variables.local(index).to_bits() != value.to_bits();
-                self.dialect.variables.set_local(index, value);
+                self.flow.pass.changes |= self.dialect.variables.set_local(index, value);
                 Ok(())
             }
             _ if within(&self.channel.env.machine.variables.shared, index) => self

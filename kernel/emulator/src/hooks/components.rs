@@ -98,6 +98,7 @@ impl Kernel<'_> {
             levels: levels.clone(),
         });
         (self.flow.known.labels, self.flow.known.tables) = (Default::default(), 0);
+        self.flow.known.programs = Default::default();
         if let Some(rested) = self.components.turns.dialects.last() {
             self.dialect.variables.follow(&rested.dialect.variables);
         }

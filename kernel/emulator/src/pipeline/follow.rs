@@ -169,8 +169,11 @@ impl Kernel<'_> {
     }
 
     pub(crate) fn enter(&mut self, frame: Frame) {
-        let level = self.flow.frames.len() as u16;
-        self.emit(0, Kind::Call(Call { program: Arc::clone(&frame.name), level }));
+        let (level, name) = (self.flow.frames.len() as u16, &frame.name);
+        self.emit_as(0, |kind| *kind = Kind::Call(Call { program: Arc::clone(name), level }));
+        if self.ports.emitter.carries(name.len()) {
+            self.flush();
+        }
         self.flow.repeats = true;
         self.flow.pass.changes = true;
         self.flow.frames.push(frame);
@@ -206,7 +209,7 @@ impl Kernel<'_> {
                 self.end_contour(back)?;
             }
             let level = self.flow.frames.len() as u16;
-            self.emit(0, Kind::Return(Return { level }));
+            self.emit_as(0, |kind| *kind = Kind::Return(Return { level }));
             if let Some(hooks) = self.plan.hooks {
                 (hooks.program.returned)(self, &frame.called, (frame.file, frame.range))?;
             }

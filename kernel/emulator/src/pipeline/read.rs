@@ -50,16 +50,18 @@ impl Kernel<'_> {
         }
         frame.next = line + 1;
         let Some(source) = sources.get(file) else { return Err(Halt::ProgramEnd(None)) };
+        if self.flow.repeats && hooks.is_none() && self.executes(source, (file, line)) {
+            (self.channel.at.file, self.channel.at.line) = (file, line);
+            self.begin_block()?;
+            self.known_statement(source)?;
+            return self.follow();
+        }
         let text = source.line(line);
         if text.iter().all(|b| matches!(b, b' ' | b'\t')) {
             return Ok(());
         }
         (self.channel.at.file, self.channel.at.line) = (file, line);
         self.begin_block()?;
-        if self.flow.repeats && hooks.is_none() && self.takes_at_once(source) {
-            self.statement_line(text)?;
-            return self.follow();
-        }
         if text.len() > self.channel.env.options.limits.block_length {
             return Err(self.too_long(text.len()));
         }
@@ -98,12 +100,11 @@ impl Kernel<'_> {
 
     /// The line is a statement that was executed before, and is as it was then.
     #[inline(always)]
-    fn takes_at_once(&mut self, source: &Source) -> bool {
-        if self.plan.edits.reshapes && self.is_reshaped(source) {
+    fn executes(&mut self, source: &Source, line: (FileId, u32)) -> bool {
+        if self.plan.edits.reshapes && self.is_reshaped(source) || self.channel.env.trace.is_some() {
             return false;
         }
-        let line = (self.channel.at.file, self.channel.at.line);
-        self.dialect.interpreter.as_deref_mut().is_some_and(|interpreter| interpreter.takes_at_once(line))
+        self.dialect.interpreter.as_deref_mut().is_some_and(|interpreter| interpreter.executes(line))
     }
 
     /// The block before a rewind-stop at the end of its line, where one may stand there.

@@ -39,12 +39,12 @@ impl Values for Kernel<'_> {
         self.channel.env.machine.variables.own_common
     }
 
+    fn local_number(&self, index: u32) -> f64 {
+        self.dialect.variables.local(index)
+    }
+
     fn number(&mut self, index: u32) -> Result<f64, NotThere> {
-        // What most expressions read.
-        match self.dialect.variables.local_with_value(index) {
-            Some(value) => Ok(value),
-            None => self.numbered(index),
-        }
+        self.numbered(index)
     }
 
     fn set_number(&mut self, index: u32, value: f64) -> Result<(), NotThere> {
