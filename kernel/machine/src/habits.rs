@@ -30,6 +30,8 @@ pub struct Habits {
     pub rounded: bool,
     /// Sums at addresses need no brackets: `X#1+.1`.
     pub bare_sums: bool,
+    /// A statement may follow a condition without THEN: `IF[#1EQ1.]G65P2`.
+    pub bare_conditions: bool,
     /// Codes, addresses and statements that nothing knows are alarms of the control; otherwise they are diagnosed and the
     /// rest of the block acts.
     pub unknown_alarms: bool,
@@ -113,6 +115,7 @@ impl Default for Habits {
             last_of_group: false,
             rounded: false,
             bare_sums: false,
+            bare_conditions: false,
             brackets: None,
             bare_home: false,
             dwell: Dwell::default(),

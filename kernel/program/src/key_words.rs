@@ -24,6 +24,8 @@ pub struct Formulas {
     pub brackets: Option<u8>,
     /// Sums at addresses need none.
     pub bare_sums: bool,
+    /// A statement may follow a condition without THEN.
+    pub bare_conditions: bool,
 }
 
 /// What a machine has besides words of one letter.

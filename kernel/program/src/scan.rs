@@ -88,7 +88,11 @@ impl Scanner {
             levels: levels(machine, opskip),
             sequence,
             definition,
-            formulas: Formulas { brackets: machine.habits.brackets, bare_sums: machine.habits.bare_sums },
+            formulas: Formulas {
+                brackets: machine.habits.brackets,
+                bare_sums: machine.habits.bare_sums,
+                bare_conditions: machine.habits.bare_conditions,
+            },
             letters,
             literal_first: LiteralFirst::new(machine),
         }

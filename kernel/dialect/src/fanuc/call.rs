@@ -6,11 +6,12 @@
 use counterpoint_fault as diag;
 use counterpoint_fault::{Acted, Halt};
 use counterpoint_machine::index::RegisterId;
+use counterpoint_machine::model::MacroWords;
 
 use super::access::{Abandoned, eval};
 use super::expr::number;
 use super::statement::{Name, Statement, TemplateWord};
-use crate::host::Host;
+use crate::host::{Host, MadeWord};
 use crate::interpreter::{Arguments, MacroCall};
 
 /// How a G word calls.
@@ -41,7 +42,7 @@ pub(super) fn arguments(
         let value = word.value.as_constant().copied().filter(|_| word.name == Name::Letter(b'G'));
         value.is_some_and(|value| with_arguments(value).is_some())
     };
-    let strict = host.is_call_strict() && own.is_none() && words.iter().any(calls);
+    let rule = Some(host.macro_words()).filter(|_| own.is_none() && words.iter().any(calls));
     for word in words {
         let span = (word.start, word.end);
         let Name::Letter(letter) = word.name else {
@@ -70,8 +71,18 @@ pub(super) fn arguments(
             continue;
         }
         let call = with_arguments(plain).filter(|_| read.call.is_none() && letter == b'G');
-        if strict && call.is_none() {
-            check_place(host, letter, read.call.is_some())?;
+        match rule {
+            Some(MacroWords::Behind) if call.is_none() => check_place(host, letter, read.call.is_some())?,
+            Some(MacroWords::ActBefore) if call.is_none() && read.call.is_none() && letter != b'N' => {
+                match register {
+                    Some((register, incremental)) => {
+                        host.push(MadeWord { register, incremental, value, written: word.written, span });
+                    }
+                    None => host.keep_text(span),
+                }
+                continue;
+            }
+            _ => {}
         }
         match letter {
             b'G' if call.is_some() => read.call = call,

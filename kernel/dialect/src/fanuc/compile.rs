@@ -92,17 +92,21 @@ impl Parser<'_> {
         match self.keyword(&["GOTO", "THEN"]) {
             Some("GOTO") => Ok(Statement::IfGoto(condition, self.jump_target()?)),
             Some(_) if self.peek().is_none() => Ok(Statement::IfBlock(condition)),
-            Some(_) => {
-                self.depth += 1;
-                if self.depth > NESTING {
-                    return Err(self.error("less nesting"));
-                }
-                let inner = self.statement()?;
-                self.depth -= 1;
-                Ok(Statement::IfThen(condition, Box::new(inner)))
-            }
+            Some(_) => self.then(condition),
+            None if self.names.formulas.bare_conditions && self.peek().is_some() => self.then(condition),
             None => Err(self.error("GOTO or THEN after the condition")),
         }
+    }
+
+    /// The statement of a condition.
+    fn then(&mut self, condition: Expr) -> Result<Statement, Error> {
+        self.depth += 1;
+        if self.depth > NESTING {
+            return Err(self.error("less nesting"));
+        }
+        let inner = self.statement()?;
+        self.depth -= 1;
+        Ok(Statement::IfThen(condition, Box::new(inner)))
     }
 
     fn loop_number(&mut self) -> Result<u8, Error> {

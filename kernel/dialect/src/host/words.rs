@@ -1,6 +1,7 @@
 //! Words of the machine: what they are called, how their numbers are written and read, and the block that is made of them.
 
 use counterpoint_machine::index::{CodeRowId, RegisterId};
+use counterpoint_machine::model::MacroWords;
 use counterpoint_program::key_words::Number;
 
 /// A word that the interpreter made.
@@ -73,6 +74,6 @@ pub trait Words {
     /// All words of the block are made: the trace shows them.
     fn words_are_made(&mut self);
 
-    /// A macro call comes first on its block, and no G word is an argument.
-    fn is_call_strict(&self) -> bool;
+    /// Which words of a block are arguments of its macro call.
+    fn macro_words(&self) -> MacroWords;
 }

@@ -26,8 +26,8 @@ const MODAL: usize = 8;
 /// Names of which is kept whether they are words.
 const WORDS: usize = 1000;
 
-/// Output that sets an alarm of the user.
-const USER_ALARM: f64 = 992.0;
+/// Outputs that set an alarm of the user, with its class: A, B and C stop the program, D is only shown.
+const USER_ALARMS: [(f64, char); 4] = [(990.0, 'D'), (991.0, 'C'), (992.0, 'B'), (993.0, 'A')];
 
 /// Largest number of repeats.
 const REPEATS: f64 = 9999.0;
@@ -231,9 +231,11 @@ impl Okuma {
         };
         if let Some(Variable::System(name, index)) = variable
             && let ("VDOUT", [index]) = (&**name, &**index)
-            && self.value(host, index)? == USER_ALARM
         {
-            return self.user_alarm(host, value, raw, left);
+            let output = self.value(host, index)?;
+            if let Some(class) = USER_ALARMS.iter().find(|(of, _)| *of == output) {
+                return self.user_alarm(host, *class, value, (raw, left));
+            }
         }
         let is_word = self.is_word(host, name);
         let mut eval = Eval::new(&mut self.store, host);
@@ -311,10 +313,17 @@ impl Okuma {
         Ok(())
     }
 
-    /// `VDOUT[992]=n`: the alarm of the user with that number, unless the machine sees to it.
-    fn user_alarm(&mut self, host: &mut dyn Host, value: &Expr, raw: &str, left: &mut String) -> Acted {
+    /// `VDOUT[992]=n` and the like: the alarm of the user with that number, unless the machine sees to it.
+    fn user_alarm(
+        &mut self,
+        host: &mut dyn Host,
+        (output, class): (f64, char),
+        value: &Expr,
+        (raw, left): (&str, &mut String),
+    ) -> Acted {
         let number = self.value(host, value)?;
-        match host.identify("VDOUT[992]", Some(&Value::Real(number)))?.unless("VDOUT[992]") {
+        let asked = format!("VDOUT[{output}]");
+        match host.identify(&asked, Some(&Value::Real(number)))?.unless(&asked) {
             Answer::Drop => return Ok(()),
             Answer::Keep => {
                 push(left, raw);
@@ -323,7 +332,11 @@ impl Okuma {
             Answer::Instead(_) | Answer::Unknown => {}
         }
         let text = self.alarm_texts.get(&1).map_or(String::new(), |text| format!(": {text}"));
-        let text = format!("the program sets alarm {number}{text} in '{}'", host.block_text());
+        let text = format!("the program sets alarm {class} {number}{text} in '{}'", host.block_text());
+        if class == 'D' {
+            host.log_message(&text);
+            return Ok(());
+        }
         Err(host.alarm(&diag::OKUMA_ALARM, text))
     }
 }

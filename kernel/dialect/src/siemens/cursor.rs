@@ -66,6 +66,15 @@ impl<'a> Cursor<'a> {
         }
     }
 
+    /// Passes blanks between a name and its brackets, which say nothing; others stay.
+    pub(super) fn blanks_before_brackets(&mut self) {
+        let from = self.at;
+        self.blanks();
+        if !matches!(self.byte(0), b'(' | b'[') {
+            self.at = from;
+        }
+    }
+
     /// One character on.
     pub(super) fn step(&mut self) {
         self.at += self.rest().chars().next().map_or(0, char::len_utf8);

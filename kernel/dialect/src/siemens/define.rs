@@ -98,6 +98,7 @@ pub(super) fn declaration(cursor: &mut Cursor<'_>) -> Result<Declaration, String
                     cursor.name();
                     kind = Some(found);
                     length = text_length(cursor, found)?;
+                    attributes(cursor)?;
                     break;
                 }
                 None => break,

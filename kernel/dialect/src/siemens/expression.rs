@@ -232,6 +232,7 @@ impl Reader<'_, '_> {
 
     /// A name in capital letters has been read.
     fn named(&mut self, name: &str) -> Result<(), String> {
+        self.cursor.blanks_before_brackets();
         let op = match name {
             "TRUE" => Op::Value(Data::Bool(true)),
             "FALSE" => Op::Value(Data::Bool(false)),

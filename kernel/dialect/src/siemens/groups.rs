@@ -1,4 +1,4 @@
-//! `$P_GG`: which function of a G group is active.
+//! `$P_GG`: which function of a G group is active; `G[group]=n`: the function with this number.
 //!
 //! Facts: list of G functions, which numbers them in each group. *Invariant:* a function that is not in the table has no number, so
 //! that reading it is reported.
@@ -58,4 +58,29 @@ pub(super) fn active(host: &dyn Host, group: i64) -> Option<i64> {
         return Some(if is_active(codes::FEED_UPR) { 4 } else { 7 });
     }
     FUNCTIONS.iter().find(|(of, code, _)| *of == group && is_active(*code)).map(|(_, _, number)| *number)
+}
+
+/// Functions of a group in the order of their numbers, as they are written.
+const WRITTEN: &[(i64, &[&str])] = &[
+    (1, &["G0", "G1", "G2", "G3", "CIP"]),
+    (6, &["G17", "G18", "G19"]),
+    (7, &["G40", "G41", "G42"]),
+    (FRAMES, &["G500", "G54", "G55", "G56", "G57"]),
+    (10, &["G60", "G64"]),
+    (12, &["G601", "G602", "G603"]),
+    (13, &["G70", "G71", "G700", "G710"]),
+    (14, &["G90", "G91"]),
+    (FEEDS, &["G93", "G94", "G95", "G96", "G97"]),
+    (17, &["NORM", "KONT"]),
+    (18, &["G450", "G451"]),
+    (29, &["DIAMOF", "DIAMON", "DIAM90"]),
+];
+
+/// The word of a function by its group and number; none if it is not known.
+pub(super) fn written(group: i64, number: i64) -> Option<String> {
+    let (_, words) = WRITTEN.iter().find(|(of, _)| *of == group)?;
+    let word = usize::try_from(number).ok().and_then(|number| words.get(number.checked_sub(1)?));
+    // Behind G57 the settable frames go on with G505.
+    let further = || (group == FRAMES && (6..=100).contains(&number)).then(|| format!("G{}", 499 + number));
+    word.map(|word| (*word).to_owned()).or_else(further)
 }

@@ -348,6 +348,7 @@ fn assignment(cursor: &mut Cursor<'_>, name: Name) -> Result<Item, String> {
 }
 
 fn statement(cursor: &mut Cursor<'_>, name: &str, from: usize) -> Result<Item, String> {
+    cursor.blanks_before_brackets();
     if actions::begins(name, cursor) {
         return actions::action(cursor, name);
     }

@@ -34,6 +34,8 @@ pub(super) fn read(top: &mut Section<'_>, preprocessor: Preprocessor) -> (Habits
     habits.rounded = section.choice("expressions", &values).unwrap_or(habits.rounded);
     let sums = [("in-brackets", false), ("bare", true)];
     habits.bare_sums = section.choice("sums", &sums).unwrap_or(habits.bare_sums);
+    let conditions = [("then", false), ("bare", true)];
+    habits.bare_conditions = section.choice("conditions", &conditions).unwrap_or(habits.bare_conditions);
     habits.brackets = section.integer("brackets", 1..=32).map(|levels| levels as u8);
     let homes = [("nothing", false), ("all", true)];
     habits.bare_home = section.choice("home_without_axes", &homes).unwrap_or(habits.bare_home);

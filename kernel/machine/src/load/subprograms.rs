@@ -3,7 +3,7 @@
 //! Invariant: an extension is a plain file extension. Facts: reference control-emulator.md 5.7.
 
 use super::calls::{self, Around};
-use crate::model::{CallForm, CallLevels, MainReturn, NestedCalls, Placement, Subprograms};
+use crate::model::{CallForm, CallLevels, MacroWords, MainReturn, NestedCalls, Placement, Subprograms};
 use crate::toml::section::Section;
 
 /// Reads the section.
@@ -17,7 +17,7 @@ pub(super) fn read(top: &mut Section<'_>, around: &Around<'_>) -> Subprograms {
         calls: Vec::new(),
         nested: NestedCalls::OtherKind,
         levels: CallLevels::default(),
-        strict: false,
+        macro_words: MacroWords::Anywhere,
     };
     let Some(mut section) = top.table("subprograms", "[subprograms]") else { return subprograms };
     let placements =
@@ -43,8 +43,9 @@ pub(super) fn read(top: &mut Section<'_>, around: &Around<'_>) -> Subprograms {
         subprograms.levels = CallLevels { subprograms: subs, macros, all };
         levels.finish();
     }
-    let words = [("anywhere", false), ("behind", true)];
-    subprograms.strict = section.choice("macro_words", &words).unwrap_or(false);
+    let words =
+        [("anywhere", MacroWords::Anywhere), ("behind", MacroWords::Behind), ("act-before", MacroWords::ActBefore)];
+    subprograms.macro_words = section.choice("macro_words", &words).unwrap_or(MacroWords::Anywhere);
     subprograms.calls = calls::read(&mut section, around);
     section.finish();
     subprograms

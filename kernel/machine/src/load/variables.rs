@@ -13,7 +13,7 @@ use crate::toml::section::Section;
 const FIRST: i64 = 100;
 
 /// Last common variable.
-const LAST: i64 = 99_999;
+const LAST: i64 = 999_999;
 
 /// Reads the section.
 pub(super) fn read(

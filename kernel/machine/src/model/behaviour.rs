@@ -21,8 +21,19 @@ pub struct Subprograms {
     pub nested: NestedCalls,
     /// How deep calls may nest.
     pub levels: CallLevels,
-    /// Words before the G word of a macro call, and further G words behind it, stop the channel.
-    pub strict: bool,
+    /// Which words of a block are arguments of its macro call.
+    pub macro_words: MacroWords,
+}
+
+/// Which words of a block are arguments of its macro call (G65, G66, G66.1).
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum MacroWords {
+    /// All of them; a further G word is unknown text.
+    Anywhere,
+    /// Those after the word that calls. A word before it, or a G word after it, stops the channel.
+    Behind,
+    /// Those after the word that calls. The words before it act first, as in a block of their own.
+    ActBefore,
 }
 
 /// How deep calls may nest on the control; none: the limit of the job alone counts.

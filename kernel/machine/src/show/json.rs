@@ -240,7 +240,7 @@ fn subprograms(machine: &Machine) -> Value {
             "macros": subprograms.levels.macros,
             "all": subprograms.levels.all,
         },
-        "macro_words": if subprograms.strict { "behind" } else { "anywhere" },
+        "macro_words": word(subprograms.macro_words),
         "calls": subprograms.calls.iter().map(|call| super::text::word_call(machine, call)).collect::<Vec<_>>(),
     })
 }

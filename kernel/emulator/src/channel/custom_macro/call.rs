@@ -9,6 +9,7 @@ use super::modal::ModalCall;
 use crate::channel::Kernel;
 use crate::channel::flow::Callee;
 use crate::channel::flow::Pending;
+use crate::channel::hook_points::Origin;
 use counterpoint_dialect::MacroCall;
 use counterpoint_fault as diag;
 use counterpoint_program::block::irregular;
@@ -63,6 +64,11 @@ impl Kernel<'_> {
                 self.ask(Pending::Call { what, passes, arguments: Some(arguments), by });
             }
         }
-        self.leftovers()
+        if self.channel.block.words.is_empty() {
+            return self.leftovers();
+        }
+        // Words before the call act on their own.
+        self.categorise();
+        self.codes(Origin::Items)
     }
 }

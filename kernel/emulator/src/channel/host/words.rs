@@ -5,6 +5,7 @@ use counterpoint_dialect::{MadeWord, Words};
 use counterpoint_event::info::Unit;
 use counterpoint_fault as diag;
 use counterpoint_machine::index::{CodeRowId, RegisterId};
+use counterpoint_machine::model::MacroWords;
 use counterpoint_machine::number::written;
 use counterpoint_program::block::{Word, irregular};
 use counterpoint_program::key_words::Number;
@@ -120,7 +121,7 @@ impl Words for Kernel<'_> {
         }
     }
 
-    fn is_call_strict(&self) -> bool {
-        self.channel.env.machine.subprograms.strict
+    fn macro_words(&self) -> MacroWords {
+        self.channel.env.machine.subprograms.macro_words
     }
 }
