@@ -298,7 +298,16 @@ impl Scanner {
 
     /// A letter, `#` or `[` where a number was expected, or key words: text for the pre-processor.
     fn opens_statement(&self, line: &[u8], at: usize) -> bool {
-        prefix_registers::starts_expression(line, at + 1) || key_word(self.names(), line, at)
+        prefix_registers::starts_expression(line, at + 1)
+            || key_word(self.names(), line, at)
+            || self.formulas.bare_sums && self.opens_sum(line, at + 1)
+    }
+
+    /// A number at this place of the line, after blanks, is the first of a sum or product.
+    #[cold]
+    fn opens_sum(&self, line: &[u8], at: usize) -> bool {
+        let blanks = line.iter().skip(at).take_while(|byte| matches!(byte, b' ' | b'\t')).count();
+        parse_number(line, at + blanks).is_some_and(|(_, end)| goes_on_as_sum(line, end))
     }
 
     /// Value of a number as a register reads it, and what is irregular about it ([`irregular`]).
@@ -324,6 +333,9 @@ impl Scanner {
             cursor += 1;
         }
         let (number, end) = parse_number(line, cursor)?;
+        if self.formulas.bare_sums && goes_on_as_sum(line, end) {
+            return None;
+        }
         let (value, irregular) = self.reading(register, number, secondary)?;
         block.flags.irregular |= irregular;
         if Some(register) == self.sequence && block.sequence.is_none() && value >= 0.0 {
@@ -333,6 +345,12 @@ impl Scanner {
         block.push(Word { register, incremental, used: false, value, start: at as u32, end: end as u32 });
         Some(end)
     }
+}
+
+/// A number that ends here has another one added, taken away or multiplied.
+fn goes_on_as_sum(line: &[u8], end: usize) -> bool {
+    matches!(line.get(end), Some(b'+' | b'-' | b'*'))
+        && line.get(end + 1).is_some_and(|next| next.is_ascii_digit() || *next == b'.')
 }
 
 /// The literal texts of a machine, longest first.

@@ -108,15 +108,18 @@ pub(crate) struct DataPlan {
 pub(crate) struct Edits {
     /// Rules of the tape editor.
     pub(crate) tape: Option<Tape>,
-    /// There is a tape editor, or a character that ends blocks.
+    /// There is a tape editor, or a character that ends blocks, or a comment may end in front of one.
     pub(crate) reshapes: bool,
+    /// Comments go on over lines.
+    pub(crate) long_comments: bool,
 }
 
 impl Edits {
     fn new(machine: &Machine) -> Self {
         Self {
             tape: Tape::new(&machine.tape_editor),
-            reshapes: !machine.tape_editor.is_empty() || machine.format.eob.is_some(),
+            reshapes: !machine.tape_editor.is_empty() || machine.format.eob.is_some() || machine.format.long_comments,
+            long_comments: machine.format.long_comments,
         }
     }
 }

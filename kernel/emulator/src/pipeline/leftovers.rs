@@ -40,7 +40,9 @@ impl Kernel<'_> {
         if !self.channel.block.unrecognised.is_empty() {
             self.unknown_text()?;
         }
-        if self.channel.block.flags.irregular & irregular::OPEN_COMMENT != 0 {
+        if self.channel.block.flags.irregular & irregular::OPEN_COMMENT != 0
+            && !self.channel.env.machine.format.long_comments
+        {
             let text = format!("a comment or message is not closed in '{}'", self.block_text());
             self.diagnose(&diag::COMMENT_OPEN, text);
         }

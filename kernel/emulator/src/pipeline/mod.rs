@@ -11,6 +11,7 @@ mod definitions;
 mod edit;
 mod follow;
 mod leftovers;
+mod long_comments;
 mod messages;
 mod preprocess;
 mod read;

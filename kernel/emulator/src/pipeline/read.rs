@@ -76,6 +76,9 @@ impl Kernel<'_> {
         } else {
             text
         };
+        if self.plan.edits.long_comments {
+            self.pass_long_comment(source, line, text);
+        }
         if self.is_rewind_stop(text) {
             return self.rewind_stop(source, line);
         }
@@ -101,7 +104,9 @@ impl Kernel<'_> {
     /// The line is a statement that was executed before, and is as it was then.
     #[inline(always)]
     fn executes(&mut self, source: &Source, line: (FileId, u32)) -> bool {
-        if self.plan.edits.reshapes && self.is_reshaped(source) || self.channel.env.trace.is_some() {
+        if self.plan.edits.reshapes && (self.plan.edits.long_comments || self.is_reshaped(source))
+            || self.channel.env.trace.is_some()
+        {
             return false;
         }
         self.dialect.interpreter.as_deref_mut().is_some_and(|interpreter| interpreter.executes(line))

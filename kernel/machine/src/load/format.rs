@@ -12,6 +12,7 @@ pub(super) fn read(top: &mut Section<'_>, check: &Check, preprocessor: Preproces
     let mut format = Format {
         rws: String::new(),
         rws_inline: false,
+        long_comments: false,
         rws_at: RewindStop::None,
         comment: None,
         message: None,
@@ -38,6 +39,8 @@ pub(super) fn read(top: &mut Section<'_>, check: &Check, preprocessor: Preproces
     format.rws_inline = inline && !format.rws.is_empty() && !named_stops;
     format.comment = delimiters(&mut section, "comment");
     format.message = delimiters(&mut section, "message");
+    let lines = [("one", false), ("any", true)];
+    format.long_comments = section.choice("comment_lines", &lines).unwrap_or(false);
     if let (Some((comment, _)), Some((message, _))) = (&format.comment, &format.message)
         && comment == message
     {

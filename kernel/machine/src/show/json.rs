@@ -106,6 +106,7 @@ fn format(machine: &Machine) -> Value {
         "rws_at": word(format.rws_at),
         "rws_inline": format.rws_inline,
         "comment": format.comment,
+        "comment_lines": if format.long_comments { "any" } else { "one" },
         "message": format.message,
         "opskip": { "mark": format.opskip_mark, "default": format.opskip_default },
         "eob": format.eob,

@@ -120,6 +120,19 @@ impl Scanner {
         spot::remark_end(line, at, self.delimiters())
     }
 
+    /// The end that a comment of this line, or of the rest of it, still waits for.
+    pub fn open_comment(&self, line: &[u8]) -> Option<&[u8]> {
+        let (mut at, (start, end)) =
+            (0, self.comment.as_ref().filter(|(start, end)| !start.is_empty() && !end.is_empty())?);
+        while let Some(found) = find(line, at, start) {
+            match find(line, found + start.len(), end) {
+                Some(close) => at = close + end.len(),
+                None => return Some(end),
+            }
+        }
+        None
+    }
+
     /// A comment starts at this byte of the line.
     pub fn starts_comment(&self, line: &[u8], at: usize) -> bool {
         self.delimiters()
