@@ -93,7 +93,11 @@ pub(crate) fn job(inputs: &Inputs) -> Result<Pack, Error> {
 /// A program is text and has at least one block.
 fn is_program(path: &Path, content: &[u8]) -> Result<(), Error> {
     const LOOKED_AT: usize = 64 << 10;
+    /// What ends a text on some controls.
+    const END_OF_FILE: u8 = 26;
     let path = path.display();
+    let content = content.trim_ascii_end();
+    let content = content.strip_suffix(&[END_OF_FILE]).unwrap_or(content);
     if content.iter().all(u8::is_ascii_whitespace) {
         return Err(Error::Usage(format!("'{path}' is empty: a program needs at least one block")));
     }

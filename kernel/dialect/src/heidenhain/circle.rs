@@ -49,6 +49,11 @@ impl Walk<'_> {
     }
 
     pub(super) fn circle(&mut self, shape: Shape) -> Vec<String> {
+        if shape == Shape::Arc
+            && let Some(pole) = self.upright_of_circle()
+        {
+            return self.upright_circle(pole);
+        }
         let own = self.take_center();
         let end = self.target();
         let (start, to) = (self.flat(&self.start), self.flat(&end));
@@ -60,7 +65,7 @@ impl Walk<'_> {
         let radius = self.step.seen.iter().find(|word| word.is("R") && word.text != "R0").and_then(|word| word.value);
         let mut centre = Vec::new();
         let center = if shape == Shape::Arc {
-            let Some(pole) = self.path.pole else {
+            let Some(pole) = self.path.poles.flat else {
                 self.path.base = None;
                 self.complain("the circle has no centre (CC)");
                 return vec![self.verbatim(&[])];
@@ -140,7 +145,7 @@ impl Walk<'_> {
     /// Takes a centre from words of an ISO block.
     pub(super) fn take_center(&mut self) -> bool {
         let start = self.flat(&self.start);
-        let mut pole = self.path.pole.unwrap_or(start);
+        let mut pole = self.path.poles.flat.unwrap_or(start);
         let mut found = false;
         for word in &self.step.seen {
             let role = match &*word.name {
@@ -157,7 +162,7 @@ impl Walk<'_> {
             }
         }
         if found {
-            self.path.pole = Some(pole);
+            self.path.poles.flat = Some(pole);
         }
         found
     }
@@ -175,17 +180,22 @@ impl Walk<'_> {
         let said = self.path.plane.map(|at| {
             seen.iter().any(|word| word.value.is_some() && axis(&word.name).is_some_and(|(own, _)| own == at))
         });
-        let old = if said.contains(&true) { self.path.pole.unwrap_or(here) } else { here };
+        let old = if said.contains(&true) { self.path.poles.flat.unwrap_or(here) } else { here };
         Some([if said[0] { new[0] } else { old[0] }, if said[1] { new[1] } else { old[1] }])
     }
 
     pub(super) fn pole(&mut self) -> Vec<String> {
+        let upright = self.upright_pole();
+        if let Some(upright) = upright {
+            return self.stand_pole(upright);
+        }
+        self.path.poles.upright = None;
         if !self.take_center() {
-            self.path.pole = self.pole_of(&self.step.seen, &self.start);
+            self.path.poles.flat = self.pole_of(&self.step.seen, &self.start);
         }
         let others = self.others(&["I", "J", "K"]);
         let mut lines = Vec::new();
-        if let Some(pole) = self.path.pole.filter(|_| self.keeps_center()) {
+        if let Some(pole) = self.path.poles.flat.filter(|_| self.keeps_center()) {
             lines.push(self.pole_line(pole));
         }
         if !others.is_empty() {

@@ -59,7 +59,7 @@ impl Walk<'_> {
     fn element_behind(&self, end: &Position) -> Option<Element> {
         let mut steps = self.ahead.iter().skip(1);
         let mut step = steps.next()?;
-        let mut pole = self.path.pole;
+        let mut pole = self.path.poles.flat;
         if step.shape == Shape::Pole {
             pole = self.pole_of(&step.seen, end);
             step = steps.next()?;
@@ -198,10 +198,10 @@ impl Walk<'_> {
         match step.shape {
             _ if !moves => None,
             Shape::Line | Shape::Tangent => direction(minus(self.end_of(&step.seen, from, None, false)?, point)),
-            Shape::PolarLine => direction(minus(self.end_of(&step.seen, from, self.path.pole, true)?, point)),
+            Shape::PolarLine => direction(minus(self.end_of(&step.seen, from, self.path.poles.flat, true)?, point)),
             Shape::Arc | Shape::PolarArc => {
                 let clockwise = step.seen.iter().any(|word| word.text == "DR-");
-                direction(contour::heading_on(self.path.pole?, point, clockwise))
+                direction(contour::heading_on(self.path.poles.flat?, point, clockwise))
             }
             Shape::Radius => {
                 let to = self.end_of(&step.seen, from, None, false)?;

@@ -345,7 +345,7 @@ impl Walk<'_> {
     fn free_center(&self) -> Option<Point> {
         let here = self.flat(&self.start);
         if let (Some(radius), Some(angle)) = (self.free("CCPR"), self.free("CCPA")) {
-            return Some(Polar { radius, angle }.point(self.path.free.pole.or(self.path.pole)?));
+            return Some(Polar { radius, angle }.point(self.path.free.pole.or(self.path.poles.flat)?));
         }
         let of = |side: usize, [name, by, relative]: [&str; 3]| {
             let from = self.relative(relative).map_or(here, |(end, _)| end);

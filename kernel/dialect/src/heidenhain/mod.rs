@@ -42,6 +42,7 @@ mod system;
 mod tables;
 mod tasks;
 mod tools;
+mod upright;
 mod variables;
 mod words;
 

@@ -138,12 +138,21 @@ pub(super) struct Beside {
     pub(super) ends: bool,
 }
 
+/// Centres of circles that blocks have defined.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Poles {
+    /// In the working plane.
+    pub(super) flat: Option<Point>,
+    /// The last one, where it is in another plane: its axes, and where it is along them.
+    pub(super) upright: Option<([usize; 2], Point)>,
+}
+
 /// What is known of the path.
 #[derive(Debug, Clone)]
 pub(super) struct Path {
     /// Axes of the working plane.
     pub(super) plane: [usize; 2],
-    pub(super) pole: Option<Point>,
+    pub(super) poles: Poles,
     /// Direction at the end of the last element.
     pub(super) heading: Option<Point>,
     pub(super) clockwise: Option<bool>,
@@ -171,7 +180,7 @@ impl Default for Path {
     fn default() -> Self {
         Self {
             plane: [0, 1],
-            pole: None,
+            poles: Poles::default(),
             heading: None,
             clockwise: None,
             base: None,

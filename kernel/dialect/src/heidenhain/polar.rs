@@ -15,7 +15,11 @@ impl Walk<'_> {
 
     /// End of a block in polar coordinates, and the angle that the tool goes round the pole if that is said.
     pub(super) fn polar_end(&mut self) -> Option<(Position, Option<f64>)> {
-        self.polar_end_about(self.path.pole)
+        if self.path.poles.upright.is_some() {
+            self.complain("polar coordinates are in the working plane, but the pole (CC) is in another one");
+            return None;
+        }
+        self.polar_end_about(self.path.poles.flat)
     }
 
     /// The same about another pole.
@@ -72,7 +76,7 @@ impl Walk<'_> {
 
     pub(super) fn polar_arc(&mut self) -> Vec<String> {
         let Some((end, sweep)) = self.polar_end() else { return Vec::new() };
-        let (Some(pole), start) = (self.path.pole, self.flat(&self.start)) else { return Vec::new() };
+        let (Some(pole), start) = (self.path.poles.flat, self.flat(&self.start)) else { return Vec::new() };
         self.path.base = None;
         let clockwise = match (self.path.clockwise, sweep) {
             (None, Some(sweep)) => sweep < 0.0,

@@ -226,12 +226,33 @@ impl<'c, 'a> Reader<'c, 'a> {
         if let Some(local) = names::local(name) {
             return Ok(Variable::Local(local));
         }
-        let indices = if self.cursor.peek() == Some(b'[') { self.list()? } else { Box::default() };
+        let indices = match self.cursor.peek() {
+            Some(b'[') => match self.address_of_io(name) {
+                Some(address) => [Expr::constant(f64::from(address))].into(),
+                None => self.list()?,
+            },
+            _ => Box::default(),
+        };
         Ok(match (names::common(name), &*indices) {
             (Some((family, Some(number))), []) => Variable::Common(family, Box::new(Expr::constant(number))),
             (Some((family, None)), [index]) => Variable::Common(family, Box::new(index.clone())),
             _ => Variable::System(name.into(), indices),
         })
+    }
+
+    /// The address of inputs and outputs of the control, VIRD[003B]: hexadecimal digits without a mark.
+    fn address_of_io(&mut self, name: &str) -> Option<u32> {
+        if !matches!(name, "VIRD" | "VORD") {
+            return None;
+        }
+        let start = self.cursor.at;
+        self.cursor.expect(b'[', "'['").ok()?;
+        let address = u32::from_str_radix(self.cursor.run(|byte| byte.is_ascii_hexdigit()), 16).ok();
+        let closes = self.cursor.take(b']');
+        if address.is_none() || !closes {
+            self.cursor.at = start;
+        }
+        address.filter(|_| closes)
     }
 
     /// Values in brackets.
@@ -303,6 +324,10 @@ mod tests {
             (read("#81H"), read("$fF".to_ascii_uppercase().as_str())),
             (Expr::constant(129.0), Expr::constant(255.0))
         );
+        for (text, address) in [("VIRD[003B]", 59.0), ("VORD[0050]", 80.0)] {
+            let system = Variable::System(text[..4].into(), [Expr::constant(address)].into());
+            assert_eq!(read(text), Expr::own(Own::Variable(system)), "{text}");
+        }
         assert_eq!((read("EMPTY"), read("-.5")), (Expr::own(Own::Empty), Expr::constant(-0.5)));
     }
 }

@@ -54,6 +54,10 @@ pub(super) enum Statement {
     Continued,
     /// Go to a block, if something is true.
     Goto(Option<Expr>, Target),
+    /// `WHILE [condition] DO n`, or `DO n`, which is left by a jump.
+    Loop(Option<Expr>, u8),
+    /// `END n`
+    EndLoop(u8),
     Call(Call),
     ModIn(Call),
     ModOut,
@@ -221,6 +225,10 @@ impl Reading<'_> {
             let target = self.target()?;
             return Ok(Statement::Goto(None, target));
         }
+        if let Some(statement) = self.loops()? {
+            return Ok(statement);
+        }
+        let cursor = &mut self.cursor;
         let start = cursor.at;
         if cursor.key_word("IF") {
             if cursor.peek() == Some(b'[') || cursor.key_word("VPBR") {
@@ -246,6 +254,36 @@ impl Reading<'_> {
             return Ok(Statement::Items(vec![Item::Plain(self.raw(start, end))]));
         }
         self.items()
+    }
+
+    /// A statement of a loop, if that is what comes. DO and END alone with a number are no names of variables.
+    fn loops(&mut self) -> Result<Option<Statement>, Mistake> {
+        let cursor = &mut self.cursor;
+        let start = cursor.at;
+        if cursor.key_word("WHILE") {
+            if cursor.peek() == Some(b'[') {
+                cursor.at += 1;
+                let condition = Reader::new(cursor).expression()?;
+                cursor.expect(b']', "']'")?;
+                if !cursor.key_word("DO") {
+                    return Err(Mistake::Expected("DO after the condition", cursor.at + 1));
+                }
+                let Some(number) = loop_number(cursor) else {
+                    return Err(Mistake::Expected("the number of the loop", cursor.at + 1));
+                };
+                return Ok(Some(Statement::Loop(Some(condition), number)));
+            }
+        } else if cursor.key_word("DO") {
+            if let Some(number) = loop_number(cursor) {
+                return Ok(Some(Statement::Loop(None, number)));
+            }
+        } else if cursor.key_word("END")
+            && let Some(number) = loop_number(cursor)
+        {
+            return Ok(Some(Statement::EndLoop(number)));
+        }
+        cursor.at = start;
+        Ok(None)
     }
 
     fn condition(&mut self) -> Result<Statement, Mistake> {
@@ -416,6 +454,13 @@ pub(super) fn is_header(line: &[u8]) -> bool {
 /// A line that continues with the one above it: `$` before its words.
 pub(super) fn is_continued(line: &[u8]) -> bool {
     line.trim_ascii_start().first() == Some(&b'$') && !is_header(line)
+}
+
+/// The number of a loop, with which its block ends.
+fn loop_number(cursor: &mut Cursor<'_>) -> Option<u8> {
+    cursor.peek();
+    let number = cursor.run(|byte| byte.is_ascii_digit()).parse().ok()?;
+    cursor.peek().is_none().then_some(number)
 }
 
 /// A sequence number or program name as it is compared: zeros before a number do not count.

@@ -11,6 +11,7 @@ mod eval;
 mod expr;
 mod lap;
 mod line;
+mod loops;
 mod math;
 mod names;
 mod outline;

@@ -53,12 +53,22 @@ impl Outlines {
                 let goal = self.goal(programs, target);
                 vec![if condition.is_some() { Step::Branch(goal) } else { Step::Jump(goal) }]
             }
+            Statement::Loop(..) => {
+                vec![self.partner(programs).map_or_else(unpaired, |end| Step::Block { end, loops: true })]
+            }
+            Statement::EndLoop(_) => self.partner(programs).map_or_else(|| vec![unpaired()], |_| Vec::new()),
             Statement::Call(call) => vec![self.call(programs, call)],
             Statement::ModIn(_) => vec![Step::Hidden("blocks that move call a program (MODIN)".to_owned())],
             Statement::Shared(shared, _) if **shared == RETURN => vec![Step::Return],
             Statement::Shared(..) => Vec::new(),
             Statement::Items(items) => words(items),
         }
+    }
+
+    /// The partner of a statement of a loop.
+    fn partner(&mut self, programs: &dyn Programs) -> Option<Spot> {
+        let place = programs.place();
+        self.okuma.index(programs, place.file).loops.partner(place.line).map(Spot::line)
     }
 
     fn goal(&mut self, programs: &dyn Programs, target: &Target) -> Goal {
@@ -83,6 +93,11 @@ impl Outlines {
             Err(_) => Step::Hidden(format!("the file of {} cannot be read", call.name)),
         }
     }
+}
+
+/// A statement of a loop without a partner.
+fn unpaired() -> Step {
+    Step::Mistake("the statement has no matching one in the program".to_owned())
 }
 
 /// Words of a block: those with numbers as they are written.

@@ -6,6 +6,7 @@
 //! stored with the machine. Invariant: the order of files is that of their ids, so the same job finds the same text.
 
 use super::line::{Head, Wanted, is_header, normal, read};
+use super::loops::{Loops, Open};
 use super::text::prepare;
 use crate::kept::Table;
 use crate::search::{Labels, Search};
@@ -35,13 +36,15 @@ pub(super) struct Index {
     labels: Labels<String>,
     /// Lines continue those above them.
     pub(super) continues: bool,
+    /// WHILE, DO and END.
+    pub(super) loops: Loops,
 }
 
 impl Index {
     /// Looks through a file.
     pub(super) fn of(source: &Source) -> Self {
         let mut index = Self::default();
-        let mut open = false;
+        let (mut open, mut loops) = (false, Open::default());
         for line in source.walk(1, source.lines()) {
             let text = source.line(line);
             if is_header(text) {
@@ -49,7 +52,9 @@ impl Index {
                 continue;
             }
             index.continues |= super::line::is_continued(text);
-            match head(text) {
+            let head = head(text);
+            loops.line(source, line, matches!(head, Some(Head::Program(_))));
+            match head {
                 Some(Head::Program(name)) => {
                     let name = normal(name.get(1..).unwrap_or_default());
                     index.definitions.push(Definition { name, first: line, last: line });
@@ -65,6 +70,7 @@ impl Index {
                 last.last = line;
             }
         }
+        index.loops = loops.close();
         index
     }
 
@@ -89,7 +95,7 @@ impl Index {
 
 impl Table for Index {
     fn bytes(&self) -> usize {
-        self.definitions.len() * 60 + self.labels.bytes()
+        self.definitions.len() * 60 + self.labels.bytes() + self.loops.len() * 8
     }
 }
 

@@ -76,6 +76,8 @@ impl Okuma {
                 return Ok(None);
             }
             Statement::Goto(condition, target) => self.go_to(host, condition.as_ref(), target)?,
+            Statement::Loop(condition, _) => self.enter_loop(host, condition.as_ref())?,
+            Statement::EndLoop(_) => self.end_loop(host)?,
             Statement::Call(call) => {
                 let (call, arguments) = self.made(host, call)?;
                 self.call(host, call, arguments);
@@ -112,7 +114,7 @@ impl Okuma {
         !skipped
     }
 
-    fn value(&mut self, host: &mut dyn Host, expr: &Expr) -> Result<f64, Halt> {
+    pub(super) fn value(&mut self, host: &mut dyn Host, expr: &Expr) -> Result<f64, Halt> {
         match Eval::new(&mut self.store, host).value(expr) {
             Ok(value) => Ok(value),
             // There is no text here that could stay.

@@ -1,0 +1,103 @@
+//! Loops: `WHILE [condition] DO n`, `DO n` and `END n`.
+//!
+//! Facts: list of alarms of the OSP (wrong WHILE, DO or END; WHILE without its function). Decision: a loop lies in one program, and
+//! the innermost open DO of a number has the END of that number. *Invariant:* a statement without its partner stops the channel.
+
+use counterpoint_fault as diag;
+use counterpoint_fault::{Acted, Halt};
+
+use super::Okuma;
+use super::expr::Expr;
+use super::line::{Statement, Wanted, read};
+use super::text::prepare;
+use crate::host::Host;
+use counterpoint_program::source::Source;
+
+/// Lines of the statements of loops with those of their partners, ascending.
+#[derive(Debug, Default)]
+pub(super) struct Loops {
+    partners: Vec<(u32, u32)>,
+}
+
+/// Loops of a file in the making.
+#[derive(Debug, Default)]
+pub(super) struct Open {
+    loops: Loops,
+    open: Vec<(u8, u32)>,
+}
+
+impl Open {
+    /// A line of the file; one that defines a program begins anew.
+    pub(super) fn line(&mut self, source: &Source, line: u32, defines: bool) {
+        if defines {
+            self.open.clear();
+        }
+        let text = source.line(line);
+        if !may_hold_loop(text) {
+            return;
+        }
+        match read(prepare(text), Wanted { subprograms: true, drawing: false }).map(|line| line.statement) {
+            Ok(Statement::Loop(_, number)) => self.open.push((number, line)),
+            Ok(Statement::EndLoop(number)) => {
+                let Some(at) = self.open.iter().rposition(|(open, _)| *open == number) else { return };
+                if let Some((_, start)) = self.open.drain(at..).next() {
+                    self.loops.partners.extend([(start, line), (line, start)]);
+                }
+            }
+            _ => {}
+        }
+    }
+
+    /// The loops of the file.
+    pub(super) fn close(mut self) -> Loops {
+        self.loops.partners.sort_unstable();
+        self.loops
+    }
+}
+
+impl Loops {
+    /// The line of the partner of a statement.
+    pub(super) fn partner(&self, line: u32) -> Option<u32> {
+        let at = self.partners.binary_search_by_key(&line, |(of, _)| *of).ok()?;
+        self.partners.get(at).map(|(_, partner)| *partner)
+    }
+
+    pub(super) fn len(&self) -> usize {
+        self.partners.len()
+    }
+}
+
+impl Okuma {
+    /// The begin of a loop, or of its next pass.
+    pub(super) fn enter_loop(&mut self, host: &mut dyn Host, condition: Option<&Expr>) -> Acted {
+        let end = self.partner(host)?;
+        let Some(condition) = condition else { return Ok(()) };
+        host.tests_loop(true);
+        let goes_on = self.value(host, condition);
+        host.tests_loop(false);
+        if goes_on? == 0.0 { host.go_to(end + 1) } else { Ok(()) }
+    }
+
+    /// The end of a pass.
+    pub(super) fn end_loop(&mut self, host: &mut dyn Host) -> Acted {
+        let start = self.partner(host)?;
+        self.caching = true;
+        host.go_to(start)
+    }
+
+    fn partner(&mut self, host: &mut dyn Host) -> Result<u32, Halt> {
+        let place = host.place();
+        match self.index(host, place.file).loops.partner(place.line) {
+            Some(line) => Ok(line),
+            None => {
+                let text = format!("'{}' has no matching statement in the program", host.block_text());
+                Err(host.alarm(&diag::MACRO_LOOP, text))
+            }
+        }
+    }
+}
+
+/// A line with the key words of a loop.
+fn may_hold_loop(text: &[u8]) -> bool {
+    text.windows(2).any(|pair| [*b"DO", *b"EN"].contains(&[pair[0].to_ascii_uppercase(), pair[1].to_ascii_uppercase()]))
+}
