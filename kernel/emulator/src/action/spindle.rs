@@ -132,6 +132,14 @@ pub(crate) fn speed_word(act: &mut Act<'_, '_>) -> Acted {
     }
 }
 
+/// The S of a block with a synchronised tap, which turns the spindle itself.
+pub(super) fn tap_speed(act: &mut Act<'_, '_>) -> Acted {
+    match take_speed(act, false) {
+        Some(speed) => act.command_spindle(|c| set_speed(c, false, Some(speed))),
+        None => Ok(()),
+    }
+}
+
 /// The speed of the block, else one that was left for the next spindle code (reference control-emulator.md 1.5).
 fn take_speed(act: &mut Act<'_, '_>, css: bool) -> Option<f64> {
     let word = act.take(if css { data::SPINDLE_CSS } else { data::SPINDLE_RPM }).map(|d| d.value);

@@ -136,7 +136,9 @@ impl Kernel<'_> {
     /// How the spindle turns now, `None` when it stands.
     pub(crate) fn spindle_speed(&mut self) -> Result<Option<Turning>, Halt> {
         let command = self.current()?;
-        if !matches!(command.direction, Direction::Clockwise | Direction::CounterClockwise) {
+        // A synchronised tap turns the spindle itself.
+        let turns = matches!(command.direction, Direction::Clockwise | Direction::CounterClockwise);
+        if !turns && !self.channel.state.cycle.is_rigid() {
             return Ok(None);
         }
         let (max, min) = match self.channel.state.spindle.id.map(|id| &self.channel.env.machine.spindles[id]) {

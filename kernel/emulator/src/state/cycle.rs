@@ -134,6 +134,11 @@ pub(crate) struct Cycle {
 }
 
 impl Cycle {
+    /// A synchronised tap is in effect.
+    pub(crate) fn is_rigid(&self) -> bool {
+        self.running && HoleCycle::numbered(self.number).is_some_and(HoleCycle::is_rigid)
+    }
+
     /// No cycle yet.
     pub(crate) fn new(machine: &Machine) -> Self {
         let row = |id| machine.codes.find(|row| row.id == id && row.enable);

@@ -57,6 +57,9 @@ pub(super) fn cycle(act: &mut Act<'_, '_>, kind: HoleCycle, row: &CodeRow, code:
     act.state.cycle.begin(machine, kind, row.id, ((role, axis), level));
     act.state.cycle.block = act.at.blocks;
     let (kind, words) = words::take(act, kind);
+    if kind.is_rigid() {
+        super::spindle::tap_speed(act)?;
+    }
     if act.state.cycle.activator || !positioned {
         return Ok(());
     }
