@@ -6,6 +6,7 @@
 //! lines. Invariant: titles are texts for people and never reach the tables.
 
 use counterpoint_fault::Halt;
+use std::borrow::Cow;
 use std::sync::Arc;
 
 use super::contours::Contours;
@@ -24,6 +25,15 @@ use counterpoint_fault as diag;
 /// Behind `CYCL DEF`.
 pub(super) fn read(cursor: &mut Cursor<'_>) -> Result<Statement, Wrong> {
     let Some((number, _)) = cursor.number() else { return Err(expected(cursor, "the number of the cycle")) };
+    // Some programs have a blank before the number of the part: `CYCL DEF 9 .0`.
+    let before = cursor.clone();
+    let number = match cursor.number() {
+        Some((part, _)) if part.starts_with('.') && !number.contains('.') => Cow::Owned(format!("{number}{part}")),
+        _ => {
+            *cursor = before;
+            Cow::Borrowed(&*number)
+        }
+    };
     let (cycle, part) = match number.split_once('.') {
         Some((cycle, part)) => (cycle, Some(part)),
         None => (&*number, None),
@@ -50,6 +60,17 @@ pub(super) fn read(cursor: &mut Cursor<'_>) -> Result<Statement, Wrong> {
 /// `CYCL DEF` with the number.
 pub(super) fn head(cycle: u32) -> Word {
     Word { name: "CYCL DEF ".into(), operand: Operand::Number(cycle.to_string().into(), f64::from(cycle)) }
+}
+
+/// Cycles of one value, which the machine has under a name: dwell and orientation. Programs name it in the language of the control.
+const VALUES: [(u32, &str); 2] = [(9, "DWELL"), (13, "ANGLE")];
+
+/// Gives the value of a cycle, which stands at the end, its name.
+fn named(seen: &mut Vec<Seen>, name: &str) {
+    if let Some(value) = seen.iter().skip(1).rev().find_map(|word| word.value) {
+        seen.truncate(1);
+        seen.push(Seen::made(name, value));
+    }
 }
 
 fn is_parameter(word: &Word) -> bool {
@@ -306,6 +327,9 @@ impl Heidenhain {
             self.cycles.old = old::data(*cycle, lines, self.path.plane);
             self.cycles.defined = State { program: Some(cycle.to_string().into()), stored: true, modal: false };
             return Ok(None);
+        }
+        if let Some((_, name)) = VALUES.iter().find(|(of, _)| of == cycle) {
+            named(&mut seen, name);
         }
         let mut before = self.shifts.define(host, *cycle, &mut seen);
         if *cycle == 19
