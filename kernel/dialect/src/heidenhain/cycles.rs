@@ -331,6 +331,9 @@ impl Heidenhain {
         if let Some((_, name)) = VALUES.iter().find(|(of, _)| of == cycle) {
             named(&mut seen, name);
         }
+        if *cycle == 7 {
+            self.take_shifts(&seen);
+        }
         let mut before = self.shifts.define(host, *cycle, &mut seen);
         if *cycle == 19
             && let Some(plane) = self.plane_cycle(host, &seen)
@@ -370,12 +373,14 @@ impl Heidenhain {
                 };
                 let table = seen.iter().find(|word| word.text.starts_with('"')).map(|word| word.text.as_str());
                 let mut words = self.datum_row(host, row, table)?;
+                self.take_shifts(&words);
                 self.shifts.define(host, 7, &mut words);
                 return Ok(Some(joined("CYCL DEF 7", &words)));
             }
             _ => return Ok(self.not_understood(host)),
         }
         let mut seen = Evaluator::new(&mut self.variables, host).seen(&all)?;
+        self.take_shifts(&seen);
         self.shifts.define(host, 7, &mut seen);
         Ok(Some(joined("", &seen)))
     }

@@ -2,7 +2,8 @@
 //!
 //! Facts: programming manuals of the control (PLANE functions, cycle 19, Q120 to Q122), reference heidenhain-cycles.md 6.
 //! Decisions: cycle 19 has spatial angles, a missing one is 0, and moves the axes, by the point DIST behind the tip, where it
-//! has a feed; a shift that was programmed before the plane is none of the plane. Invariant: the tables of the machine get
+//! has a feed; a shift that was programmed before the plane is none of the plane, but one that is set to 0 in the plane is gone
+//! (as programs of three machines reset their shifts before PLANE RESET). Invariant: the tables of the machine get
 //! words with letters only.
 
 use counterpoint_fault::Halt;
@@ -10,6 +11,7 @@ use counterpoint_fault::Halt;
 use super::Heidenhain;
 use super::eval::Evaluator;
 use super::formula::{Kind, Name};
+use super::path::{AXES, axis};
 use super::shifts::Shifts;
 use super::variables::Value;
 use super::words::{Seen, Word, joined, shown};
@@ -23,6 +25,8 @@ pub(super) struct Planes {
     asked: bool,
     /// Shifts from before the plane, while there is one.
     before: Option<Shifts>,
+    /// Axes whose shift from before was taken away in the plane, bit by axis.
+    taken: u32,
 }
 
 /// What the rotary axes do.
@@ -68,16 +72,35 @@ impl Heidenhain {
             // Up to the end of travel.
             seen.splice(at..at + 2, [Seen::made("MB", -1.0)]);
         }
-        self.plane_begins(seen.iter().any(|word| word.is("RESET")), seen.iter().any(|word| word.is("RELATIV")));
-        Ok(Some(joined("", &seen)))
+        let resets = seen.iter().any(|word| word.is("RESET"));
+        let taken = self.plane_begins(resets, seen.iter().any(|word| word.is("RELATIV")));
+        Ok(Some(joined("", &seen) + &taken))
     }
 
-    /// Shifts of the program are those of the plane from here on, or those of before.
-    fn plane_begins(&mut self, reset: bool, added: bool) {
+    /// Cycle 7 in a plane: a shift of 0 takes that of before away too, which comes back with no PLANE RESET.
+    pub(super) fn take_shifts(&mut self, seen: &[Seen]) {
+        let Some(before) = &mut self.planes.before else { return };
+        for word in seen.iter().filter(|word| word.value == Some(0.0)) {
+            let Some((at, false)) = axis(&word.name) else { continue };
+            if before.take_datum(at) {
+                self.planes.taken |= 1 << at;
+            }
+        }
+    }
+
+    /// Shifts of the program are those of the plane from here on, or those of before: a line for what was taken away of these.
+    fn plane_begins(&mut self, reset: bool, added: bool) -> String {
         self.planes.asked = true;
         if reset {
-            if let Some(before) = self.planes.before.take().filter(|before| *before != Shifts::default()) {
+            let taken = std::mem::take(&mut self.planes.taken);
+            if let Some(before) = self.planes.before.take().filter(|before| taken != 0 || *before != Shifts::default())
+            {
                 self.shifts = before;
+            }
+            if taken != 0 {
+                let axes = AXES.iter().enumerate().filter(|(at, _)| taken & 1 << at != 0);
+                let words: Vec<Seen> = axes.map(|(_, letter)| Seen::made(letter, 0.0)).collect();
+                return format!("\n{}", joined("CYCL DEF 7", &words));
             }
         } else {
             let before = std::mem::take(&mut self.shifts);
@@ -85,6 +108,7 @@ impl Heidenhain {
                 self.planes.before.get_or_insert(before);
             }
         }
+        String::new()
     }
 
     /// Cycle 19 as the PLANE function that it is; none where the machine has none.
@@ -95,9 +119,9 @@ impl Heidenhain {
         if !host.is_code_text(if ends { "PLANE RESET STAY" } else { "PLANE SPATIAL" }) {
             return None;
         }
-        self.plane_begins(ends, false);
+        let taken = self.plane_begins(ends, false);
         if ends {
-            return Some("PLANE RESET STAY".to_owned());
+            return Some("PLANE RESET STAY".to_owned() + &taken);
         }
         let [a, b, c] = angles.map(|angle| shown(angle.unwrap_or(0.0)));
         let plane = format!("PLANE SPATIAL SPA{a} SPB{b} SPC{c}");

@@ -36,6 +36,11 @@ impl Shifts {
         self.datum.get(axis).copied()
     }
 
+    /// Takes the shift of an axis away: whether there was one.
+    pub(super) fn take_datum(&mut self, axis: usize) -> bool {
+        self.datum.get_mut(axis).is_some_and(|datum| std::mem::take(datum) != 0.0)
+    }
+
     /// The angle of the rotation.
     pub(super) fn angle(&self) -> f64 {
         self.angle
