@@ -55,7 +55,9 @@ impl Scanner {
         if Some(byte) == self.eob {
             return Some(at + 1);
         }
-        None
+        // The end of a comment that has no begin is nothing, as behind a comment within a comment.
+        let (_, end) = self.comment.as_ref().filter(|(_, end)| end.first() == Some(&byte))?;
+        line.get(at..)?.starts_with(end).then_some(at + end.len())
     }
 
     /// Level of the mark at `at`, and where it ends. On controls with a pre-processor of their own 0 is no level.
