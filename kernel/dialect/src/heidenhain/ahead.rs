@@ -45,7 +45,8 @@ impl Heidenhain {
         }
         let mut steps = Vec::new();
         if let Statement::Path { shape, iso, words } = &first.statement {
-            let seen = Evaluator::new(&mut self.variables, host).seen(words)?;
+            let mut seen = Evaluator::new(&mut self.variables, host).seen(words)?;
+            self.cycles.contours.unroll(&mut seen);
             // The line of a corner follows from what it was read from.
             steps.push(Step { shape: *shape, iso: *iso, seen, line: behind.saturating_sub(1), number: first.number });
         }
@@ -105,7 +106,8 @@ impl Heidenhain {
                 }
                 Statement::Branch(..) => read.next,
                 Statement::Path { shape, iso, words } => {
-                    let seen = Evaluator::new(&mut self.variables, host).seen(words)?;
+                    let mut seen = Evaluator::new(&mut self.variables, host).seen(words)?;
+                    self.cycles.contours.unroll(&mut seen);
                     return Ok(Some((
                         Step { shape: *shape, iso: *iso, seen, line: 0, number: read.number },
                         read.next,

@@ -347,6 +347,7 @@ impl Heidenhain {
         let mut seen = Evaluator::new(&mut self.variables, host).seen(words)?;
         // Old programs show what they do not say.
         seen.retain(|word| word.value.is_some() || !matches!(word.text.as_str(), "R" | "F" | "M"));
+        self.cycles.contours.unroll(&mut seen);
         self.rapid_feeds(&mut seen);
         self.functions_of(&seen);
         self.follow(host, &mut seen);

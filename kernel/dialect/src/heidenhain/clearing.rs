@@ -55,6 +55,11 @@ impl Blocks<'_> {
         self.lines.push(format!("L {at} R0 FMAX"));
     }
 
+    /// To what words say.
+    pub(super) fn words(&mut self, words: &str, feed: f64) {
+        self.lines.push(format!("L {words} {}", Self::feed(feed)));
+    }
+
     pub(super) fn line(&mut self, spot: Spot, feed: f64) {
         let at = self.at(spot);
         self.lines.push(format!("L {at} {}", Self::feed(feed)));
@@ -111,18 +116,22 @@ impl Blocks<'_> {
         self.rise_to(task.clear, RAPID);
     }
 
-    fn element(&mut self, element: &Element, feed: f64) {
+    pub(super) fn element(&mut self, element: &Element, feed: f64) {
         let Some(arc) = &element.arc else { return self.line(element.to, feed) };
-        let center = self.at(arc.center);
-        let to = self.at(element.to);
+        let (center, to) = (self.at(arc.center), self.at(element.to));
+        self.round(&center, &to, arc.sweep < 0.0, feed);
+    }
+
+    /// Round a centre to what words say.
+    pub(super) fn round(&mut self, center: &str, to: &str, clockwise: bool, feed: f64) {
         self.lines.push(format!("CC {center}"));
-        let sense = if arc.sweep < 0.0 { "DR-" } else { "DR+" };
+        let sense = if clockwise { "DR-" } else { "DR+" };
         self.lines.push(format!("C {to} {sense} {}", Self::feed(feed)));
     }
 }
 
 /// Levels from a surface down to a depth.
-fn levels(surface: f64, bottom: f64, infeed: f64) -> Vec<f64> {
+pub(super) fn levels(surface: f64, bottom: f64, infeed: f64) -> Vec<f64> {
     let infeed = infeed.abs();
     let mut levels = Vec::new();
     let mut level = surface;

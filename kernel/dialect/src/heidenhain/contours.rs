@@ -15,6 +15,7 @@ use counterpoint_program::shape::Range;
 
 use super::Heidenhain;
 use super::areas::Area;
+use super::cylinder::Unrolled;
 use super::flow::Kind;
 use super::path::Path;
 use super::statement::Label;
@@ -67,6 +68,8 @@ pub(super) struct Contours {
     pub(super) by_start: bool,
     /// Cycle 270 says how a train begins and ends.
     pub(super) train: bool,
+    /// They lie on a cylinder.
+    pub(super) unrolled: Option<Unrolled>,
     read: Vec<Contour>,
     /// A contour is being recorded; what the path was before.
     before: Option<Box<Path>>,
@@ -83,6 +86,13 @@ impl Contours {
         self.read.iter().map(|contour| contour.elements.len() * size_of::<Element>()).sum::<usize>()
             + self.labels.len() * 60
             + self.formula.as_ref().map_or(0, Area::size) * 60
+    }
+
+    /// Words of a contour that is being read, as it is unrolled from a cylinder.
+    pub(super) fn unroll(&mut self, seen: &mut [Seen]) {
+        if let Some(unrolled) = self.unrolled.as_mut().filter(|_| self.before.is_some()) {
+            unrolled.words(seen);
+        }
     }
 
     /// DEPTH of a contour.
@@ -145,7 +155,14 @@ impl Heidenhain {
         if !stored {
             return Ok(self.not_understood(host));
         }
-        if what == "READ" {
+        if matches!(what, "READ" | "READ ROUND") {
+            self.cycles.contours.unrolled = None;
+            if what == "READ ROUND"
+                && let Err(why) = self.unroll(host)
+            {
+                let text = format!("{why}, in '{}'", host.block_text());
+                return Err(host.alarm(&diag::STATEMENT_UNKNOWN, text));
+            }
             return self.read_contours(host, place).map(|()| None);
         }
         // Areas look at each element beside each other one.
@@ -165,6 +182,10 @@ impl Heidenhain {
             "OCM SIDE" => self.adaptive_task(host, Work::Side).and_then(|task| self.finish_sides(host, &task)),
             "OCM CHAMFER" => self.adaptive_task(host, Work::Chamfer).and_then(|task| self.finish_sides(host, &task)),
             "ENGRAVE" => self.engrave(host),
+            "ROUND 27" => self.round_cylinder(host, 27),
+            "ROUND 28" => self.round_cylinder(host, 28),
+            "ROUND 29" => self.round_cylinder(host, 29),
+            "ROUND 39" => self.round_cylinder(host, 39),
             "OLD ROUGH" => self.rough_out(host, &self.old_task(host), false),
             "OLD SIDE" => self.finish_sides(host, &self.old_task(host)),
             "OLD PILOT" => self.drill_pilots(host, &self.old_task(host)),

@@ -22,6 +22,8 @@ pub(super) struct Units {
     used: bool,
     /// M136 has been programmed.
     per_turn: bool,
+    /// M116 has been programmed.
+    pub(super) rotary_length: bool,
 }
 
 impl Units {
@@ -30,6 +32,8 @@ impl Units {
         match number {
             136.0 => self.per_turn = true,
             137.0 => self.per_turn = false,
+            116.0 => self.rotary_length = true,
+            117.0 => self.rotary_length = false,
             _ => {}
         }
     }

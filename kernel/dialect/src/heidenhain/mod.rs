@@ -16,6 +16,7 @@ mod contours;
 mod control;
 mod corner;
 mod cycles;
+mod cylinder;
 mod engraving;
 mod eval;
 mod feeds;

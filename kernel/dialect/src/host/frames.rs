@@ -61,6 +61,10 @@ pub trait Frames {
     /// Positions of the rotary axes, by letter, that turn into the tilted plane; none without one, or before that is known.
     fn plane_angles(&self) -> Option<Vec<(String, f64)>>;
 
+    /// The rotary axis of a table that carries the part, by letter, with its direction in the frame of the program; none without one
+    /// or under control of the tip.
+    fn part_table(&self) -> Option<(String, [f64; 3])>;
+
     /// Direction from the tip of the tool to the spindle, in the frame of the part; along Z without control of the tip.
     fn tool_direction(&self) -> Option<[f64; 3]>;
 

@@ -104,6 +104,12 @@ impl Frames for Kernel<'_> {
         Some(angles.iter().map(of).collect())
     }
 
+    fn part_table(&self) -> Option<(String, [f64; 3])> {
+        let (axis, direction) = self.channel.part_table()?;
+        let letter = &self.channel.env.machine.axes[self.channel.state.place.layout.axes[axis].machine].letter;
+        Some((letter.clone(), direction))
+    }
+
     fn tool_direction(&self) -> Option<[f64; 3]> {
         let Some(tip) = self.channel.tip() else { return Some([0.0, 0.0, 1.0]) };
         let machine = self.channel.machine_point(&self.channel.state.place.position);

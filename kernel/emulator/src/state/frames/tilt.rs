@@ -13,6 +13,7 @@ use counterpoint_event::event::Position;
 use counterpoint_machine::index::{AxisSlot, BySlot};
 use counterpoint_machine::model::paths::Tilting;
 use counterpoint_motion::frame::affine::{Affine, Point};
+use counterpoint_motion::frame::kinematics::unit;
 use counterpoint_motion::frame::local::Local;
 use counterpoint_motion::frame::orient::{Free, Rule, Side, Stand, Unreached};
 use counterpoint_motion::frame::plane::UNITS;
@@ -232,6 +233,19 @@ impl Channel<'_> {
         };
         let rule = Rule { turns, way, side, free };
         chain.reach(map.direction(z), &rule, |axis| self.stand(axis))
+    }
+
+    /// The rotary axis of the table that carries the part, with its direction as the program sees it; none without one or under
+    /// control of the tip.
+    pub(crate) fn part_table(&self) -> Option<(AxisSlot, Point)> {
+        let machine = self.machine_point(&self.state.place.position);
+        let chain = self.chain();
+        let table = chain.tables.last().filter(|_| self.tip().is_none())?;
+        let stands = unit(chain.part(|axis| machine.at(axis)).direction(table.vector))?;
+        let back =
+            self.tilted().and_then(|tilt| tilt.bring.as_ref()).map_or(stands, |[_, back, _]| back.direction(stands));
+        let frames = self.state.place.frames.as_deref();
+        Some((table.axis, frames.map_or(Some(back), |frames| frames.direction_back(back))?))
     }
 
     /// The plane to which the tool is square at angles of the rotary axes, its axes along those of the machine.

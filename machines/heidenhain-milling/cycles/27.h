@@ -1,0 +1,9 @@
+; Contour on a cylinder; the table turns to each point.
+BEGIN PGM 27 MM
+FN 9: IF +Q1 EQU +0 GOTO LBL 98
+FN 18: SYSREAD QL90 = ID20 NR9
+SL READ ROUND
+SL ROUND 27
+F+QL90
+LBL 98
+END PGM 27 MM

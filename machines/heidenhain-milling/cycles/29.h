@@ -1,0 +1,9 @@
+; Ridge on a cylinder along its middle.
+BEGIN PGM 29 MM
+FN 9: IF +Q1 EQU +0 GOTO LBL 98
+FN 18: SYSREAD QL90 = ID20 NR9
+SL READ ROUND
+SL ROUND 29
+F+QL90
+LBL 98
+END PGM 29 MM
