@@ -55,6 +55,12 @@ impl Blocks<'_> {
         self.lines.push(format!("L {at} R0 FMAX"));
     }
 
+    /// To a place and a height together.
+    pub(super) fn ramp(&mut self, spot: Spot, height: f64, feed: f64) {
+        let (at, letter) = (self.at(spot), self.height);
+        self.lines.push(format!("L {at} {letter}{} {}", shown(height), Self::feed(feed)));
+    }
+
     /// To what words say.
     pub(super) fn words(&mut self, words: &str, feed: f64) {
         self.lines.push(format!("L {words} {}", Self::feed(feed)));

@@ -1,7 +1,8 @@
 //! SL cycles: subprograms that are contours, and what the programs of the cycles ask for.
 //!
 //! `SL READ` records the contours that cycle 14 names, each with its side; `SL ROUGH`, `SL FLOOR`, `SL SIDE`, `SL PILOT` and
-//! `SL TRAIN` leave the blocks of a cycle, with OLD those of cycles 6, 15 and 16, with OCM those of 272 to 274; `SL ENGRAVE` those of 225. Facts: programming manuals of the control (the side of the compensation and the sense of
+//! `SL TRAIN` leave the blocks of a cycle, with OLD those of cycles 6, 15 and 16, with OCM those of 272 to 274; `SL SLOT` those of 275,
+//! `SL ROUND` those on a cylinder, `SL ENGRAVE` those of 225. Facts: programming manuals of the control (the side of the compensation and the sense of
 //! the contour tell pockets from islands; words of the tool axis do not count). Decision: a contour without compensation is a
 //! pocket. *Invariant:* only programs stored with the machine have these statements.
 
@@ -181,6 +182,7 @@ impl Heidenhain {
             "OCM FLOOR" => self.adaptive_task(host, Work::Floor).and_then(|task| self.rough_out(host, &task, true)),
             "OCM SIDE" => self.adaptive_task(host, Work::Side).and_then(|task| self.finish_sides(host, &task)),
             "OCM CHAMFER" => self.adaptive_task(host, Work::Chamfer).and_then(|task| self.finish_sides(host, &task)),
+            "SLOT" => self.mill_slot(host),
             "ENGRAVE" => self.engrave(host),
             "ROUND 27" => self.round_cylinder(host, 27),
             "ROUND 28" => self.round_cylinder(host, 28),

@@ -37,6 +37,7 @@ mod print;
 mod retract;
 mod settings;
 mod shifts;
+mod slot;
 mod space;
 mod statement;
 mod system;

@@ -12,3 +12,4 @@ mod near;
 pub mod reach;
 pub mod shifted;
 pub mod tangent;
+pub mod trochoid;

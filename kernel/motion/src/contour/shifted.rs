@@ -3,6 +3,8 @@
 //! *Invariant:* what comes out follows itself without gaps; where a piece is too small for the amount, or the neighbours of one
 //! would meet before it, there is none.
 
+use std::f64::consts::TAU;
+
 use super::corner::{Link, Offset};
 use super::element::{Element, NOISE, Spot, distance};
 use crate::arc::{Arc, by_center};
@@ -52,7 +54,8 @@ fn beside(contour: &[Element], offset: Offset) -> Option<Vec<Element>> {
             let radius = piece.offset_radius(side, amount).unwrap_or(arc.radius);
             Arc { radius, ..Element { arc: Some(arc), ..*piece }.between(here, end).arc.unwrap_or(arc) }
         });
-        if distance(here, end) > NOISE {
+        // A whole circle ends where it begins.
+        if distance(here, end) > NOISE || arc.is_some_and(|arc| arc.sweep.abs() > TAU - 1e-9) {
             moved.push(Element { from: here, to: end, arc });
         }
         here = end;
@@ -65,4 +68,17 @@ fn beside(contour: &[Element], offset: Offset) -> Option<Vec<Element>> {
         }
     }
     Some(moved)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_whole_circle_stays_one() {
+        let circle = by_center([20.0, 0.0], [20.0, 0.0], [0.0, 0.0], false).ok();
+        let moved = rounded(&[Element { from: [20.0, 0.0], to: [20.0, 0.0], arc: circle }], 1.0, 4.0).unwrap();
+        assert_eq!((moved.len(), moved[0].from), (1, [16.0, 0.0]));
+        assert_eq!(moved[0].arc.unwrap().sweep, TAU);
+    }
 }
