@@ -1,4 +1,4 @@
-//! What SL cycles do with their contours: the blocks of cycles 21 to 25, and of 6, 15 and 16.
+//! What SL cycles do with their contours: the blocks of cycles 21 to 24, and of 6, 15 and 16.
 //!
 //! Facts: programming manuals of the control (Q1 to Q9 of cycle 20; Q10 to Q19, Q208 of the cycles: levels, feeds, allowances, sense;
 //! the lines of the old cycles, which count from where the tool stands).
@@ -12,7 +12,6 @@ use counterpoint_motion::arc::by_center;
 use counterpoint_motion::contour::closed::{Closed, Cut, cuts, is_clear, turned_by};
 use counterpoint_motion::contour::element::{Element, Spot, distance, plus};
 use counterpoint_motion::contour::reach::{eroded, grown, remaining};
-use counterpoint_motion::contour::shifted::rounded;
 
 use super::Heidenhain;
 use super::areas::Stage;
@@ -123,8 +122,20 @@ impl Blocks<'_> {
     }
 
     pub(super) fn element(&mut self, element: &Element, feed: f64) {
-        let Some(arc) = &element.arc else { return self.line(element.to, feed) };
-        let (center, to) = (self.at(arc.center), self.at(element.to));
+        self.element_to(element, None, feed);
+    }
+
+    /// Along an element, to a height on the way.
+    pub(super) fn element_to(&mut self, element: &Element, height: Option<f64>, feed: f64) {
+        let mut to = self.at(element.to);
+        if let Some(height) = height {
+            to = format!("{to} {}{}", self.height, shown(height));
+        }
+        let Some(arc) = &element.arc else {
+            self.lines.push(format!("L {to} {}", Self::feed(feed)));
+            return;
+        };
+        let center = self.at(arc.center);
         self.round(&center, &to, arc.sweep < 0.0, feed);
     }
 
@@ -345,97 +356,6 @@ impl Heidenhain {
             }
         }
         blocks.rise_to(task.safe, RAPID);
-        Ok(blocks.lines)
-    }
-
-    /// How a train that cycle 270 describes begins or ends: a point, and the element from there or to it.
-    fn train_end(&self, element: &Element, side: f64, arrives: bool, factor: f64) -> Result<Option<Element>, String> {
-        let (at, heading) = if arrives { (element.from, element.start()) } else { (element.to, element.end()) };
-        // Away from the contour, and back along it where the tool arrives.
-        let across = [-heading[1] * side, heading[0] * side];
-        let along = if arrives { -1.0 } else { 1.0 };
-        let apart = self.sl(394) * factor;
-        let outer = match self.sl(390) {
-            1.0 => {
-                let radius = self.sl(392) * factor;
-                let center = plus(at, across, radius);
-                let turn = self.sl(393).to_radians() * side * along;
-                let (sine, cosine) = (libm::sin(turn), libm::cos(turn));
-                let spoke = plus(at, center, -1.0);
-                let outer =
-                    plus(center, [spoke[0] * cosine - spoke[1] * sine, spoke[0] * sine + spoke[1] * cosine], 1.0);
-                let (from, to) = if arrives { (outer, at) } else { (at, outer) };
-                if radius <= 0.0 || distance(from, to) < 1e-7 {
-                    return Ok(None);
-                }
-                return Ok(Some(Element { from, to, arc: by_center(from, to, center, side < 0.0).ok() }));
-            }
-            2.0 => plus(at, heading, along * apart),
-            3.0 => plus(at, across, apart),
-            _ => return Err("Q390 of cycle 270 is 1, 2 or 3".to_owned()),
-        };
-        let (from, to) = if arrives { (outer, at) } else { (at, outer) };
-        Ok((distance(from, to) > 1e-7).then_some(Element { from, to, arc: None }))
-    }
-
-    /// Cycle 25.
-    pub(super) fn follow_train(&self, host: &dyn Host) -> Result<Vec<String>, String> {
-        let contour = self.only_contour()?;
-        let amount = self.cutter(host)? + self.sl(3) * host.length_factor();
-        let described = self.cycles.contours.train;
-        let is_left = match self.sl(391) {
-            _ if !described => contour.is_left,
-            1.0 => Some(true),
-            2.0 => Some(false),
-            _ => None,
-        };
-        let side = is_left.map(|left| if left { 1.0 } else { -1.0 });
-        let way = match side {
-            None => Some(contour.elements.clone()),
-            Some(side) => rounded(&contour.elements, side, amount),
-        };
-        let way =
-            way.ok_or_else(|| "the tool with its allowance does not fit into the contour of cycle 14".to_owned())?;
-        let line = Closed::open(contour.elements.clone());
-        if side.is_some() && way.iter().any(|element| !is_clear(element, std::slice::from_ref(&line), amount)) {
-            return Err("a contour that leaves less room than the tool with its allowance is not emulated".to_owned());
-        }
-        let mut way = way;
-        if described {
-            // On the contour the tool leaves to its left.
-            let (side, factor) = (side.unwrap_or(1.0), host.length_factor());
-            let arrives = way.first().map(|first| self.train_end(first, side, true, factor)).transpose()?.flatten();
-            let leaves = way.last().map(|last| self.train_end(last, side, false, factor)).transpose()?.flatten();
-            way = arrives.into_iter().chain(way).chain(leaves).collect();
-        }
-        let back = Closed::open(way.clone()).reversed();
-        // Climbing is along a contour that the tool is left of.
-        let forward = (self.sl(15) >= 0.0) == side.is_none_or(|side| side > 0.0);
-        let mut ways = [&way[..], back.elements()];
-        if !forward {
-            ways.reverse();
-        }
-        let (surface, safe) = (self.sl(5), self.sl(7));
-        let alternates = self.sl(15) == 0.0;
-        let mut blocks = Blocks::of(self, host);
-        blocks.rise_to(safe, RAPID);
-        for (at, level) in levels(surface, surface + self.sl(1), self.sl(10)).into_iter().enumerate() {
-            let way = if alternates && at % 2 == 1 { ways[1] } else { ways[0] };
-            let Some(first) = way.first() else { continue };
-            if at == 0 || !alternates {
-                blocks.over(first.from);
-            }
-            blocks.rise_to(level, self.sl(11));
-            for element in way {
-                blocks.element(element, self.sl(12));
-            }
-            if !alternates {
-                blocks.rise_to(safe, RAPID);
-            }
-        }
-        if alternates {
-            blocks.rise_to(safe, RAPID);
-        }
         Ok(blocks.lines)
     }
 }

@@ -1,7 +1,7 @@
 //! SL cycles: subprograms that are contours, and what the programs of the cycles ask for.
 //!
 //! `SL READ` records the contours that cycle 14 names, each with its side; `SL ROUGH`, `SL FLOOR`, `SL SIDE`, `SL PILOT` and
-//! `SL TRAIN` leave the blocks of a cycle, with OLD those of cycles 6, 15 and 16, with OCM those of 272 to 274; `SL SLOT` those of 275,
+//! `SL TRAIN` leave the blocks of a cycle, with OLD those of cycles 6, 15 and 16, with OCM those of 272 to 274; `SL SLOT` those of 275, `SL TRAIN 276` those of 276,
 //! `SL ROUND` those on a cylinder, `SL ENGRAVE` those of 225. Facts: programming manuals of the control (the side of the compensation and the sense of
 //! the contour tell pockets from islands; words of the tool axis do not count). Decision: a contour without compensation is a
 //! pocket. *Invariant:* only programs stored with the machine have these statements.
@@ -178,6 +178,7 @@ impl Heidenhain {
             "SIDE" => self.finish_sides(host, &self.task(0.0, self.sl(14))),
             "PILOT" => self.drill_pilots(host, &self.task(self.sl(4), self.sl(3))),
             "TRAIN" => self.follow_train(host),
+            "TRAIN 276" => self.follow_in_space(host),
             "OCM ROUGH" => self.adaptive_task(host, Work::Rough).and_then(|task| self.rough_out(host, &task, false)),
             "OCM FLOOR" => self.adaptive_task(host, Work::Floor).and_then(|task| self.rough_out(host, &task, true)),
             "OCM SIDE" => self.adaptive_task(host, Work::Side).and_then(|task| self.finish_sides(host, &task)),

@@ -96,7 +96,7 @@ const ACT_AT_ONCE: [u32; 14] = [7, 8, 9, 10, 11, 13, 14, 19, 20, 26, 30, 32, 239
 pub(super) const RAPID: f64 = 99_999.0;
 
 /// Parameters that newer software has at the end of a definition, with what they are where it does not say them.
-const APPENDED: [(u32, &[(u32, f64)]); 21] = [
+const APPENDED: [(u32, &[(u32, f64)]); 22] = [
     (22, &[(18, 0.0), (19, 0.0), (208, RAPID)]),
     (23, &[(208, RAPID)]),
     (24, &[(14, 0.0)]),
@@ -118,6 +118,7 @@ const APPENDED: [(u32, &[(u32, f64)]); 21] = [
     (271, &[(578, 0.2), (569, 0.0)]),
     (272, &[(576, 0.0), (579, 1.0), (575, 0.0)]),
     (275, &[(369, 0.0), (439, 0.0)]),
+    (276, &[(18, 0.0), (446, 0.01), (447, 10.0), (448, 2.0)]),
 ];
 
 /// Parameters that stand as a word: MAX and FMAX are rapid, AUTO is the feed of TOOL CALL, PREDEF what GLOBAL DEF says.

@@ -45,6 +45,7 @@ mod tables;
 mod tasks;
 mod tools;
 mod upright;
+mod train;
 mod variables;
 mod words;
 

@@ -143,6 +143,9 @@ pub trait Flow {
     /// Pieces of the contour that was read last, in the plane of that time: geometry of the machine's unit, radii.
     fn contour(&self) -> &[Element];
 
+    /// Heights of the ends of each piece across the plane, where its first move says one.
+    fn contour_heights(&self) -> Option<&[[f64; 2]]>;
+
     /// The first move of the contour that was read last, which leads to it, is rapid.
     fn contour_begins_rapid(&self) -> bool;
 

@@ -83,6 +83,8 @@ pub(crate) struct Reading {
     pub(crate) first: Option<First>,
     /// Pieces after it.
     pub(crate) elements: Vec<Element>,
+    /// Heights of their ends across the plane.
+    pub(crate) heights: Vec<[f64; 2]>,
     /// Feeds that rough cycles have along them.
     pub(crate) feeds: Vec<Option<f64>>,
     /// The feed of pieces to come.

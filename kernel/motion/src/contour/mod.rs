@@ -7,6 +7,7 @@ pub mod combine;
 pub mod corner;
 mod crossing;
 pub mod element;
+pub mod heights;
 mod meet;
 mod near;
 pub mod reach;

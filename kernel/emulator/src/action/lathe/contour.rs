@@ -18,6 +18,7 @@ use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
 use counterpoint_machine::ident::kind::CodeKind;
 use counterpoint_machine::ident::{CodeId, codes, data};
+use counterpoint_machine::index::{AxisSlot, BySlot};
 use counterpoint_machine::rows::CodeRow;
 use counterpoint_program::block::PendingCode;
 
@@ -136,6 +137,11 @@ fn refuse(act: &mut Act<'_, '_>) -> Acted {
     Err(act.alarm(&diag::CONTOUR_CODE, text))
 }
 
+/// The linear axis across a plane.
+fn across(act: &Act<'_, '_>, axes: [AxisSlot; 2]) -> Option<AxisSlot> {
+    act.state.place.layout.cartesian.iter().flatten().copied().find(|axis| !axes.contains(axis))
+}
+
 /// Records a motion as a piece of the contour.
 pub(in crate::action) fn record(act: &mut Act<'_, '_>, motion: &Motion) -> Acted {
     let own = act.state.others.turning.reading.plane;
@@ -152,8 +158,11 @@ pub(in crate::action) fn record(act: &mut Act<'_, '_>, motion: &Motion) -> Acted
         _ => None,
     };
     if arc.is_some() || distance(from, to) > NOISE {
+        let across = across(act, plane.axes);
+        let heights = [&motion.from, &motion.to].map(|spot| across.map_or(0.0, |axis| spot.at(axis)));
         let reading = &mut act.state.others.turning.reading;
         reading.elements.push(Element { from, to, arc });
+        reading.heights.push(heights);
         reading.feeds.push(reading.feed);
         reading.ends_rapid = motion.kind == MotionKind::Rapid;
     }

@@ -58,6 +58,15 @@ impl Flow for Kernel<'_> {
         &self.channel.state.others.turning.kept.elements
     }
 
+    fn contour_heights(&self) -> Option<&[[f64; 2]]> {
+        let kept = &self.channel.state.others.turning.kept;
+        let plane = kept.plane.as_ref()?;
+        let mut across = self.channel.state.place.layout.cartesian.iter().flatten();
+        let across = across.find(|axis| !plane.axes.contains(axis))?;
+        let coded = kept.first?.coded & 1_u8.checked_shl(u32::try_from(across.index()).ok()?)? != 0;
+        coded.then_some(&kept.heights[..])
+    }
+
     fn contour_begins_rapid(&self) -> bool {
         self.channel.state.others.turning.kept.first.is_some_and(|first| first.rapid)
     }
