@@ -1,6 +1,7 @@
 ; Clears a face from Q1111 down to Q1112 in equal infeeds of Q1113 at most, then, where Q1121 is lower, to that with the feed Q1122. Passes from Q1101 over Q1104, from Q1102 on over
 ; Q1105, at most Q1115 apart; with Q1116 = 1 the passes run along Y. Q1118 = 0: to and fro, steps beyond the surface by Q357; 1: steps at its edge; 2: each pass from the same
-; side, back Q200 above; 3: the same, from edge to edge. Feed Q1108. The second clearance counts from Q1114.
+; side, back Q200 above; 3: the same, from edge to edge. Feed Q1108. The second clearance counts from Q1114. Sides limit it along the passes where they
+; begin (Q1131 = 1) and end (Q1132), across them where it begins (Q1133) and ends (Q1134): the tool stays off them by Q1135.
 BEGIN PGM FACE MM
 FN 11: IF +Q108 GT +0 GOTO LBL 96
 FN 14: ERROR = 1002
@@ -12,11 +13,25 @@ QL10 = Q1115
 FN 11: IF +QL10 GT +0 GOTO LBL 1
 QL10 = Q108
 LBL 1
-QL11 = INT ( ABS Q1105 / QL10 + 0.9999 )
+FN 9: IF +Q1133 EQU +1 GOTO LBL 7
+QL17 = ABS Q1105 - Q1134 * Q1135
+QL11 = INT ( QL17 / QL10 + 0.9999 )
 FN 11: IF +QL11 GT +0 GOTO LBL 2
 QL11 = 1
 LBL 2
-QL12 = Q1105 / QL11
+QL12 = SGN Q1105 * QL17 / QL11
+QL16 = Q1102 + QL12 - SGN Q1105 * Q108
+FN 9: IF +0 EQU +0 GOTO LBL 8
+LBL 7
+; The first pass goes along a side.
+QL17 = ABS Q1105 - 2 * Q108 - ( 1 + Q1134 ) * Q1135
+FN 12: IF +QL17 LT -0.0001 GOTO LBL 95
+QL11 = 1 + INT ( QL17 / QL10 + 0.9999 )
+QL12 = 0
+QL16 = Q1102 + SGN Q1105 * ( Q108 + Q1135 )
+FN 9: IF +QL11 EQU +1 GOTO LBL 8
+QL12 = SGN Q1105 * QL17 / ( QL11 - 1 )
+LBL 8
 QL13 = SGN Q1104
 QL25 = Q1101 - QL13 * ( Q108 + Q357 )
 QL14 = Q1101
@@ -26,7 +41,15 @@ FN 9: IF +Q1118 EQU +3 GOTO LBL 3
 QL14 = QL25
 QL15 = Q1101 + Q1104 + QL13 * ( Q108 + Q357 )
 LBL 3
-QL16 = Q1102 + QL12 - SGN Q1105 * Q108
+FN 9: IF +Q1131 EQU +0 GOTO LBL 9
+QL14 = Q1101 + QL13 * ( Q108 + Q1135 )
+QL25 = QL14
+LBL 9
+FN 9: IF +Q1132 EQU +0 GOTO LBL 33
+QL15 = Q1101 + Q1104 - QL13 * ( Q108 + Q1135 )
+LBL 33
+QL17 = ( QL15 - QL14 ) * QL13
+FN 12: IF +QL17 LT -0.0001 GOTO LBL 95
 ; Infeeds.
 QL3 = Q1111
 QL8 = Q1108
@@ -123,4 +146,8 @@ FN 9: IF +QL41 EQU +18 GOTO LBL 18
 FN 9: IF +0 EQU +0 GOTO LBL 21
 LBL 30
 L Z+QL2 R0 FMAX
+FN 9: IF +0 EQU +0 GOTO LBL 98
+LBL 95
+FN 14: ERROR = 1003
+LBL 98
 END PGM FACE MM
