@@ -27,10 +27,14 @@ impl Heidenhain {
     ) -> Result<Vec<Step>, Halt> {
         // The line after an arc may say where the arc ends.
         let approach = matches!(shape, Shape::Approach(_) | Shape::FreeArc { .. });
-        let cuts = !matches!(shape, Shape::Pole | Shape::FreePole | Shape::Chamfer | Shape::Round | Shape::Depart(_));
+        let cuts = !matches!(
+            shape,
+            Shape::Pole | Shape::FreePole | Shape::FreeSelect | Shape::Chamfer | Shape::Round | Shape::Depart(_)
+        );
         if !approach && !cuts {
             return Ok(Vec::new());
         }
+        self.note_select(host, 0, next, place);
         let Some((first, behind)) = self.following(host, next, place) else { return Ok(Vec::new()) };
         let is_corner = match &first.statement {
             Statement::Path { shape: Shape::Chamfer | Shape::Round, .. } => true,
@@ -52,9 +56,30 @@ impl Heidenhain {
         }
         let elements = matches!(shape, Shape::FreeLine { .. } | Shape::FreeArc { .. });
         if is_corner || elements {
+            self.note_select(host, 1, behind, place);
             steps.extend(self.next_steps(host, behind, place)?);
         }
         Ok(steps)
+    }
+
+    /// FSELECT behind as many elements that follow.
+    fn note_select(&mut self, host: &mut dyn Host, behind: usize, from: u32, place: Place) {
+        let mut line = from;
+        while line <= place.range.last && line < from.saturating_add(NEAR) {
+            let Ok(read) = self.line(host, line) else { return };
+            match &read.statement {
+                Statement::Nothing => line = read.next,
+                Statement::Path { shape: Shape::FreeSelect, words, .. } => {
+                    let number = words.iter().find_map(|word| match &word.operand {
+                        super::words::Operand::Number(_, value) => Some(*value as usize),
+                        _ => None,
+                    });
+                    self.path.free.selects.extend(number.map(|number| (behind, number)));
+                    return;
+                }
+                _ => return,
+            }
+        }
     }
 
     /// The next path block as the program comes to it, with the one after it where it is a pole; assignments on the way are taken
@@ -66,6 +91,7 @@ impl Heidenhain {
         while let Some(line) = next.take() {
             match self.run_to_step(host, (line, place), &mut before) {
                 Ok(Some((step, behind))) => {
+                    self.note_select(host, steps.len() + 2, behind, place);
                     next = (step.shape == Shape::Pole && steps.is_empty()).then_some(behind);
                     steps.push(step);
                 }
@@ -90,7 +116,9 @@ impl Heidenhain {
             let Some(read) = Some(line).filter(|line| *line <= place.range.last) else { return Ok(None) };
             let Ok(read) = self.line(host, read) else { return Ok(None) };
             line = match &read.statement {
-                Statement::Nothing | Statement::Label(_) => read.next,
+                Statement::Nothing | Statement::Label(_) | Statement::Path { shape: Shape::FreeSelect, .. } => {
+                    read.next
+                }
                 Statement::Assign(name, formula) => {
                     let value = Evaluator::new(&mut self.variables, host).value(formula)?;
                     before.push((*name, self.variables.get(*name)));
@@ -125,7 +153,7 @@ impl Heidenhain {
         while line <= place.range.last && line < from.saturating_add(NEAR) {
             let read = self.line(host, line).ok()?;
             match &read.statement {
-                Statement::Nothing => line = read.next,
+                Statement::Nothing | Statement::Path { shape: Shape::FreeSelect, .. } => line = read.next,
                 Statement::Path { .. } => {
                     let next = read.next;
                     return Some((read, next));

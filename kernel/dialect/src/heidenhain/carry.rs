@@ -364,6 +364,7 @@ impl Heidenhain {
         self.cycle_calls(host, &mut seen, moves)?;
         self.after_block(&seen);
         let step = Step { shape, iso, seen, line: place.line, number: line.number };
+        self.path.free.selects.clear();
         let ahead = if place.as_read { self.ahead(host, shape, line.next, place)? } else { Vec::new() };
         lines.extend(walk(&mut self.path, host, &step, &ahead)?);
         Ok(if lines.is_empty() { None } else { Some(lines.join("\n")) })

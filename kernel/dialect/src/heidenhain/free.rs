@@ -2,10 +2,13 @@
 //!
 //! Facts: programming manuals of the control (FL, FLT, FC, FCT: end, length, angle, centre, radius, angle of the arc, direction
 //! of rotation; FPOL; CLSD; data relative to another block), reference heidenhain-cycles.md 1. Decisions: only elements that have
-//! one solution: at once, with the tangent of the element before, with auxiliary points, or with one or two elements behind it; choices of
-//! a solution (FSELECT) and parallels are not made. Invariant: an element that is not determined is reported and moves nothing.
+//! one solution: at once, with the tangent of the element before, with auxiliary points, or with one or two elements behind it, and those
+//! of which FSELECT selects one. Invariant: an element that is not determined stops the program, as on the control.
 
 use super::path::{Position, Shape, Step, Walk};
+use counterpoint_fault as diag;
+use counterpoint_fault::Halt;
+
 use crate::contour::{
     Point, Polar, along, angle_between, direction, left, length, minus, pieces, times, touch, towards, turn,
 };
@@ -14,14 +17,16 @@ use crate::contour::{
 const PIECE: f64 = 170.0;
 
 /// Words that elements of free contours use up; R of a line is that of the compensation.
-const LINE: [&str; 17] =
-    ["AN", "IAN", "LEN", "PR", "PA", "IPR", "IPA", "CLSD", "RX", "RY", "RPR", "RPA", "RAN", "P1X", "P1Y", "P2X", "P2Y"];
+const LINE: [&str; 22] = [
+    "AN", "IAN", "LEN", "PR", "PA", "IPR", "IPA", "CLSD", "RX", "RY", "RPR", "RPA", "RAN", "P1X", "P1Y", "P2X", "P2Y",
+    "PAR", "DP", "PDX", "PDY", "D",
+];
 const ARC: [&str; 30] = [
     "P1X", "P1Y", "P2X", "P2Y", "P3X", "P3Y", "AN", "IAN", "LEN", "PR", "PA", "IPR", "IPA", "CLSD", "RX", "RY", "RPR",
     "RPA", "RAN", "R", "DR", "CCX", "CCY", "CCA", "ICCX", "ICCY", "CCPR", "CCPA", "RCCX", "RCCY",
 ];
 
-/// Words that ask for a choice, or for more than is made.
+/// Words of lines that arcs do not have here.
 const MORE: [&str; 5] = ["PDX", "PDY", "PAR", "DP", "D"];
 
 /// Elements that are remembered for data relative to them.
@@ -41,6 +46,8 @@ pub(super) struct Free {
     begins: Option<Point>,
     /// Elements with the number of their block: end, direction there.
     known: Vec<(u32, Point, Option<Point>)>,
+    /// FSELECT, each with how many elements it stands behind that follow the one that is being made.
+    pub(super) selects: Vec<(usize, usize)>,
     /// The end of the element that is being made.
     end: Option<Point>,
 }
@@ -56,12 +63,12 @@ struct Arc {
 }
 
 /// A value of a step.
-fn of_step(step: &Step, name: &str) -> Option<f64> {
+pub(super) fn of_step(step: &Step, name: &str) -> Option<f64> {
     step.seen.iter().find(|word| word.is(name) && word.text != "R0").and_then(|word| word.value)
 }
 
 /// The direction of rotation of a step.
-fn sense_of(step: &Step) -> Option<bool> {
+pub(super) fn sense_of(step: &Step) -> Option<bool> {
     step.seen.iter().find(|word| word.is("DR") && word.value.is_none()).map(|word| word.text == "DR-")
 }
 
@@ -77,9 +84,12 @@ impl Walk<'_> {
         of_step(self.step, name)
     }
 
-    fn not_determined(&mut self) -> Vec<String> {
-        self.complain("the words do not determine this element of a free contour by itself or with those behind it; it is not made");
-        Vec::new()
+    fn not_determined(&mut self) -> Halt {
+        let text = format!(
+            "the words do not determine this element of a free contour, with those behind it and FSELECT, in '{}'",
+            self.host.block_text()
+        );
+        self.host.alarm(&diag::STATEMENT_UNKNOWN, text)
     }
 
     /// FPOL.
@@ -109,14 +119,18 @@ impl Walk<'_> {
 
     /// The element that a word names by the number of its block: its end, and the direction there.
     fn relative(&self, name: &str) -> Option<(Point, Option<Point>)> {
-        let number = self.free(name)?;
+        self.relative_in(self.step, name)
+    }
+
+    pub(super) fn relative_in(&self, step: &Step, name: &str) -> Option<(Point, Option<Point>)> {
+        let number = of_step(step, name)?;
         let known = self.path.free.known.iter().find(|(of, ..)| f64::from(*of) == number);
         known.map(|(_, end, heading)| (*end, *heading))
     }
 
     /// Every element that words name is known.
     fn relations_hold(&self) -> bool {
-        let words = ["RX", "RY", "RPR", "RPA", "RAN", "RCCX", "RCCY"];
+        let words = ["RX", "RY", "RPR", "RPA", "RAN", "RCCX", "RCCY", "PAR"];
         words.iter().all(|name| self.free(name).is_none() || self.relative(name).is_some())
     }
 
@@ -183,7 +197,7 @@ impl Walk<'_> {
 
     fn asks_more(&self) -> bool {
         let more = self.step.seen.iter().any(|word| MORE.iter().any(|name| word.is(name)));
-        more || !self.relations_hold()
+        more && matches!(self.step.shape, Shape::FreeArc { .. }) || !self.relations_hold()
     }
 
     /// CLSD+ begins a contour that CLSD- closes.
@@ -204,22 +218,25 @@ impl Walk<'_> {
         Some([of_step(step, letters[0])?, of_step(step, letters[1])?])
     }
 
-    /// A line behind that is known: through its end, along its angle.
-    fn line_behind(&self, step: &Step) -> Option<(Point, Point)> {
-        let is_line = matches!(step.shape, Shape::FreeLine { .. });
-        Some((self.end_behind(step)?, towards(of_step(step, "AN")?))).filter(|_| is_line)
+    /// The end of a line that the elements behind determine.
+    fn line_end(&mut self, way: Option<Point>) -> Option<Point> {
+        let start = self.flat(&self.start);
+        let next = self.ahead.first()?;
+        if next.shape == (Shape::FreeLine { tangent: false }) {
+            // It meets the next line.
+            let lines = self.lines_behind(next);
+            let way = way?;
+            let found: Vec<Point> = lines.into_iter().filter_map(|(at, other)| meets(start, way, at, other)).collect();
+            return self.pick(&found, 1);
+        }
+        self.line_to_arc(way)
     }
 
-    /// The end of a line that the elements behind determine.
-    fn line_end(&self, way: Option<Point>) -> Option<Point> {
+    /// The end of a line before an arc.
+    fn line_to_arc(&self, way: Option<Point>) -> Option<Point> {
         let start = self.flat(&self.start);
         let next = self.ahead.first()?;
         match next.shape {
-            // It meets the next line.
-            Shape::FreeLine { tangent: false } => {
-                let (at, other) = self.line_behind(next)?;
-                meets(start, way?, at, other)
-            }
             Shape::FreeArc { tangent: true } => {
                 let clockwise = sense_of(next);
                 if let Some(center) = self.center_of(next) {
@@ -238,7 +255,8 @@ impl Walk<'_> {
                     };
                 }
                 // An arc of a radius leads to the line behind it.
-                let (at, other) = self.line_behind(self.ahead.get(1)?)?;
+                let lines = self.lines_behind(self.ahead.get(1)?);
+                let [(at, other)] = *lines else { return None };
                 let (radius, way, clockwise) = (of_step(next, "R")?.abs(), way?, clockwise?);
                 let side = if clockwise { -radius } else { radius };
                 let from = along(start, left(way), side);
@@ -252,7 +270,14 @@ impl Walk<'_> {
     }
 
     /// The end of an arc about a centre that the element behind determines.
-    fn arc_end(&self, center: Point, radius: f64, clockwise: bool) -> Option<Point> {
+    fn arc_end(&mut self, center: Point, radius: f64, clockwise: bool) -> Option<Point> {
+        let for_arc = self.leaves_for_arc((center, radius, clockwise));
+        if !for_arc.is_empty() {
+            return self.pick(&for_arc, 2);
+        }
+        if let Some(end) = self.leaves_for_circle((center, radius, clockwise)) {
+            return Some(end);
+        }
         let next = self.ahead.first()?;
         match next.shape {
             // A tangent leads to the end of the line.
@@ -304,10 +329,16 @@ impl Walk<'_> {
     }
 
     /// FL and FLT.
-    pub(super) fn free_line(&mut self, tangent: bool) -> Vec<String> {
+    pub(super) fn free_line(&mut self, tangent: bool) -> Result<Vec<String>, Halt> {
         self.note_begin();
         let start = self.flat(&self.start);
-        let way = self.begins(tangent);
+        let way = match self.begins(tangent) {
+            Some(way) => Some(way),
+            None => {
+                let ways = self.ways_beside();
+                self.pick(&ways, 0)
+            }
+        };
         let ray = || {
             let way = way?;
             if let Some(length) = self.free("LEN") {
@@ -326,7 +357,7 @@ impl Walk<'_> {
             self.put(&mut end, ray?);
             Some(end)
         });
-        let Some(end) = end.filter(|_| !self.asks_more()) else { return self.not_determined() };
+        let Some(end) = end.filter(|_| !self.asks_more()) else { return Err(self.not_determined()) };
         self.path.base = None;
         let mut stop = end;
         let own = crate::contour::line(self.flat(&self.actual), self.flat(&end));
@@ -338,7 +369,7 @@ impl Walk<'_> {
         self.head_for(minus(self.flat(&end), start));
         self.ends_at(self.flat(&end));
         self.path.round = false;
-        vec![line]
+        Ok(vec![line])
     }
 
     /// The centre that the block says, relative to another one or to the start by I.
@@ -355,20 +386,19 @@ impl Walk<'_> {
     }
 
     /// FC and FCT.
-    pub(super) fn free_arc(&mut self, tangent: bool) -> Vec<String> {
+    pub(super) fn free_arc(&mut self, tangent: bool) -> Result<Vec<String>, Halt> {
         if self.asks_more() {
-            return self.not_determined();
+            return Err(self.not_determined());
         }
         self.note_begin();
         let end = self.free_end();
         let center = self.free_center();
         let has_points = !super::auxiliary::points(self.step, self.path.plane).is_empty();
         if let Some(end) = end.filter(|_| tangent && center.is_none() && self.free("R").is_none() && !has_points) {
-            return self.tangent(end);
+            return Ok(self.tangent(end));
         }
         let (Some(clockwise), start) = (self.path.clockwise, self.flat(&self.start)) else {
-            self.complain("the circle has no direction of rotation");
-            return Vec::new();
+            return Err(self.not_determined());
         };
         let radius = self.free("R").map(f64::abs);
         let begins = self.begins(tangent);
@@ -379,19 +409,19 @@ impl Walk<'_> {
         self.path.base = None;
         let Some(center) = center else {
             // By its ends and its radius, the shorter way.
-            let (Some(end), Some(radius)) = (end, radius) else { return self.not_determined() };
+            let (Some(end), Some(radius)) = (end, radius) else { return Err(self.not_determined()) };
             let to = self.flat(&end);
             let Some(center) = crate::contour::center_by_radius(start, to, radius, clockwise) else {
-                return self.not_determined();
+                return Err(self.not_determined());
             };
             let angle = Polar::of(center, start).angle;
             let sweep = angle_between(angle, Polar::of(center, to).angle, clockwise);
-            return self.arc_about(&Arc { center, radius, sweep, end: Some(end) }, angle, clockwise);
+            return Ok(self.arc_about(&Arc { center, radius, sweep, end: Some(end) }, angle, clockwise));
         };
         let said = radius;
         let Polar { radius, angle } = Polar::of(center, start);
         if said.is_some_and(|said| (said - radius).abs() > OFF) {
-            return self.not_determined();
+            return Err(self.not_determined());
         }
         let turn = if clockwise { -90.0 } else { 90.0 };
         let chord = self.free("LEN").map(|chord| 2.0 * libm::asin(chord / (2.0 * radius)).to_degrees());
@@ -409,8 +439,8 @@ impl Walk<'_> {
         };
         let sweep = sweep.filter(|sweep| (1e-9..=360.0).contains(sweep) && radius > 1e-9);
         match sweep {
-            Some(sweep) => self.arc_about(&Arc { center, radius, sweep, end }, angle, clockwise),
-            None => self.not_determined(),
+            Some(sweep) => Ok(self.arc_about(&Arc { center, radius, sweep, end }, angle, clockwise)),
+            None => Err(self.not_determined()),
         }
     }
 

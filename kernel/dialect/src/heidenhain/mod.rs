@@ -10,6 +10,7 @@ mod areas;
 mod auxiliary;
 mod calls;
 mod carry;
+mod choices;
 mod circle;
 mod clearing;
 mod contours;

@@ -36,6 +36,8 @@ pub(super) enum Shape {
     Depart(PathShape),
     /// The pole of free contours.
     FreePole,
+    /// The solution of free contours.
+    FreeSelect,
     /// Elements of free contours.
     FreeLine {
         tangent: bool,
@@ -49,7 +51,7 @@ pub(super) enum Shape {
 
 impl Shape {
     /// Key words of the shapes.
-    pub(super) const WORDS: [(&'static str, Self); 29] = [
+    pub(super) const WORDS: [(&'static str, Self); 30] = [
         ("L", Self::Line),
         ("LN", Self::Space),
         ("C", Self::Arc),
@@ -75,6 +77,7 @@ impl Shape {
         ("DEP LCT", Self::Depart(PathShape::LineAndCircle)),
         ("DEP PLCT", Self::Depart(PathShape::LineAndCircle)),
         ("FPOL", Self::FreePole),
+        ("FSELECT", Self::FreeSelect),
         ("FL", Self::FreeLine { tangent: false }),
         ("FLT", Self::FreeLine { tangent: true }),
         ("FC", Self::FreeArc { tangent: false }),
@@ -249,6 +252,10 @@ impl Walk<'_> {
             self.complain("G26 and G27 are not supported; the contour is reached and left without an arc");
             return Ok(Vec::new());
         }
+        if step.shape == Shape::FreeSelect {
+            // What has been selected was said when it was made.
+            return Ok(Vec::new());
+        }
         let shape = if step.shape == Shape::Iso { self.iso_shape() } else { step.shape };
         // A corner is made by the very next block or not at all.
         let corner = self.path.corner.take();
@@ -270,8 +277,9 @@ impl Walk<'_> {
             Shape::Approach(way) => self.approach(way),
             Shape::Depart(way) => self.depart(way),
             Shape::FreePole => self.free_pole(),
-            Shape::FreeLine { tangent } => self.free_line(tangent),
-            Shape::FreeArc { tangent } => self.free_arc(tangent),
+            Shape::FreeSelect => Vec::new(),
+            Shape::FreeLine { tangent } => self.free_line(tangent)?,
+            Shape::FreeArc { tangent } => self.free_arc(tangent)?,
             Shape::Iso => vec![self.verbatim(&[])],
         })
     }

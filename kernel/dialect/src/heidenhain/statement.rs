@@ -131,13 +131,12 @@ pub(super) enum Call {
 }
 
 /// Key words of statements that are not emulated.
-const FOREIGN: [&str; 24] = [
+const FOREIGN: [&str; 23] = [
     "PLANE",
     "FUNCTION",
     "GLOBAL",
     "TRANS",
     "PATTERN",
-    "FSELECT",
     "TCH",
     "SEL",
     "CONTOUR",

@@ -1,0 +1,148 @@
+//! Elements of free contours with several solutions: parallels, points beside a line, an arc between two circles; FSELECT.
+//!
+//! Facts: programming manuals of the control (PAR and DP: a line parallel to that of another block, and its distance; PDX, PDY and D: a point
+//! beside a line, and its distance; FSELECT behind the blocks that leave a choice selects one of their solutions by its number). How the control
+//! numbers its solutions is in no manual that we have. Decisions: of two solutions the first one lies to the right, seen along the way or from
+//! the centre of the element to that of the next known circle; a line parallel to another one first goes in its direction; each use of FSELECT
+//! that decides something is reported. *Invariant:* without FSELECT only what has one solution is made.
+
+use counterpoint_fault as diag;
+
+use super::free::{Free, of_step};
+use super::path::{Shape, Step, Walk};
+use crate::contour::{Point, along, direction, left, length, minus, touch};
+
+/// A line through a point, with its direction.
+pub(super) type Line = (Point, Point);
+
+impl Free {
+    /// FSELECT behind as many elements.
+    pub(super) fn selected(&self, behind: usize) -> Option<usize> {
+        self.selects.iter().find(|(at, _)| *at == behind).map(|(_, number)| *number)
+    }
+}
+
+impl Walk<'_> {
+    /// The only solution, or the one that FSELECT behind the elements that it needs selects.
+    pub(super) fn pick<T: Copy>(&mut self, found: &[T], behind: usize) -> Option<T> {
+        if found.len() < 2 {
+            return found.first().copied();
+        }
+        let number = self.path.free.selected(behind)?;
+        let one = number.checked_sub(1).and_then(|at| found.get(at)).copied()?;
+        let text = format!(
+            "FSELECT{number} of {} solutions in '{}': the numbers of the control are not known, look at the path",
+            found.len(),
+            self.host.block_text()
+        );
+        self.host.report(&diag::PATH_NOT_MADE, 4, text);
+        Some(one)
+    }
+
+    /// The point beside a line, and its distance.
+    fn point_beside(step: &Step) -> Option<(Point, f64)> {
+        Some(([of_step(step, "PDX")?, of_step(step, "PDY")?], of_step(step, "D").unwrap_or(0.0).abs()))
+    }
+
+    /// Lines of a direction that a step says by a parallel or by a point beside it.
+    fn lines_along(&self, step: &Step, way: Point) -> Vec<Line> {
+        let beside = |at: Point, apart: f64| {
+            let sides = if apart > 0.0 { vec![-apart, apart] } else { vec![0.0] };
+            sides.into_iter().map(|side| (along(at, left(way), side), way)).collect()
+        };
+        if let Some((at, apart)) = Self::point_beside(step) {
+            // The point lies on the right of the line that is to the left of it.
+            return beside(at, apart);
+        }
+        let Some((at, _)) = self.relative_in(step, "PAR") else { return Vec::new() };
+        of_step(step, "DP").map_or_else(Vec::new, |apart| beside(at, apart.abs()))
+    }
+
+    /// Lines that a step behind may be: through its end, beside a line or a point, each along its angle.
+    pub(super) fn lines_behind(&self, step: &Step) -> Vec<Line> {
+        if !matches!(step.shape, Shape::FreeLine { .. }) {
+            return Vec::new();
+        }
+        let angle = of_step(step, "AN").map(crate::contour::towards);
+        let parallel = self.relative_in(step, "PAR").and_then(|(_, way)| direction(way?));
+        let Some(way) = angle.or(parallel) else { return Vec::new() };
+        match self.end_behind(step) {
+            Some(end) => vec![(end, way)],
+            None => self.lines_along(step, way),
+        }
+    }
+
+    /// Directions in which a line may begin that says none: parallel to another line, or beside a point.
+    pub(super) fn ways_beside(&self) -> Vec<Point> {
+        let start = self.flat(&self.start);
+        if let Some((_, Some(way))) = self.relative_in(self.step, "PAR")
+            && let Some(way) = direction(way)
+        {
+            return vec![way, way.map(|part| -part)];
+        }
+        let Some((at, apart)) = Self::point_beside(self.step) else { return Vec::new() };
+        if apart == 0.0 {
+            return direction(minus(at, start)).into_iter().collect();
+        }
+        // With the circle about the point on the right first.
+        [true, false]
+            .into_iter()
+            .filter_map(|clockwise| direction(minus(touch(start, at, apart, clockwise)?, start)))
+            .collect()
+    }
+
+    /// Where a circle leaves along a line that touches the next circle, each in its sense.
+    pub(super) fn leaves_for_circle(&self, (center, radius, clockwise): (Point, f64, bool)) -> Option<Point> {
+        let (line, behind) = (self.ahead.first()?, self.ahead.get(1)?);
+        let is_line = line.shape == (Shape::FreeLine { tangent: true }) && self.end_behind(line).is_none();
+        if !is_line || behind.shape != (Shape::FreeArc { tangent: true }) {
+            return None;
+        }
+        // Centres lie to the left of a line that goes on against the clock.
+        let signed = |radius: f64, clockwise: bool| if clockwise { -radius } else { radius };
+        let own = signed(radius, clockwise);
+        let next = signed(of_step(behind, "R")?.abs(), super::free::sense_of(behind)?);
+        let by = minus(self.center_of(behind)?, center);
+        let (way, apart) = (direction(by)?, (next - own) / length(by));
+        let rest = (1.0 - apart * apart).max(0.0).sqrt();
+        (apart.abs() <= 1.0).then(|| along(along(center, way, -own * apart), left(way), -own * rest))
+    }
+
+    /// Where a circle leaves for an arc of a radius that leads to another circle: to the right of the line between the centres first.
+    pub(super) fn leaves_for_arc(&self, (center, radius, clockwise): (Point, f64, bool)) -> Vec<Point> {
+        let found = || {
+            let (arc, behind) = (self.ahead.first()?, self.ahead.get(1)?);
+            let tangential = |step: &Step| step.shape == Shape::FreeArc { tangent: true };
+            if !tangential(arc)
+                || !tangential(behind)
+                || self.center_of(arc).is_some()
+                || self.end_behind(arc).is_some()
+            {
+                return None;
+            }
+            let (between, to) = (of_step(arc, "R")?.abs(), self.center_of(behind)?);
+            let size = of_step(behind, "R")?.abs();
+            let (own, next) = (super::free::sense_of(arc)?, super::free::sense_of(behind)?);
+            let apart = |size: f64, sense: bool| if sense == own { (between - size).abs() } else { between + size };
+            let (here, there) = (apart(radius, clockwise), apart(size, next));
+            let by = minus(to, center);
+            let (way, whole) = (direction(by)?, length(by));
+            let foot = (here * here - there * there + whole * whole) / (2.0 * whole);
+            let rise = here * here - foot * foot;
+            if rise < -1e-9 {
+                return None;
+            }
+            let rise = rise.max(0.0).sqrt();
+            let sides = if rise < 1e-6 { vec![0.0] } else { vec![-rise, rise] };
+            let leave = |side: f64| {
+                let middle = along(along(center, way, foot), left(way), side);
+                // Outside of each other, or one inside of the other.
+                let out = direction(minus(middle, center))?;
+                let inside = own == clockwise && between > radius;
+                Some(along(center, out, if inside { -radius } else { radius }))
+            };
+            Some(sides.into_iter().filter_map(leave).collect())
+        };
+        found().unwrap_or_default()
+    }
+}
