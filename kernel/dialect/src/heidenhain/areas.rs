@@ -47,6 +47,25 @@ impl Area {
         }
     }
 
+    /// Contours whose spots may be outside of it.
+    pub(super) fn taken_away(&self) -> Vec<usize> {
+        match self {
+            Self::Contour(_) => Vec::new(),
+            Self::Outside(area) => area.contours(),
+            Self::Of(Join::Either, one, other) => [one.contours(), other.contours()].concat(),
+            Self::Of(Join::Without, one, other) => [one.taken_away(), other.contours()].concat(),
+            Self::Of(Join::Common | Join::Union, one, other) => [one.taken_away(), other.taken_away()].concat(),
+        }
+    }
+
+    fn contours(&self) -> Vec<usize> {
+        match self {
+            Self::Contour(at) => vec![*at],
+            Self::Outside(area) => area.contours(),
+            Self::Of(_, one, other) => [one.contours(), other.contours()].concat(),
+        }
+    }
+
     /// Contours and joins of it.
     pub(super) fn size(&self) -> usize {
         match self {
@@ -107,9 +126,10 @@ fn of_figures(figures: &[Figure], by_start: bool) -> Option<Area> {
 }
 
 /// The rims of an area as pockets and islands.
-fn rims(figures: &[Figure], area: &Area) -> Result<Vec<Figure>, String> {
+fn rims(figures: &[Figure], area: &Area, counts: &[bool]) -> Result<Vec<Figure>, String> {
     let outlines: Vec<Closed> = figures.iter().map(|figure| figure.outline.clone()).collect();
-    let rings = combined(&outlines, |held| area.holds(held))
+    let counted = |held: &[bool]| held.iter().zip(counts).map(|(held, counts)| *held && *counts).collect::<Vec<_>>();
+    let rings = combined(&outlines, |held| area.holds(&counted(held)))
         .ok_or_else(|| "the contours meet too often, or leave a rim that does not close".to_owned())?;
     let figure = |outline: Closed| Figure { is_pocket: !outline.is_clockwise(), outline };
     Ok(rings.into_iter().map(figure).collect())
@@ -136,7 +156,7 @@ impl Contours {
     /// The area of figures without depths of their own.
     fn together(&self, figures: Vec<Figure>) -> Result<Vec<Figure>, String> {
         if let Some(formula) = &self.formula {
-            return rims(&figures, formula);
+            return rims(&figures, formula, &vec![true; figures.len()]);
         }
         if is_plain(&figures) {
             return Ok(figures);
@@ -151,7 +171,7 @@ impl Contours {
             return Err(format!("contour {} of cycle 14 is an island outside of all pockets", place + 1));
         }
         let area = of_figures(&figures, self.by_start).ok_or_else(|| "cycle 14 has no pocket".to_owned())?;
-        rims(&figures, &area)
+        rims(&figures, &area, &vec![true; figures.len()])
     }
 }
 
@@ -181,7 +201,12 @@ impl Heidenhain {
                 Some(top) => top < stop - 1e-9,
             });
             let here: Vec<Figure> = here.map(|(_, figure)| figure.clone()).collect();
-            if here.iter().any(is_pocket) {
+            if let Some(formula) = &contours.formula {
+                // Contours that end above are not there.
+                let ends = |place: usize| depth(place).is_some_and(|own| own < stop - 1e-9);
+                let counts: Vec<bool> = (0..figures.len()).map(|place| !ends(place)).collect();
+                stages.push(Stage { depth: Some(stop), figures: rims(&figures, formula, &counts)? });
+            } else if here.iter().any(is_pocket) {
                 stages.push(Stage { depth: Some(stop), figures: contours.together(here)? });
             }
         }

@@ -17,7 +17,7 @@ use super::Heidenhain;
 use super::areas::Stage;
 use super::contours::Figure;
 use super::cycles::RAPID;
-use super::tasks::Task;
+use super::tasks::{Rounding, Task};
 use super::words::shown;
 use crate::host::Host;
 
@@ -180,9 +180,12 @@ impl Heidenhain {
     /// all that the tool reaches.
     fn ways(&self, figures: &[Figure], amount: f64, task: &Task) -> Result<Vec<Closed>, String> {
         let all: Vec<Closed> = figures.iter().map(|figure| figure.outline.clone()).collect();
-        if task.rounding > 0.0 {
-            return Self::rounded_ways(&all, amount, task);
-        }
+        let corners = match task.rounding {
+            Rounding::Everywhere(radius) if radius > 0.0 => return Self::rounded_ways(&all, amount, radius, task),
+            Rounding::Everywhere(_) => 0.0,
+            Rounding::Corners(radius) => radius,
+        };
+        let round = |ways: Vec<Closed>| ways.iter().map(|way| way.rounded(corners)).collect();
         let along = figures.iter().map(|figure| {
             // Climbing is against the clock in a pocket, with it round an island.
             let clockwise = figure.is_pocket != task.climbs;
@@ -192,15 +195,15 @@ impl Heidenhain {
             way.keeps_away(&all, amount).then_some(way)
         });
         if let Some(ways) = along.collect::<Option<Vec<_>>>() {
-            return Ok(ways);
+            return Ok(round(ways));
         }
-        Self::rims(eroded(&all, amount), task)
+        Self::rims(eroded(&all, amount), task).map(round)
     }
 
     /// Ways that turn with a radius of their own inside of corners.
-    fn rounded_ways(all: &[Closed], amount: f64, task: &Task) -> Result<Vec<Closed>, String> {
-        let narrow = eroded(all, amount + task.rounding);
-        Self::rims(narrow.and_then(|narrow| grown(&narrow, task.rounding)), task)
+    fn rounded_ways(all: &[Closed], amount: f64, radius: f64, task: &Task) -> Result<Vec<Closed>, String> {
+        let narrow = eroded(all, amount + radius);
+        Self::rims(narrow.and_then(|narrow| grown(&narrow, radius)), task)
     }
 
     /// Ways round what an earlier tool has left; none where that had no larger radius.

@@ -172,11 +172,11 @@ impl Heidenhain {
         let made = match what {
             "ROUGH" => {
                 let others = Others { holes: None, earlier: self.tool_before(18) };
-                self.rough_out(host, &Task { others, ..self.task(self.sl(4), self.sl(3)) }, false)
+                self.rough_out(host, &Task { others, ..self.task(host, self.sl(4), self.sl(3)) }, false)
             }
-            "FLOOR" => self.rough_out(host, &self.task(0.0, self.sl(3)), true),
-            "SIDE" => self.finish_sides(host, &self.task(0.0, self.sl(14))),
-            "PILOT" => self.drill_pilots(host, &self.task(self.sl(4), self.sl(3))),
+            "FLOOR" => self.rough_out(host, &self.task(host, 0.0, self.sl(3)), true),
+            "SIDE" => self.finish_sides(host, &self.task(host, 0.0, self.sl(14))),
+            "PILOT" => self.drill_pilots(host, &self.task(host, self.sl(4), self.sl(3))),
             "TRAIN" => self.follow_train(host),
             "TRAIN 276" => self.follow_in_space(host),
             "OCM ROUGH" => self.adaptive_task(host, Work::Rough).and_then(|task| self.rough_out(host, &task, false)),

@@ -1,7 +1,7 @@
 //! Feeds per revolution and per tooth: FU and FZ.
 //!
 //! Facts: programming manuals of the control: FU is in millimetres per revolution, FZ in millimetres per tooth, whose
-//! number is CUT of the tool table (system data ID50 NR15); both hold until another feed. Decisions: they become the F
+//! number is CUT of the tool table (system data ID50 NR15), in inches in inch programs; both hold until another feed. Decisions: they become the F
 //! word of M136, other feeds that of M137 from then on; a machine with registers of these names gets them as they are.
 //! Invariant: a program without FU and FZ keeps its F words.
 
@@ -68,11 +68,6 @@ impl Heidenhain {
                 "FZ" if !host.is_register("FZ") => value * self.teeth(host)?,
                 _ => continue,
             };
-            if self.units.inches {
-                let text =
-                    format!("FU and FZ are not emulated in inch programs: '{}'; program M136", host.block_text());
-                return Err(host.alarm(&diag::STATEMENT_UNKNOWN, text));
-            }
             if !host.knows_code(b'M', 136.0) {
                 let text = format!("the machine has no code M136 for the feed of '{}'", host.block_text());
                 return Err(host.alarm(&diag::NO_FEED_PER_TURN, text));

@@ -1,7 +1,7 @@
 //! SEL CONTOUR: contours in programs of their own, and the formula that makes an area of them.
 //!
 //! Facts: programming manuals of the control: `DECLARE CONTOUR QC1 = "NAME"`, `QC10 = (QC1 | QC2) & QC3 \ QC4 ^ QC5`, `#` for what lies
-//! outside; the last formula counts. Decision: `&` binds more than the others, which go from left to right. *Invariant:* a formula
+//! outside; DEPTH; the last formula counts. Decision: `&` binds more than the others, which go from left to right. *Invariant:* a formula
 //! that has been read is finite and has no contour that was not declared.
 
 use counterpoint_fault as diag;
@@ -22,7 +22,8 @@ const DEEPEST: usize = 50;
 #[derive(Debug, Default)]
 struct Model {
     areas: Vec<(u32, Area)>,
-    programs: Vec<String>,
+    /// Each with its DEPTH.
+    programs: Vec<(String, Option<f64>)>,
     last: Option<Area>,
 }
 
@@ -40,7 +41,18 @@ impl Model {
         }
         let area = if declares {
             let name = cursor.quoted().ok_or_else(|| wrong(text, "the name of a program in quotation marks"))?;
-            self.programs.push(name.to_owned());
+            let name = name.to_owned();
+            let depth = match cursor.keyword("DEPTH") {
+                true => {
+                    cursor.take(b'=');
+                    let _ = cursor.take(b'+') || cursor.take(b'-');
+                    let (_, depth) = cursor.number().ok_or_else(|| wrong(text, "the number of DEPTH"))?;
+                    // A depth of 0 is that of the cycle.
+                    Some(depth.abs()).filter(|depth| *depth > 0.0)
+                }
+                false => None,
+            };
+            self.programs.push((name, depth));
             Area::Contour(self.programs.len() - 1)
         } else {
             let area = self.sum(&mut cursor, 0).map_err(|what| wrong(text, what))?;
@@ -48,7 +60,7 @@ impl Model {
             area
         };
         if !cursor.is_over() {
-            return Err(wrong(text, "the end of the block; DEPTH is not emulated here"));
+            return Err(wrong(text, "DEPTH or the end of the block"));
         }
         self.areas.retain(|(known, _)| *known != target);
         let all = self.areas.iter().map(|(_, area)| area.size()).sum::<usize>();
@@ -128,7 +140,15 @@ impl Heidenhain {
             let text = format!("{why}, in '{}'", host.block_text());
             return Err(host.alarm(&diag::STATEMENT_UNKNOWN, text));
         };
-        let of = |name: String| Named { source: Source::Program(name), is_pocket: Some(true), depth: None };
+        let away = |at: &usize| model.programs.get(*at).is_some_and(|(_, depth)| depth.is_some());
+        if formula.taken_away().iter().any(away) {
+            let text = format!(
+                "DEPTH of a contour that {name} takes away, or of which it takes what lies outside, is not emulated in '{}'",
+                host.block_text()
+            );
+            return Err(host.alarm(&diag::STATEMENT_UNKNOWN, text));
+        }
+        let of = |(name, depth)| Named { source: Source::Program(name), is_pocket: Some(true), depth };
         let labels = model.programs.into_iter().map(of).collect();
         self.cycles.contours = Contours::joined(labels, formula);
         Ok(())

@@ -1,6 +1,6 @@
 //! What the cycles along contours say: levels, feeds, allowances, sense.
 //!
-//! Facts: programming manuals of the control (Q1 to Q9 of cycle 20; Q10 to Q19, Q208 of the cycles; the lines of the old cycles, which
+//! Facts: programming manuals of the control (Q1 to Q9 of cycle 20, Q8 is a radius of the way of the tool; Q10 to Q19, Q208 of the cycles; the lines of the old cycles, which
 //! count from where the tool stands; cycles 271 to 274 and 277). Decisions: the tool of 277 comes to a point.
 
 use super::Heidenhain;
@@ -34,8 +34,16 @@ pub(super) struct Task {
     pub(super) along: f64,
     /// Other tools that it names.
     pub(super) others: Others,
-    /// Radius of the way of the tool inside of corners, geometry units.
-    pub(super) rounding: f64,
+    pub(super) rounding: Rounding,
+}
+
+/// The way of the tool inside of corners: an arc of a radius, geometry units.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Rounding {
+    /// Where it is round by itself it has at least this radius.
+    Everywhere(f64),
+    /// Corners alone, smaller where there is less room.
+    Corners(f64),
 }
 
 /// Other tools that a cycle names.
@@ -62,7 +70,7 @@ impl Heidenhain {
     }
 
     /// What a cycle from 21 to 24 says, with what it leaves on the ground and at the side.
-    pub(super) fn task(&self, floor: f64, allowance: f64) -> Task {
+    pub(super) fn task(&self, host: &dyn Host, floor: f64, allowance: f64) -> Task {
         let surface = self.sl(5);
         let feed = self.sl(12);
         Task {
@@ -80,7 +88,7 @@ impl Heidenhain {
             out: if self.sl(208) > 0.0 { self.sl(208) } else { feed },
             along: 0.0,
             others: Others { holes: Some(self.sl(13) as u32), earlier: None },
-            rounding: 0.0,
+            rounding: Rounding::Corners(self.sl(8).max(0.0) * host.length_factor()),
         }
     }
 
@@ -112,7 +120,7 @@ impl Heidenhain {
             out: RAPID,
             along: 0.0,
             others: Others { holes: None, earlier: self.tool_before(438).filter(|_| work == Work::Rough) },
-            rounding: self.cutter(host)? * self.sl(578).max(0.0),
+            rounding: Rounding::Everywhere(self.cutter(host)? * self.sl(578).max(0.0)),
         })
     }
 
@@ -160,7 +168,7 @@ impl Heidenhain {
             out: RAPID,
             along: of(old::ANGLE),
             others: Others::default(),
-            rounding: 0.0,
+            rounding: Rounding::Corners(0.0),
         }
     }
 }

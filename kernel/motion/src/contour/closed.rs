@@ -4,6 +4,7 @@
 //! nearer to any contour than it should is none, so what is not plain is refused, not guessed.
 
 use super::area::{backwards, size};
+use super::blend::{Cut as Blend, blend_reduced};
 use super::crossing::{crossings, heights};
 use super::element::{Element, NOISE, Spot, direction, distance};
 use super::near::{at, nearest};
@@ -89,6 +90,29 @@ impl Closed {
         elements.extend(rest.copied());
         elements.push(piece(element, element.from, middle));
         Self { elements }
+    }
+
+    /// The same with its corners rounded, by less where the pieces are too short.
+    #[must_use]
+    pub fn rounded(&self, radius: f64) -> Self {
+        let mut pieces = self.elements.clone();
+        let count = pieces.len();
+        if radius < NOISE || count < 2 {
+            return self.clone();
+        }
+        let mut between = vec![None; count];
+        for place in 0..count {
+            let next = (place + 1) % count;
+            if let (Some(mut one), Some(mut other)) = (pieces.get(place).copied(), pieces.get(next).copied()) {
+                let (made, _) = blend_reduced(&mut one, &mut other, Blend::Round(radius));
+                for (slot, piece) in [(place, one), (next, other)] {
+                    pieces.splice(slot..=slot, [piece]);
+                }
+                between.splice(place..=place, [made]);
+            }
+        }
+        let all = pieces.into_iter().zip(between).flat_map(|(piece, made)| std::iter::once(piece).chain(made));
+        Self { elements: all.filter(|piece| piece.length() > NOISE).collect() }
     }
 
     /// The way beside it, to the left with a side of +1, to the right with −1; none where it does not fit.
