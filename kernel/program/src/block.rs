@@ -73,13 +73,15 @@ pub mod irregular {
 }
 
 /// How a move beside a compensated contour comes to the next one.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub enum ContourEnd {
     /// Round or sharp outside, where the offsets cut each other inside.
     #[default]
     Meets,
     /// Where the offsets meet, outside too.
     Sharp,
+    /// Outside both go on by a length, then an arc joins them.
+    Extended(f64),
     /// At its own end.
     Open,
 }

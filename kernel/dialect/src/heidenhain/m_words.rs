@@ -1,8 +1,9 @@
 //! M functions with words of their own: M94 with an axis, M103 with a share, M118 with ways, M138 with axes.
 //!
 //! Facts: programming manuals of the control: M94 acts on the axes it names, else on all; F after M103 is a percentage;
-//! coordinates after M118 limit what a handwheel may add; M138 without axes takes all rotary axes again. M130 counts
-//! positions of its block without the tilted plane. Decision: M138 with some of the axes, and M130 in a plane, are refused. *Invariant:* none of these words moves an axis or is a feed.
+//! coordinates after M118 limit what a handwheel may add; M197 DL lets offsets go on outside of a corner; M112 T A and M124 T smooth
+//! corners and leave out points within a tolerance; M142 takes shift, mirror, rotation and scale away; M138 without axes takes all rotary axes again. M130 counts
+//! positions of its block without the tilted plane. Decision: M138 with some of the axes, and M130 in a plane, are refused; M112 and M124 are reported and change nothing. *Invariant:* none of these words moves an axis or is a feed.
 
 use counterpoint_fault as diag;
 use counterpoint_fault::Halt;
@@ -27,7 +28,7 @@ fn behind(seen: &mut Vec<Seen>, at: usize, own: impl Fn(&Seen) -> bool) -> Vec<S
 
 impl Heidenhain {
     /// Takes the own words of M functions off a block; the blocks that come before it.
-    pub(super) fn function_words(&self, host: &mut dyn Host, seen: &mut Vec<Seen>) -> Result<Vec<String>, Halt> {
+    pub(super) fn function_words(&mut self, host: &mut dyn Host, seen: &mut Vec<Seen>) -> Result<Vec<String>, Halt> {
         let mut before = Vec::new();
         let place = |seen: &[Seen], number: f64| seen.iter().position(|word| is_function(word, number));
         if let Some(at) = place(seen, 94.0).filter(|_| host.is_register("BELOW")) {
@@ -45,6 +46,32 @@ impl Heidenhain {
             && let Some(share) = word.value
         {
             *word = Seen::made("DOWN", share);
+        }
+        if let Some(at) = place(seen, 197.0).filter(|_| host.is_register("BEYOND"))
+            && let Some(word) = seen.get_mut(at + 1).filter(|word| word.is("DL"))
+            && let Some(by) = word.value
+        {
+            *word = Seen::made("BEYOND", by);
+        }
+        for (number, what) in
+            [(112.0, "corners that M112 smooths stay as they are"), (124.0, "points that M124 leaves out stay")]
+        {
+            let Some(at) = place(seen, number) else { continue };
+            behind(seen, at, |word| word.value.is_some() && matches!(&*word.name, "T" | "A" | "E"));
+            host.report(&diag::PATH_NOT_MADE, 4, format!("{what}, in '{}'", host.block_text()));
+        }
+        if let Some(at) = place(seen, 114.0)
+            && seen.get(at + 1).is_some_and(|word| word.value.is_some() && ROTARY.contains(&&*word.name))
+        {
+            let text = format!(
+                "angles of axes that the control does not move (M114 with an axis) are not emulated in '{}'",
+                host.block_text()
+            );
+            return Err(host.alarm(&diag::STATEMENT_UNKNOWN, text));
+        }
+        if place(seen, 142.0).is_some() {
+            before.extend(self.shifts.define(host, 247, &mut Vec::new()));
+            self.cycles.defined = super::cycles::State::default();
         }
         if place(seen, 130.0).is_some() && host.plane_angles().is_some() {
             let text = format!(

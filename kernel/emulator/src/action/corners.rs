@@ -1,9 +1,9 @@
 //! Codes that say what the corner at the end of their block is.
 //!
-//! Facts: reference okuma-osp.md (G75, G76), heidenhain-cycles.md 2 (M97, M98). *Invariant:* the corner belongs to the move of its
+//! Facts: reference okuma-osp.md (G75, G76), heidenhain-cycles.md 2 (M97, M98), programming manuals of Heidenhain controls (M197). *Invariant:* the corner belongs to the move of its
 //! block.
 
-use counterpoint_machine::ident::codes;
+use counterpoint_machine::ident::{codes, data};
 
 use counterpoint_program::block::ContourEnd;
 
@@ -17,6 +17,11 @@ pub(crate) const ENTRIES: &[Entry] = &[
     Entry::of(&[codes::CORNER_CHAMFER], |act, _, _| cutter::corner_code(act, false)).contour(Contour::Waits),
     Entry::of(&[codes::CORNER_ROUND], |act, _, _| cutter::corner_code(act, true)).contour(Contour::Waits),
     Entry::of(&[codes::CONTOUR_SHARP], |act, _, _| ends(act, ContourEnd::Sharp)).contour(Contour::Waits),
+    Entry::of(&[codes::CONTOUR_EXTENDED], |act, _, _| {
+        let by = act.take(data::CONTOUR_EXTENSION).map_or(0.0, |datum| datum.value.max(0.0));
+        ends(act, ContourEnd::Extended(by))
+    })
+    .contour(Contour::Waits),
     Entry::of(&[codes::CONTOUR_OPEN], |act, _, _| ends(act, ContourEnd::Open)).contour(Contour::Waits),
 ];
 

@@ -336,5 +336,6 @@ data! {
     SMOOTH_FEED true true Plain, Feed => "feed of the slow way along the tool (Siemens FAD)";
     SMOOTH_FEED_UPM true true Plain, Feed => "the same per minute (Siemens FAD=PM)";
     SMOOTH_FEED_UPR true true Plain, Feed => "the same per revolution (Siemens FAD=PR)";
+    CONTOUR_EXTENSION true true Plain, Length => "how far the offsets of a contour go on outside of a corner (Heidenhain M197 DL)";
     DOWN_FEED true true Plain, None => "percent of the feed that moves against the tool axis keep to (Heidenhain M103 F)";
 }

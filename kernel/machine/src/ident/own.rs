@@ -87,6 +87,7 @@ macro_rules! with_own {
             ANGLES_SHORTEST 151 90 true true Plain => ": rotary axes without limits turn the shorter way to a position (Heidenhain M126)";
             ANGLES_AS_WRITTEN 151 90 true true Plain => ": ends that, whole turns are taken off (Heidenhain M127)";
             CONTOUR_SHARP 0 100 true true Plain => ": the offsets of this block and the next meet outside of the corner too (Heidenhain M97)";
+            CONTOUR_EXTENDED 0 100 true true Plain => ": outside of the corner the offsets go on by a length before an arc joins them, up to where they meet (Heidenhain M197)";
             CONTOUR_OPEN 0 100 true true Plain => ": the offset of this block goes to its end, also inside of the corner (Heidenhain M98)";
         }
     };

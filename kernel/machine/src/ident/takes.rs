@@ -68,6 +68,7 @@ const OWN: &[(&[CodeId], &str)] = &[
     (&[codes::RETRACT_TOOL], "REG_TILT_RETRACT REG_FEED_UPM REG_FEED_UPR"),
     (&[codes::AM_ON, codes::AM_OFF], "REG_AM"),
     (&[codes::FEED_DOWN], "REG_DOWN_FEED"),
+    (&[codes::CONTOUR_EXTENDED], "REG_CONTOUR_EXTENSION"),
     (
         &[
             codes::SMOOTH_LINE_IN,

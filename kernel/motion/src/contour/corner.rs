@@ -77,6 +77,35 @@ impl Offset {
         Corner { end, links, hurts: small }
     }
 
+    /// Between two pieces; outside both offsets go on by a length before an arc joins them, at most to where they meet.
+    pub fn extended(&self, first: &Element, second: &Element, here: Spot, by: f64) -> Corner {
+        let (before, after) = (first.end(), second.start());
+        let (end, start) = (self.at_end(first), self.at_start(second));
+        let turn = cross(before, after) * self.side;
+        let cosine = dot(before, after);
+        if turn > -NOISE || cosine < NOISE - 1.0 || by < NOISE || distance(end, start) < NOISE {
+            return self.between(first, second, here);
+        }
+        let slope = ((1.0 - cosine) / (1.0 + cosine)).sqrt();
+        let meets = self.radius * slope;
+        let own = by.min(meets);
+        let (leaves, comes) = (plus(end, before, own), plus(start, after, -own));
+        let mut links = Vec::new();
+        if first.arc.is_some() {
+            links.push(Link::Line(leaves));
+        }
+        if own < meets - NOISE {
+            let out = plus(end, first.to, -1.0).map(|part| part / self.radius);
+            let center = plus(leaves, out, own / slope - self.radius);
+            links.push(Link::Round { to: comes, center, clockwise: self.side > 0.0 });
+        }
+        if second.arc.is_some() {
+            links.push(Link::Line(start));
+        }
+        let end = if first.arc.is_some() { end } else { leaves };
+        Corner { end, links, hurts: first.is_too_small(self.side, self.radius) }
+    }
+
     fn inside(&self, first: &Element, second: &Element, here: Spot, small: bool) -> Corner {
         let (end, start) = (self.at_end(first), self.at_start(second));
         let fits = |spot: &Spot| first.share(*spot) >= first.share(here) - 1e-6 && second.share(*spot) <= 1.0 + 1e-6;
