@@ -8,6 +8,7 @@
 
 use counterpoint_motion::contour::closed::Closed;
 use counterpoint_motion::contour::combine::{combined, touch};
+use counterpoint_motion::contour::shifted::shifted;
 
 use super::Heidenhain;
 use super::contours::{Contours, Figure};
@@ -175,10 +176,26 @@ impl Contours {
     }
 }
 
+/// The first figure becomes larger, the others have to be islands in it.
+fn open_boundary(figures: &mut [Figure], beyond: f64) -> Result<(), String> {
+    let islands = figures.get(1..).unwrap_or_default().iter().all(|figure| !figure.is_pocket);
+    let Some(first) = figures.first_mut().filter(|first| first.is_pocket && islands) else {
+        return Err("an open boundary (Q569=1) is the first contour, a pocket, and the others are islands".to_owned());
+    };
+    let outside = if first.outline.is_clockwise() { 1.0 } else { -1.0 };
+    let larger = shifted(first.outline.from_longest().elements(), outside, beyond).and_then(Closed::new);
+    first.outline = larger.ok_or_else(|| "the tool does not fit around the open boundary (Q569)".to_owned())?;
+    if is_plain(figures) { Ok(()) } else { Err("islands reach beyond the open boundary (Q569), or meet".to_owned()) }
+}
+
 impl Heidenhain {
     /// What the contours make together, from the surface down.
-    pub(super) fn stages(&self, bottom: f64) -> Result<Vec<Stage>, String> {
-        let figures = self.figures()?;
+    /// `open`: how far the tool may go beyond the first of them, which bounds the material.
+    pub(super) fn stages(&self, bottom: f64, open: Option<f64>) -> Result<Vec<Stage>, String> {
+        let mut figures = self.figures()?;
+        if let Some(beyond) = open {
+            open_boundary(&mut figures, beyond)?;
+        }
         let contours = &self.cycles.contours;
         let depth = |place: usize| contours.depth(place);
         let mut stops: Vec<f64> = (0..figures.len()).filter_map(depth).collect();

@@ -248,9 +248,10 @@ impl Heidenhain {
     }
 
     /// The stages of a task, with where each begins and ends.
-    fn grounds(&self, task: &Task) -> Result<Vec<(Stage, f64, f64)>, String> {
+    fn grounds(&self, task: &Task, amount: f64) -> Result<Vec<(Stage, f64, f64)>, String> {
         let mut top = task.surface;
-        let stages = self.stages(task.surface - task.bottom + task.floor)?.into_iter().map(|stage| {
+        let open = task.others.open.then_some(amount);
+        let stages = self.stages(task.surface - task.bottom + task.floor, open)?.into_iter().map(|stage| {
             let ground = Self::ground(&stage, task);
             (stage, std::mem::replace(&mut top, ground), ground)
         });
@@ -281,7 +282,7 @@ impl Heidenhain {
         let amount = radius + task.allowance * factor;
         let mut blocks = Blocks::of(self, host);
         blocks.rise_to(task.safe, RAPID);
-        for (Stage { figures, .. }, top, ground) in self.grounds(task)? {
+        for (Stage { figures, .. }, top, ground) in self.grounds(task, amount)? {
             let outlines = match task.others.earlier {
                 Some(tool) => Self::remaining_ways(host, &figures, (task.allowance * factor, radius), (tool, task))?,
                 None => self.ways(&figures, amount, task)?,
@@ -303,9 +304,11 @@ impl Heidenhain {
         let side = if task.climbs { 1.0 } else { -1.0 };
         let mut blocks = Blocks::of(self, host);
         blocks.rise_to(task.safe, RAPID);
-        for (Stage { figures, .. }, top, ground) in self.grounds(task)? {
+        for (Stage { figures, .. }, top, ground) in self.grounds(task, amount)? {
             let all: Vec<Closed> = figures.iter().map(|figure| figure.outline.clone()).collect();
-            for way in self.ways(&figures, amount, task)? {
+            // An open boundary has no side.
+            let sides = if task.others.open { figures.get(1..).unwrap_or_default() } else { &figures[..] };
+            for way in self.ways(sides, amount, task)? {
                 let (Some(first), Some(last)) = (way.elements().first(), way.elements().last()) else { continue };
                 let both = |size: f64| {
                     let to = quarter(first.from, first.start(), side, size, true)?;
@@ -344,7 +347,7 @@ impl Heidenhain {
         let amount = radius + task.allowance * factor;
         let mut blocks = Blocks::of(self, host);
         blocks.rise_to(task.safe, RAPID);
-        for (Stage { figures, .. }, _, ground) in self.grounds(task)? {
+        for (Stage { figures, .. }, _, ground) in self.grounds(task, amount)? {
             let outlines = self.ways(&figures, amount, task)?;
             let rows = Self::rows(&outlines, (&figures, amount), task, radius)?;
             let of_rows = rows.iter().filter_map(|row| row.first()).map(|(from, _)| *from);

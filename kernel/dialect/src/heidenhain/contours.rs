@@ -171,7 +171,7 @@ impl Heidenhain {
         host.work(elements * elements)?;
         let made = match what {
             "ROUGH" => {
-                let others = Others { holes: None, earlier: self.tool_before(18) };
+                let others = Others { earlier: self.tool_before(18), ..Others::default() };
                 self.rough_out(host, &Task { others, ..self.task(host, self.sl(4), self.sl(3)) }, false)
             }
             "FLOOR" => self.rough_out(host, &self.task(host, 0.0, self.sl(3)), true),

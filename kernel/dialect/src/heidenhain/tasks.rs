@@ -46,13 +46,15 @@ pub(super) enum Rounding {
     Corners(f64),
 }
 
-/// Other tools that a cycle names.
+/// Other tools that a cycle names, and what its contours are.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Others {
     /// The one that holes are for; none for that in force.
     pub(super) holes: Option<u32>,
     /// The one that has roughed before.
     pub(super) earlier: Option<u32>,
+    /// The first contour bounds the material, the tool may leave it.
+    pub(super) open: bool,
 }
 
 /// What an OCM cycle does.
@@ -87,7 +89,7 @@ impl Heidenhain {
             feed,
             out: if self.sl(208) > 0.0 { self.sl(208) } else { feed },
             along: 0.0,
-            others: Others { holes: Some(self.sl(13) as u32), earlier: None },
+            others: Others { holes: Some(self.sl(13) as u32), ..Others::default() },
             rounding: Rounding::Corners(self.sl(8).max(0.0) * host.length_factor()),
         }
     }
@@ -102,9 +104,6 @@ impl Heidenhain {
             Work::Chamfer => (0.0, self.beside_chamfer(host)?, 0.0, self.sl(207), self.sl(253)),
         };
         let depth = self.sl(if work == Work::Chamfer { 353 } else { 201 });
-        if self.sl(569) != 0.0 {
-            return Err("open boundaries (Q569) are not emulated: program Q569=0".to_owned());
-        }
         Ok(Task {
             surface,
             bottom: surface + depth + floor,
@@ -119,7 +118,11 @@ impl Heidenhain {
             feed,
             out: RAPID,
             along: 0.0,
-            others: Others { holes: None, earlier: self.tool_before(438).filter(|_| work == Work::Rough) },
+            others: Others {
+                holes: None,
+                earlier: self.tool_before(438).filter(|_| work == Work::Rough),
+                open: self.sl(569) != 0.0,
+            },
             rounding: Rounding::Everywhere(self.cutter(host)? * self.sl(578).max(0.0)),
         })
     }
