@@ -45,8 +45,8 @@ mod system;
 mod tables;
 mod tasks;
 mod tools;
-mod upright;
 mod train;
+mod upright;
 mod variables;
 mod words;
 
