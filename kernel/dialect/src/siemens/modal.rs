@@ -55,7 +55,8 @@ impl Siemens {
 
     /// The block calls what MCALL has said, if it asks for that.
     pub(super) fn call_modally(&mut self, host: &dyn Host, left: &mut Left) {
-        if self.modal.is_none() {
+        // A contour that a cycle reads does not move.
+        if self.modal.is_none() || host.reads_contour() {
             return;
         }
         let level = host.level();
