@@ -5,7 +5,8 @@
 //! moves are recorded; a name that is no subprogram is that of a contour between the labels E_LAB_A_name and E_LAB_E_name. `SC_PIECES(count,
 //! table)` gives what was recorded; `SC_STRIP(…)` removes stock along it.
 //! `SC_KEPT` and `SC_FORGET` count and forget the names; `SC_READ` with a number reads the one with that number. `SC_ADDRING` makes a ring of a
-//! pocket of what was read, `SC_WAYS` and `SC_LINES` give the ways of a tool around and between its rings. `SC_LETTERS(count, table, text, width,
+//! pocket of what was read, `SC_WAYS`, `SC_LINES` and `SC_HOLES` give the ways of a tool around and between its rings, and where it goes down;
+//! `SC_LEAVE` makes a blank with spigots of it, `SC_FOLLOW` tells of a tool that has cleared it before. `SC_LETTERS(count, table, text, width,
 //! gap)` gives the strokes of a text.
 //! The control does the same by CONTPRON and EXECUTE. Facts: reference siemens-cycles.md 1.6. *Invariant:* only programs
 //! stored with the machine have these statements; elsewhere their names are as unknown as on the control.
@@ -19,7 +20,8 @@ use crate::host::{Call, Host};
 use counterpoint_event::FileId;
 use counterpoint_fault as diag;
 use counterpoint_machine::stored::StoredFile;
-use counterpoint_motion::contour::area::{Area, backwards, lines};
+use counterpoint_motion::contour::area::{Area, backwards};
+use counterpoint_motion::contour::clearing::Clearing;
 use counterpoint_motion::contour::element::{Element, Spot};
 use counterpoint_motion::contour::shifted::shifted;
 use counterpoint_motion::lettering;
@@ -50,6 +52,9 @@ impl Siemens {
             "SC_ADDRING" => Self::ring,
             "SC_WAYS" => Self::ways,
             "SC_LINES" => Self::lines,
+            "SC_HOLES" => Self::holes,
+            "SC_LEAVE" => Self::leave_blank,
+            "SC_FOLLOW" => Self::follow_tool,
             "SC_LETTERS" => Self::letters,
             _ => return Ok(false),
         };
@@ -158,34 +163,61 @@ impl Siemens {
         self.store(host, &target, Data::Int(count))
     }
 
-    /// Ways around the pocket and its islands at a distance, in the directions of G3 around the rim or, with a fourth number other than 0,
-    /// of G2: rows of a table, each way behind a row of kind 0 with its beginning. -1 rows if the tool does not fit.
-    fn ways(&mut self, host: &mut dyn Host, arguments: &[Argument]) -> Outcome<()> {
-        let [count, table] = self.targets(host, arguments)?;
-        let [by, turned] = self.numbers(host, arguments)?;
-        let factor = host.length_factor();
-        let Some(ways) = self.variables.area.ways(by * factor) else { return self.store(host, &count, Data::Int(-1)) };
-        let mut rows = Vec::new();
-        for way in ways {
-            let way = if turned == 0.0 { way } else { backwards(&way) };
-            if let Some(first) = way.first() {
-                let [x, y] = first.from;
-                rows.push([0.0, x, y, 0.0, 0.0]);
-            }
-            rows.extend(way.iter().map(row));
-        }
-        self.fill(host, (&count, &table), &rows, factor)
+    /// The first ring is the rim of a blank: the tool may be beyond it by a number.
+    fn leave_blank(&mut self, host: &mut dyn Host, arguments: &[Argument]) -> Outcome<()> {
+        let [beyond] = self.numbers(host, arguments)?;
+        self.variables.area.leave(beyond * host.length_factor());
+        Ok(())
     }
 
-    /// Lines that clear the pocket inside of such ways, not further apart than a step: rows of kind 1 with the beginning and the end.
+    /// A tool of a radius has cleared the pocket before, with an allowance.
+    fn follow_tool(&mut self, host: &mut dyn Host, arguments: &[Argument]) -> Outcome<()> {
+        let [radius, away] = self.numbers(host, arguments)?;
+        let factor = host.length_factor();
+        self.variables.area.follow(radius * factor, away * factor);
+        Ok(())
+    }
+
+    /// How a tool clears the pocket at a distance from its rings, and cuts not further apart than a step, if that is above 0.
+    fn clearing(&self, factor: f64, [by, step]: [f64; 2]) -> Option<(Clearing, Vec<Vec<Element>>)> {
+        let clearing = Clearing::of(&self.variables.area, by * factor)?;
+        let rows = clearing.rows(step * factor, MOST_LINES);
+        Some((clearing, rows))
+    }
+
+    /// Ways around the pocket and its islands at a distance, in the directions of G3 around the rim or, with a number other than 0 behind the step of the
+    /// cuts, of G2: rows of a table, each way behind a row of kind 0 with its beginning. -1 rows if the tool fits nowhere.
+    fn ways(&mut self, host: &mut dyn Host, arguments: &[Argument]) -> Outcome<()> {
+        let [count, table] = self.targets(host, arguments)?;
+        let [by, step, turned] = self.numbers(host, arguments.get(2..).unwrap_or_default())?;
+        let factor = host.length_factor();
+        let Some((clearing, rows)) = self.clearing(factor, [by, step]) else {
+            return self.store(host, &count, Data::Int(-1));
+        };
+        let turn = |way: &Vec<Element>| if turned == 0.0 { way.clone() } else { backwards(way) };
+        let ways: Vec<_> = clearing.ways(&rows).iter().map(turn).collect();
+        self.fill(host, (&count, &table), &passes(&ways), factor)
+    }
+
+    /// Cuts that clear the pocket inside of such ways: rows of a table as those of the ways.
     fn lines(&mut self, host: &mut dyn Host, arguments: &[Argument]) -> Outcome<()> {
         let [count, table] = self.targets(host, arguments)?;
-        let [by, step] = self.numbers(host, arguments)?;
+        let sizes = self.numbers(host, arguments.get(2..).unwrap_or_default())?;
         let factor = host.length_factor();
-        let Some(ways) = self.variables.area.ways(by * factor) else { return self.store(host, &count, Data::Int(-1)) };
-        let rows: Vec<_> =
-            lines(&ways, step * factor, MOST_LINES).iter().map(|[y, from, to]| [1.0, *from, *y, *to, *y]).collect();
-        self.fill(host, (&count, &table), &rows, factor)
+        let rows = self.clearing(factor, sizes).map(|(_, rows)| rows).unwrap_or_default();
+        self.fill(host, (&count, &table), &passes(&rows), factor)
+    }
+
+    /// Where the tool goes down into the full to clear the pocket: rows of kind 0; -1 of them if it fits nowhere.
+    fn holes(&mut self, host: &mut dyn Host, arguments: &[Argument]) -> Outcome<()> {
+        let [count, table] = self.targets(host, arguments)?;
+        let sizes = self.numbers(host, arguments.get(2..).unwrap_or_default())?;
+        let factor = host.length_factor();
+        let Some((clearing, rows)) = self.clearing(factor, sizes) else {
+            return self.store(host, &count, Data::Int(-1));
+        };
+        let holes: Vec<_> = clearing.plunges(&rows).iter().map(|[x, y]| [0.0, *x, *y, 0.0, 0.0]).collect();
+        self.fill(host, (&count, &table), &holes, factor)
     }
 
     /// Strokes of a text whose capitals are as high as 1, and the width of one of its letters: rows of a table, each stroke from a row of kind 0 on.
@@ -219,10 +251,10 @@ impl Siemens {
         targets.try_into().or_else(|_| syntax("a statement of contours needs variables"))
     }
 
-    /// The two numbers behind a count and a table.
-    fn numbers(&mut self, host: &mut dyn Host, arguments: &[Argument]) -> Outcome<[f64; 2]> {
-        let mut values = [0.0; 2];
-        for (slot, argument) in values.iter_mut().zip(arguments.iter().skip(2)) {
+    /// Numbers among arguments; what is missing is 0.
+    fn numbers<const N: usize>(&mut self, host: &mut dyn Host, arguments: &[Argument]) -> Outcome<[f64; N]> {
+        let mut values = [0.0; N];
+        for (slot, argument) in values.iter_mut().zip(arguments) {
             *slot = self.argument(host, argument)?.map_or(Ok(0.0), |value| number(&value))?;
         }
         Ok(values)
@@ -301,6 +333,12 @@ impl Siemens {
         });
         Ok(())
     }
+}
+
+/// Ways as rows of a table, each behind a row of kind 0 with its beginning.
+fn passes(ways: &[Vec<Element>]) -> Vec<[f64; COLUMNS]> {
+    let begin = |way: &[Element]| way.first().map(|first| [0.0, first.from[0], first.from[1], 0.0, 0.0]);
+    ways.iter().flat_map(|way| begin(way).into_iter().chain(way.iter().map(row))).collect()
 }
 
 /// A piece as a row of a table.

@@ -1,12 +1,11 @@
 //! An area inside a closed rim and outside islands, as a tool with a radius can clear it.
 //!
-//! The area lies on the left of all rings: the rim turns counter-clockwise, islands clockwise. *Invariant:* every way of the tool's
-//! centre keeps its distance from all rings; where a passage is narrower than that, there is no way.
+//! The area lies on the left of all rings: the rim turns counter-clockwise, islands clockwise. Where the first ring is the rim of a
+//! blank, the tool may leave it, and the others are what stays (spigots). *Invariant:* every way of the tool's centre keeps its distance
+//! from all walls; where a passage is narrower than that, the way goes round what the tool reaches.
 
-use super::crossing::{crossings, heights};
 use super::element::{Element, NOISE, cross, distance};
-use super::near::{at, nearest, turned};
-use super::shifted::shifted;
+use super::near::{at, turned};
 use crate::arc::Arc;
 
 /// A ring that is no closed contour with an area.
@@ -16,7 +15,11 @@ pub struct Open;
 /// Rim and islands.
 #[derive(Debug, Clone, Default)]
 pub struct Area {
-    rings: Vec<Vec<Element>>,
+    pub(super) rings: Vec<Vec<Element>>,
+    /// How far beyond the first ring, which is no wall, the tool goes.
+    pub(super) beyond: Option<f64>,
+    /// Radius of a tool that has cleared it before, and how far both stay away from the walls besides their radii.
+    pub(super) earlier: Option<(f64, f64)>,
 }
 
 impl Area {
@@ -36,48 +39,15 @@ impl Area {
         Ok(self.rings.len())
     }
 
-    /// Ways of the tool's centre along all rings, at a distance; none if it does not fit everywhere.
-    #[must_use]
-    pub fn ways(&self, by: f64) -> Option<Vec<Vec<Element>>> {
-        let ways: Option<Vec<_>> = self.rings.iter().map(|ring| shifted(ring, 1.0, by)).collect();
-        let ways = ways?;
-        let all = || self.rings.iter().flatten();
-        let clear = |piece: &Element| all().all(|ring| nearest(piece, ring) > by - 1e-5);
-        // A way that keeps its distance does not leave the area it begins in.
-        let within = |way: &Vec<Element>| {
-            let Some([along, across]) = way.first().map(|first| first.from) else { return false };
-            crossings(all(), across).iter().filter(|place| **place < along).count() % 2 == 1
-        };
-        let fit = ways.iter().all(within) && ways.iter().flatten().all(clear);
-        fit.then_some(ways)
+    /// The first ring is the rim of a blank: the tool may be beyond it by an amount.
+    pub fn leave(&mut self, beyond: f64) {
+        self.beyond = Some(beyond);
     }
-}
 
-/// Lines along the first axis that clear what lies between ways, not further apart than a step, but for a number of them: second coordinate,
-/// first coordinate of both ends, alternately to and fro.
-#[must_use]
-pub fn lines(ways: &[Vec<Element>], step: f64, most: u32) -> Vec<[f64; 3]> {
-    let (low, high) = heights(ways.iter().flatten());
-    if !(high > low && step > 0.0) {
-        return Vec::new();
+    /// A tool of a radius has cleared it before; both tools keep away from the walls by an amount besides their radii.
+    pub fn follow(&mut self, radius: f64, away: f64) {
+        self.earlier = Some((radius, away));
     }
-    let count = ((high - low) / step - 1e-6).ceil().clamp(1.0, f64::from(most)) as u32;
-    let mut made = Vec::new();
-    for number in 1..count {
-        let across = low + (high - low) * f64::from(number) / f64::from(count);
-        let places = crossings(ways.iter().flatten(), across);
-        let mut row: Vec<[f64; 3]> = Vec::new();
-        let mut ends = places.into_iter();
-        while let (Some(from), Some(to)) = (ends.next(), ends.next()) {
-            row.push([across, from, to]);
-        }
-        if number % 2 == 0 {
-            row.reverse();
-            row.iter_mut().for_each(|[_, from, to]| std::mem::swap(from, to));
-        }
-        made.extend(row);
-    }
-    made
 }
 
 /// Size of what a ring surrounds, positive if it turns counter-clockwise.
@@ -115,91 +85,4 @@ fn begun_within(mut ring: Vec<Element>) -> Vec<Element> {
     }
     ring.push(before);
     ring
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::contour::element::{Spot, plus};
-    use crate::contour::near::to_piece;
-    use std::f64::consts::TAU;
-
-    fn square(from: f64, to: f64) -> Vec<Element> {
-        let corners = [[from, from], [to, from], [to, to], [from, to], [from, from]];
-        corners.windows(2).map(|pair| Element { from: pair[0], to: pair[1], arc: None }).collect()
-    }
-
-    fn circle(center: Spot, radius: f64) -> Vec<Element> {
-        let from = plus(center, [radius, 0.0], 1.0);
-        vec![Element { from, to: from, arc: Some(Arc { center, radius, start_angle: 0.0, sweep: TAU }) }]
-    }
-
-    /// Numbers between 0 and 1 that are the same each time.
-    struct Dice(u64);
-
-    impl Dice {
-        fn next(&mut self) -> f64 {
-            self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            (self.0 >> 11) as f64 / (1_u64 << 53) as f64
-        }
-    }
-
-    #[test]
-    fn no_way_and_no_line_comes_nearer_than_its_distance() {
-        let mut dice = Dice(7);
-        let mut fitted = 0;
-        for _ in 0..1_000 {
-            let count = 3 + (dice.next() * 8.0) as usize;
-            let corner = |number: usize, dice: &mut Dice| {
-                let turn = TAU * number as f64 / count as f64;
-                plus([0.0; 2], [libm::cos(turn), libm::sin(turn)], 10.0 + 30.0 * dice.next())
-            };
-            let mut corners: Vec<Spot> = (0..count).map(|number| corner(number, &mut dice)).collect();
-            corners.extend(corners.first().copied());
-            if dice.next() < 0.5 {
-                corners.reverse();
-            }
-            let rim: Vec<Element> =
-                corners.windows(2).map(|pair| Element { from: pair[0], to: pair[1], arc: None }).collect();
-            let mut area = Area::default();
-            assert_eq!(area.add(&rim), Ok(1));
-            if dice.next() < 0.7 {
-                area.add(&circle([4.0 * dice.next(), 4.0 * dice.next()], 1.0 + 2.0 * dice.next())).unwrap();
-            }
-            let by = 0.5 + 4.0 * dice.next();
-            let Some(ways) = area.ways(by) else { continue };
-            fitted += 1;
-            let free =
-                |spot: Spot| area.rings.iter().flatten().map(|piece| to_piece(piece, spot)).fold(f64::MAX, f64::min);
-            let spots = (0..=40).map(|number| f64::from(number) / 40.0);
-            for piece in ways.iter().flatten() {
-                for share in spots.clone() {
-                    assert!(free(at(piece, share)) > by - 1e-3, "{piece:?} of {rim:?} by {by}");
-                }
-            }
-            for [across, from, to] in lines(&ways, 1.5 * by, 1000) {
-                for share in spots.clone() {
-                    let spot = [from + (to - from) * share, across];
-                    assert!(free(spot) > by - 1e-3, "{spot:?} of {rim:?} by {by}");
-                }
-            }
-        }
-        assert!(fitted > 100, "{fitted}");
-    }
-
-    #[test]
-    fn a_square_with_a_round_island() {
-        let mut area = Area::default();
-        assert_eq!(area.add(&square(0.0, 40.0)), Ok(1));
-        assert_eq!(area.add(&circle([20.0, 20.0], 5.0)), Ok(2));
-        let ways = area.ways(3.0).unwrap();
-        // Islands turn clockwise, with the radius and the distance.
-        assert!(ways[1].iter().all(|piece| piece.arc.is_some_and(|arc| arc.radius == 8.0 && arc.sweep < 0.0)));
-        assert_eq!(ways[0].first().map(|piece| piece.from), Some([20.0, 3.0]));
-        // From Y3 to Y37 in steps of 17: the line through the middle is cut by the island.
-        assert_eq!(lines(&ways, 17.0, 100), [[20.0, 3.0, 12.0], [20.0, 28.0, 37.0]]);
-        // Between island and rim there is room for 15, not for more.
-        assert!(area.ways(7.4).is_some() && area.ways(7.6).is_none());
-        assert_eq!(area.add(&square(0.0, 1.0)[..3]), Err(Open));
-    }
 }

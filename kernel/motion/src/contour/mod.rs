@@ -2,6 +2,7 @@
 
 pub mod area;
 pub mod blend;
+pub mod clearing;
 pub mod closed;
 pub mod combine;
 pub mod corner;

@@ -43,10 +43,19 @@ pub fn of_two(one: &[Closed], other: &[Closed], inside: impl Fn(bool, bool) -> b
 #[must_use]
 pub fn remaining(contours: &[Closed], away: f64, radius: f64, earlier: f64) -> Option<Vec<Closed>> {
     let wanted = if away > NOISE { eroded(contours, away)? } else { contours.to_vec() };
-    let cleared = grown(&eroded(contours, away + earlier)?, earlier)?;
-    let left = of_two(&wanted, &cleared, |wanted, cleared| wanted && !cleared)?;
-    let near = grown(&left, radius)?;
-    of_two(&near, &eroded(contours, away + radius)?, |near, reached| near && reached)
+    let reached = eroded(contours, away + earlier)?;
+    near_left(&wanted, (&reached, earlier), (&eroded(contours, away + radius)?, radius))
+}
+
+/// Where the middle of a tool, in the room that it reaches, touches what of an area an earlier one has left; each with its radius.
+pub(super) fn near_left(
+    wanted: &[Closed],
+    (earlier, size): (&[Closed], f64),
+    (reached, radius): (&[Closed], f64),
+) -> Option<Vec<Closed>> {
+    let cleared = grown(earlier, size)?;
+    let left = of_two(wanted, &cleared, |wanted, cleared| wanted && !cleared)?;
+    of_two(&grown(&left, radius)?, reached, |near, reached| near && reached)
 }
 
 /// The area by what lies inside of an odd number of contours, and nearer to one than an amount.
