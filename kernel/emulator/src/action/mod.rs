@@ -26,6 +26,7 @@ mod local;
 mod mode;
 mod motion;
 mod offsets;
+mod pocket;
 mod polar;
 mod polar_words;
 mod pole;
@@ -47,6 +48,7 @@ mod turning;
 
 use crate::act::Act;
 use crate::channel::actions::{Action, Actions};
+use crate::state::turning::Task;
 use counterpoint_machine::ident::CodeId;
 use entry::Entry;
 
@@ -76,6 +78,7 @@ static ENTRIES: &[&[Entry]] = &[
     cylinder::ENTRIES,
     pole::ENTRIES,
     engrave::ENTRIES,
+    pocket::ENTRIES,
     retract::ENTRIES,
     skip::ENTRIES,
     spindle::ENTRIES,
@@ -112,7 +115,10 @@ const BASE: Actions = Actions {
     make_hole: |kernel, hole| Act::new(kernel).make_hole(hole),
     reading: None,
     record: None,
-    cut_contour: |kernel, cycle, reading| lathe::cut(&mut Act::new(kernel), cycle, reading),
+    cut_contour: |kernel, cycle, reading| match cycle.task {
+        Task::Pocket(pocket) => pocket::cut(&mut Act::new(kernel), &pocket, cycle.feed, reading),
+        _ => lathe::cut(&mut Act::new(kernel), cycle, reading),
+    },
     strip: |kernel, strip| lathe::strip(&mut Act::new(kernel), strip),
     go_back: |kernel, to| lathe::go_back(&mut Act::new(kernel), to),
     change_straight: |kernel, motion, rapid, to| Act::new(kernel).straight_again(motion, rapid, to),

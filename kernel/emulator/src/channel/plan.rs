@@ -386,7 +386,8 @@ impl Plan {
         actions: &'static Actions,
         hooks: Option<&'static HookPoints>,
     ) -> Self {
-        let reads = |row: &CodeRow| row.enable && matches!(row.id.kind(), CodeKind::Turning(_));
+        let reads =
+            |row: &CodeRow| row.enable && (matches!(row.id.kind(), CodeKind::Turning(_)) || row.id == codes::POCKET);
         let dialect = counterpoint_dialect::of(machine);
         let reading = actions.reading.filter(|_| dialect.reads_contours() || machine.codes.iter().any(reads));
         let registers = Registers::new(machine);

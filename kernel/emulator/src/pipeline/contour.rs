@@ -24,6 +24,7 @@ impl Kernel<'_> {
     /// Executes a cycle along contour blocks.
     pub(crate) fn contour_cycle(&mut self, cycle: &ContourCycle) -> Acted {
         let (named, first, last) = match &cycle.blocks {
+            ContourBlocks::Program(number) => return self.cycle_along_program(cycle, *number),
             ContourBlocks::Numbers(first, last) => (None, *first, *last),
             ContourBlocks::Named { name, first, last } => (Some(name), *first, *last),
         };
@@ -53,6 +54,20 @@ impl Kernel<'_> {
             }
         }
         Ok(())
+    }
+
+    /// Executes a cycle along the moves of a subprogram: of the blocks from a sequence number on, or of a program.
+    fn cycle_along_program(&mut self, cycle: &ContourCycle, number: u32) -> Acted {
+        let file = self.channel.at.file;
+        let blocks = self.find_range(&Callee::From(number)).map(|range| (file, range));
+        let place = match blocks {
+            Some(blocks) => Some(blocks),
+            None => self.find_program(&Callee::Program(number))?,
+        };
+        let name = if blocks.is_some() { format!("N{number}") } else { format!("O{number:04}") };
+        self.read_subprogram(Call { name: name.into(), place, passes: 1, closes: false })?;
+        let reading = std::mem::take(&mut self.channel.state.others.turning.kept);
+        (self.plan.actions.cut_contour)(self, cycle, reading)
     }
 
     /// Where the blocks are: the first ones of these numbers in the program, the last one not before the first.

@@ -98,6 +98,8 @@ pub(crate) struct Reading {
 pub(crate) enum ContourBlocks {
     /// Sequence numbers of the first and last block.
     Numbers(u32, u32),
+    /// A subprogram, or the blocks from a sequence number on.
+    Program(u32),
     /// First and last line of a contour with a name.
     Named {
         /// Its name.
@@ -134,6 +136,24 @@ pub(crate) enum Task {
     Rough(rough::Settings, Option<bool>),
     /// They are repeated.
     Pattern(pattern::Settings),
+    /// What they surround is cleared.
+    Pocket(Pocket),
+}
+
+/// A pocket that a subprogram draws; lengths are geometry units, heights those of the axis.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Pocket {
+    /// The distance of cuts, along Y if they go along X.
+    pub(crate) step: f64,
+    /// Cuts go along Y.
+    pub(crate) across: bool,
+    /// What is left for a last pass.
+    pub(crate) finish: f64,
+    /// Depth of a level.
+    pub(crate) level: f64,
+    /// Height above which the tool is free.
+    pub(crate) clear: f64,
+    pub(crate) depth: f64,
 }
 
 /// The plane of a contour: two channel axes with their factors to geometry, Z and X for turning.

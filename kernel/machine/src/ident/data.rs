@@ -307,6 +307,12 @@ data! {
     ENGRAVE_HEIGHT true true Plain, Length => "height of its capitals (Haas G47 J)";
     ENGRAVE_PLUNGE true true Plain, Feed => "feed into the material (Haas G47 E)";
     ENGRAVE_CLEAR true true Plain, Length => "height between strokes (Haas G47 R)";
+    POCKET_OUTLINE true true Plain, None => "the subprogram, or the sequence number of the first block, that draws a pocket (Haas G150 P)";
+    POCKET_STEP_X true true Plain, Length => "distance along X of cuts along Y (Haas G150 I)";
+    POCKET_STEP_Y true true Plain, Length => "distance along Y of cuts along X (Haas G150 J)";
+    POCKET_FINISH true true Plain, Length => "what is left for a last pass round it (Haas G150 K)";
+    POCKET_LEVEL true true Plain, Length => "depth of a level (Haas G150 Q)";
+    POCKET_CLEAR true true Plain, Length => "height above which the tool is free (Haas G150 R)";
     TILT_FORM true true Plain, None => "how a tilted plane is written: 0 Euler, 1 fixed axes, 2 points, 3 directions (Fanuc G68.2 P), 4 projections, 5 turned axes, 6 positions";
     TILT_PART true true Plain, None => "order of its rotations, or which part of it the block gives (Fanuc G68.2 Q)";
     TILT_X true true Plain, Length => "its zero, or a point of it, along X (Fanuc G68.2 X)";

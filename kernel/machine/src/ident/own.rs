@@ -61,6 +61,7 @@ macro_rules! with_own {
             TILT_NEGATIVE 0 90 true true Plane(Tilt::Side(false)) => ": on the negative side (SEQ-)";
             TILT_TABLE 0 90 true true Plane(Tilt::Table) => ": a rotary axis that has nothing to do turns the plane (TABLE ROT)";
             ENGRAVE 0 460 true true Plain => ": engraves the text in the comment of its block (Haas G47)";
+            POCKET 0 90 true true Plain => ": clears a pocket whose outline a subprogram draws (Haas G150)";
             RETRACT_TOOL 0 460 true true Plain => ": the tool goes back along its axis (Heidenhain M140)";
             SMOOTH_LINE_IN 0 440 true true Plain => ": the tool comes to the contour on a line in its direction (Siemens G147)";
             SMOOTH_QUARTER_IN 0 440 true true Plain => ": on a quarter of a circle (Siemens G247)";

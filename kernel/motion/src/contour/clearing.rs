@@ -7,6 +7,7 @@ use super::area::Area;
 use super::closed::{Closed, is_clear};
 use super::crossing::{crossings, heights};
 use super::element::{Element, Spot, distance};
+use super::meet::meetings;
 use super::near::{to_piece, turned};
 use super::reach::{eroded, grown, near_left, of_two, remaining};
 use super::shifted::shifted;
@@ -144,6 +145,14 @@ impl Clearing {
         let firsts = rows.iter().chain(untouched).filter_map(|row| row.first());
         firsts.map(|first| first.from).collect()
     }
+}
+
+/// A way from where a straight line to it meets it first; as it is where that does not.
+#[must_use]
+pub fn begun_where(way: &[Element], line: &Element) -> Vec<Element> {
+    let spots = way.iter().flat_map(|piece| meetings(piece, line));
+    let first = spots.min_by(|a, b| distance(line.from, *a).total_cmp(&distance(line.from, *b)));
+    first.and_then(|spot| begun_at(way, spot)).unwrap_or_else(|| way.to_vec())
 }
 
 /// Ends of cuts.

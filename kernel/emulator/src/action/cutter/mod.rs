@@ -240,7 +240,7 @@ pub(super) fn after_thread(act: &mut Act<'_, '_>) {
 
 impl Act<'_, '_> {
     /// Radius that paths keep from the contour.
-    fn cutter_radius(&self, number: u32) -> f64 {
+    pub(super) fn cutter_radius(&self, number: u32) -> f64 {
         use crate::state::frames::offsets::{BASE, Radii};
         let own = if number == BASE { 0.0 } else { self.worn_radius(number) };
         let base = if self.state.place.offsets.is_some() { self.offset_radius(Radii::Cutter, BASE) } else { 0.0 };

@@ -8,7 +8,7 @@ use counterpoint_motion::contour::element::{Element, NOISE, distance};
 
 use crate::act::Act;
 use crate::action::entry::{Contour, Entry};
-use crate::action::find;
+use crate::action::{find, subprogram};
 use crate::channel::Kernel;
 use crate::channel::actions::Action;
 use crate::state::modal::plane;
@@ -117,6 +117,9 @@ const FRAMES: [CodeId; 8] = [
 fn other(act: &mut Act<'_, '_>, row: &CodeRow, code: &PendingCode) -> Acted {
     if row.id == codes::DELAY {
         act.take(data::DELAY);
+    }
+    if row.id == codes::CALSUB_RETURN && act.state.others.turning.reads {
+        return subprogram::return_from(act);
     }
     let (letter, _) = act.written(row, code);
     let allowed = ALLOWED.contains(&row.id) || keeps_plane(act, row.id);

@@ -195,7 +195,7 @@ pub(super) fn cut(act: &mut Act<'_, '_>, cycle: &ContourCycle, reading: Reading)
     }
     let shape = Shape { start: reading.start, elements, rapid: first.rapid };
     let refused = match cycle.task {
-        Task::Finish { .. } => None,
+        Task::Finish { .. } | Task::Pocket(_) => None,
         Task::Rough(settings, pockets) => {
             let both = plane.axes.iter().all(|axis| first.coded & axis.bit() != 0);
             let pockets = pockets.unwrap_or(both && act.env.machine.turning.pockets);
