@@ -55,10 +55,10 @@ fn map(act: &mut Act<'_, '_>) -> Acted {
     if rotary.is_some() && !(x || y || z) {
         return Ok(());
     }
-    let known = y && !x && !z && rotary.is_some_and(|(_, role)| role == 0);
+    let known = y && !x && !z && rotary.is_some_and(|(_, role)| role != 1);
     let Some(radius) = act.state.others.cylinder.filter(|_| known) else {
         let text = format!(
-            "no cylinder for '{}': only Y is mapped, onto A, with a radius of this block or of one before",
+            "no cylinder for '{}': only Y is mapped, onto A or C, with a radius of this block or of one before",
             act.block_text()
         );
         act.diagnose(&diag::NO_CYLINDER, text);
