@@ -91,6 +91,8 @@ pub struct Shape {
     pub last: u32,
     /// Cuts run along X.
     pub face: bool,
+    /// First and last line of the shape of the blank; none without one that counts.
+    pub blank: Option<(u32, u32)>,
 }
 
 /// Program flow.

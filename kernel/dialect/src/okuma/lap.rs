@@ -107,6 +107,7 @@ impl Okuma {
         let place = host.place();
         let index = self.index(host, place.file);
         let mut has_blank = false;
+        let is_bar = code_of(host.block_text().as_bytes()) == Some(5);
         let shape = index.label(name, place.line, place.range).and_then(|label| {
             let source = host.source(place.file)?;
             let mut codes = (label..=source.lines()).map(|line| (line, code_of(source.line(line))));
@@ -120,11 +121,13 @@ impl Okuma {
                 return None;
             }
             let (end, _) = codes.find(|(_, code)| *code == Some(0))?;
-            Some(Shape { name: Arc::from(format!("N{name}")), first: begin + 1, last: end - 1, face: code == Some(2) })
+            let blank = (has_blank && is_bar && begin > label + 1).then_some((label + 1, begin - 1));
+            let name = Arc::from(format!("N{name}"));
+            Some(Shape { name, first: begin + 1, last: end - 1, face: code == Some(2), blank })
         });
         match shape {
             Some(shape) => {
-                if has_blank && code_of(host.block_text().as_bytes()) != Some(7) {
+                if has_blank && !is_bar && code_of(host.block_text().as_bytes()) != Some(7) {
                     let text = format!("the blank of N{name} is ignored in '{}'", host.block_text());
                     host.diagnose(&diag::OKUMA_BLANK, text);
                 }

@@ -133,7 +133,7 @@ pub(super) fn cut(act: &mut Act<'_, '_>, pocket: &Pocket, feed: (Option<f64>, Fe
     while depth > pocket.depth + 1e-9 {
         depth = (depth - pocket.level).max(pocket.depth);
         for way in round(&rough) {
-            cuts.from_start(act, &way, depth)?;
+            cuts.out_of_start(act, &way, depth)?;
         }
         for row in &rows {
             cuts.along(act, row, depth)?;
@@ -141,7 +141,7 @@ pub(super) fn cut(act: &mut Act<'_, '_>, pocket: &Pocket, feed: (Option<f64>, Fe
     }
     if pocket.finish > 0.0 {
         for way in round(&last) {
-            cuts.from_start(act, &way, pocket.depth)?;
+            cuts.out_of_start(act, &way, pocket.depth)?;
         }
     }
     cuts.over(act, start)
@@ -181,7 +181,7 @@ impl Cuts {
     }
 
     /// Down at the start, to a way and along it, and up.
-    fn from_start(&self, act: &mut Act<'_, '_>, way: &[Element], depth: f64) -> Acted {
+    fn out_of_start(&self, act: &mut Act<'_, '_>, way: &[Element], depth: f64) -> Acted {
         let Some(first) = way.first() else { return Ok(()) };
         let to = first.from;
         act.count_as_block()?;

@@ -17,6 +17,7 @@ use counterpoint_event::event::Position;
 use counterpoint_fault as diag;
 use counterpoint_fault::{Acted, Halt};
 use counterpoint_machine::ident::{codes, data};
+use counterpoint_motion::contour::element::Element;
 use counterpoint_program::shape::Range;
 use counterpoint_program::spot::Spot;
 
@@ -26,7 +27,7 @@ impl Kernel<'_> {
         let (named, first, last) = match &cycle.blocks {
             ContourBlocks::Program(number) => return self.cycle_along_program(cycle, *number),
             ContourBlocks::Numbers(first, last) => (None, *first, *last),
-            ContourBlocks::Named { name, first, last } => (Some(name), *first, *last),
+            ContourBlocks::Named { name, first, last, .. } => (Some(name), *first, *last),
         };
         let numbers = (first, last);
         let found = match named {
@@ -45,7 +46,10 @@ impl Kernel<'_> {
             };
             return self.run_contour(first, last, what, (!stays).then_some(off));
         }
-        let reading = self.read_contour(first, last)?;
+        let mut reading = self.read_contour(first, last)?;
+        if let ContourBlocks::Named { blank: Some((first, last)), .. } = cycle.blocks {
+            reading.blank = self.read_blank(first, last)?;
+        }
         (self.plan.actions.cut_contour)(self, cycle, reading)?;
         if named.is_none() && self.comes_next(first) {
             let after = self.after(last);
@@ -140,6 +144,19 @@ impl Kernel<'_> {
             }
             done
         })
+    }
+
+    /// Reads the shape of a blank, which has no rapid move.
+    fn read_blank(&mut self, first: u32, last: u32) -> Result<Vec<Element>, Halt> {
+        let blank = self.read_contour(Spot::line(first), Spot::line(last))?;
+        if blank.first.is_some_and(|first| !first.rapid) && !blank.elements.is_empty() {
+            return Ok(blank.elements);
+        }
+        let text = format!(
+            "the shape of the blank of '{}' has a straight move at a feed first, and pieces",
+            self.block_text()
+        );
+        Err(self.alarm(&diag::CONTOUR_FIRST, text))
     }
 
     /// Runs a subprogram whose moves are the contour of cycles to come (Siemens).

@@ -85,6 +85,8 @@ pub(crate) struct Reading {
     pub(crate) elements: Vec<Element>,
     /// Heights of their ends across the plane.
     pub(crate) heights: Vec<[f64; 2]>,
+    /// Pieces of the shape of the blank.
+    pub(crate) blank: Vec<Element>,
     /// Feeds that rough cycles have along them.
     pub(crate) feeds: Vec<Option<f64>>,
     /// The feed of pieces to come.
@@ -106,6 +108,8 @@ pub(crate) enum ContourBlocks {
         name: Arc<str>,
         first: u32,
         last: u32,
+        /// Those of the shape of its blank.
+        blank: Option<(u32, u32)>,
     },
 }
 

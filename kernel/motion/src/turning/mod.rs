@@ -4,6 +4,7 @@
 //! before every pass, so that it can be stopped at any time and needs no memory for its passes; every move is finite.
 
 mod allowance;
+mod blank;
 mod cut;
 pub mod lap;
 mod levels;
@@ -90,6 +91,8 @@ pub struct Contour {
     pub start: Spot,
     /// Pieces from the end of the first move on.
     pub elements: Vec<Element>,
+    /// Pieces of the shape of the blank; none if it is not known.
+    pub blank: Vec<Element>,
     /// The first move, from the start of the cycle to the contour, is a rapid move.
     pub rapid: bool,
 }

@@ -86,6 +86,11 @@ impl Parts {
         self.all.iter().fold(f64::INFINITY, |low, part| low.min(part.from[1]).min(part.to[1]))
     }
 
+    /// The highest point.
+    pub(super) fn highest(&self) -> f64 {
+        self.all.iter().fold(f64::NEG_INFINITY, |high, part| high.max(part.from[1]).max(part.to[1]))
+    }
+
     /// Refuses what cannot be cut from a start point. `leaves`: the last piece may end beyond it.
     pub(super) fn check(&self, [start, top]: Spot, leaves: bool) -> Result<(), Refusal> {
         let Some(first) = self.all.first() else { return Err(Refusal::Nothing) };

@@ -3,6 +3,7 @@
 //! The open stretch of each level is cut first, from the top; then each pocket, deepest branch first, in the direction of
 //! the cut. *Invariant:* a rapid move across the stock goes no deeper than the last level cut there.
 
+use super::blank::Blank;
 use super::cut::Cut;
 use super::lap::Lap;
 use super::levels::Levels;
@@ -40,6 +41,7 @@ pub struct Rough<'c> {
     levels: Levels,
     /// Where levels count from, as seen.
     origin: Spot,
+    blank: Option<Blank>,
 }
 
 /// A pocket below a level that is open.
@@ -90,11 +92,15 @@ impl<'c> Rough<'c> {
         let low = first.map_or(parts.lowest(), |first| view.see(first.from)[1]);
         // Programs of bores go off the part beyond the start.
         parts.check([away[0].min(origin[0]), origin[1]], settings.lap.is_none())?;
+        let blank = Blank::of(&contour.blank, &view);
         let levels = match &settings.lap {
-            Some(lap) => Levels::of_lap(origin[1], settings.depth, low, lap, &view),
+            Some(lap) => {
+                let top = blank.as_ref().map_or(origin[1], |blank| blank.highest().max(parts.highest()));
+                Levels::of_lap(top, settings.depth, low, lap, &view)
+            }
             None => Levels::even(origin[1], settings.depth, low),
         };
-        Ok(Self { contour, settings, view, parts, levels, origin })
+        Ok(Self { contour, settings, view, parts, levels, origin, blank })
     }
 
     /// Height of a level; none below the last one.
@@ -149,7 +155,7 @@ impl<'c> Rough<'c> {
         let mut pockets = Vec::new();
         let [start, top] = self.origin;
         let retract = self.settings.retract;
-        let (mut above, mut height) = (None, top);
+        let (mut above, mut height, mut begun) = (None, top, start);
         for number in 1.. {
             let Some(level) = self.level(number) else { break };
             cut.sink.pass()?;
@@ -163,6 +169,15 @@ impl<'c> Rough<'c> {
             }
             let open = stretches.first().filter(|stretch| stretch.begin.is_none());
             let Some(open) = open.filter(|open| open.end.along > start + NOISE) else { break };
+            if let Some(blank) = &self.blank {
+                let cuts = blank.cuts(level, [start, open.end.along]);
+                if let Some([first, _]) = cuts.first().copied() {
+                    self.cut_blank(cut, &cuts, (begun, level))?;
+                    begun = first;
+                }
+                (above, height) = (Some(open.end), level);
+                continue;
+            }
             let begin = self.view.place([start, level]);
             let infeed = if self.settings.lap.is_some() { Move::Rapid(begin) } else { self.contour.infeed(begin) };
             cut.sink.go(infeed)?;
@@ -171,7 +186,29 @@ impl<'c> Rough<'c> {
             cut.rapid([start, level + retract])?;
             (above, height) = (Some(open.end), level);
         }
+        if self.blank.is_some() {
+            cut.rapid([start, cut.at[1]])?;
+        }
         Ok(pockets)
+    }
+
+    /// Cuts a level where the blank has material: in from the clearance before it, at rapid where there is none. Before it the tool is in front of where
+    /// it has begun on the level before.
+    fn cut_blank<S: Sink>(
+        &self,
+        cut: &mut Cut<'_, S>,
+        cuts: &[[f64; 2]],
+        (begun, level): (f64, f64),
+    ) -> Result<(), S::Stop> {
+        let retract = self.settings.retract;
+        let aside = cuts.first().map_or(begun, |[first, _]| first.min(begun));
+        cut.rapid([aside, cut.at[1]])?;
+        cut.rapid([aside, level])?;
+        for [from, to] in cuts {
+            cut.rapid([*from, level])?;
+            cut.feed([*to, level])?;
+        }
+        cut.rapid([cut.at[0] - retract, level + retract])
     }
 
     /// Cuts a pocket, and leaves it.

@@ -66,7 +66,7 @@ pub(super) fn contour((x, z): (f64, f64), points: &[(f64, f64, f64)]) -> Contour
         elements.push(Element { from, to, arc });
         from = to;
     }
-    Contour { start: spot(x, z), elements, rapid: true }
+    Contour { start: spot(x, z), elements, blank: Vec::new(), rapid: true }
 }
 
 fn settings(depth: f64, retract: f64, u: f64, w: f64) -> Settings {

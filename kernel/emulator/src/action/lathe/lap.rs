@@ -42,7 +42,7 @@ pub(super) fn cycle(act: &mut Act<'_, '_>, plane: &LathePlane, kind: Lap) -> Act
         *feed = rate;
     }
     let feed = act.feed();
-    let blocks = ContourBlocks::Named { name: shape.name, first: shape.first, last: shape.last };
+    let blocks = ContourBlocks::Named { name: shape.name, first: shape.first, last: shape.last, blank: shape.blank };
     let finishes = kind == Lap::Finish;
     if finishes && allowance == [0.0; 2] {
         let [along_z, along_x] = plane.axes.map(|axis| axis.bit());

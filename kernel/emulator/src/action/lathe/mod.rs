@@ -193,7 +193,7 @@ pub(super) fn cut(act: &mut Act<'_, '_>, cycle: &ContourCycle, reading: Reading)
     if reading.ends_rapid && act.env.machine.turning.retracts && matches!(cycle.task, Task::Rough(..)) {
         elements.pop();
     }
-    let shape = Shape { start: reading.start, elements, rapid: first.rapid };
+    let shape = Shape { start: reading.start, elements, blank: reading.blank, rapid: first.rapid };
     let refused = match cycle.task {
         Task::Finish { .. } | Task::Pocket(_) => None,
         Task::Rough(settings, pockets) => {
