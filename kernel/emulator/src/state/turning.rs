@@ -93,6 +93,10 @@ pub(crate) struct Reading {
     pub(crate) feed: Option<f64>,
     /// The last piece is a rapid move.
     pub(crate) ends_rapid: bool,
+    /// The side on which the nose goes beside it, +1 left of the way, −1 right.
+    pub(crate) side: Option<f64>,
+    /// Pieces before it goes on the contour again.
+    pub(crate) beside: Option<usize>,
 }
 
 /// Where the blocks of a contour are.

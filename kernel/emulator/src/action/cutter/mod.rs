@@ -240,7 +240,7 @@ pub(super) fn after_thread(act: &mut Act<'_, '_>) {
 
 impl Act<'_, '_> {
     /// Radius that paths keep from the contour.
-    pub(super) fn cutter_radius(&self, number: u32) -> f64 {
+    pub(in crate::action) fn cutter_radius(&self, number: u32) -> f64 {
         use crate::state::frames::offsets::{BASE, Radii};
         let own = if number == BASE { 0.0 } else { self.worn_radius(number) };
         let base = if self.state.place.offsets.is_some() { self.offset_radius(Radii::Cutter, BASE) } else { 0.0 };
@@ -248,7 +248,7 @@ impl Act<'_, '_> {
     }
 
     /// From the imaginary tip to the centre of the nose, in the plane.
-    fn nose_tip(&self, number: u32, plane: CodeId) -> [f64; 2] {
+    pub(in crate::action) fn nose_tip(&self, number: u32, plane: CodeId) -> [f64; 2] {
         let across = self.state.place.layout.cartesian.first().copied().flatten();
         let turns =
             across.is_some_and(|axis| self.env.machine.axes[self.state.place.layout.axes[axis].machine].diameter);

@@ -121,6 +121,14 @@ fn other(act: &mut Act<'_, '_>, row: &CodeRow, code: &PendingCode) -> Acted {
     if row.id == codes::CALSUB_RETURN && act.state.others.turning.reads {
         return subprogram::return_from(act);
     }
+    if let codes::COMP_DIAM_LEFT | codes::COMP_DIAM_RIGHT = row.id {
+        let side = if row.id == codes::COMP_DIAM_LEFT { 1.0 } else { -1.0 };
+        act.state.others.turning.reading.side.get_or_insert(side);
+    }
+    if row.id == codes::COMP_DIAM_OFF {
+        let reading = &mut act.state.others.turning.reading;
+        reading.beside = reading.side.and(reading.beside.or(Some(reading.elements.len())));
+    }
     let (letter, _) = act.written(row, code);
     let allowed = ALLOWED.contains(&row.id) || keeps_plane(act, row.id);
     if FLOW.contains(&row.id) || FRAMES.contains(&row.id) || letter == 'G' && !allowed {

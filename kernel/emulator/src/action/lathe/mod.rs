@@ -14,6 +14,9 @@ pub(super) use contour::{reading, record};
 pub(super) use moves::go_back;
 pub(super) use strip::strip;
 
+use counterpoint_motion::arc::Arc;
+use counterpoint_motion::contour::element::Element;
+use counterpoint_motion::contour::shifted::shifted;
 use counterpoint_motion::turning::{Contour as Shape, Refusal, pattern, peck, rough};
 
 use crate::act::Act;
@@ -183,6 +186,32 @@ fn single(act: &mut Act<'_, '_>, plane: &LathePlane, face: bool, implied: bool) 
     cutting.go(Move::Rapid([start_z, start_x]))
 }
 
+/// The way of the imaginary tip whose nose goes beside a contour, up to a piece; as it is where the tool has no nose.
+fn beside(act: &Act<'_, '_>, contour: &[Element], (side, until): (f64, Option<usize>)) -> Option<Vec<Element>> {
+    let number = act.diameter_number();
+    let radius = act.cutter_radius(number);
+    if radius <= 0.0 {
+        return Some(contour.to_vec());
+    }
+    let tip = act.nose_tip(number, codes::PLANE_ZX).map(|part| part * radius);
+    let back = |[z, x]: [f64; 2]| [z - tip[0], x - tip[1]];
+    let of_tip = |element: Element| {
+        let arc = element.arc.map(|arc| Arc { center: back(arc.center), ..arc });
+        Element { from: back(element.from), to: back(element.to), arc }
+    };
+    let (beside, rest) = contour.split_at_checked(until.map_or(contour.len(), |until| until.min(contour.len())))?;
+    if beside.is_empty() {
+        return Some(rest.to_vec());
+    }
+    let mut way: Vec<Element> = shifted(beside, side, radius)?.into_iter().map(of_tip).collect();
+    for element in rest {
+        // The first one leads from beside the contour onto it.
+        let from = way.last().map_or(element.from, |last| last.to);
+        way.push(if from == element.from { *element } else { Element { from, to: element.to, arc: None } });
+    }
+    Some(way)
+}
+
 /// Cuts along a contour that was read.
 pub(super) fn cut(act: &mut Act<'_, '_>, cycle: &ContourCycle, reading: Reading) -> Acted {
     let Some((plane, first)) = act.lathe_plane().zip(reading.first) else {
@@ -193,6 +222,16 @@ pub(super) fn cut(act: &mut Act<'_, '_>, cycle: &ContourCycle, reading: Reading)
     if reading.ends_rapid && act.env.machine.turning.retracts && matches!(cycle.task, Task::Rough(..)) {
         elements.pop();
     }
+    let mut feeds = reading.feeds;
+    if let (Task::Rough(rough::Settings { lap: Some(_), .. }, _), Some(side)) = (cycle.task, reading.side) {
+        let Some(beside) = beside(act, &elements, (side, reading.beside)) else {
+            let text = format!("the nose of the tool does not fit into the contour of '{}'", act.block_text());
+            return Err(act.alarm(&diag::CYCLE_REFUSED, text));
+        };
+        // Feeds belong to pieces as they were programmed.
+        feeds.truncate(if beside.len() == elements.len() { beside.len() } else { 0 });
+        elements = beside;
+    }
     let shape = Shape { start: reading.start, elements, blank: reading.blank, rapid: first.rapid };
     let refused = match cycle.task {
         Task::Finish { .. } | Task::Pocket(_) => None,
@@ -202,7 +241,7 @@ pub(super) fn cut(act: &mut Act<'_, '_>, cycle: &ContourCycle, reading: Reading)
             match rough::Rough::new(&shape, rough::Settings { pockets, ..settings }) {
                 Ok(rough) => {
                     act.check_feed(cycle.feed.0)?;
-                    rough.run(&mut Cutting::new(act, &plane, cycle.feed).with_feeds(cycle.feeds, reading.feeds))?;
+                    rough.run(&mut Cutting::new(act, &plane, cycle.feed).with_feeds(cycle.feeds, feeds))?;
                     None
                 }
                 Err(refusal) => Some(refusal),

@@ -72,12 +72,11 @@ impl Channel<'_> {
     /// Number of the diameter offset in force.
     pub(crate) fn diameter_in_force(&self) -> Option<u32> {
         let active = self.state.modal.code(group::DIAMETER).filter(|code| DIAMETERS.contains(code));
-        active.map(|_| {
-            if self.is_turning() {
-                self.state.place.in_force.tool_offset
-            } else {
-                self.state.place.compensation.diameter
-            }
-        })
+        active.map(|_| self.diameter_number())
+    }
+
+    /// The offset whose radius paths keep from contours where they are compensated.
+    pub(crate) fn diameter_number(&self) -> u32 {
+        if self.is_turning() { self.state.place.in_force.tool_offset } else { self.state.place.compensation.diameter }
     }
 }
