@@ -76,6 +76,9 @@ impl Siemens {
         place: Option<(FileId, Range)>,
         arguments: &[Argument],
     ) -> Outcome<Call> {
+        if self.variables.writes {
+            self.check_unchanged(host, name, place)?;
+        }
         if let (false, Some((file, range))) = (arguments.is_empty(), place) {
             let count = self.header_of(host, file, range).map_or(0, |header| header.parameters.len());
             if arguments.len() > count {

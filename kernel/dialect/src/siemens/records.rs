@@ -9,9 +9,12 @@ use std::sync::Arc;
 
 use super::expression::Argument;
 use super::value::Data;
-use super::{Outcome, Siemens, syntax, wrong_type};
+use super::{Fault, Outcome, Siemens, syntax, wrong_type};
 use crate::host::Host;
+use counterpoint_event::FileId;
+use counterpoint_fault as diag;
 use counterpoint_machine::stored::StoredFile;
+use counterpoint_program::shape::Range;
 
 const NO_PATH: i64 = 1;
 const NO_FILE: i64 = 3;
@@ -36,6 +39,7 @@ impl Siemens {
             return syntax(format!("{name} needs a variable for its result and the name of a file"));
         };
         let result = self.variable_of(host, result)?;
+        self.variables.writes |= name != "READ";
         let Some(Data::Text(file)) = self.argument(host, file)? else {
             return wrong_type("the name of a file is a text");
         };
@@ -116,12 +120,37 @@ impl Siemens {
     fn delete_records(&mut self, host: &mut dyn Host, (file, path): (&str, &str), _: &[Argument]) -> Outcome<i64> {
         match host.has_written(path)? {
             Some(true) => host.remove_written(path)?,
-            None if self.job_text(host, file)?.is_some() => {
-                return syntax(format!("'{file}' is a program of the job; DELETE of programs is not emulated"));
-            }
+            None if self.job_text(host, file)?.is_some() => host.remove_written(path)?,
             _ => return Ok(NO_FILE),
         }
         Ok(0)
+    }
+
+    /// What is to be called is as the job has it: a program that was written, changed or removed meanwhile is refused.
+    pub(super) fn check_unchanged(
+        &mut self,
+        host: &mut dyn Host,
+        name: &str,
+        place: Option<(FileId, Range)>,
+    ) -> Outcome<()> {
+        let files = host.files();
+        let own = place.and_then(|(file, _)| files.get(usize::from(file)));
+        let names = match own {
+            Some(own) if own.starts_with(StoredFile::ROOT) => return Ok(()),
+            Some(own) => vec![own.clone()],
+            None => vec![format!("{name}.spf"), format!("{name}.mpf")],
+        };
+        for path in names.iter().filter_map(|name| record_path(name)) {
+            let Some(exists) = host.has_written(&path)? else { continue };
+            let text = if exists {
+                format!("'{path}' has been written by a program; calls of such programs are not emulated")
+            } else {
+                format!("'{path}' has been removed by DELETE")
+            };
+            let facts = if exists { &diag::SIEMENS_STATE } else { &diag::SUBPROGRAM_MISSING };
+            return Err(Fault::Alarm(facts, text));
+        }
+        Ok(())
     }
 
     /// Whether programs have written such a file; false if it was removed.

@@ -64,6 +64,8 @@ pub(super) struct Variables {
     pub(super) contours: Vec<String>,
     /// Rim and islands of the pocket that a cycle works on.
     pub(super) area: Area,
+    /// The channel has written or removed files.
+    pub(super) writes: bool,
     pub(super) elements: usize,
     /// Bytes of their names, texts and frames.
     texts: usize,
