@@ -4,7 +4,7 @@
 //! Facts: programming manual, job planning, chapters "programming the tool orientation" and "frame generation by tool orientation";
 //! fundamentals, chapter "programmable frame rotations with solid angles". A direction is Z turned: with RPY angles by C2 about Z, B2 about the
 //! new Y, A2 about the new X, with Euler angles by A2 about Z, B2 about the new X; C2 then does nothing. Two space angles about axes A and B are those of
-//! the lines in which the plane cuts the old planes; the axis of the second angle's line lies in its old plane. TOFRAME and TOROT put Z along
+//! the lines in which the plane cuts the old planes; the axis of the second angle's line lies in its old plane. TOFRAME and TOROT, which TOFRAMEZ and TOROTZ also mean, put Z along
 //! the tool, X stays in its old plane with Z. Decisions: Euler angles unless ORIRPY says otherwise; angles that a block does not have are 0;
 //! TOFRAME and TOROT act on the programmable frame. *Invariant:* without a transformation for directions these words stay as unknown as on a
 //! control without the option.
@@ -90,10 +90,9 @@ impl Siemens {
                 left.add(&format!("{name}={}", Data::Real(part).word()));
             }
         }
-        let key = left
-            .words
-            .split(' ')
-            .find(|word| matches!(*word, "ROTS" | "AROTS" | "TOFRAME" | "TOROT" | "TOFRAMEOF" | "TOROTOF"));
+        let key = left.words.split(' ').find(|word| {
+            matches!(*word, "ROTS" | "AROTS" | "TOFRAME" | "TOFRAMEZ" | "TOROT" | "TOROTZ" | "TOFRAMEOF" | "TOROTOF")
+        });
         match key.map(str::to_owned).as_deref() {
             Some(key @ ("ROTS" | "AROTS")) if host.is_code_text("ROT") => self.space_angles(left, key),
             Some(key) if has_directions(host) => self.tool_frame(host, left, key),
@@ -132,7 +131,7 @@ impl Siemens {
         }
         let frame = host.local_frame();
         let mut shift = [3, 7, 11].map(|at| frame.get(at).copied().unwrap_or(0.0));
-        if key == "TOFRAME" {
+        if key.starts_with("TOFRAME") && !key.ends_with("OF") {
             let axes = host.axes();
             let here = AXES.map(|name| axes.iter().find(|axis| axis.is(name)).map_or(0.0, |axis| axis.work));
             for (row, slot) in shift.iter_mut().enumerate() {
