@@ -308,14 +308,15 @@ impl Siemens {
 
     /// Removes stock along the contour that was read.
     fn strip(&mut self, host: &mut dyn Host, arguments: &[Argument]) -> Outcome<()> {
-        let mut values = [0.0; 15];
-        if arguments.len() != values.len() {
-            return syntax(format!("SC_STRIP needs {} numbers", values.len()));
+        let mut values = [0.0; 16];
+        if !(15..=values.len()).contains(&arguments.len()) {
+            return syntax("SC_STRIP needs 15 or 16 numbers");
         }
         for (slot, argument) in values.iter_mut().zip(arguments) {
             *slot = self.argument(host, argument)?.map_or(Ok(0.0), |value| number(&value))?;
         }
-        let [kind, face, inside, depth, z, x, around, lift, rounds, pause, way, first, into, along, clearance] = values;
+        let [kind, face, inside, depth, z, x, around, lift, rounds, pause, way, first, into, along, clearance, plunges] =
+            values;
         let unit = host.length_factor();
         host.remove_stock(Strip {
             rough: kind == 1.0 || kind == 3.0,
@@ -330,6 +331,7 @@ impl Siemens {
             pause: [pause, way * unit],
             feeds: [first * unit, into * unit, along * unit],
             clearance,
+            plunges: plunges * unit,
         });
         Ok(())
     }

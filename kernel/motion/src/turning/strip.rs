@@ -5,6 +5,8 @@
 //! and lifts off in both axes. Finishing compensates the nose of the tool, as the control does within its cycle. *Invariant:* every move lies on the stock side of the contour with its allowances; a cycle
 //! begins and ends at its start point, one lift beyond the contour in both axes.
 
+mod recess;
+
 use super::allowance::leave;
 use super::cut::Cut;
 use super::parts::{Mark, Part, Parts, Stretch};
@@ -12,6 +14,7 @@ use super::view::View;
 use super::{NOISE, Sink, along};
 use crate::contour::element::{Element, Spot, angle};
 use crate::contour::shifted::shifted;
+use recess::End;
 
 /// What is done along a contour.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -40,6 +43,8 @@ pub struct Strip {
     pub feeds: [f64; 3],
     /// Largest angle of a falling flank, degrees; 0 for any.
     pub clearance: f64,
+    /// The tool plunges: how far its other edge is along the cut from the one in work; 0 for a tool that cuts along.
+    pub plunges: f64,
 }
 
 /// Why a contour cannot be cut.
@@ -137,6 +142,7 @@ impl<'c> Removal<'c> {
         let (from, to) = (plain.see(first.from), plain.see(last.to));
         let sign = |way: f64, or: f64| if way.abs() > NOISE { way.signum() } else { or };
         let stock = match (strip.face, strip.inside) {
+            _ if strip.plunges != 0.0 => away_from_base(contour, &plain),
             (true, _) => sign(to[1] - from[1], 1.0),
             (false, true) => -1.0,
             (false, false) => 1.0,
@@ -164,7 +170,9 @@ impl<'c> Removal<'c> {
         let high = parts.all.iter().fold(f64::NEG_INFINITY, |high, part| high.max(part.from[1]).max(part.to[1]));
         let begin = parts.all.first().map_or(0.0, |part| part.from[0]);
         let start = [begin - strip.lift, high + strip.lift];
-        Ok(Self { contour, strip, view, parts, start, high })
+        let removal = Self { contour, strip, view, parts, start, high };
+        removal.end().map_or(Ok(()), |end| removal.check_recess(end))?;
+        Ok(removal)
     }
 
     /// Gives the moves.
@@ -174,6 +182,9 @@ impl<'c> Removal<'c> {
     pub fn run<S: Sink>(&self, sink: &mut S) -> Result<(), S::Stop> {
         let mut cut = Cut { sink, view: self.view, at: self.start };
         cut.rapid(self.start)?;
+        if let Some(end) = self.end() {
+            return self.recess(&mut cut, end);
+        }
         if self.strip.rough {
             self.open_section(&mut cut)?;
             self.back(&mut cut)?;
@@ -182,6 +193,11 @@ impl<'c> Removal<'c> {
             self.finish(&mut cut)?;
         }
         Ok(())
+    }
+
+    /// The end of a tool that plunges.
+    fn end(&self) -> Option<End> {
+        (self.strip.plunges != 0.0).then(|| End::new(self.strip.plunges * self.view.signs[0]))
     }
 
     /// Axis by axis to the start.
@@ -418,6 +434,14 @@ impl<'c> Removal<'c> {
         }
         cut.rapid(self.start)
     }
+}
+
+/// The side of the stock of a groove: that of its ends, seen from its base.
+fn away_from_base(contour: &[Element], view: &View) -> f64 {
+    let Some(first) = contour.first().map(|first| view.see(first.from)[1]) else { return 1.0 };
+    let deep = contour.iter().map(|element| first - view.see(element.to)[1]);
+    let deepest = deep.fold(0.0, |most: f64, deep| if deep.abs() > most.abs() { deep } else { most });
+    if deepest < 0.0 { -1.0 } else { 1.0 }
 }
 
 /// The steepest angle at which a part falls, degrees; 0 if it does not.

@@ -36,8 +36,10 @@ fn cut(act: &mut Act<'_, '_>, strip: &Strip, reading: &Reading) -> Acted {
                 Cutting::new(act, &plane, (Some(first), unit)).with_feeds([Some(into), Some(along)], Vec::new());
             return removal.run(&mut cutting);
         }
+        Err(Wrong::TurnsBack) if strip.plunges != 0.0 => "61605: finishing a groove needs one way down and one up",
         Err(Wrong::TurnsBack) => "61605: the contour turns back along the cut",
         Err(Wrong::Nothing) => "61606: the contour has no piece to cut",
+        Err(Wrong::Narrow) if strip.plunges != 0.0 => "61605: the tool or the allowances do not fit into the groove",
         Err(Wrong::Narrow) => "61605: the allowances do not fit into the contour",
         Err(Wrong::Clearance) => "61604: the contour falls more steeply than the clearance angle of the tool allows",
     };

@@ -6,6 +6,7 @@ use crate::contour::element::Element;
 use crate::turning::{Move, Sink};
 
 const PLAIN: Strip = Strip {
+    plunges: 0.0,
     rough: true,
     finish: false,
     face: false,
@@ -280,4 +281,55 @@ fn no_move_goes_into_any_contour() {
             assert!(left <= strip.depth + 1e-6, "{left} left at {at}: {strip:?}\n{heights:?}\n{:?}", kept.0);
         }
     }
+}
+
+#[test]
+fn a_tool_with_a_flat_end_stays_out_of_every_groove() {
+    let mut seed = 11_u64;
+    let mut random = |most: f64| {
+        seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (seed >> 33) as f64 / f64::from(1_u32 << 31) * most
+    };
+    let mut finished = 0;
+    for _ in 0..600 {
+        let (down, up) = (0.2 + random(6.0), 0.2 + random(6.0));
+        let (base, depth) = (0.5 + random(12.0), 1.0 + random(5.0));
+        let corners = [(0.0, 20.0), (down, 20.0 - depth), (down + base, 20.0 - depth), (down + base + up, 20.0)];
+        let shape: Vec<(f64, f64, f64)> = corners.iter().map(|(along, radius)| (2.0 * radius, -along, 0.0)).collect();
+        let width = 0.5 + random(4.0);
+        let other = if random(2.0) > 1.0 { width } else { -width };
+        let finish = random(2.0) > 1.0;
+        let strip = Strip { finish, rough: !finish, depth: 0.5 + random(3.0), plunges: other, ..PLAIN };
+        let elements = contour((100.0, 100.0), &shape).elements;
+        let removal = match Removal::new(&elements, strip) {
+            Ok(removal) => removal,
+            Err(why) => {
+                assert_eq!(why, Wrong::Narrow);
+                assert!(width > if finish { base } else { down + base + up } - 1e-6);
+                continue;
+            }
+        };
+        let mut kept = Kept::default();
+        removal.run(&mut kept).unwrap();
+        finished += usize::from(finish);
+        let height = |at: f64| {
+            let two = corners.windows(2).find(|two| at >= two[0].0 && at <= two[1].0)?;
+            Some(two[0].1 + (two[1].1 - two[0].1) * (at - two[0].0) / (two[1].0 - two[0].0))
+        };
+        let begins = if other > 0.0 { -width } else { 0.0 };
+        for two in kept.0.windows(2) {
+            for step in 0..=20 {
+                let share = f64::from(step) / 20.0;
+                let [at, radius] = [0, 1].map(|axis| two[0][axis] + (two[1][axis] - two[0][axis]) * share);
+                for part in 0..=20 {
+                    let below = height(at + begins + width * f64::from(part) / 20.0);
+                    assert!(below.is_none_or(|height| radius > height - 1e-6), "{strip:?} {corners:?} {two:?}");
+                }
+            }
+        }
+        // The whole base is reached.
+        let reached = kept.0.iter().any(|spot| (spot[1] - (20.0 - depth)).abs() < 1e-6);
+        assert!(reached || width > base, "{strip:?} {corners:?}");
+    }
+    assert!(finished > 80, "{finished}");
 }
