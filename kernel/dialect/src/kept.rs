@@ -23,21 +23,24 @@ const AT_HAND: usize = 64;
 /// File and line number.
 type Key = (FileId, u32);
 
-/// What was asked for last at a place: a line that is kept, or one that is not.
-type AtHand<L> = Option<(Key, Option<Arc<L>>)>;
-
 /// Lines by file and line number.
 #[derive(Debug)]
 pub(crate) struct Kept<L> {
     lines: FxHashMap<Key, Arc<L>>,
-    /// Those that were asked for last, each at the place that its number gives it.
-    at_hand: Box<[AtHand<L>; AT_HAND]>,
+    /// Those that were asked for last, each at the place that its number gives it; none where it is not kept, or taken.
+    at_hand: Box<[Option<Arc<L>>; AT_HAND]>,
+    /// What was asked for at each place.
+    keys: Box<[Key; AT_HAND]>,
     bytes: usize,
 }
 
+/// No line has the number 0.
+const NOTHING: Key = (0, 0);
+
 impl<L> Default for Kept<L> {
     fn default() -> Self {
-        Self { lines: FxHashMap::default(), at_hand: Box::new([const { None }; AT_HAND]), bytes: 0 }
+        let (at_hand, keys) = (Box::new([const { None }; AT_HAND]), Box::new([NOTHING; AT_HAND]));
+        Self { lines: FxHashMap::default(), at_hand, keys, bytes: 0 }
     }
 }
 
@@ -45,35 +48,44 @@ impl<L> Kept<L> {
     /// A line that was kept.
     #[inline(always)]
     pub(crate) fn get(&mut self, key: Key) -> Option<&Arc<L>> {
-        let here = self.at_hand.get(key.1 as usize % AT_HAND)?;
-        if here.as_ref().is_none_or(|(of, _)| *of != key) {
+        let place = key.1 as usize % AT_HAND;
+        if self.keys.get(place) != Some(&key) {
             self.take_in_hand(key);
         }
-        self.at_hand.get(key.1 as usize % AT_HAND)?.as_ref()?.1.as_ref()
+        self.at_hand.get(place)?.as_ref()
     }
 
     /// Takes a line that was kept out of those at hand; [`give_back`](Self::give_back) makes it come at once again.
     #[inline(always)]
     pub(crate) fn take(&mut self, key: Key) -> Option<Arc<L>> {
-        self.get(key)?;
-        self.at_hand.get_mut(key.1 as usize % AT_HAND)?.take()?.1
+        let place = key.1 as usize % AT_HAND;
+        if self.keys.get(place) != Some(&key) {
+            self.take_in_hand(key);
+        }
+        let line = self.at_hand.get_mut(place)?.take();
+        if let Some(key) = self.keys.get_mut(place) {
+            *key = NOTHING;
+        }
+        line
     }
 
     /// Puts a line back to those at hand, unless another one has come there meanwhile.
     #[inline(always)]
     pub(crate) fn give_back(&mut self, key: Key, line: Arc<L>) {
-        if let Some(slot) = self.at_hand.get_mut(key.1 as usize % AT_HAND)
-            && slot.is_none()
+        let place = key.1 as usize % AT_HAND;
+        if let (Some(known), Some(slot)) = (self.keys.get_mut(place), self.at_hand.get_mut(place))
+            && *known == NOTHING
         {
-            *slot = Some((key, Some(line)));
+            (*known, *slot) = (key, Some(line));
         }
     }
 
     /// Looks for a line that another one has the place of.
     #[inline(never)]
     fn take_in_hand(&mut self, key: Key) {
-        if let Some(slot) = self.at_hand.get_mut(key.1 as usize % AT_HAND) {
-            *slot = Some((key, self.lines.get(&key).map(Arc::clone)));
+        let place = key.1 as usize % AT_HAND;
+        if let (Some(known), Some(slot)) = (self.keys.get_mut(place), self.at_hand.get_mut(place)) {
+            (*known, *slot) = (key, self.lines.get(&key).map(Arc::clone));
         }
     }
 
@@ -86,8 +98,8 @@ impl<L> Kept<L> {
         if size <= MOST {
             self.bytes += size;
             self.lines.insert(key, Arc::clone(line));
-            if let Some(slot) = self.at_hand.get_mut(key.1 as usize % AT_HAND) {
-                *slot = None;
+            if let Some(known) = self.keys.get_mut(key.1 as usize % AT_HAND) {
+                *known = NOTHING;
             }
         }
     }
@@ -97,6 +109,7 @@ impl<L> Kept<L> {
         // The room of a large table is given back, too.
         self.lines = FxHashMap::default();
         self.at_hand.fill_with(|| None);
+        self.keys.fill(NOTHING);
         self.bytes = 0;
     }
 
@@ -133,18 +146,23 @@ impl<K, T> Default for Tables<K, T> {
 impl<K: Copy + Eq + Hash, T: Table> Tables<K, T> {
     /// The table of a file or program, made when it is wanted for the first time.
     #[inline]
-    pub(super) fn get(&mut self, key: K, make: impl FnOnce() -> T) -> Arc<T> {
+    pub(super) fn get(&mut self, key: K, make: impl FnOnce() -> T) -> Arc<T>
+    where
+        T: Default,
+    {
         Arc::clone(self.look(key, make))
     }
 
     /// The same for a look at it.
     #[inline]
-    pub(super) fn look(&mut self, key: K, make: impl FnOnce() -> T) -> &Arc<T> {
-        let table = match self.at_hand.take() {
-            Some((of, table)) if of == key => table,
-            _ => self.look_up(key, make),
-        };
-        &self.at_hand.insert((key, table)).1
+    pub(super) fn look(&mut self, key: K, make: impl FnOnce() -> T) -> &Arc<T>
+    where
+        T: Default,
+    {
+        if self.at_hand.as_ref().is_none_or(|(of, _)| *of != key) {
+            self.at_hand = Some((key, self.look_up(key, make)));
+        }
+        &self.at_hand.get_or_insert_with(|| (key, Arc::default())).1
     }
 
     /// The same for another key than the last one.

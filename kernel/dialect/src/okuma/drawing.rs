@@ -5,7 +5,7 @@
 use super::cursor::Cursor;
 
 /// Their words.
-const WORDS: [&str; 6] = ["DEF", "PT", "END", "CLEAR", "DRAW", "TLID"];
+const WORDS: [&str; 7] = ["DEF", "PS", "PT", "END", "CLEAR", "DRAW", "TLID"];
 
 /// The rest of the block is one.
 pub(super) fn is_drawing(cursor: &Cursor<'_>) -> bool {
@@ -23,7 +23,7 @@ mod tests {
     #[test]
     fn statements_and_variables() {
         let is = |text: &str| is_drawing(&Cursor::new(text.as_bytes()));
-        assert!(is("DEF WORK") && is("PT LF,LC,[0,0]") && is(" END") && is("DRAW"));
+        assert!(is("DEF WORK") && is("PT LF,LC,[0,0]") && is("PS LC,[-400,0],[400,19]") && is(" END") && is("DRAW"));
         assert!(!is("PT=5") && !is("END1") && !is("DRAWER") && !is("G0 X5"));
     }
 }

@@ -28,6 +28,7 @@ mod jumps;
 mod line;
 mod meanings;
 mod modal;
+mod moves;
 mod orientation;
 mod outline;
 mod positioning;

@@ -250,26 +250,6 @@ impl Siemens {
         }
     }
 
-    /// `G[group]=n`: the function of a G group with this number.
-    fn indirect_function(
-        &mut self,
-        host: &mut dyn Host,
-        group: &Expression,
-        value: &Assigned,
-        left: &mut Left,
-    ) -> Outcome<()> {
-        let Assigned::One(value, _) = value else { return syntax("G[…] takes the number of a function") };
-        let group = super::evaluate::number(&self.evaluate(host, group)?)?;
-        let number = super::evaluate::number(&self.evaluate(host, value)?)?;
-        match super::groups::written(group as i64, number as i64)
-            .filter(|_| group.fract() == 0.0 && number.fract() == 0.0)
-        {
-            Some(word) => left.add(&word),
-            None => return syntax(format!("G group {group} has no function {number} here")),
-        }
-        Ok(())
-    }
-
     /// A system variable, or a name that is no variable and no address.
     fn set_by_name(&mut self, host: &mut dyn Host, name: &Name, value: &Assigned, left: &mut Left) -> Outcome<()> {
         let is_system = name.name.starts_with('$');
@@ -293,12 +273,8 @@ impl Siemens {
                 }
                 Err(Fault::Alarm(&diag::MACRO_VARIABLE, format!("the variable {asked} cannot be set")))
             }
-            Answer::Unknown if DYNAMICS.contains(&name.name.as_str()) => {
-                let text = format!(
-                    "{asked} is ignored in '{}': moves take the time that the dynamics of the machine allow",
-                    host.block_text()
-                );
-                host.diagnose(&diag::SIEMENS_IGNORED, text);
+            Answer::Unknown if super::moves::is_dynamics(&name.name) => {
+                super::moves::ignore_dynamics(host, &asked);
                 Ok(())
             }
             Answer::Unknown => match limit(&name.name) {
@@ -453,20 +429,6 @@ impl Siemens {
         Ok(())
     }
 
-    /// FGROUP: the axes that F counts for. Without arguments it is that of the machine again, as here from the start.
-    fn feed_group(&mut self, host: &mut dyn Host, arguments: &[Argument]) -> Outcome<()> {
-        for argument in arguments {
-            if !host.is_register(&argument.text.trim().to_ascii_uppercase()) {
-                return syntax(format!("FGROUP takes names of axes, not '{}'", argument.text.trim()));
-            }
-        }
-        if !arguments.is_empty() {
-            let text = format!("FGROUP is ignored in '{}': F counts as without it", host.block_text());
-            host.diagnose(&diag::SIEMENS_IGNORED, text);
-        }
-        Ok(())
-    }
-
     /// SETAL: an alarm, which stops the channel or is only shown, as its number says.
     fn set_alarm(&mut self, host: &mut dyn Host, arguments: &[Argument]) -> Outcome<()> {
         let Some(first) = arguments.first() else { return syntax("SETAL needs the number of an alarm") };
@@ -492,9 +454,6 @@ impl Siemens {
         Ok(())
     }
 }
-
-/// Settings of the dynamics of an axis by the program, in per cent of those of the machine.
-const DYNAMICS: [&str; 6] = ["ACC", "VELOLIM", "JERKLIM", "ACCLIMA", "VELOLIMA", "JERKLIMA"];
 
 /// What a word would need that is not emulated, and what to do instead.
 fn limit(name: &str) -> Option<&'static str> {

@@ -103,6 +103,37 @@ impl Passes {
         !self.effects && !self.changes && self.last().depth == depth && of == file && (first..=last).contains(&line)
     }
 
+    /// The usual jump back: that of the last loop again, which reads nothing that is shared. Whether time has passed since its
+    /// last one; its next pass begins with [`begin`](Self::begin).
+    fn again(&mut self, key: Key, depth: usize, clock: i64) -> Option<bool> {
+        let pass = self.loops.last()?;
+        if self.reads != 0 || pass.reads != 0 || pass.key != key || pass.depth != depth {
+            return None;
+        }
+        let passed = pass.clock != clock;
+        self.changes = false;
+        if std::mem::take(&mut self.effects) {
+            self.loops.iter_mut().for_each(|pass| pass.effects = true);
+        }
+        self.count_jump(clock);
+        Some(passed)
+    }
+
+    /// The next pass of the last loop begins at this clock, after so many macro steps.
+    fn begin(&mut self, clock: i64, steps: u64) {
+        if let Some(pass) = self.loops.last_mut() {
+            pass.count += 1;
+            (pass.clock, pass.steps, pass.ticks, pass.effects, pass.begun) = (clock, steps, 0, false, None);
+        }
+    }
+
+    fn count_jump(&mut self, clock: i64) {
+        if self.clock != clock {
+            (self.clock, self.jumps) = (clock, 0);
+        }
+        self.jumps += 1;
+    }
+
     /// The loop jumps back at this clock: what it was at its last jump, if it is known. Loops inside it are forgotten:
     /// they begin again.
     fn jump(&mut self, key: Key, depth: usize, clock: i64) -> Option<Pass> {
@@ -112,10 +143,7 @@ impl Passes {
             pass.effects |= effects;
             pass.reads |= reads;
         }
-        if self.clock != clock {
-            (self.clock, self.jumps) = (clock, 0);
-        }
-        self.jumps += 1;
+        self.count_jump(clock);
         // The usual case: the same loop again.
         if self.loops.last().is_some_and(|pass| pass.key == key && pass.depth == depth) {
             return self.loops.pop();
@@ -152,6 +180,13 @@ impl Kernel<'_> {
         let (file, depth) =
             (self.flow.frames.last().map_or(self.channel.at.file, |frame| frame.file), self.flow.frames.len());
         let key = (file, target, from);
+        if let Some(passed) = self.flow.pass.again(key, depth, self.channel.at.clock) {
+            if !passed {
+                self.tick();
+            }
+            self.flow.pass.begin(self.channel.at.clock, self.channel.burden.steps);
+            return Ok(());
+        }
         let known = self.flow.pass.jump(key, depth, self.channel.at.clock);
         let mut next = Pass { key, depth, count: 1, ..Pass::default() };
         if let Some(mut pass) = known {

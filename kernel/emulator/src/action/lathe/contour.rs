@@ -26,7 +26,7 @@ use counterpoint_program::block::PendingCode;
 #[derive(Debug)]
 struct Shaping;
 
-/// What defines the next circle.
+/// What defines the next circle, or the corner of the block.
 #[derive(Debug)]
 struct Defining;
 
@@ -42,7 +42,14 @@ static OTHERS: Entry = Entry::of(&[], other).contour(Contour::Waits);
 /// What a code does while contour blocks are read.
 pub(in crate::action) fn reading(id: CodeId) -> Option<&'static dyn Action> {
     let shapes = matches!(id, codes::RAPID | codes::INTERP_LINEAR) || matches!(id.kind(), CodeKind::Arc(_));
-    let defines = matches!(id, codes::INTERP_DEF_CENTER | codes::INTERP_DEF_CLW | codes::INTERP_DEF_CCLW);
+    let defines = matches!(
+        id,
+        codes::INTERP_DEF_CENTER
+            | codes::INTERP_DEF_CLW
+            | codes::INTERP_DEF_CCLW
+            | codes::CORNER_CHAMFER
+            | codes::CORNER_ROUND
+    );
     Some(match () {
         () if shapes => &Shaping,
         () if defines => &Defining,

@@ -512,9 +512,9 @@ m_codes = { "3" = -1, "M4" = 1, "15" = 1, "5" = "x" }"#
     assert_eq!(
         after("[variables]\nshared = [[100, 199], [33, 40], 5, [300, 200]]\nchannel = [[150, 160]]"),
         [
-            "2:23: error: `shared` must be a list of [first, last] from 100 to 99999, the smaller number first",
-            "2:33: error: `shared` must be a list of [first, last] from 100 to 99999, the smaller number first",
-            "2:36: error: `shared` must be a list of [first, last] from 100 to 99999, the smaller number first",
+            "2:23: error: `shared` must be a list of [first, last] from 100 to 999999, the smaller number first",
+            "2:33: error: `shared` must be a list of [first, last] from 100 to 999999, the smaller number first",
+            "2:36: error: `shared` must be a list of [first, last] from 100 to 999999, the smaller number first",
             "3:12: error: #150-#160 overlaps #100-#199"
         ]
     );

@@ -42,6 +42,7 @@ fn all_machines_load_without_a_finding() {
             "heidenhain-mill-5axis",
             "isg-3channel",
             "mazak-eia-lathe",
+            "mazak-eia-mill",
             "merging-lathe",
             "mitsubishi-mill",
             "okuma-2turret",
