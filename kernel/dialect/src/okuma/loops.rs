@@ -99,5 +99,5 @@ impl Okuma {
 
 /// A line with the key words of a loop.
 fn may_hold_loop(text: &[u8]) -> bool {
-    text.windows(2).any(|pair| [*b"DO", *b"EN"].contains(&[pair[0].to_ascii_uppercase(), pair[1].to_ascii_uppercase()]))
+    text.windows(2).any(|pair| pair.eq_ignore_ascii_case(b"DO") || pair.eq_ignore_ascii_case(b"EN"))
 }

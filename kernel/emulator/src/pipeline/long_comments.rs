@@ -5,14 +5,18 @@
 
 use crate::channel::Kernel;
 use counterpoint_fault as diag;
+use counterpoint_fault::Acted;
 use counterpoint_program::source::Source;
 
 impl Kernel<'_> {
     /// Where a comment of this block, the last of its line, is not closed, reading continues after its end in a later line;
     /// without an end all of the program that follows is comment.
-    pub(crate) fn pass_long_comment(&mut self, source: &Source, line: u32, text: &[u8]) {
-        let Some(end) = self.plan.scanner.open_comment(text) else { return };
-        let Some(frame) = self.flow.frames.last_mut() else { return };
+    ///
+    /// # Errors
+    /// The job is to end.
+    pub(crate) fn pass_long_comment(&mut self, source: &Source, line: u32, text: &[u8]) -> Acted {
+        let Some(end) = self.plan.scanner.open_comment(text) else { return Ok(()) };
+        let Some(frame) = self.flow.frames.last_mut() else { return Ok(()) };
         let close = source.walk(line.saturating_add(1), frame.range.last).find_map(|number| {
             let at = memchr::memmem::find(source.line(number), end)?;
             Some((number, at + end.len()))
@@ -23,9 +27,11 @@ impl Kernel<'_> {
                 "the comment that begins in line {line} is not closed: all that follows in the program is comment"
             );
             self.diagnose(&diag::COMMENT_OPEN, text);
-            return;
+            return Ok(());
         };
         let ended = source.line(number).get(after..).unwrap_or_default().trim_ascii().is_empty();
         (frame.next, frame.offset) = if ended { (number + 1, 0) } else { (number, after as u32) };
+        // A line that is passed is much less work than a block.
+        self.work(number.saturating_sub(line) as usize / 16)
     }
 }

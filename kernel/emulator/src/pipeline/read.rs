@@ -77,7 +77,7 @@ impl Kernel<'_> {
             text
         };
         if self.plan.edits.long_comments {
-            self.pass_long_comment(source, line, text);
+            self.pass_long_comment(source, line, text)?;
         }
         if self.is_rewind_stop(text) {
             return self.rewind_stop(source, line);
