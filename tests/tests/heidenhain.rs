@@ -97,6 +97,22 @@ fn block() -> impl Strategy<Value = String> {
         "FL AN+10",
         "FL X+50 Y+50 AN-60 CLSD+",
         "FL CLSD-",
+        "FSELECT2",
+        "FCT DR+ R24",
+        "FL PAR 2 DPQ1 AN+180",
+        "FL PDX+50 PDYQ2 D5 LEN9",
+        "L X+1 RL M197 DL2",
+        "L X+1 M112 T0.01 A10",
+        "M142",
+        "M114",
+        "PLANE SPATIAL SPA-90 SPB+0 SPC+0 TURN FMAX",
+        "CYCL DEF 28 X Q1=-5 Q3=0 Q6=2 Q10=Q1 Q11=100 Q12=200 Q16=Q2 Q17=0 Q20=12 Q21=0.01",
+        "CYCL DEF 29 X Q1=-5 Q3=0 Q6=2 Q10=2 Q11=100 Q12=200 Q16=25 Q17=1 Q20=Q1",
+        "CYCL DEF 39 X Q1=Q2 Q3=0 Q6=2 Q10=2 Q11=100 Q12=200 Q16=25 Q17=1",
+        "CYCL DEF 275 X Q215=0 Q219=Q1 Q368=0 Q436=Q2 Q207=500 Q351=1 Q201=-5 Q202=2 Q206=150 Q338=1 Q385=500 Q200=2 Q203=0 Q204=9 Q366=2",
+        "CYCL DEF 276 X Q1=-5 Q3=0 Q7=50 Q10=Q2 Q11=100 Q12=200 Q15=0",
+        "CYCL DEF 233 X Q215=0 Q389=Q1 Q350=1 Q218=60 Q219=40 Q227=2 Q386=0 Q369=0 Q202=2 Q370=1 Q207=500 Q385=500 Q253=750 Q357=2 Q200=2 Q204=50 Q347=1 Q348=-2 Q349=0 Q220=0 Q368=1 Q338=0 Q367=0",
+        "CYCL DEF 225 QS500=\"A%time08\\\\B\" Q513=Q1 Q514=0 Q515=0 Q516=Q2 Q374=0 Q517=20 Q207=500 Q201=-0.3 Q206=150 Q200=2 Q203=0 Q204=50",
         "FPOL X+1 Y+2",
         "FC IX+3 RX 5 CCX+9 CCY+3 DR+",
         "CYCL DEF 8.1 X",
@@ -257,11 +273,12 @@ proptest! {
     #![proptest_config(ProptestConfig { cases: cases(150), failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
-    fn random_programs_end_in_one_way(text in program(), which in 0..3) {
+    fn random_programs_end_in_one_way(text in program(), which in 0..4) {
         let machine = match which {
             0 => machine("fanuc-mill-exact", "preprocessor = \"heidenhain\"\n"),
             1 => machine("fanuc-mill-exact", &format!("preprocessor = \"heidenhain\"\n{CONVERSATIONAL}")),
-            _ => machine("heidenhain-mill-exact", "[[tool.offsets]]\nnumber = 5\nradius = 3\n"),
+            2 => machine("heidenhain-mill-exact", "[[tool.offsets]]\nnumber = 5\nradius = 3\n"),
+            _ => machine("heidenhain-mill-5axis", "[[tool.offsets]]\nnumber = 5\nradius = 3\n"),
         };
         let work = |threads| Work::texts(machine.clone(), &[&text], options(threads));
         // What cannot begin has no log.

@@ -160,6 +160,17 @@ pub(super) fn levels(surface: f64, bottom: f64, infeed: f64) -> Vec<f64> {
     levels
 }
 
+/// Most moves that a cycle makes at all its levels.
+const MOST_MOVES: usize = 500_000;
+
+/// A cycle does not make more moves than it may.
+pub(super) fn within_reason(moves: usize, levels: usize) -> Result<(), String> {
+    if moves.saturating_mul(levels) <= MOST_MOVES {
+        return Ok(());
+    }
+    Err(format!("the cycle would make more than {MOST_MOVES} moves: program larger infeeds"))
+}
+
 /// A quarter circle to a way or from it.
 fn quarter(at: Spot, heading: Spot, side: f64, radius: f64, arrives: bool) -> Option<Element> {
     let center = plus(at, [-heading[1] * side, heading[0] * side], radius);

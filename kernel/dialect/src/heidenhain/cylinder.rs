@@ -12,7 +12,7 @@ use counterpoint_motion::contour::element::{Element, Spot, distance, plus};
 use counterpoint_motion::contour::shifted::rounded;
 
 use super::Heidenhain;
-use super::clearing::{Blocks, levels};
+use super::clearing::{Blocks, levels, within_reason};
 use super::cycles::RAPID;
 use super::path::actual;
 use super::words::{Seen, shown};
@@ -235,6 +235,9 @@ impl Heidenhain {
     /// # Errors
     /// The machine has no table that is square to the tool.
     pub(super) fn unroll(&mut self, host: &dyn Host) -> Result<(), String> {
+        if self.shifts.mirror_bits() != 0 || (0..3).any(|axis| self.shifts.factor(axis) != Some(1.0)) {
+            return Err("a cylinder that is mirrored or scaled (cycles 8, 11, 26) is not emulated".to_owned());
+        }
         let Some((rotary, direction)) = host.part_table() else {
             return Err("a cylinder needs a rotary table that carries the part, without M128".to_owned());
         };
@@ -286,6 +289,8 @@ impl Heidenhain {
             }
             _ => Self::wall(&way, contour.is_left, [cutter + allowance, 2.0 * cutter])?,
         };
+        let all = levels(surface, surface + depth, self.sl(10));
+        within_reason(passes.ways.len() + passes.again.len(), all.len())?;
         let mut blocks = Blocks::of(self, host);
         let height = self.variables.control.tool_axis.unwrap_or(2);
         let before = actual(host).get(height).copied().unwrap_or(0.0);
@@ -300,7 +305,6 @@ impl Heidenhain {
         if !self.units.rotary_length {
             round.blocks.lines.push("M116".to_owned());
         }
-        let all = levels(surface, surface + depth, self.sl(10));
         for (place, level) in all.iter().enumerate() {
             if place > 0 && passes.rises {
                 round.blocks.rise_to(clear, RAPID);

@@ -12,7 +12,7 @@ use counterpoint_motion::contour::element::{Spot, direction, plus};
 use counterpoint_motion::lettering;
 
 use super::Heidenhain;
-use super::clearing::{Blocks, levels};
+use super::clearing::{Blocks, levels, within_reason};
 use super::cycles::RAPID;
 use super::formula::{Kind, Name};
 use super::path::actual;
@@ -189,6 +189,8 @@ impl Heidenhain {
         let unit = host.length_factor();
         let clear = self.sl(203) + self.sl(200);
         let grounds = levels(self.sl(203), self.sl(203) + self.sl(201), self.sl(202));
+        // A character has at most 20 moves.
+        within_reason(text.len() * 20, grounds.len())?;
         let mut blocks = Blocks::of(self, host);
         blocks.rise_to(clear, RAPID);
         for (place, character) in text.chars().enumerate() {

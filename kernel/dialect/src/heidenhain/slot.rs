@@ -13,7 +13,7 @@ use counterpoint_motion::contour::shifted::rounded;
 use counterpoint_motion::contour::trochoid::trochoid;
 
 use super::Heidenhain;
-use super::clearing::{Blocks, levels};
+use super::clearing::{Blocks, levels, within_reason};
 use super::cycles::RAPID;
 use crate::host::Host;
 
@@ -63,7 +63,9 @@ impl Heidenhain {
             let circles =
                 if as_wide { middle.clone() } else { self.circles(middle, (room, allowance, cutter), climbs, unit)? };
             let feed = self.at_edge(self.sl(207), room - allowance, cutter, 3.0);
-            for level in levels(surface, bottom + floor, self.sl(202)) {
+            let all = levels(surface, bottom + floor, self.sl(202));
+            within_reason(circles.len(), all.len())?;
+            for level in all {
                 self.plunge_along(host, &mut blocks, (middle, &circles), (level, self.sl(207)))?;
                 for element in &circles {
                     let feed = if element.arc.is_some() && !as_wide { feed } else { self.sl(207) };
@@ -188,7 +190,9 @@ impl Heidenhain {
         };
         let feed = self.finishing_feed();
         let clear = self.sl(203) + self.sl(200);
-        for level in levels(self.sl(203), self.sl(203) + self.sl(201), self.sl(338)) {
+        let all = levels(self.sl(203), self.sl(203) + self.sl(201), self.sl(338));
+        within_reason(ways.iter().map(|(way, ..)| way.len()).sum(), all.len())?;
+        for level in all {
             for (way, begins, ends) in &ways {
                 blocks.over(begins.from);
                 blocks.rise_to(clear, RAPID);

@@ -11,7 +11,7 @@ use counterpoint_motion::contour::heights::heights;
 use counterpoint_motion::contour::shifted::rounded;
 
 use super::Heidenhain;
-use super::clearing::{Blocks, levels};
+use super::clearing::{Blocks, levels, within_reason};
 use super::cycles::RAPID;
 use crate::host::Host;
 
@@ -163,7 +163,9 @@ impl Heidenhain {
         let (safe, alternates) = (self.sl(7), self.sl(15) == 0.0);
         let mut blocks = Blocks::of(self, host);
         blocks.rise_to(safe, RAPID);
-        for (at, lower) in levels(0.0, self.sl(1), self.sl(10)).into_iter().enumerate() {
+        let all = levels(0.0, self.sl(1), self.sl(10));
+        within_reason(way.len(), all.len())?;
+        for (at, lower) in all.into_iter().enumerate() {
             let way = if alternates && at % 2 == 1 { ways[1] } else { ways[0] };
             let Some((first, [height, _])) = way.first() else { continue };
             if at == 0 || !alternates {
