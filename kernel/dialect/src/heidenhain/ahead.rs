@@ -74,7 +74,7 @@ impl Heidenhain {
                         super::words::Operand::Number(_, value) => Some(*value as usize),
                         _ => None,
                     });
-                    self.path.free.selects.extend(number.map(|number| (behind, number)));
+                    self.path.free.selects.extend(number.map(|number| (behind, number, line)));
                     return;
                 }
                 _ => return,

@@ -12,13 +12,24 @@ use super::free::{Free, of_step};
 use super::path::{Shape, Step, Walk};
 use crate::contour::{Point, along, direction, left, length, minus, touch};
 
+/// Lines of FSELECT that are remembered.
+const DECIDED: usize = 20;
+
 /// A line through a point, with its direction.
 pub(super) type Line = (Point, Point);
 
 impl Free {
     /// FSELECT behind as many elements.
-    pub(super) fn selected(&self, behind: usize) -> Option<usize> {
-        self.selects.iter().find(|(at, _)| *at == behind).map(|(_, number)| *number)
+    pub(super) fn selected(&self, behind: usize) -> Option<(usize, u32)> {
+        self.selects.iter().find(|(at, ..)| *at == behind).map(|(_, number, line)| (*number, *line))
+    }
+
+    /// FSELECT of a line has selected something.
+    fn decides(&mut self, line: u32) {
+        if self.decided.len() >= DECIDED {
+            self.decided.remove(0);
+        }
+        self.decided.push(line);
     }
 }
 
@@ -28,7 +39,7 @@ impl Walk<'_> {
         if found.len() < 2 {
             return found.first().copied();
         }
-        let number = self.path.free.selected(behind)?;
+        let (number, line) = self.path.free.selected(behind)?;
         let one = number.checked_sub(1).and_then(|at| found.get(at)).copied()?;
         let text = format!(
             "FSELECT{number} of {} solutions in '{}': the numbers of the control are not known, look at the path",
@@ -36,7 +47,22 @@ impl Walk<'_> {
             self.host.block_text()
         );
         self.host.report(&diag::PATH_NOT_MADE, 4, text);
+        self.path.free.decides(line);
         Some(one)
+    }
+
+    /// FSELECT itself: where the elements before it have one solution here, the control has others.
+    pub(super) fn select(&mut self) {
+        let line = self.step.line;
+        if self.path.free.decided.contains(&line) {
+            self.path.free.decided.retain(|known| *known != line);
+            return;
+        }
+        let text = format!(
+            "the elements before '{}' have one solution here, which may not be the one of the control: look at the path",
+            self.host.block_text()
+        );
+        self.host.report(&diag::PATH_NOT_MADE, 4, text);
     }
 
     /// The point beside a line, and its distance.

@@ -46,8 +46,10 @@ pub(super) struct Free {
     begins: Option<Point>,
     /// Elements with the number of their block: end, direction there.
     known: Vec<(u32, Point, Option<Point>)>,
-    /// FSELECT, each with how many elements it stands behind that follow the one that is being made.
-    pub(super) selects: Vec<(usize, usize)>,
+    /// FSELECT, each with how many elements it stands behind that follow the one that is being made, its number and its line.
+    pub(super) selects: Vec<(usize, usize, u32)>,
+    /// Lines of those that have selected something.
+    pub(super) decided: Vec<u32>,
     /// The end of the element that is being made.
     end: Option<Point>,
 }
@@ -411,9 +413,11 @@ impl Walk<'_> {
             // By its ends and its radius, the shorter way.
             let (Some(end), Some(radius)) = (end, radius) else { return Err(self.not_determined()) };
             let to = self.flat(&end);
-            let Some(center) = crate::contour::center_by_radius(start, to, radius, clockwise) else {
-                return Err(self.not_determined());
-            };
+            // The shorter way, unless FSELECT says otherwise.
+            let ways = [radius, -radius];
+            let signed = if self.path.free.selected(0).is_some() { self.pick(&ways, 0) } else { Some(radius) };
+            let center = signed.and_then(|signed| crate::contour::center_by_radius(start, to, signed, clockwise));
+            let Some(center) = center else { return Err(self.not_determined()) };
             let angle = Polar::of(center, start).angle;
             let sweep = angle_between(angle, Polar::of(center, to).angle, clockwise);
             return Ok(self.arc_about(&Arc { center, radius, sweep, end: Some(end) }, angle, clockwise));

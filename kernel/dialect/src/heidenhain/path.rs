@@ -253,7 +253,7 @@ impl Walk<'_> {
             return Ok(Vec::new());
         }
         if step.shape == Shape::FreeSelect {
-            // What has been selected was said when it was made.
+            self.select();
             return Ok(Vec::new());
         }
         let shape = if step.shape == Shape::Iso { self.iso_shape() } else { step.shape };
