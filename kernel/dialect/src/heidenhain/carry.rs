@@ -363,6 +363,7 @@ impl Heidenhain {
         });
         self.cycle_calls(host, &mut seen, moves)?;
         self.after_block(&seen);
+        self.path.rapid = self.rapid_on_circle(host, shape, &seen)?;
         let step = Step { shape, iso, seen, line: place.line, number: line.number };
         self.path.free.selects.clear();
         let ahead = if place.as_read { self.ahead(host, shape, line.next, place)? } else { Vec::new() };

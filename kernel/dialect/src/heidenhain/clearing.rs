@@ -17,6 +17,7 @@ use super::Heidenhain;
 use super::areas::Stage;
 use super::contours::Figure;
 use super::cycles::RAPID;
+use super::path::FASTEST;
 use super::tasks::{Rounding, Task};
 use super::words::shown;
 use crate::host::Host;
@@ -143,7 +144,8 @@ impl Blocks<'_> {
     pub(super) fn round(&mut self, center: &str, to: &str, clockwise: bool, feed: f64) {
         self.lines.push(format!("CC {center}"));
         let sense = if clockwise { "DR-" } else { "DR+" };
-        self.lines.push(format!("C {to} {sense} {}", Self::feed(feed)));
+        let feed = if feed >= RAPID { FASTEST.to_owned() } else { Self::feed(feed) };
+        self.lines.push(format!("C {to} {sense} {feed}"));
     }
 }
 

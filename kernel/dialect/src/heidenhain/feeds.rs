@@ -7,6 +7,7 @@
 
 use super::Heidenhain;
 use super::eval::{Asked, Evaluator};
+use super::path::{FASTEST, Shape};
 use super::variables::Value;
 use super::words::{Seen, shown};
 use crate::host::Host;
@@ -76,6 +77,27 @@ impl Heidenhain {
             *word = Seen { name: "F".into(), value: Some(value), text: format!("M136 F{}", shown(value)) };
         }
         Ok(())
+    }
+
+    /// The F word that FMAX is on a circle: the rate of the slower axis of the plane.
+    pub(super) fn rapid_on_circle(
+        &self,
+        host: &mut dyn Host,
+        shape: Shape,
+        seen: &[Seen],
+    ) -> Result<Option<String>, Halt> {
+        if !shape.is_arc() || !seen.iter().any(|word| word.is("FMAX")) {
+            return Ok(None);
+        }
+        if self.units.per_turn {
+            let text =
+                format!("FMAX on a circle under M136 is not emulated in '{}'; program M137 before", host.block_text());
+            return Err(host.alarm(&diag::STATEMENT_UNKNOWN, text));
+        }
+        let rates = self.plane_letters().map(|letter| host.rapid_rate(letter));
+        let rate = rates.into_iter().flatten().fold(f64::INFINITY, f64::min);
+        let per_minute = if self.units.inches { host.length_factor() / 10.0 } else { 1.0 };
+        Ok(Some(if rate.is_finite() { format!("F{}", shown(rate / per_minute)) } else { FASTEST.to_owned() }))
     }
 
     /// Feeds that are kept have the unit that they had.

@@ -14,6 +14,9 @@ use counterpoint_fault::Halt;
 /// Letters of the axes.
 pub(super) const AXES: [&str; 9] = ["X", "Y", "Z", "A", "B", "C", "U", "V", "W"];
 
+/// A feed above the rates of all axes.
+pub(super) const FASTEST: &str = "F99999";
+
 /// A position by axis.
 pub(super) type Position = [f64; AXES.len()];
 
@@ -83,6 +86,14 @@ impl Shape {
         ("FC", Self::FreeArc { tangent: false }),
         ("FCT", Self::FreeArc { tangent: true }),
     ];
+
+    /// A circle in one of its forms.
+    pub(super) fn is_arc(self) -> bool {
+        matches!(
+            self,
+            Self::Arc | Self::Radius | Self::Tangent | Self::PolarArc | Self::PolarTangent | Self::FreeArc { .. }
+        )
+    }
 
     /// An element of a free contour.
     pub(super) fn is_free(self) -> bool {
@@ -177,6 +188,8 @@ pub(super) struct Path {
     pub(super) round: bool,
     /// A corner had a feed of its own.
     pub(super) gives_feed_back: bool,
+    /// What FMAX is in the circle of this block.
+    pub(super) rapid: Option<String>,
 }
 
 impl Default for Path {
@@ -197,6 +210,7 @@ impl Default for Path {
             tool_feed: None,
             round: false,
             gives_feed_back: false,
+            rapid: None,
         }
     }
 }
@@ -466,6 +480,13 @@ impl Walk<'_> {
                 }
             }
             None => {}
+        }
+        if let Some(rapid) = self.path.rapid.take() {
+            // A rapid of the machine is straight.
+            for line in &mut *lines {
+                *line = line.replace("FMAX", &rapid);
+            }
+            self.path.gives_feed_back = self.path.feed.is_some();
         }
         if self.step.seen.iter().any(|word| word.is("FAUTO")) {
             let feed = self.path.tool_feed.clone();

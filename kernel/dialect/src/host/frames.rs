@@ -61,6 +61,9 @@ pub trait Frames {
     /// Positions of the rotary axes, by letter, that turn into the tilted plane; none without one, or before that is known.
     fn plane_angles(&self) -> Option<Vec<(String, f64)>>;
 
+    /// Rate of an axis at rapid, by its letter, units of the machine a minute.
+    fn rapid_rate(&self, letter: &str) -> Option<f64>;
+
     /// The rotary axis of a table that carries the part, by letter, with its direction in the frame of the program; none without one
     /// or under control of the tip.
     fn part_table(&self) -> Option<(String, [f64; 3])>;

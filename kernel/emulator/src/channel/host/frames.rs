@@ -104,6 +104,12 @@ impl Frames for Kernel<'_> {
         Some(angles.iter().map(of).collect())
     }
 
+    fn rapid_rate(&self, letter: &str) -> Option<f64> {
+        let machine = &self.channel.env.machine.axes;
+        let mut axes = self.channel.state.place.layout.axes.iter().map(|axis| &machine[axis.machine]);
+        axes.find(|axis| axis.letter == letter).map(|axis| axis.rapid)
+    }
+
     fn part_table(&self) -> Option<(String, [f64; 3])> {
         let (axis, direction) = self.channel.part_table()?;
         let letter = &self.channel.env.machine.axes[self.channel.state.place.layout.axes[axis].machine].letter;
