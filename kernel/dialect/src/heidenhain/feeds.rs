@@ -89,15 +89,20 @@ impl Heidenhain {
         if !shape.is_arc() || !seen.iter().any(|word| word.is("FMAX")) {
             return Ok(None);
         }
+        self.circle_rate(host).map(Some)
+    }
+
+    /// The F word of a circle at rapid.
+    pub(super) fn circle_rate(&self, host: &mut dyn Host) -> Result<String, Halt> {
         if self.units.per_turn {
             let text =
-                format!("FMAX on a circle under M136 is not emulated in '{}'; program M137 before", host.block_text());
+                format!("a circle at rapid under M136 is not emulated in '{}'; program M137 before", host.block_text());
             return Err(host.alarm(&diag::STATEMENT_UNKNOWN, text));
         }
         let rates = self.plane_letters().map(|letter| host.rapid_rate(letter));
         let rate = rates.into_iter().flatten().fold(f64::INFINITY, f64::min);
         let per_minute = if self.units.inches { host.length_factor() / 10.0 } else { 1.0 };
-        Ok(Some(if rate.is_finite() { format!("F{}", shown(rate / per_minute)) } else { FASTEST.to_owned() }))
+        Ok(if rate.is_finite() { format!("F{}", shown(rate / per_minute)) } else { FASTEST.to_owned() })
     }
 
     /// Feeds that are kept have the unit that they had.

@@ -173,6 +173,8 @@ struct Journey<'s> {
     /// Functions of the block.
     functions: &'s [Seen],
     of_cycle: bool,
+    /// The way to each point but the first goes round: the block of the centre, and what stands behind the point.
+    round: Option<[String; 2]>,
 }
 
 impl Heidenhain {
@@ -230,7 +232,7 @@ impl Heidenhain {
         let clearances = [self.second_clearance(); 2];
         self.next_point(
             host,
-            &Journey { program, way, clearances, stays_low: false, functions: seen, of_cycle: false },
+            &Journey { program, way, clearances, stays_low: false, functions: seen, of_cycle: false, round: None },
             place,
         )
     }
@@ -256,17 +258,17 @@ impl Heidenhain {
             };
             self.cycles.pattern.of_cycle =
                 spots.into_iter().map(|at| Spot { at, above: 0.0, clearance: None }).collect();
-            if number == 220 && self.q(365) == 1.0 {
-                let text =
-                    format!("ways on arcs (Q365=1) are not made in '{}'; the tool goes straight", host.block_text());
-                host.diagnose(&diag::PATH_NOT_MADE, text);
-            }
         }
+        let round = match number == 220 && self.q(365) == 1.0 {
+            true => Some(self.round_the_circle(host)?),
+            false => None,
+        };
         let low = self.q(301) == 0.0;
         let second = self.second_clearance();
         let clearances = [second, if low { self.q(200) } else { second }];
         let way = Way::of(host, &[]);
-        let journey = Journey { program: &program, way, clearances, stays_low: low, functions: &[], of_cycle: true };
+        let journey =
+            Journey { program: &program, way, clearances, stays_low: low, functions: &[], of_cycle: true, round };
         Ok(self.next_point(host, &journey, place)?.map(|blocks| blocks.join("\n")))
     }
 
@@ -288,6 +290,16 @@ impl Heidenhain {
         let step = if step == 0.0 { (last - first) / shares as f64 } else { step };
         let center = [self.q(216), self.q(217)];
         Some((0..count).map(|at| along(center, towards(first + step * at as f64), self.q(244) / 2.0)).collect())
+    }
+
+    /// The way from point to point of cycle 220 on the circle itself: its centre, what it turns, and its feed.
+    fn round_the_circle(&self, host: &mut dyn Host) -> Result<[String; 2], Halt> {
+        let [first, second] = self.plane_letters();
+        let [first_angle, last_angle, step] = [245, 246, 247].map(|index| self.q(index));
+        let turns = if step == 0.0 { last_angle - first_angle } else { step };
+        let center = format!("CC {first}{} {second}{}", shown(self.q(216)), shown(self.q(217)));
+        let sense = if turns < 0.0 { "DR-" } else { "DR+" };
+        Ok([center, format!("{sense} {}", self.circle_rate(host)?)])
     }
 
     /// Points of cycle 221.
@@ -331,8 +343,16 @@ impl Heidenhain {
             words.push(' ');
             words.push_str(&word.text);
         }
-        blocks.push(way.block(&words, false));
-        blocks.extend(self.path.feed.clone().filter(|_| way.has_feed()));
+        match journey.round.as_ref().filter(|_| call.next > 0) {
+            Some([center, turn]) => {
+                blocks.extend([center.clone(), format!("C {words} {turn}")]);
+                blocks.extend(self.path.feed.clone());
+            }
+            None => {
+                blocks.push(way.block(&words, false));
+                blocks.extend(self.path.feed.clone().filter(|_| way.has_feed()));
+            }
+        }
         self.call_cycle_program(host, journey.program, Some(surface))?;
         if journey.stays_low && !is_last {
             self.for_this_call(SECOND_CLEARANCE, 0.0);
