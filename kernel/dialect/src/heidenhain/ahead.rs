@@ -52,7 +52,14 @@ impl Heidenhain {
             let mut seen = Evaluator::new(&mut self.variables, host).seen(words)?;
             self.cycles.contours.unroll(&mut seen);
             // The line of a corner follows from what it was read from.
-            steps.push(Step { shape: *shape, iso: *iso, seen, line: behind.saturating_sub(1), number: first.number });
+            steps.push(Step {
+                shape: *shape,
+                iso: *iso,
+                seen,
+                line: behind.saturating_sub(1),
+                number: first.number,
+                rapid: None,
+            });
         }
         let elements = matches!(shape, Shape::FreeLine { .. } | Shape::FreeArc { .. });
         if is_corner || elements {
@@ -137,7 +144,7 @@ impl Heidenhain {
                     let mut seen = Evaluator::new(&mut self.variables, host).seen(words)?;
                     self.cycles.contours.unroll(&mut seen);
                     return Ok(Some((
-                        Step { shape: *shape, iso: *iso, seen, line: 0, number: read.number },
+                        Step { shape: *shape, iso: *iso, seen, line: 0, number: read.number, rapid: None },
                         read.next,
                     )));
                 }

@@ -363,8 +363,8 @@ impl Heidenhain {
         });
         self.cycle_calls(host, &mut seen, moves)?;
         self.after_block(&seen);
-        self.path.rapid = self.rapid_on_circle(host, shape, &seen)?;
-        let step = Step { shape, iso, seen, line: place.line, number: line.number };
+        let rapid = self.rapid_on_circle(host, shape, &seen)?;
+        let step = Step { shape, iso, seen, line: place.line, number: line.number, rapid };
         self.path.free.selects.clear();
         let ahead = if place.as_read { self.ahead(host, shape, line.next, place)? } else { Vec::new() };
         lines.extend(walk(&mut self.path, host, &step, &ahead)?);

@@ -128,6 +128,8 @@ pub(super) struct Step {
     pub(super) line: u32,
     /// Number of its block.
     pub(super) number: Option<u32>,
+    /// What FMAX is in a circle.
+    pub(super) rapid: Option<String>,
 }
 
 /// A corner that the block before has made room for.
@@ -188,8 +190,6 @@ pub(super) struct Path {
     pub(super) round: bool,
     /// A corner had a feed of its own.
     pub(super) gives_feed_back: bool,
-    /// What FMAX is in the circle of this block.
-    pub(super) rapid: Option<String>,
 }
 
 impl Default for Path {
@@ -210,7 +210,6 @@ impl Default for Path {
             tool_feed: None,
             round: false,
             gives_feed_back: false,
-            rapid: None,
         }
     }
 }
@@ -481,10 +480,10 @@ impl Walk<'_> {
             }
             None => {}
         }
-        if let Some(rapid) = self.path.rapid.take() {
+        if let Some(rapid) = &self.step.rapid {
             // A rapid of the machine is straight.
             for line in &mut *lines {
-                *line = line.replace("FMAX", &rapid);
+                *line = line.replace("FMAX", rapid);
             }
             self.path.gives_feed_back = self.path.feed.is_some();
         }
