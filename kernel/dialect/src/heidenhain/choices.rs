@@ -2,7 +2,7 @@
 //!
 //! Facts: programming manuals of the control (PAR and DP: a line parallel to that of another block, and its distance; PDX, PDY and D: a point
 //! beside a line, and its distance; FSELECT behind the blocks that leave a choice selects one of their solutions by its number). How the control
-//! numbers its solutions is in no manual that we have. Decisions: of two solutions the first one lies to the right, seen along the way or from
+//! numbers its solutions is in no manual that we have. Decisions: an arc comes to a coordinate at the nearer spot first; of two other solutions the first one lies to the right, seen along the way or from
 //! the centre of the element to that of the next known circle; a line parallel to another one first goes in its direction; each use of FSELECT
 //! that decides something is reported. *Invariant:* without FSELECT only what has one solution is made.
 
@@ -10,7 +10,7 @@ use counterpoint_fault as diag;
 
 use super::free::{Free, of_step};
 use super::path::{Shape, Step, Walk};
-use crate::contour::{Point, along, direction, left, length, minus, touch};
+use crate::contour::{Point, along, angle_between, direction, left, length, minus, touch};
 
 /// Lines of FSELECT that are remembered.
 const DECIDED: usize = 20;
@@ -115,6 +115,22 @@ impl Walk<'_> {
             .into_iter()
             .filter_map(|clockwise| direction(minus(touch(start, at, apart, clockwise)?, start)))
             .collect()
+    }
+
+    /// How far an arc turns to where it meets the only coordinate that its block says, the nearer spot first; degrees.
+    pub(super) fn sweeps_to_coordinate(&self, (center, radius): (Point, f64), from: f64, clockwise: bool) -> Vec<f64> {
+        let said = match self.said() {
+            [Some(first), None] => Some((first - center[0], 0.0)),
+            [None, Some(second)] => Some((second - center[1], 90.0)),
+            _ => None,
+        };
+        let Some((off, axis)) = said.filter(|(off, _)| off.abs() <= radius + 1e-9) else { return Vec::new() };
+        let half = libm::acos((off / radius).clamp(-1.0, 1.0)).to_degrees();
+        let mut sweeps = [axis + half, axis - half].map(|angle| angle_between(from, angle, clockwise)).to_vec();
+        sweeps.retain(|sweep| *sweep > 1e-6);
+        sweeps.sort_by(f64::total_cmp);
+        sweeps.dedup_by(|a, b| (*a - *b).abs() < 1e-4);
+        sweeps
     }
 
     /// Where a circle leaves along a line that touches the next circle, each in its sense.

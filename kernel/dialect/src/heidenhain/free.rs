@@ -137,7 +137,7 @@ impl Walk<'_> {
     }
 
     /// Which coordinates of the plane the block says, and where they are.
-    fn said(&self) -> [Option<f64>; 2] {
+    pub(super) fn said(&self) -> [Option<f64>; 2] {
         let (coded, end) = (self.coded(), self.flat(&self.target()));
         let here = self.flat(&self.start);
         let of = |side: usize, name: &str| {
@@ -435,7 +435,11 @@ impl Walk<'_> {
             None => self.free("CCA").map(f64::abs).or(chord).or_else(|| {
                 let exit = self.ahead.first().and_then(exit_angle).filter(|_| begins.is_some());
                 let by_exit = exit.map(|exit| angle_between(angle, exit - turn, clockwise));
-                by_exit.or_else(|| {
+                let by_one = || {
+                    let found = self.sweeps_to_coordinate((center, radius), angle, clockwise);
+                    self.pick(&found, 0)
+                };
+                by_exit.or_else(by_one).or_else(|| {
                     let end = self.arc_end(center, radius, clockwise)?;
                     Some(angle_between(angle, Polar::of(center, end).angle, clockwise))
                 })
