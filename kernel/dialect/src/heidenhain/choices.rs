@@ -10,7 +10,7 @@ use counterpoint_fault as diag;
 
 use super::free::{Free, of_step};
 use super::path::{Shape, Step, Walk};
-use crate::contour::{Point, along, angle_between, direction, left, length, minus, touch};
+use crate::contour::{Point, along, angle_between, direction, left, length, minus, touch, turn};
 
 /// Lines of FSELECT that are remembered.
 const DECIDED: usize = 20;
@@ -150,41 +150,92 @@ impl Walk<'_> {
         (apart.abs() <= 1.0).then(|| along(along(center, way, -own * apart), left(way), -own * rest))
     }
 
-    /// Where a circle leaves for an arc of a radius that leads to another circle: to the right of the line between the centres first.
+    /// The arc of a radius that follows, between the element and the one behind it, which is tangential or a line: its radius and sense.
+    fn arc_between(&self) -> Option<(f64, bool, &Step)> {
+        let (arc, behind) = (self.ahead.first()?, self.ahead.get(1)?);
+        let is_arc = arc.shape == Shape::FreeArc { tangent: true };
+        let is_open = is_arc && self.center_of(arc).is_none() && self.end_behind(arc).is_none();
+        Some((of_step(arc, "R")?.abs(), super::free::sense_of(arc)?, behind)).filter(|_| is_open)
+    }
+
+    /// The circle of a tangential arc: its centre, radius and sense.
+    fn circle_of(&self, step: &Step) -> Option<(Point, f64, bool)> {
+        let circle = (self.center_of(step)?, of_step(step, "R")?.abs(), super::free::sense_of(step)?);
+        (step.shape == Shape::FreeArc { tangent: true }).then_some(circle)
+    }
+
+    /// Where a line in a direction ends for an arc of a radius that leads to a circle: the nearer spot first.
+    pub(super) fn line_for_arc(&self, way: Option<Point>) -> Vec<Point> {
+        let found = || {
+            let (between, own, behind) = self.arc_between()?;
+            let (to, size, next) = self.circle_of(behind)?;
+            let (way, start) = (way?, self.flat(&self.start));
+            let middle = along(start, left(way), if own { -between } else { between });
+            let spots = on_line((middle, way), to, apart((between, own), (size, next)))?;
+            Some(spots.into_iter().filter(|by| *by > 1e-9).map(|by| along(start, way, by)).collect())
+        };
+        found().unwrap_or_default()
+    }
+
+    /// Where a circle leaves for an arc of a radius that leads to another circle, to the right of the line between the centres first, or to
+    /// a line, where it comes to that first.
     pub(super) fn leaves_for_arc(&self, (center, radius, clockwise): (Point, f64, bool)) -> Vec<Point> {
         let found = || {
-            let (arc, behind) = (self.ahead.first()?, self.ahead.get(1)?);
-            let tangential = |step: &Step| step.shape == Shape::FreeArc { tangent: true };
-            if !tangential(arc)
-                || !tangential(behind)
-                || self.center_of(arc).is_some()
-                || self.end_behind(arc).is_some()
-            {
-                return None;
-            }
-            let (between, to) = (of_step(arc, "R")?.abs(), self.center_of(behind)?);
-            let size = of_step(behind, "R")?.abs();
-            let (own, next) = (super::free::sense_of(arc)?, super::free::sense_of(behind)?);
-            let apart = |size: f64, sense: bool| if sense == own { (between - size).abs() } else { between + size };
-            let (here, there) = (apart(radius, clockwise), apart(size, next));
-            let by = minus(to, center);
-            let (way, whole) = (direction(by)?, length(by));
-            let foot = (here * here - there * there + whole * whole) / (2.0 * whole);
-            let rise = here * here - foot * foot;
-            if rise < -1e-9 {
-                return None;
-            }
-            let rise = rise.max(0.0).sqrt();
-            let sides = if rise < 1e-6 { vec![0.0] } else { vec![-rise, rise] };
-            let leave = |side: f64| {
-                let middle = along(along(center, way, foot), left(way), side);
+            let (between, own, behind) = self.arc_between()?;
+            let here = apart((between, own), (radius, clockwise));
+            let middles = match self.circle_of(behind) {
+                Some((to, size, next)) => {
+                    let by = minus(to, center);
+                    let (way, whole) = (direction(by)?, length(by));
+                    let there = apart((between, own), (size, next));
+                    let foot = (here * here - there * there + whole * whole) / (2.0 * whole);
+                    let rise = here * here - foot * foot;
+                    if rise < -1e-9 {
+                        return None;
+                    }
+                    let rise = rise.max(0.0).sqrt();
+                    let sides = if rise < 1e-6 { vec![0.0] } else { vec![-rise, rise] };
+                    sides.into_iter().map(|side| along(along(center, way, foot), left(way), side)).collect()
+                }
+                None => {
+                    let lines = self.lines_behind(behind);
+                    let [(at, way)] = *lines else { return None };
+                    let middle = along(at, left(way), if own { -between } else { between });
+                    let spots = on_line((middle, way), center, here)?;
+                    spots.into_iter().map(|by| along(middle, way, by)).collect::<Vec<Point>>()
+                }
+            };
+            let leave = |middle: Point| {
                 // Outside of each other, or one inside of the other.
                 let out = direction(minus(middle, center))?;
                 let inside = own == clockwise && between > radius;
                 Some(along(center, out, if inside { -radius } else { radius }))
             };
-            Some(sides.into_iter().filter_map(leave).collect())
+            Some(middles.into_iter().filter_map(leave).collect())
         };
         found().unwrap_or_default()
     }
+}
+
+/// How far the centres of two circles that touch are apart, each with its sense.
+fn apart((one, first): (f64, bool), (other, second): (f64, bool)) -> f64 {
+    if first == second { (one - other).abs() } else { one + other }
+}
+
+/// How far along a line the spots lie that have a distance from a point; none where it is too far.
+fn on_line((from, way): Line, point: Point, distance: f64) -> Option<Vec<f64>> {
+    let by = minus(point, from);
+    let (foot, off) = (by[0] * way[0] + by[1] * way[1], turn(way, by));
+    let rest = distance * distance - off * off;
+    if rest < -1e-9 {
+        return None;
+    }
+    let rest = rest.max(0.0).sqrt();
+    Some(if rest < 1e-6 { vec![foot] } else { vec![foot - rest, foot + rest] })
+}
+
+/// Angle of a tangential line behind an arc.
+pub(super) fn exit_angle(step: &Step) -> Option<f64> {
+    let own = step.seen.iter().find(|word| word.is("AN")).and_then(|word| word.value);
+    own.filter(|_| step.shape == Shape::FreeLine { tangent: true })
 }

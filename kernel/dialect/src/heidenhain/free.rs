@@ -5,6 +5,7 @@
 //! one solution: at once, with the tangent of the element before, with auxiliary points, or with one or two elements behind it, and those
 //! of which FSELECT selects one. Invariant: an element that is not determined stops the program, as on the control.
 
+use super::choices::exit_angle;
 use super::path::{Position, Shape, Step, Walk};
 use counterpoint_fault as diag;
 use counterpoint_fault::Halt;
@@ -230,6 +231,10 @@ impl Walk<'_> {
             let way = way?;
             let found: Vec<Point> = lines.into_iter().filter_map(|(at, other)| meets(start, way, at, other)).collect();
             return self.pick(&found, 1);
+        }
+        let for_arc = self.line_for_arc(way);
+        if !for_arc.is_empty() {
+            return self.pick(&for_arc, 2);
         }
         self.line_to_arc(way)
     }
@@ -488,10 +493,4 @@ impl Walk<'_> {
 fn meets_line(from: Point, way: Point, at: Point, other: Point) -> Option<Point> {
     let by = turn(way, other);
     (by.abs() > 1e-9).then(|| along(from, way, turn(minus(at, from), other) / by))
-}
-
-/// Angle of a tangential line behind an arc.
-fn exit_angle(step: &Step) -> Option<f64> {
-    let own = step.seen.iter().find(|word| word.is("AN")).and_then(|word| word.value);
-    own.filter(|_| step.shape == Shape::FreeLine { tangent: true })
 }
