@@ -314,7 +314,9 @@ mod tests {
         refused(b"", "is empty");
         refused(b" \r\n\n", "is empty");
         refused(&(0..=255).collect::<Vec<u8>>(), "is not a text file (29 of 256 bytes");
-        for content in [&b"%\r\nG0 X1\r\n"[..], b"\0\0\0%\nO1\n\0\0", b"(\xe4\xf6)\nG0\n", b"\xff\xfeG\x000\0", b"M208 M02\x1a"] {
+        for content in
+            [&b"%\r\nG0 X1\r\n"[..], b"\0\0\0%\nO1\n\0\0", b"(\xe4\xf6)\nG0\n", b"\xff\xfeG\x000\0", b"M208 M02\x1a"]
+        {
             assert!(is_program(path, content).is_ok(), "{content:?}");
         }
     }

@@ -9,15 +9,7 @@ use super::{Outcome, Siemens, syntax};
 use crate::host::Host;
 use counterpoint_fault as diag;
 
-/// Settings of the dynamics of an axis by the program, in per cent of those of the machine.
-const DYNAMICS: [&str; 6] = ["ACC", "VELOLIM", "JERKLIM", "ACCLIMA", "VELOLIMA", "JERKLIMA"];
-
-/// A setting of the dynamics.
-pub(super) fn is_dynamics(name: &str) -> bool {
-    DYNAMICS.contains(&name)
-}
-
-/// Such a setting changes nothing.
+/// A setting of the dynamics of an axis, in per cent of those of the machine, changes nothing.
 pub(super) fn ignore_dynamics(host: &mut dyn Host, asked: &str) {
     let text = format!(
         "{asked} is ignored in '{}': moves take the time that the dynamics of the machine allow",
@@ -47,17 +39,18 @@ impl Siemens {
         Ok(())
     }
 
-    /// FGROUP: the axes that F counts for. Without arguments it is that of the machine again, as here from the start.
+    /// FGROUP: the axes that F counts for. The geometry axes, or none, are those that it counts for anyway.
     pub(super) fn feed_group(&mut self, host: &mut dyn Host, arguments: &[Argument]) -> Outcome<()> {
+        if Self::groups_of_feed(host, arguments) {
+            return Ok(());
+        }
         for argument in arguments {
             if !host.is_register(&argument.text.trim().to_ascii_uppercase()) {
                 return syntax(format!("FGROUP takes names of axes, not '{}'", argument.text.trim()));
             }
         }
-        if !arguments.is_empty() {
-            let text = format!("FGROUP is ignored in '{}': F counts as without it", host.block_text());
-            host.diagnose(&diag::SIEMENS_IGNORED, text);
-        }
+        let text = format!("FGROUP is ignored in '{}': F counts as without it", host.block_text());
+        host.diagnose(&diag::SIEMENS_IGNORED, text);
         Ok(())
     }
 }

@@ -6,20 +6,25 @@
 //! new Y, A2 about the new X, with Euler angles by A2 about Z, B2 about the new X; C2 then does nothing. Two space angles about axes A and B are those of
 //! the lines in which the plane cuts the old planes; the axis of the second angle's line lies in its old plane. TOFRAME and TOROT, which TOFRAMEZ and TOROTZ also mean, put Z along
 //! the tool, X stays in its old plane with Z. Decisions: Euler angles unless ORIRPY says otherwise; angles that a block does not have are 0;
-//! TOFRAME and TOROT act on the programmable frame. *Invariant:* without a transformation for directions these words stay as unknown as on a
+//! TOFRAME and TOROT act on the programmable frame; ORIRESET, whose values are places of the machine's rotary axes in their order, 0 where one is left
+//! out, moves them as the block's G function says. *Invariant:* without a transformation for directions these words stay as unknown as on a
 //! control without the option.
 
+use super::evaluate::number;
+use super::expression::Argument;
 use super::frame::Frame;
 use super::run::Left;
 use super::value::Data;
 use super::{Outcome, Siemens, syntax};
 use crate::host::Host;
+use counterpoint_machine::ident::codes;
 
 /// Addresses of the angles of a direction.
 pub(super) const ANGLES: [&str; 3] = ["A2", "B2", "C2"];
 /// Addresses of a direction, as the machine's tables know it.
 const DIRECTION: [&str; 3] = ["A3", "B3", "C3"];
 const AXES: [&str; 3] = ["X", "Y", "Z"];
+const ROTARY: [&str; 3] = ["A", "B", "C"];
 
 type Rows = [[f64; 3]; 3];
 
@@ -98,6 +103,38 @@ impl Siemens {
             Some(key) if has_directions(host) => self.tool_frame(host, left, key),
             _ => Ok(()),
         }
+    }
+
+    /// ORIRESET: rotary axes go to the initial position of the tool; whether it is that.
+    pub(super) fn reset_orientation(
+        &mut self,
+        host: &mut dyn Host,
+        name: &str,
+        arguments: &[Argument],
+        left: &mut Left,
+    ) -> Outcome<bool> {
+        if name != "ORIRESET" || !has_directions(host) {
+            return Ok(false);
+        }
+        if !host.modes().0.iter().any(|(_, code, _)| *code == codes::RTCP_ON) {
+            // A direction without the transformation is the alarm of the control.
+            left.add("C3=1");
+            return Ok(true);
+        }
+        let axes = host.axes();
+        let rotary: Vec<_> = axes.iter().filter(|axis| ROTARY.iter().any(|name| axis.is(name))).collect();
+        if arguments.len() > rotary.len() {
+            return syntax(format!("ORIRESET takes {} values", rotary.len()));
+        }
+        let relative = left.relative.unwrap_or_else(|| host.relative());
+        let mut arguments = arguments.iter();
+        for axis in rotary {
+            let given = arguments.next().map(|argument| self.argument(host, argument)).transpose()?.flatten();
+            let way = given.map_or(Ok(0.0), |value| number(&value))? - axis.machine;
+            left.add(&format!("{}{}", axis.letter, Data::Real(if relative { way } else { axis.work + way }).word()));
+        }
+        left.moves = true;
+        Ok(true)
     }
 
     /// ROTS and AROTS: a rotation by two space angles.

@@ -1,10 +1,11 @@
-//! POS, POSA, FA and WAITP: axes that go to a position by themselves.
+//! POS, POSA, FA and WAITP: axes that go to a position by themselves. ACC, VELOLIM, JERKLIM, ATOL: limits of single axes. FGROUP: axes of the feed.
 //!
 //! Facts: programming manual, fundamentals, chapter "traversing positioning axes": POS[axis] waits at the end of its block, POSA[axis]
 //! does not, WAITP waits for such an axis; FA[axis] is its feed per minute, without it the axis moves at the rate of the machine.
 //! Decisions: a positioning axis moves before the path of its block and the block waits for it, also with POSA, so that WAITP has
 //! nothing to wait for; without FA it is rapid. Under G95 the feed of G94 is forgotten
-//! (FA takes its place). *Invariant:* group 1, the type of the feed and F of the path stay as they are.
+//! (FA takes its place). Limits of single axes change nothing, which is told of those that change times; FGROUP of the geometry axes, or of none, is what is in force anyway, of others it is
+//! ignored with a warning. *Invariant:* group 1, the type of the feed and F of the path stay as they are.
 
 use super::expression::{Argument, Name, as_name};
 use super::line::Assigned;
@@ -18,6 +19,10 @@ use counterpoint_machine::ident::codes;
 /// Words for the machine's tables: a rapid move and a feed move, for their block.
 const RAPID: &str = "SC_POS";
 const FEED: &str = "SC_POSF";
+/// Limits of an axis or spindle that change nothing here.
+const LIMITS: [&str; 4] = ["ACC", "VELOLIM", "JERKLIM", "ATOL"];
+/// Axes of the path.
+const GEOMETRY: [&str; 3] = ["X", "Y", "Z"];
 /// Feed per minute.
 const PER_MINUTE: &str = "G94";
 
@@ -31,6 +36,9 @@ impl Siemens {
         left: &mut Left,
     ) -> Outcome<bool> {
         let [_] = name.index.as_slice() else { return Ok(false) };
+        if LIMITS.contains(&name.name.as_str()) && host.is_code_text(RAPID) {
+            return self.limit(host, name, value);
+        }
         if !matches!(name.name.as_str(), "POS" | "POSA" | "FA") || !host.is_code_text(RAPID) {
             return Ok(false);
         }
@@ -71,6 +79,39 @@ impl Siemens {
         Ok(true)
     }
 
+    /// A limit of an axis or a spindle.
+    fn limit(&mut self, host: &mut dyn Host, name: &Name, value: &Assigned) -> Outcome<bool> {
+        let is_spindle = name.index.first().and_then(as_name).is_some_and(|index| {
+            let number = index.name.strip_prefix('S');
+            number.is_some_and(|number| number.bytes().all(|byte| byte.is_ascii_digit()))
+                && !self.variables.knows(&index.name)
+        });
+        if !is_spindle {
+            let axis = self.axis_of(host, name)?.text();
+            if host.axis_letter(&axis).is_none() {
+                return wrong_type(format!("the channel has no axis {axis}"));
+            }
+        }
+        let Assigned::One(value, _) = value else { return syntax(format!("{} takes a number", name.name)) };
+        super::evaluate::number(&self.evaluate(host, value)?)?;
+        if name.name != "ATOL" {
+            let asked = self.written(host, name)?;
+            super::moves::ignore_dynamics(host, &asked);
+        }
+        Ok(true)
+    }
+
+    /// FGROUP of the geometry axes, or of none.
+    pub(super) fn groups_of_feed(host: &dyn Host, arguments: &[Argument]) -> bool {
+        let mut left: Vec<&str> = GEOMETRY.into_iter().filter(|name| host.axis_letter(name).is_some()).collect();
+        for argument in arguments {
+            let Some(letter) = host.axis_letter(argument.text.trim()) else { return false };
+            let Some(at) = left.iter().position(|name| name.eq_ignore_ascii_case(letter)) else { return false };
+            left.remove(at);
+        }
+        arguments.is_empty() || left.is_empty()
+    }
+
     /// The G function of the type of the feed, and the feed of the path if it has one.
     fn path_feed(&mut self, host: &mut dyn Host) -> Outcome<(&'static str, Option<f64>)> {
         let kinds = [(codes::FEED_UPR, "G95"), (codes::FEED_1T, "G93"), (codes::FEED_UPM, PER_MINUTE)];
@@ -89,7 +130,7 @@ impl Siemens {
         }
     }
 
-    /// WAITP(axis, …): the axes are where they were to go.
+    /// WAITP(axis, …): the axes are where they were to go. Whether it is one.
     pub(super) fn waits_for_axes(&mut self, host: &mut dyn Host, name: &str, arguments: &[Argument]) -> Outcome<bool> {
         if name != "WAITP" || !host.is_code_text(RAPID) {
             return Ok(false);

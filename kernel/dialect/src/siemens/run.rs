@@ -273,10 +273,6 @@ impl Siemens {
                 }
                 Err(Fault::Alarm(&diag::MACRO_VARIABLE, format!("the variable {asked} cannot be set")))
             }
-            Answer::Unknown if super::moves::is_dynamics(&name.name) => {
-                super::moves::ignore_dynamics(host, &asked);
-                Ok(())
-            }
             Answer::Unknown => match limit(&name.name) {
                 Some(limit) => Err(Fault::Alarm(&diag::SIEMENS_STATE, format!("{}: {limit}", name.name))),
                 None => self.word(host, name, value, left),
@@ -307,6 +303,9 @@ impl Siemens {
             left.call = Some(self.prepare_call(host, &name, found, &[])?);
             return Ok(());
         }
+        if self.reset_orientation(host, &name, &[], left)? {
+            return Ok(());
+        }
         self.unknown(host, &name, written, left)
     }
 
@@ -330,7 +329,7 @@ impl Siemens {
             || self.records(host, name, arguments)?
             || self.waits_for_axes(host, name, arguments)?
             || self.cancel(host, name, arguments)?;
-        if is_statement {
+        if is_statement || self.reset_orientation(host, name, arguments, left)? {
             return Ok(());
         }
         let is_text = host.is_code_text(name) || host.is_register(&format!("{name}("));
