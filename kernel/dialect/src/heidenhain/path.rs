@@ -5,6 +5,7 @@
 //! positions are in the units of the program, in the frame that the program sees; what cannot be made is diagnosed.
 
 use super::free::Free;
+use super::upright::Poles;
 use super::words::{Seen, joined};
 use crate::contour::{PathShape, Point, direction, minus};
 use crate::host::Host;
@@ -152,15 +153,6 @@ pub(super) struct Beside {
     pub(super) is_left: Option<bool>,
     /// The next straight line ends it.
     pub(super) ends: bool,
-}
-
-/// Centres of circles that blocks have defined.
-#[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Poles {
-    /// In the working plane.
-    pub(super) flat: Option<Point>,
-    /// The last one, where it is in another plane: its axes, and where it is along them.
-    pub(super) upright: Option<([usize; 2], Point)>,
 }
 
 /// What is known of the path.

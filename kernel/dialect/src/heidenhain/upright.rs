@@ -15,6 +15,15 @@ const PLANES: [Plane; 3] = [[0, 1], [1, 2], [2, 0]];
 /// The axis of a tool that works in each plane, as it selects the plane.
 const TOOL_AXES: [&str; 3] = ["Z", "X", "Y"];
 
+/// Centres of circles that blocks have defined.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Poles {
+    /// In the working plane.
+    pub(super) flat: Option<Point>,
+    /// The last one, where it is in another plane: its axes, and where it is along them.
+    pub(super) upright: Option<([usize; 2], Point)>,
+}
+
 impl Walk<'_> {
     /// The pole of a `CC` with two axes that are not those of the working plane.
     pub(super) fn upright_pole(&self) -> Option<(Plane, Point)> {
@@ -62,7 +71,7 @@ impl Walk<'_> {
         }
         let (working, poles) = (self.path.plane, self.path.poles);
         self.path.plane = plane;
-        self.path.poles = super::path::Poles { flat: Some(pole), upright: None };
+        self.path.poles = Poles { flat: Some(pole), upright: None };
         let mut lines = vec![there.to_owned()];
         if self.keeps_center() {
             lines.push(self.pole_line(pole));
