@@ -193,11 +193,12 @@ impl Coordinator {
     }
 
     /// The kernel will do nothing before `t`. Returns `false` when the job was stopped before that.
-    #[inline]
+    #[inline(always)]
     pub fn publish(&self, channel: u16, t: i64) -> bool {
-        if self.single.load(Relaxed) {
-            return t <= self.stop_t.load(Relaxed);
-        }
+        if self.single.load(Relaxed) { t <= self.stop_t.load(Relaxed) } else { self.publish_to_others(channel, t) }
+    }
+
+    fn publish_to_others(&self, channel: u16, t: i64) -> bool {
         if let Some(slot) = self.slot(channel) {
             // Whoever asks at this very moment may see the time before this one, and is answered with the next block.
             slot.bound.store(t, Release);

@@ -81,7 +81,7 @@ impl Kernel<'_> {
         let tape = self.plan.edits.tape.as_ref();
         if tape.is_some_and(|tape| !tape.leaves_alone(source, &self.channel.text.tape.0))
             || self.plan.scanner.eob().is_some_and(|eob| source.has(eob))
-            || self.flow.frames.last().is_some_and(|frame| frame.offset > 0)
+            || self.plan.edits.long_comments && self.flow.frames.last().is_some_and(|frame| frame.offset > 0)
         {
             return true;
         }
