@@ -9,7 +9,7 @@ use counterpoint_machine::index::RegisterId;
 use counterpoint_machine::model::MacroWords;
 
 use super::access::{Abandoned, eval};
-use super::expr::number;
+use super::expr::{is_vacant, number};
 use super::statement::{Name, Statement, TemplateWord};
 use crate::host::{Host, MadeWord};
 use crate::interpreter::{Arguments, MacroCall};
@@ -73,8 +73,10 @@ pub(super) fn arguments(
         let call = with_arguments(plain).filter(|_| read.call.is_none() && letter == b'G');
         match rule {
             Some(MacroWords::Behind) if call.is_none() => check_place(host, letter, read.call.is_some())?,
-            Some(MacroWords::ActBefore) if call.is_none() && read.call.is_none() && letter != b'N' => {
+            Some(MacroWords::ActBefore) if call.is_none() && read.call.is_none() && !matches!(letter, b'N' | b'O') => {
                 match register {
+                    // A word without a value drops.
+                    _ if is_vacant(value) => {}
                     Some((register, incremental)) => {
                         host.push(MadeWord { register, incremental, value, written: word.written, span });
                     }

@@ -20,10 +20,18 @@ pub(super) struct Loops {
 }
 
 /// Loops of a file in the making.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub(super) struct Open {
     loops: Loops,
     open: Vec<(u8, u32)>,
+    /// How many of `open` have each number: what is not there is not looked for.
+    waiting: [u32; 256],
+}
+
+impl Default for Open {
+    fn default() -> Self {
+        Self { loops: Loops::default(), open: Vec::new(), waiting: [0; 256] }
+    }
 }
 
 impl Open {
@@ -31,20 +39,33 @@ impl Open {
     pub(super) fn line(&mut self, source: &Source, line: u32, defines: bool) {
         if defines {
             self.open.clear();
+            self.waiting.fill(0);
         }
         let text = source.line(line);
         if !may_hold_loop(text) {
             return;
         }
         match read(prepare(text), Wanted { subprograms: true, drawing: false }).map(|line| line.statement) {
-            Ok(Statement::Loop(_, number)) => self.open.push((number, line)),
-            Ok(Statement::EndLoop(number)) => {
-                let Some(at) = self.open.iter().rposition(|(open, _)| *open == number) else { return };
-                if let Some((_, start)) = self.open.drain(at..).next() {
-                    self.loops.partners.extend([(start, line), (line, start)]);
+            Ok(Statement::Loop(_, number)) => {
+                self.open.push((number, line));
+                self.count(number, 1);
+            }
+            Ok(Statement::EndLoop(number)) if self.waiting.get(usize::from(number)).is_some_and(|count| *count > 0) => {
+                while let Some((other, start)) = self.open.pop() {
+                    self.count(other, -1);
+                    if other == number {
+                        self.loops.partners.extend([(start, line), (line, start)]);
+                        break;
+                    }
                 }
             }
             _ => {}
+        }
+    }
+
+    fn count(&mut self, number: u8, by: i32) {
+        if let Some(count) = self.waiting.get_mut(usize::from(number)) {
+            *count = count.saturating_add_signed(by);
         }
     }
 

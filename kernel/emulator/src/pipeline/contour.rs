@@ -235,6 +235,9 @@ impl Kernel<'_> {
             if text.trim_ascii().is_empty() {
                 continue;
             }
+            if self.plan.edits.long_comments {
+                self.pass_long_comment(source, here.line, text)?;
+            }
             self.macros.block.text = None;
             let next = self.frame().map(|frame| frame.next_block());
             self.block(text)?;
