@@ -17,6 +17,7 @@ mod isg;
 mod kept;
 mod numeric;
 mod okuma;
+mod open_loops;
 pub mod outline;
 mod plain;
 mod search;

@@ -2,6 +2,7 @@
 
 use super::statement::Statement;
 use crate::kept::Table;
+use crate::open_loops::OpenLoops;
 use counterpoint_program::spot::Spot;
 
 /// Partners of the bracketing statements of a program, in the order of the blocks.
@@ -17,27 +18,14 @@ impl Pairs {
     /// Pairs the statements of a program given in their order.
     pub(super) fn of(statements: impl Iterator<Item = (Spot, Statement)>) -> Self {
         let mut pairs = Self::default();
-        let mut open: Vec<(u8, Spot)> = Vec::new();
+        let mut open = OpenLoops::default();
         let mut ifs: Vec<Spot> = Vec::new();
-        // How many of `open` have each number: what is not there is not looked for.
-        let mut waiting = [0_u32; 256];
         for (spot, statement) in statements {
             match statement {
-                Statement::While(_, number) | Statement::Do(number) => {
-                    open.push((number, spot));
-                    if let Some(count) = waiting.get_mut(usize::from(number)) {
-                        *count += 1;
-                    }
-                }
-                Statement::End(number) if waiting.get(usize::from(number)).is_some_and(|count| *count > 0) => {
-                    while let Some((other, start)) = open.pop() {
-                        if let Some(count) = waiting.get_mut(usize::from(other)) {
-                            *count -= 1;
-                        }
-                        if other == number {
-                            pairs.loops.extend([(start, spot), (spot, start)]);
-                            break;
-                        }
+                Statement::While(_, number) | Statement::Do(number) => open.begin(number, spot),
+                Statement::End(number) => {
+                    if let Some(start) = open.end(number) {
+                        pairs.loops.extend([(start, spot), (spot, start)]);
                     }
                 }
                 Statement::IfBlock(_) => ifs.push(spot),

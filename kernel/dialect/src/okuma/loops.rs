@@ -11,6 +11,7 @@ use super::expr::Expr;
 use super::line::{Statement, Wanted, read};
 use super::text::prepare;
 use crate::host::Host;
+use crate::open_loops::OpenLoops;
 use counterpoint_program::source::Source;
 
 /// Lines of the statements of loops with those of their partners, ascending.
@@ -20,52 +21,30 @@ pub(super) struct Loops {
 }
 
 /// Loops of a file in the making.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(super) struct Open {
     loops: Loops,
-    open: Vec<(u8, u32)>,
-    /// How many of `open` have each number: what is not there is not looked for.
-    waiting: [u32; 256],
-}
-
-impl Default for Open {
-    fn default() -> Self {
-        Self { loops: Loops::default(), open: Vec::new(), waiting: [0; 256] }
-    }
+    open: OpenLoops<u32>,
 }
 
 impl Open {
     /// A line of the file; one that defines a program begins anew.
     pub(super) fn line(&mut self, source: &Source, line: u32, defines: bool) {
         if defines {
-            self.open.clear();
-            self.waiting.fill(0);
+            self.open = OpenLoops::default();
         }
         let text = source.line(line);
         if !may_hold_loop(text) {
             return;
         }
         match read(prepare(text), Wanted { subprograms: true, drawing: false }).map(|line| line.statement) {
-            Ok(Statement::Loop(_, number)) => {
-                self.open.push((number, line));
-                self.count(number, 1);
-            }
-            Ok(Statement::EndLoop(number)) if self.waiting.get(usize::from(number)).is_some_and(|count| *count > 0) => {
-                while let Some((other, start)) = self.open.pop() {
-                    self.count(other, -1);
-                    if other == number {
-                        self.loops.partners.extend([(start, line), (line, start)]);
-                        break;
-                    }
+            Ok(Statement::Loop(_, number)) => self.open.begin(number, line),
+            Ok(Statement::EndLoop(number)) => {
+                if let Some(start) = self.open.end(number) {
+                    self.loops.partners.extend([(start, line), (line, start)]);
                 }
             }
             _ => {}
-        }
-    }
-
-    fn count(&mut self, number: u8, by: i32) {
-        if let Some(count) = self.waiting.get_mut(usize::from(number)) {
-            *count = count.saturating_add_signed(by);
         }
     }
 
