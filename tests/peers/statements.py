@@ -4,7 +4,8 @@
 usage: statements.py [--counterpoint BINARY] [--passes N] [--only LOOP] [--peer]
 
 Loops: `trig` (two functions, a product and a sum), `calls` (a subprogram with one statement), `circles` (a full circle by its
-centre). `counterpoint run` runs each with N and with 2 N passes; the difference over N is what one pass costs, start and end
+centre), `words` (the same in the plainest words that the control has: `I` and `J` as they stand; Heidenhain straight lines).
+`counterpoint run` runs each with N and with 2 N passes; the difference over N is what one pass costs, start and end
 left out. The count repeats to within a few per mille whatever else the machine does. With --peer, CPU seconds of rs274
 and of the whole `counterpoint run`, best of five, for 200,000 passes (100,000 of `calls`).
 """
@@ -26,20 +27,24 @@ FANUC = {
     "calls": "O1\n#1=0\nWHILE[#1LT{n}]DO1\nM98P2\n#1=#1+1\nEND1\nM30\nO2\n#2=#1\nM99\n",
     "circles": "O1\nG17 G90 G21 G94\n#1=0\nG0 X0. Y0.\nF1000.\nWHILE[#1LT{n}]DO1\nG2 X10. Y0. I5. J0.\nG2 X0. Y0. I-5. J0.\n#1=#1+1\nEND1\nM30\n",
 }
+FANUC["words"] = FANUC["circles"]
 SIEMENS = {
     "trig": "R1=0\nWHILE R1<{n}\nR2=SIN(R1)*10+COS(R1)\nR1=R1+1\nENDWHILE\nM30\n",
     "calls": "R1=0\nWHILE R1<{n}\nSUB\nR1=R1+1\nENDWHILE\nM30\n",
     "circles": "G17 G90 G71 G94\nR1=0\nG0 X0 Y0\nF1000\nWHILE R1<{n}\nG2 X10 Y0 I=5 J=0\nG2 X0 Y0 I=AC(5) J=0\nR1=R1+1\nENDWHILE\nM30\n",
+    "words": "G17 G90 G71 G94\nR1=0\nG0 X0 Y0\nF1000\nWHILE R1<{n}\nG2 X10 Y0 I5 J0\nG2 X0 Y0 I-5 J0\nR1=R1+1\nENDWHILE\nM30\n",
 }
 HEIDENHAIN = {
     "trig": "BEGIN PGM T MM\nQ1 = 0\nLBL 1\nQ2 = SIN Q1 * 10 + COS Q1\nQ1 = Q1 + 1\nFN 12: IF +Q1 LT +{n} GOTO LBL 1\nEND PGM T MM\n",
     "calls": "BEGIN PGM T MM\nQ1 = 0\nLBL 1\nCALL LBL 2\nQ1 = Q1 + 1\nFN 12: IF +Q1 LT +{n} GOTO LBL 1\nSTOP M30\nLBL 2\nQ2 = Q1\nLBL 0\nEND PGM T MM\n",
     "circles": "BEGIN PGM T MM\nQ1 = 0\nTOOL CALL 1 Z S1000\nL X+0 Y+0 R0 FMAX\nLBL 1\nCC X+5 Y+0\nC X+10 Y+0 DR- F1000\nC X+0 Y+0 DR-\nQ1 = Q1 + 1\nFN 12: IF +Q1 LT +{n} GOTO LBL 1\nEND PGM T MM\n",
+    "words": "BEGIN PGM T MM\nQ1 = 0\nTOOL CALL 1 Z S1000\nL X+0 Y+0 R0 FMAX\nLBL 1\nL X+10 Y+0 F1000\nL X+0 Y+0\nQ1 = Q1 + 1\nFN 12: IF +Q1 LT +{n} GOTO LBL 1\nEND PGM T MM\n",
 }
 OSP = {
     "trig": "O1\nV1=0\nNLOOP V2=SIN[V1]*10+COS[V1]\nV1=V1+1\nIF[V1 LT {n}]NLOOP\nM30\n",
     "calls": "O1\nV1=0\nNLOOP CALL O2\nV1=V1+1\nIF[V1 LT {n}]NLOOP\nM30\nO2\nV2=V1\nRTS\n",
     "circles": "O1\nG17 G90 G21 G94\nV1=0\nG0 X0 Y0\nNLOOP G2 X10 Y0 I5 J0 F1000\nG2 X0 Y0 I=-5 J0\nV1=V1+1\nIF[V1 LT {n}]NLOOP\nM30\n",
+    "words": "O1\nG17 G90 G21 G94\nV1=0\nG0 X0 Y0\nNLOOP G2 X10 Y0 I5 J0 F1000\nG2 X0 Y0 I-5 J0\nV1=V1+1\nIF[V1 LT {n}]NLOOP\nM30\n",
 }
 PEER = {
     "trig": "#1=0\no1 while [#1 LT {n}]\n#2=[SIN[#1]*10+COS[#1]]\n#1=[#1+1]\no1 endwhile\nM2\n",
@@ -104,7 +109,7 @@ def main():
                 each = (many - few) / args.passes
                 base = base or each
                 print(f"{loop:8} {control:11} {each:9.0f} instructions a pass, {each / base:5.2f} of fanuc", flush=True)
-            if args.peer:
+            if args.peer and loop in PEER:
                 path = os.path.join(folder, "peer.ngc")
                 # A million blocks in a row that take no time are an endless loop for this project.
                 passes = 100_000 if loop == "calls" else 200_000

@@ -69,7 +69,7 @@ impl ChannelResults {
     pub fn take(&mut self, events: &[Event]) {
         for event in events {
             match event.kind {
-                Kind::Block(_) | Kind::Motion(_) => {}
+                Kind::Block(_) | Kind::Motion(_) | Kind::Call(_) | Kind::Return(_) => {}
                 _ => self.reported.extend(Reported::of(event)),
             }
             if event.channel == self.number {
@@ -90,6 +90,7 @@ impl ChannelResults {
                 self.work(work, event);
                 self.track.motion(motion, (event.file, event.line));
             }
+            Kind::Call(_) | Kind::Return(_) => {}
             _ => self.other(event),
         }
     }

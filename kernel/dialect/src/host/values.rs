@@ -48,6 +48,12 @@ pub trait Values {
     /// The job was stopped.
     fn shared(&mut self, name: &str) -> Result<Option<Value>, Halt>;
 
+    /// The number of a variable that all channels share, by name, if it has one.
+    ///
+    /// # Errors
+    /// The job was stopped.
+    fn shared_number(&mut self, name: &str) -> Result<Option<f64>, Halt>;
+
     /// Sets a variable that all channels share; none takes its value away.
     ///
     /// # Errors

@@ -180,7 +180,7 @@ impl Store {
         if row.own {
             return Ok(self.own.get(&*full).copied().unwrap_or(row.value));
         }
-        Ok(host.shared(&full)?.and_then(|value| value.as_real()).unwrap_or(row.value))
+        Ok(host.shared_number(&full)?.unwrap_or(row.value))
     }
 
     /// Writes an external variable.

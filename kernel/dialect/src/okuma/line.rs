@@ -27,6 +27,8 @@ pub(super) struct Line {
     pub(super) lap: Option<Lap>,
     /// Its text, which begins with no mark of optional skip, is for the interpreter whether plain words are or not.
     pub(super) executes: bool,
+    /// It leaves no text and needs none: a jump, a loop or values for variables.
+    pub(super) alone: bool,
 }
 
 /// What stands before a statement.

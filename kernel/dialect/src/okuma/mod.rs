@@ -30,7 +30,7 @@ use rustc_hash::FxHashMap;
 pub(crate) use control::Control;
 
 use super::host::{Host, Programs};
-use super::interpreter::{Interpreter, Remaining, Setting};
+use super::interpreter::{Interpreter, Made, Remaining, Setting};
 use crate::kept::{Kept, Tables};
 use counterpoint_event::FileId;
 use counterpoint_fault as diag;
@@ -118,7 +118,8 @@ impl Okuma {
             Ok(line) => {
                 let marked = line.head.iter().any(|head| matches!(head, line::Head::Mark(_)));
                 let executes = !marked && quick_look::needs_interpreter(text);
-                let line = Arc::new(line::Line { lap, executes, ..line });
+                let alone = self.needs_no_text(host, &line) && lap.is_none();
+                let line = Arc::new(line::Line { lap, executes, alone, ..line });
                 if self.caching && place.as_read {
                     self.lines.insert(key, &line, text.len());
                 }
@@ -128,6 +129,25 @@ impl Okuma {
                 let text = format!("{mistake} in '{}'", host.block_text());
                 Err(host.alarm(&diag::MACRO_SYNTAX, text))
             }
+        }
+    }
+
+    /// The line is a jump, a loop or values for variables, without words or messages; no line of its file continues another.
+    fn needs_no_text(&mut self, host: &dyn Host, line: &line::Line) -> bool {
+        let quiet = line.messages.is_empty() && !line.open && self.takes_names;
+        let named = line.head.iter().all(|head| matches!(head, line::Head::Name(_)));
+        if !quiet || !named || self.index(host, host.place().file).continues {
+            return false;
+        }
+        match &line.statement {
+            line::Statement::Goto(..) | line::Statement::Loop(..) | line::Statement::EndLoop(_) => true,
+            line::Statement::Items(items) => items.iter().all(|item| match item {
+                line::Item::Set { name, variable: Some(Variable::Local(_) | Variable::Common(..)), .. } => {
+                    !self.is_word(host, name)
+                }
+                _ => false,
+            }),
+            _ => false,
         }
     }
 
@@ -296,6 +316,20 @@ impl Interpreter for Okuma {
     #[inline]
     fn executes(&mut self, line: (FileId, u32)) -> bool {
         self.lines.get(line).is_some_and(|line| line.executes)
+    }
+
+    fn known_block(&mut self, host: &mut dyn Host, at: (FileId, u32)) -> Option<Result<Made, Halt>> {
+        if !self.lines.get(at)?.alone {
+            return None;
+        }
+        let line = self.lines.take(at)?;
+        self.arguments = None;
+        let done = self.run(host, &line, &[]);
+        self.lines.give_back(at, line);
+        Some(done.map(|left| {
+            debug_assert_eq!(left, None, "a line that needs no text leaves none");
+            Made::Nothing
+        }))
     }
 
     fn memory(&self) -> u64 {

@@ -5,6 +5,9 @@
 //! machining centres and V1 to V200 on lathes; both are understood, and they are different ones. Facts: reference
 //! control-emulator.md 5.4.
 
+use std::fmt::Write as _;
+use std::sync::LazyLock;
+
 use arrayvec::ArrayString;
 
 /// Number of common variables of each kind.
@@ -53,24 +56,23 @@ impl Family {
     /// A common variable by its number; none if it does not exist.
     pub(super) fn common(self, index: f64) -> Option<Common> {
         let exists = (1.0..=COMMON).contains(&index) && index.fract() == 0.0;
-        exists.then(|| Common::new(self, index as u8))
+        if exists { COMMON_NAMES.get(self as usize)?.get(index as usize).copied() } else { None }
     }
 }
+
+/// Common variables by family and number; the first of each family, number 0, does not exist.
+static COMMON_NAMES: LazyLock<[[Common; COMMON as usize + 1]; 2]> =
+    LazyLock::new(|| [Family::Vc, Family::V].map(|family| std::array::from_fn(|number| Common::new(family, number))));
 
 /// A common variable by its name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub(super) struct Common(ArrayString<8>);
 
 impl Common {
-    fn new(family: Family, number: u8) -> Self {
+    fn new(family: Family, number: usize) -> Self {
         let mut name = ArrayString::new();
-        let digits = [number / 100, number / 10 % 10, number % 10];
-        let leading = digits.iter().take_while(|digit| **digit == 0).count();
-        let digits = digits.iter().skip(leading).map(|digit| char::from(b'0' + digit));
-        // Three letters and three digits fit.
-        for character in family.prefix().chars().chain(digits) {
-            _ = name.try_push(character);
-        }
+        // Two letters and three digits fit.
+        _ = write!(name, "{}{number}", family.prefix());
         Self(name)
     }
 

@@ -270,7 +270,7 @@ impl Okuma {
 
 impl Okuma {
     /// A register of the machine has this name.
-    fn is_word(&mut self, host: &dyn Host, name: &str) -> bool {
+    pub(super) fn is_word(&mut self, host: &dyn Host, name: &str) -> bool {
         if let Some(known) = self.words.get(name) {
             return *known;
         }

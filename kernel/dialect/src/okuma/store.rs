@@ -88,7 +88,7 @@ impl Store {
         if host.has_own_common() {
             return Ok(self.own.get(&common).copied());
         }
-        Ok(host.shared(common.name())?.and_then(|value| value.as_real()))
+        host.shared_number(common.name())
     }
 
     /// Sets a common variable, or takes its value away.

@@ -7,6 +7,7 @@ use std::sync::Arc;
 use rustc_hash::FxHashMap;
 
 use super::custom_macro::{By, CodeMacro, ModalCall, WordKind};
+use super::known_blocks::KnownBlocks;
 use super::passes::Passes;
 use super::search::Labels;
 use crate::state::turning::ContourCycle;
@@ -123,6 +124,8 @@ pub(crate) struct Known {
     pub(crate) names: Names,
     /// Where programs that were called by number are.
     pub(crate) programs: Programs,
+    /// Blocks that only lead on.
+    pub(crate) blocks: KnownBlocks,
     /// Lines of labels by file and label.
     pub(crate) labels: FxHashMap<FileId, Arc<Labels>>,
     /// Bytes of labels.

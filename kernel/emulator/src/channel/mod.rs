@@ -23,6 +23,7 @@ pub(crate) mod flow;
 mod frame;
 pub(crate) mod hook_points;
 mod host;
+mod known_blocks;
 mod letter_zero;
 pub(crate) mod life;
 mod motion;

@@ -11,7 +11,7 @@ use counterpoint_machine::index::{CodeRowId, RegisterId, Table};
 use counterpoint_machine::refusals::{Active, Refusal, WordRule, Written};
 use counterpoint_machine::rows::CodeRow;
 use counterpoint_machine::tables::form_range;
-use counterpoint_program::block::PendingCode;
+use counterpoint_program::block::{Block, PendingCode};
 
 /// The rules of a machine, by what they look for.
 #[derive(Debug)]
@@ -79,6 +79,13 @@ impl Refusals {
         Some(Box::new(Self { rows, free, registers, words }))
     }
 
+    /// Registers of the block, bit by register, and the rules without codes that look for them.
+    #[inline(always)]
+    fn looked_for(&self, block: &Block) -> (u128, u64) {
+        let words = block.words.iter().map(|word| word.register);
+        words.fold((ANY_BLOCK, 0), |(words, rules), register| (words | register.bit(), rules | self.free[register]))
+    }
+
     /// Of these rules those whose wants of the words of a block are met; the last bit stays as it is.
     fn fitting(&self, rules: u64, words: u128) -> u64 {
         let (mut left, mut fitting) = (rules & !bit(63), rules & bit(63));
@@ -119,12 +126,8 @@ impl Kernel<'_> {
         let looked = |pending: &PendingCode| refusals.rows[pending.row];
         let rules = self.channel.block.pending.iter().fold(0, |bits, pending| bits | looked(pending));
         if rules != 0 || self.channel.block.present & refusals.registers != 0 {
-            let (mut words, mut rules) = (ANY_BLOCK, rules);
-            for word in &self.channel.block.words {
-                words |= word.register.bit();
-                rules |= refusals.free[word.register];
-            }
-            let rules = refusals.fitting(rules, words);
+            let (words, free) = refusals.looked_for(&self.channel.block);
+            let rules = refusals.fitting(rules | free, words);
             if rules != 0 {
                 return self.refused(rules, words);
             }
@@ -160,6 +163,19 @@ impl Kernel<'_> {
             self.block_text()
         );
         Err(self.alarm(&diag::AXIS_NOT_IN_CHANNEL, text))
+    }
+
+    /// No rule can refuse the block, whatever is active.
+    pub(crate) fn is_never_refused(&self) -> bool {
+        let Some(refusals) = self.plan.rules.refusals.as_deref() else { return true };
+        let block = &self.channel.block;
+        let (words, free) = refusals.looked_for(block);
+        let of_codes = block.pending.iter().fold(free, |bits, pending| bits | refusals.rows[pending.row]);
+        let fitting = refusals.fitting(of_codes, words);
+        let mut rules = self.channel.env.machine.diagnostics.refusals.iter().zip(0..63);
+        fitting & bit(63) == 0
+            && rules
+                .all(|(rule, at)| fitting & bit(at) == 0 || rule.word.as_ref().is_some_and(|word| !self.is_wrong(word)))
     }
 
     #[inline(never)]

@@ -99,6 +99,7 @@ impl Kernel<'_> {
         });
         (self.flow.known.labels, self.flow.known.tables) = (Default::default(), 0);
         self.flow.known.programs = Default::default();
+        self.flow.known.blocks = Default::default();
         if let Some(rested) = self.components.turns.dialects.last() {
             self.dialect.variables.follow(&rested.dialect.variables);
         }

@@ -45,7 +45,11 @@ impl Kernel<'_> {
                 if let Some(hooks) = hooks.filter(|_| preprocess) {
                     (hooks.block.preprocessed)(self)?;
                 }
-                self.words()
+                self.words()?;
+                if self.flow.repeats && hooks.is_none() && self.may_only_lead_on() {
+                    self.keep_block(text);
+                }
+                Ok(())
             }
             Split::Statement => self.statement_block(text),
         }

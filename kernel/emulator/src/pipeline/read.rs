@@ -50,11 +50,17 @@ impl Kernel<'_> {
         }
         frame.next = line + 1;
         let Some(source) = sources.get(file) else { return Err(Halt::ProgramEnd(None)) };
-        if self.flow.repeats && hooks.is_none() && self.executes(source, (file, line)) {
-            (self.channel.at.file, self.channel.at.line) = (file, line);
-            self.begin_block()?;
-            self.known_statement(source)?;
-            return self.follow();
+        if self.flow.repeats && hooks.is_none() && self.is_as_read(source) {
+            let known = self.leads_on((file, line));
+            if known.is_some() || self.executes((file, line)) {
+                (self.channel.at.file, self.channel.at.line) = (file, line);
+                self.begin_block()?;
+                match &known {
+                    Some(known) => self.lead_on(known),
+                    None => self.known_statement(source)?,
+                }
+                return self.follow();
+            }
         }
         let text = source.line(line);
         if text.iter().all(|b| matches!(b, b' ' | b'\t')) {
@@ -101,14 +107,16 @@ impl Kernel<'_> {
         self.follow()
     }
 
-    /// The line is a statement that was executed before, and is as it was then.
+    /// Lines of the file are blocks as they stand, and nobody wants to see what becomes of them.
     #[inline(always)]
-    fn executes(&mut self, source: &Source, line: (FileId, u32)) -> bool {
-        if self.plan.edits.reshapes && (self.plan.edits.long_comments || self.is_reshaped(source))
-            || self.channel.env.trace.is_some()
-        {
-            return false;
-        }
+    fn is_as_read(&mut self, source: &Source) -> bool {
+        let reshapes = self.plan.edits.reshapes && (self.plan.edits.long_comments || self.is_reshaped(source));
+        !reshapes && self.channel.env.trace.is_none()
+    }
+
+    /// The line is a statement that was executed before.
+    #[inline(always)]
+    fn executes(&mut self, line: (FileId, u32)) -> bool {
         self.dialect.interpreter.as_deref_mut().is_some_and(|interpreter| interpreter.executes(line))
     }
 

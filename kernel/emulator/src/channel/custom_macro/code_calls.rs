@@ -97,6 +97,13 @@ impl Kernel<'_> {
         false
     }
 
+    /// A word of the block may call a program by itself, here or elsewhere.
+    #[cold]
+    pub(crate) fn calls_by_words(&self) -> bool {
+        let Some(calls) = self.plan.code_calls.as_deref() else { return false };
+        self.channel.block.words.iter().any(|word| calls.find(word.register, word.value).is_some())
+    }
+
     /// The first word that calls a macro, or a subprogram, and may do so here.
     fn calling_word<'c>(&self, calls: &'c CodeCalls, arguments: bool) -> Option<(usize, &'c WordCall, u32, By)> {
         self.channel.block.words.iter().enumerate().find_map(|(at, word)| {

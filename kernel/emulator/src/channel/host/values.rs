@@ -14,6 +14,10 @@ impl Values for Kernel<'_> {
         self.access(Door::Named(name), Mode::Read, |shared| shared.named.get(name).cloned())
     }
 
+    fn shared_number(&mut self, name: &str) -> Result<Option<f64>, Halt> {
+        self.access(Door::Named(name), Mode::Read, |shared| shared.named.get(name).and_then(Value::as_real))
+    }
+
     fn set_shared(&mut self, name: &str, value: Option<Value>) -> Acted {
         let limit = self.channel.shares().common;
         let growth = name.len() + 200 + value.as_ref().and_then(Value::as_text).map_or(0, str::len);

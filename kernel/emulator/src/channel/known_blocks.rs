@@ -1,0 +1,137 @@
+//! Blocks that only lead the flow of the program on, kept by line: a call by number, a return, a head without anything else.
+//!
+//! Such a block that comes again does the same without its text. *Invariant:* a block is kept only if nothing but where the
+//! program continues depended on it: it has no words besides those of the call, no message, no mark of optional skip; it is
+//! used only where nothing acts that each block may meet (a modal call, a code that acts again, paths beside a contour).
+
+use super::Kernel;
+use super::actions::Actions;
+use super::flow::{Callee, Pending};
+use counterpoint_event::event::FileId;
+use counterpoint_machine::ident::data;
+use counterpoint_machine::index::RegisterId;
+use counterpoint_machine::rows::Modality;
+use counterpoint_machine::tables::form_range;
+
+/// What a kept block asks for at its end.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Leads {
+    /// Nothing: the head of a program, or a number alone.
+    On,
+    Call {
+        program: u32,
+        passes: u32,
+    },
+    Return,
+}
+
+/// A kept block.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct KnownBlock {
+    line: (FileId, u32),
+    /// What codes did when it was kept.
+    actions: &'static Actions,
+    leads: Leads,
+    sequence: Option<u32>,
+}
+
+/// Blocks by line: those that were met last.
+#[derive(Debug, Default)]
+pub(crate) struct KnownBlocks([Option<KnownBlock>; 32]);
+
+impl KnownBlocks {
+    #[inline(always)]
+    fn get(&self, line: (FileId, u32)) -> Option<&KnownBlock> {
+        let known = self.0.get(line.1 as usize % self.0.len())?.as_ref()?;
+        (known.line == line).then_some(known)
+    }
+}
+
+impl Kernel<'_> {
+    /// The kept block of this line, where nothing acts that each block may meet.
+    #[inline(always)]
+    pub(crate) fn leads_on(&self, line: (FileId, u32)) -> Option<KnownBlock> {
+        let known = *self.flow.known.blocks.get(line)?;
+        let alone = self.flow.modal_call.is_none()
+            && self.channel.state.modal.refires.is_empty()
+            && self.channel.state.place.frames.is_none()
+            && !self.flow.watched;
+        (alone && std::ptr::eq(known.actions, self.plan.actions)).then_some(known)
+    }
+
+    /// Does what a kept block does, up to what it asks for at its end.
+    #[inline(always)]
+    pub(crate) fn lead_on(&mut self, known: &KnownBlock) {
+        self.channel.block.clear();
+        self.channel.block.sequence = known.sequence;
+        self.flow.pending = match known.leads {
+            Leads::On => None,
+            Leads::Return => Some(Pending::Return(None)),
+            Leads::Call { program, passes } => {
+                Some(Pending::Call { what: Callee::Program(program), passes, arguments: None, by: None })
+            }
+        };
+    }
+
+    /// The block, whose words have acted, calls or returns, or has no code.
+    #[inline(always)]
+    pub(crate) fn may_only_lead_on(&self) -> bool {
+        self.flow.pending.is_some() || self.channel.block.pending.is_empty()
+    }
+
+    /// Keeps the block if it did nothing but lead on. Its words have acted.
+    #[inline(never)]
+    pub(crate) fn keep_block(&mut self, text: &[u8]) {
+        let block = &self.channel.block;
+        if self.flow.watched
+            || self.channel.env.options.lint
+            || self.channel.env.trace.is_some()
+            || self.channel.text.edited.is_some()
+            || block.words.len() > 3
+            || block.has_leftovers()
+            || block.has_remarks()
+            || block.line_up.is_some()
+            || !(block.texts.is_empty() && block.messages.is_empty() && block.added.is_empty())
+            || text.contains(&b'/')
+        {
+            return;
+        }
+        let leads = match (&self.flow.pending, block.pending.as_slice()) {
+            (None, []) if block.words.iter().all(|word| Some(word.register) == self.plan.registers.definition) => {
+                Leads::On
+            }
+            (Some(Pending::Return(None)), [_]) if self.has_only_words_of_call() => Leads::Return,
+            (Some(Pending::Call { what: Callee::Program(program), passes, arguments: None, by: None }), [_])
+                if self.has_only_words_of_call() =>
+            {
+                Leads::Call { program: *program, passes: *passes }
+            }
+            _ => return,
+        };
+        let line = (self.channel.at.file, self.channel.at.line);
+        let known = KnownBlock { line, actions: self.plan.actions, leads, sequence: block.sequence };
+        let places = &mut self.flow.known.blocks.0;
+        let place = line.1 as usize % places.len();
+        if let Some(slot) = places.get_mut(place) {
+            *slot = Some(known);
+        }
+    }
+
+    /// The block is a code that takes no time and changes no mode, with the number of a program and of passes.
+    fn has_only_words_of_call(&self) -> bool {
+        let machine = self.channel.env.machine;
+        let [pending] = self.channel.block.pending.as_slice() else { return false };
+        let row = &machine.codes[pending.row];
+        let of_call = |register: RegisterId| {
+            let rows = machine.tables.data_of(register).iter().map(|&row| machine.data[row].id);
+            form_range(&row.form).is_some_and(|(own, ..)| own == register)
+                || rows.into_iter().any(|id| matches!(id, data::CALSUB_ID | data::CALSUB_REPEAT))
+        };
+        let plain = !pending.modal && row.process && row.modality == Modality::NonModal && row.group == 0;
+        plain
+            && row.seconds == 0.0
+            && self.channel.block.words.iter().all(|word| word.used && of_call(word.register))
+            && !self.calls_by_words()
+            && self.is_never_refused()
+    }
+}
