@@ -16,7 +16,7 @@ use counterpoint_machine::tables::form_range;
 /// What a kept block asks for at its end.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Leads {
-    /// Nothing: the head of a program, or a number alone.
+    /// Nothing: the head of a program.
     On,
     Call {
         program: u32,
@@ -97,9 +97,7 @@ impl Kernel<'_> {
             return;
         }
         let leads = match (&self.flow.pending, block.pending.as_slice()) {
-            (None, []) if block.words.iter().all(|word| Some(word.register) == self.plan.registers.definition) => {
-                Leads::On
-            }
+            (None, []) if self.is_head_alone(text) => Leads::On,
             (Some(Pending::Return(None)), [_]) if self.has_only_words_of_call() => Leads::Return,
             (Some(Pending::Call { what: Callee::Program(program), passes, arguments: None, by: None }), [_])
                 if self.has_only_words_of_call() =>
@@ -115,6 +113,18 @@ impl Kernel<'_> {
         if let Some(slot) = places.get_mut(place) {
             *slot = Some(known);
         }
+    }
+
+    /// The text is the number of a program, at most with a comment behind it. Words that are not there any more may have
+    /// done anything.
+    fn is_head_alone(&self, text: &[u8]) -> bool {
+        let [word] = self.channel.block.words.as_slice() else { return false };
+        let before = text.get(..word.start as usize).unwrap_or_default();
+        let after = text.get(word.end as usize..).unwrap_or_default().trim_ascii();
+        let comment = matches!(after, [b'(', inner @ .., b')'] if !inner.contains(&b')'));
+        Some(word.register) == self.plan.registers.definition
+            && before.trim_ascii().is_empty()
+            && (after.is_empty() || comment)
     }
 
     /// The block is a code that takes no time and changes no mode, with the number of a program and of passes.
