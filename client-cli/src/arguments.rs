@@ -199,15 +199,6 @@ impl Run {
             _ => self.write.is_empty() || self.write.contains(&what),
         }
     }
-
-    /// Whether a result is wanted that is made from the event log after the run.
-    pub(crate) fn needs_log(&self) -> bool {
-        let trace = self.wants(ResultKind::Trace) && !self.inputs.trace.is_empty();
-        let read = [ResultKind::Listing, ResultKind::Events, ResultKind::Log, ResultKind::Console]
-            .into_iter()
-            .any(|what| self.wants(what));
-        self.out.is_some() && (read || trace)
-    }
 }
 
 /// Meaning of the exit code of a run.

@@ -16,11 +16,20 @@ use crate::error::Error;
 /// Ten years, s.
 const LONG: u64 = 315_360_000;
 
+/// What somebody may ask an embedded server for after a job, besides what it always has.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Asked {
+    /// What is made from the event log.
+    pub(crate) log: bool,
+    pub(crate) toolpath: bool,
+}
+
 /// A client.
 #[derive(Debug)]
 pub(crate) struct Client {
     server: counterpoint_client::Client,
-    embedded: bool,
+    /// The server of this process.
+    own: Option<service::Handle>,
     _data: Option<tempfile::TempDir>,
 }
 
@@ -35,40 +44,42 @@ impl Client {
             )),
             other => other.into(),
         })?;
-        Ok(Self { server, embedded: false, _data: None })
+        Ok(Self { server, own: None, _data: None })
     }
 
     /// Starts a server in this process and connects to it over loopback. `patient`: a job that is stepped through stands until
     /// its person comes back.
-    pub(crate) async fn embed(log: bool, allow_system: bool, patient: bool) -> Result<Self, Error> {
+    pub(crate) async fn embed(asked: Asked, allow_system: bool, patient: bool) -> Result<Self, Error> {
         let data = tempfile::Builder::new().prefix("counterpoint-").tempdir();
         let data = data.map_err(Error::file(std::env::temp_dir()))?;
         let own = Options::ephemeral(data.path().to_owned());
-        let embedded = Embedded { log, ..own.embedded };
+        let Asked { log, toolpath } = asked;
+        let embedded = Embedded { log, toolpath, ..own.embedded };
         let usual = System { allow_system, ..System::default() };
         let system = if patient { System { operator_wait_s: LONG, ..usual } } else { usual };
         // Nobody asks this server for the contract, and to make it readable takes longer than a small program does.
         let guard = Guard { reflection: false, ..own.guard };
         let options = Options { embedded, system, guard, ..own };
         let service = service::build(options).await.map_err(|error| Error::Connection(error.to_string()))?;
-        let address = format!("http://{}", service.handle().address());
+        let handle = service.handle();
+        let address = format!("http://{}", handle.address());
         // Ends with the runtime, when the command ends.
         tokio::spawn(service.run(std::future::pending()));
         let client = Self::connect(&address).await?;
-        Ok(Self { embedded: true, _data: Some(data), ..client })
+        Ok(Self { own: Some(handle), _data: Some(data), ..client })
     }
 
     /// A server at an address, or one in this process.
     pub(crate) async fn at(address: Option<&str>) -> Result<Self, Error> {
         match address {
             Some(address) => Self::connect(address).await,
-            None => Self::embed(false, false, false).await,
+            None => Self::embed(Asked::default(), false, false).await,
         }
     }
 
     /// The server is in this process and knows the machines built in.
     pub(crate) fn is_embedded(&self) -> bool {
-        self.embedded
+        self.own.is_some()
     }
 
     pub(crate) fn jobs(&self) -> JobsClient<Through> {
@@ -117,11 +128,11 @@ impl Client {
         Ok(self.server.files(job).await?)
     }
 
-    /// Uploads what the server does not have; one in this process has nothing yet.
+    /// Uploads what the server does not have; one in this process gets everything, without a copy.
     pub(crate) async fn upload(&self, blobs: &[Blob]) -> Result<(), Error> {
-        match self.embedded {
-            true => self.server.upload_all(blobs).await?,
-            false => self.server.upload(blobs).await?,
+        let Some(own) = &self.own else { return Ok(self.server.upload(blobs).await?) };
+        for blob in blobs {
+            own.put_blob(blob.digest(), blob.content().clone()).map_err(counterpoint_client::Error::from)?;
         }
         Ok(())
     }

@@ -6,7 +6,7 @@ use std::fmt::Write as _;
 use counterpoint_proto::v1;
 
 use crate::arguments::{Format, Lint, ResultKind};
-use crate::client::Client;
+use crate::client::{Asked, Client};
 use crate::error::Error;
 use crate::outcome::{exit_code, not_run};
 use crate::problems::{counts, problems};
@@ -25,7 +25,7 @@ const ENDS_EARLY: u32 = 2_900_441;
 pub(crate) async fn lint(arguments: Lint) -> Result<u8, Error> {
     let inputs = arguments.inputs();
     let pack = pack::job(&inputs)?;
-    let client = Client::embed(false, false, false).await?;
+    let client = Client::embed(Asked::default(), false, false).await?;
     let quiet = arguments.quiet || arguments.json;
     let name = machine(&client, &inputs, arguments.quiet).await?;
     let request = v1::SubmitJobRequest { request_id: counterpoint_client::request_id(), ..Default::default() };

@@ -10,7 +10,7 @@ use counterpoint_proto::v1;
 
 use crate::arguments::{ExitCodes, Format, Inputs, RaceCheck, ResultKind, Run, Submit, Timing};
 use crate::attend::{Attendant, Next};
-use crate::client::Client;
+use crate::client::{Asked, Client};
 use crate::codes::{self, Stage};
 use crate::error::Error;
 use crate::outcome::{exit_code, not_run};
@@ -47,7 +47,7 @@ async fn carry_out(arguments: Run) -> Result<(v1::JobStatus, Option<u8>), (Stage
     }
     let pack = pack::job(&arguments.inputs).map_err(at(Stage::Programs))?;
     let draws = !arguments.no_timeline && !arguments.quiet && !arguments.json;
-    let embedded = Client::embed(arguments.needs_log(), arguments.allow_system, arguments.inputs.operator.step).await;
+    let embedded = Client::embed(asked(&arguments), arguments.allow_system, arguments.inputs.operator.step).await;
     let client = embedded.map_err(at(Stage::Submission))?;
     let name = machine(&client, &arguments.inputs, arguments.quiet).await.map_err(at(Stage::Machine))?;
     let first = pack.programs.first().map(|p| p.path.clone()).unwrap_or_default();
@@ -63,6 +63,14 @@ async fn carry_out(arguments: Run) -> Result<(v1::JobStatus, Option<u8>), (Stage
     }
     show(&arguments, &client, &job, (&first, draws)).await.map_err(at(Stage::Results))?;
     Ok((status, None))
+}
+
+/// What will be asked for after the run.
+fn asked(arguments: &Run) -> Asked {
+    let wanted = |what| arguments.out.is_some() && arguments.wants(what);
+    let trace = wanted(ResultKind::Trace) && !arguments.inputs.trace.is_empty();
+    let read = [ResultKind::Listing, ResultKind::Events, ResultKind::Log, ResultKind::Console];
+    Asked { log: trace || read.into_iter().any(wanted), toolpath: wanted(ResultKind::Toolpath) }
 }
 
 /// Writes the results of an ended job into the folder and prints the report.

@@ -113,10 +113,7 @@ impl Client {
     }
 
     /// Uploads contents without asking whether the server has them.
-    ///
-    /// # Errors
-    /// As [`Client::submit`].
-    pub async fn upload_all<'a>(&self, blobs: impl IntoIterator<Item = &'a Blob>) -> Result<(), Error> {
+    async fn upload_all<'a>(&self, blobs: impl IntoIterator<Item = &'a Blob>) -> Result<(), Error> {
         let mut blobs: Vec<&Blob> = blobs.into_iter().collect();
         blobs.sort_by_key(|blob| blob.digest());
         blobs.dedup_by_key(|blob| blob.digest());

@@ -65,6 +65,8 @@ pub struct Options {
 pub struct Embedded {
     /// Nothing survives: no fsync, ledger in memory. For a server that lives as long as one command.
     pub ephemeral: bool,
+    /// Keep the toolpath of a job. Only a server that knows that nobody will ask leaves it away.
+    pub toolpath: bool,
     /// Keep the event log of a job. Without it there are no listings, events and event watches; only a server that
     /// knows that nobody will ask (a command that runs one job) leaves it away.
     pub log: bool,
@@ -72,7 +74,7 @@ pub struct Embedded {
 
 impl Default for Embedded {
     fn default() -> Self {
-        Self { ephemeral: false, log: true }
+        Self { ephemeral: false, toolpath: true, log: true }
     }
 }
 
@@ -155,7 +157,7 @@ impl Options {
             ..Maxima::default()
         };
         let own = Self { maxima, ..Self::default() };
-        let embedded = Embedded { ephemeral: true, log: true };
+        let embedded = Embedded { ephemeral: true, ..Embedded::default() };
         Self { listen: SocketAddr::from(([127, 0, 0, 1], 0)), data, embedded, grace_s: 0, ..own }
     }
 

@@ -9,6 +9,7 @@ use std::net::SocketAddr;
 use std::sync::Arc;
 use std::time::Duration;
 
+use bytes::Bytes;
 use counterpoint_proto::DESCRIPTORS;
 use counterpoint_proto::v1::admin_server::AdminServer;
 use counterpoint_proto::v1::blobs_server::BlobsServer;
@@ -123,6 +124,19 @@ impl Handle {
     /// Reads identities and certificates again, and opens the audit log again. What cannot be read stays as it is.
     pub fn reload(&self) {
         self.gate.reload();
+    }
+
+    /// Keeps a content that the caller, in this process, has in memory and has named by its SHA-256 (64 lower-case
+    /// hexadecimal digits): what an upload by the default tenant does, without a copy.
+    ///
+    /// # Errors
+    /// As an upload is refused.
+    pub fn put_blob(&self, digest: &str, content: Bytes) -> Result<(), tonic::Status> {
+        let Some(core) = self.core.upgrade() else {
+            return Err(tonic::Status::unavailable("the server has stopped"));
+        };
+        core.room()?;
+        Ok(core.blobs.put(digest, content)?)
     }
 
     /// Replaces the tables of single tenants: their quotas, and what is kept of them.

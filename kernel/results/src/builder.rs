@@ -14,7 +14,7 @@ use crate::reported::Reported;
 use crate::summary::{self, ChannelState, Summary};
 use crate::sync_points::SyncPoints;
 use crate::timeline::{self, Timeline};
-use crate::toolpath::{self, Toolpath};
+use crate::toolpath::{self, Toolpath, Track};
 use counterpoint_event::event::Event;
 use counterpoint_event::event::Work;
 use counterpoint_event::info::Info;
@@ -48,6 +48,13 @@ impl ResultsBuilder {
     pub fn new(info: &Arc<Info>) -> Self {
         let channels = info.channels.iter().map(|channel| ChannelResults::new(info, channel)).collect();
         Self { info: info.clone(), channels, master: Digest::new(), reported: Vec::new(), last_ns: 0 }
+    }
+
+    /// For a job whose toolpath nobody will ask for: it stays empty, which saves the memory of a long path.
+    #[must_use]
+    pub fn without_toolpath(mut self) -> Self {
+        self.channels.iter_mut().for_each(|channel| channel.track = None);
+        self
     }
 
     /// The next event of the ordered log.
@@ -127,7 +134,7 @@ impl ResultsBuilder {
             }
             end.tools = tools;
             ends.push(end);
-            tracks.push(track);
+            tracks.push(track.unwrap_or_else(|| Track::new(&info, channel)));
             digests.push((number, digest));
         }
         let sync_points = sync_points.finish();

@@ -24,7 +24,8 @@ pub struct ChannelResults {
     pub(super) digest: Digest,
     pub(super) tally: Tally,
     pub(super) bars: Bars,
-    pub(super) track: Track,
+    /// Its path, if somebody may ask for it.
+    pub(super) track: Option<Track>,
     /// The wait that blocks it.
     pub(super) wait: Option<Stay>,
     /// Stays that have ended.
@@ -49,7 +50,7 @@ impl ChannelResults {
             digest: Digest::new(),
             tally: Tally::default(),
             bars: Bars::new(info.room.bars),
-            track: Track::new(info, channel),
+            track: Some(Track::new(info, channel)),
             wait: None,
             stays: Vec::new(),
             reported: Vec::new(),
@@ -88,7 +89,9 @@ impl ChannelResults {
             Kind::Motion(motion) => {
                 let work = if motion.kind == MotionKind::Rapid { Work::Rapid } else { Work::Feed };
                 self.work(work, event);
-                self.track.motion(motion, (event.file, event.line));
+                if let Some(track) = &mut self.track {
+                    track.motion(motion, (event.file, event.line));
+                }
             }
             Kind::Call(_) | Kind::Return(_) => {}
             _ => self.other(event),
@@ -121,8 +124,8 @@ impl ChannelResults {
             }
             kind => {
                 self.tools.event(kind);
-                if let Some(tool) = self.spans.event(event) {
-                    self.track.tool(tool);
+                if let (Some(tool), Some(track)) = (self.spans.event(event), &mut self.track) {
+                    track.tool(tool);
                 }
                 if let Some(work) = kind.work() {
                     self.work(work, event);

@@ -246,7 +246,9 @@ fn run(core: &Core, live: &Arc<Live>) -> Result<Ran, Refusal> {
         let head = description(&info).encode_to_vec();
         live.begin_log(Writer::new(core.logs.begin(&live.id)?, live.tail().clone(), &info, &head));
     }
-    let mut sink = JobSink::new(live, core, ResultsBuilder::new(&info));
+    let results = ResultsBuilder::new(&info);
+    let results = if core.options.embedded.toolpath { results } else { results.without_toolpath() };
+    let mut sink = JobSink::new(live, core, results);
     let outcome = prepared.run(&files, &control, &mut sink);
     let JobSink { builder, files: written, dropped, error, .. } = sink;
     let writer = live.end_log();

@@ -192,6 +192,21 @@ impl Blobs for LocalBlobs {
             size: 0,
         }))
     }
+
+    fn put(&self, digest: &str, content: Bytes) -> Result<(), Refusal> {
+        match &self.place {
+            Place::Memory(_) if content.len() as u64 > self.max => Err(Refusal::BlobTooLarge(self.max)),
+            Place::Memory(blobs) => {
+                blobs.insert(self.key(digest), content);
+                Ok(())
+            }
+            Place::Files(_) => {
+                let mut receiver = self.receive(digest, Some(content.len() as u64))?;
+                receiver.chunk(&content)?;
+                receiver.finish().map(drop)
+            }
+        }
+    }
 }
 
 fn wrong_size(announced: Option<u64>, got: u64) -> Refusal {
@@ -344,6 +359,19 @@ mod tests {
         blobs.open(&name).unwrap().read_to_string(&mut text).unwrap();
         assert_eq!((text.as_str(), blobs.has(&name)), ("G0X1\n", true));
         assert_eq!(blobs.read(&digest(b"other")).unwrap_err().kind(), io::ErrorKind::NotFound);
+    }
+
+    #[test]
+    fn a_content_of_this_process_goes_to_its_place() {
+        let (_folder, files) = blobs(4);
+        for blobs in [files, LocalBlobs::in_memory(4)] {
+            let name = digest(b"M30\n");
+            blobs.put(&name, Bytes::from_static(b"M30\n")).unwrap();
+            assert_eq!(&*blobs.read(&name).unwrap(), b"M30\n");
+            let long = Bytes::from_static(b"12345");
+            assert_eq!(blobs.put(&digest(&long), long.clone()), Err(Refusal::BlobTooLarge(4)));
+            assert!(!blobs.has(&digest(&long)));
+        }
     }
 
     #[test]

@@ -90,6 +90,9 @@ impl Service for Results {
 
     async fn get_toolpath(&self, request: Request<v1::GetToolpathRequest>) -> Answer<v1::GetToolpathResponse> {
         let (caller, request) = (Caller::of(&request)?, request.into_inner());
+        if !self.0.options.embedded.toolpath {
+            return Err(Refusal::NoResults(request.job_id).into());
+        }
         let document = match format(request.format)? {
             v1::DrawingFormat::Json => Document::ToolpathJson,
             _ => Document::ToolpathSvg,

@@ -152,6 +152,21 @@ fn a_path_is_bounded() {
 }
 
 #[test]
+fn without_a_path_the_rest_is_the_same() {
+    let info = mill("x");
+    let ends = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 2.0, 0.0], [5.0, 2.0, -1.0]];
+    let motions = ends.array_windows().map(|[from, to]| motion(MotionKind::Linear, from, to));
+    let events: Vec<_> = (1..).zip(motions).map(|(line, m)| at(1, line, 0, 1, Kind::Motion(m))).collect();
+    let mut without = ResultsBuilder::new(&info).without_toolpath();
+    events.iter().for_each(|event| without.event(event));
+    let (without, with) = (without.finish(&outcome(3)), results(&info, &events, &outcome(3)));
+    assert_eq!(without.summary, with.summary);
+    assert_eq!(format!("{:?}", without.timeline), format!("{:?}", with.timeline));
+    let moves = |path: &Toolpath| path.channels.iter().map(|channel| channel.path.moves.len()).collect::<Vec<_>>();
+    assert_eq!((moves(&without.toolpath), moves(&with.toolpath)), (vec![0], vec![4]));
+}
+
+#[test]
 fn nothing_to_draw_is_still_a_picture() {
     assert!(toolpath(&mill("x"), &[]).svg().ends_with("</svg>\n"));
     let svg = toolpath(&lathe(&["x"]), &[motion(MotionKind::Rapid, &[1.0], &[1.0])]).svg();
