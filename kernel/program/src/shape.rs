@@ -110,6 +110,13 @@ impl Shape {
         out
     }
 
+    /// Few lines begin as a definition does; of the others nothing more is asked.
+    #[inline]
+    pub(super) fn may_define(&self, line: &[u8]) -> bool {
+        let first = line.iter().find(|byte| !matches!(byte, b' ' | b'\t' | b'/'));
+        self.syntax.named_programs.is_some() || matches!(first, Some(b'O' | b'o' | b':' | b'<'))
+    }
+
     /// The number that a line defines a program by.
     pub(super) fn number(&self, line: &[u8]) -> Option<u32> {
         let number = leading_number(line, b'O').or_else(|| leading_number(line, b':'));

@@ -241,6 +241,9 @@ fn ranges(source: &Source, shape: &Shape) -> Vec<Range> {
     let last = source.lines();
     for line in source.walk(1, last) {
         let text = source.line(line);
+        if !shape.may_define(text) {
+            continue;
+        }
         let number = shape.number(text);
         if number.is_some() || shape.name(text).is_some() {
             if let Some(previous) = found.last_mut() {
