@@ -29,7 +29,7 @@ pub(super) fn rapid(act: &mut Act<'_, '_>) -> Acted {
     if coded == 0 {
         return Ok(());
     }
-    act.rapid_within(coded, target, feed)
+    act.straight_move((coded, target), |act, coded, target| act.rapid_within(coded, target, feed))
 }
 
 /// Straight feed.
@@ -39,8 +39,8 @@ pub(super) fn linear(act: &mut Act<'_, '_>) -> Acted {
         let (coded, target) = act.plain_targets();
         return act.plain_feed(coded, &target, feed, unit);
     }
-    let (coded, target) = act.straight_targets();
-    act.feed_to(coded, target, feed, unit)
+    let targets = act.straight_targets();
+    act.straight_move(targets, |act, coded, target| act.feed_to(coded, target, feed, unit))
 }
 
 /// Straight feed over a multiple of the programmed distance.

@@ -20,9 +20,13 @@ use counterpoint_motion::frame::orient::{Free, Rule, Turns, Way};
 pub(crate) const ENTRIES: &[Entry] = &[
     Entry::of(&[codes::RTCP_ON], |act, _, _| on(act, 1)),
     Entry::of(&[codes::RTCP2_ON], |act, _, _| on(act, 2)),
+    Entry::of(&[codes::RTCP_AT_ENDS], |act, _, _| on(act, AT_ENDS)),
     Entry::of(&[codes::RTCP_OFF], |act, _, _| off(act)),
     entry_of_kind!(CodeKind::TipFormat(format) => |act, _row, _code| orient(act, format)),
 ];
+
+/// The method that acts at the ends of moves only.
+const AT_ENDS: u8 = 3;
 
 /// Words of the forms that say a direction, by `$TCPFMT`.
 const WORDS: [[DataId; 3]; 5] = [
@@ -56,7 +60,11 @@ pub(super) fn on(act: &mut Act<'_, '_>, method: u8) -> Acted {
     act.state.others.tip.method = method;
     act.state.others.tip.format = act.state.others.tip.format.max(1);
     if changed {
-        let text = if method == 2 { "rtcp on method=2" } else { "rtcp on" };
+        let text = match method {
+            2 => "rtcp on method=2",
+            AT_ENDS => "rtcp at ends",
+            _ => "rtcp on",
+        };
         act.emit(0, Kind::mode(text));
     }
     Ok(())
@@ -107,6 +115,49 @@ fn direction(format: u8, [a, b, c]: Point, tip: Point) -> Option<Point> {
 }
 
 impl Act<'_, '_> {
+    /// A straight move to a target in the work frame, made by `go`. Where only the ends of moves are those of the tip, one that
+    /// turns rotary axes is a move of the axes; linear axes without any word of theirs stand.
+    #[inline(always)]
+    pub(super) fn straight_move(
+        &mut self,
+        (coded, target): (u8, Position),
+        go: impl FnOnce(&mut Self, u8, Position) -> Acted,
+    ) -> Acted {
+        match self.tip() {
+            Some(_) if self.state.others.tip.method == AT_ENDS => self.straight_at_ends((coded, target), go),
+            _ => go(self, coded, target),
+        }
+    }
+
+    #[cold]
+    fn straight_at_ends(
+        &mut self,
+        (coded, target): (u8, Position),
+        go: impl FnOnce(&mut Self, u8, Position) -> Acted,
+    ) -> Acted {
+        let from = self.state.place.position;
+        let of = |rotary: bool| self.state.place.layout.axes.entries().filter(move |(_, axis)| axis.rotary == rotary);
+        if of(true).all(|(slot, _)| from.at(slot) == target.at(slot)) {
+            return go(self, coded, target);
+        }
+        if self.is_compensated() {
+            let text = format!("rotary axes cannot turn under compensation of the radius in '{}'", self.block_text());
+            return Err(self.alarm(&diag::REFUSED, text));
+        }
+        let mut machine = self.machine_point(&target);
+        if of(false).all(|(slot, _)| coded & slot.bit() == 0) {
+            let stands = self.machine_point(&from);
+            for (slot, _) in of(false) {
+                *machine.at_mut(slot) = stands.at(slot);
+            }
+        }
+        self.end_tip();
+        let target = self.point_of_machine(&machine);
+        let done = go(self, coded, target);
+        self.start_tip(false);
+        done
+    }
+
     /// Takes the words of the orientation and turns the rotary axes of a move; `coded` and the target in the work frame.
     #[cold]
     pub(super) fn orient_words(&mut self, coded: u8, mut target: Position) -> (u8, Position) {

@@ -90,6 +90,7 @@ macro_rules! with_own {
             CONTOUR_SHARP 0 100 true true Plain => ": the offsets of this block and the next meet outside of the corner too (Heidenhain M97)";
             CONTOUR_EXTENDED 0 100 true true Plain => ": outside of the corner the offsets go on by a length before an arc joins them, up to where they meet (Heidenhain M197)";
             CONTOUR_OPEN 0 100 true true Plain => ": the offset of this block goes to its end, also inside of the corner (Heidenhain M98)";
+            RTCP_AT_ENDS 20 100 true true TipControl => ": positions are those of the tip where moves end; rotary axes turn without the linear ones (Heidenhain M144)";
         }
     };
 }
