@@ -32,6 +32,8 @@ pub struct Habits {
     pub bare_sums: bool,
     /// A statement may follow a condition without THEN: `IF[#1EQ1.]G65P2`.
     pub bare_conditions: bool,
+    /// Angles of arc functions are from 0 to 360 degrees: those of ATAN of two values and negative ones of ASIN.
+    pub full_angles: bool,
     /// Codes, addresses and statements that nothing knows are alarms of the control; otherwise they are diagnosed and the
     /// rest of the block acts.
     pub unknown_alarms: bool,
@@ -116,6 +118,7 @@ impl Default for Habits {
             rounded: false,
             bare_sums: false,
             bare_conditions: false,
+            full_angles: false,
             brackets: None,
             bare_home: false,
             dwell: Dwell::default(),

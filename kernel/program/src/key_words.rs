@@ -26,6 +26,8 @@ pub struct Formulas {
     pub bare_sums: bool,
     /// A statement may follow a condition without THEN.
     pub bare_conditions: bool,
+    /// Angles of arc functions are from 0 to 360 degrees.
+    pub full_angles: bool,
 }
 
 /// What a machine has besides words of one letter.

@@ -92,6 +92,7 @@ impl Scanner {
                 brackets: machine.habits.brackets,
                 bare_sums: machine.habits.bare_sums,
                 bare_conditions: machine.habits.bare_conditions,
+                full_angles: machine.habits.full_angles,
             },
             letters,
             literal_first: LiteralFirst::new(machine),

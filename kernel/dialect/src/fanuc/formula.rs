@@ -211,6 +211,10 @@ impl Parser<'_> {
 
     fn function(&mut self, ops: &mut Vec<Op>) -> Result<(), Error> {
         let letters = self.letters();
+        if letters == "POW" && self.text.get(self.at + 3) == Some(&b'[') {
+            self.at += 3;
+            return self.power(ops);
+        }
         // The longest name wins; two letters of a name are enough.
         let mut best: Option<(Op, usize)> = None;
         let common = NAMED.iter().map(|(name, function)| (*name, Op::Apply(*function)));
@@ -232,6 +236,26 @@ impl Parser<'_> {
         }
         self.bracketed(ops)?;
         ops.push(op);
+        if op == Op::Apply(Function::Asin) && self.names.formulas.full_angles {
+            ops.push(Op::Apply(Function::FullTurn));
+        }
+        Ok(())
+    }
+
+    /// The arguments of `POW[base,exponent]`.
+    fn power(&mut self, ops: &mut Vec<Op>) -> Result<(), Error> {
+        self.nest()?;
+        self.at += 1;
+        self.relation(ops)?;
+        if !self.accept(b',') {
+            return Err(self.error("',' and the exponent"));
+        }
+        self.relation(ops)?;
+        if !self.accept(b']') {
+            return Err(self.error("']'"));
+        }
+        self.depth -= 1;
+        ops.push(Op::Combine(Operator::Power));
         Ok(())
     }
 
@@ -239,7 +263,7 @@ impl Parser<'_> {
     pub(super) fn stands_function(&mut self) -> bool {
         let letters = self.letters();
         let mut names = NAMED.iter().map(|(name, _)| name).chain(FUNCTIONS.iter().map(|(name, _)| name));
-        letters.len() >= 2 && names.any(|name| name.starts_with(&letters))
+        letters == "POW" || letters.len() >= 2 && names.any(|name| name.starts_with(&letters))
     }
 
     /// `NAME[…]` that the control does not have: the machine may know its value.
@@ -281,14 +305,15 @@ impl Parser<'_> {
             return Err(self.error("']'"));
         }
         self.depth -= 1;
+        let of_two = Op::Combine(if self.names.formulas.full_angles { Operator::Angle } else { Operator::Atan2 });
         let mark = self.at;
         if !two && self.accept(b'/') && self.peek() == Some(b'[') {
             self.bracketed(ops)?;
-            ops.push(Op::Combine(Operator::Atan2));
+            ops.push(of_two);
             return Ok(());
         }
         self.at = mark;
-        ops.push(if two { Op::Combine(Operator::Atan2) } else { Op::Apply(Function::Atan) });
+        ops.push(if two { of_two } else { Op::Apply(Function::Atan) });
         Ok(())
     }
 }
@@ -313,9 +338,25 @@ mod tests {
     }
 
     fn value(text: &str) -> Result<f64, Fault> {
-        let line = compile(format!("#1={text}").as_bytes(), Names::default()).unwrap();
+        value_by(text, Names::default())
+    }
+
+    fn value_by(text: &str, names: Names<'_>) -> Result<f64, Fault> {
+        let line = compile(format!("#1={text}").as_bytes(), names).unwrap();
         let Statement::Assign(list) = line.statement else { panic!("no assignment") };
         expr::value(&list[0].1, &mut Fixed)
+    }
+
+    /// Reference fanuc-variables-and-alarms.md, rows of ASIN and ATAN with parameter 6004#0.
+    #[test]
+    fn angles_of_a_full_turn() {
+        let mut names = Names::default();
+        names.formulas.full_angles = true;
+        let angles = [("ATAN[3]/[-4]", 143.1301), ("ATAN[-3]/[-4]", 216.8699), ("ATAN[-3,-4]", 216.8699)];
+        let others = [("ATAN[0.75]", 36.8699), ("ATAN[-0.75]", -36.8699), ("ASIN[-0.5]", 330.0), ("ACOS[-0.5]", 120.0)];
+        for (text, expected) in angles.into_iter().chain(others) {
+            assert_eq!((value_by(text, names).unwrap() * 1e4).round() / 1e4, expected, "{text}");
+        }
     }
 
     #[test]
@@ -330,7 +371,10 @@ mod tests {
             ("SIN[30]", 0.5),
             ("COS[90]", 0.0),
             ("ATAN[1]/[-1]", 135.0),
+            ("ATAN[-1]/[-1]", -135.0),
             ("ATAN[1]", 45.0),
+            ("POW[2,3]*2", 16.0),
+            ("POW[2+2,0.5]", 2.0),
             ("SQRT[#4*#4+9]", 5.0),
             ("FIX[-2.5]", -2.0),
             ("FUP[2.1]", 3.0),

@@ -96,6 +96,8 @@ pub(crate) enum Function {
     NotBits,
     /// A truth, inverted.
     Not,
+    /// An angle from 0 to 360 degrees.
+    FullTurn,
 }
 
 /// Functions that every control has, under the name that every control gives them.
@@ -142,6 +144,7 @@ impl Function {
             Self::Frac => "FRAC",
             Self::Sign => "SGN",
             Self::NotBits | Self::Not => "NOT",
+            Self::FullTurn => "ASIN",
         }
     }
 
@@ -154,6 +157,7 @@ impl Function {
             Self::Asin | Self::Acos if v.abs() > 1.0 => return None,
             Self::Asin => libm::asin(v) * DEGREES,
             Self::Acos => libm::acos(v) * DEGREES,
+            Self::FullTurn => v.rem_euclid(360.0),
             Self::Atan => libm::atan(v) * DEGREES,
             Self::Sqrt if v < 0.0 => return None,
             Self::Sqrt => v.sqrt(),

@@ -19,7 +19,10 @@ impl Siemens {
                 let holds = self.is_true(host, condition)?;
                 let gone = match jump {
                     Some(jump) => holds && self.jump(host, jump)?,
-                    None if holds => false,
+                    None if holds => {
+                        self.partners(host)?;
+                        false
+                    }
                     None => {
                         let partners = self.partners(host)?;
                         self.go(host, partners.otherwise.unwrap_or(partners.last).saturating_add(1))?;

@@ -231,10 +231,18 @@ pub(super) fn read(text: &str) -> Result<Line, String> {
 /// Statements of loops and branches stand in a block of their own.
 fn alone(line: Line) -> Result<Line, String> {
     let is_structure = |item: &&Item| {
-        matches!(item, Item::Structure(_) | Item::For(..) | Item::While(_) | Item::Until(_) | Item::RepeatPart { .. })
+        matches!(
+            item,
+            Item::If(_, None)
+                | Item::Structure(_)
+                | Item::For(..)
+                | Item::While(_)
+                | Item::Until(_)
+                | Item::RepeatPart { .. }
+        )
     };
     match line.items.iter().find(is_structure) {
-        Some(_) => Err("a loop, branch or repetition must be alone in its block".to_owned()),
+        Some(_) => Err("a loop, branch or repetition must be alone in its block; behind the condition of IF only a jump (GOTOF, GOTOB) may stand".to_owned()),
         None => Ok(line),
     }
 }

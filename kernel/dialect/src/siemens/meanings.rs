@@ -2,7 +2,7 @@
 //!
 //! TRANS replaces the whole translation. G58 and G59 replace the absolute and the additive part of the translation of the axes that
 //! they name; ATRANS adds to the additive part. G74 goes to the reference point and G75 to a fixed point with the axes that the block
-//! names: their values mean nothing. Facts: programming manual, fundamentals, chapters "programmable zero offset", "reference point
+//! names: their values mean nothing, nor do those of MIRROR and AMIRROR. Facts: programming manual, fundamentals, chapters "programmable zero offset", "reference point
 //! approach", "fixed point approach". Decisions: TRANS, ROT, SCALE and MIRROR take the additive part away, as they take the whole
 //! frame; G58 and G59 in a frame that is turned, scaled or mirrored are refused. *Invariant:* no value of a G74 or G75 is a position.
 
@@ -39,7 +39,7 @@ fn may_be_rewritten(words: &str) -> bool {
     let mut begins = true;
     words.as_bytes().windows(2).any(|pair| {
         let first = std::mem::replace(&mut begins, pair.first() == Some(&b' '));
-        first && matches!(pair, b"TR" | b"RO" | b"SC" | b"MI" | b"AT" | [b'G' | b'g', b'0' | b'5' | b'7'])
+        first && matches!(pair, b"TR" | b"RO" | b"SC" | b"MI" | b"AT" | b"AM" | [b'G' | b'g', b'0' | b'5' | b'7'])
     })
 }
 
@@ -63,7 +63,7 @@ impl Siemens {
             Some(part) => return self.part_of_translation(host, left, part == 59),
             None => {}
         }
-        let frame = left.words.split(' ').find(|word| WHOLE.contains(word) || *word == "ATRANS");
+        let frame = left.words.split(' ').find(|word| WHOLE.contains(word) || matches!(*word, "ATRANS" | "AMIRROR"));
         let Some(frame) = frame.map(str::to_owned).filter(|frame| host.is_code_text(frame)) else { return Ok(()) };
         if frame == "ATRANS" {
             let axes = host.axes();
@@ -73,6 +73,12 @@ impl Siemens {
                     *slot += value;
                 }
             }
+            return Ok(());
+        }
+        if frame.ends_with("MIRROR") {
+            at_zero(host, left);
+        }
+        if frame == "AMIRROR" {
             return Ok(());
         }
         self.held.additive = [0.0; 3];
@@ -130,6 +136,16 @@ impl Siemens {
         host.effect();
         Ok(())
     }
+}
+
+/// The axes that are mirrored are named by words whose values mean nothing: mirrors stand at the zero of the frame.
+fn at_zero(host: &dyn Host, left: &mut Left) {
+    let axes = host.axes();
+    let word = |word: &str| match axis_word(&axes, word) {
+        Some((_, _)) => format!("{}0", word.get(..1).unwrap_or_default()),
+        None => word.to_owned(),
+    };
+    left.words = left.words.split(' ').map(word).collect::<Vec<_>>().join(" ");
 }
 
 /// X, Y or Z as 0, 1 or 2.

@@ -36,6 +36,8 @@ pub(super) fn read(top: &mut Section<'_>, preprocessor: Preprocessor) -> (Habits
     habits.bare_sums = section.choice("sums", &sums).unwrap_or(habits.bare_sums);
     let conditions = [("then", false), ("bare", true)];
     habits.bare_conditions = section.choice("conditions", &conditions).unwrap_or(habits.bare_conditions);
+    let angles = [("signed", false), ("full-turn", true)];
+    habits.full_angles = section.choice("angles", &angles).unwrap_or(habits.full_angles);
     habits.brackets = section.integer("brackets", 1..=32).map(|levels| levels as u8);
     let homes = [("nothing", false), ("all", true)];
     habits.bare_home = section.choice("home_without_axes", &homes).unwrap_or(habits.bare_home);

@@ -3,7 +3,6 @@
 use crate::channel::Kernel;
 use counterpoint_dialect::{MadeWord, Words};
 use counterpoint_event::info::Unit;
-use counterpoint_fault as diag;
 use counterpoint_machine::index::{CodeRowId, RegisterId};
 use counterpoint_machine::model::MacroWords;
 use counterpoint_machine::number::written;
@@ -97,10 +96,10 @@ impl Words for Kernel<'_> {
         let value = match written {
             Some(number) => self.read(register, number),
             None => {
-                let signed = self.channel.env.machine.registers[register].signed;
-                let refused = !signed && self.channel.is_alarm(&diag::MINUS_SIGN);
-                let wrong = refused && value < 0.0;
-                self.channel.block.flags.irregular |= u8::from(wrong) * irregular::SIGN;
+                // Its size and its sign count; no point was written.
+                let number = Number { value, point: true, digits: 0 };
+                let reading = self.plan.scanner.reading(register, number, self.channel.state.secondary);
+                self.channel.block.flags.irregular |= reading.map_or(0, |(_, bits)| bits & !irregular::POINT);
                 value
             }
         };
