@@ -55,6 +55,7 @@ diagnostics! {
     TOO_MANY_DIGITS 2900006 "too-many-digits" 4 false "too many digits for the register";
     DATA_REFUSED 2900007 "word-not-processed" 8 false "required word not processed by the machine definition";
     TAPE_RULE 2900008 "tape-rule-too-slow" 8 false "tape editor rule needs too many steps on a block";
+    WORD_TWICE 2900009 "word-twice" 4 false "address written twice in a block";
     COMMENT_OPEN 2900010 "comment-not-closed" 4 false "comment or message not closed";
     NO_REWIND_STOP 2900012 "no-rewind-stop" 0 false "expected rewind-stop missing";
     REWIND_STOP_INSIDE 2900013 "rewind-stop-inside" 4 false "rewind-stop inside the program";

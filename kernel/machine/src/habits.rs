@@ -32,6 +32,10 @@ pub struct Habits {
     pub bare_sums: bool,
     /// A statement may follow a condition without THEN: `IF[#1EQ1.]G65P2`.
     pub bare_conditions: bool,
+    /// A factor with a decimal point is the factor itself, whatever its unit.
+    pub pointed_factors: bool,
+    /// Of several words with one address in a block the last one counts; otherwise the others are unused words.
+    pub last_of_address: bool,
     /// Angles of arc functions are from 0 to 360 degrees: those of ATAN of two values and negative ones of ASIN.
     pub full_angles: bool,
     /// Codes, addresses and statements that nothing knows are alarms of the control; otherwise they are diagnosed and the
@@ -118,6 +122,8 @@ impl Default for Habits {
             rounded: false,
             bare_sums: false,
             bare_conditions: false,
+            pointed_factors: false,
+            last_of_address: false,
             full_angles: false,
             brackets: None,
             bare_home: false,

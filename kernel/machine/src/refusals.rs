@@ -72,6 +72,8 @@ pub struct WordRule {
     pub max: f64,
     /// It is a whole number.
     pub whole: bool,
+    /// It may be written with a decimal point.
+    pub pointed: bool,
     /// Most words of the register on one block.
     pub most: Option<u8>,
 }

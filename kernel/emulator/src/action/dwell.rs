@@ -47,6 +47,12 @@ impl Act<'_, '_> {
         self.take(id).map(|datum| if pointed { datum.raw } else { datum.value })
     }
 
+    /// Takes a factor. On some controls a decimal point makes it the factor itself.
+    pub(super) fn take_factor(&mut self, id: DataId) -> Option<f64> {
+        let pointed = self.env.machine.habits.pointed_factors && self.is_pointed(id);
+        self.take(id).map(|datum| if pointed { datum.raw } else { datum.value })
+    }
+
     /// The word that supplies a value is in a smaller unit and has a decimal point.
     fn is_pointed(&self, id: DataId) -> bool {
         let sources = self.sources(id).iter();

@@ -179,8 +179,8 @@ fn normal(act: &Act<'_, '_>) -> Point {
 }
 
 fn scale(act: &mut Act<'_, '_>, change: Change) -> Option<Programmed> {
-    let all = act.take(data::LCS_SCALE).map(|datum| datum.value);
-    let each = numbers(act, SCALES);
+    let all = act.take_factor(data::LCS_SCALE);
+    let each = SCALES.map(|id| act.take_factor(id));
     let center = center(act, SCALE_CENTER, Part::Scale, change);
     if all.is_none() && each.iter().all(Option::is_none) {
         return None;

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use rustc_hash::FxHashMap;
 
-use super::custom_macro::{By, CodeMacro, ModalCall, WordKind};
+use super::custom_macro::{By, CodeMacro, ModalCalls, WordKind};
 use super::known_blocks::KnownBlocks;
 use super::passes::Passes;
 use super::search::Labels;
@@ -34,6 +34,8 @@ pub(crate) struct Frame {
     pub(crate) own_variables: bool,
     /// What was called.
     pub(crate) called: Called,
+    /// The modal call that called it.
+    pub(crate) modal: Option<usize>,
     /// Kind of the word that called it; a call of another form has none.
     pub(crate) by: Option<WordKind>,
     /// Name for events.
@@ -95,8 +97,8 @@ pub(crate) struct Flow {
     pub(crate) pending: Option<Pending>,
     /// The macro that a code of the block calls.
     pub(crate) code_macro: Option<Box<CodeMacro>>,
-    /// Macro that blocks call without saying so.
-    pub(crate) modal_call: Option<Box<ModalCall>>,
+    /// Macros that blocks call without saying so.
+    pub(crate) modal: ModalCalls,
     /// The pre-processor of another control calls behind blocks that move.
     pub(crate) modal_text: bool,
     pub(crate) pass: Passes,
@@ -197,6 +199,7 @@ impl Frame {
             repeats: 0,
             closes: false,
             own_variables: false,
+            modal: None,
             called: Called { what: Callee::Program(0), passes: 1, block: None },
             by: None,
             name,

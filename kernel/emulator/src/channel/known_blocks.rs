@@ -52,7 +52,7 @@ impl Kernel<'_> {
     #[inline(always)]
     pub(crate) fn leads_on(&self, line: (FileId, u32)) -> Option<KnownBlock> {
         let known = *self.flow.known.blocks.get(line)?;
-        let alone = self.flow.modal_call.is_none()
+        let alone = self.flow.modal.is_empty()
             && self.channel.state.modal.refires.is_empty()
             && self.channel.state.place.frames.is_none()
             && !self.flow.watched;

@@ -229,8 +229,16 @@ impl Kernel<'_> {
             count += 1;
             let value = word.value;
             wrong |= value < rule.min || value > rule.max || rule.whole && value.fract() != 0.0;
+            wrong |= !rule.pointed && self.is_written_with_point((word.start, word.end));
         }
         wrong || rule.most.is_some_and(|most| count > usize::from(most))
+    }
+
+    /// The word is a number with a decimal point; what an expression has is not written.
+    #[cold]
+    fn is_written_with_point(&self, (start, end): (u32, u32)) -> bool {
+        let text = self.current_text().get(start as usize..end as usize).unwrap_or_default();
+        text.contains(&b'.') && !text.iter().any(|byte| matches!(byte, b'#' | b'['))
     }
 
     fn is_written(&self, code: &Written, pending: &PendingCode) -> bool {

@@ -91,7 +91,7 @@ impl Walk<'_, '_> {
     /// A call of a custom macro. One that blocks make without saying so matters only if it does something for others.
     fn macro_call(&mut self) -> Acted {
         self.kernel.macro_call()?;
-        let Some(modal) = self.kernel.flow.modal_call.take() else { return Ok(()) };
+        let Some(modal) = self.kernel.flow.modal.pop() else { return Ok(()) };
         match self.meets_in(&modal.what)? {
             None => Ok(()),
             Some(_) => Err(self.lost(&format!("blocks that move call {}, which waits", modal.what))),
@@ -171,7 +171,7 @@ impl Walk<'_, '_> {
         }
         if called {
             self.kernel.macro_call()?;
-            return Ok(match self.kernel.flow.modal_call.take() {
+            return Ok(match self.kernel.flow.modal.pop() {
                 Some(modal) => Meant::Call(modal.what),
                 None => self.asked(),
             });

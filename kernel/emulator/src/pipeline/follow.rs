@@ -28,7 +28,7 @@ impl Kernel<'_> {
             self.end_functions();
         }
         let flow = &self.flow;
-        if flow.pending.is_some() || flow.modal_call.is_some() || flow.modal_text { self.follow_up() } else { Ok(()) }
+        if flow.pending.is_some() || !flow.modal.is_empty() || flow.modal_text { self.follow_up() } else { Ok(()) }
     }
 
     #[inline(never)]
@@ -72,6 +72,7 @@ impl Kernel<'_> {
     }
 
     fn call(&mut self, what: Callee, passes: u32, arguments: Option<Vec<(u8, f64)>>, by: Option<Box<By>>) -> Acted {
+        let modal = self.flow.modal.take_caller();
         self.check_nesting(|| match &what {
             Callee::Program(number) => number.to_string(),
             other => other.to_string(),
@@ -99,7 +100,7 @@ impl Kernel<'_> {
         }
         let (repeats, by) = (passes.saturating_sub(1), by.map(|by| by.kind));
         let text = Frame::main(file, range, self.name_of(&what));
-        self.enter(Frame { repeats, own_variables, called, by, ..text });
+        self.enter(Frame { repeats, own_variables, modal, called, by, ..text });
         Ok(())
     }
 
@@ -200,6 +201,8 @@ impl Kernel<'_> {
         if let Some(frame) = self.flow.frames.pop() {
             if frame.own_variables {
                 self.dialect.variables.leave();
+                let level = self.call_level();
+                self.flow.modal.leave(level);
             }
             self.interpreter_return();
             self.flow.pass.leave(self.flow.frames.len());

@@ -29,7 +29,7 @@ impl Kernel<'_> {
             for position in 0..self.channel.block.words.len() {
                 let Some(word) = self.channel.block.words.get(position).copied() else { break };
                 if !word.used {
-                    self.leftover_word(word.register, word.value, (word.start, word.end));
+                    self.leftover_word((position, word.register), word.value, (word.start, word.end));
                 }
             }
         }
@@ -57,11 +57,29 @@ impl Kernel<'_> {
         Ok(())
     }
 
-    fn leftover_word(&mut self, register: RegisterId, value: f64, span: (u32, u32)) {
+    /// Where the last word of the same address is, if there is a later one.
+    fn again(&self, register: RegisterId, position: usize) -> Option<(u32, u32)> {
+        let words = self.channel.block.words.get(position + 1..)?;
+        words.iter().rfind(|word| word.register == register).map(|word| (word.start, word.end))
+    }
+
+    /// A word that a later one of its address replaces.
+    #[cold]
+    fn word_twice(&mut self, span: (u32, u32), last: (u32, u32)) {
+        let [word, last] = [span, last].map(|span| self.span_text(span));
+        let text = format!("{word} has no effect: {last} comes later in '{}'", self.block_text());
+        let counts = self.channel.env.machine.habits.last_of_address;
+        self.diagnose(if counts { &diag::WORD_TWICE } else { &diag::DATA_NOT_USED }, text);
+    }
+
+    fn leftover_word(&mut self, (position, register): (usize, RegisterId), value: f64, span: (u32, u32)) {
         let machine = self.channel.env.machine;
         let mut rows = self.channel.block.pending.iter().map(|pending| &machine.codes[pending.row]);
         if rows.any(|row| row.ignores.contains(&register)) {
             return;
+        }
+        if let Some(last) = self.again(register, position) {
+            return self.word_twice(span, last);
         }
         let rows = machine.tables.data_of(register);
         let (feed, _) = feed_of(self.channel.state.modal.code(group::FEED));

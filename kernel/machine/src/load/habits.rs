@@ -36,6 +36,10 @@ pub(super) fn read(top: &mut Section<'_>, preprocessor: Preprocessor) -> (Habits
     habits.bare_sums = section.choice("sums", &sums).unwrap_or(habits.bare_sums);
     let conditions = [("then", false), ("bare", true)];
     habits.bare_conditions = section.choice("conditions", &conditions).unwrap_or(habits.bare_conditions);
+    let factors = [("as-written", false), ("factor", true)];
+    habits.pointed_factors = section.choice("factor_with_point", &factors).unwrap_or(habits.pointed_factors);
+    let words = [("error", false), ("last", true)];
+    habits.last_of_address = section.choice("same_address", &words).unwrap_or(habits.last_of_address);
     let angles = [("signed", false), ("full-turn", true)];
     habits.full_angles = section.choice("angles", &angles).unwrap_or(habits.full_angles);
     habits.brackets = section.integer("brackets", 1..=32).map(|levels| levels as u8);

@@ -14,9 +14,9 @@ use crate::toml::section::Section;
 const MOST: usize = 1000;
 
 /// Keys of a row that is switched off: it only takes away that of the family.
-const KEYS: [&str; 14] = [
+const KEYS: [&str; 15] = [
     "alarm", "name", "text", "codes", "implied", "with", "without", "active", "inactive", "register", "min", "max",
-    "whole", "most",
+    "whole", "point", "most",
 ];
 
 /// Reads the rows in file order.
@@ -125,11 +125,12 @@ fn word_rule(row: &mut Section<'_>, names: &Names<'_>) -> Option<WordRule> {
     let min = row.number("min");
     let max = row.number("max");
     let whole = row.flag("whole").unwrap_or(false);
+    let pointed = row.flag("point").unwrap_or(true);
     let most = row.integer("most", 1..=99).map(|most| most as u8);
-    let says = min.is_some() || max.is_some() || whole || most.is_some();
+    let says = min.is_some() || max.is_some() || whole || !pointed || most.is_some();
     match (name.is_some(), says) {
-        (true, false) => row.error("register", "`register` needs `min`, `max`, `whole` or `most`"),
-        (false, true) => row.error("register", "`min`, `max`, `whole` and `most` are about a `register`"),
+        (true, false) => row.error("register", "`register` needs `min`, `max`, `whole`, `point` or `most`"),
+        (false, true) => row.error("register", "`min`, `max`, `whole`, `point` and `most` are about a `register`"),
         _ => {}
     }
     Some(WordRule {
@@ -137,6 +138,7 @@ fn word_rule(row: &mut Section<'_>, names: &Names<'_>) -> Option<WordRule> {
         min: min.unwrap_or(f64::NEG_INFINITY),
         max: max.unwrap_or(f64::INFINITY),
         whole,
+        pointed,
         most,
     })
 }

@@ -41,13 +41,13 @@ impl Kernel<'_> {
                 None => self.take_name().map(Callee::Named),
             },
             // A block that only gives the arguments: P and L are arguments, too.
-            None => self.flow.modal_call.as_deref().map(|call| call.what.clone()),
+            None => self.modal_call().map(|call| call.what.clone()),
         };
         let Some(what) = what else {
             let text = format!("macro call without a program number P in '{}'", self.block_text());
             return Err(self.alarm(&diag::MACRO_CALL, text));
         };
-        let passes = match (words.call, words.count, self.flow.modal_call.as_deref()) {
+        let passes = match (words.call, words.count, self.modal_call()) {
             (None, _, Some(call)) => call.passes,
             (_, Some(count), _) => self.passes(count).max(1),
             _ => 1,
@@ -57,10 +57,13 @@ impl Kernel<'_> {
             Some(how @ (MacroCall::AfterMoves | MacroCall::EachBlock)) => {
                 let each = how == MacroCall::EachBlock;
                 let level = self.call_level();
-                self.flow.modal_call = Some(Box::new(ModalCall { what, passes, arguments, each, level, by }));
+                self.flow.modal.push(ModalCall { what, passes, arguments, each, level, by });
             }
-            _ => {
+            how => {
                 let by = by.map(Box::new);
+                if how.is_none() {
+                    self.call_is_modal();
+                }
                 self.ask(Pending::Call { what, passes, arguments: Some(arguments), by });
             }
         }

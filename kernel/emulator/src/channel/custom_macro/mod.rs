@@ -8,4 +8,4 @@ mod code_calls;
 mod modal;
 
 pub(crate) use code_calls::{By, CodeCalls, CodeMacro, WordKind};
-pub(crate) use modal::ModalCall;
+pub(crate) use modal::ModalCalls;

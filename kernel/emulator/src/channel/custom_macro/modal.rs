@@ -2,7 +2,9 @@
 //!
 //! Facts: reference control-emulator.md 5.4. Decisions: G66 calls after every block that moves, with the arguments of
 //! its own block; G66.1 calls with the words of every block, which does nothing else; inside a macro that was called
-//! with arguments no block calls, unless that macro contains G66 itself; subprograms called by M98 continue calling.
+//! with arguments no block calls, unless that macro contains G66 itself, or blocks called it and there is a G66 before that one:
+//! then its blocks call what that names; G67 ends the last one; subprograms called by M98 continue calling. *Invariant:* a
+//! modal call ends with the macro that made it.
 
 use super::code_calls::By;
 use crate::channel::Kernel;
@@ -25,6 +27,45 @@ pub(crate) struct ModalCall {
     pub(super) by: Option<By>,
 }
 
+/// The modal calls in force, the last one made at the end.
+#[derive(Debug, Default)]
+pub(crate) struct ModalCalls {
+    calls: Vec<ModalCall>,
+    /// The one that the call which is to come is made by.
+    calling: Option<usize>,
+}
+
+/// Modal calls in force at most; what is made beyond that replaces the last one.
+const MOST: usize = 64;
+
+impl ModalCalls {
+    pub(crate) fn is_empty(&self) -> bool {
+        self.calls.is_empty()
+    }
+
+    pub(super) fn push(&mut self, call: ModalCall) {
+        if self.calls.len() >= MOST {
+            self.calls.pop();
+        }
+        self.calls.push(call);
+    }
+
+    /// Takes the last one away.
+    pub(crate) fn pop(&mut self) -> Option<ModalCall> {
+        self.calls.pop()
+    }
+
+    /// Which one makes the call that begins; none for other calls.
+    pub(crate) fn take_caller(&mut self) -> Option<usize> {
+        self.calling.take()
+    }
+
+    /// Ends those of macros that have ended.
+    pub(crate) fn leave(&mut self, level: usize) {
+        self.calls.retain(|call| call.level <= level);
+    }
+}
+
 impl Kernel<'_> {
     /// A G word of the dialect that calls macros, which a block without a code for it may have; the one that ends modal calls
     /// does so at once.
@@ -32,7 +73,7 @@ impl Kernel<'_> {
     pub(crate) fn macro_call_of(&mut self, g: f64) -> Option<MacroCall> {
         let call = self.dialect.kind.macro_call(g);
         if call == Some(MacroCall::End) {
-            self.flow.modal_call = None;
+            self.flow.modal.pop();
         }
         call
     }
@@ -49,34 +90,49 @@ impl Kernel<'_> {
         self.flow.frames.iter().filter(|frame| frame.own_variables).count()
     }
 
+    /// The modal call that blocks make here.
+    pub(super) fn acting_modal(&self) -> Option<usize> {
+        let (calls, level) = (&self.flow.modal.calls, self.call_level());
+        if let Some(own) = calls.iter().rposition(|call| call.level == level) {
+            return Some(own);
+        }
+        // In a macro that a modal call has called, the one before that calls.
+        let caller = self.flow.frames.iter().rev().find(|frame| frame.own_variables)?.modal?;
+        let before = caller.checked_sub(1)?;
+        (calls.get(before)?.level == calls.get(caller)?.level).then_some(before)
+    }
+
+    /// The same, to look at.
+    pub(super) fn modal_call(&self) -> Option<&ModalCall> {
+        self.flow.modal.calls.get(self.acting_modal()?)
+    }
+
+    /// The next call is one that blocks make without saying so.
+    pub(super) fn call_is_modal(&mut self) {
+        self.flow.modal.calling = self.acting_modal();
+    }
+
     /// The words of this block are the arguments of a modal call.
     #[inline(always)]
     pub(crate) fn calls_each_block(&self) -> bool {
-        self.flow.modal_call.is_some() && self.is_argument_block()
+        !self.flow.modal.is_empty() && self.is_argument_block()
     }
 
     #[cold]
     fn is_argument_block(&self) -> bool {
-        let level = self.call_level();
-        self.flow.modal_call.as_deref().is_some_and(|call| call.each && call.level == level)
-            && !self.channel.block.words.is_empty()
+        self.modal_call().is_some_and(|call| call.each) && !self.channel.block.words.is_empty()
     }
 
     /// Calls behind a block that has moved.
     #[cold]
     pub(crate) fn call_modally(&mut self) {
-        let level = self.call_level();
-        let Some(call) = self.flow.modal_call.as_deref() else { return };
-        if call.level > level {
-            // The macro that made it has ended.
-            self.flow.modal_call = None;
+        if !self.channel.block.flags.moved {
             return;
         }
-        if call.each || call.level != level || !self.channel.block.flags.moved {
-            return;
-        }
+        let Some(call) = self.modal_call().filter(|call| !call.each) else { return };
         let (what, passes) = (call.what.clone(), call.passes);
         let (arguments, by) = (Some(call.arguments.clone()), call.by.map(Box::new));
+        self.call_is_modal();
         self.channel.block.flags.moved = false;
         self.flow.pending = Some(Pending::Call { what, passes, arguments, by });
     }
