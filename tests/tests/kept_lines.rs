@@ -67,7 +67,7 @@ const FANUC: Control = Control {
         "G65 P79 A1. B2.",
         "G65 P79 A#101 B2. I2",
         "G66 P79 A2. B1.",
-        "G66.1 P79 A2. B1.",
+        "G66.1 P79 A2. B1.\nA3. B2.\nG67",
         "G67",
         "G81 Z-1. R1. F100",
         "G83 Z-3. R1. Q1. F100",

@@ -20,6 +20,8 @@ pub struct Habits {
     pub programs: FileLayout,
     /// Of several G codes of one group on a block only the last one acts.
     pub last_of_group: bool,
+    /// One-shot codes count as one such group.
+    pub one_shots_of_group: bool,
     /// Most levels of brackets in an expression; none: as many as fit.
     pub brackets: Option<u8>,
     /// A code of a reference point without axes sends all axes there.
@@ -119,6 +121,7 @@ impl Default for Habits {
             frame_increments: false,
             programs: FileLayout::Numbers,
             last_of_group: false,
+            one_shots_of_group: false,
             rounded: false,
             bare_sums: false,
             bare_conditions: false,

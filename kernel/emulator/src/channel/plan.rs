@@ -279,6 +279,7 @@ fn exclusive(machine: &Machine, g: Option<RegisterId>) -> Option<Table<CodeRowId
     let group = |row: &CodeRow| match row.form {
         CodeForm::Register { register, .. } | CodeForm::RegisterAsData { register, .. } if Some(register) == g => {
             match row.group {
+                0 if !machine.habits.one_shots_of_group => 0,
                 0 => ONE_SHOT,
                 _ if row.id == codes::LCS_TRANSLATE_ON => ONE_SHOT,
                 group => group,

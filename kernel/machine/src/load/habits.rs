@@ -28,8 +28,10 @@ pub(super) fn read(top: &mut Section<'_>, preprocessor: Preprocessor) -> (Habits
     habits.frame_increments = section.choice("frame_increments", &increments).unwrap_or(habits.frame_increments);
     let files = [("numbers", FileLayout::Numbers), ("heads", FileLayout::Heads), ("sections", FileLayout::Sections)];
     habits.programs = section.choice("programs", &files).unwrap_or(habits.programs);
-    let groups = [("all", false), ("last", true)];
-    habits.last_of_group = section.choice("same_group", &groups).unwrap_or(habits.last_of_group);
+    let groups = [("all", (false, false)), ("last", (true, true)), ("last-modal", (true, false))];
+    if let Some(groups) = section.choice("same_group", &groups) {
+        (habits.last_of_group, habits.one_shots_of_group) = groups;
+    }
     let values = [("exact", false), ("rounded", true)];
     habits.rounded = section.choice("expressions", &values).unwrap_or(habits.rounded);
     let sums = [("in-brackets", false), ("bare", true)];
