@@ -42,7 +42,8 @@ pub(super) fn arguments(
         let value = word.value.as_constant().copied().filter(|_| word.name == Name::Letter(b'G'));
         value.is_some_and(|value| with_arguments(value).is_some())
     };
-    let rule = Some(host.macro_words()).filter(|_| own.is_none() && words.iter().any(calls));
+    let by_code = own.is_some();
+    let rule = Some(host.macro_words()).filter(|_| !by_code && words.iter().any(calls));
     for word in words {
         let span = (word.start, word.end);
         let Name::Letter(letter) = word.name else {
@@ -88,6 +89,12 @@ pub(super) fn arguments(
         }
         match letter {
             b'G' if call.is_some() => read.call = call,
+            // Beside a code that calls by itself another code acts before it.
+            b'G' if by_code && host.knows_code(letter, plain) => {
+                if let Some((register, incremental)) = register {
+                    host.push(MadeWord { register, incremental, value, written: word.written, span });
+                }
+            }
             b'N' | b'O' => {}
             b'P' if read.program.is_none() => read.program = Some(plain),
             b'L' => read.count = Some(plain),

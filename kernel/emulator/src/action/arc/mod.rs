@@ -80,6 +80,7 @@ pub(super) fn arc(act: &mut Act<'_, '_>, form: Form, code: &PendingCode) -> Acte
         return super::polar::arc(act, polar, clockwise);
     }
     let (feed, unit) = act.feed();
+    let about_pole = act.ends_by_pole();
     let (coded, target) = act.programmed_targets();
     let Some((plane, flat)) = active_plane(act) else {
         for id in [data::ARC_RADIUS, data::ARC_CENTER_X, data::ARC_CENTER_Y, data::ARC_CENTER_Z] {
@@ -90,7 +91,10 @@ pub(super) fn arc(act: &mut Act<'_, '_>, form: Form, code: &PendingCode) -> Acte
         act.diagnose(&diag::ARC_PLANE, text);
         return Ok(());
     };
-    let words = take_words(act, form, &plane, &flat, (coded, code.modal));
+    let mut words = take_words(act, form, &plane, &flat, (coded, code.modal));
+    if about_pole && words.radius.is_none() && words.center.is_none() && words.angle.is_none() {
+        words.center = Some(flat.point(&act.state.arcs.pole));
+    }
     if coded == 0 && words.radius.is_none() && words.center.is_none() && words.angle.is_none() {
         return Ok(());
     }

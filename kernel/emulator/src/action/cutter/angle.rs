@@ -81,6 +81,11 @@ impl Act<'_, '_> {
         (coded, target)
     }
 
+    /// The end of the block's move is told by its distance and angle from the pole, which is the centre of a circle that has no other.
+    pub(in crate::action) fn ends_by_pole(&mut self) -> bool {
+        self.cutter().is_some_and(|cutter| cutter.asked.polar.is_some())
+    }
+
     /// The programmed end of a move with polar coordinates: coded axes and target.
     pub(in crate::action) fn polar_end(&mut self, coded: u8, mut target: Position) -> (u8, Position) {
         let Some(cutter) = self.cutter() else { return (coded, target) };
