@@ -59,7 +59,8 @@ impl Act<'_, '_> {
         let found = sources.filter_map(|source| Some((source.mul, self.block.look(source.register)?))).next();
         let Some((mul, word)) = found.filter(|(mul, _)| mul.abs() < 1.0) else { return false };
         let text = self.current_text().get(word.start as usize..word.end as usize).unwrap_or_default();
-        mul != 0.0 && text.contains(&b'.')
+        // What an expression has is not written.
+        mul != 0.0 && text.contains(&b'.') && !text.iter().any(|byte| matches!(byte, b'#' | b'['))
     }
 }
 

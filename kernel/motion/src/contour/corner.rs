@@ -58,7 +58,7 @@ impl Offset {
 
     /// Between two pieces; `here` is where the tool is before the first one.
     pub fn between(&self, first: &Element, second: &Element, here: Spot) -> Corner {
-        let small = first.is_too_small(self.side, self.radius);
+        let small = first.is_smaller(self.side, self.radius);
         let (end, start) = (self.at_end(first), self.at_start(second));
         if distance(end, start) < NOISE {
             return Corner { end, links: Vec::new(), hurts: small };
@@ -103,7 +103,7 @@ impl Offset {
             links.push(Link::Line(start));
         }
         let end = if first.arc.is_some() { end } else { leaves };
-        Corner { end, links, hurts: first.is_too_small(self.side, self.radius) }
+        Corner { end, links, hurts: first.is_smaller(self.side, self.radius) }
     }
 
     fn inside(&self, first: &Element, second: &Element, here: Spot, small: bool) -> Corner {

@@ -200,7 +200,7 @@ impl Act<'_, '_> {
             Some(next) if waits.end == ContourEnd::Sharp => Offset { corner: 1, ..offset }.between(element, next, here),
             Some(next) => offset.between(element, next, here),
             None => {
-                let hurts = element.is_too_small(cutter.side, cutter.radius);
+                let hurts = element.is_smaller(cutter.side, cutter.radius);
                 Corner { end: offset.at_end(element), links: Vec::new(), hurts }
             }
         };
