@@ -47,7 +47,14 @@ impl Siemens {
             "$P_DRYRUN" | "$P_ISTEST" | "$P_SEARCH" | "$P_SEARCH1" | "$P_SEARCH2" => Data::Bool(false),
             "$P_AXN1" | "$P_AXN2" | "$P_AXN3" => {
                 let at = name.name.bytes().next_back().map_or(0, |digit| usize::from(digit.saturating_sub(b'1')));
-                Data::Axis(super::texts::geometry_name(host, at).unwrap_or_default())
+                let geometry = super::texts::geometry_name;
+                // Abscissa, ordinate and applicate of the plane; without a Y axis the applicate stays Z.
+                let first = match plane(host).filter(|_| geometry(host, 1).is_some()) {
+                    Some(2) => 2,
+                    Some(3) => 1,
+                    _ => 0,
+                };
+                Data::Axis(geometry(host, (first + at) % 3).unwrap_or_default())
             }
             "$P_SUBPAR" => {
                 let number = self.only_index(host, name)?;

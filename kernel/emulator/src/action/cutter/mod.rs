@@ -136,16 +136,7 @@ fn contour_allowance(act: &mut Act<'_, '_>) -> f64 {
     if let Some(value) = act.take(data::CONTOUR_ALLOWANCE).map(|datum| datum.value) {
         act.state.modal.remember(data::CONTOUR_ALLOWANCE, value);
     }
-    let allowance = act.state.modal.value(data::CONTOUR_ALLOWANCE).unwrap_or(0.0);
-    if allowance != 0.0 && act.polar().is_some() {
-        let text = format!(
-            "'{}' compensates with an allowance of the contour (OFFN) on a transformed surface, where it is the wall of a \
-             groove; this is not emulated",
-            act.block_text()
-        );
-        act.diagnose(&diag::SIEMENS_STATE, text);
-    }
-    allowance
+    act.state.modal.value(data::CONTOUR_ALLOWANCE).unwrap_or(0.0)
 }
 
 /// Says that compensation changes nothing: the control would continue the contour as well, the part would be wrong.
