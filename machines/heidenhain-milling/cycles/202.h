@@ -2,6 +2,9 @@
 ; Q214, out with the feed Q208, back over the hole with the spindle as before.
 BEGIN PGM 202 MM
 FN 9: IF +Q201 EQU +0 GOTO LBL 98
+FN 12: IF +Q201 LT +0 GOTO LBL 94
+FN 14: ERROR = 1098
+LBL 94
 FN 18: SYSREAD QL90 = ID20 NR9
 FN 18: SYSREAD QL93 = ID20 NR5
 QL1 = Q203 + Q200

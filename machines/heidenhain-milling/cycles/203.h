@@ -2,6 +2,9 @@
 ; Without an infeed it drills in one go. Q395 as in cycle 200.
 BEGIN PGM 203 MM
 FN 9: IF +Q201 EQU +0 GOTO LBL 98
+FN 12: IF +Q201 LT +0 GOTO LBL 94
+FN 14: ERROR = 1098
+LBL 94
 FN 18: SYSREAD QL90 = ID20 NR9
 QL1 = Q203 + Q200
 QL2 = Q203 + Q204

@@ -3,6 +3,9 @@
 ; begins, reached with the feed Q253. Q208 of 99999 and more is rapid, 0 is Q206. Q395 as in cycle 200.
 BEGIN PGM 205 MM
 FN 9: IF +Q201 EQU +0 GOTO LBL 98
+FN 12: IF +Q201 LT +0 GOTO LBL 94
+FN 14: ERROR = 1098
+LBL 94
 FN 18: SYSREAD QL90 = ID20 NR9
 QL1 = Q203 + Q200
 QL2 = Q203 + Q204

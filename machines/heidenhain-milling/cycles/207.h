@@ -1,6 +1,9 @@
 ; Rigid tapping with the pitch Q239: feed is speed by pitch; the spindle turns the other way for the retract.
 BEGIN PGM 207 MM
 FN 9: IF +Q201 EQU +0 GOTO LBL 98
+FN 12: IF +Q201 LT +0 GOTO LBL 94
+FN 14: ERROR = 1098
+LBL 94
 FN 18: SYSREAD QL90 = ID20 NR9
 QL1 = Q203 + Q200
 QL2 = Q203 + Q204

@@ -2,6 +2,9 @@
 ; centre. A tool of that diameter goes straight down. The sense is that of the cycle, also in a mirror.
 BEGIN PGM 208 MM
 FN 9: IF +Q201 EQU +0 GOTO LBL 98
+FN 12: IF +Q201 LT +0 GOTO LBL 94
+FN 14: ERROR = 1098
+LBL 94
 QL10 = Q335 / 2 - Q108
 FN 11: IF +QL10 GT -0.0001 GOTO LBL 1
 FN 14: ERROR = 1003

@@ -2,6 +2,9 @@
 ; its right circle, its right end. Roughing in rings, too; it plunges to and fro.
 BEGIN PGM 253 MM
 FN 9: IF +Q201 EQU +0 GOTO LBL 98
+FN 12: IF +Q201 LT +0 GOTO LBL 94
+FN 14: ERROR = 1098
+LBL 94
 FN 18: SYSREAD QL90 = ID20 NR9
 FN 18: SYSREAD QL91 = ID270 NR1 IDX1
 FN 18: SYSREAD QL92 = ID270 NR1 IDX2

@@ -2,6 +2,9 @@
 ; be for the tool to stand at the centre of the left circle, in the middle, at the centre of the right circle.
 BEGIN PGM 254 MM
 FN 9: IF +Q201 EQU +0 GOTO LBL 98
+FN 12: IF +Q201 LT +0 GOTO LBL 94
+FN 14: ERROR = 1098
+LBL 94
 FN 11: IF +Q108 GT +0 GOTO LBL 96
 FN 14: ERROR = 1002
 LBL 96

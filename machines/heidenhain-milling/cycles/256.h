@@ -2,6 +2,9 @@
 ; its corners. The tool comes from 2 mm right of the blank, Q437 = 0.
 BEGIN PGM 256 MM
 FN 9: IF +Q201 EQU +0 GOTO LBL 98
+FN 12: IF +Q201 LT +0 GOTO LBL 94
+FN 14: ERROR = 1098
+LBL 94
 FN 11: IF +Q108 GT +0 GOTO LBL 96
 FN 14: ERROR = 1002
 LBL 96

@@ -1,6 +1,9 @@
 ; Circular stud of the diameter Q223 out of a blank of Q222 about the place of the tool, which comes from the angle Q376, below 0 from the right.
 BEGIN PGM 257 MM
 FN 9: IF +Q201 EQU +0 GOTO LBL 98
+FN 12: IF +Q201 LT +0 GOTO LBL 94
+FN 14: ERROR = 1098
+LBL 94
 FN 11: IF +Q108 GT +0 GOTO LBL 96
 FN 14: ERROR = 1002
 LBL 96
