@@ -120,6 +120,12 @@ impl Siemens {
                 }
             }
         };
+        if !has_word && let Some(plain) = self.without_number(host, &address) {
+            // An oriented stop is M19 with its angle.
+            let word = if plain == "SPOS" { format!("M19 SPOS={text}") } else { format!("{plain}{text}") };
+            left.add(&word);
+            return Ok(());
+        }
         let sign = self.sign(&address, spelling);
         if address.len() > 1 && splits(&address) && !has_word {
             let word = [&*address, sign, &*text].concat();
@@ -133,6 +139,19 @@ impl Siemens {
         left.words.push_str(sign);
         left.words.push_str(&text);
         Ok(())
+    }
+
+    /// The address without the number of the only spindle, and H without its number.
+    fn without_number(&mut self, host: &dyn Host, address: &str) -> Option<&'static str> {
+        let plain = match address.as_bytes() {
+            b"M1" => "M",
+            b"S1" => "S",
+            b"SPOS[1]" => "SPOS",
+            [b'H', digits @ ..] if !digits.is_empty() && digits.iter().all(u8::is_ascii_digit) => "H",
+            _ => return None,
+        };
+        let spindles = plain != "H" && (self.spelling(host, "S1").is_word() || host.is_code_text("M1=3"));
+        (!spindles && self.spelling(host, plain).is_word()).then_some(plain)
     }
 
     /// `=`, or nothing, between an address and its value.
