@@ -4,7 +4,8 @@
 usage: compare.py [--counterpoint BINARY] [--runs N] [--programs FOLDER] [--blocks N]
 
 They run in turn, N times each; the medians of user + system time count. `counterpoint run` goes the whole way:
-embedded server, gRPC, event log, summary, timeline and toolpath built; no listing. It runs with the times of the machine (look-ahead)
+embedded server, gRPC, fingerprint, summary and timeline built; without `--out` nobody asks for a listing, a log or a
+toolpath. It runs with the times of the machine (look-ahead)
 and with `--time simple`, since rs274 does not plan speeds. FOLDER holds mill.ngc and mill.nc;
 without it they are made by mill.py.
 """
