@@ -102,6 +102,9 @@ impl Heidenhain {
             });
         }
         let Some(program) = self.cycles.defined.program.clone().filter(|_| kind != Call::Pattern) else {
+            if !host.is_code_text(text) {
+                return Err(no_cycle(host, text));
+            }
             return Ok(Some(joined(text, &seen)));
         };
         if kind == Call::Here {
@@ -233,6 +236,7 @@ impl Heidenhain {
         });
         match program {
             Some(program) => self.call_cycle_program(host, &program, None),
+            None if !host.knows_code(b'M', 99.0) => Err(no_cycle(host, "M99 or M89")),
             None => {
                 if asked != Asked::Once {
                     seen.push(Seen::made("M", 99.0));
@@ -241,4 +245,10 @@ impl Heidenhain {
             }
         }
     }
+}
+
+/// A call without a cycle, on a machine whose cycles are programs.
+fn no_cycle(host: &mut dyn Host, what: &str) -> Halt {
+    let text = format!("no cycle is defined for {what} in '{}': program CYCL DEF before it", host.block_text());
+    host.alarm(&diag::CYCLE_REFUSED, text)
 }
