@@ -122,7 +122,7 @@ fn of_programs() -> Vec<Case> {
         fanuc("fanuc: every number of a variable", "#1=500\nN1 #[#1]=1\n#1=#1+1\nGOTO1\n".into(), VARIABLE),
         fanuc("fanuc: calls without end", "O1\nN1 M98 P9990002\nGOTO1\nO2\nM99\n".into(), &[LIMIT]),
         fanuc("fanuc: macro calls without end", "O1\nN1 G65 P2 A1. B2. L9999\nGOTO1\nO2\n#3=#1+#2\nM99\n".into(), &[LIMIT]),
-        fanuc("fanuc: scaled, turned and mirrored without end", "N1 G68 X0 Y0 R1.\nG51 X0 Y0 P2.\nG0 X1.\nGOTO1\n".into(), &[LIMIT, 2_900_320]),
+        fanuc("fanuc: scaled, turned and mirrored without end", "N1 G68 X0 Y0 R1.\nG51 X0 Y0 P2000\nG0 X1.\nGOTO1\n".into(), &[LIMIT, 2_900_320]),
         fanuc("fanuc: a contour that never ends", contour(), &[LIMIT]),
         fanuc("fanuc: codes on one line", format!("N1 {}\nGOTO1\n", "G90G91".repeat(1200)), &[2_900_320, 2_900_350]),
         texts_on_one_line(),
