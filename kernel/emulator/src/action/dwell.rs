@@ -53,11 +53,11 @@ impl Act<'_, '_> {
         self.take(id).map(|datum| if pointed { datum.raw } else { datum.value })
     }
 
-    /// The word that supplies a value is in a smaller unit and has a decimal point.
+    /// The word that supplies a value counts thousandths or less and has a decimal point.
     fn is_pointed(&self, id: DataId) -> bool {
         let sources = self.sources(id).iter();
         let found = sources.filter_map(|source| Some((source.mul, self.block.look(source.register)?))).next();
-        let Some((mul, word)) = found.filter(|(mul, _)| mul.abs() < 1.0) else { return false };
+        let Some((mul, word)) = found.filter(|(mul, _)| mul.abs() <= 0.001) else { return false };
         let text = self.current_text().get(word.start as usize..word.end as usize).unwrap_or_default();
         // What an expression has is not written.
         mul != 0.0 && text.contains(&b'.') && !text.iter().any(|byte| matches!(byte, b'#' | b'['))
