@@ -20,7 +20,7 @@ use crate::state::spindle::Turning;
 use crate::state::turning::ContourCycle;
 use crate::waits::coupling::Pair;
 use counterpoint_dialect::{NotThere, is_vacant};
-use counterpoint_event::event::{Event, Kind, Motion, ToolAction};
+use counterpoint_event::event::{Event, Kind, Motion, Position, ToolAction};
 use counterpoint_machine::ident::{CodeId, DataId};
 use counterpoint_machine::index::AxisSlot;
 use counterpoint_machine::rows::CodeRow;
@@ -216,6 +216,11 @@ impl Act<'_, '_> {
     #[inline(always)]
     pub(crate) fn travel(&mut self, seconds: f64, motion: &Motion) -> Acted {
         self.kernel.travel(seconds, motion)
+    }
+
+    /// Reports a circle that turns an axis back beyond its limits, at `values` in radius.
+    pub(crate) fn check_swing(&mut self, to: &Position, axis: AxisSlot, values: [Option<f64>; 2]) -> Acted {
+        self.kernel.check_swing(to, axis, values)
     }
 
     /// Executes a motion that its macro has seen.

@@ -4,7 +4,7 @@
 //! Angles come from `libm`, so that every machine gives the same bits.
 //! *Invariant:* an [`Arc`] that exists has a positive radius and a sweep in the asked direction.
 
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use nalgebra::{Point2, Vector2};
 
@@ -170,6 +170,18 @@ impl Arc {
     pub fn with_turns(mut self, turns: u16) -> Self {
         self.sweep += self.sweep.signum() * TAU * f64::from(turns);
         self
+    }
+
+    /// The lowest and the highest value of a coordinate (0 or 1) between start and end, where it turns back there.
+    #[must_use]
+    pub fn turning_points(&self, coordinate: usize) -> [Option<f64>; 2] {
+        let lead = if coordinate == 0 { 0.0 } else { FRAC_PI_2 };
+        let center = if coordinate == 0 { self.center[0] } else { self.center[1] };
+        let passes = |angle: f64| {
+            let way = (angle - self.start_angle) * self.sweep.signum();
+            way.rem_euclid(TAU) < self.sweep.abs()
+        };
+        [(lead + PI, -self.radius), (lead, self.radius)].map(|(angle, off)| passes(angle).then_some(center + off))
     }
 }
 

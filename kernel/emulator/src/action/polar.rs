@@ -203,6 +203,10 @@ impl Act<'_, '_> {
         let seconds = self.at_rates(seconds, &from, &to, Some(&made));
         let moving = self.moving(coded, &self.changes(&from, &to)) | polar.linear.bit() | polar.rotary.bit();
         let feed = (feed.unwrap_or(0.0), unit);
+        if polar.is_cylinder() {
+            let side = usize::from(polar.axes()[1] == polar.linear);
+            self.check_swing(&to, polar.linear, made.turning_points(side))?;
+        }
         self.travel(seconds, &Motion::straight(MotionKind::Linear, moving, [from, to], feed, length))
     }
 

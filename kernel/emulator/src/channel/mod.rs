@@ -39,6 +39,7 @@ mod statement;
 pub mod step;
 mod system_variables;
 mod tool_data;
+mod travel;
 mod unknown;
 pub(crate) mod variables;
 mod wait;

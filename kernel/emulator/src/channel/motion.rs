@@ -1,4 +1,4 @@
-//! Motions: limits, event, clock, position.
+//! Motions: event, clock, position.
 //!
 //! *Invariant:* after an alarm of its block nothing moves; a motion of a clamped axis is reported and made nevertheless.
 
@@ -6,7 +6,7 @@ use counterpoint_fault::Acted;
 use counterpoint_machine::index::BySlot;
 
 use super::Kernel;
-use counterpoint_event::event::{Kind, Motion, MotionKind, Position};
+use counterpoint_event::event::{Kind, Motion, MotionKind};
 use counterpoint_fault as diag;
 
 use crate::state::arc::LastMove;
@@ -77,46 +77,8 @@ impl Kernel<'_> {
             });
             self.channel.advance(ns);
         }
-        self.check_travel(&motion.to);
+        self.check_travel(motion);
         self.follow_radius()
-    }
-
-    #[inline(always)]
-    fn check_travel(&mut self, to: &Position) {
-        if self.channel.state.place.layout.bounds.limited && !self.channel.state.place.layout.bounds.stop {
-            self.check_limits_of_axes(to);
-        }
-    }
-
-    /// Where it is an alarm, an end beyond the limits stops the channel before the move.
-    #[inline(always)]
-    fn check_travel_before(&mut self, motion: &Motion) -> Acted {
-        if self.channel.state.place.layout.bounds.limited && self.channel.state.place.layout.bounds.stop {
-            self.check_limits_of_axes(&motion.to);
-            return self.channel.check_stop();
-        }
-        Ok(())
-    }
-
-    #[inline(never)]
-    pub(super) fn check_limits_of_axes(&mut self, to: &Position) {
-        let mut over = None;
-        let machine = self.channel.machine_point(to);
-        for (axis, at) in self.channel.state.place.layout.axes.iter().zip(machine) {
-            if let Some((low, high)) = axis.limits
-                && (at < low - 1e-9 || at > high + 1e-9)
-            {
-                over = Some((axis.machine, at, low, high));
-            }
-        }
-        if let Some((axis, at, low, high)) = over {
-            let name = &self.channel.env.machine.axes[axis].name;
-            let text = format!(
-                "axis {name} at {at:.3} in the machine frame is beyond its limits {low} to {high} in '{}'",
-                self.block_text()
-            );
-            self.diagnose(&diag::OVER_TRAVEL, text);
-        }
     }
 
     /// A motion while axes are clamped.

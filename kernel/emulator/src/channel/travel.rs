@@ -1,0 +1,125 @@
+//! Limits of travel: where moves end, and how far circles swing out between their ends.
+//!
+//! *Invariant:* a block is reported once; a straight move is within the limits where both its ends are. Circles in the face plane of
+//! polar interpolation are checked at their ends only, those on a cylinder along its axis too.
+
+use counterpoint_event::event::{Motion, MotionKind, Position};
+use counterpoint_fault as diag;
+use counterpoint_fault::Acted;
+use counterpoint_machine::index::{AxisId, AxisSlot, BySlot};
+use counterpoint_motion::arc;
+use counterpoint_motion::space::Circle;
+
+use super::Kernel;
+
+/// An axis beyond its limits, where it is, and the limits.
+type Over = (AxisId, f64, [f64; 2]);
+
+/// What a place may be beyond the limits by rounding.
+const NOISE: f64 = 1e-9;
+
+impl Kernel<'_> {
+    /// Reports a motion beyond the limits.
+    #[inline(always)]
+    pub(super) fn check_travel(&mut self, motion: &Motion) {
+        if self.channel.state.place.layout.bounds.limited && !self.channel.state.place.layout.bounds.stop {
+            self.check_limits_of_motion(motion);
+        }
+    }
+
+    /// Where it is an alarm, a motion beyond the limits stops the channel before it begins.
+    #[inline(always)]
+    pub(super) fn check_travel_before(&mut self, motion: &Motion) -> Acted {
+        if self.channel.state.place.layout.bounds.limited && self.channel.state.place.layout.bounds.stop {
+            self.check_limits_of_motion(motion);
+            return self.channel.check_stop();
+        }
+        Ok(())
+    }
+
+    #[inline(never)]
+    fn check_limits_of_motion(&mut self, motion: &Motion) {
+        let over = self.beyond(&motion.to, NOISE).or_else(|| match motion.kind {
+            MotionKind::ArcCw | MotionKind::ArcCcw => self.swings_beyond(motion),
+            MotionKind::ArcSpace => self.swings_beyond_in_space(motion),
+            MotionKind::Rapid | MotionKind::Linear | MotionKind::Thread => None,
+        });
+        self.report_over_travel(over);
+    }
+
+    /// Reports axes that stand beyond their limits.
+    pub(super) fn check_limits_of_axes(&mut self, at: &Position) {
+        let over = self.beyond(at, NOISE);
+        self.report_over_travel(over);
+    }
+
+    /// Reports a circle that is straight for its axes and turns one of them back beyond its limits, at `values` in radius.
+    #[cold]
+    pub(crate) fn check_swing(&mut self, to: &Position, axis: AxisSlot, values: [Option<f64>; 2]) -> Acted {
+        if self.channel.state.place.layout.bounds.limited && self.beyond(to, NOISE).is_none() {
+            let over = self.turns_beyond(to, axis, values, NOISE);
+            self.report_over_travel(over);
+            if self.channel.state.place.layout.bounds.stop {
+                return self.channel.check_stop();
+            }
+        }
+        Ok(())
+    }
+
+    /// The last axis of the channel that is beyond its limits at a place.
+    fn beyond(&self, place: &Position, slack: f64) -> Option<Over> {
+        let machine = self.channel.machine_point(place);
+        let axes = self.channel.state.place.layout.axes.iter().zip(machine);
+        axes.rev().find_map(|(axis, at)| {
+            let (low, high) = axis.limits?;
+            (at < low - slack || at > high + slack).then_some((axis.machine, at, [low, high]))
+        })
+    }
+
+    /// The same for places where one axis turns back, in radius values.
+    fn turns_beyond(&self, to: &Position, axis: AxisSlot, values: [Option<f64>; 2], slack: f64) -> Option<Over> {
+        let scale = self.channel.state.place.layout.axes[axis].scale;
+        values.into_iter().flatten().find_map(|value| {
+            let mut place = *to;
+            *place.at_mut(axis) = value / scale;
+            self.beyond(&place, slack / scale)
+        })
+    }
+
+    /// A circle in a plane. Its end may be off the circle by the tolerance of the machine, so the places between may be, too.
+    fn swings_beyond(&self, motion: &Motion) -> Option<Over> {
+        let layout = &self.channel.state.place.layout;
+        let [first, second] = motion.plane_axes.map(|axis| layout.axes.id(usize::from(axis)));
+        let axes = [first?, second?];
+        let scales = axes.map(|axis| layout.axes[axis].scale);
+        let point = |place: &Position| [place.at(axes[0]) * scales[0], place.at(axes[1]) * scales[1]];
+        let (from, to) = (point(&motion.from), point(&motion.to));
+        let center = [motion.center[0] * scales[0], motion.center[1] * scales[1]];
+        let made = arc::by_center(from, to, center, motion.kind == MotionKind::ArcCw).ok()?.with_turns(motion.turns);
+        let slack = made.end_error(to) + NOISE;
+        (0..).zip(axes).find_map(|(side, axis)| self.turns_beyond(&motion.to, axis, made.turning_points(side), slack))
+    }
+
+    fn swings_beyond_in_space(&self, motion: &Motion) -> Option<Over> {
+        let layout = &self.channel.state.place.layout;
+        let scale = |axis: AxisSlot| layout.axes[axis].scale;
+        let point =
+            |place: &Position| layout.cartesian.map(|axis| axis.map_or(0.0, |axis| place.at(axis) * scale(axis)));
+        let circle = Circle::bulging(point(&motion.from), point(&motion.to), motion.center).ok()?;
+        (0..).zip(layout.cartesian).find_map(|(side, axis)| {
+            let values =
+                circle.turning_points(side).map(|share| share.and_then(|share| circle.at(share).get(side).copied()));
+            self.turns_beyond(&motion.to, axis?, values, NOISE)
+        })
+    }
+
+    fn report_over_travel(&mut self, over: Option<Over>) {
+        let Some((axis, at, [low, high])) = over else { return };
+        let name = &self.channel.env.machine.axes[axis].name;
+        let text = format!(
+            "axis {name} at {at:.3} in the machine frame is beyond its limits {low} to {high} in '{}'",
+            self.block_text()
+        );
+        self.diagnose(&diag::OVER_TRAVEL, text);
+    }
+}
