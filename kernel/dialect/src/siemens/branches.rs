@@ -35,10 +35,10 @@ impl Siemens {
             Item::Goto(jump) => return Ok(if self.jump(host, jump)? { Then::Stop } else { Then::Continue }),
             Item::Case(value, cases, default) => self.case(host, value, cases, default.as_ref())?,
             Item::For(variable, first, _) => {
+                let partners = self.partners(host)?;
                 let value = Assigned::One(first.clone(), String::new());
                 self.set(host, variable, &value, left)?;
                 if !self.loop_goes_on(host, item)? {
-                    let partners = self.partners(host)?;
                     self.go(host, partners.last.saturating_add(1))?;
                 }
             }

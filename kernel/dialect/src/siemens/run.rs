@@ -350,6 +350,8 @@ impl Siemens {
         match self.ask(host, asked, None)? {
             Answer::Drop => {}
             Answer::Instead(text) => return self.block_instead(host, &text, left),
+            // The scanner would read the code and a word after it.
+            Answer::Unknown if super::words::begins_with_code(host, written) => host.report_unrecognised(written)?,
             Answer::Keep | Answer::Unknown => left.add(written),
         }
         Ok(())

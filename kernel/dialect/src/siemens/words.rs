@@ -207,6 +207,14 @@ fn splits(address: &str) -> bool {
     address.as_bytes().get(1).is_some_and(u8::is_ascii_digit)
 }
 
+/// A name that is none of the machine's, with a code at its beginning: `TRANSX10`.
+pub(super) fn begins_with_code(host: &dyn Host, name: &str) -> bool {
+    let letters = name.trim_end_matches(|c: char| c.is_ascii_digit() || c == '.');
+    let is_name = name.bytes().all(|byte| byte.is_ascii_alphanumeric() || byte == b'_');
+    let mut beginnings = (2..name.len()).filter_map(|end| name.get(..end));
+    is_name && letters != name && !host.is_register(letters) && beginnings.any(|beginning| host.is_code_text(beginning))
+}
+
 /// A number as it is written in a program.
 fn is_number(text: &str) -> bool {
     let digits = text.strip_prefix(['+', '-']).unwrap_or(text);

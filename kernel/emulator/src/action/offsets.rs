@@ -3,6 +3,8 @@
 //! Facts: general CNC practice (Fanuc G10); the annex of the emulated system has no identifier for it. *Invariant:* an
 //! offset that cannot be kept is reported and nothing changes; the machine does not move.
 
+use std::borrow::Cow;
+
 use crate::act::Act;
 use crate::action::entry::Entry;
 use crate::state::frames::offsets::{EXTENDED, Radii, Table};
@@ -31,7 +33,7 @@ enum What {
 /// Geometry of turning tools: their numbers are above this one.
 const GEOMETRY: u32 = 10_000;
 
-/// Highest number of an extended work offset.
+/// Highest number of an extended work offset where the machine's tables say none.
 const MOST_EXTENDED: u32 = 300;
 
 /// Kinds whose data follow in blocks of their own up to G11: tool life; parameters, pitch errors and parameters of axes.
@@ -42,14 +44,14 @@ const DATA_BLOCKS: [f64; 4] = [3.0, 50.0, 51.0, 52.0];
 ///
 /// # Errors
 /// There is no such offset; the text says why.
-fn meant(kind: Option<f64>, number: Option<u32>, turning: bool) -> Result<What, &'static str> {
-    let Some(number) = number else { return Err("P is missing or is not a number of an offset") };
+fn meant(kind: Option<f64>, number: Option<u32>, turning: bool, most_extended: u32) -> Result<What, Cow<'static, str>> {
+    let Some(number) = number else { return Err("P is missing or is not a number of an offset".into()) };
     match kind {
         Some(2.0) if number <= EXTENDED => Ok(What::Axes(Table::Work, number)),
-        Some(2.0) => Err("P of L2 is 0 for the external offset or 1 to 6 for G54 to G59"),
-        Some(20.0) if (1..=MOST_EXTENDED).contains(&number) => Ok(What::Axes(Table::Work, EXTENDED + number)),
-        Some(20.0) => Err("P of L20 is 1 to 300"),
-        _ if number == 0 => Err("P of a tool offset is at least 1"),
+        Some(2.0) => Err("P of L2 is 0 for the external offset or 1 to 6 for G54 to G59".into()),
+        Some(20.0) if (1..=most_extended).contains(&number) => Ok(What::Axes(Table::Work, EXTENDED + number)),
+        Some(20.0) => Err(format!("P of L20 is 1 to {most_extended}").into()),
+        _ if number == 0 => Err("P of a tool offset is at least 1".into()),
         Some(10.0) if turning => Ok(What::Tool(Table::Length, Radii::Cutter, number)),
         Some(1.0 | 11.0) if turning => Ok(What::Tool(Table::Wear, Radii::Wear, number)),
         Some(10.0) => Ok(What::Length(Table::Length, number)),
@@ -58,9 +60,18 @@ fn meant(kind: Option<f64>, number: Option<u32>, turning: bool) -> Result<What, 
         Some(13.0) => Ok(What::Radius(Radii::Wear, number)),
         None if turning && number > GEOMETRY => Ok(What::Tool(Table::Length, Radii::Cutter, number - GEOMETRY)),
         None if turning => Ok(What::Tool(Table::Wear, Radii::Wear, number)),
-        None => Err("L is missing"),
-        Some(_) => Err("L is not 1, 2, 10, 11, 12, 13 or 20"),
+        None => Err("L is missing".into()),
+        Some(_) => Err("L is not 1, 2, 10, 11, 12, 13 or 20".into()),
     }
+}
+
+/// Highest number that the code of an extended work offset may have.
+fn most_extended(act: &Act<'_, '_>) -> u32 {
+    let machine = &act.env.machine;
+    let rows = machine.tables.rows_of_data[data::COMP_EXTFIXT_REG].iter();
+    rows.filter_map(|&row| machine.data[row].max)
+        .fold(None, |most, max| Some(f64::max(max, most.unwrap_or(max))))
+        .map_or(MOST_EXTENDED, |max| max as u32)
 }
 
 /// Sets an offset.
@@ -72,7 +83,7 @@ pub(super) fn set(act: &mut Act<'_, '_>) -> Acted {
         act.pass_data_blocks();
         return Ok(());
     }
-    let what = match meant(kind, number, act.is_turning()) {
+    let what = match meant(kind, number, act.is_turning(), most_extended(act)) {
         Ok(what) => what,
         Err(why) => {
             let text = format!("{why}: '{}' sets nothing", act.block_text());
