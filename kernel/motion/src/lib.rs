@@ -5,6 +5,7 @@
 
 pub mod arc;
 pub mod contour;
+pub mod direction;
 pub mod frame;
 pub mod lettering;
 pub mod lookahead;

@@ -3,6 +3,7 @@
 use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::actions::Waiting;
+use super::along::Turning;
 use super::preparation::Preparation;
 
 /// What is kept.
@@ -18,6 +19,8 @@ pub(super) struct Held {
     pub(super) axis_feeds: FxHashMap<String, f64>,
     /// Angles of directions are RPY angles.
     pub(super) rpy: bool,
+    /// How the tool turns along the way.
+    pub(super) turning: Turning,
     /// CONTPRON without its EXECUTE.
     pub(super) preparation: Option<Preparation>,
 }

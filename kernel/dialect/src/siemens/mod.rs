@@ -6,6 +6,8 @@
 //! tables of the machine.
 
 mod actions;
+mod aims;
+mod along;
 mod archive;
 mod branches;
 mod calls;
@@ -172,9 +174,10 @@ impl Siemens {
         }
     }
 
-    /// All blocks are for the pre-processor while a name may stand for something else, motion may call or an action waits.
+    /// All blocks are for the pre-processor while a name may stand for something else, motion may call, an action waits or the tool turns along the way.
     fn watch(&self, host: &mut dyn Host) {
-        host.watch(!self.defines.is_empty() || self.modal.is_some() || !self.held.actions.is_empty());
+        let held = &self.held;
+        host.watch(!self.defines.is_empty() || self.modal.is_some() || !held.actions.is_empty() || held.turning.acts());
     }
 }
 

@@ -81,6 +81,20 @@ impl Siemens {
     }
 }
 
+/// A word that makes axis words of its block something else than positions of the path.
+pub(super) fn is_still(word: &str) -> bool {
+    STILL.contains(&word) || code(word).is_some_and(|code| STILL_CODES.contains(&code))
+}
+
+/// A G function of the motion group that is neither G0 nor G1.
+pub(super) fn is_curve(word: &str) -> bool {
+    code(word).is_some_and(|code| CURVES.contains(&code))
+}
+
+fn code(word: &str) -> Option<u32> {
+    word.strip_prefix(['G', 'g'])?.trim().parse().ok()
+}
+
 /// The block has path motion, or what counts as such.
 fn asks(host: &dyn Host, left: &Left) -> bool {
     let mut axis = left.moves;
@@ -98,7 +112,7 @@ fn asks(host: &dyn Host, left: &Left) -> bool {
         }
         match letter {
             b'G' => {
-                let code = word.get(1..).and_then(|digits| digits.trim().parse::<u32>().ok());
+                let code = code(word);
                 if code.is_some_and(|code| STILL_CODES.contains(&code)) {
                     return false;
                 }

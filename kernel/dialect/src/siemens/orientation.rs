@@ -10,6 +10,7 @@
 //! out, moves them as the block's G function says. *Invariant:* without a transformation for directions these words stay as unknown as on a
 //! control without the option.
 
+use super::aims::Vector;
 use super::evaluate::number;
 use super::expression::Argument;
 use super::frame::Frame;
@@ -19,11 +20,9 @@ use super::{Outcome, Siemens, syntax};
 use crate::host::Host;
 use counterpoint_machine::ident::codes;
 
-/// Addresses of the angles of a direction.
-pub(super) const ANGLES: [&str; 3] = ["A2", "B2", "C2"];
 /// Addresses of a direction, as the machine's tables know it.
-const DIRECTION: [&str; 3] = ["A3", "B3", "C3"];
-const AXES: [&str; 3] = ["X", "Y", "Z"];
+pub(super) const DIRECTION: [&str; 3] = ["A3", "B3", "C3"];
+pub(super) const AXES: [&str; 3] = ["X", "Y", "Z"];
 const ROTARY: [&str; 3] = ["A", "B", "C"];
 
 type Rows = [[f64; 3]; 3];
@@ -63,6 +62,13 @@ fn angles_of(rows: &Rows) -> Option<[f64; 3]> {
     frame.parts().map(|parts| parts.angles)
 }
 
+/// Words with `=`.
+pub(super) fn assigned(names: [&str; 3], values: [f64; 3]) -> String {
+    let [a, b, c] = values.map(|value| Data::Real(value).word());
+    let [x, y, z] = names;
+    format!("{x}={a} {y}={b} {z}={c}")
+}
+
 fn words(key: &str, names: [&str; 3], values: [f64; 3]) -> String {
     let mut text = key.to_owned();
     for (name, value) in names.iter().zip(values) {
@@ -74,26 +80,32 @@ fn words(key: &str, names: [&str; 3], values: [f64; 3]) -> String {
 impl Siemens {
     /// Rewrites directions by angles and frames by directions.
     pub(super) fn orient(&mut self, host: &mut dyn Host, left: &mut Left) -> Outcome<()> {
-        if left.angles.is_none() && !may_orient(&left.words) {
+        if left.aims.is_none() && !self.held.turning.acts() && !may_orient(&left.words) {
             return Ok(());
         }
-        for word in left.words.split(' ') {
+        let before = self.held.turning.acts();
+        for word in left.words.split(' ').filter(|word| word.starts_with("ORI")) {
             match word {
                 "ORIRPY" => self.held.rpy = true,
                 "ORIEULER" => self.held.rpy = false,
-                _ => {}
+                _ => self.held.turning.hear(host, word),
             }
         }
-        if let Some([a, b, c]) = left.angles.take() {
+        if self.held.turning.acts() != before {
+            self.watch(host);
+        }
+        let aims = left.aims.take();
+        if let Some([a, b, c]) = aims.as_ref().and_then(|aims| aims.vector(Vector::Turned)) {
             let turned = if self.held.rpy {
                 then(&then(&turn(2, c), &turn(1, b)), &turn(0, a))
             } else {
                 then(&turn(2, a), &turn(0, b))
             };
             let direction = turned.map(|[_, _, along]| if along.abs() < 1e-12 { 0.0 } else { along });
-            for (name, part) in DIRECTION.iter().zip(direction) {
-                left.add(&format!("{name}={}", Data::Real(part).word()));
-            }
+            left.add(&assigned(DIRECTION, direction));
+        }
+        if aims.is_some() || self.held.turning.acts() {
+            self.along(host, left, aims.as_deref())?;
         }
         let key = left.words.split(' ').find(|word| {
             matches!(*word, "ROTS" | "AROTS" | "TOFRAME" | "TOFRAMEZ" | "TOROT" | "TOROTZ" | "TOFRAMEOF" | "TOROTOF")

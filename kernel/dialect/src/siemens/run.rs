@@ -6,6 +6,7 @@
 
 use std::sync::Arc;
 
+use super::aims::Aims;
 use super::expression::{Argument, Expression, Name, as_name, whole};
 use super::line::{Assigned, Item, Line, read};
 use super::value::Data;
@@ -29,8 +30,8 @@ pub(super) struct Left {
     passes_word: Option<String>,
     /// An axis is programmed.
     pub(super) moves: bool,
-    /// Direction of the tool by angles.
-    pub(super) angles: Option<[f64; 3]>,
+    /// Words of the direction of the tool that the machine's tables do not know.
+    pub(super) aims: Option<Box<Aims>>,
     /// G90 or G91 stands on the block.
     pub(super) relative: Option<bool>,
 }
@@ -43,8 +44,8 @@ impl Left {
 
     /// Nothing is left.
     fn is_empty(&self) -> bool {
-        let Self { before, words, call, passes_word, angles, moves, passes: _, relative: _ } = self;
-        before.is_empty() && words.is_empty() && call.is_none() && passes_word.is_none() && angles.is_none() && !moves
+        let Self { before, words, call, passes_word, aims, moves, passes: _, relative: _ } = self;
+        before.is_empty() && words.is_empty() && call.is_none() && passes_word.is_none() && aims.is_none() && !moves
     }
 
     /// A word more.
@@ -350,7 +351,6 @@ impl Siemens {
         match self.ask(host, asked, None)? {
             Answer::Drop => {}
             Answer::Instead(text) => return self.block_instead(host, &text, left),
-            // The scanner would read the code and a word after it.
             Answer::Unknown if super::words::begins_with_code(host, written) => host.report_unrecognised(written)?,
             Answer::Keep | Answer::Unknown => left.add(written),
         }

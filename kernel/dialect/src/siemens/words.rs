@@ -7,6 +7,7 @@
 
 use std::borrow::Cow;
 
+use super::aims::Aim;
 use super::evaluate::{number, words_name};
 use super::expression::{Argument, Name, as_name};
 use super::line::{Assigned, Positioning};
@@ -51,13 +52,10 @@ impl Siemens {
             (address, []) => address.into(),
             _ => self.written(host, name)?.into(),
         };
-        let angle = super::orientation::ANGLES.iter().position(|name| *name == address);
-        if let (Some(at), Assigned::One(value, _)) = (angle.filter(|_| super::orientation::has_directions(host)), value)
-        {
+        let aim = Aim::of(&address).filter(|_| super::orientation::has_directions(host));
+        if let (Some(aim), Assigned::One(value, _)) = (aim, value) {
             let value = number(&self.evaluate(host, value)?)?;
-            if let Some(slot) = left.angles.get_or_insert_default().get_mut(at) {
-                *slot = value;
-            }
+            left.aims.get_or_insert_default().set(aim, value);
             return Ok(());
         }
         let mut spelling = self.spelling(host, &address);
