@@ -172,6 +172,19 @@ impl Arc {
         self
     }
 
+    /// How far a coordinate (0 or 1) goes to and fro along the arc.
+    #[must_use]
+    pub fn travel(&self, coordinate: usize) -> f64 {
+        // From the angle where the coordinate is highest, each half turn is one diameter.
+        let lead = if coordinate == 0 { 0.0 } else { FRAC_PI_2 };
+        let gone = |angle: f64| {
+            let halves = ((angle - lead) / PI).floor();
+            (halves * 2.0 + 1.0 - libm::cos(angle - lead - halves * PI)) * self.radius
+        };
+        let (from, to) = (self.start_angle, self.start_angle + self.sweep);
+        gone(from.max(to)) - gone(from.min(to))
+    }
+
     /// The lowest and the highest value of a coordinate (0 or 1) between start and end, where it turns back there.
     #[must_use]
     pub fn turning_points(&self, coordinate: usize) -> [Option<f64>; 2] {
@@ -191,6 +204,16 @@ mod tests {
 
     fn close(a: f64, b: f64) -> bool {
         (a - b).abs() < 1e-9
+    }
+
+    #[test]
+    fn travels_to_and_fro() {
+        let arc = by_center([10.0, 0.0], [-10.0, 0.0], [0.0, 0.0], false).unwrap();
+        assert!(close(arc.travel(0), 20.0) && close(arc.travel(1), 20.0));
+        let arc = by_center([0.0, 10.0], [10.0, 0.0], [0.0, 0.0], false).unwrap();
+        assert!(close(arc.travel(0), 30.0) && close(arc.travel(1), 30.0));
+        let arc = by_center([10.0, 0.0], [8.0, -6.0], [0.0, 0.0], true).unwrap();
+        assert!(close(arc.travel(0), 2.0) && close(arc.travel(1), 6.0));
     }
 
     #[test]

@@ -216,7 +216,7 @@ impl Cuts {
             return act.feed_to_point(coded, to, feed, unit);
         };
         let coded = self.plane.axes.iter().fold(0, |bits, axis| bits | axis.bit());
-        let circle = Circle { made, coded, from, to, axes: self.plane.axes, turns: 0, feed, unit };
+        let circle = Circle { made, coded, from, to, axes: self.plane.axes, turns: 0, feed, unit, screw: None };
         match plane(codes::PLANE_XY) {
             Some(plane) if act.state.place.frames.is_some() => turned::circle(act, plane, &circle),
             _ => act.circle_to(&circle),

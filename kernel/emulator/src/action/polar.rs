@@ -152,7 +152,7 @@ pub(super) fn arc(act: &mut Act<'_, '_>, polar: Polar, clockwise: bool) -> Acted
     let made = made.with_turns(turns);
     let spot = polar.part(&act.state.place, &to);
     polar.reach(&act.state.place, &mut to, spot, way_round(&made));
-    act.circle_to(&Circle { made, coded, from, to, axes: polar.axes(), turns, feed, unit })
+    act.circle_to(&Circle { made, coded, from, to, axes: polar.axes(), turns, feed, unit, screw: None })
 }
 
 /// The words of the centre of a circle, in the order of the plane. A cylinder whose words are those of its axes has none:

@@ -24,6 +24,8 @@ impl Kernel<'_> {
     fn continuous(&self, seconds: f64, motion: &Motion) -> Option<Stretch> {
         match motion.kind {
             MotionKind::Rapid | MotionKind::Thread => None,
+            // The spindle leads.
+            _ if self.channel.state.threads.rounds => None,
             _ => self.channel.stretch(seconds, motion),
         }
     }

@@ -191,6 +191,7 @@ impl Kernel<'_> {
         let text = (self.channel.at.line, self.channel.text.edited.take(), self.flow.offset);
         let block = self.macros.block.enter();
 
+        self.channel.state.threads.recorded = None;
         let own = Reading { start: self.channel.flat(&start), plane, ..Reading::default() };
         self.channel.state.others.turning.reading = own;
         // A feed per minute needs no spindle; what moves is only recorded.

@@ -5,12 +5,30 @@
 
 use counterpoint_machine::Machine;
 use counterpoint_machine::ident::kind::thread::ThreadCycle;
+use counterpoint_machine::index::AxisSlot;
+
+/// A thread as words tell it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Screw {
+    /// Length per revolution; 0 and less is none.
+    pub(crate) lead: f64,
+    /// Change of the lead with each revolution.
+    pub(crate) change: f64,
+    /// Axis that the lead counts along; none for the one with the longer travel.
+    pub(crate) along: Option<AxisSlot>,
+}
 
 /// What is known about the threads of a channel.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Threads {
     /// Starts of the last thread.
     pub(crate) starts: f64,
+    /// The axis, X (0) or Z (2), that leads count along, if the program says one.
+    pub(crate) along: Option<usize>,
+    /// The move that is made is a thread along a circle.
+    pub(crate) rounds: bool,
+    /// The thread of the move that a contour records.
+    pub(crate) recorded: Option<Screw>,
     /// Its cycles.
     pub(crate) cycle: Threading,
 }
@@ -18,7 +36,7 @@ pub(crate) struct Threads {
 impl Threads {
     /// No thread yet.
     pub(crate) fn new(machine: &Machine) -> Self {
-        Self { starts: 1.0, cycle: Threading::new(machine) }
+        Self { starts: 1.0, along: None, rounds: false, recorded: None, cycle: Threading::new(machine) }
     }
 }
 

@@ -6,6 +6,7 @@ use std::sync::Arc;
 
 use super::channel::Channel;
 use super::modal::{group, plane};
+use super::thread::Screw;
 use counterpoint_dialect::Shape;
 use counterpoint_event::event::{FeedUnit, Position};
 use counterpoint_machine::Machine;
@@ -40,6 +41,8 @@ pub(crate) struct Turning {
     pub(crate) shape: Option<Shape>,
     /// The tool stays at the end of the next cycle along a named contour.
     pub(crate) stays: bool,
+    /// Passes of the thread that comes: how far off the contour, and how far along it.
+    pub(crate) passes: Vec<[f64; 2]>,
 }
 
 impl Turning {
@@ -59,6 +62,7 @@ impl Turning {
             kept: Reading::default(),
             shape: None,
             stays: false,
+            passes: Vec::new(),
         }
     }
 }
@@ -91,6 +95,8 @@ pub(crate) struct Reading {
     pub(crate) feeds: Vec<Option<f64>>,
     /// The feed of pieces to come.
     pub(crate) feed: Option<f64>,
+    /// Their threads.
+    pub(crate) screws: Vec<Option<Screw>>,
     /// The last piece is a rapid move.
     pub(crate) ends_rapid: bool,
     /// The side on which the nose goes beside it, +1 left of the way, −1 right.
@@ -142,6 +148,11 @@ pub(crate) enum Task {
     },
     /// They are roughed, with pockets if the program says so; else as their first block tells.
     Rough(rough::Settings, Option<bool>),
+    /// A thread is cut along them, in a face if they are of one.
+    Thread {
+        /// The depth is along Z.
+        face: bool,
+    },
     /// They are repeated.
     Pattern(pattern::Settings),
     /// What they surround is cleared.

@@ -344,4 +344,6 @@ data! {
     SMOOTH_FEED_UPR true true Plain, Feed => "the same per revolution (Siemens FAD=PR)";
     CONTOUR_EXTENSION true true Plain, Length => "how far the offsets of a contour go on outside of a corner (Heidenhain M197 DL)";
     DOWN_FEED true true Plain, None => "percent of the feed that moves against the tool axis keep to (Heidenhain M103 F)";
+    TURN_PASS_DEPTH true true Plain, Length => "how far a pass of a thread is off its named contour on the side of the start, along X as X is programmed (Okuma G88)";
+    TURN_PASS_SHIFT true true Plain, Length => "how far it is shifted along the contour, in the measure of the depth (Okuma G88)";
 }

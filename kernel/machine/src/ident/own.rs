@@ -91,6 +91,12 @@ macro_rules! with_own {
             CONTOUR_EXTENDED 0 100 true true Plain => ": outside of the corner the offsets go on by a length before an arc joins them, up to where they meet (Heidenhain M197)";
             CONTOUR_OPEN 0 100 true true Plain => ": the offset of this block goes to its end, also inside of the corner (Heidenhain M98)";
             RTCP_AT_ENDS 20 100 true true TipControl => ": positions are those of the tip where moves end; rotary axes turn without the linear ones (Heidenhain M144)";
+            INTERP_THREAD_ARC_CLW 1 500 true true Plain => ": a thread along a circle, clockwise (Okuma G112)";
+            INTERP_THREAD_ARC_CCLW 1 500 true true Plain => ": counter-clockwise (Okuma G113)";
+            THREAD_LEAD_Z 0 90 true true Plain => ": the lead of threads counts along Z (Okuma M26)";
+            THREAD_LEAD_X 0 90 true true Plain => ": along X (Okuma M27)";
+            TURN_LAP_THREAD 1 500 true true Turning(TurningCycle::Lap(Lap::Thread)) => ": the passes of a thread along a named contour (Okuma G88)";
+            TURN_PASS 0 100 true true Plain => ": one more pass of the thread along a named contour that comes (Okuma G88)";
         }
     };
 }

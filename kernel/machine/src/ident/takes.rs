@@ -102,6 +102,11 @@ const OWN: &[(&[CodeId], &str)] = &[
         "REG_COUPLE_MASTER REG_COUPLE_SLAVE",
     ),
     (&[codes::COUPLE_SYNCHRONOUS_OFF, codes::COUPLE_SUPERIMPOSED_OFF], "REG_COUPLE_SLAVE"),
+    (
+        &[codes::INTERP_THREAD_ARC_CLW, codes::INTERP_THREAD_ARC_CCLW],
+        "REG_INTERP_THREAD_* REG_ARC_RADIUS REG_ARC_CENTER_* REG_AXIS_*",
+    ),
+    (&[codes::TURN_PASS], "REG_TURN_PASS_*"),
     (&[codes::DISPLY], "the text of the message"),
     (&[codes::COMMENT], "the text of the comment"),
 ];

@@ -20,6 +20,7 @@ use crate::action::entry::{Contour, Entry, entry_of_kind};
 use crate::state::alarms::STRAIGHT;
 use crate::state::cutter::{Shape, Step};
 use crate::state::modal::{Plane, group, plane};
+use crate::state::thread::Screw;
 use counterpoint_event::event::{FeedUnit, Motion, MotionKind, Position};
 use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
@@ -72,6 +73,11 @@ struct Words {
     angle: Option<f64>,
 }
 
+/// A thread along a circle in the active plane.
+pub(super) fn threaded(act: &mut Act<'_, '_>, clockwise: bool, code: &PendingCode, screw: Screw) -> Acted {
+    along(act, Form::new(Some(clockwise), By::Any, false), code, Some(screw))
+}
+
 /// An arc in the active plane, helical when a further axis is coded.
 pub(super) fn arc(act: &mut Act<'_, '_>, form: Form, code: &PendingCode) -> Acted {
     if let Some(polar) = act.polar()
@@ -79,7 +85,15 @@ pub(super) fn arc(act: &mut Act<'_, '_>, form: Form, code: &PendingCode) -> Acte
     {
         return super::polar::arc(act, polar, clockwise);
     }
-    let (feed, unit) = act.feed();
+    along(act, form, code, None)
+}
+
+/// A circle at a feed, or at the lead of a thread.
+fn along(act: &mut Act<'_, '_>, form: Form, code: &PendingCode, screw: Option<Screw>) -> Acted {
+    let (feed, unit) = match screw {
+        Some(screw) => (Some(screw.lead), FeedUnit::PerRevolution),
+        None => act.feed(),
+    };
     let about_pole = act.ends_by_pole();
     let (coded, target) = act.programmed_targets();
     let Some((plane, flat)) = active_plane(act) else {
@@ -119,7 +133,7 @@ pub(super) fn arc(act: &mut Act<'_, '_>, form: Form, code: &PendingCode) -> Acte
         let text = format!("the circle has neither a centre nor a radius in '{}', nothing is moved", act.block_text());
         return Err(act.alarm(&diag::ARC_INCOMPLETE, text));
     }
-    cut(act, &words, (form, clockwise), (plane, &flat), (coded, target), (feed, unit))
+    cut(act, &words, (form, clockwise), (plane, &flat), (coded, target), (feed, unit, screw))
 }
 
 /// The active plane, if the channel has its axes.
@@ -176,7 +190,7 @@ fn cut(
     (form, clockwise): (Form, bool),
     (plane, flat): (Plane, &Flat),
     (coded, mut target): (u8, Position),
-    (feed, unit): (Option<f64>, FeedUnit),
+    (feed, unit, screw): (Option<f64>, FeedUnit, Option<Screw>),
 ) -> Acted {
     let from = act.programmed();
     let (start, end) = (flat.point(&from), flat.point(&target));
@@ -216,7 +230,7 @@ fn cut(
         made = made.with_turns(turns);
     }
     check_machine(act, form, &made, rises);
-    let circle = Circle { made, coded, from, to: target, axes: flat.axes, turns, feed, unit };
+    let circle = Circle { made, coded, from, to: target, axes: flat.axes, turns, feed, unit, screw };
     if act.state.place.frames.is_some() { turned::circle(act, plane, &circle) } else { act.circle_to(&circle) }
 }
 
@@ -300,20 +314,22 @@ pub(super) struct Circle {
     pub(super) turns: u16,
     pub(super) feed: Option<f64>,
     pub(super) unit: FeedUnit,
+    /// The thread that is cut along it.
+    pub(super) screw: Option<Screw>,
 }
 
 impl Act<'_, '_> {
     /// A circle in the work frame.
     #[inline(always)]
     pub(super) fn circle_to(&mut self, circle: &Circle) -> Acted {
-        if self.is_compensated() {
+        if self.is_compensated() && circle.screw.is_none() {
             let Circle { made, axes, turns, coded, to, feed, unit, .. } = *circle;
             return self.compensate(Step { shape: Shape::Circle { made, axes, turns }, coded, to, feed, unit });
         }
         if let Some(polar) = self.polar() {
             return self.circle_of_part(polar, circle);
         }
-        let Circle { made, coded, from, to, axes: [first, second], turns, feed, unit } = *circle;
+        let Circle { made, coded, from, to, axes: [first, second], turns, feed, unit, screw } = *circle;
         let changes = self.changes(&from, &to);
         let axes = self.state.place.layout.axes.entries();
         let rise = axes
@@ -330,12 +346,16 @@ impl Act<'_, '_> {
             None => feed,
         };
         let path = Path { from: &from, to: &to, length: made.length(), arc: Some((&made, radial)) };
-        let mut seconds = self.feed_seconds(&path, feed, unit)?;
-        if self.state.place.frames.is_some() {
+        let mut seconds = match &screw {
+            Some(screw) => self.arc_thread_seconds(&to, (&made, [first, second]), screw)?,
+            None => self.feed_seconds(&path, feed, unit)?,
+        };
+        if screw.is_none() && self.state.place.frames.is_some() {
             seconds = self.at_rates(seconds, &from, &to, None);
         }
         let moving = self.moving(coded, &changes) | first.bit() | second.bit();
-        self.travel(
+        self.state.threads.rounds = screw.is_some();
+        let done = self.travel(
             seconds,
             &Motion {
                 kind: if made.sweep < 0.0 { MotionKind::ArcCw } else { MotionKind::ArcCcw },
@@ -349,6 +369,8 @@ impl Act<'_, '_> {
                 feed_unit: unit,
                 length,
             },
-        )
+        );
+        self.state.threads.rounds = false;
+        done
     }
 }

@@ -49,7 +49,7 @@ pub(super) fn tangent(act: &mut Act<'_, '_>) -> Acted {
             return act.feed_to_point(coded, target, feed, unit);
         }
     };
-    let circle = Circle { made, coded, from, to: target, axes: flat.axes, turns: 0, feed, unit };
+    let circle = Circle { made, coded, from, to: target, axes: flat.axes, turns: 0, feed, unit, screw: None };
     if act.state.place.frames.is_some() { turned::circle(act, plane, &circle) } else { act.circle_to(&circle) }
 }
 

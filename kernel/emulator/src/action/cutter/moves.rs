@@ -246,7 +246,7 @@ impl Act<'_, '_> {
         let to = self.position_round(cutter, &step.to, end, &made);
         let Step { coded, unit, .. } = *step;
         let feed = self.edge_feed(step.feed, unit, radius / arc.radius);
-        self.round(&Circle { made, coded, from: self.state.place.position, to, axes, turns, feed, unit })
+        self.round(&Circle { made, coded, from: self.state.place.position, to, axes, turns, feed, unit, screw: None })
     }
 
     pub(super) fn round(&mut self, circle: &Circle) -> Acted {
@@ -293,7 +293,7 @@ impl Act<'_, '_> {
         match (round, step.shape) {
             (Some((made, axes)), Shape::Linear | Shape::Circle { .. }) => {
                 let from = self.state.place.position;
-                self.round(&Circle { made, coded: 0, from, to, axes, turns: 0, feed, unit })
+                self.round(&Circle { made, coded: 0, from, to, axes, turns: 0, feed, unit, screw: None })
             }
             _ => self.straight(&Step { feed, unit, ..step.clone() }, to),
         }

@@ -312,7 +312,7 @@ impl Act<'_, '_> {
         };
         let to = self.position_round(cutter, &level, to, &made);
         let from = self.state.place.position;
-        self.round(&Circle { made, coded, from, to, axes: cutter.axes, turns: 0, feed, unit })
+        self.round(&Circle { made, coded, from, to, axes: cutter.axes, turns: 0, feed, unit, screw: None })
     }
 
     /// Makes the way to a contour whose first piece is known now.

@@ -41,7 +41,10 @@ static OTHERS: Entry = Entry::of(&[], other).contour(Contour::Waits);
 
 /// What a code does while contour blocks are read.
 pub(in crate::action) fn reading(id: CodeId) -> Option<&'static dyn Action> {
-    let shapes = matches!(id, codes::RAPID | codes::INTERP_LINEAR) || matches!(id.kind(), CodeKind::Arc(_));
+    let shapes = matches!(
+        id,
+        codes::RAPID | codes::INTERP_LINEAR | codes::INTERP_THREAD_ARC_CLW | codes::INTERP_THREAD_ARC_CCLW
+    ) || matches!(id.kind(), CodeKind::Arc(_) | CodeKind::Thread(_));
     let defines = matches!(
         id,
         codes::INTERP_DEF_CENTER
@@ -60,7 +63,10 @@ pub(in crate::action) fn reading(id: CodeId) -> Option<&'static dyn Action> {
 impl Action for Shaping {
     fn run(&self, kernel: &mut Kernel<'_>, row: &CodeRow, code: &PendingCode) -> Acted {
         let act = &mut Act::new(kernel);
-        if let Some(feed) = act.take(data::TURN_CONTOUR_FEED) {
+        // E of a thread is the change of its lead.
+        let is_thread = matches!(row.id.kind(), CodeKind::Thread(_))
+            || matches!(row.id, codes::INTERP_THREAD_ARC_CLW | codes::INTERP_THREAD_ARC_CCLW);
+        if !is_thread && let Some(feed) = act.take(data::TURN_CONTOUR_FEED) {
             act.state.others.turning.reading.feed = Some(feed.value);
         }
         if act.state.others.turning.reading.first.is_none() {
@@ -178,7 +184,9 @@ pub(in crate::action) fn record(act: &mut Act<'_, '_>, motion: &Motion) -> Acted
     if arc.is_some() || distance(from, to) > NOISE {
         let across = across(act, plane.axes);
         let heights = [&motion.from, &motion.to].map(|spot| across.map_or(0.0, |axis| spot.at(axis)));
+        let screw = act.state.threads.recorded.take();
         let reading = &mut act.state.others.turning.reading;
+        reading.screws.push(screw);
         reading.elements.push(Element { from, to, arc });
         reading.heights.push(heights);
         reading.feeds.push(reading.feed);

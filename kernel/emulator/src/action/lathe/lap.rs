@@ -8,6 +8,7 @@ use counterpoint_motion::turning::rough;
 
 use crate::act::Act;
 use crate::state::turning::{ContourBlocks, ContourCycle, LathePlane, Task};
+use counterpoint_event::event::FeedUnit;
 use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
 use counterpoint_machine::ident::kind::turning::Lap;
@@ -32,6 +33,12 @@ pub(super) fn cycle(act: &mut Act<'_, '_>, plane: &LathePlane, kind: Lap) -> Act
     let value = |act: &mut Act<'_, '_>, id| act.take(id).map(|datum| datum.value);
     let across = if shape.face { plane.scales[0] } else { plane.scales[1] };
     let amounts = [data::TURN_ALLOWANCE_Z, data::TURN_ALLOWANCE_X].map(|id| value(act, id).unwrap_or(0.0).abs());
+    if kind == Lap::Thread {
+        let blocks = ContourBlocks::Named { name: shape.name, first: shape.first, last: shape.last, blank: None };
+        let feed = (None, FeedUnit::PerRevolution);
+        act.cut_contour(ContourCycle { blocks, task: Task::Thread { face: shape.face }, feed, feeds: [None; 2] });
+        return Ok(());
+    }
     let allowance = [amounts[0] * plane.scales[0], amounts[1] * plane.scales[1]];
     let depth = value(act, data::TURN_DEPTH).map_or(0.0, |depth| depth * across);
     let (mut changes, mut feeds) = ([None; 2], [None; 2]);

@@ -7,6 +7,7 @@
 mod contour;
 mod lap;
 mod moves;
+mod screw;
 mod strip;
 mod words;
 
@@ -42,6 +43,10 @@ pub(crate) const ENTRIES: &[Entry] = &[
     )
     .moves()
     .contour(Contour::Leaves),
+    Entry::of(&[codes::TURN_PASS], |act, _, _| {
+        screw::pass(act);
+        Ok(())
+    }),
     Entry::of(&[codes::TURN_LAP_STAY], |act, _, _| {
         act.state.others.turning.stays = true;
         Ok(())
@@ -222,6 +227,13 @@ pub(super) fn cut(act: &mut Act<'_, '_>, cycle: &ContourCycle, reading: Reading)
     if reading.ends_rapid && act.env.machine.turning.retracts && matches!(cycle.task, Task::Rough(..)) {
         elements.pop();
     }
+    if let Task::Thread { face } = cycle.task {
+        return screw::cut(act, &plane, face, (reading.start, &elements, &reading.screws));
+    }
+    if reading.screws.iter().any(Option::is_some) {
+        let text = format!("the contour of '{}' has threads, which G88 cuts", act.block_text());
+        return Err(act.alarm(&diag::CONTOUR_CODE, text));
+    }
     let mut feeds = reading.feeds;
     if let (Task::Rough(rough::Settings { lap: Some(_), .. }, _), Some(side)) = (cycle.task, reading.side) {
         let Some(beside) = beside(act, &elements, (side, reading.beside)) else {
@@ -234,7 +246,7 @@ pub(super) fn cut(act: &mut Act<'_, '_>, cycle: &ContourCycle, reading: Reading)
     }
     let shape = Shape { start: reading.start, elements, blank: reading.blank, rapid: first.rapid };
     let refused = match cycle.task {
-        Task::Finish { .. } | Task::Pocket(_) => None,
+        Task::Finish { .. } | Task::Pocket(_) | Task::Thread { .. } => None,
         Task::Rough(settings, pockets) => {
             let both = plane.axes.iter().all(|axis| first.coded & axis.bit() != 0);
             let pockets = pockets.unwrap_or(both && act.env.machine.turning.pockets);

@@ -43,11 +43,16 @@ impl<'x, 'k, 'a> Cutting<'x, 'k, 'a> {
         let Ok(made) = geometry::by_center(start, end, center, clockwise) else {
             return self.act.feed_to_point(coded, to, feed, unit);
         };
-        let circle = Circle { made, coded, from, to, axes: self.plane.axes, turns: 0, feed, unit };
-        match plane(codes::PLANE_ZX) {
-            Some(plane) if self.act.state.place.frames.is_some() => turned::circle(self.act, plane, &circle),
-            _ => self.act.circle_to(&circle),
-        }
+        let circle = Circle { made, coded, from, to, axes: self.plane.axes, turns: 0, feed, unit, screw: None };
+        round(self.act, &circle)
+    }
+}
+
+/// A circle in the plane of turning.
+pub(super) fn round(act: &mut Act<'_, '_>, circle: &Circle) -> Acted {
+    match plane(codes::PLANE_ZX) {
+        Some(plane) if act.state.place.frames.is_some() => turned::circle(act, plane, circle),
+        _ => act.circle_to(circle),
     }
 }
 

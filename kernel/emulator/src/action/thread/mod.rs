@@ -4,6 +4,7 @@
 //! travel as on the real control, unless a word names its axis; cycles of such moves are in `cycle`. *Invariant:* the
 //! time is integrated exactly, with leads and speeds that change along the way. Decisions: docs/emulation.md, "Threads".
 
+mod arc;
 pub(crate) mod cycle;
 
 use counterpoint_motion::thread::Lead;
@@ -12,6 +13,7 @@ use crate::act::Act;
 use crate::action::entry::{Contour, Entry, entry_of_kind};
 use crate::state::alarms::NOT_DONE;
 use crate::state::spindle::Turning;
+use crate::state::thread::Screw;
 use counterpoint_event::event::{FeedUnit, Motion, MotionKind, Position};
 use counterpoint_fault as diag;
 use counterpoint_fault::{Acted, Halt};
@@ -27,19 +29,16 @@ pub(crate) const ENTRIES: &[Entry] = &[
     entry_of_kind!(CodeKind::Thread(change) => |act, _row, code| thread(act, change, code))
         .moves()
         .contour(Contour::Leaves),
+    Entry::of(&[codes::INTERP_THREAD_ARC_CLW], |act, _row, code| arc::thread(act, true, code))
+        .moves()
+        .contour(Contour::Leaves),
+    Entry::of(&[codes::INTERP_THREAD_ARC_CCLW], |act, _row, code| arc::thread(act, false, code))
+        .moves()
+        .contour(Contour::Leaves),
+    Entry::of(&[codes::THREAD_LEAD_X], |act, _, _| lead_along(act, 0)),
+    Entry::of(&[codes::THREAD_LEAD_Z], |act, _, _| lead_along(act, 2)),
     Entry::of(&[codes::INTERP_THREAD_OFF, codes::THREAD_OFF], |act, _, _| off(act)).contour(Contour::Leaves),
 ];
-
-/// A thread as words tell it.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Screw {
-    /// Length per revolution; 0 and less is none.
-    pub(super) lead: f64,
-    /// Change of the lead with each revolution.
-    pub(super) change: f64,
-    /// Axis that the lead counts along; none for the one with the longer travel.
-    pub(super) along: Option<AxisSlot>,
-}
 
 /// Cuts one pass.
 pub(super) fn thread(act: &mut Act<'_, '_>, change: LeadChange, code: &PendingCode) -> Acted {
@@ -53,13 +52,21 @@ pub(super) fn thread(act: &mut Act<'_, '_>, change: LeadChange, code: &PendingCo
     if coded == 0 || target == act.state.place.position {
         return Ok(());
     }
-    let (pitch, along) = if sides == [None; 2] { (pitch, None) } else { by_axis(act, sides, &target) };
+    let (pitch, along) =
+        if sides == [None; 2] { (pitch, act.lead_axis(&target)) } else { by_axis(act, sides, &target) };
     if let Some(pitch) = pitch {
         act.remember_lead(pitch);
     }
     let screw = Screw { lead: pitch.unwrap_or(0.0) * starts, change: change * starts, along };
+    act.state.threads.recorded = Some(screw);
     act.cut(coded, target, &screw)?;
     super::cutter::after_thread(act);
+    Ok(())
+}
+
+/// Which axis leads count along, X (0) or Z (2).
+fn lead_along(act: &mut Act<'_, '_>, role: usize) -> Acted {
+    act.state.threads.along = Some(role);
     Ok(())
 }
 
@@ -133,6 +140,12 @@ fn take_starts(act: &mut Act<'_, '_>) -> f64 {
 }
 
 impl Act<'_, '_> {
+    /// The axis that the program has said for leads, if it moves.
+    fn lead_axis(&self, target: &Position) -> Option<AxisSlot> {
+        let axis = self.state.place.layout.cartesian.get(self.state.threads.along?).copied().flatten()?;
+        (self.state.place.position.at(axis) != target.at(axis)).then_some(axis)
+    }
+
     /// Stops the channel at a thread without a lead before anything of it is made, where that is an alarm.
     pub(super) fn check_lead(&mut self, screw: &Screw) -> Acted {
         if screw.lead > 0.0 || self.goes_on_at(&diag::NO_LEAD) {
@@ -179,6 +192,13 @@ impl Act<'_, '_> {
 
     /// Seconds of a thread move; falls back to the rapid time (with a diagnostic) without lead or speed.
     fn thread_seconds(&mut self, target: &Position, changes: &Position, screw: &Screw) -> Result<f64, Halt> {
+        let longest = || changes.iter().fold(0.0_f64, |most, change| most.max(change.abs()));
+        let way = screw.along.map_or_else(longest, |axis| changes.at(axis).abs());
+        self.lead_seconds(target, way, screw)
+    }
+
+    /// The same for a way along the axis of the lead, geometry units.
+    fn lead_seconds(&mut self, target: &Position, way: f64, screw: &Screw) -> Result<f64, Halt> {
         let from = self.state.place.position;
         if screw.lead.is_nan() || screw.lead <= 0.0 {
             let done = self.becomes(&diag::NO_LEAD, "the move is timed as rapid");
@@ -192,8 +212,6 @@ impl Act<'_, '_> {
             self.diagnose(&diag::SPINDLE_STANDS, text);
             return Ok(self.rapid_seconds(&from, target));
         };
-        let longest = || changes.iter().fold(0.0_f64, |most, change| most.max(change.abs()));
-        let way = screw.along.map_or_else(longest, |axis| changes.at(axis).abs());
         let minutes = |lead: Lead| match turning {
             Turning::Fixed(rpm) => lead.minutes(way, rpm),
             Turning::Surface(speed) => lead.surface_minutes(way, &speed, self.radius(&from), self.radius(target)),

@@ -35,4 +35,6 @@ pub enum Lap {
     Copy,
     /// Once (G87).
     Finish,
+    /// A thread (G88).
+    Thread,
 }

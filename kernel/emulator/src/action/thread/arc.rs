@@ -1,0 +1,46 @@
+//! Threads along circles in the plane of turning.
+//!
+//! Facts: reference okuma-osp.md 2 (G112, G113, M26, M27). *Invariant:* the way is the circle itself, its time that of the lead.
+//! Decisions: docs/emulation.md, "Threads".
+
+use counterpoint_machine::ident::data;
+use counterpoint_machine::ident::kind::thread::LeadChange;
+use counterpoint_motion::arc::Arc;
+use counterpoint_program::block::PendingCode;
+
+use super::Screw;
+use crate::act::Act;
+use crate::action::arc as circle;
+use counterpoint_event::event::Position;
+use counterpoint_fault::{Acted, Halt};
+use counterpoint_machine::index::AxisSlot;
+
+/// Cuts one pass along a circle.
+pub(super) fn thread(act: &mut Act<'_, '_>, clockwise: bool, code: &PendingCode) -> Acted {
+    let (pitch, _) = super::take_pitch(act);
+    let change = super::take_change(act, LeadChange::May, code.modal);
+    act.take(data::INTERP_THREAD_ANGLE);
+    let starts = super::take_starts(act);
+    act.state.threads.starts = starts;
+    let cartesian = &act.state.place.layout.cartesian;
+    let along = act.state.threads.along.and_then(|role| cartesian.get(role).copied().flatten());
+    let screw = Screw { lead: pitch.unwrap_or(0.0) * starts, change: change * starts, along };
+    act.state.threads.recorded = Some(screw);
+    circle::threaded(act, clockwise, code, screw)?;
+    crate::action::cutter::after_thread(act);
+    Ok(())
+}
+
+impl Act<'_, '_> {
+    /// Seconds of a thread along a circle between two axes of its plane.
+    pub(in crate::action) fn arc_thread_seconds(
+        &mut self,
+        to: &Position,
+        (made, axes): (&Arc, [AxisSlot; 2]),
+        screw: &Screw,
+    ) -> Result<f64, Halt> {
+        let named = screw.along.and_then(|axis| axes.iter().position(|own| *own == axis));
+        let way = named.map_or_else(|| made.travel(0).max(made.travel(1)), |coordinate| made.travel(coordinate));
+        self.lead_seconds(to, way, screw)
+    }
+}
