@@ -56,7 +56,8 @@ fn main() -> ExitCode {
     let result = match runtime {
         Ok(runtime) => {
             let result = runtime.block_on(commands::dispatch(arguments.command));
-            runtime.shutdown_background();
+            // What is left of connections and of the server inside ends with the process.
+            std::mem::forget(runtime);
             result
         }
         Err(error) => Err(error::Error::Connection(error.to_string())),

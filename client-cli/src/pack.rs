@@ -206,12 +206,19 @@ pub(crate) fn machine(folder: &Path) -> Result<(String, Files), Error> {
         }
         whole_folder(&mut files, &root, &folder, &name, 0)?;
         let text = fs::read_to_string(&definition).map_err(Error::file(&definition))?;
-        let parent = toml::from_str::<toml::Table>(&text).ok();
-        let parent = parent.and_then(|table| table.get("extends")?.as_str().map(str::to_owned));
-        let parent = parent.filter(|name| is_plain(name));
+        let parent = extends(&text).filter(|name| is_plain(name));
         next = parent.and_then(|parent| Some((parent.clone(), folder.parent()?.join(parent))));
     }
     Ok((name, files))
+}
+
+/// The machine that a definition extends. Only what stands before the first table is read, unless that is no whole text by itself.
+fn extends(text: &str) -> Option<String> {
+    let first_table =
+        text.split_inclusive('\n').take_while(|line| !line.trim_start().starts_with('[')).map(str::len).sum();
+    let read = |text| toml::from_str::<toml::Table>(text).ok();
+    let table = text.get(..first_table).and_then(read).or_else(|| read(text))?;
+    table.get("extends")?.as_str().map(str::to_owned)
 }
 
 /// Whether a name is a plain folder name, without a path.
@@ -282,6 +289,15 @@ fn has_code(line: &[u8], range: &RangeInclusive<u32>) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_definition_extends_what_stands_before_its_tables() {
+        assert_eq!(extends("# A machine\nextends = \"mill\"\n\n[ce]\nname = \"own\""), Some("mill".to_owned()));
+        assert_eq!(extends("[ce]\nextends = \"mill\""), None);
+        assert_eq!(extends("limits = [\n[0, 1],\n]\nextends = \"mill\"\n[ce]\n"), Some("mill".to_owned()));
+        assert_eq!(extends("extends = \"mill\"\r\n[ce]\r\n"), Some("mill".to_owned()));
+        assert_eq!((extends("extends = 3"), extends("extends = ")), (None, None));
+    }
 
     #[test]
     fn neighbours_are_known_by_their_names() {
