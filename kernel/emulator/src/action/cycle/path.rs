@@ -98,9 +98,18 @@ impl Act<'_, '_> {
         self.in_steps(drill, depth, step)
     }
 
+    /// What a program's unit along an axis is for the cycle's own lengths: the program may be scaled, steps and shifts are not.
+    pub(super) fn own_scale(&self, axis: AxisSlot) -> f64 {
+        let place = &self.state.place;
+        let role = place.layout.cartesian.iter().position(|own| *own == Some(axis));
+        let scaled = role.filter(|_| place.frames.is_some()).and_then(|role| self.frame_values().scale.get(role).copied());
+        let factor = scaled.map(f64::abs).filter(|factor| *factor > 0.0 && factor.is_finite()).unwrap_or(1.0);
+        place.layout.axes[axis].scale * factor
+    }
+
     fn in_steps(&mut self, drill: &Drill<'_>, depth: f64, first: f64) -> Acted {
         let (hole, cycle) = (drill.hole, &drill.cycle);
-        let scale = self.state.place.layout.axes[hole.axis].scale;
+        let scale = self.own_scale(hole.axis);
         let (whole, down) = ((depth - hole.clear).abs() * scale, (depth - hole.clear).signum());
         let at = |reached: f64| hole.clear + down * reached / scale;
         let (mut reached, mut step, mut last_out) = (0.0, first, 0.0);
@@ -204,8 +213,7 @@ impl Act<'_, '_> {
                 None => 0.0,
             };
             let Some(axis) = axis.filter(|_| part != 0.0) else { continue };
-            let scale = self.state.place.layout.axes[axis].scale;
-            *target.at_mut(axis) += way * part / scale;
+            *target.at_mut(axis) += way * part / self.own_scale(axis);
             coded |= axis.bit();
         }
         self.rapid_to_point(coded, target)

@@ -40,7 +40,7 @@ impl Act<'_, '_> {
     /// From the depth of the first web through the others.
     pub(super) fn further_webs(&mut self, drill: &super::path::Drill<'_>, depth: f64) -> Acted {
         let hole = drill.hole;
-        let scale = self.state.place.layout.axes[hole.axis].scale;
+        let scale = self.own_scale(hole.axis);
         let up = (hole.clear - depth).signum() * drill.cycle.pecks.retract / scale;
         for [start, depth] in hole.webs.into_iter().flatten() {
             self.lift(drill, start + up)?;
