@@ -7,11 +7,13 @@ Loops: `trig` (two functions, a product and a sum), `calls` (a subprogram with o
 centre), `words` (the same in the plainest words that the control has: `I` and `J` as they stand; Heidenhain straight lines).
 `counterpoint run` runs each with N and with 2 N passes; the difference over N is what one pass costs, start and end
 left out. The count repeats to within a few per mille whatever else the machine does. With --peer, CPU seconds of rs274
-and of the whole `counterpoint run`, best of five, for 200,000 passes (100,000 of `calls`).
+and of the whole `counterpoint run` for 200,000 passes (100,000 of `calls`), run in turn: medians of 12 runs, and the median of the
+12 ratios, since a machine that others share changes its pace within minutes.
 """
 import argparse
 import os
 import re
+import statistics
 import subprocess
 import sys
 import tempfile
@@ -116,9 +118,10 @@ def main():
                 with open(path, "w", encoding="ascii") as file:
                     file.write(PEER[loop].format(n=passes))
                 own = [args.counterpoint, "run", "--quiet", "--max-time", "1000000000", *write(folder, "fanuc", loop, passes)]
-                theirs = min(measure(["rs274", "-g", path])[0] for _ in range(5))
-                ours = min(measure(own)[0] for _ in range(5))
-                print(f"{loop:8} rs274 {theirs:.3f} CPU s, here {ours:.3f} CPU s, ratio {theirs / ours:.1f}", flush=True)
+                pairs = [(measure(["rs274", "-g", path])[0], measure(own)[0]) for _ in range(12)]
+                theirs, ours = (statistics.median(times) for times in zip(*pairs))
+                ratio = statistics.median(peer / here for peer, here in pairs)
+                print(f"{loop:8} rs274 {theirs:.3f} CPU s, here {ours:.3f} CPU s, ratio {ratio:.1f}", flush=True)
 
 
 if __name__ == "__main__":
