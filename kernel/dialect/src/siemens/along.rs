@@ -1,11 +1,14 @@
-//! Directions of the tool that follow the way (LEAD, TILT, ORIPATH), and directions along a cone (ORICONCW, ORICONCCW, ORICONIO, ORICONTO).
+//! Directions of the tool that follow the way (LEAD, TILT, ORIPATH), and directions along a cone (ORICONCW, ORICONCCW,
+//! ORICONIO, ORICONTO).
 //!
-//! Facts: programming manual, job planning, chapters "three, four and five axis transformation" and "orientation along the peripheral surface of a taper":
-//! LEAD is the angle to the surface normal in the plane of the path and the normal, TILT turns about the path; the normal is A5 B5 C5 at the end of the block, else A4 B4 C4,
-//! at first Z. A cone has its axis at A6 B6 C6 or a full opening angle NUT, or goes through A7 B7 C7. Decisions: LEAD leans towards where the tool goes, TILT is right-handed about
-//! the path (to the right of it); both act at the end of their block and, under ORIPATH, of each following one that moves; the normal may be 5 degrees from being
-//! perpendicular to the path. A block along a cone becomes straight blocks of at most two degrees; clockwise is seen against the axis; without an end the tool goes once round; a negative NUT
-//! is the way beyond half a turn. *Invariant:* what does not go straight along X, Y and Z has no direction of this kind, it is refused.
+//! Facts: programming manual, job planning, chapters "three, four and five axis transformation" and "orientation along the
+//! peripheral surface of a taper": LEAD is the angle to the surface normal in the plane of the path and the normal, TILT turns
+//! about the path; the normal is A5 B5 C5 at the end of the block, else A4 B4 C4, at first Z. A cone has its axis at A6 B6 C6 or a
+//! full opening angle NUT, or goes through A7 B7 C7. Decisions: LEAD leans towards where the tool goes, TILT is right-handed about
+//! the path (to the right of it); both act at the end of their block and, under ORIPATH, of each following one that moves; the
+//! normal may be 5 degrees from being perpendicular to the path. A block along a cone becomes straight blocks of at most two
+//! degrees; clockwise is seen against the axis; without an end the tool goes once round; a negative NUT is the way beyond half a
+//! turn. *Invariant:* what does not go straight along X, Y and Z has no direction of this kind, it is refused.
 
 use counterpoint_machine::ident::codes;
 use counterpoint_motion::direction::{Cone, leaned};
@@ -30,8 +33,8 @@ pub(super) struct Turning {
     normal: Option<[f64; 3]>,
     /// LEAD and TILT under ORIPATH.
     angles: Option<[f64; 2]>,
-    /// Where the direction went at the end of the last cone.
-    way: Option<[f64; 3]>,
+    /// The direction at the end of the last cone, and where it went there.
+    last: Option<[[f64; 3]; 2]>,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -69,7 +72,7 @@ impl Turning {
         if let Some((_, kind)) = KINDS.iter().find(|(name, _)| *name == word)
             && host.is_code_text(word)
         {
-            *self = Self { kind: *kind, angles: None, normal: self.normal, way: self.way };
+            *self = Self { kind: *kind, angles: None, normal: self.normal, last: self.last };
         }
     }
 }
@@ -121,6 +124,9 @@ impl Siemens {
             return syntax("a block has a direction of the tool or LEAD and TILT");
         }
         let way = match straight(host, left)? {
+            Some(_) if host.keeps_moves_back() => {
+                return syntax("LEAD and TILT under G41 or G42 are not emulated");
+            }
             Some(way) if way.way() != [0.0; 3] => way.way(),
             _ if !asked || kind == Kind::Path => return Ok(()),
             _ => return syntax("LEAD and TILT need a move of X, Y or Z"),
@@ -167,9 +173,9 @@ impl Siemens {
         let cone = match (self.held.turning.kind, axis, between, opening, end) {
             (Kind::Through, None, Some(between), None, Some(end)) => Cone::through(start, between, end),
             (Kind::Through, ..) => return syntax("ORICONIO takes A3, B3, C3 and A7, B7, C7"),
-            (Kind::Tangential, None, None, None, Some(end)) => match self.held.turning.way {
-                Some(way) => Cone::tangential(start, way, end),
-                None => return syntax("ORICONTO needs a change of direction on a cone before it"),
+            (Kind::Tangential, None, None, None, Some(end)) => match self.held.turning.last {
+                Some([here, way]) if same(here, start) => Cone::tangential(start, way, end),
+                _ => return syntax("ORICONTO needs a change of direction on a cone before it"),
             },
             (Kind::Tangential, ..) => return syntax("ORICONTO takes A3, B3, C3"),
             (kind, Some(axis), None, None, end) => Cone::about(axis, start, end, kind == Kind::Clockwise),
@@ -185,7 +191,7 @@ impl Siemens {
             return syntax("the first and the last direction do not lie on such a cone");
         };
         let way = straight(host, left)?;
-        self.held.turning.way = Some(cone.way_at_end());
+        self.held.turning.last = Some([cone.at(1.0), cone.way_at_end()]);
         left.moves = true;
         in_pieces(left, &cone, way.as_ref());
         Ok(())
@@ -221,6 +227,11 @@ fn in_pieces(left: &mut Left, cone: &Cone, way: Option<&Move>) {
         }
     }
     last.into_iter().for_each(|word| left.add(word));
+}
+
+/// Directions that the axes can reach as the same one.
+fn same(a: [f64; 3], b: [f64; 3]) -> bool {
+    a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-6)
 }
 
 /// An M function that acts at the end of its block.

@@ -102,7 +102,8 @@ impl Act<'_, '_> {
     pub(super) fn own_scale(&self, axis: AxisSlot) -> f64 {
         let place = &self.state.place;
         let role = place.layout.cartesian.iter().position(|own| *own == Some(axis));
-        let scaled = role.filter(|_| place.frames.is_some()).and_then(|role| self.frame_values().scale.get(role).copied());
+        let scaled =
+            role.filter(|_| place.frames.is_some()).and_then(|role| self.frame_values().scale.get(role).copied());
         let factor = scaled.map(f64::abs).filter(|factor| *factor > 0.0 && factor.is_finite()).unwrap_or(1.0);
         place.layout.axes[axis].scale * factor
     }
