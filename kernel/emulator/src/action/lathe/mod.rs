@@ -231,7 +231,7 @@ pub(super) fn cut(act: &mut Act<'_, '_>, cycle: &ContourCycle, reading: Reading)
         return screw::cut(act, &plane, face, (reading.start, &elements, &reading.screws));
     }
     if reading.screws.iter().any(Option::is_some) {
-        let text = format!("the contour of '{}' has threads, which G88 cuts", act.block_text());
+        let text = format!("the contour of '{}' has threads, which only G88 cuts", act.block_text());
         return Err(act.alarm(&diag::CONTOUR_CODE, text));
     }
     let mut feeds = reading.feeds;
