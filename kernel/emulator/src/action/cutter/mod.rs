@@ -174,6 +174,11 @@ pub(super) fn plane_changed(act: &mut Act<'_, '_>) {
             (cutter.axes, cutter.tip) = (axes, tip.map(|part| part * cutter.radius));
             format!("'{}' changes the plane while compensation is active; compensation starts again", act.block_text())
         }
+        // Switched off already: the next move goes straight to its point.
+        None if cutter.stage.is_ending() => {
+            act.forget_cutter();
+            return;
+        }
         None => {
             act.forget_cutter();
             format!("no plane with both axes is left for compensation in '{}', it ends", act.block_text())
