@@ -15,6 +15,7 @@ use super::run::Left;
 use super::value::{Data, shown};
 use super::{Outcome, Siemens};
 use crate::host::{AxisPlace, Host};
+use counterpoint_machine::ident::codes;
 
 /// Largest value of a word.
 const BOUND: f64 = 1e12;
@@ -87,6 +88,17 @@ impl Siemens {
                     left.add(&format!("{register}={}", Data::Real(value).word()));
                     return Ok(());
                 }
+                if plain_spindle(&address) && *way == Positioning::Incremental {
+                    let oriented = host.modes().0.iter().any(|(_, code, _)| *code == codes::SPINDLE_ORIENT);
+                    let Some(last) = self.held.spindle.filter(|_| oriented) else {
+                        return super::syntax("SPOS=IC( ) needs an SPOS before it, and no M3, M4 or M5 between");
+                    };
+                    let angle = (last + value).rem_euclid(360.0);
+                    self.held.spindle = Some(angle);
+                    let stop = if address == "SPOS" { "" } else { "M19 " };
+                    left.add(&format!("{stop}SPOS={}", Data::Real(angle).word()));
+                    return Ok(());
+                }
                 if let (Positioning::Incremental, Some(at)) =
                     (*way, ["AP", "RP"].iter().position(|name| *name == address))
                 {
@@ -118,6 +130,9 @@ impl Siemens {
                 }
             }
         };
+        if plain_spindle(&address) {
+            self.held.spindle = text.parse::<f64>().ok();
+        }
         if !has_word && let Some(plain) = self.without_number(host, &address) {
             // An oriented stop is M19 with its angle.
             let word = if plain == "SPOS" { format!("M19 SPOS={text}") } else { format!("{plain}{text}") };
@@ -198,6 +213,11 @@ impl Siemens {
         let known = name.name == "R" || name.name.starts_with('$') || self.variables.knows(&name.name);
         known && !(name.index.is_empty() && words_name(host, &name.name) && !self.variables.knows(&name.name))
     }
+}
+
+/// An oriented stop of the only spindle; the tape editor writes SPOSA as SPOS.
+fn plain_spindle(address: &str) -> bool {
+    matches!(address, "SPOS" | "SPOS[1]")
 }
 
 /// A letter with a number after it.
