@@ -14,7 +14,7 @@ clear [NUMBER]            delete a breakpoint, or all
 hold [CHANNEL]            feed hold of a channel, or of all
 resume [CHANNEL]          end the feed hold of a channel, or of all
 reset CHANNEL             reset a channel
-show                      show channels, positions, variables, breakpoints
+show                      show channels, positions, remembered words, variables, breakpoints
 quit                      run to the end without stops, as the end of the input does
 PLACE is: wait [MARK] (wait M101), write VARIABLE (write #500), line [FILE:]LINE (line upper.nc:12), time SECONDS (time 2.5)
 Short: s, c, u, b, q. Ctrl-C pauses a job that runs, and cancels one that stands. What follows a ; is a remark.";

@@ -38,6 +38,7 @@ pub(super) fn whole(state: &v1::DebugState) -> String {
     let mut out = channels(state);
     for channel in &state.channels {
         list(&mut out, &format!("channel {} positions", channel.channel), &channel.positions);
+        list(&mut out, &format!("channel {} words", channel.channel), &channel.words);
         list(&mut out, &format!("channel {} variables", channel.channel), &channel.variables);
     }
     list(&mut out, "shared variables", &state.variables);
@@ -98,6 +99,7 @@ mod tests {
             waiting_for: "M101".into(),
             in_block: true,
             positions: vec![number("X", 100.5), number("Z", -2.0)],
+            words: vec![number("T", 101.0), number("M", 3.0)],
             ..Default::default()
         };
         let two = v1::DebugChannel { channel: 2, line: 1, held: true, waiting_for: String::new(), ..one.clone() };
@@ -105,7 +107,7 @@ mod tests {
         let state = v1::DebugState {
             reason: "step".into(),
             channel: 1,
-            channels: vec![one, v1::DebugChannel { positions: Vec::new(), ..two }],
+            channels: vec![one, v1::DebugChannel { positions: Vec::new(), words: Vec::new(), ..two }],
             variables: vec![number("#500", 7.0)],
             breakpoints: vec![v1::Breakpoint { id: 3, at: Some(At::Wait("M101".into())), count: 2, once: true }],
         };
@@ -115,7 +117,7 @@ mod tests {
         ]
         .concat();
         assert_eq!(stop(&state), format!("stop: step\n{lines}"));
-        let more = "channel 1 positions: X=100.5 Z=-2\nshared variables: #500=7\nbreakpoint 3: wait M101 x2, once\n";
+        let more = "channel 1 positions: X=100.5 Z=-2\nchannel 1 words: T=101 M=3\nshared variables: #500=7\nbreakpoint 3: wait M101 x2, once\n";
         assert_eq!(whole(&state), format!("{lines}{more}"));
     }
 }

@@ -145,6 +145,8 @@ pub struct ChannelReport {
     pub positions: Vec<(String, f64)>,
     /// Variables of its own that have a value, those of the running program first, as of the beginning of the block.
     pub variables: Vec<(String, Value)>,
+    /// Words that the control remembers, by address.
+    pub words: Vec<(char, f64)>,
 }
 
 /// What a kernel tells about itself.
@@ -162,6 +164,8 @@ pub struct Seen {
     pub position: Position,
     /// Numbered variables of its own that have a value.
     pub variables: Vec<(u32, f64)>,
+    /// Words that the control remembers, by address; those other than 0.
+    pub words: Vec<(char, f64)>,
 }
 
 /// What a kernel has come to within a block.

@@ -103,6 +103,8 @@ pub struct BlockFlags {
     pub paired: bool,
     /// One of its codes is swallowed.
     pub swallows: bool,
+    /// The axis moves by what the block changes of the length of the tool.
+    pub travels: bool,
 }
 
 /// The block being processed.

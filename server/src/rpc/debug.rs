@@ -228,6 +228,7 @@ fn channel_state(report: ChannelReport) -> v1::DebugChannel {
         waiting_for: report.wait.as_ref().map_or_else(String::new, |wait| wait.key.to_string()),
         held: report.held,
         in_block: report.in_block,
+        words: report.words.iter().map(|(letter, of)| variable(letter.encode_utf8(&mut [0; 4]), number(*of))).collect(),
         positions: report.positions.iter().map(|(axis, of)| variable(axis, number(*of))).collect(),
         variables: report.variables.iter().map(|(name, of)| variable(name, value(of))).collect(),
     }

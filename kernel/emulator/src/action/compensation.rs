@@ -65,7 +65,7 @@ pub(super) fn vector(act: &mut Act<'_, '_>) -> Acted {
         *slot = word.filter(|value| value.is_finite()).unwrap_or(*slot);
     }
     let direction = act.state.place.compensation.vector.map(wildcard_text).join(",");
-    let number = act.state.place.compensation.diameter;
+    let number = act.state.remembered.diameter();
     let text = format!("comp diam vector n={number} pqr={direction}");
     super::cutter::switched(act, codes::COMP_3D_VECTOR)?;
     act.emit(0, Kind::compensation(text, OffsetKind::Diameter, f64::from(number)));
@@ -76,7 +76,7 @@ pub(super) fn vector(act: &mut Act<'_, '_>) -> Acted {
 pub(super) fn take_diameter(act: &mut Act<'_, '_>) -> Option<f64> {
     let number = act.take(data::COMP_DIAM).map(|datum| datum.value);
     if let Some(number) = number.filter(|number| (0.0..=999_999.0).contains(number)) {
-        act.state.place.compensation.diameter = number as u32;
+        act.state.remembered.remember(data::COMP_DIAM, number);
     }
     number
 }

@@ -2,6 +2,7 @@
 //!
 //! *Invariant:* changing the frame never moves the machine; the programmed position is what changes.
 
+use super::offset_words::{in_machine_frame, put_length};
 use crate::act::Act;
 use crate::action::entry::{Contour, Entry, entry_of_kind};
 use crate::state::modal::group;
@@ -34,10 +35,11 @@ pub(super) fn machine_frame(act: &mut Act<'_, '_>) -> Acted {
         act.diagnose(&diag::MACHINE_INCREMENTAL, text);
         return Ok(());
     }
+    let axes = act.state.place.layout.axes.entries();
+    let named = axes.filter(|(_, axis)| act.has_any(act.registers_of(axis.data)));
+    let named = named.fold(0, |slots, (slot, _)| slots | slot.bit());
+    in_machine_frame(act, named);
     if !act.state.others.couplings.is_empty() {
-        let axes = act.state.place.layout.axes.entries();
-        let named = axes.filter(|(_, axis)| act.has_any(act.registers_of(axis.data)));
-        let named = named.fold(0, |slots, (slot, _)| slots | slot.bit());
         act.added_to(named, "PS0364 machine coordinates of an axis to which moves are added")?;
     }
     act.block.flags.machine_frame = true;
@@ -96,16 +98,14 @@ pub(super) fn length(act: &mut Act<'_, '_>, sign: f64, set: u8) -> Acted {
     if sign == 0.0 && act.tip().is_some_and(|tip| tip.with_length) {
         super::tip::off(act)?;
     }
-    act.state.place.in_force.length_sign = sign;
     let mode = if sign == 0.0 {
-        act.state.place.in_force.length_number = 0;
+        put_length(act, 0.0, 0);
         Kind::mode("comp length off")
     } else {
-        if let Some(number) = number.filter(|n| (0.0..=999_999.0).contains(n)) {
-            act.state.place.in_force.length_number = number as u32;
-        }
+        let number = number.filter(|n| (0.0..=999_999.0).contains(n)).map(|number| number as u32);
+        let number = number.unwrap_or(act.state.place.in_force.length_number);
+        put_length(act, sign, number);
         act.state.place.compensation.set = set;
-        let number = act.state.place.in_force.length_number;
         let text = match set {
             1 => format!("comp length n={number}"),
             _ => format!("comp length n={number} set={set}"),
@@ -119,7 +119,7 @@ pub(super) fn length(act: &mut Act<'_, '_>, sign: f64, set: u8) -> Acted {
 
 /// Length compensation that another code brings along.
 pub(super) fn length_on(act: &mut Act<'_, '_>, number: u32) {
-    (act.state.place.in_force.length_sign, act.state.place.in_force.length_number) = (1.0, number);
+    put_length(act, 1.0, number);
     act.emit(0, Kind::compensation(format!("comp length n={number}"), OffsetKind::Length, f64::from(number)));
     act.reframe();
 }

@@ -93,7 +93,9 @@ fn to_reference(act: &mut Act<'_, '_>, coded: u8, number: usize) -> Acted {
         }
     }
     let target = act.way_of_machine(&target);
-    act.rapid_to(coded, target)
+    act.rapid_to(coded, target)?;
+    super::offset_words::at_reference(act, coded);
+    Ok(())
 }
 
 /// `home x, z`, the axes that move; `n=2` for a further reference point.

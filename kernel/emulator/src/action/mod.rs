@@ -25,6 +25,7 @@ mod lathe;
 mod local;
 mod mode;
 mod motion;
+mod offset_words;
 mod offsets;
 mod pocket;
 mod polar;
@@ -101,6 +102,7 @@ pub static ACTIONS: Actions = Actions { reading: Some(&READING), ..BASE };
 static READING: Actions = Actions {
     of: lathe::reading,
     speed_word: |_| Ok(()),
+    offset_words: |_, _| Ok(()),
     record: Some(|kernel, _, motion| lathe::record(&mut Act::new(kernel), motion)),
     ..BASE
 };
@@ -112,6 +114,7 @@ const BASE: Actions = Actions {
     end_compensation: |kernel, halt| Act::new(kernel).end_compensation(halt),
     switch_compensation: |kernel| Act::new(kernel).switch_compensation(),
     speed_word: |kernel| spindle::speed_word(&mut Act::new(kernel)),
+    offset_words: |kernel, free| offset_words::select(&mut Act::new(kernel), free),
     make_hole: |kernel, hole| Act::new(kernel).make_hole(hole),
     reading: None,
     record: None,

@@ -62,18 +62,18 @@ impl Act<'_, '_> {
         let (id, unit) = feed_of(self.state.modal.code(group::FEED));
         match self.take(id) {
             Some(datum) => {
-                self.state.modal.remember(id, datum.value);
+                self.state.remembered.remember(id, datum.value);
                 (Some(datum.value), unit)
             }
             // Inverse time belongs to its block alone.
             None if unit == FeedUnit::InverseTime => (None, unit),
-            None => (self.state.modal.value(id), unit),
+            None => (self.state.remembered.value(id), unit),
         }
     }
 
     /// Feed that a rapid move must not pass: that of the block, else the remembered one where the row is modal.
     fn rapid_feed(&mut self) -> Option<f64> {
-        let Some(datum) = self.take(data::RAPID_FEED) else { return self.state.modal.value(data::RAPID_FEED) };
+        let Some(datum) = self.take(data::RAPID_FEED) else { return self.state.remembered.value(data::RAPID_FEED) };
         if datum.value <= 0.0 {
             let text =
                 format!("the feed rate is zero or negative in '{}', the move is timed as rapid", self.block_text());
@@ -81,7 +81,7 @@ impl Act<'_, '_> {
             return None;
         }
         if self.sources(data::RAPID_FEED).iter().any(|source| source.modal) {
-            self.state.modal.remember(data::RAPID_FEED, datum.value);
+            self.state.remembered.remember(data::RAPID_FEED, datum.value);
         }
         Some(datum.value)
     }

@@ -36,6 +36,8 @@ pub struct Actions {
     pub(crate) switch_compensation: fn(&mut Kernel<'_>) -> Acted,
     /// A speed that no code took.
     pub(crate) speed_word: fn(&mut Kernel<'_>) -> Acted,
+    /// Numbers of offsets without their codes; the registers whose words no code of the block takes, bit by register.
+    pub(crate) offset_words: fn(&mut Kernel<'_>, u128) -> Acted,
     /// Makes a hole of a cycle.
     pub(crate) make_hole: fn(&mut Kernel<'_>, &Hole) -> Acted,
     /// Actions by which contour blocks are read; none among them.

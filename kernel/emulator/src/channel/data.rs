@@ -58,7 +58,7 @@ impl Kernel<'_> {
                 value *= self.channel.position_factor(id, incremental);
             }
             if source.modal && !incremental {
-                self.channel.state.modal.remember(id, value);
+                self.channel.state.remembered.remember(id, value);
             }
             self.trace_data(id, value);
             return Some(Datum { value, incremental, absolute: false, raw });
@@ -90,7 +90,7 @@ impl Kernel<'_> {
     #[cold]
     pub(crate) fn recall(&self, id: DataId) -> Option<Datum> {
         let modal = self.plan.data.recall.as_ref()?[id];
-        let value = self.channel.state.modal.value(id).filter(|_| modal)?;
+        let value = self.channel.state.remembered.value(id).filter(|_| modal)?;
         Some(Datum { value, incremental: false, absolute: false, raw: value })
     }
 

@@ -23,6 +23,7 @@ impl Kernel<'_> {
 
     /// Sets an offset; `false` when there is no room for it or it is out of all bounds.
     pub(crate) fn set_offset(&mut self, table: Table, number: u32, values: Position) -> bool {
+        self.channel.hold_length(table, number);
         let stored = self.channel.store_offset(table, number, values);
         if stored {
             self.reframe();
@@ -72,7 +73,7 @@ impl Kernel<'_> {
         let place = &mut self.channel.state.place;
         (place.frames, place.clamped) = (None, 0);
         (place.in_force.work_offset, place.in_force.tool_offset) = (1, 0);
-        (place.in_force.length_sign, place.in_force.length_number) = (0.0, 0);
+        place.in_force.set_length(0.0, 0);
         place.preset = [0.0; MAX_AXES];
         self.reframe();
     }

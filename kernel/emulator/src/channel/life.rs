@@ -5,7 +5,6 @@ use std::sync::Arc;
 use super::Kernel;
 use super::carried::Lived;
 use super::flow::Frame;
-use crate::state::modal::Modal;
 use counterpoint_event::event::{Diagnostic, Event, FileId, Kind, Member, Phase, Verdict, VerdictKind};
 use counterpoint_fault::{self as diag, Facts};
 use counterpoint_fault::{Acted, Halt};
@@ -94,7 +93,7 @@ impl Kernel<'_> {
         (self.channel.at.clock, self.channel.at.micro) = (tag.t, tag.micro);
         if !self.flow.frames.is_empty() {
             // A start begins with the codes of a reset, whatever was active at the end of the program before.
-            self.channel.state.modal = Modal::new(self.channel.env.machine);
+            self.channel.state.forget_words(self.channel.env.machine);
             self.initial_codes();
         }
         let range = Range { number: None, first: program.lines.0, last: program.lines.1 };

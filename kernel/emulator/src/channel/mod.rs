@@ -6,6 +6,7 @@
 
 pub(crate) mod access;
 pub(crate) mod actions;
+mod addresses;
 mod burden;
 mod calls;
 pub mod carried;

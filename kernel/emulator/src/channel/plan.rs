@@ -14,7 +14,7 @@ use counterpoint_machine::Machine;
 use counterpoint_machine::ident::dimension::Dimension;
 use counterpoint_machine::ident::kind::CodeKind;
 use counterpoint_machine::ident::kind::data::DataKind;
-use counterpoint_machine::ident::{CodeId, DataId, codes, data};
+use counterpoint_machine::ident::{self, CodeId, DataId, codes, data, takes};
 use counterpoint_machine::index::{CodeRowId, DataRowId, RegisterId, Table};
 use counterpoint_machine::model::AxisRole;
 use counterpoint_machine::rows::{CodeForm, CodeRow, Overlap, Register};
@@ -64,6 +64,10 @@ pub(crate) struct Registers {
     pub(crate) only_data: u128,
     /// Those that carry the spindle speed, bit by register.
     pub(crate) speed: u128,
+    /// That of the M letter.
+    pub(crate) function: Option<RegisterId>,
+    /// Those of offset numbers that count without their codes, bit by register.
+    pub(crate) offsets: u128,
 }
 
 /// Registers of corners and of directions of lines.
@@ -176,6 +180,8 @@ impl Registers {
             motion,
             contour: Contour::new(machine),
             speed,
+            function: machine.registers.find(|register| register.name == "M"),
+            offsets: if machine.compensation.numbers_alone { offsets(machine) } else { 0 },
         }
     }
 }
@@ -196,6 +202,8 @@ pub(crate) struct Rules {
     pub(crate) overlaps: bool,
     /// Rules by which the control refuses blocks.
     pub(crate) refusals: Option<Box<Refusals>>,
+    /// Registers of offset numbers whose words a code takes, by code row; empty where numbers need their codes.
+    pub(crate) number_takers: Table<CodeRowId, u128>,
 }
 
 impl Rules {
@@ -208,6 +216,7 @@ impl Rules {
             overlaps: machine.codes.iter().any(|row| row.seconds > 0.0 && row.overlap != Overlap::None)
                 || machine.spindles.iter().any(|spindle| spindle.overlap != Overlap::None),
             refusals: Refusals::new(machine),
+            number_takers: number_takers(machine),
         }
     }
 }
@@ -288,6 +297,28 @@ fn exclusive(machine: &Machine, g: Option<RegisterId>) -> Option<Table<CodeRowId
         _ => 0,
     };
     Some(machine.codes.map(|_, row| group(row)))
+}
+
+/// Registers of offset numbers, bit by register.
+fn offsets(machine: &Machine) -> u128 {
+    let numbers = [data::COMP_LENGTH, data::COMP_DIAM].map(|id| machine.tables.data(id));
+    let registers = numbers.into_iter().flatten().filter_map(|&row| machine.data[row].register);
+    registers.fold(0, |bits, register| bits | register.bit())
+}
+
+/// Registers of offset numbers whose words the action of a code may take. What a code of the machine's own takes is not known: all.
+fn number_takers(machine: &Machine) -> Table<CodeRowId, u128> {
+    let offsets = if machine.compensation.numbers_alone { offsets(machine) } else { 0 };
+    let rows = machine.data.iter().filter(|row| row.enable);
+    let on_them = rows.filter_map(|row| Some((row.id, row.register?.bit() & offsets))).filter(|(_, bit)| *bit != 0);
+    let takers: Vec<_> = on_them.map(|(id, bit)| (takes::codes_of(machine.data_name(id)), bit)).collect();
+    machine.codes.map(|_, row| {
+        if ident::code_facts(row.id).is_none() {
+            return offsets;
+        }
+        let name = machine.code_name(row.id);
+        takers.iter().filter(|(codes, _)| codes.contains(&name)).fold(0, |bits, (_, bit)| bits | bit)
+    })
 }
 
 /// Steps of one unit at each register.

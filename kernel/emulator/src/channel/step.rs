@@ -106,6 +106,7 @@ impl Kernel<'_> {
             t_ns: at.clock,
             position: self.channel.state.place.position,
             variables: Vec::new(),
+            words: self.shown_words(),
         }
     }
 }

@@ -8,14 +8,13 @@ use rustc_hash::FxHashMap;
 
 use super::Kernel;
 use crate::state::frames::offsets::{BASE, EXTENDED, Radii, Table};
-use crate::state::modal::{feed_of, group};
 use counterpoint_dialect::{NotThere, is_vacant};
 use counterpoint_event::event::{MAX_AXES, Position};
 use counterpoint_machine::ident::codes;
 use counterpoint_machine::ident::dimension::Dimension;
 use counterpoint_machine::index::{AxisSlot, BySlot};
 use counterpoint_machine::rows::CodeForm;
-use counterpoint_machine::system_variables::{Column, Frame, Means, SystemVariables};
+use counterpoint_machine::system_variables::{Column, Frame, MODAL_CALLS, Means, SystemVariables};
 
 /// Seconds of a day.
 const DAY: i64 = 86_400;
@@ -158,7 +157,7 @@ impl Kernel<'_> {
                 let mirror = self.channel.frame_values().mirror;
                 mirror.iter().zip([1.0, 2.0, 4.0]).filter(|(on, _)| **on != 0.0).map(|(_, bit)| bit).sum()
             }
-            Means::MainProgram => self.program_number(),
+            Means::MainProgram => f64::from(self.main_number()),
             Means::Modal(groups) => self.modal_word(*groups.get(at as usize)?),
             Means::Address(letters) => self.address(*letters.get(at as usize)?),
             Means::Position(frame, axes) => return self.position(*frame, axes.as_deref(), at as usize),
@@ -170,6 +169,9 @@ impl Kernel<'_> {
 
     /// G number that is active in a group of the kernel.
     fn modal_word(&self, (group, idle): (u16, f64)) -> f64 {
+        if group == MODAL_CALLS {
+            return self.flow.modal.word().unwrap_or(idle);
+        }
         let modal = &self.channel.state.modal;
         let place = &self.channel.state.place;
         let Some(code) = modal.code(group).filter(|_| group != 0) else { return idle };
@@ -188,47 +190,6 @@ impl Kernel<'_> {
             _ => None,
         });
         of_row.or_else(|| machine.variables.system.word(code)).unwrap_or(idle)
-    }
-
-    /// Number of the main program, 0 if it has none.
-    fn program_number(&self) -> f64 {
-        let info = self.channel.env.info.channels.iter().find(|info| info.number == self.channel.at.channel);
-        info.map_or(0.0, |info| digits(&info.program))
-    }
-
-    /// Last value of an address.
-    fn address(&self, letter: u8) -> f64 {
-        let channel = &self.channel;
-        let place = &channel.state.place;
-        match letter {
-            b'F' => {
-                let (feed, _) = feed_of(channel.state.modal.code(group::FEED));
-                channel.state.modal.value(feed).unwrap_or(0.0) / channel.unit_factor(Dimension::Feed)
-            }
-            b'S' => channel.state.spindle.command.rpm,
-            b't' => f64::from(place.tools.current),
-            b'T' if channel.is_turning() => {
-                let digits = channel.env.machine.tool.offset_digits;
-                f64::from(place.tools.current) * 10_f64.powi(i32::from(digits)) + f64::from(place.in_force.tool_offset)
-            }
-            b'T' if place.tools.chosen => f64::from(place.tools.selected),
-            b'T' => f64::from(place.tools.current),
-            b'D' => f64::from(place.compensation.diameter),
-            b'H' => f64::from(place.in_force.length_number),
-            b'N' => f64::from(channel.block.sequence.unwrap_or(0)),
-            b'O' => self
-                .flow
-                .frames
-                .get(1..)
-                .and_then(<[_]>::last)
-                .map_or_else(|| self.program_number(), |frame| digits(&frame.name)),
-            b'X' | b'Y' | b'Z' => {
-                let slot = self.tool_axis(letter - b'X');
-                slot.map_or(0.0, |slot| channel.programmed().at(slot) / self.length_factor(slot))
-            }
-            b'P' => f64::from(place.in_force.work_offset.saturating_sub(EXTENDED)),
-            _ => 0.0,
-        }
     }
 
     /// A value by axis of the channel, in units of the program; `axes` are the X, Y and Z axes in another order.
@@ -270,7 +231,7 @@ impl Kernel<'_> {
     }
 
     /// Factor from lengths of the program to those of an axis.
-    fn length_factor(&self, axis: AxisSlot) -> f64 {
+    pub(super) fn length_factor(&self, axis: AxisSlot) -> f64 {
         let turns = self.channel.state.place.layout.axes[axis].rotary;
         if turns { 1.0 } else { self.channel.unit_factor(Dimension::Length) }
     }
@@ -289,7 +250,7 @@ impl Kernel<'_> {
         if self.set_offset(Table::Work, number, values) { Ok(()) } else { Err(NotThere::TooBig) }
     }
 
-    fn tool_axis(&self, role: u8) -> Option<AxisSlot> {
+    pub(super) fn tool_axis(&self, role: u8) -> Option<AxisSlot> {
         self.channel.state.place.layout.cartesian.get(usize::from(role)).copied().flatten()
     }
 
@@ -345,14 +306,6 @@ fn hours(clock: i64) -> f64 {
     clock as f64 / 3.6e12
 }
 
-/// The number in the name of a program.
-fn digits(name: &str) -> f64 {
-    let start = name.find(|c: char| c.is_ascii_digit()).unwrap_or(name.len());
-    let text = name.get(start..).unwrap_or_default();
-    let end = text.find(|c: char| !c.is_ascii_digit()).unwrap_or(text.len());
-    text.get(..end).and_then(|text| text.parse().ok()).unwrap_or(0.0)
-}
-
 /// Seconds since midnight of the first day.
 fn seconds(start: u32, clock: i64) -> i64 {
     let start = i64::from(start);
@@ -406,10 +359,5 @@ mod tests {
         assert_eq!(date((20_240_228, night), SECOND), 20_240_229);
         assert_eq!(date((20_250_228, night), SECOND), 20_250_301);
         assert_eq!(time_of_day(80_000, 3_661 * SECOND), 90_101);
-    }
-
-    #[test]
-    fn numbers_of_programs_are_read_from_their_names() {
-        assert_eq!(["O0042", "MAIN", "O9010.NC", ""].map(digits), [42.0, 0.0, 9010.0, 0.0]);
     }
 }

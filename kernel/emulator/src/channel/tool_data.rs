@@ -100,7 +100,7 @@ impl Kernel<'_> {
             );
         }
         let on = self.channel.state.modal.code(group::DIAMETER).is_some_and(|code| code != codes::COMP_DIAM_OFF);
-        let number = self.channel.state.place.compensation.diameter;
+        let number = self.channel.state.remembered.diameter();
         if !on || number == 0 {
             return (None, None);
         }

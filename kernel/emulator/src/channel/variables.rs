@@ -75,6 +75,11 @@ impl ChannelVariables {
         self.writes += 1;
     }
 
+    /// Local variables of the running macro that have a value.
+    pub(crate) fn locals(&self) -> impl Iterator<Item = (u8, f64)> {
+        (0..).zip(self.calls.here()).map(|(number, value)| (number, *value)).filter(|(_, value)| !is_vacant(*value))
+    }
+
     /// A number that is another one whenever variables may have other values than before.
     pub(super) fn writes(&self) -> u64 {
         self.writes

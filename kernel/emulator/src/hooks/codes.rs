@@ -205,7 +205,7 @@ impl Kernel<'_> {
         }
         let value = taken.value * taken.factor;
         if taken.modal && !taken.incremental {
-            self.channel.state.modal.remember(id, value);
+            self.channel.state.remembered.remember(id, value);
         }
         self.trace_data(id, value);
         Some(Datum { value, incremental: taken.incremental, absolute, raw: taken.raw })
@@ -316,7 +316,7 @@ impl Kernel<'_> {
             let modal = rows.clone().any(|row| row.modal && row.process);
             if modal && !id.kind().is_axis() {
                 let factor = rows.map(|row| self.channel.unit_factor(row.dimension.plain())).next().unwrap_or(1.0);
-                self.channel.state.modal.remember(id, value * factor);
+                self.channel.state.remembered.remember(id, value * factor);
                 continue;
             }
             let name = self.channel.env.machine.data_name(id);

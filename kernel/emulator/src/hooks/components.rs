@@ -139,7 +139,9 @@ impl Kernel<'_> {
     /// The state as the new definition has it; what the machine itself remembers stays.
     fn fit_state(&mut self, before: &Machine) {
         let machine = self.channel.env.machine;
-        let old = std::mem::replace(&mut self.channel.state.modal, Modal::new(machine));
+        let old = std::mem::replace(&mut self.channel.state.modal, Modal::new());
+        let fitted = self.channel.state.remembered.fitted(before, machine);
+        self.channel.state.remembered = fitted;
         self.initial_codes();
         let state = &mut self.channel.state;
         for (of, id, row) in old.saved() {
@@ -153,13 +155,6 @@ impl Kernel<'_> {
                 Some((row, _)) => state.modal.activate(of, new, Some(row)),
                 None if row.is_none() => state.modal.activate(of, new, None),
                 None => {}
-            }
-        }
-        for (id, name) in before.data_names.entries() {
-            if let Some(value) = old.value(id)
-                && let Some(new) = machine.data_names.find(|own| own == name)
-            {
-                state.modal.remember(new, value);
             }
         }
         state.secondary = state.modal.code(group::UNITS) == Some(counterpoint_machine::ident::codes::UNITS_SECONDARY);

@@ -102,6 +102,7 @@ impl Kernel<'_> {
             Some(own) => self.flow.pending = Some(own),
             None => {}
         }
+        self.channel.state.remembered.remember_sequence(self.channel.block.sequence);
         let nested = std::mem::replace(&mut self.channel.block, block);
         self.macros.issued.spares.push(nested);
         self.macros.block = context;

@@ -10,7 +10,6 @@ use crate::channel::Kernel;
 use crate::channel::flow::{Flow, Frame};
 use crate::macros::calls::Task;
 use crate::macros::parts::Restart;
-use crate::state::modal::Modal;
 use crate::state::probing::Probing;
 use crate::state::thread::Threads;
 use counterpoint_dialect::Answer;
@@ -78,7 +77,7 @@ impl Kernel<'_> {
     /// Starts the next program after the previous one has ended.
     pub(crate) fn start_over(&mut self, file: FileId, range: Range, name: Arc<str>, reset: bool) -> Acted {
         if reset {
-            self.channel.state.modal = Modal::new(self.channel.env.machine);
+            self.channel.state.forget_words(self.channel.env.machine);
             self.initial_codes();
             (
                 self.channel.state.place.tools.current,

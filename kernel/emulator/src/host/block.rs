@@ -139,7 +139,7 @@ impl Kernel<'_> {
         }
         let rows = self.channel.env.machine.tables.data(id).iter().map(|&row| &self.channel.env.machine.data[row]);
         let factor = rows.map(|row| self.channel.unit_factor(row.dimension)).next().unwrap_or(1.0);
-        Ok(self.channel.state.modal.value(id).map_or(Value::Null, |value| Value::Real(value / factor)))
+        Ok(self.channel.state.remembered.value(id).map_or(Value::Null, |value| Value::Real(value / factor)))
     }
 
     /// Value of data of this block, before any change of units.

@@ -229,7 +229,7 @@ impl Kernel<'_> {
             None => {
                 let rows = self.channel.env.machine.tables.data_of(at);
                 let ids = rows.iter().map(|&row| &self.channel.env.machine.data[row]);
-                let mut known = ids.filter_map(|row| self.channel.state.modal.value(row.id));
+                let mut known = ids.filter_map(|row| self.channel.state.remembered.value(row.id));
                 known.next().unwrap_or(0.0)
             }
         };

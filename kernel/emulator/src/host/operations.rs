@@ -11,7 +11,7 @@ use crate::channel::Kernel;
 use crate::macros::books::operations::Operation;
 use crate::macros::store::names;
 use crate::state::modal::group;
-use counterpoint_machine::ident::{codes, data};
+use counterpoint_machine::ident::codes;
 
 /// Rows of the tables with the one that is no operation.
 const MOST: usize = 999;
@@ -43,8 +43,7 @@ impl Kernel<'_> {
     /// Number of the diameter offset in force, 0 for none.
     fn diameter_number(&self) -> u32 {
         let active = self.channel.state.modal.code(group::DIAMETER).is_some_and(|code| code != codes::COMP_DIAM_OFF);
-        let number = self.channel.state.modal.value(data::COMP_DIAM).filter(|_| active).unwrap_or(0.0);
-        number.clamp(0.0, f64::from(u32::MAX)) as u32
+        if active { self.channel.state.remembered.diameter() } else { 0 }
     }
 
     /// Notes the offsets in force while the axes of a motion move.

@@ -8,7 +8,7 @@ use counterpoint_dialect::MacroCall;
 use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
 use counterpoint_machine::ident::kind::CodeKind;
-use counterpoint_machine::ident::{self, CodeId, DataId};
+use counterpoint_machine::ident::{self, CodeId, DataId, codes};
 use counterpoint_machine::index::CodeRowId;
 use counterpoint_machine::number::written;
 use counterpoint_machine::rows::{CodeForm, CodeRow, Modality};
@@ -28,11 +28,17 @@ impl Kernel<'_> {
         if let Some(hooks) = hooks {
             (hooks.codes.begin)(self, origin);
         }
+        if self.channel.env.machine.compensation.length.moves {
+            self.length_words();
+        }
         self.imply();
         if let Some(hooks) = hooks {
             (hooks.codes.implied)(self);
         }
         self.check_refused()?;
+        if self.channel.has_any(self.plan.registers.offsets) {
+            self.offset_words()?;
+        }
         self.sort();
         while let Some(&pending) = self.channel.block.pending.get(self.channel.block.next) {
             self.channel.block.next += 1;
@@ -49,6 +55,15 @@ impl Kernel<'_> {
             (hooks.codes.dropped)(self)?;
         }
         Ok(())
+    }
+
+    /// Numbers of offsets that no code of the block takes select their offsets.
+    #[inline(never)]
+    fn offset_words(&mut self) -> Acted {
+        let takers = &self.plan.rules.number_takers;
+        let taken = self.channel.block.pending.iter().fold(0, |bits, pending| bits | takers[pending.row]);
+        let free = self.plan.registers.offsets & !taken;
+        if self.channel.has_any(free) { (self.plan.actions.offset_words)(self, free) } else { Ok(()) }
     }
 
     /// Finds code rows and makes the rest available as data. Returns `true` for a macro call of the pre-processor.
@@ -208,6 +223,13 @@ impl Kernel<'_> {
     }
 
     fn queue(&mut self, index: CodeRowId, row: &CodeRow, value: f64, modal: bool) {
+        if let CodeForm::Register { register, .. } | CodeForm::RegisterAsData { register, .. } = row.form
+            && Some(register) == self.plan.registers.function
+            && !modal
+            && !matches!(row.id, codes::CALSUB_ID | codes::CALSUB_RETURN)
+        {
+            self.channel.state.remembered.remember_function(value);
+        }
         self.channel.block.flags.swallows |= !row.process;
         self.channel.block.pending.push(PendingCode {
             order: row.order,

@@ -185,7 +185,7 @@ impl Kernel<'_> {
         let start = self.channel.programmed();
         let place = &mut self.channel.state.place;
         let place = (std::mem::replace(&mut place.position, start), place.frames.take());
-        let modal = self.channel.state.modal.clone();
+        let (modal, remembered) = (self.channel.state.modal.clone(), self.channel.state.remembered.clone());
         let (cycle, arcs) = (self.channel.state.cycle, std::mem::take(&mut self.channel.state.arcs));
         let secondary = self.channel.state.secondary;
         let text = (self.channel.at.line, self.channel.text.edited.take(), self.flow.offset);
@@ -196,7 +196,7 @@ impl Kernel<'_> {
         self.channel.state.others.turning.reading = own;
         // A feed per minute needs no spindle; what moves is only recorded.
         self.channel.state.modal.activate(group::FEED, codes::FEED_UPM, None);
-        self.channel.state.modal.remember(data::FEED_UPM, 1.0);
+        self.channel.state.remembered.remember(data::FEED_UPM, 1.0);
         let done = blocks(self).and_then(|()| self.flush_lookahead());
         let done = done.map_err(|halt| self.end_compensation(halt));
 
@@ -204,7 +204,7 @@ impl Kernel<'_> {
         (self.channel.at.line, self.channel.text.edited, self.flow.offset) = text;
         self.channel.state.secondary = secondary;
         (self.channel.state.cycle, self.channel.state.arcs) = (cycle, arcs);
-        self.channel.state.modal = modal;
+        (self.channel.state.modal, self.channel.state.remembered) = (modal, remembered);
         (self.channel.state.place.position, self.channel.state.place.frames) = place;
         self.plan = outer_plan;
         done?;

@@ -200,6 +200,9 @@ impl Kernel<'_> {
         }
         if let Some(frame) = self.flow.frames.pop() {
             if frame.own_variables {
+                if let Some(caller) = frame.modal {
+                    self.flow.modal.keep(caller, self.dialect.variables.locals());
+                }
                 self.dialect.variables.leave();
                 let level = self.call_level();
                 self.flow.modal.leave(level);

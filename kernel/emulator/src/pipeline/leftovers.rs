@@ -98,7 +98,7 @@ impl Kernel<'_> {
             let other_feed = matches!(row.id, data::FEED_UPM | data::FEED_UPR | data::FEED_1T) && row.id != feed;
             if row.modal && !is_axis && !other_feed {
                 let value = (value * row.mul + row.add) * self.channel.unit_factor(row.dimension);
-                self.channel.state.modal.remember(row.id, value);
+                self.channel.state.remembered.remember(row.id, value);
                 known = true;
             } else if row.modal && other_feed {
                 known = true;

@@ -11,6 +11,7 @@ mod definitions;
 mod edit;
 mod follow;
 mod leftovers;
+mod length_words;
 mod long_comments;
 mod messages;
 mod preprocess;

@@ -156,6 +156,7 @@ impl Kernel<'_> {
     pub(crate) fn begin_block(&mut self) -> Acted {
         use std::sync::atomic::Ordering::Relaxed;
         self.keep_pace();
+        self.channel.state.remembered.remember_sequence(self.channel.block.sequence);
         self.channel.at.blocks += 1;
         self.channel.at.idle_blocks += 1;
         self.ports.progress.blocks.store(self.channel.at.blocks, Relaxed);

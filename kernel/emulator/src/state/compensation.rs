@@ -17,8 +17,6 @@ pub(crate) struct Compensation {
     pub(crate) corner: u8,
     /// Dynamic fixture compensation.
     pub(crate) dynamic: bool,
-    /// Number of the diameter offset, as last programmed.
-    pub(crate) diameter: u32,
     /// Direction of the vector form.
     pub(crate) vector: [f64; 3],
 }
@@ -31,7 +29,7 @@ impl Compensation {
             OutsideCorner::Linear => 1,
             OutsideCorner::Arc => 2,
         };
-        Self { set: 1, direction: 0, corner, dynamic: false, diameter: 0, vector: [0.0; 3] }
+        Self { set: 1, direction: 0, corner, dynamic: false, vector: [0.0; 3] }
     }
 }
 

@@ -118,6 +118,8 @@ pub(crate) struct Cutter {
     pub(crate) asked: Asked,
     /// A way to the contour or from it that no move has made yet.
     pub(crate) smooth: Option<Box<Smooth>>,
+    /// Another radius, which counts from the end of the next move in the plane: it, and from the tip to the centre of the nose.
+    pub(crate) resized: Option<(f64, Spot)>,
 }
 
 impl Stage {

@@ -19,6 +19,7 @@ pub(crate) mod modal;
 pub(crate) mod pace;
 pub(crate) mod position;
 pub(crate) mod probing;
+pub(crate) mod remembered;
 pub(crate) mod smooth;
 pub(crate) mod spindle;
 pub(crate) mod thread;
@@ -34,13 +35,16 @@ use counterpoint_machine::model::{Channel, MachineKind};
 use counterpoint_sync::wait::Wait;
 use modal::Modal;
 use position::Place;
+use remembered::Remembered;
 use spindle::SpindleState;
 
 /// What a channel remembers from block to block.
 #[derive(Debug)]
 pub(crate) struct State {
-    /// Modal codes and data.
+    /// Modal codes.
     pub(crate) modal: Modal,
+    /// Words that the control remembers.
+    pub(crate) remembered: Remembered,
     /// Axes, positions and offsets.
     pub(crate) place: Place,
     /// Spindle of the channel.
@@ -65,7 +69,8 @@ impl State {
         let id = channel.spindle;
         let shared = id.is_some_and(|id| spindle::is_shared(machine, id));
         Self {
-            modal: Modal::new(machine),
+            modal: Modal::new(),
+            remembered: Remembered::new(machine),
             place: Place::new(machine, channel),
             spindle: SpindleState { id, shared, ..SpindleState::default() },
             secondary: false,
@@ -75,6 +80,11 @@ impl State {
             skip: Box::default(),
             others: Box::new(Others::new(machine, channel)),
         }
+    }
+
+    /// Modal codes and remembered words are those of a channel that has been reset.
+    pub(crate) fn forget_words(&mut self, machine: &Machine) {
+        (self.modal, self.remembered) = (Modal::new(), Remembered::new(machine));
     }
 }
 

@@ -1,11 +1,10 @@
-//! Modal codes and data of a channel.
+//! Modal codes of a channel.
 //!
 //! *Invariant:* a group has one active code at most.
 
 use counterpoint_event::event::FeedUnit;
-use counterpoint_machine::Machine;
 use counterpoint_machine::ident::{CodeId, DataId, codes, data};
-use counterpoint_machine::index::{CodeRowId, Table};
+use counterpoint_machine::index::CodeRowId;
 
 /// Modal groups the kernel itself asks for (reference control-emulator.md 3.2).
 pub(crate) mod group {
@@ -26,20 +25,18 @@ pub(crate) mod group {
     pub(crate) const DIAMETER_X: u16 = 109;
 }
 
-/// Modal codes and data.
+/// Modal codes.
 #[derive(Debug, Clone)]
 pub(crate) struct Modal {
     /// Active code of each group with its row, `None` = `CODE_NONE`. The machine may start with a code that it has no row of.
     groups: Vec<Option<(CodeId, Option<CodeRowId>)>>,
-    /// Remembered values by data identifier.
-    data: Table<DataId, Option<f64>>,
     /// Groups whose active code fires again on blocks without a code of the group; `true` = on every block.
     pub(crate) refires: Vec<(u16, bool)>,
 }
 
 impl Modal {
-    pub(crate) fn new(machine: &Machine) -> Self {
-        Self { groups: vec![None; 1000], data: machine.data_names.map(|_, _| None), refires: Vec::new() }
+    pub(crate) fn new() -> Self {
+        Self { groups: vec![None; 1000], refires: Vec::new() }
     }
 
     /// Active code of a group.
@@ -95,16 +92,6 @@ impl Modal {
         }
         let groups = &self.groups;
         self.refires.retain(|&(group, _)| groups.get(usize::from(group)).is_some_and(Option::is_some));
-    }
-
-    /// Remembered value.
-    pub(crate) fn value(&self, id: DataId) -> Option<f64> {
-        self.data[id]
-    }
-
-    /// Remembers a value.
-    pub(crate) fn remember(&mut self, id: DataId, value: f64) {
-        self.data[id] = Some(value);
     }
 }
 

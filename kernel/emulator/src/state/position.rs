@@ -66,11 +66,23 @@ pub(crate) struct InForce {
     pub(crate) length_sign: f64,
     /// Its number.
     pub(crate) length_number: u32,
+    /// Axes that it has been taken off, bit by axis.
+    pub(crate) length_off: u8,
+    /// Its values, where the offset has got other ones since.
+    pub(crate) length_held: Option<Position>,
+}
+
+impl InForce {
+    /// Puts a length offset into force, with a sign; 0 ends length compensation.
+    pub(crate) fn set_length(&mut self, sign: f64, number: u32) {
+        (self.length_sign, self.length_number) = (sign, number);
+        (self.length_off, self.length_held) = (0, None);
+    }
 }
 
 impl Default for InForce {
     fn default() -> Self {
-        Self { work_offset: 1, tool_offset: 0, length_sign: 0.0, length_number: 0 }
+        Self { work_offset: 1, tool_offset: 0, length_sign: 0.0, length_number: 0, length_off: 0, length_held: None }
     }
 }
 

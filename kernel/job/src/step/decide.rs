@@ -163,6 +163,7 @@ impl State {
         }
         (seen.channel, seen.file, seen.line) = (place.channel, place.file, place.line);
         (seen.t_ns, seen.position) = (place.t_ns, place.position);
+        seen.words.clone_from(&place.words);
         passes
     }
 

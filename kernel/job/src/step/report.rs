@@ -37,6 +37,7 @@ impl Director<'_> {
             held: one.held,
             in_block: !one.at_block && matches!(state, Doing::Running | Doing::Waiting),
             positions: axes.map(|(axis, value)| (axis.name.clone(), value)).collect(),
+            words: seen.words,
             variables: seen.variables.iter().map(|(n, value)| (format!("#{n}"), Value::Number(*value))).collect(),
         }
     }

@@ -192,7 +192,7 @@ data! {
     SPINDLE_CSS true false Spindle, SurfaceSpeed;
     SPINDLE_CSS_ID true false Spindle, None;
     SPINDLE_CSS_RADIAL true false Spindle, Length;
-    SPINDLE_ORIENT true false Spindle, Angle;
+    SPINDLE_ORIENT true false Plain, Angle;
     SPINDLE_RPM true false Spindle, None;
     SPINDLE_RPM_MAX true false Spindle, None;
     SYNC true false Plain, None;

@@ -3,12 +3,19 @@
 //!
 //! Invariant: the angle is one of 0 to 180 degrees.
 
-use crate::model::{Compensation, Corners, OutsideCorner};
+use crate::model::{Compensation, Corners, LengthRules, LengthThere, OutsideCorner};
 use crate::toml::section::Section;
 
 /// Reads `[compensation]`.
 pub(super) fn read(top: &mut Section<'_>) -> Compensation {
-    let mut made = Compensation { rapid: true, arcs: false, corner: OutsideCorner::Angle, corner_angle: 90.0 };
+    let mut made = Compensation {
+        rapid: true,
+        arcs: false,
+        corner: OutsideCorner::Angle,
+        corner_angle: 90.0,
+        numbers_alone: false,
+        length: LengthRules::default(),
+    };
     let Some(mut section) = top.table("compensation", "[compensation]") else { return made };
     made.rapid = section.flag("rapid").unwrap_or(made.rapid);
     made.arcs = section.flag("arcs").unwrap_or(made.arcs);
@@ -20,7 +27,23 @@ pub(super) fn read(top: &mut Section<'_>) -> Compensation {
         }
         made.corner_angle = angle.min(180.0);
     }
+    let numbers = [("with-code", false), ("alone", true)];
+    made.numbers_alone = section.choice("numbers", &numbers).unwrap_or(made.numbers_alone);
+    made.length = length(&mut section);
     section.finish();
+    made
+}
+
+fn length(section: &mut Section<'_>) -> LengthRules {
+    let mut made = LengthRules::default();
+    let there = [("stays", LengthThere::Stays), ("off", LengthThere::Off), ("ends", LengthThere::Ends)];
+    made.at_reference = section.choice("length_at_reference", &there).unwrap_or(made.at_reference);
+    let there = [("stays", false), ("off", true)];
+    made.off_in_machine_frame = section.choice("length_in_machine_frame", &there).unwrap_or(made.off_in_machine_frame);
+    let values = [("at-once", false), ("by-word", true)];
+    made.by_word = section.choice("length_values", &values).unwrap_or(made.by_word);
+    let changes = [("shift", false), ("move", true)];
+    made.moves = section.choice("length_change", &changes).unwrap_or(made.moves);
     made
 }
 

@@ -5,7 +5,7 @@
 
 use crate::index::{RegisterId, Table};
 use crate::rows::{CodeForm, CodeRow, Register};
-use crate::system_variables::{Column, FIRST, Frame, Means, SystemRow, SystemVariables};
+use crate::system_variables::{Column, FIRST, Frame, MODAL_CALLS, Means, SystemRow, SystemVariables};
 use crate::toml::check::Check;
 use crate::toml::node::Value;
 use crate::toml::section::Section;
@@ -177,7 +177,7 @@ fn means(row: &mut Section<'_>) -> Option<(Means, bool)> {
             let groups = row.numbers("groups", 1..=99).unwrap_or_default();
             let idle = row.numbers("idle", 1..=99).unwrap_or_default();
             let idle = idle.into_iter().chain(std::iter::repeat(0.0));
-            let whole = |group: f64| if (0.0..1000.0).contains(&group) { group as u16 } else { 0 };
+            let whole = |group: f64| if (0.0..=f64::from(MODAL_CALLS)).contains(&group) { group as u16 } else { 0 };
             (Means::Modal(groups.into_iter().map(whole).zip(idle).collect()), false)
         }
         Is::Address => {

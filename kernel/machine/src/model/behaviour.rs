@@ -267,6 +267,35 @@ pub struct Compensation {
     pub corner: OutsideCorner,
     /// Largest turn, degrees, that corners by angle make sharp.
     pub corner_angle: f64,
+    /// The word of an offset number alone selects the offset while its compensation is active.
+    pub numbers_alone: bool,
+    /// Length compensation.
+    pub length: LengthRules,
+}
+
+/// How length compensation comes into force and leaves it.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct LengthRules {
+    /// At a reference point.
+    pub at_reference: LengthThere,
+    /// A move in the machine frame takes it off its axes.
+    pub off_in_machine_frame: bool,
+    /// A new value of the offset in force counts from the next block with the code or the word of its number.
+    pub by_word: bool,
+    /// Codes and numbers move the axis by the change; otherwise they shift the frame, and nothing moves.
+    pub moves: bool,
+}
+
+/// What becomes of length compensation at a reference point.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum LengthThere {
+    /// It stays.
+    #[default]
+    Stays,
+    /// It is taken off the axes that go there until the code or a number brings it back.
+    Off,
+    /// It ends, whichever axes go there.
+    Ends,
 }
 
 /// Words that make corners and directions of lines.

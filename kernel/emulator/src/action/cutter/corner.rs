@@ -39,6 +39,7 @@ pub(super) fn take_part(act: &mut Act<'_, '_>) -> bool {
         plain: true,
         asked: Asked::default(),
         smooth: None,
+        resized: None,
     };
     act.frames().cutter = Some(Box::new(new));
     true

@@ -11,9 +11,11 @@ mod corner;
 mod held;
 pub(super) mod mirror;
 mod moves;
+mod resized;
 pub(super) mod smooth;
 mod words;
 
+pub(super) use resized::resized;
 pub(super) use words::{code as corner_code, has_words, with_words};
 
 use super::entry::Contour;
@@ -108,6 +110,7 @@ pub(super) fn switched(act: &mut Act<'_, '_>, code: CodeId) -> Acted {
         plain: false,
         asked: Asked::default(),
         smooth: None,
+        resized: None,
     };
     act.frames().cutter = Some(Box::new(new));
     Ok(())
@@ -134,9 +137,9 @@ pub(super) fn beside(act: &mut Act<'_, '_>, side: Option<f64>) -> Acted {
 /// Allowance of the contour: that of the block, or the last one.
 fn contour_allowance(act: &mut Act<'_, '_>) -> f64 {
     if let Some(value) = act.take(data::CONTOUR_ALLOWANCE).map(|datum| datum.value) {
-        act.state.modal.remember(data::CONTOUR_ALLOWANCE, value);
+        act.state.remembered.remember(data::CONTOUR_ALLOWANCE, value);
     }
-    act.state.modal.value(data::CONTOUR_ALLOWANCE).unwrap_or(0.0)
+    act.state.remembered.value(data::CONTOUR_ALLOWANCE).unwrap_or(0.0)
 }
 
 /// Says that compensation changes nothing: the control would continue the contour as well, the part would be wrong.
@@ -334,6 +337,7 @@ impl Act<'_, '_> {
         }
         self.next_element(Some(&element))?;
         self.come_to(&step, &element)?;
+        self.resize(&step, &element)?;
         let corner = self.corner_of(&step);
         if corner.is_none() && self.cutter().is_some_and(|cutter| cutter.plain) {
             return self.without_waiting(&step, &element);

@@ -55,7 +55,7 @@ fn asked(act: &mut Act<'_, '_>, form: Form, leaves: bool) -> Acted {
     } else {
         None
     };
-    let feed = Speed::Feed(act.state.modal.value(id), unit);
+    let feed = Speed::Feed(act.state.remembered.value(id), unit);
     let slow = [
         (data::SMOOTH_FEED, unit),
         (data::SMOOTH_FEED_UPM, FeedUnit::PerMinute),
@@ -109,7 +109,7 @@ fn speed_before(act: &Act<'_, '_>) -> Speed {
     match act.state.arcs.feed {
         // The block itself changes the type of the feed.
         Some((feed, last)) if last != unit && last != FeedUnit::Rapid => Speed::Feed(Some(feed), last),
-        _ => Speed::Feed(act.state.modal.value(id), unit),
+        _ => Speed::Feed(act.state.remembered.value(id), unit),
     }
 }
 

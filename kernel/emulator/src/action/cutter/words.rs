@@ -136,9 +136,9 @@ pub(in crate::action) fn polar(act: &mut Act<'_, '_>) -> Option<[f64; 2]> {
     let mut both = [0.0; 2];
     for ((slot, id), own) in both.iter_mut().zip(ids).zip(own) {
         if let Some(value) = own {
-            act.state.modal.remember(id, value);
+            act.state.remembered.remember(id, value);
         }
-        match act.state.modal.value(id).filter(|value| value.is_finite()) {
+        match act.state.remembered.value(id).filter(|value| value.is_finite()) {
             Some(value) => *slot = value,
             None => refused(act, "distance from the pole and angle are not both known"),
         }
@@ -179,10 +179,10 @@ fn take_beside_axes(act: &mut Act<'_, '_>, id: DataId) -> Option<f64> {
 /// Feed of the corners of a block.
 fn own_feed(act: &mut Act<'_, '_>) -> Option<f64> {
     if let Some(feed) = act.take(data::CORNER_FEED_MODAL).map(|datum| datum.value) {
-        act.state.modal.remember(data::CORNER_FEED_MODAL, feed);
+        act.state.remembered.remember(data::CORNER_FEED_MODAL, feed);
     }
     let own = act.take(data::CORNER_FEED).map(|datum| datum.value);
-    own.or_else(|| act.state.modal.value(data::CORNER_FEED_MODAL)).filter(|feed| *feed > 0.0)
+    own.or_else(|| act.state.remembered.value(data::CORNER_FEED_MODAL)).filter(|feed| *feed > 0.0)
 }
 
 /// Rounding of all corners from this block on.
@@ -204,7 +204,7 @@ fn modal_rounding(act: &mut Act<'_, '_>) {
 pub(super) fn corner_of(act: &mut Act<'_, '_>, rapid: bool) -> Option<Corner> {
     let asked = act.cutter().map(|cutter| std::mem::take(&mut cutter.asked)).unwrap_or_default();
     let rounding = act.state.place.frames.as_deref().and_then(|frames| frames.rounding);
-    let modal = act.state.modal.value(data::CORNER_FEED_MODAL).filter(|feed| *feed > 0.0);
+    let modal = act.state.remembered.value(data::CORNER_FEED_MODAL).filter(|feed| *feed > 0.0);
     let feed = asked.feed.or(modal);
     let all = rounding.map(|radius| Corner { cut: Cut::Round(radius), side: None, feed, modal: true });
     asked.corner.or_else(|| all.filter(|_| !rapid && act.state.modal.code(group::MOTION) != Some(codes::RAPID)))

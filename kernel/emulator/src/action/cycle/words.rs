@@ -92,12 +92,12 @@ fn take_feed(act: &mut Act<'_, '_>) {
     }
     let (id, unit) = feed_of(act.state.modal.code(group::FEED));
     if let Some(datum) = act.take(id) {
-        act.state.modal.remember(id, datum.value);
+        act.state.remembered.remember(id, datum.value);
         act.state.cycle.rates.feed = (Some(datum.value), unit);
         act.state.cycle.rates.own_feed = false;
     } else if !act.state.cycle.rates.own_feed {
         // Inverse time belongs to its block alone.
-        let known = if unit == FeedUnit::InverseTime { None } else { act.state.modal.value(id) };
+        let known = if unit == FeedUnit::InverseTime { None } else { act.state.remembered.value(id) };
         act.state.cycle.rates.feed = (known, unit);
     }
 }

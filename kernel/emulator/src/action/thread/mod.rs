@@ -106,7 +106,7 @@ fn by_axis(act: &Act<'_, '_>, sides: [Option<f64>; 2], target: &Position) -> (Op
 fn take_change(act: &mut Act<'_, '_>, change: LeadChange, implied: bool) -> f64 {
     let id = data::INTERP_THREAD_PITCH_VAR;
     let said = if change == LeadChange::None { None } else { act.take(id).map(|datum| datum.value) };
-    let last = act.state.modal.value(id).unwrap_or(0.0);
+    let last = act.state.remembered.value(id).unwrap_or(0.0);
     let value = match (change, said) {
         (LeadChange::None, _) => 0.0,
         (LeadChange::May, None) if !implied => 0.0,
@@ -118,7 +118,7 @@ fn take_change(act: &mut Act<'_, '_>, change: LeadChange, implied: bool) -> f64 
         let text = format!("a thread with a changing lead needs its change in '{}'", act.block_text());
         act.diagnose(&diag::DATA_MISSING, text);
     }
-    act.state.modal.remember(id, value);
+    act.state.remembered.remember(id, value);
     value
 }
 
@@ -128,7 +128,7 @@ fn take_starts(act: &mut Act<'_, '_>) -> f64 {
     let starts = take(act, data::INTERP_THREAD_STARTS);
     let current = take(act, data::INTERP_THREAD_START_CURRENT);
     let total = take(act, data::INTERP_THREAD_START_TOTAL);
-    let known = starts.or(total).or_else(|| act.state.modal.value(data::INTERP_THREAD_STARTS));
+    let known = starts.or(total).or_else(|| act.state.remembered.value(data::INTERP_THREAD_STARTS));
     let starts = known.map_or(1.0, |starts| starts.max(1.0));
     if let Some(current) = current
         && !(1.0..=starts).contains(&current)
@@ -158,16 +158,16 @@ impl Act<'_, '_> {
 
     /// Remembers the lead as feed per revolution where both are words of one register, as the one F of a control.
     pub(super) fn remember_lead(&mut self, pitch: f64) {
-        self.state.modal.remember(data::INTERP_THREAD_PITCH, pitch);
+        self.state.remembered.remember(data::INTERP_THREAD_PITCH, pitch);
         if self.lead_is_feed() {
-            self.state.modal.remember(data::FEED_UPR, pitch);
+            self.state.remembered.remember(data::FEED_UPR, pitch);
         }
     }
 
     /// The lead last programmed, or the feed per revolution where that is the same word.
     pub(super) fn remembered_lead(&self) -> Option<f64> {
-        let feed = if self.lead_is_feed() { self.state.modal.value(data::FEED_UPR) } else { None };
-        feed.or_else(|| self.state.modal.value(data::INTERP_THREAD_PITCH))
+        let feed = if self.lead_is_feed() { self.state.remembered.value(data::FEED_UPR) } else { None };
+        feed.or_else(|| self.state.remembered.value(data::INTERP_THREAD_PITCH))
     }
 
     /// One thread move to a programmed point.

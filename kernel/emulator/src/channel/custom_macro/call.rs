@@ -24,6 +24,7 @@ impl Kernel<'_> {
         let held = (!is_line).then(|| self.text_bytes().into_owned());
         let as_read = || sources.get(file).map_or(&[][..], |source| source.line(line));
         let text = held.as_deref().unwrap_or_else(as_read);
+        self.channel.state.remembered.remember_sequence(self.channel.block.sequence);
         self.channel.block.clear();
         let words = self.with_interpreter(|interpreter, kernel| interpreter.arguments(kernel, text, word));
         let Some(mut words) = words.transpose()?.flatten() else { return Ok(()) };

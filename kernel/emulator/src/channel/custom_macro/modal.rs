@@ -1,7 +1,7 @@
 //! Modal macro calls: blocks call a macro until G67.
 //!
-//! Facts: reference control-emulator.md 5.4. Decisions: G66 calls after every block that moves, with the arguments of
-//! its own block; G66.1 calls with the words of every block, which does nothing else; inside a macro that was called
+//! Facts: reference control-emulator.md 5.4. Decisions: G66 calls after every block that moves; its block sets the local
+//! variables, which the calls share; G66.1 calls with the words of every block, which does nothing else; inside a macro that was called
 //! with arguments no block calls, unless that macro contains G66 itself, or blocks called it and there is a G66 before that one:
 //! then its blocks call what that names; G67 ends the last one; subprograms called by M98 continue calling. *Invariant:* a
 //! modal call ends with the macro that made it.
@@ -18,6 +18,7 @@ use counterpoint_program::block::Word;
 pub(crate) struct ModalCall {
     pub(crate) what: Callee,
     pub(crate) passes: u32,
+    /// Local variables of its macro: the arguments, and what the calls have left in them.
     pub(crate) arguments: Vec<(u8, f64)>,
     /// Every block calls, with its own words.
     pub(super) each: bool,
@@ -58,6 +59,19 @@ impl ModalCalls {
     /// Which one makes the call that begins; none for other calls.
     pub(crate) fn take_caller(&mut self) -> Option<usize> {
         self.calling.take()
+    }
+
+    /// A call that one of them made is over: the next one finds its variables as they are. G66 alone sets arguments.
+    pub(crate) fn keep(&mut self, caller: usize, variables: impl Iterator<Item = (u8, f64)>) {
+        if let Some(call) = self.calls.get_mut(caller).filter(|call| !call.each) {
+            call.arguments.clear();
+            call.arguments.extend(variables);
+        }
+    }
+
+    /// What they call: 66 for every block that moves, 66.1 for every block; none without one.
+    pub(crate) fn word(&self) -> Option<f64> {
+        self.calls.last().map(|call| if call.each { 66.1 } else { 66.0 })
     }
 
     /// Ends those of macros that have ended.

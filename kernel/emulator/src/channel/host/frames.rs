@@ -148,9 +148,10 @@ impl Frames for Kernel<'_> {
     }
 
     fn polar(&self) -> [Option<f64>; 2] {
-        let modal = &self.channel.state.modal;
-        let radius = modal.value(data::POLE_RADIUS).map(|radius| radius / self.channel.unit_factor(Dimension::Length));
-        [modal.value(data::POLE_ANGLE), radius]
+        let remembered = &self.channel.state.remembered;
+        let radius =
+            remembered.value(data::POLE_RADIUS).map(|radius| radius / self.channel.unit_factor(Dimension::Length));
+        [remembered.value(data::POLE_ANGLE), radius]
     }
 
     fn steps_are_radii(&self) -> bool {
@@ -160,7 +161,7 @@ impl Frames for Kernel<'_> {
     fn tool_in_force(&self) -> [f64; 2] {
         let place = &self.channel.state.place;
         let length = if place.in_force.length_sign == 0.0 { 0 } else { place.in_force.length_number };
-        let radius = place.compensation.diameter;
+        let radius = self.channel.state.remembered.diameter();
         [if length == 0 { 0.0 } else { self.size(length)[0] }, if radius == 0 { 0.0 } else { self.size(radius)[1] }]
     }
 

@@ -14,7 +14,7 @@ use crate::state::compensation::number_of;
 use crate::state::frames::offsets::{BASE, Radii, Table};
 use crate::state::frames::shift::DIAMETERS;
 use crate::state::modal::group;
-use counterpoint_machine::ident::{CodeId, codes};
+use counterpoint_machine::ident::{CodeId, codes, data};
 use counterpoint_machine::index::{AxisSlot, BySlot};
 
 const FIXTURES: [CodeId; 3] = [codes::COMP_WORKP_ON, codes::COMP_EXTFIXT, codes::COMP_EXTFIXT_RANGE];
@@ -60,12 +60,12 @@ pub(crate) fn find(name: &str) -> Option<(Read, Option<Write>)> {
                 real(if k.channel.is_turning() {
                     k.channel.state.place.in_force.tool_offset
                 } else {
-                    k.channel.state.place.compensation.diameter
+                    k.channel.state.remembered.diameter()
                 })
             },
             Some(|k, _, value| {
                 only_with(k, &DIAMETERS)?;
-                k.channel.state.place.compensation.diameter = whole(value);
+                k.channel.state.remembered.remember(data::COMP_DIAM, f64::from(whole(value)));
                 Ok(())
             }),
         ),
@@ -127,7 +127,8 @@ pub(crate) fn find(name: &str) -> Option<(Read, Option<Write>)> {
                     k.channel.state.place.in_force.tool_offset = whole(value);
                 } else {
                     only_with(k, &LENGTHS)?;
-                    k.channel.state.place.in_force.length_number = whole(value);
+                    let in_force = &mut k.channel.state.place.in_force;
+                    in_force.set_length(in_force.length_sign, whole(value));
                 }
                 k.reframe();
                 Ok(())

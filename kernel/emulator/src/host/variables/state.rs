@@ -80,12 +80,12 @@ fn switch_diameter_x(kernel: &mut Kernel<'_>, _: &[i64], value: &Value) -> Outco
 
 fn feed(kernel: &Kernel<'_>, _: &[i64]) -> Value {
     let (id, _) = feed_of(kernel.channel.state.modal.code(group::FEED));
-    number(kernel.channel.state.modal.value(id).unwrap_or(0.0))
+    number(kernel.channel.state.remembered.value(id).unwrap_or(0.0))
 }
 
 fn set_feed(kernel: &mut Kernel<'_>, _: &[i64], value: &Value) -> Outcome<()> {
     let (id, _) = feed_of(kernel.channel.state.modal.code(group::FEED));
-    kernel.channel.state.modal.remember(id, value.as_real().unwrap_or(0.0));
+    kernel.channel.state.remembered.remember(id, value.as_real().unwrap_or(0.0));
     Ok(())
 }
 

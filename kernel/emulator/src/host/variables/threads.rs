@@ -19,11 +19,11 @@ fn real(value: &Value) -> f64 {
 }
 
 fn known(kernel: &Kernel<'_>, id: DataId) -> f64 {
-    kernel.channel.state.modal.value(id).unwrap_or(0.0)
+    kernel.channel.state.remembered.value(id).unwrap_or(0.0)
 }
 
 fn remember(kernel: &mut Kernel<'_>, id: DataId, value: f64) -> Outcome<()> {
-    kernel.channel.state.modal.remember(id, value);
+    kernel.channel.state.remembered.remember(id, value);
     Ok(())
 }
 

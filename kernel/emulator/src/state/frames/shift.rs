@@ -5,7 +5,7 @@ use crate::state::channel::Channel;
 use crate::state::modal::group;
 use counterpoint_event::event::{MAX_AXES, Position};
 use counterpoint_machine::ident::{CodeId, codes};
-use counterpoint_machine::index::BySlot;
+use counterpoint_machine::index::{AxisSlot, BySlot};
 
 pub(crate) const DIAMETERS: [CodeId; 3] = [codes::COMP_DIAM_LEFT, codes::COMP_DIAM_RIGHT, codes::COMP_3D_VECTOR];
 
@@ -13,23 +13,61 @@ impl Channel<'_> {
     /// The part of the shift that is the tool.
     pub(crate) fn tool_shift(&self) -> Position {
         let place = &self.state.place;
-        let mut shift = [0.0; MAX_AXES];
-        let mut add = |values: Position, sign: f64| {
-            for (slot, value) in shift.iter_mut().zip(values) {
-                *slot += sign * value;
-            }
-        };
+        let mut shift = self.length_shift();
+        let mut add = |values: Position| shift.iter_mut().zip(values).for_each(|(slot, value)| *slot += value);
         if place.in_force.tool_offset != BASE {
-            add(self.worn_length(place.in_force.tool_offset), 1.0);
-        }
-        if place.in_force.length_sign != 0.0 && place.in_force.length_number != BASE {
-            add(self.directed(self.worn_length(place.in_force.length_number)), place.in_force.length_sign);
-        }
-        if place.offsets.is_some() && (place.in_force.length_sign != 0.0 || place.in_force.tool_offset != BASE) {
-            let sign = if place.in_force.length_sign < 0.0 { -1.0 } else { 1.0 };
-            add(self.directed(self.offset_values(Table::Length, BASE)), sign);
+            add(self.worn_length(place.in_force.tool_offset));
+            if place.offsets.is_some() && place.in_force.length_sign == 0.0 {
+                add(self.directed(self.offset_values(Table::Length, BASE)));
+            }
         }
         shift
+    }
+
+    /// The part of it that is length compensation.
+    fn length_shift(&self) -> Position {
+        let place = &self.state.place;
+        let in_force = &place.in_force;
+        let mut shift = [0.0; MAX_AXES];
+        if in_force.length_sign == 0.0 {
+            return shift;
+        }
+        let mut add = |values: Position| {
+            shift.iter_mut().zip(values).for_each(|(slot, value)| *slot += in_force.length_sign * value);
+        };
+        if in_force.length_number != BASE {
+            add(self.length_values());
+        }
+        if place.offsets.is_some() {
+            add(self.directed(self.offset_values(Table::Length, BASE)));
+        }
+        let off = |slot: &AxisSlot| in_force.length_off & slot.bit() != 0;
+        place.layout.axes.ids().filter(off).for_each(|slot| *shift.at_mut(slot) = 0.0);
+        shift
+    }
+
+    /// Values of the length offset in force.
+    fn length_values(&self) -> Position {
+        let in_force = &self.state.place.in_force;
+        in_force.length_held.unwrap_or_else(|| self.directed(self.worn_length(in_force.length_number)))
+    }
+
+    /// An offset is about to get other values: those in force stay where the control changes them by a word only.
+    pub(crate) fn hold_length(&mut self, table: Table, number: u32) {
+        let in_force = &self.state.place.in_force;
+        let concerns = table != Table::Work && number == in_force.length_number && in_force.length_sign != 0.0;
+        if concerns && number != BASE && self.env.machine.compensation.length.by_word {
+            self.state.place.in_force.length_held = Some(self.length_values());
+        }
+    }
+
+    /// Takes length compensation off axes, bit by axis; `false` where it shifts none of them.
+    pub(crate) fn take_length_off(&mut self, axes: u8) -> bool {
+        let shift = self.length_shift();
+        let shifted = self.state.place.layout.axes.ids().filter(|slot| shift.at(*slot) != 0.0);
+        let axes = shifted.fold(0, |bits, slot| bits | slot.bit()) & axes;
+        self.state.place.in_force.length_off |= axes;
+        axes != 0
     }
 
     /// Presets, the work offset and the tool together.
@@ -77,6 +115,6 @@ impl Channel<'_> {
 
     /// The offset whose radius paths keep from contours where they are compensated.
     pub(crate) fn diameter_number(&self) -> u32 {
-        if self.is_turning() { self.state.place.in_force.tool_offset } else { self.state.place.compensation.diameter }
+        if self.is_turning() { self.state.place.in_force.tool_offset } else { self.state.remembered.diameter() }
     }
 }

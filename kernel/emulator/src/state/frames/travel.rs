@@ -2,7 +2,8 @@
 //!
 //! On some controls an incremental word counts from the value that its axis was programmed to, not from where the axis
 //! is: after a change of the frame, of the work offset or of the tool length the change is travelled with it
-//! (Siemens SD42440 and SD42442). The key is `[control] frame_increments`. Invariants: an absolute word takes the change
+//! (Siemens SD42440 and SD42442). The keys are `[control] frame_increments` and `[compensation]
+//! length_change`. Invariants: an absolute word takes the change
 //! of its axis away; axes without a word keep it; rotary axes have none.
 
 use super::NOISE;
@@ -12,7 +13,7 @@ use counterpoint_event::event::{MAX_AXES, Position};
 impl Channel<'_> {
     /// What incremental words count from, where that is not where the axes stand after a change of frames.
     pub(crate) fn counts_from(&self) -> Option<Position> {
-        self.env.machine.habits.frame_increments.then(|| self.counted())
+        (self.env.machine.habits.frame_increments || self.block.flags.travels).then(|| self.counted())
     }
 
     /// The values that the axes were programmed to.

@@ -64,6 +64,8 @@ mod tests {
                 () if starts(&["CORNER_", "LINE_ANGLE", "POLE_"]) => DataKind::Contour,
                 () if starts(&["RTCP_"]) => DataKind::Orientation,
                 () if starts(&["LCS_TRANS_", "LCS_ROT_CENTER_", "LCS_SCALE_CENTER_"]) => DataKind::FramePoint,
+                // No action remembers an angle unless the machine says so.
+                () if name == "SPINDLE_ORIENT" => DataKind::Plain,
                 () if starts(&["SPINDLE_"]) => DataKind::Spindle,
                 () if starts(&["FEED_", "RAPID_FEED"]) => DataKind::Feed,
                 () if name == "TOOL" => DataKind::Tool,

@@ -164,10 +164,10 @@ pub(super) fn screw(
     }
     let pitch = act.remembered_lead().unwrap_or(0.0);
     let change = act.take(change).map_or(0.0, |datum| datum.value);
-    act.state.modal.remember(data::INTERP_THREAD_PITCH_VAR, change);
+    act.state.remembered.remember(data::INTERP_THREAD_PITCH_VAR, change);
     act.take(data::INTERP_THREAD_ANGLE);
     let said = starts.and_then(|id| take_within(act, id, 1.0, MOST_STARTS));
-    let starts = said.or_else(|| act.state.modal.value(data::INTERP_THREAD_STARTS)).unwrap_or(1.0);
+    let starts = said.or_else(|| act.state.remembered.value(data::INTERP_THREAD_STARTS)).unwrap_or(1.0);
     let starts = starts.clamp(1.0, MOST_STARTS).trunc();
     act.state.threads.starts = starts;
     Screw { lead: pitch * starts, change: change * starts, along: Some(along) }

@@ -1,0 +1,52 @@
+//! Another offset on the same side, beside the contour.
+//!
+//! The move of the block goes from where the old radius has led the tool to the end that the new one gives (B-63844EN/02 14.4.4,
+//! change of the offset amount). *Invariant:* the move that waits is not touched: its end still is that of the old radius.
+
+use super::{before, compensated_plane, contour_allowance, no_radius, switched};
+use crate::act::Act;
+use crate::action::entry::Contour;
+use crate::state::cutter::{Stage, Step};
+use counterpoint_fault::Acted;
+use counterpoint_machine::ident::CodeId;
+use counterpoint_motion::contour::corner::Link;
+use counterpoint_motion::contour::element::Element;
+
+/// The number in force has changed under this code.
+pub(in crate::action) fn resized(act: &mut Act<'_, '_>, code: CodeId) -> Acted {
+    before(act, Contour::Waits)?;
+    let number = act.diameter_in_force().unwrap_or(0);
+    let radius = act.cutter_radius(number) + contour_allowance(act);
+    act.check_stop()?;
+    let plane = compensated_plane(act).map(|(plane, _)| plane);
+    let tip = plane.map_or([0.0; 2], |plane| act.nose_tip(number, plane)).map(|part| part * radius);
+    let begun = act.cutter().filter(|cutter| !cutter.plain && !cutter.suspended).is_some_and(|cutter| {
+        !matches!(cutter.stage, Stage::Ending(_) | Stage::Turned)
+            && (cutter.stage != Stage::Start || !cutter.waiting.is_empty())
+    });
+    if !begun || radius < 0.0 {
+        return switched(act, code);
+    }
+    if radius == 0.0 {
+        no_radius(act, number);
+    }
+    if let Some(cutter) = act.cutter() {
+        cutter.resized = Some((radius, tip));
+    }
+    Ok(())
+}
+
+impl Act<'_, '_> {
+    /// The radius that a number of the block has selected counts from the end of its move on; an arc begins beside its start.
+    pub(super) fn resize(&mut self, step: &Step, element: &Element) -> Acted {
+        let Some(cutter) = self.cutter() else { return Ok(()) };
+        let Some((radius, tip)) = cutter.resized.take() else { return Ok(()) };
+        (cutter.radius, cutter.tip) = (radius, tip);
+        let cutter = cutter.clone();
+        if element.arc.is_none() {
+            return Ok(());
+        }
+        let start = self.offset(&cutter).at_start(element);
+        self.links((step, element), &cutter, &[Link::Line(start)], self.state.place.position)
+    }
+}

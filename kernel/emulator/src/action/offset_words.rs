@@ -1,0 +1,78 @@
+//! Offset numbers without their codes, and places where length compensation ends.
+//!
+//! On controls of the Fanuc kind the number belongs to its word: H under G43 or G44 and D under G41 or G42 select another offset
+//! in a block without the code. Facts: B-63844EN/02 14.1.1 and 14.1.2 (H, G28, G30, G53), parameters 5001#6 and 5006#6; Haas
+//! 96-8000, G28. *Invariant:* a word that a code of the block takes is left to that code.
+
+use crate::act::Act;
+use crate::state::modal::group;
+use counterpoint_event::event::{Kind, OffsetKind};
+use counterpoint_fault::Acted;
+use counterpoint_machine::ident::{codes, data};
+use counterpoint_machine::model::LengthThere;
+
+/// Selects the offsets whose numbers stand on the block; `free`: registers whose words are for no code of it, bit by register.
+pub(crate) fn select(act: &mut Act<'_, '_>, free: u128) -> Acted {
+    let has = |act: &Act<'_, '_>, id| act.has_any(act.registers_of(id) & free);
+    if has(act, data::COMP_LENGTH) && act.state.place.in_force.length_sign != 0.0 {
+        let number = act.take(data::COMP_LENGTH).map_or(0, |_| act.state.remembered.length());
+        let sign = act.state.place.in_force.length_sign;
+        put_length(act, sign, number);
+        let text = format!("comp length n={number}");
+        act.emit(0, Kind::compensation(text, OffsetKind::Length, f64::from(number)));
+        act.reframe();
+    }
+    let Some(code) = act.state.modal.code(group::DIAMETER) else { return Ok(()) };
+    let side = match code {
+        codes::COMP_DIAM_LEFT => "left",
+        codes::COMP_DIAM_RIGHT => "right",
+        _ => return Ok(()),
+    };
+    let queued = act.block.pending.iter().any(|code| act.env.machine.codes[code.row].group == group::DIAMETER);
+    if queued || act.is_turning() || !has(act, data::COMP_DIAM) {
+        return Ok(());
+    }
+    let Some(number) = super::compensation::take_diameter(act) else { return Ok(()) };
+    super::cutter::resized(act, code)?;
+    let text = format!("comp diam {side} n={}", counterpoint_lang::format::wildcard_text(number));
+    act.emit(0, Kind::compensation(text, OffsetKind::Diameter, number));
+    act.report_tool();
+    Ok(())
+}
+
+/// Puts a length offset into force; the frame is to be made again.
+pub(super) fn put_length(act: &mut Act<'_, '_>, sign: f64, number: u32) {
+    act.state.place.in_force.set_length(sign, number);
+}
+
+/// Axes have come to a reference point.
+pub(super) fn at_reference(act: &mut Act<'_, '_>, axes: u8) {
+    match act.env.machine.compensation.length.at_reference {
+        LengthThere::Stays => {}
+        LengthThere::Off => take_off(act, axes),
+        LengthThere::Ends if act.state.place.in_force.length_sign != 0.0 && act.tip().is_none() => {
+            let machine = act.env.machine;
+            let row = machine.codes.entries().find(|(_, row)| row.enable && row.id == codes::COMP_LENGTH_OFF);
+            if let Some((place, row)) = row {
+                act.state.modal.activate(row.group, row.id, Some(place));
+            }
+            put_length(act, 0.0, 0);
+            act.emit(0, Kind::mode("comp length off"));
+            act.reframe();
+        }
+        LengthThere::Ends => {}
+    }
+}
+
+/// Axes go to positions of the machine frame.
+pub(super) fn in_machine_frame(act: &mut Act<'_, '_>, axes: u8) {
+    if act.env.machine.compensation.length.off_in_machine_frame {
+        take_off(act, axes);
+    }
+}
+
+fn take_off(act: &mut Act<'_, '_>, axes: u8) {
+    if act.tip().is_none() && act.take_length_off(axes) {
+        act.reframe();
+    }
+}

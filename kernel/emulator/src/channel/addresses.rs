@@ -1,0 +1,83 @@
+//! What the channel remembers of each address: system variables and stepping ask here, and nowhere else.
+//!
+//! The words themselves are in [`Remembered`](crate::state::remembered::Remembered); here they get the units of the program, and
+//! what belongs to the running program is added. Program numbers are those of the words that define the programs, and of calls by number;
+//! the name of a file is none. *Invariant:* asking changes nothing. Facts: reference fanuc-variables-and-alarms.md 1.5.
+
+use super::Kernel;
+use super::flow::{Callee, Frame};
+use crate::state::frames::offsets::EXTENDED;
+use crate::state::modal::{feed_of, group};
+use counterpoint_machine::ident::dimension::Dimension;
+use counterpoint_machine::index::BySlot;
+
+/// Addresses that an operator wants to see, in the order of a screen.
+const SHOWN: &[u8] = b"ONDHFSTM";
+
+impl Kernel<'_> {
+    /// Last value of an address, 0 without one.
+    pub(super) fn address(&self, letter: u8) -> f64 {
+        let channel = &self.channel;
+        let (place, remembered) = (&channel.state.place, &channel.state.remembered);
+        match letter {
+            b'F' => {
+                let (feed, _) = feed_of(channel.state.modal.code(group::FEED));
+                remembered.value(feed).unwrap_or(0.0) / channel.unit_factor(Dimension::Feed)
+            }
+            b'S' => channel.state.spindle.command.rpm,
+            b't' => f64::from(place.tools.current),
+            b'T' if channel.is_turning() => {
+                let digits = channel.env.machine.tool.offset_digits;
+                f64::from(place.tools.current) * 10_f64.powi(i32::from(digits)) + f64::from(place.in_force.tool_offset)
+            }
+            b'T' if place.tools.chosen => f64::from(place.tools.selected),
+            b'T' => f64::from(place.tools.current),
+            b'D' => f64::from(remembered.diameter()),
+            b'H' => f64::from(remembered.length()),
+            b'M' => remembered.function().unwrap_or(0.0),
+            b'N' => f64::from(channel.block.sequence.or(remembered.sequence()).unwrap_or(0)),
+            b'O' => f64::from(self.running_program()),
+            b'X' | b'Y' | b'Z' => {
+                let slot = self.tool_axis(letter - b'X');
+                slot.map_or(0.0, |slot| channel.programmed().at(slot) / self.length_factor(slot))
+            }
+            b'P' => f64::from(place.in_force.work_offset.saturating_sub(EXTENDED)),
+            _ => 0.0,
+        }
+    }
+
+    /// Addresses with a value other than 0, for whoever steps through the program.
+    pub(super) fn shown_words(&self) -> Vec<(char, f64)> {
+        let words = SHOWN.iter().map(|&letter| (char::from(letter), self.address(letter)));
+        words.filter(|(_, value)| *value != 0.0).collect()
+    }
+
+    /// Number of the main program, 0 if it has none.
+    pub(super) fn main_number(&self) -> u32 {
+        self.flow.frames.first().and_then(|frame| self.program_of(frame)).unwrap_or(0)
+    }
+
+    /// Number of the program that runs, 0 if it has none.
+    fn running_program(&self) -> u32 {
+        self.flow.frames.iter().rev().find_map(|frame| self.program_of(frame)).unwrap_or(0)
+    }
+
+    /// Number of the program of a frame, 0 without one; none where blocks of the program before it run.
+    fn program_of(&self, frame: &Frame) -> Option<u32> {
+        match frame.called.what {
+            Callee::Program(0) | Callee::Named(_) => Some(self.defined(frame)),
+            Callee::Program(number) => Some(number),
+            Callee::Blocks(..) | Callee::From(_) | Callee::Labels(..) => None,
+        }
+    }
+
+    /// The number that the text of a frame says: that of its first definition, or of the program in which it begins.
+    fn defined(&self, frame: &Frame) -> u32 {
+        let range = &frame.range;
+        let programs = self.channel.env.sources.get(frame.file).map_or(&[][..], |source| source.programs());
+        let own = programs.iter().filter(|own| (range.first..=range.last).contains(&own.first));
+        let around = programs.iter().filter(|own| (own.first..=own.last).contains(&range.first));
+        let found = own.chain(around).find_map(|own| own.number);
+        range.number.or(found).unwrap_or(0)
+    }
+}

@@ -1,0 +1,94 @@
+//! Words that a channel remembers: the one table of them.
+//!
+//! A control keeps the last number of a word whether or not a code of the block used it: an offset number that is alone in
+//! its block is the one that a later code takes. Codes, system variables, the tools of the summary and stepping all read this
+//! table, so they cannot disagree. *Invariant:* a value is that of the last word of the program, in the units of the machine,
+//! until another word replaces it or the channel is reset. Which offsets are in force is another question; `Place::in_force`
+//! answers it.
+
+use counterpoint_machine::Machine;
+use counterpoint_machine::ident::{DataId, data};
+use counterpoint_machine::index::Table;
+
+/// Highest number that an offset can have.
+const HIGHEST: f64 = 999_999.0;
+
+/// The words.
+#[derive(Debug, Clone)]
+pub(crate) struct Remembered {
+    /// Values by data identifier.
+    data: Table<DataId, Option<f64>>,
+    /// M word.
+    function: Option<f64>,
+    /// Sequence number.
+    sequence: Option<u32>,
+}
+
+impl Remembered {
+    /// Nothing yet, on a machine with these data.
+    pub(crate) fn new(machine: &Machine) -> Self {
+        Self { data: machine.data_names.map(|_, _| None), function: None, sequence: None }
+    }
+
+    /// The same words on another component, which has identifiers of its own.
+    pub(crate) fn fitted(&self, before: &Machine, machine: &Machine) -> Self {
+        let mut fitted = Self { function: self.function, sequence: self.sequence, ..Self::new(machine) };
+        for (id, name) in before.data_names.entries() {
+            if let Some(value) = self.value(id)
+                && let Some(new) = machine.data_names.find(|own| own == name)
+            {
+                fitted.remember(new, value);
+            }
+        }
+        fitted
+    }
+
+    /// The last value of data.
+    #[inline]
+    pub(crate) fn value(&self, id: DataId) -> Option<f64> {
+        self.data[id]
+    }
+
+    /// Remembers a value of data.
+    #[inline]
+    pub(crate) fn remember(&mut self, id: DataId, value: f64) {
+        self.data[id] = Some(value);
+    }
+
+    /// The last number of an offset; 0 without one.
+    fn number(&self, id: DataId) -> u32 {
+        self.value(id).filter(|number| (0.0..=HIGHEST).contains(number)).map_or(0, |number| number as u32)
+    }
+
+    /// The last number of a diameter offset; 0 without one.
+    pub(crate) fn diameter(&self) -> u32 {
+        self.number(data::COMP_DIAM)
+    }
+
+    /// The last number of a length offset; 0 without one.
+    pub(crate) fn length(&self) -> u32 {
+        self.number(data::COMP_LENGTH)
+    }
+
+    /// The last M word.
+    pub(crate) fn function(&self) -> Option<f64> {
+        self.function
+    }
+
+    /// Remembers an M word.
+    #[inline]
+    pub(crate) fn remember_function(&mut self, value: f64) {
+        self.function = Some(value);
+    }
+
+    /// The last sequence number.
+    pub(crate) fn sequence(&self) -> Option<u32> {
+        self.sequence
+    }
+
+    /// Remembers the sequence number of a block, if it has one.
+    #[inline]
+    pub(crate) fn remember_sequence(&mut self, number: Option<u32>) {
+        self.sequence = number.or(self.sequence);
+    }
+}
