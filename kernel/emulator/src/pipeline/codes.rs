@@ -223,13 +223,6 @@ impl Kernel<'_> {
     }
 
     fn queue(&mut self, index: CodeRowId, row: &CodeRow, value: f64, modal: bool) {
-        if let CodeForm::Register { register, .. } | CodeForm::RegisterAsData { register, .. } = row.form
-            && Some(register) == self.plan.registers.function
-            && !modal
-            && !matches!(row.id, codes::CALSUB_ID | codes::CALSUB_RETURN)
-        {
-            self.channel.state.remembered.remember_function(value);
-        }
         self.channel.block.flags.swallows |= !row.process;
         self.channel.block.pending.push(PendingCode {
             order: row.order,
@@ -355,9 +348,16 @@ impl Kernel<'_> {
         }
     }
 
-    /// What a code does before it acts: hands over its data, becomes active in its modal group.
+    /// What a code does before it acts: is remembered if it is a function, hands over its data, becomes active in its modal group.
     #[inline(always)]
     pub(crate) fn enter_code(&mut self, row: &CodeRow, pending: PendingCode) {
+        if let CodeForm::Register { register, .. } | CodeForm::RegisterAsData { register, .. } = row.form
+            && Some(register) == self.plan.registers.function
+            && !pending.modal
+            && !matches!(row.id, codes::CALSUB_ID | codes::CALSUB_RETURN)
+        {
+            self.channel.state.remembered.remember_function(pending.value);
+        }
         self.channel.acting.as_data = Self::data_of_code(row, pending);
         self.channel.acting.mode_changed = self.channel.state.modal.code(row.group) != Some(row.id);
         match row.modality {
