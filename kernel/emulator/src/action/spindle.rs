@@ -142,7 +142,11 @@ pub(super) fn tap_speed(act: &mut Act<'_, '_>) -> Acted {
 
 /// The speed of the block, else one that was left for the next spindle code (reference control-emulator.md 1.5).
 fn take_speed(act: &mut Act<'_, '_>, css: bool) -> Option<f64> {
-    let word = act.take(if css { data::SPINDLE_CSS } else { data::SPINDLE_RPM }).map(|d| d.value);
+    let word = act.take(if css { data::SPINDLE_CSS } else { data::SPINDLE_RPM });
+    if let Some(word) = word {
+        act.state.remembered.remember_speed(word.raw);
+    }
+    let word = word.map(|word| word.value);
     let waiting = act.state.others.spindles.waiting.take();
     word.or(waiting)
 }

@@ -24,7 +24,7 @@ impl Kernel<'_> {
                 let (feed, _) = feed_of(channel.state.modal.code(group::FEED));
                 remembered.value(feed).unwrap_or(0.0) / channel.unit_factor(Dimension::Feed)
             }
-            b'S' => channel.state.spindle.command.rpm,
+            b'S' => remembered.speed().unwrap_or(channel.state.spindle.command.rpm),
             b't' => f64::from(place.tools.current),
             b'T' if channel.is_turning() => {
                 let digits = channel.env.machine.tool.offset_digits;

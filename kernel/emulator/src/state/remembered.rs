@@ -20,6 +20,8 @@ pub(crate) struct Remembered {
     data: Table<DataId, Option<f64>>,
     /// M word.
     function: Option<f64>,
+    /// S word, as written.
+    speed: Option<f64>,
     /// Sequence number.
     sequence: Option<u32>,
 }
@@ -27,12 +29,13 @@ pub(crate) struct Remembered {
 impl Remembered {
     /// Nothing yet, on a machine with these data.
     pub(crate) fn new(machine: &Machine) -> Self {
-        Self { data: machine.data_names.map(|_, _| None), function: None, sequence: None }
+        Self { data: machine.data_names.map(|_, _| None), function: None, speed: None, sequence: None }
     }
 
     /// The same words on another component, which has identifiers of its own.
     pub(crate) fn fitted(&self, before: &Machine, machine: &Machine) -> Self {
-        let mut fitted = Self { function: self.function, sequence: self.sequence, ..Self::new(machine) };
+        let mut fitted =
+            Self { function: self.function, speed: self.speed, sequence: self.sequence, ..Self::new(machine) };
         for (id, name) in before.data_names.entries() {
             if let Some(value) = self.value(id)
                 && let Some(new) = machine.data_names.find(|own| own == name)
@@ -79,6 +82,16 @@ impl Remembered {
     #[inline]
     pub(crate) fn remember_function(&mut self, value: f64) {
         self.function = Some(value);
+    }
+
+    /// The last speed word.
+    pub(crate) fn speed(&self) -> Option<f64> {
+        self.speed
+    }
+
+    /// Remembers a speed word, whatever it is the speed of.
+    pub(crate) fn remember_speed(&mut self, value: f64) {
+        self.speed = Some(value);
     }
 
     /// The last sequence number.
