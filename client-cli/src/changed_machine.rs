@@ -19,9 +19,6 @@ use crate::tools::Tools;
 /// What the name of a shipped machine ends with after a setting; the server keeps the names of shipped machines to itself.
 const CHANGED: &str = "-set";
 
-/// What the name of a machine ends with whose numbers without a point count increments.
-const COUNTS: &str = "-inc";
-
 /// What the name of a machine ends with that has the tools of a run.
 const TOOLS: &str = "-tools";
 
@@ -51,8 +48,13 @@ pub(crate) fn machine(machine: &str, settings: &[Setting]) -> Result<(String, Fi
             )));
         }
     }
+    if settings.iter().any(|setting| matches!(setting, Setting::System(_))) && !has_systems(&files, &chain) {
+        return Err(Error::Usage(format!(
+            "--set system: machine '{machine}' has one system of G codes (it is not a lathe, or no row of [[codes]] has `systems`)"
+        )));
+    }
     if own {
-        return Ok(counted(name, files, settings));
+        return Ok(controlled(name, files, settings));
     }
     let (changed, inside) = (format!("{name}{CHANGED}"), format!("{name}/"));
     let renamed = |path: String| match path.strip_prefix(&inside) {
@@ -60,18 +62,34 @@ pub(crate) fn machine(machine: &str, settings: &[Setting]) -> Result<(String, Fi
         None => path,
     };
     let files = Files(files.0.into_iter().map(|(path, blob)| (renamed(path), blob)).collect());
-    Ok(counted(changed, files, settings))
+    Ok(controlled(changed, files, settings))
 }
 
-/// The machine, or one that extends it and counts increments if a setting says so.
-fn counted(name: String, mut files: Files, settings: &[Setting]) -> (String, Files) {
-    if !settings.contains(&Setting::Increments) {
+/// A lathe has codes that only some systems of G codes have.
+fn has_systems(files: &Files, chain: &[String]) -> bool {
+    let blobs = chain.iter().filter_map(|folder| files.0.get(&definition(folder)));
+    let read =
+        |blob: &Blob| toml::from_str::<toml::Table>(&String::from_utf8_lossy(blob.content())).unwrap_or_default();
+    let tables: Vec<toml::Table> = blobs.map(read).collect();
+    let kind = tables.iter().find_map(|table| table.get("machine")?.get("type")?.as_str());
+    let codes = tables.iter().filter_map(|table| table.get("codes")?.as_array()).flatten();
+    kind.is_some_and(|kind| kind.ends_with("lathe")) && codes.into_iter().any(|row| row.get("systems").is_some())
+}
+
+/// The machine, or one that extends it with what settings say about its control; the last one of a key counts.
+fn controlled(name: String, mut files: Files, settings: &[Setting]) -> (String, Files) {
+    let said = |of: fn(&Setting) -> bool| settings.iter().rev().find(|setting| of(setting));
+    let numbers = said(|setting| matches!(setting, Setting::Increments));
+    let system = said(|setting| matches!(setting, Setting::System(_)));
+    let control: Vec<_> = [numbers, system].into_iter().flatten().filter_map(Setting::of_control).collect();
+    if control.is_empty() {
         return (name, files);
     }
-    let counts = format!("{name}{COUNTS}");
-    let text = format!("extends = \"{name}\"\n[ce]\nname = \"{counts}\"\n[control]\nnumbers = \"increments\"\n");
-    files.0.insert(definition(&counts), Blob::new(text.into_bytes()));
-    (counts, files)
+    let changed = control.iter().fold(name.clone(), |name, (_, end)| name + end);
+    let lines = control.iter().map(|(line, _)| format!("{line}\n")).collect::<String>();
+    let text = format!("extends = \"{name}\"\n[ce]\nname = \"{changed}\"\n[control]\n{lines}");
+    files.0.insert(definition(&changed), Blob::new(text.into_bytes()));
+    (changed, files)
 }
 
 /// A machine that extends this one by the tools of a file; its files and the tools are given, too.
@@ -193,6 +211,16 @@ mod tests {
         let (name, files) = machine("fanuc-mill", &[Setting::Increments]).unwrap();
         let loaded = counterpoint_kernel::machine::load(&package::Overlay::over_shipped(memory(&files)), &name);
         assert_eq!((name.as_str(), loaded.findings), ("fanuc-mill-set-inc", Vec::new()));
+        let settings = [Setting::Increments, Setting::System('C'), Setting::System('B')];
+        let (name, files) = machine("fanuc-lathe", &settings).unwrap();
+        let loaded = counterpoint_kernel::machine::load(&package::Overlay::over_shipped(memory(&files)), &name);
+        assert_eq!((name.as_str(), loaded.findings), ("fanuc-lathe-set-inc-b", Vec::new()));
+        let text = String::from_utf8_lossy(files.0.get(&definition(&name)).unwrap().content()).into_owned();
+        assert!(text.contains("numbers = \"increments\"\nsystem = \"B\"\n"), "{text}");
+        for other in ["okuma-lathe", "fanuc-mill"] {
+            let error = machine(other, &[Setting::System('B')]).unwrap_err().to_string();
+            assert!(error.contains(&format!("machine '{other}' has one system of G codes")), "{error}");
+        }
         let error = machine("fanuc-mill", &[Setting::Waits(900..=999)]).unwrap_err().to_string();
         assert!(error.contains("machine 'fanuc-mill' has no range of M codes that wait"), "{error}");
     }

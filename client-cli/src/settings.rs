@@ -4,8 +4,8 @@ use std::ops::RangeInclusive;
 use std::str::FromStr;
 
 /// The keys with their values.
-const KEYS: &str = "waits=FIRST-LAST (M codes that are waiting codes, for example waits=900-999) and numbers=increments (coordinates \
-                    without a decimal point count least increments)";
+const KEYS: &str = "waits=FIRST-LAST (M codes that are waiting codes, for example waits=900-999), numbers=increments (coordinates \
+                    without a decimal point count least increments) and system=A, B or C (system of G codes of a lathe)";
 
 /// M codes that are waiting codes of the shipped machines.
 pub(crate) const WAITS: RangeInclusive<u32> = 100..=199;
@@ -20,6 +20,21 @@ pub(crate) enum Setting {
     Waits(RangeInclusive<u32>),
     /// Coordinates without a decimal point count least increments.
     Increments,
+    /// System of G codes of a lathe: A, B or C.
+    System(char),
+}
+
+impl Setting {
+    /// The line of `[control]` that says it, and what the name of a machine with it ends with.
+    pub(crate) fn of_control(&self) -> Option<(String, String)> {
+        match self {
+            Self::Waits(_) => None,
+            Self::Increments => Some(("numbers = \"increments\"".to_owned(), "-inc".to_owned())),
+            Self::System(letter) => {
+                Some((format!("system = \"{letter}\""), format!("-{}", letter.to_ascii_lowercase())))
+            }
+        }
+    }
 }
 
 impl FromStr for Setting {
@@ -44,6 +59,12 @@ impl FromStr for Setting {
                 "increments" => Ok(Self::Increments),
                 other => Err(format!("'{other}' is not a way to count numbers: give {KEYS}")),
             },
+            "system" => match value.trim() {
+                "A" | "a" => Ok(Self::System('A')),
+                "B" | "b" => Ok(Self::System('B')),
+                "C" | "c" => Ok(Self::System('C')),
+                other => Err(format!("'{other}' is not a system of G codes: give {KEYS}")),
+            },
             other => Err(format!("no such key '{other}': the keys are {KEYS}")),
         }
     }
@@ -53,7 +74,7 @@ impl FromStr for Setting {
 pub(crate) fn waits(settings: &[Setting]) -> RangeInclusive<u32> {
     let range = |setting: &Setting| match setting {
         Setting::Waits(range) => Some(range.clone()),
-        Setting::Increments => None,
+        Setting::Increments | Setting::System(_) => None,
     };
     settings.iter().rev().find_map(range).unwrap_or(WAITS)
 }
@@ -67,6 +88,7 @@ mod tests {
         assert_eq!("waits=900-999".parse(), Ok(Setting::Waits(900..=999)));
         assert_eq!("waits=M200-M299".parse(), Ok(Setting::Waits(200..=299)));
         assert_eq!("numbers=increments".parse(), Ok(Setting::Increments));
+        assert_eq!("system=b".parse(), Ok(Setting::System('B')));
         assert_eq!(waits(&[Setting::Waits(900..=999), Setting::Increments]), 900..=999);
         for (text, with) in [
             ("waits", "a value is missing"),
@@ -74,6 +96,7 @@ mod tests {
             ("waits=999-900", "is not a range"),
             ("waits=0-9", "is not a range"),
             ("numbers=inches", "'inches' is not a way to count numbers"),
+            ("system=D", "'D' is not a system of G codes"),
             ("rapids=1", "no such key 'rapids': the keys are waits="),
         ] {
             let error = text.parse::<Setting>().unwrap_err();
