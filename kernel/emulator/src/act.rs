@@ -15,6 +15,7 @@ use crate::channel::plan::Source;
 use crate::state::channel::Channel;
 use crate::state::coupling::Parking;
 use crate::state::cycle::Hole;
+use crate::state::figure::Figure;
 use crate::state::frames::offsets::Table;
 use crate::state::spindle::Turning;
 use crate::state::turning::ContourCycle;
@@ -316,6 +317,16 @@ impl Act<'_, '_> {
         self.call(Callee::Program(number), passes);
     }
 
+    /// Calls a program whose passes are copies of a figure.
+    pub(crate) fn call_figure(&mut self, program: u32, passes: u32, figure: Box<Figure>) {
+        self.kernel.ask(Pending::Figure { program, passes, figure });
+    }
+
+    /// Calls a program by its number, from a sequence number on.
+    pub(crate) fn call_program_from(&mut self, number: u32, first: u32, passes: u32) {
+        self.call(Callee::ProgramFrom(number, first), passes);
+    }
+
     /// Calls a program by its name.
     pub(crate) fn call_named(&mut self, name: Arc<str>, passes: u32) {
         self.call(Callee::Named(name), passes);
@@ -364,6 +375,21 @@ impl Act<'_, '_> {
     /// Couples axes of this channel and another one.
     pub(crate) fn couple(&mut self, pair: Pair, parking: Parking) -> Acted {
         self.kernel.couple(pair, parking)
+    }
+
+    /// The same where the program of this channel alone has the code.
+    pub(crate) fn couple_alone(&mut self, pair: Pair, parking: Parking) -> Acted {
+        self.kernel.couple_alone(pair, parking)
+    }
+
+    /// Ends such a coupling.
+    pub(crate) fn end_alone(&mut self, pair: Pair) -> Acted {
+        self.kernel.end_alone(pair)
+    }
+
+    /// The program of this channel alone has the code of synchronous control.
+    pub(crate) fn couples_alone(&mut self) -> bool {
+        self.kernel.couples_alone()
     }
 
     /// Ends a coupling.

@@ -197,6 +197,9 @@ diagnostics! {
     SIGNAL_ORDER 2900437 "signal-order" 4 false "wait for a signal before an older one of the same channel (250002)";
     EXTERNAL_VARIABLE 2900438 "external-variable" 12 true "external variable not there, or not accessible so (ISG)";
     SIGNAL_VALUE 2900439 "signal-values" 12 true "values of a signal that are not taken over (21549)";
+    NOT_AT_REFERENCE 2900490 "not-at-reference" 12 true "axis not at its reference point (PS0092)";
+    FIGURE_NESTED 2900491 "figure-nested" 12 true "figure copied within a copy of its kind (PS0900, PS0901)";
+    MEASURE_ASSUMED 2900492 "measuring-assumed" 4 false "tool taken to have the length of its offset where it is measured";
     BALANCE_ILLEGAL 2900421 "balance-cut-illegal" 12 true "balance cutting commanded wrongly (PS0163)";
     COUPLING_ILLEGAL 2900447 "axis-coupling-illegal" 12 true "axes coupled wrongly (PS5339, PS0352, PS0357, PS0362)";
     COUPLED_AXIS 2900448 "coupled-axis-moved" 12 true "move that a coupled axis cannot make (PS0353, PS0363, PS0364)";

@@ -238,8 +238,8 @@ pub struct Axis {
     pub dynamics: Dynamics,
     /// Start position and first reference point in the machine frame (as programmed: diameter on a diameter axis).
     pub home: f64,
-    /// Second to fourth reference points.
-    pub references: [Option<f64>; 3],
+    /// Further points that codes send it to, and the way there.
+    pub positioning: Positioning,
     /// Travel limits in the machine frame, as programmed.
     pub limits: Option<(f64, f64)>,
     /// Direction about which the tool turns right-handed relative to the workpiece, on a rotary axis.
@@ -252,6 +252,17 @@ pub struct Axis {
     pub master: Option<u16>,
     /// How codes that couple axes of channels name it and what it does when coupled.
     pub coupling: AxisCoupling,
+}
+
+/// Points that codes send an axis to, in the machine frame as programmed, and the way there.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Positioning {
+    /// Second to fourth reference points.
+    pub references: [Option<f64>; 3],
+    /// Floating reference point.
+    pub floating: Option<f64>,
+    /// How far one-way positioning goes past its end before it comes back; its sign is the direction in which it comes. 0 = not.
+    pub one_way: f64,
 }
 
 /// An axis as codes see it that couple axes of channels (Fanuc G51.4, G51.5, G51.6).

@@ -84,6 +84,8 @@ pub enum ContourEnd {
     Extended(f64),
     /// At its own end.
     Open,
+    /// Outside by an arc.
+    Round,
 }
 
 /// What is so about a block as a whole.

@@ -25,6 +25,8 @@ pub struct Shared {
     pub spindles: Vec<Spindle>,
     /// What channels with coupled axes let each other know when they meet.
     pub coupled: FxHashMap<Coupled, Stand>,
+    /// Couplings that one channel has commanded alone, oldest first.
+    pub alone: Vec<Alone>,
 }
 
 /// One meeting of one of two coupled axes.
@@ -36,6 +38,23 @@ pub struct Coupled {
     pub with: u16,
     /// Which meeting it is. A value is read before the channels can come to the same one again.
     pub at: u8,
+}
+
+/// A coupling that one channel commands alone: the other one learns of it where both meet.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Alone {
+    /// Channel that commands it.
+    pub by: u16,
+    /// Number of the master axis.
+    pub master: u16,
+    /// Number of the slave axis.
+    pub slave: u16,
+    /// Which of both stands still, as the program says.
+    pub parking: f64,
+    /// It begins, or it ends.
+    pub on: bool,
+    /// Where the axis of that channel stood before.
+    pub stand: Stand,
 }
 
 /// Where an axis stands, and what its channel has commanded since the axes were coupled; geometry units.

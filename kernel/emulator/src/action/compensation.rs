@@ -10,6 +10,7 @@ use crate::state::compensation::number_of;
 use counterpoint_event::event::{Kind, OffsetKind};
 use counterpoint_fault::Acted;
 use counterpoint_machine::ident::{DataId, codes, data};
+use counterpoint_program::block::ContourEnd;
 
 /// Codes and what they do.
 pub(crate) const ENTRIES: &[Entry] = &[
@@ -18,6 +19,7 @@ pub(crate) const ENTRIES: &[Entry] = &[
     Entry::of(&[codes::COMP_DYN_FIXT_OFF], |act, _, _| dynamic(act, false)),
     Entry::of(&[codes::COMP_CORNER_ARC], |act, _, _| corner(act, true)).contour(Contour::Waits),
     Entry::of(&[codes::COMP_CORNER_LINEAR], |act, _, _| corner(act, false)).contour(Contour::Waits),
+    Entry::of(&[codes::CONTOUR_ROUND], |act, _, _| round(act)).contour(Contour::Waits),
     Entry::of(&[codes::COMP_3D_VECTOR], |act, _, _| vector(act)).contour(Contour::Waits),
 ];
 
@@ -55,6 +57,15 @@ pub(super) fn dynamic(act: &mut Act<'_, '_>, on: bool) -> Acted {
 pub(super) fn corner(act: &mut Act<'_, '_>, arc: bool) -> Acted {
     act.state.place.compensation.corner = if arc { 2 } else { 1 };
     super::mode::mode(act, if arc { "comp corner arc" } else { "comp corner linear" })
+}
+
+/// The corner after the move that waits is an arc outside.
+fn round(act: &mut Act<'_, '_>) -> Acted {
+    let last = act.cutter().and_then(|cutter| cutter.waiting.iter_mut().rev().find(|waits| waits.element.is_some()));
+    if let Some(waits) = last {
+        waits.end = ContourEnd::Round;
+    }
+    Ok(())
 }
 
 /// The vector form of cutter compensation: number and direction.

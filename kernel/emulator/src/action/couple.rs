@@ -1,6 +1,6 @@
 //! Codes that couple an axis of one channel with an axis of another one (Fanuc G51.4 to G51.6, G50.4 to G50.6).
 //!
-//! Both channels have the code in their programs. *Invariant:* what is refused is refused before the channel waits.
+//! Both channels have the code in their programs, or one of them alone has that of synchronous control. *Invariant:* what is refused is refused before the channel waits.
 
 use crate::act::Act;
 use crate::action::entry::Entry;
@@ -43,6 +43,9 @@ fn on(act: &mut Act<'_, '_>, kind: Kind) -> Acted {
         return Ok(());
     }
     check_free(act, &pair)?;
+    if kind == Kind::Synchronous && act.couples_alone() {
+        return act.couple_alone(pair, parking);
+    }
     act.couple(pair, parking)
 }
 
@@ -60,6 +63,7 @@ fn off(act: &mut Act<'_, '_>, kind: Kind) -> Acted {
         pair.kind == kind && pair.slave == slave && master.is_none_or(|master| pair.master == master)
     };
     match act.state.others.couplings.iter().find(is).map(|coupling| coupling.pair) {
+        Some(pair) if kind == Kind::Synchronous && act.couples_alone() => act.end_alone(pair),
         Some(pair) => act.end_coupling(pair),
         None => Ok(()),
     }

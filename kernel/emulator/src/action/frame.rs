@@ -11,12 +11,14 @@ use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
 use counterpoint_machine::ident::kind::CodeKind;
 use counterpoint_machine::ident::{codes, data};
+use counterpoint_machine::index::BySlot;
 use counterpoint_program::block::PendingCode;
 
 /// Codes and what they do.
 pub(crate) const ENTRIES: &[Entry] = &[
     Entry::of(&[codes::POSITION_MACHINE], |act, _, _| machine_frame(act)).contour(Contour::Leaves),
     Entry::of(&[codes::POSITION_PRESET], |act, _, _| preset(act)),
+    Entry::of(&[codes::POSITION_PRESET_OFF], |act, _, _| preset_off(act)),
     Entry::of(&[codes::COMP_WORKP_ON], |act, _, _| work_offset(act)),
     Entry::of(&[codes::COMP_WORKP_OFF], |act, _, _| work_offset_off(act)),
     entry_of_kind!(CodeKind::Length { sign, set } => |act, _row, _code| length(act, sign.into(), set)),
@@ -69,6 +71,22 @@ pub(super) fn preset(act: &mut Act<'_, '_>) -> Acted {
         }
     }
     act.reframe();
+    Ok(())
+}
+
+/// Presets and the local shift of the axes that the block names end.
+fn preset_off(act: &mut Act<'_, '_>) -> Acted {
+    let mut coded = 0_u8;
+    for slot in act.state.place.layout.axes.ids() {
+        let id = act.state.place.layout.axes[slot].data;
+        if act.take(id).is_some() {
+            coded |= slot.bit();
+            *act.state.place.preset.at_mut(slot) = 0.0;
+        }
+    }
+    super::local::end_shift(act, coded);
+    act.reframe();
+    act.emit(0, Kind::mode("preset off"));
     Ok(())
 }
 

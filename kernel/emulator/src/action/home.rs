@@ -10,17 +10,26 @@ use crate::trace::{self, ACTION};
 use counterpoint_event::event::Position;
 use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
+use counterpoint_lang::format::wildcard_text;
 use counterpoint_machine::habits::Home;
 use counterpoint_machine::ident::codes;
 use counterpoint_machine::ident::data;
-use counterpoint_machine::index::BySlot;
+use counterpoint_machine::index::{AxisSlot, BySlot};
 
 /// Codes and what they do.
 pub(crate) const ENTRIES: &[Entry] = &[
     Entry::of(&[codes::GOHOME], |act, _, _| go(act, 1)).contour(Contour::Leaves),
     Entry::of(&[codes::GOHOME_NTH], |act, _, _| go_nth(act)).contour(Contour::Leaves),
+    Entry::of(&[codes::GOHOME_FLOATING], |act, _, _| go(act, FLOATING)).contour(Contour::Leaves),
+    Entry::of(&[codes::GOHOME_CHECK], |act, _, _| check(act)).contour(Contour::Leaves),
     Entry::of(&[codes::GOHOME_RETURN], |act, _, _| come_back(act)).contour(Contour::Leaves),
 ];
+
+/// Stands for the floating reference point.
+const FLOATING: usize = 5;
+
+/// How far from its reference point an axis counts as at it.
+const AT_REFERENCE: f64 = 0.001;
 
 /// To reference point `number` (1 = home) via the programmed point; only coded axes move.
 pub(super) fn go(act: &mut Act<'_, '_>, number: usize) -> Acted {
@@ -46,6 +55,7 @@ pub(super) fn go(act: &mut Act<'_, '_>, number: usize) -> Acted {
 fn reference(axis: &Axis, number: usize) -> Option<f64> {
     match number {
         1 => Some(axis.home),
+        FLOATING => axis.floating,
         n => axis.references.get(n.wrapping_sub(2)).copied().flatten(),
     }
 }
@@ -54,7 +64,12 @@ fn reference(axis: &Axis, number: usize) -> Option<f64> {
 fn check_reference(act: &mut Act<'_, '_>, coded: u8, number: usize) -> Acted {
     let lacks = |axis: &Axis| reference(axis, number).is_none();
     if act.state.place.layout.axes.entries().any(|(slot, axis)| coded & slot.bit() != 0 && lacks(axis)) {
-        let text = format!("reference point {number} is not defined for every axis of '{}'", act.block_text());
+        let name = if number == FLOATING {
+            "the floating reference point".into()
+        } else {
+            format!("reference point {number}")
+        };
+        let text = format!("{name} is not defined for every axis of '{}'", act.block_text());
         act.diagnose(&diag::NO_REFERENCE, text);
     }
     act.check_stop()
@@ -89,7 +104,7 @@ fn to_reference(act: &mut Act<'_, '_>, coded: u8, number: usize) -> Acted {
     let mut target = act.machine_point(&act.state.place.position);
     for (slot, axis) in act.state.place.layout.axes.entries().filter(|(slot, _)| coded & slot.bit() != 0) {
         if let Some(point) = reference(axis, number) {
-            *target.at_mut(slot) = point;
+            *target.at_mut(slot) = act.next_to(slot, target.at(slot), point);
         }
     }
     let target = act.way_of_machine(&target);
@@ -106,6 +121,23 @@ fn home_text(channel: &Channel<'_>, coded: u8, number: usize) -> String {
         items.push(format!("n={number}"));
     }
     format!("home {}", items.join(", "))
+}
+
+/// A rapid move after which every axis of the block must be at its first reference point.
+fn check(act: &mut Act<'_, '_>) -> Acted {
+    let (coded, target) = act.targets();
+    act.rapid_to(coded, target)?;
+    let machine = act.machine_point(&act.state.place.position);
+    let is_off = |slot: AxisSlot, axis: &Axis| {
+        let home = act.next_to(slot, machine.at(slot), axis.home);
+        coded & slot.bit() != 0 && (machine.at(slot) - home).abs() > AT_REFERENCE
+    };
+    let off = act.state.place.layout.axes.entries().find(|(slot, axis)| is_off(*slot, axis));
+    let Some((slot, home)) = off.map(|(slot, axis)| (slot, axis.home)) else { return Ok(()) };
+    let (name, stands) = (act.axis_name(slot), wildcard_text(machine.at(slot)));
+    let home = wildcard_text(home);
+    let text = format!("{name} is at {stands} after '{}', its reference point is at {home}", act.block_text());
+    Err(act.alarm(&diag::NOT_AT_REFERENCE, text))
 }
 
 /// To the second, third or fourth reference point; 2 without a number.

@@ -19,8 +19,11 @@ use counterpoint_motion::frame::affine::{Affine, Point};
 use counterpoint_motion::frame::local::{Part, Programmed, Refused};
 
 /// Codes and what they do.
-pub(crate) const ENTRIES: &[Entry] =
-    &[entry_of_kind!(CodeKind::Local(part, of) => |act, _row, _code| change(act, part, of))];
+pub(crate) const ENTRIES: &[Entry] = &[
+    entry_of_kind!(CodeKind::Local(part, of) => |act, _row, _code| change(act, part, of)),
+    Entry::of(&[codes::TURRET_OPPOSITE], |act, _, _| opposite(act, true)),
+    Entry::of(&[codes::TURRET_OWN], |act, _, _| opposite(act, false)),
+];
 
 const TRANSLATION: [DataId; 3] = [data::LCS_TRANS_X, data::LCS_TRANS_Y, data::LCS_TRANS_Z];
 const ROTATION_CENTER: [DataId; 3] = [data::LCS_ROT_CENTER_X, data::LCS_ROT_CENTER_Y, data::LCS_ROT_CENTER_Z];
@@ -74,6 +77,41 @@ pub(super) fn change(act: &mut Act<'_, '_>, part: Part, change: Change) -> Acted
     cutter::mirror::frame_changed(act, mirrored);
     act.keep_ways(before);
     act.keep_levels(levels);
+    let text = act.frame_text();
+    act.emit(0, Kind::mode(text));
+    Ok(())
+}
+
+/// The shift of the local frame along these axes ends, bit by axis.
+pub(super) fn end_shift(act: &mut Act<'_, '_>, coded: u8) {
+    let frames = act.state.place.frames.as_deref();
+    let Some(part) = frames.and_then(|frames| frames.local.part(Part::Translate)).copied() else { return };
+    let mut by = part.values;
+    for (slot, axis) in by.iter_mut().zip(act.state.place.layout.cartesian) {
+        if axis.is_some_and(|axis| coded & axis.bit() != 0) {
+            *slot = 0.0;
+        }
+    }
+    let has = act.state.place.has_axes();
+    if let Err(refused) =
+        act.frames().local.set(Part::Translate, Some(Programmed::new(Affine::translation(by), by)), has)
+    {
+        refuse(act, refused);
+    }
+    act.frames_changed();
+}
+
+/// X is mirrored for tools on the other side of the turning axis: halfway between both turrets.
+fn opposite(act: &mut Act<'_, '_>, on: bool) -> Acted {
+    let has = act.state.place.has_axes();
+    let mirrored = cutter::mirror::is_mirrored(act);
+    let at = [act.env.machine.turning.opposite / 2.0, 0.0, 0.0];
+    let given = on.then(|| mirror_of([1.0, 0.0, 0.0], at));
+    if let Err(refused) = act.frames().local.set(Part::Mirror, given, has) {
+        refuse(act, refused);
+    }
+    act.frames_changed();
+    cutter::mirror::frame_changed(act, mirrored);
     let text = act.frame_text();
     act.emit(0, Kind::mode(text));
     Ok(())
@@ -169,7 +207,7 @@ fn rotation(act: &mut Act<'_, '_>, change: Change) -> Option<Programmed> {
 }
 
 /// Normal of the active plane.
-fn normal(act: &Act<'_, '_>) -> Point {
+pub(super) fn normal(act: &Act<'_, '_>) -> Point {
     let [x, y, z] = UNITS;
     match act.state.modal.code(group::PLANE) {
         Some(codes::PLANE_ZX) => y,

@@ -18,11 +18,14 @@ mod dwell;
 mod engrave;
 pub(crate) mod entry;
 mod feeds;
+mod figure;
 mod frame;
 mod head;
 mod home;
 mod lathe;
+mod lengthen;
 mod local;
+mod measure;
 mod mode;
 mod motion;
 mod offset_words;
@@ -66,11 +69,14 @@ static ENTRIES: &[&[Entry]] = &[
     cycle::ENTRIES,
     dwell::ENTRIES,
     feeds::ENTRIES,
+    figure::ENTRIES,
     frame::ENTRIES,
     head::ENTRIES,
     home::ENTRIES,
     lathe::ENTRIES,
+    lengthen::ENTRIES,
     local::ENTRIES,
+    measure::ENTRIES,
     mode::ENTRIES,
     motion::ENTRIES,
     offsets::ENTRIES,
@@ -123,6 +129,7 @@ const BASE: Actions = Actions {
         _ => lathe::cut(&mut Act::new(kernel), cycle, reading),
     },
     strip: |kernel, strip| lathe::strip(&mut Act::new(kernel), strip),
+    copy_figure: |kernel, figure, on| figure::put(&mut Act::new(kernel), figure, on),
     go_back: |kernel, to| lathe::go_back(&mut Act::new(kernel), to),
     change_straight: |kernel, motion, rapid, to| Act::new(kernel).straight_again(motion, rapid, to),
 };

@@ -17,6 +17,7 @@ use counterpoint_program::block::Datum;
 /// Codes and what they do.
 pub(crate) const ENTRIES: &[Entry] = &[
     Entry::of(&[codes::RAPID], |act, _, _| rapid(act)).moves().contour(Contour::Follows),
+    Entry::of(&[codes::RAPID_ONE_WAY], |act, _, _| one_way(act)).contour(Contour::Leaves),
     Entry::of(&[codes::INTERP_LINEAR], |act, _, _| linear(act)).moves().contour(Contour::Follows),
     Entry::of(&[codes::INTERP_LINEAR_X10], |act, _, _| linear_times(act, 10.0)).moves().contour(Contour::Follows),
     Entry::of(&[codes::INTERP_LINEAR_X100], |act, _, _| linear_times(act, 100.0)).moves().contour(Contour::Follows),
@@ -30,6 +31,20 @@ pub(super) fn rapid(act: &mut Act<'_, '_>) -> Acted {
         return Ok(());
     }
     act.straight_move((coded, target), |act, coded, target| act.rapid_within(coded, target, feed))
+}
+
+/// Positioning that comes to its end from one direction: past it and back, along axes that have a way for that.
+fn one_way(act: &mut Act<'_, '_>) -> Acted {
+    let (coded, target) = act.targets();
+    if coded == 0 {
+        return Ok(());
+    }
+    let mut past = target;
+    for (slot, axis) in act.state.place.layout.axes.entries().filter(|(slot, _)| coded & slot.bit() != 0) {
+        *past.at_mut(slot) -= axis.one_way;
+    }
+    act.rapid_to(coded, past)?;
+    act.rapid_to(coded, target)
 }
 
 /// Straight feed.

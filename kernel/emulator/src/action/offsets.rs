@@ -51,6 +51,8 @@ fn meant(kind: Option<f64>, number: Option<u32>, turning: bool, most_extended: u
         Some(2.0) => Err("P of L2 is 0 for the external offset or 1 to 6 for G54 to G59".into()),
         Some(20.0) if (1..=most_extended).contains(&number) => Ok(What::Axes(Table::Work, EXTENDED + number)),
         Some(20.0) => Err(format!("P of L20 is 1 to {most_extended}").into()),
+        // The shift of the work coordinate system of lathes.
+        None if turning && number == 0 => Ok(What::Axes(Table::Work, 0)),
         _ if number == 0 => Err("P of a tool offset is at least 1".into()),
         Some(10.0) if turning => Ok(What::Tool(Table::Length, Radii::Cutter, number)),
         Some(1.0 | 11.0) if turning => Ok(What::Tool(Table::Wear, Radii::Wear, number)),

@@ -32,12 +32,10 @@ pub(super) fn call(act: &mut Act<'_, '_>) -> Acted {
     if id.is_none()
         && let Some(first) =
             [data::CALSUB_BLOCK_START, data::CALSUB_SEQUENCE].into_iter().find_map(|id| act.take(id)).map(|d| d.value)
-        && first >= 1.0
-        && first <= f64::from(u32::MAX)
-        && first.fract() == 0.0
+        && let Some(first) = sequence(first)
     {
         let passes = repeat.map_or(1, |count| act.passes(count)).max(1);
-        act.call_from(first as u32, passes);
+        act.call_from(first, passes);
         return Ok(());
     }
     let Some(id) = id.filter(|v| *v >= 1.0 && *v <= f64::from(u32::MAX) && v.fract() == 0.0) else {
@@ -51,8 +49,17 @@ pub(super) fn call(act: &mut Act<'_, '_>) -> Acted {
         _ => (id, 1),
     };
     let passes = repeat.map_or(packed, |count| act.passes(count));
-    act.call_program(number, passes.max(1));
+    // Mitsubishi M98 P H, Mazak M98 P Q: the call begins at a sequence number of the program.
+    match act.take(data::CALSUB_BLOCK_START).and_then(|first| sequence(first.value)) {
+        Some(first) => act.call_program_from(number, first, passes.max(1)),
+        None => act.call_program(number, passes.max(1)),
+    }
     Ok(())
+}
+
+/// A sequence number at which a call begins.
+fn sequence(value: f64) -> Option<u32> {
+    (value >= 1.0 && value <= f64::from(u32::MAX) && value.fract() == 0.0).then_some(value as u32)
 }
 
 /// Call of the blocks from one sequence number or label to another in the current file; without the other, to a return.

@@ -70,4 +70,12 @@ impl Act<'_, '_> {
             from + ahead
         }
     }
+
+    /// A point of an axis whose turns do not count, next to where it stands; of another axis the point itself.
+    pub(super) fn next_to(&self, axis: AxisSlot, stands: f64, point: f64) -> f64 {
+        match self.env.machine.axes[self.state.place.layout.axes[axis].machine].turn {
+            Turn::Position => point,
+            Turn::Shortest | Turn::Sign => stands + (point - stands + 180.0).rem_euclid(360.0) - 180.0,
+        }
+    }
 }

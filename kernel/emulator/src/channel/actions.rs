@@ -8,6 +8,7 @@ use counterpoint_fault::{Acted, Halt};
 
 use super::Kernel;
 use crate::state::cycle::Hole;
+use crate::state::figure::Figure;
 use crate::state::turning::{ContourCycle, Reading};
 use counterpoint_event::event::{Motion, Position};
 use counterpoint_machine::ident::CodeId;
@@ -48,6 +49,8 @@ pub struct Actions {
     pub(crate) cut_contour: fn(&mut Kernel<'_>, &ContourCycle, Reading) -> Acted,
     /// Removes stock along a contour that was read.
     pub(crate) strip: fn(&mut Kernel<'_>, &Strip) -> Acted,
+    /// Puts the frame of a further copy of a figure into force, or the frame before the copies.
+    pub(crate) copy_figure: fn(&mut Kernel<'_>, &Figure, bool) -> Acted,
     /// Goes to a programmed point at rapid.
     pub(crate) go_back: fn(&mut Kernel<'_>, &Position) -> Acted,
     /// Makes a straight move again that a macro has changed: at rapid or not, to another end.

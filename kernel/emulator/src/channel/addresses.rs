@@ -66,7 +66,7 @@ impl Kernel<'_> {
     fn program_of(&self, frame: &Frame) -> Option<u32> {
         match frame.called.what {
             Callee::Program(0) | Callee::Named(_) => Some(self.defined(frame)),
-            Callee::Program(number) => Some(number),
+            Callee::Program(number) | Callee::ProgramFrom(number, _) => Some(number),
             Callee::Blocks(..) | Callee::From(_) | Callee::Labels(..) => None,
         }
     }

@@ -21,7 +21,7 @@ use crate::waits::coupling::{End, Kind, Pair};
 
 /// Where two channels meet.
 #[derive(Debug, Clone, Copy)]
-enum Meeting {
+pub(super) enum Meeting {
     /// At the code that couples, so often before.
     On(u8),
     /// At the code that ends it.
@@ -93,7 +93,7 @@ impl Kernel<'_> {
     }
 
     /// Lets the other channel of a pair know where the own axis stands.
-    fn tell(&mut self, pair: &Pair, meeting: Meeting) -> Acted {
+    pub(super) fn tell(&mut self, pair: &Pair, meeting: Meeting) -> Acted {
         let Some((own, other)) = pair.of(self.channel.at.channel) else { return Ok(()) };
         let stand = self.stand_of(pair, own);
         let key = key(own, other, meeting);
@@ -101,14 +101,14 @@ impl Kernel<'_> {
     }
 
     /// What the other channel of a pair has let this one know.
-    fn hear(&mut self, pair: &Pair, meeting: Meeting) -> Result<Stand, Halt> {
+    pub(super) fn hear(&mut self, pair: &Pair, meeting: Meeting) -> Result<Stand, Halt> {
         let Some((own, other)) = pair.of(self.channel.at.channel) else { return Ok(Stand::default()) };
         let key = key(other, own, meeting);
         self.shared(|order| order.shared.coupled.get(&key).copied().unwrap_or_default())
     }
 
     /// Where the own axis of a pair stands, and what has been commanded since it was coupled.
-    fn stand_of(&self, pair: &Pair, own: End) -> Stand {
+    pub(super) fn stand_of(&self, pair: &Pair, own: End) -> Stand {
         let layout = &self.channel.state.place.layout;
         let Some(slot) = layout.axes.find(|axis| axis.machine == own.axis) else { return Stand::default() };
         let place = self.place_of(slot);
@@ -117,7 +117,7 @@ impl Kernel<'_> {
     }
 
     /// Ends a coupling here: the axis is where both channels have brought it. Gives the axis if that is another place.
-    fn uncouple(&mut self, pair: &Pair, theirs: f64) -> Option<AxisSlot> {
+    pub(super) fn uncouple(&mut self, pair: &Pair, theirs: f64) -> Option<AxisSlot> {
         let couplings = &mut self.channel.state.others.couplings;
         let at = couplings.iter().position(|coupling| coupling.pair == *pair)?;
         let coupling = couplings.remove(at);
@@ -139,13 +139,13 @@ impl Kernel<'_> {
     }
 
     /// Place of an axis in the machine frame, geometry units.
-    fn place_of(&self, slot: AxisSlot) -> f64 {
+    pub(super) fn place_of(&self, slot: AxisSlot) -> f64 {
         let place = &self.channel.state.place;
         self.channel.machine_point(&place.position).at(slot) * place.layout.axes[slot].scale
     }
 
     /// An axis stands at a place of the machine frame, geometry units; whether that is another one.
-    fn put(&mut self, slot: AxisSlot, place: f64) -> bool {
+    pub(super) fn put(&mut self, slot: AxisSlot, place: f64) -> bool {
         let mut machine = self.channel.machine_point(&self.channel.state.place.position);
         let (before, after) = (machine.at(slot), place / self.channel.state.place.layout.axes[slot].scale);
         if before == after {
@@ -175,7 +175,7 @@ impl Kernel<'_> {
     }
 
     /// Words of axes that follow others are no commands.
-    fn hold_followers(&mut self) {
+    pub(super) fn hold_followers(&mut self) {
         let machine = self.channel.env.machine;
         let held = slots(&self.channel.state.others.couplings, Coupling::follows);
         let layout = &mut self.channel.state.place.layout;
@@ -199,7 +199,7 @@ impl Kernel<'_> {
         layout.bounds.limited = layout.axes.iter().any(|axis| axis.limits.is_some());
     }
 
-    fn log_coupling(&mut self, pair: &Pair, what: &str, moved: Option<AxisSlot>) {
+    pub(super) fn log_coupling(&mut self, pair: &Pair, what: &str, moved: Option<AxisSlot>) {
         let machine = self.channel.env.machine;
         let (master, slave) = (&machine.axes[pair.master.axis].name, &machine.axes[pair.slave.axis].name);
         let place = moved.map_or_else(String::new, |slot| {
@@ -269,6 +269,6 @@ impl Kernel<'_> {
     }
 }
 
-fn key(axis: End, with: End, meeting: Meeting) -> Coupled {
+pub(super) fn key(axis: End, with: End, meeting: Meeting) -> Coupled {
     Coupled { axis: axis.axis.index() as u16, with: with.axis.index() as u16, at: meeting.number() }
 }

@@ -10,6 +10,7 @@ use super::custom_macro::{By, CodeMacro, ModalCalls, WordKind};
 use super::known_blocks::KnownBlocks;
 use super::passes::Passes;
 use super::search::Labels;
+use crate::state::figure::Figure;
 use crate::state::turning::ContourCycle;
 use counterpoint_dialect as dialect;
 use counterpoint_event::event::{FileId, Position, Stop};
@@ -42,6 +43,8 @@ pub(crate) struct Frame {
     pub(crate) name: Arc<str>,
     /// Where the tool goes at its end, as programmed (a finishing cycle), and the axes that go first, bit by axis.
     pub(crate) back: Option<Box<(Position, u8)>>,
+    /// Each pass is a copy of the figure.
+    pub(crate) figure: Option<Box<Figure>>,
 }
 
 /// What happens after the current block.
@@ -57,6 +60,13 @@ pub(crate) enum Pending {
         arguments: Option<Vec<(u8, f64)>>,
         /// The word that calls, if it does so by itself.
         by: Option<Box<By>>,
+    },
+    /// Call a program whose passes are copies of a figure.
+    Figure {
+        program: u32,
+        /// Passes, at least 1.
+        passes: u32,
+        figure: Box<Figure>,
     },
     /// Call the blocks from one sequence number or label to another.
     CallRange {
@@ -204,6 +214,7 @@ impl Frame {
             by: None,
             name,
             back: None,
+            figure: None,
         }
     }
 }
@@ -222,6 +233,8 @@ pub(crate) struct Called {
 pub(crate) enum Callee {
     /// A program by its number, 0 for the main program.
     Program(u32),
+    /// A program by its number, from a sequence number on.
+    ProgramFrom(u32, u32),
     /// A program by its name.
     Named(Arc<str>),
     /// Blocks from one sequence number to another.
@@ -236,6 +249,7 @@ impl std::fmt::Display for Callee {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
             Callee::Program(number) => write!(f, "subprogram {number}"),
+            Callee::ProgramFrom(number, first) => write!(f, "subprogram {number} from N{first} on"),
             Callee::Named(name) => write!(f, "subprogram <{name}>"),
             Callee::Blocks(first, last) => write!(f, "the range N{first} to N{last}"),
             Callee::From(first) => write!(f, "the blocks from N{first} on"),

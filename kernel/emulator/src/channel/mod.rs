@@ -7,6 +7,7 @@
 pub(crate) mod access;
 pub(crate) mod actions;
 mod addresses;
+mod alone;
 mod burden;
 mod calls;
 pub mod carried;

@@ -68,6 +68,10 @@ impl Look {
 impl Kernel<'_> {
     /// Looks a program up; one that was called by number before is known, unless macros say where programs are.
     pub(crate) fn find_program(&mut self, what: &Callee) -> Result<Option<(FileId, Range)>, Halt> {
+        if let Callee::ProgramFrom(number, first) = *what {
+            let whole = self.find_program(&Callee::Program(number))?;
+            return Ok(whole.and_then(|(file, range)| Some((file, self.from_sequence(file, range, first)?))));
+        }
         let Callee::Program(number) = *what else { return self.look_for_program(what) };
         let [Some(main), Some(caller)] = [self.flow.frames.first(), self.flow.frames.last()] else {
             return self.look_for_program(what);
@@ -84,6 +88,14 @@ impl Kernel<'_> {
             self.flow.known.programs.keep(wanted, found);
         }
         Ok(found)
+    }
+
+    /// The blocks of a program from a line with a sequence number on.
+    fn from_sequence(&self, file: FileId, range: Range, number: u32) -> Option<Range> {
+        let mut blocks = self.channel.env.sources.get(file)?.sequences(number).iter();
+        let inside = |line: u32| (range.first..=range.last).contains(&line);
+        let first = blocks.find(|block| block.offset == 0 && inside(block.line))?.line;
+        Some(Range { first, ..range })
     }
 
     /// Looks for a program in all places.
@@ -149,7 +161,7 @@ impl Kernel<'_> {
             blocks.filter(|block| block.offset == 0).map(|block| block.line).collect::<Vec<u32>>()
         };
         let (from, to) = match *what {
-            Callee::Program(_) | Callee::Named(_) => return None,
+            Callee::Program(_) | Callee::ProgramFrom(..) | Callee::Named(_) => return None,
             Callee::Blocks(first, last) => (numbered(first), numbered(last)),
             Callee::From(first) => {
                 let start = numbered(first).first().copied()?;
@@ -233,7 +245,7 @@ impl Kernel<'_> {
         match what {
             Callee::Named(name) => source.named(name),
             Callee::Program(number) => source.programs().iter().find(|r| r.number == Some(*number)).copied(),
-            Callee::Blocks(..) | Callee::Labels(..) | Callee::From(_) => None,
+            Callee::ProgramFrom(..) | Callee::Blocks(..) | Callee::Labels(..) | Callee::From(_) => None,
         }
     }
 
@@ -255,7 +267,7 @@ impl Kernel<'_> {
         };
         let id = match what {
             Callee::Named(name) => name.to_string(),
-            Callee::Program(number) => number.to_string(),
+            Callee::Program(number) | Callee::ProgramFrom(number, _) => number.to_string(),
             Callee::Blocks(..) | Callee::Labels(..) | Callee::From(_) => String::new(),
         };
         (format!("{folder}{stem}_{id}.{extension}"), format!("{folder}{stem}.{extension}"))
@@ -332,7 +344,9 @@ impl Kernel<'_> {
 /// Names of files that hold a program alone.
 fn names(what: &Callee) -> Vec<String> {
     match what {
-        Callee::Program(n) => vec![format!("O{n:04}"), format!("O{n}"), format!("{n:04}"), n.to_string()],
+        Callee::Program(n) | Callee::ProgramFrom(n, _) => {
+            vec![format!("O{n:04}"), format!("O{n}"), format!("{n:04}"), n.to_string()]
+        }
         Callee::Named(name) => vec![name.to_string()],
         Callee::Blocks(..) | Callee::Labels(..) | Callee::From(_) => Vec::new(),
     }

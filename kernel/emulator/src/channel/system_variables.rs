@@ -13,6 +13,7 @@ use counterpoint_event::event::{MAX_AXES, Position};
 use counterpoint_machine::ident::codes;
 use counterpoint_machine::ident::dimension::Dimension;
 use counterpoint_machine::index::{AxisSlot, BySlot};
+use counterpoint_machine::model::Turn;
 use counterpoint_machine::rows::CodeForm;
 use counterpoint_machine::system_variables::{Column, Frame, MODAL_CALLS, Means, SystemVariables};
 
@@ -211,6 +212,12 @@ impl Kernel<'_> {
             Frame::Geometry => self.in_force(Table::Length),
             Frame::Zero => [0.0; MAX_AXES],
         };
+        let places = matches!(frame, Frame::BlockEnd | Frame::Machine | Frame::Work | Frame::Skip);
+        let rolls = channel.env.machine.axes[layout.axes[slot].machine].turn != Turn::Position;
+        if places && rolls && channel.polar().is_none() {
+            // The control counts the angle alone.
+            return Some(values.at(slot).rem_euclid(360.0));
+        }
         Some(values.at(slot) / self.length_factor(slot))
     }
 

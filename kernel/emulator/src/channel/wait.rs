@@ -37,9 +37,14 @@ impl Kernel<'_> {
     /// Waits for other channels.
     pub(crate) fn wait(&mut self, wait: wait::Wait) -> Acted {
         if !self.channel.state.others.couplings.is_empty() {
-            return self.wait_coupled(wait);
+            self.wait_coupled(wait)?;
+        } else {
+            self.wait_plainly(wait)?;
         }
-        self.wait_plainly(wait)
+        if wait.primitive == Primitive::Barrier && self.hears_of_couplings() {
+            return self.learn_couplings();
+        }
+        Ok(())
     }
 
     /// The wait itself, whatever is coupled.

@@ -107,6 +107,7 @@ impl Kernel<'_> {
         };
         let (kind, number, (first, last)) = match &called.what {
             Callee::Program(number) => (2.0, number.to_string(), (0, 0)),
+            Callee::ProgramFrom(number, first) => (2.0, number.to_string(), (*first, 0)),
             Callee::Named(name) => (2.0, name.to_string(), (0, 0)),
             Callee::From(first) => (1.0, String::new(), (*first, 0)),
             Callee::Blocks(first, last) | Callee::Labels(first, last) => (1.0, String::new(), (*first, *last)),

@@ -56,7 +56,7 @@ impl Walk<'_, '_> {
     /// The first line of what is called that others could notice.
     pub(super) fn meets_in(&mut self, what: &Callee) -> Result<Option<u32>, Halt> {
         let found = match what {
-            Callee::Program(_) | Callee::Named(_) => self.kernel.find_program(what)?,
+            Callee::Program(_) | Callee::ProgramFrom(..) | Callee::Named(_) => self.kernel.find_program(what)?,
             _ => self.kernel.find_range(what).map(|range| (self.kernel.channel.at.file, range)),
         };
         match found {

@@ -31,7 +31,7 @@ const MEETINGS: [CodeId; 15] = [
     codes::COUPLE_SUPERIMPOSED_OFF,
 ];
 /// Codes that call.
-const CALLS: [CodeId; 2] = [codes::CALSUB_ID, codes::CALSUB_RANGE];
+const CALLS: [CodeId; 4] = [codes::CALSUB_ID, codes::CALSUB_RANGE, codes::FIGURE_TURN, codes::FIGURE_SHIFT];
 /// Codes that end a program.
 const ENDS: [CodeId; 3] = [codes::CALSUB_RETURN, codes::END, codes::REWIND];
 
@@ -190,6 +190,7 @@ impl Walk<'_, '_> {
     fn asked(&mut self) -> Meant {
         match self.kernel.flow.pending.take() {
             Some(Pending::Call { what, .. } | Pending::CallRange { what, .. }) => Meant::Call(what),
+            Some(Pending::Figure { program, .. }) => Meant::Call(Callee::Program(program)),
             _ => Meant::Nothing,
         }
     }

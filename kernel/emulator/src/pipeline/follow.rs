@@ -7,6 +7,7 @@ use std::sync::Arc;
 use crate::channel::Kernel;
 use crate::channel::custom_macro::By;
 use crate::channel::flow::{Callee, Frame, Pending};
+use crate::state::figure::Figure;
 use counterpoint_dialect as dialect;
 use counterpoint_event::event::{Call, Kind, Return};
 use counterpoint_fault as diag;
@@ -42,6 +43,7 @@ impl Kernel<'_> {
         match self.flow.pending.take() {
             None => Ok(()),
             Some(Pending::Call { what, passes, arguments, by }) => self.call(what, passes, arguments, by),
+            Some(Pending::Figure { program, passes, figure }) => self.call_figure(program, passes, figure),
             Some(Pending::CallRange { what, passes }) => self.call_range(what, passes),
             Some(Pending::CallText(call)) => self.call_text(*call),
             Some(Pending::Contour(cycle)) => self.contour_cycle(&cycle),
@@ -104,10 +106,31 @@ impl Kernel<'_> {
         Ok(())
     }
 
+    /// Calls a program whose passes are copies of a figure. Figures of one kind are not within each other.
+    fn call_figure(&mut self, program: u32, passes: u32, figure: Box<Figure>) -> Acted {
+        let depth = self.flow.frames.len();
+        let same = |frame: &Frame| frame.figure.as_deref().is_some_and(|outer| outer.copy.is_like(figure.copy));
+        if self.flow.frames.iter().any(same) {
+            let text = format!(
+                "{} a figure is copied within a copy of its kind in '{}'",
+                figure.copy.alarm(),
+                self.block_text()
+            );
+            return Err(self.alarm(&diag::FIGURE_NESTED, text));
+        }
+        self.call(Callee::Program(program), passes, None, None)?;
+        if self.flow.frames.len() > depth
+            && let Some(frame) = self.flow.frames.last_mut()
+        {
+            frame.figure = Some(figure);
+        }
+        Ok(())
+    }
+
     /// What is called, as events name it.
     fn name_of(&mut self, what: &Callee) -> Arc<str> {
         match what {
-            Callee::Program(number) => self.flow.known.names.of(*number),
+            Callee::Program(number) | Callee::ProgramFrom(number, _) => self.flow.known.names.of(*number),
             Callee::Named(name) => format!("<{name}>").into(),
             Callee::Labels(first, last) => format!("label {first}-{last}").into(),
             Callee::Blocks(first, last) => format!("N{first}-N{last}").into(),
@@ -192,6 +215,11 @@ impl Kernel<'_> {
             frame.repeats -= 1;
             let (first, last) = (frame.range.first, frame.range.last);
             (frame.next, frame.offset) = (first, 0);
+            if let Some(figure) = frame.figure.as_deref_mut() {
+                figure.made += 1;
+                let figure = figure.clone();
+                (self.plan.actions.copy_figure)(self, &figure, true)?;
+            }
             let level = self.flow.level();
             self.flow.loops.restart(level);
             self.interpreter_repeat();
@@ -213,6 +241,9 @@ impl Kernel<'_> {
             self.flow.loops.return_to(level);
             if let Some(back) = &frame.back {
                 self.end_contour(back)?;
+            }
+            if let Some(figure) = &frame.figure {
+                (self.plan.actions.copy_figure)(self, figure, false)?;
             }
             let level = self.flow.frames.len() as u16;
             self.emit_as(0, |kind| *kind = Kind::Return(Return { level }));

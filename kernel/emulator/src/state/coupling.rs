@@ -18,6 +18,15 @@ pub(crate) enum Parking {
 }
 
 impl Parking {
+    /// Its number in the program.
+    pub(crate) fn number(self) -> f64 {
+        match self {
+            Self::Neither => 0.0,
+            Self::Master => 1.0,
+            Self::Slave => 2.0,
+        }
+    }
+
     /// By the number in the program.
     pub(crate) fn of(number: f64) -> Option<Self> {
         [Self::Neither, Self::Master, Self::Slave]
@@ -49,6 +58,15 @@ pub(crate) struct Coupling {
     pub(crate) own: Option<(Axis, (f64, f64, f64))>,
 }
 
+/// What a channel knows of couplings that one channel commands alone.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Alone {
+    /// Whether the program of the channel, and programs of other channels, have the code; unknown until that matters.
+    pub(crate) words: Option<[bool; 2]>,
+    /// How many of them the channel has learned of.
+    pub(crate) learned: usize,
+}
+
 impl Coupling {
     /// The own axis follows the other one: its words are no commands.
     pub(crate) fn follows(&self) -> bool {
@@ -76,7 +94,8 @@ impl Axis {
             rapid: other.rapid / 60.0,
             dynamics: other.dynamics.per_second(),
             home: point(other.home),
-            references: other.references.map(|place| place.map(point)),
+            references: other.positioning.references.map(|place| place.map(point)),
+            floating: other.positioning.floating.map(point),
             limits: limits.map(|(one, two)| (one.min(two), one.max(two))),
             ..self.clone()
         }

@@ -14,6 +14,7 @@ pub(crate) mod corner;
 pub(crate) mod coupling;
 pub(crate) mod cutter;
 pub(crate) mod cycle;
+pub(crate) mod figure;
 pub(crate) mod frames;
 pub(crate) mod modal;
 pub(crate) mod pace;
@@ -113,6 +114,8 @@ pub(crate) struct Others {
     pub(crate) balance: Option<Wait>,
     /// Axes that are coupled with axes of other channels.
     pub(crate) couplings: Vec<coupling::Coupling>,
+    /// Couplings that one channel commands alone.
+    pub(crate) alone: coupling::Alone,
     /// Radius of the last cylinder that was mapped.
     pub(crate) cylinder: Option<f64>,
 }
@@ -143,6 +146,7 @@ impl Others {
             running: [None; 2],
             balance: None,
             couplings: Vec::new(),
+            alone: coupling::Alone::default(),
             cylinder: None,
         }
     }

@@ -24,6 +24,8 @@ pub(crate) struct Axis {
     pub(crate) dynamics: Dynamics,
     pub(crate) home: f64,
     pub(crate) references: [Option<f64>; 3],
+    pub(crate) floating: Option<f64>,
+    pub(crate) one_way: f64,
     pub(crate) limits: Option<(f64, f64)>,
 }
 
@@ -141,7 +143,9 @@ impl Place {
                 rapid: a.rapid / 60.0,
                 dynamics: a.dynamics.per_second(),
                 home: a.home,
-                references: a.references,
+                references: a.positioning.references,
+                floating: a.positioning.floating,
+                one_way: a.positioning.one_way,
                 limits: a.limits,
             }
         });

@@ -39,8 +39,12 @@ pub(crate) fn wait(machine: &Machine, said: Said) -> Result<Wait, String> {
     let named = said.list.map(|list| channels::named(list, machine.sync.paths, everybody)).transpose()?;
     let parts = match named {
         Some(named) => named.with(said.channel),
-        None => everybody,
+        // The first two paths (B-63944EN-1/02).
+        None => everybody.iter().take(2).collect(),
     };
+    if !parts.has(said.channel) {
+        return Err(format!("channel {} takes no part: give the channels by P", said.channel));
+    }
     if parts.count() != 2 {
         return Err(format!("two channels cut in balance, not {}", parts.count()));
     }

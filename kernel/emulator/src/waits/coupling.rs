@@ -4,10 +4,13 @@
 //! master, Q the slave, both by their numbers of parameter 12600. Decisions: each code is a wait of the channels of both axes,
 //! which stand in different channels. *Invariant:* two channels take part.
 
-use counterpoint_event::event::Primitive;
+use counterpoint_event::event::{FileId, Primitive};
+use counterpoint_event::info::Info;
 use counterpoint_machine::ident::{CodeId, codes};
 use counterpoint_machine::index::AxisId;
 use counterpoint_machine::model::Machine;
+use counterpoint_program::shape::Range;
+use counterpoint_program::sources::SeenSources;
 use counterpoint_sync::wait::{Key, Rule, Set, Style, Wait};
 
 use super::{COUPLING, extra_rule};
@@ -102,6 +105,39 @@ pub(crate) fn end(machine: &Machine, letter: char, number: Option<f64>) -> Resul
         (Some(_), Some(_)) => Err(format!("axis {} belongs to several channels", machine.axes[axis].name)),
         (None, _) => Err(format!("axis {} belongs to no channel", machine.axes[axis].name)),
     }
+}
+
+/// Whether the program of a channel, and programs of other channels, have the code of synchronous control.
+pub(crate) fn words(machine: &Machine, (info, sources): (&Info, SeenSources<'_>), own: (FileId, Range)) -> [bool; 2] {
+    let mut found = [false; 2];
+    let Some(word) = super::word(machine, codes::COUPLE_SYNCHRONOUS) else { return found };
+    let mut files: Vec<FileId> = info.channels.iter().filter(|c| !c.program.is_empty()).map(|c| c.file).collect();
+    files.sort_unstable();
+    files.dedup();
+    for file in files {
+        let Some(source) = sources.get(file) else { continue };
+        for line in (1..=source.lines()).filter(|&line| has_word(source.line(line), word.as_bytes())) {
+            let is_own = file == own.0 && (own.1.first..=own.1.last).contains(&line);
+            if let Some(slot) = found.get_mut(usize::from(!is_own)) {
+                *slot = true;
+            }
+        }
+    }
+    found
+}
+
+/// A line has a word outside of comments.
+fn has_word(line: &[u8], word: &[u8]) -> bool {
+    let mut deep = 0_u32;
+    line.iter().enumerate().any(|(at, byte)| {
+        match byte {
+            b'(' => deep += 1,
+            b')' => deep = deep.saturating_sub(1),
+            _ => {}
+        }
+        let here = line.get(at..at + word.len()).is_some_and(|text| text.eq_ignore_ascii_case(word));
+        deep == 0 && here
+    })
 }
 
 /// Two axes as a code couples them.

@@ -129,7 +129,7 @@ mod tests {
                 | CodeKind::Arc(_)
                 | CodeKind::Thread(_)
                 | CodeKind::Length { .. } => {
-                    let families = ["CLAMP_", "UNCLAMP_", "COOLANT_", "SPINDLE0", "TOOL_", "RTCP"];
+                    let families = ["CLAMP_", "UNCLAMP_", "COOLANT_", "SPINDLE0", "TOOL_LOAD", "TOOL_SELECT", "RTCP"];
                     assert!(!families.iter().any(|family| starts(&format!("CODE_{family}"))), "{}", facts.name);
                 }
             }

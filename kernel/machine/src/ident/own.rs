@@ -96,6 +96,24 @@ macro_rules! with_own {
             THREAD_LEAD_Z 0 90 true true Plain => ": the lead of threads counts along Z (Okuma M26)";
             THREAD_LEAD_X 0 90 true true Plain => ": along X (Okuma M27)";
             TURN_LAP_THREAD 1 500 true true Turning(TurningCycle::Lap(Lap::Thread)) => ": the passes of a thread along a named contour (Okuma G88)";
+            GOHOME_CHECK 0 450 true true Plain => ": rapid move that must end at the reference point (Fanuc G27)";
+            GOHOME_FLOATING 0 450 true true Plain => ": return to the floating reference point (Fanuc G30.1)";
+            RAPID_ONE_WAY 0 450 true true Plain => ": rapid move that comes to its end from one direction (Fanuc G60)";
+            POSITION_PRESET_OFF 0 450 true true Plain => ": ends the presets and the local shift of the axes that the block names (Fanuc G92.1)";
+            TOOL_MEASURE 0 450 true true Plain => ": rapid move to where the control measures the tool (Fanuc G37)";
+            TOOL_LENGTHEN 0 480 true true Plain => ": the moves of the block are longer by an offset (Fanuc G45)";
+            TOOL_SHORTEN 0 480 true true Plain => ": shorter (Fanuc G46)";
+            TOOL_LENGTHEN_TWICE 0 480 true true Plain => ": longer by twice the offset (Fanuc G47)";
+            TOOL_SHORTEN_TWICE 0 480 true true Plain => ": shorter by twice the offset (Fanuc G48)";
+            CONTOUR_ROUND 0 100 true true Plain => ": an arc joins the offsets of the last block and the next outside of their corner (Fanuc G39)";
+            CORNER_OVERRIDE 15 100 true true Mode("corner override") => ": the control slows down at inside corners (Fanuc G62)";
+            TAPPING_MODE 15 100 true true Mode("tapping mode") => ": overrides and feed hold do not act (Fanuc G63)";
+            FIGURE_TURN 0 300 true true Plain => ": calls a program several times, turned further each time (Fanuc G72.1)";
+            FIGURE_SHIFT 0 300 true true Plain => ": calls a program several times, shifted further each time (Fanuc G72.2)";
+            POLYGON_ON 120 100 true true Mode("polygon on") => ": a tool axis turns with the spindle (Fanuc G51.2)";
+            POLYGON_OFF 120 100 true true Mode("polygon off") => ": ends that (Fanuc G50.2)";
+            TURRET_OPPOSITE 104 100 true true Plain => ": X is mirrored for tools of the turret on the other side of the turning axis (Fanuc G68 of lathes)";
+            TURRET_OWN 104 100 true true Plain => ": ends that (Fanuc G69)";
             TURN_PASS 0 100 true true Plain => ": one more pass of the thread along a named contour that comes (Okuma G88)";
         }
     };

@@ -107,6 +107,14 @@ const OWN: &[(&[CodeId], &str)] = &[
         "REG_INTERP_THREAD_* REG_ARC_RADIUS REG_ARC_CENTER_* REG_AXIS_*",
     ),
     (&[codes::TURN_PASS], "REG_TURN_PASS_*"),
+    (&[codes::GOHOME_CHECK, codes::GOHOME_FLOATING, codes::RAPID_ONE_WAY, codes::POSITION_PRESET_OFF], "REG_AXIS_*"),
+    (&[codes::TOOL_MEASURE], "REG_OFFSET_VALUE REG_FEED_UPM REG_AXIS_*"),
+    (
+        &[codes::TOOL_LENGTHEN, codes::TOOL_SHORTEN, codes::TOOL_LENGTHEN_TWICE, codes::TOOL_SHORTEN_TWICE],
+        "REG_COMP_DIAM REG_AXIS_* REG_ARC_CENTER_*",
+    ),
+    (&[codes::FIGURE_TURN], "REG_CALSUB_ID REG_CALSUB_REPEAT REG_LCS_ROT_CENTER_* REG_LCS_ROT_ANGLE"),
+    (&[codes::FIGURE_SHIFT], "REG_CALSUB_ID REG_CALSUB_REPEAT REG_ARC_CENTER_*"),
     (&[codes::DISPLY], "the text of the message"),
     (&[codes::COMMENT], "the text of the comment"),
 ];

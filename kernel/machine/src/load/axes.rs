@@ -6,7 +6,7 @@ use super::defaults;
 use super::names::Names;
 use crate::ident::{self, DataId};
 use crate::index::{AxisId, Table};
-use crate::model::{Axis, AxisCoupling, AxisRole, Dynamics, Turn};
+use crate::model::{Axis, AxisCoupling, AxisRole, Dynamics, Positioning, Turn};
 use crate::rows::DataRow;
 use crate::toml::section::Section;
 
@@ -57,7 +57,7 @@ fn read_row(row: &mut Section<'_>, names: &Names<'_>) -> Option<Axis> {
     let rapid = row.above_zero("rapid").unwrap_or(1.0);
     let dynamics = dynamics(row);
     let home = row.number("home").unwrap_or(0.0);
-    let references = references(row);
+    let positioning = positioning(row);
     let limits = limits(row, home);
     let (vector, center) = super::kinematics::read_axis(row, data, role);
     let turns = [("position", Turn::Position), ("shortest", Turn::Shortest), ("sign", Turn::Sign)];
@@ -82,7 +82,7 @@ fn read_row(row: &mut Section<'_>, names: &Names<'_>) -> Option<Axis> {
         rapid,
         dynamics,
         home,
-        references,
+        positioning,
         limits,
         vector,
         center,
@@ -132,10 +132,14 @@ fn role(row: &mut Section<'_>) -> Option<AxisRole> {
     row.choice("role", &words)
 }
 
-fn references(row: &mut Section<'_>) -> [Option<f64>; 3] {
+fn positioning(row: &mut Section<'_>) -> Positioning {
     let points = row.numbers("references", 0..=3).unwrap_or_default();
     let mut points = points.into_iter();
-    [points.next(), points.next(), points.next()]
+    Positioning {
+        references: [points.next(), points.next(), points.next()],
+        floating: row.number("floating"),
+        one_way: row.number("one_way").unwrap_or(0.0),
+    }
 }
 
 fn limits(row: &mut Section<'_>, home: f64) -> Option<(f64, f64)> {

@@ -41,7 +41,15 @@ pub(super) fn arcs(top: &mut Section<'_>, unit: Unit) -> Arcs {
 /// Reads `[turning]`.
 pub(super) fn turning(top: &mut Section<'_>, unit: Unit) -> Turning {
     let one = if unit == Unit::Inch { 0.04 } else { 1.0 };
-    let mut turning = Turning { two_lines: false, depth: 0.0, retract: one, back: one, pockets: true, retracts: false };
+    let mut turning = Turning {
+        two_lines: false,
+        depth: 0.0,
+        retract: one,
+        back: one,
+        pockets: true,
+        retracts: false,
+        opposite: 0.0,
+    };
     let Some(mut section) = top.table("turning", "[turning]") else { return turning };
     let forms = [("one-line", false), ("two-line", true)];
     turning.two_lines = section.choice("form", &forms).unwrap_or(turning.two_lines);
@@ -52,6 +60,7 @@ pub(super) fn turning(top: &mut Section<'_>, unit: Unit) -> Turning {
     turning.pockets = section.choice("pockets", &types).unwrap_or(turning.pockets);
     let ends = [("contour", false), ("retract", true)];
     turning.retracts = section.choice("rapid_end", &ends).unwrap_or(turning.retracts);
+    turning.opposite = section.at_least_zero("opposite").unwrap_or(turning.opposite);
     section.finish();
     turning
 }

@@ -63,6 +63,8 @@ pub struct Turning {
     pub pockets: bool,
     /// A rapid move at the end of a contour is the way off it, and none of it.
     pub retracts: bool,
+    /// Distance of two opposite turrets, for codes that mirror X.
+    pub opposite: f64,
 }
 
 /// Threading cycles.

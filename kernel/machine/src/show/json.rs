@@ -195,7 +195,9 @@ fn axis_json(machine: &Machine, axis: &Axis) -> Value {
         "jerk": axis.dynamics.jerk,
         "corner_speed": axis.dynamics.corner_speed,
         "home": axis.home,
-        "references": axis.references,
+        "references": axis.positioning.references,
+        "floating": axis.positioning.floating,
+        "one_way": axis.positioning.one_way,
         "limits": axis.limits,
     })
 }

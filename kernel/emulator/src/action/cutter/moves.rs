@@ -197,6 +197,7 @@ impl Act<'_, '_> {
                 Corner { end: offset.at_end(element), links: vec![Link::Line(offset.at_start(next))], hurts: false }
             }
             Some(next) if let ContourEnd::Extended(by) = waits.end => offset.extended(element, next, here, by),
+            Some(next) if waits.end == ContourEnd::Round => Offset { corner: 2, ..offset }.between(element, next, here),
             Some(next) if waits.end == ContourEnd::Sharp => Offset { corner: 1, ..offset }.between(element, next, here),
             Some(next) => offset.between(element, next, here),
             None => {

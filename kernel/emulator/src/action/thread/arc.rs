@@ -18,7 +18,12 @@ use counterpoint_machine::index::AxisSlot;
 /// Cuts one pass along a circle.
 pub(super) fn thread(act: &mut Act<'_, '_>, clockwise: bool, code: &PendingCode) -> Acted {
     let (pitch, _) = super::take_pitch(act);
-    let change = super::take_change(act, LeadChange::May, code.modal);
+    // Where one letter is both, it is the centre here (Fanuc K).
+    let centers = [data::ARC_CENTER_X, data::ARC_CENTER_Y, data::ARC_CENTER_Z];
+    let of_centers = centers.into_iter().fold(0, |bits, id| bits | act.registers_of(id));
+    let is_center = act.registers_of(data::INTERP_THREAD_PITCH_VAR) & of_centers != 0;
+    let may = if is_center { LeadChange::None } else { LeadChange::May };
+    let change = super::take_change(act, may, code.modal);
     act.take(data::INTERP_THREAD_ANGLE);
     let starts = super::take_starts(act);
     act.state.threads.starts = starts;

@@ -1,0 +1,111 @@
+//! Copies of a figure: a program is called several times, turned or shifted further each time.
+//!
+//! Facts: Fanuc G72.1 P L X Y R and G72.2 P L I J K; the first copy lies where the program draws it, the n-th is turned by
+//! n − 1 times the angle about an absolute centre. *Invariant:* the machine does not move; the programmed point changes.
+
+use counterpoint_fault as diag;
+use counterpoint_fault::Acted;
+use counterpoint_machine::ident::data;
+use counterpoint_machine::ident::{DataId, codes};
+use counterpoint_motion::frame::affine::{Affine, Point};
+use counterpoint_motion::frame::local::{Local, Part, Programmed};
+
+use crate::act::Act;
+use crate::action::cutter;
+use crate::action::entry::Entry;
+use crate::state::figure::{Copy, Figure};
+
+/// Codes and what they do.
+pub(crate) const ENTRIES: &[Entry] = &[
+    Entry::of(&[codes::FIGURE_TURN], |act, _, _| turn(act)),
+    Entry::of(&[codes::FIGURE_SHIFT], |act, _, _| shift(act)),
+];
+
+const CENTER: [DataId; 3] = [data::LCS_ROT_CENTER_X, data::LCS_ROT_CENTER_Y, data::LCS_ROT_CENTER_Z];
+const STEP: [DataId; 3] = [data::ARC_CENTER_X, data::ARC_CENTER_Y, data::ARC_CENTER_Z];
+
+fn turn(act: &mut Act<'_, '_>) -> Acted {
+    let center = lengths(act, CENTER);
+    let Some(angle) = act.take(data::LCS_ROT_ANGLE).map(|datum| datum.value) else {
+        return missing(act, "the angle of its copies");
+    };
+    call(act, Copy::Turned(angle, center))
+}
+
+fn shift(act: &mut Act<'_, '_>) -> Acted {
+    let by = lengths(act, STEP);
+    call(act, Copy::Shifted(by))
+}
+
+/// Lengths as geometry, 0 without a word.
+fn lengths(act: &mut Act<'_, '_>, ids: [DataId; 3]) -> Point {
+    let mut taken = [0.0; 3];
+    for (role, (slot, id)) in taken.iter_mut().zip(ids).enumerate() {
+        let scale = act.state.place.scale_of(role);
+        *slot = act.take(id).map_or(0.0, |datum| datum.value * scale);
+    }
+    taken
+}
+
+fn missing(act: &mut Act<'_, '_>, what: &str) -> Acted {
+    let text = format!("a copy of a figure needs {what} in '{}'; it is not made", act.block_text());
+    act.diagnose(&diag::DATA_MISSING, text);
+    act.take(data::CALSUB_ID);
+    act.take(data::CALSUB_REPEAT);
+    act.check_stop()
+}
+
+fn call(act: &mut Act<'_, '_>, copy: Copy) -> Acted {
+    let id = act.take(data::CALSUB_ID).map(|datum| datum.value);
+    let repeat = act.take(data::CALSUB_REPEAT).map(|datum| datum.value);
+    let Some(program) = id.filter(|v| *v >= 1.0 && *v <= f64::from(u32::MAX) && v.fract() == 0.0) else {
+        let text = format!("a copy of a figure needs a program number in '{}'", act.block_text());
+        return Err(act.alarm(&diag::SUBPROGRAM_MISSING, text));
+    };
+    act.flush_lookahead()?;
+    let base = act.state.place.frames.as_deref().map_or_else(Local::default, |frames| frames.local.clone());
+    let passes = repeat.map_or(1, |count| act.passes(count)).max(1);
+    act.call_figure(program as u32, passes, Box::new(Figure { copy, made: 0, base }));
+    Ok(())
+}
+
+/// The part that a copy adds to the local frame.
+fn part(act: &Act<'_, '_>, figure: &Figure) -> Option<(Part, Programmed)> {
+    let times = f64::from(figure.made);
+    match figure.copy {
+        Copy::Turned(angle, center) => {
+            let about = super::local::normal(act);
+            let map = Affine::rotation(about, angle * times)?.around(center);
+            let given = Programmed { map, values: about, center: Some(center), order: "IJK", angle: angle * times };
+            Some((Part::Rotate, given))
+        }
+        Copy::Shifted(by) => {
+            let by = by.map(|step| step * times);
+            Some((Part::Translate, Programmed::new(Affine::translation(by), by)))
+        }
+    }
+}
+
+/// The frame of the next copy (`on`), or the frame before all copies.
+pub(super) fn put(act: &mut Act<'_, '_>, figure: &Figure, on: bool) -> Acted {
+    act.flush_lookahead()?;
+    let levels = act.cycle_levels();
+    let before = act.counts_from();
+    let mirrored = cutter::mirror::is_mirrored(act);
+    let mut local = figure.base.clone();
+    let has = act.state.place.has_axes();
+    if on
+        && let Some((part, given)) = part(act, figure)
+        && let Err(refused) = local.add(part, given, has)
+    {
+        super::local::refuse(act, refused);
+    }
+    act.frames().local = local;
+    act.frames_changed();
+    cutter::mirror::frame_changed(act, mirrored);
+    act.keep_ways(before);
+    act.keep_levels(levels);
+    let text = act.frame_text();
+    act.emit(0, counterpoint_event::event::Kind::mode(text));
+    Ok(())
+}

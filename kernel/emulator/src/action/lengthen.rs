@@ -1,0 +1,91 @@
+//! Tool offsets by which the moves of a block are longer or shorter (Fanuc G45 to G48).
+//!
+//! Facts: Mitsubishi M700V programming manual 12.6: the offset acts along each axis of the block, in the direction of its way; a
+//! way of 0 has the direction of its sign in G91 and none in G90; canned cycles ignore the code. Centres of circles are longer
+//! as their ends are (examples of the same section). *Invariant:* words change before the motion of their block takes them,
+//! nothing else does.
+
+use crate::act::Act;
+use crate::action::entry::{Contour, Entry};
+use crate::state::modal::group;
+use counterpoint_fault::Acted;
+use counterpoint_machine::ident::dimension::Dimension;
+use counterpoint_machine::ident::kind::CodeKind;
+use counterpoint_machine::ident::{DataId, codes, data};
+use counterpoint_machine::index::BySlot;
+
+/// Codes and what they do.
+pub(crate) const ENTRIES: &[Entry] = &[
+    Entry::of(&[codes::TOOL_LENGTHEN], |act, _, _| lengthen(act, 1.0)).contour(Contour::Waits),
+    Entry::of(&[codes::TOOL_SHORTEN], |act, _, _| lengthen(act, -1.0)).contour(Contour::Waits),
+    Entry::of(&[codes::TOOL_LENGTHEN_TWICE], |act, _, _| lengthen(act, 2.0)).contour(Contour::Waits),
+    Entry::of(&[codes::TOOL_SHORTEN_TWICE], |act, _, _| lengthen(act, -2.0)).contour(Contour::Waits),
+];
+
+const CENTERS: [DataId; 3] = [data::ARC_CENTER_X, data::ARC_CENTER_Y, data::ARC_CENTER_Z];
+
+/// Lengthens the ways of the block by so many times the offset.
+fn lengthen(act: &mut Act<'_, '_>, times: f64) -> Acted {
+    super::compensation::take_diameter(act);
+    if act.state.cycle.running {
+        return Ok(());
+    }
+    let by = times * act.cutter_radius(act.diameter_number());
+    let relative = act.state.modal.code(group::POSITION) == Some(codes::POSITION_RELATIVE);
+    let stands = act.programmed();
+    for slot in act.state.place.layout.axes.ids() {
+        let axis = &act.state.place.layout.axes[slot];
+        if axis.rotary {
+            continue;
+        }
+        let way = if relative { Way::Distance } else { Way::From(stands.at(slot)) };
+        change(act, axis.data, way, by);
+    }
+    if is_circle(act) {
+        for id in CENTERS {
+            change(act, id, Way::Center, by);
+        }
+    }
+    Ok(())
+}
+
+/// The block moves along a circle.
+fn is_circle(act: &Act<'_, '_>) -> bool {
+    let is_arc = |id: counterpoint_machine::ident::CodeId| matches!(id.kind(), CodeKind::Arc(_));
+    let rows = act.block.pending.iter().map(|pending| &act.env.machine.codes[pending.row]);
+    let mut motions = rows.filter(|row| row.group == group::MOTION).map(|row| row.id).peekable();
+    match motions.peek() {
+        Some(_) => motions.any(is_arc),
+        None => act.state.modal.code(group::MOTION).is_some_and(is_arc),
+    }
+}
+
+/// What a word says about a way.
+#[derive(Clone, Copy)]
+enum Way {
+    /// The way itself; 0 has the direction of its sign.
+    Distance,
+    /// Its end, from this position on; no way has no direction.
+    From(f64),
+    /// From its start to a centre.
+    Center,
+}
+
+/// Lengthens the way of one word.
+fn change(act: &mut Act<'_, '_>, id: DataId, said: Way, by: f64) {
+    let registers = act.registers_of(id);
+    let factor = act.unit_factor(Dimension::Length);
+    for word in &mut act.block.words {
+        if word.used || registers & word.register.bit() == 0 {
+            continue;
+        }
+        let (way, no_way_counts) = match said {
+            Way::From(from) if !word.incremental => (word.value * factor - from, false),
+            Way::From(_) | Way::Distance => (word.value, true),
+            Way::Center => (word.value, false),
+        };
+        if way != 0.0 || no_way_counts {
+            word.value += by * way.signum() / factor;
+        }
+    }
+}

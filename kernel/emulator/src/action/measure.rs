@@ -1,0 +1,42 @@
+//! Automatic measuring of a tool (Fanuc G37, G36 of lathes; Mitsubishi G37).
+//!
+//! The tool goes to where the program expects it to reach the measuring device. *Invariant:* there is no device here, so its
+//! signal comes where the program expects it: offsets stay as they are, and a warning says so.
+
+use crate::act::Act;
+use crate::action::entry::{Contour, Entry};
+use counterpoint_event::event::FeedUnit;
+use counterpoint_fault as diag;
+use counterpoint_fault::Acted;
+use counterpoint_machine::ident::{codes, data};
+use counterpoint_machine::index::BySlot;
+
+/// Codes and what they do.
+pub(crate) const ENTRIES: &[Entry] =
+    &[Entry::of(&[codes::TOOL_MEASURE], |act, _, _| measure(act)).contour(Contour::Leaves)];
+
+/// Rapid up to a distance from the point, the rest at a feed, both where the block says them.
+fn measure(act: &mut Act<'_, '_>) -> Acted {
+    let distance = act.take(data::OFFSET_VALUE).map(|datum| datum.value.abs());
+    let feed = act.take(data::FEED_UPM).map(|datum| datum.value).filter(|feed| *feed > 0.0);
+    let (coded, target) = act.targets();
+    if coded == 0 {
+        return Ok(());
+    }
+    let from = act.state.place.position;
+    let mut near = target;
+    for slot in act.state.place.layout.axes.ids().filter(|slot| coded & slot.bit() != 0) {
+        let way = target.at(slot) - from.at(slot);
+        let left = distance.unwrap_or(0.0).min(way.abs());
+        *near.at_mut(slot) -= left.copysign(way);
+    }
+    act.rapid_to(coded, near)?;
+    match feed {
+        Some(feed) => act.feed_to(coded, target, Some(feed), FeedUnit::PerMinute)?,
+        None => act.rapid_to(coded, target)?,
+    }
+    let text =
+        format!("the tool is taken to have the length of its offset in '{}': the offset stays", act.block_text());
+    act.diagnose(&diag::MEASURE_ASSUMED, text);
+    Ok(())
+}

@@ -1,0 +1,140 @@
+//! Synchronous control that one channel commands alone: the other channel learns of it at the next barrier of both.
+//!
+//! Facts: Fanuc programs command G51.4 and G50.4 in one path, between waiting codes of both. *Invariant:* what a channel learns
+//! depends on the order of shared operations, so on simulated time alone.
+
+use counterpoint_fault::Acted;
+use counterpoint_sync::shared::Alone;
+
+use super::Kernel;
+use super::coupling::{Meeting, key as coupling_key};
+use crate::state::coupling::{Coupling, Parking};
+use crate::waits::coupling::{self, Kind, Pair};
+
+impl Kernel<'_> {
+    /// The program of this channel alone has the code of synchronous control.
+    pub(crate) fn couples_alone(&mut self) -> bool {
+        self.words_of_couplings() == [true, false]
+    }
+
+    /// Only programs of other channels have it.
+    pub(super) fn hears_of_couplings(&mut self) -> bool {
+        let machine = self.channel.env.machine;
+        machine.axes.iter().any(|axis| axis.coupling.number.is_some()) && self.words_of_couplings() == [false, true]
+    }
+
+    /// Whether the program of this channel, and programs of other channels, have the code.
+    fn words_of_couplings(&mut self) -> [bool; 2] {
+        if let Some(words) = self.channel.state.others.alone.words {
+            return words;
+        }
+        let Some(main) = self.flow.frames.first().map(|frame| (frame.file, frame.range)) else { return [false; 2] };
+        let env = &self.channel.env;
+        let words = coupling::words(env.machine, (env.info, env.sources), main);
+        self.channel.state.others.alone.words = Some(words);
+        words
+    }
+
+    /// Couples an axis of this channel with one of another channel, which learns of it. The same pair again changes what is parked.
+    pub(crate) fn couple_alone(&mut self, pair: Pair, parking: Parking) -> Acted {
+        self.flush_lookahead()?;
+        self.end_own(&pair)?;
+        self.say(&pair, parking, true)?;
+        self.begin_coupling(pair, parking);
+        self.tell(&pair, Meeting::Between)?;
+        self.forget_theirs(&pair)?;
+        self.log_coupling(&pair, "", None);
+        Ok(())
+    }
+
+    /// Ends such a coupling.
+    pub(crate) fn end_alone(&mut self, pair: Pair) -> Acted {
+        self.flush_lookahead()?;
+        self.say(&pair, Parking::Neither, false)?;
+        let moved = self.end_own(&pair)?;
+        self.log_coupling(&pair, " off", moved);
+        self.channel.check_stop()
+    }
+
+    /// The other channel has moved nothing since.
+    fn forget_theirs(&mut self, pair: &Pair) -> Acted {
+        let Some((own, other)) = pair.of(self.channel.at.channel) else { return Ok(()) };
+        let key = coupling_key(other, own, Meeting::Between);
+        self.shared(|order| order.shared.coupled.remove(&key)).map(|_| ())
+    }
+
+    /// Tells the other channel.
+    fn say(&mut self, pair: &Pair, parking: Parking, on: bool) -> Acted {
+        let Some((own, _)) = pair.of(self.channel.at.channel) else { return Ok(()) };
+        let alone = Alone {
+            by: own.channel,
+            master: pair.master.number,
+            slave: pair.slave.number,
+            parking: parking.number(),
+            on,
+            stand: self.stand_of(pair, own),
+        };
+        self.shared(|order| order.shared.alone.push(alone))
+    }
+
+    /// The coupling begins for the axis of this channel.
+    fn begin_coupling(&mut self, pair: Pair, parking: Parking) {
+        let Some((own, _)) = pair.of(self.channel.at.channel) else { return };
+        let Some(slot) = self.channel.state.place.layout.axes.find(|axis| axis.machine == own.axis) else { return };
+        let stood = self.place_of(slot);
+        let slave = own == pair.slave;
+        let coupling = Coupling { pair, slot, slave, parking, stood, from: stood, meetings: 0, own: None };
+        self.channel.state.others.couplings.push(coupling);
+        self.hold_followers();
+    }
+
+    /// Ends a coupling that this channel has commanded: a slave is where its master had brought it at the last barrier.
+    fn end_own(
+        &mut self,
+        pair: &Pair,
+    ) -> Result<Option<counterpoint_machine::index::AxisSlot>, counterpoint_fault::Halt> {
+        let sign = pair.sign(self.channel.env.machine);
+        let coupled = self.channel.state.others.couplings.iter().find(|coupling| coupling.pair == *pair);
+        let theirs = coupled.map_or(0.0, |coupling| sign * (self.place_of(coupling.slot) - coupling.stood));
+        Ok(self.uncouple(pair, theirs))
+    }
+
+    /// Takes part in what another channel has commanded alone.
+    #[cold]
+    #[inline(never)]
+    pub(super) fn learn_couplings(&mut self) -> Acted {
+        let known = self.channel.state.others.alone.learned;
+        let news = self.shared(|order| order.shared.alone.get(known..).map_or_else(Vec::new, <[Alone]>::to_vec))?;
+        self.channel.state.others.alone.learned += news.len();
+        let (machine, own) = (self.channel.env.machine, self.channel.at.channel);
+        for alone in news.iter().filter(|alone| alone.by != own) {
+            let end = |letter, number: u16| coupling::end(machine, letter, Some(f64::from(number)));
+            let ends = end('P', alone.master).and_then(|master| Ok((master, end('Q', alone.slave)?)));
+            let Ok((master, slave)) = ends else { continue };
+            let pair = Pair { kind: Kind::Synchronous, master, slave };
+            if pair.of(own).is_none() {
+                continue;
+            }
+            self.flush_lookahead()?;
+            let moved = self.uncouple(&pair, alone.stand.by);
+            if !alone.on {
+                self.log_coupling(&pair, " off", moved);
+                continue;
+            }
+            self.begin_coupling(pair, Parking::of(alone.parking).unwrap_or_default());
+            self.log_coupling(&pair, "", None);
+            self.follow_since(&pair)?;
+        }
+        self.channel.check_stop()
+    }
+
+    /// A slave is where its master has brought it since the coupling was commanded.
+    fn follow_since(&mut self, pair: &Pair) -> Acted {
+        let coupled = self.channel.state.others.couplings.iter().find(|coupling| coupling.pair == *pair);
+        let follows = coupled.filter(|coupling| coupling.follows() && coupling.parking != Parking::Slave);
+        let Some((slot, stood)) = follows.map(|coupling| (coupling.slot, coupling.stood)) else { return Ok(()) };
+        let by = pair.sign(self.channel.env.machine) * self.hear(pair, Meeting::Between)?.by;
+        self.put(slot, stood + by);
+        Ok(())
+    }
+}

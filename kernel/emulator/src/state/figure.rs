@@ -1,0 +1,46 @@
+//! A figure that a program draws several times, each time at another place (Fanuc G72.1, G72.2).
+//!
+//! *Invariant:* the frame of a copy is made of the frame before all copies, so errors do not add up.
+
+use counterpoint_motion::frame::affine::Point;
+use counterpoint_motion::frame::local::Local;
+
+/// How a copy lies to the one before it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Copy {
+    /// Turned by an angle in degrees about a point, in the active plane.
+    Turned(f64, Point),
+    /// Shifted.
+    Shifted(Point),
+}
+
+impl Copy {
+    /// Both are of one kind.
+    pub(crate) fn is_like(self, other: Self) -> bool {
+        matches!((self, other), (Self::Turned(..), Self::Turned(..)) | (Self::Shifted(_), Self::Shifted(_)))
+    }
+
+    /// The alarm for one within another of its kind.
+    pub(crate) fn alarm(self) -> &'static str {
+        match self {
+            Self::Turned(..) => "PS0900",
+            Self::Shifted(_) => "PS0901",
+        }
+    }
+}
+
+/// A figure that is being copied.
+#[derive(Debug, Clone)]
+pub(crate) struct Figure {
+    pub(crate) copy: Copy,
+    /// Copies made before the one that runs.
+    pub(crate) made: u32,
+    /// The local frame before the first one.
+    pub(crate) base: Local,
+}
+
+impl PartialEq for Figure {
+    fn eq(&self, other: &Self) -> bool {
+        (self.copy, self.made) == (other.copy, other.made)
+    }
+}
