@@ -70,7 +70,7 @@ impl Kernel<'_> {
     pub(crate) fn find_program(&mut self, what: &Callee) -> Result<Option<(FileId, Range)>, Halt> {
         if let Callee::ProgramFrom(number, first) = *what {
             let whole = self.find_program(&Callee::Program(number))?;
-            return Ok(whole.and_then(|(file, range)| Some((file, self.from_sequence(file, range, first)?))));
+            return Ok(whole.and_then(|(file, range)| Some((file, self.begun_at(file, range, first)?))));
         }
         let Callee::Program(number) = *what else { return self.look_for_program(what) };
         let [Some(main), Some(caller)] = [self.flow.frames.first(), self.flow.frames.last()] else {
@@ -91,7 +91,7 @@ impl Kernel<'_> {
     }
 
     /// The blocks of a program from a line with a sequence number on.
-    fn from_sequence(&self, file: FileId, range: Range, number: u32) -> Option<Range> {
+    fn begun_at(&self, file: FileId, range: Range, number: u32) -> Option<Range> {
         let mut blocks = self.channel.env.sources.get(file)?.sequences(number).iter();
         let inside = |line: u32| (range.first..=range.last).contains(&line);
         let first = blocks.find(|block| block.offset == 0 && inside(block.line))?.line;
