@@ -20,6 +20,8 @@ use crate::{pack, results};
 const ROWS: usize = 20;
 /// A channel is judged up to a block only.
 const ENDS_EARLY: u32 = 2_900_441;
+/// The outcome of waits depends on which channel comes first.
+const ORDER: u32 = 2_900_444;
 
 /// Executes the command.
 pub(crate) async fn lint(arguments: Lint) -> Result<u8, Error> {
@@ -47,7 +49,9 @@ pub(crate) async fn lint(arguments: Lint) -> Result<u8, Error> {
 
 /// The report for people.
 fn report(summary: &Summary, most: usize) -> String {
-    let lost = summary.diagnostics.iter().any(|diagnostic| diagnostic.number == ENDS_EARLY);
+    let said = |number| summary.diagnostics.iter().any(|diagnostic| diagnostic.number == number);
+    let waits_in_vain = summary.channels.iter().any(|channel| channel.state == "BLOCKED");
+    let lost = said(ENDS_EARLY) || said(ORDER) && waits_in_vain;
     let (text, style) = match (summary.state.as_str(), lost) {
         ("SUCCEEDED", false) if summary.highest_severity < 4 => ("no mistake found", GOOD),
         ("SUCCEEDED", false) => ("no mistake found", WARN),

@@ -2,11 +2,12 @@
 
 use counterpoint_kernel::log::summary::{State, Summary};
 use counterpoint_kernel::options::Options;
-use counterpoint_tests::{Work, machine};
+use counterpoint_tests::{Work, cases, machine};
 
 const ENDS_EARLY: u32 = 2_900_441;
 const TARGET: u32 = 2_900_442;
 const UNREADABLE: u32 = 2_900_443;
+const ORDER: u32 = 2_900_444;
 const LOOPS: u32 = 2_900_446;
 
 fn work(name: &str, programs: &[&str]) -> Work {
@@ -156,10 +157,78 @@ fn okuma_citizen_and_isg_programs_are_followed() {
     assert!(never.verdict.unwrap().text.contains("channel 2 waits at p2.nc line 1 '#WAIT [ID7 CH1]' for channel 1"));
 }
 
-/// Nothing but waits acts: no word of an axis, no tool and no unknown word is looked at.
+/// Nothing but waits acts: no word of an axis and no tool is looked at.
 #[test]
 fn nothing_else_acts() {
-    clean(&path("O1\nT9999 G123 X99999. Q\nM101\nG1 X1.\nG2 X1. R0.001\nM30\n"));
+    clean(&path("O1\nT9999 X99999.\nM101\nG1 X1.\nG2 X1. R0.001\nM30\n"));
+}
+
+/// A run stops at the first word that the machine lacks; here all of them are named at once, each once, in branches too and
+/// behind blocks where the waits are judged no further.
+#[test]
+fn all_unknown_words_are_reported_in_one_go() {
+    let program =
+        "O1\nM428\nG411 F12.\nM428\nIF [#1 EQ 1] GOTO 10\nM429\nM101\nN10 M430\nM98 P20\nM30\nO20\nM431\nM99\n";
+    let summary = judged("fanuc-2path-lathe", &[program, "O2\nM101\nM432\nM30\n"]);
+    assert_eq!(summary.state, State::Failed);
+    let unknown = 2_900_320;
+    let mut lines = found(&summary);
+    lines.retain(|(number, ..)| *number == unknown);
+    lines.sort_unstable();
+    let own = [2, 3, 6, 8].map(|line| (unknown, 1, line));
+    assert_eq!(lines, [own.as_slice(), &[(unknown, 2, 3)]].concat());
+    let called = "O1\nM98 P20\nM30\nO20\nM431\nM99\n";
+    let summary = judged("fanuc-2path-lathe", &[called, "O2\nM30\n"]);
+    assert_eq!((summary.state, found(&summary)), (State::Failed, vec![(unknown, 1, 5)]));
+}
+
+/// What depends on the order in which channels come is not judged: an axis that changes its channel twice, a flag whose
+/// waiting channels name different partners.
+#[test]
+fn waits_that_depend_on_the_order_of_channels_are_no_deadlock() {
+    let lease = judged(
+        "siemens-2ch-millturn",
+        &["G4 F2\nRELEASE(C1)\nG4 F1\nGET(C1)\nG4 F1\nM30\n", "G4 F0.5\nGET(C1)\nG4 F2\nRELEASE(C1)\nM30\n"],
+    );
+    assert_eq!((lease.state, lease.verdict.as_ref()), (State::Succeeded, None));
+    assert_eq!(found(&lease), [(ORDER, 1, 2), (ORDER, 2, 2)]);
+    let barrier = judged("siemens-2ch-millturn", &["SETM(1)\nM30\n", "WAITM(2,1,2)\nM30\n"]);
+    assert_eq!((barrier.state, barrier.verdict), (State::Succeeded, None));
+}
+
+/// Programs that a run brings to their end are never condemned without it.
+#[test]
+fn a_program_that_runs_is_never_condemned() {
+    let mut random = fastrand::Rng::with_seed(7);
+    let mut ran = 0;
+    for _ in 0..cases(300) {
+        let programs = [(); 2].map(|()| {
+            let mut text = String::new();
+            for _ in 0..random.u8(1..6) {
+                let line = match random.u8(0..8) {
+                    0 | 1 => format!("G4 F0.{}", random.u8(1..9)),
+                    2 => "GET(C1)".to_owned(),
+                    3 => "RELEASE(C1)".to_owned(),
+                    4 => format!("SETM({})", random.u8(1..3)),
+                    5 => format!("CLEARM({})", random.u8(1..3)),
+                    _ => format!("WAITM({},1,2)", random.u8(1..3)),
+                };
+                text.push_str(&line);
+                text.push('\n');
+            }
+            text + "M30\n"
+        });
+        let texts = [programs[0].as_str(), programs[1].as_str()];
+        let options = Options::default();
+        let run = Work::texts(machine("siemens-2ch-millturn", ""), &texts, options).run(None).unwrap().summary;
+        if run.state != State::Succeeded {
+            continue;
+        }
+        ran += 1;
+        let judged = judged("siemens-2ch-millturn", &texts);
+        assert_eq!((judged.state, judged.verdict), (State::Succeeded, None), "{programs:#?}");
+    }
+    assert!(ran > 50, "only {ran} programs ran to their end");
 }
 
 /// The log of the judgement depends on nothing but the programs.

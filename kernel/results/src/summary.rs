@@ -261,7 +261,7 @@ impl Findings {
 
     fn diagnostic(&mut self, reported: &Reported, diagnostic: &counterpoint_event::event::Diagnostic) {
         self.highest_severity = self.highest_severity.max(diagnostic.severity);
-        self.lost |= diagnostic.number == counterpoint_fault::LINT_LOST.number;
+        self.lost |= [diag::LINT_LOST.number, diag::LINT_ORDER.number].contains(&diagnostic.number);
         if let Some(race) = diagnostic.race.as_deref().filter(|_| self.races.len() < MAX_DIAGNOSTICS) {
             let lines = [(race.channel, race.line), (reported.channel, reported.line)];
             self.races.push((race.variable.as_ref().into(), lines.into()));

@@ -37,6 +37,11 @@ pub fn of(dead: Set, at_ns: i64, waits: &Waits, info: &Info) -> Verdict {
     }
 }
 
+/// Whether these channels, or those that they wait for, have come here by an order that only a run can tell.
+pub(crate) fn depends_on_order(dead: Set, waits: &Waits) -> bool {
+    (Set(dead.0 | missing(dead, waits).0).0 & waits.order_matters.0) != 0
+}
+
 /// Whom these channels wait for.
 fn missing(channels: Set, waits: &Waits) -> Set {
     channels.iter().fold(Set::default(), |all, channel| Set(all.0 | waits.missing(channel).channels.0))

@@ -82,6 +82,8 @@ pub struct Waits {
     pub rules: Rules,
     /// Blocks take no time, so that times say nothing.
     pub timeless: bool,
+    /// Channels that have done something whose outcome depends on which channel comes first, where nothing takes time.
+    pub order_matters: Set,
     /// The first list of channels that came to each mark, kept where blocks take no time.
     lists: BTreeMap<Key, Set>,
     memory: Memory,
@@ -95,6 +97,7 @@ impl Waits {
             places: Places::new(channels),
             rules,
             timeless: false,
+            order_matters: Set::default(),
             lists: BTreeMap::new(),
             memory: Memory::default(),
             release_ns,

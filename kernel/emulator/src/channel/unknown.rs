@@ -14,6 +14,7 @@ use counterpoint_machine::ident::codes;
 use counterpoint_machine::macros::model::Hook;
 use counterpoint_machine::rows::CodeForm;
 use counterpoint_program::block::irregular;
+use rustc_hash::FxHashSet;
 
 /// Most characters of unknown text in a message.
 const MOST: usize = 60;
@@ -50,20 +51,11 @@ impl Kernel<'_> {
     #[cold]
     fn unknown_before(&mut self) -> Acted {
         self.channel.check_stop()?;
-        self.left_name();
-        let name = self.channel.block.name().filter(|_| self.calls_by_name());
+        let unknown = self.unknown_parts();
         // A macro after the block may take text, but no word.
         let later = self.hook(Hook::BlockShutdown).is_some();
-        let (first, code) = {
-            let line = self.text_bytes();
-            let spans = self.channel.block.unrecognised.iter().copied().filter(|span| Some(*span) != name);
-            let text = |span: (u32, u32)| {
-                let bytes = line.get(span.0 as usize..span.1 as usize).unwrap_or_default();
-                String::from_utf8_lossy(bytes).trim().to_owned()
-            };
-            let first = spans.clone().next().map(text).filter(|_| !later);
-            (first, spans.map(text).find(|text| self.is_code_word(text)))
-        };
+        let code = unknown.iter().find(|text| self.is_code_word(text)).cloned();
+        let first = unknown.into_iter().next().filter(|_| !later);
         if self.channel.env.machine.habits.unknown_alarms {
             let Some(what) = code.or(first) else { return Ok(()) };
             let (facts, why) = self.not_known(&what);
@@ -76,6 +68,39 @@ impl Kernel<'_> {
             self.moves_all_the_same(&code);
         }
         Ok(())
+    }
+
+    /// The parts of the block that nothing recognises, in the order of the block.
+    fn unknown_parts(&mut self) -> Vec<String> {
+        self.left_name();
+        let name = self.channel.block.name().filter(|_| self.calls_by_name());
+        let line = self.text_bytes();
+        let spans = self.channel.block.unrecognised.iter().filter(|span| Some(**span) != name);
+        let text = |&(start, end): &(u32, u32)| {
+            let bytes = line.get(start as usize..end as usize).unwrap_or_default();
+            String::from_utf8_lossy(bytes).trim().to_owned()
+        };
+        spans.map(text).collect()
+    }
+
+    /// Reports the parts of the block that nothing recognises and that `known` has not seen, without stopping the channel.
+    #[cold]
+    pub(crate) fn report_unknown_parts(&mut self, known: &mut FxHashSet<String>) {
+        let stopping = self.channel.reports.alarms.stopping;
+        for part in self.unknown_parts() {
+            if !known.insert(part.clone()) {
+                continue;
+            }
+            let block = self.block_text();
+            let hint = letter_for_zero(&part, &block);
+            if self.channel.env.machine.habits.unknown_alarms {
+                let (facts, why) = self.not_known(&part);
+                self.diagnose(facts, format!("{why} in '{block}'{hint}{}", remedy(facts, &part)));
+            } else {
+                self.report_unrecognised(&shortened(&part), format!("'{block}'{hint}"));
+            }
+        }
+        self.channel.reports.alarms.stopping = stopping;
     }
 
     /// A code of the block takes a program name.

@@ -65,7 +65,7 @@ impl Kernel<'_> {
             }
             Primitive::Barrier | Primitive::Flag | Primitive::Order | Primitive::Join => false,
         };
-        self.note_order(first);
+        self.note_order(first, Some(wait.primitive))?;
         if self.ports.control.interferes() {
             self.comes_to_wait(&wait);
         }
@@ -79,7 +79,7 @@ impl Kernel<'_> {
     pub(crate) fn let_continue(&mut self, act: wait::Act, shown: wait::Wait) -> Acted {
         self.come_to_rest();
         self.flow.pass.effects = true;
-        self.note_order(!matches!(act, wait::Act::Signal(_)));
+        self.note_order(!matches!(act, wait::Act::Signal(_)), None)?;
         let what = match act {
             wait::Act::Set(_) | wait::Act::Signal(_) => "set",
             wait::Act::Clear(_) | wait::Act::Remove { .. } => "clear",
@@ -96,7 +96,7 @@ impl Kernel<'_> {
     pub(crate) fn signal(&mut self, act: wait::Act, letter: Option<Letter>, shown: wait::Wait) -> Acted {
         self.come_to_rest();
         self.flow.pass.effects = true;
-        self.note_order(!matches!(act, wait::Act::Signal(_)));
+        self.note_order(!matches!(act, wait::Act::Signal(_)), None)?;
         show(self, &shown, if matches!(act, wait::Act::Signal(_)) { "set" } else { "clear" });
         let tag = self.tag();
         self.shared(|order| order.act_with(tag, act, letter))?.map_err(|reason| {
@@ -109,7 +109,7 @@ impl Kernel<'_> {
     pub(crate) fn await_signal(&mut self, wait: wait::Wait) -> Result<Vec<Letter>, Halt> {
         self.come_to_rest();
         self.flow.pass.effects = true;
-        self.note_order(wait.need != 0);
+        self.note_order(wait.need != 0, None)?;
         if self.channel.reports.waits.rules.of(&wait).is_some_and(|rule| rule.signals.in_order) {
             let channel = self.channel.at.channel;
             if let Some(older) = self.shared(|order| order.waits.older_signal(channel, &wait))? {
@@ -128,7 +128,7 @@ impl Kernel<'_> {
     pub(crate) fn read_signal(&mut self, wait: wait::Wait) -> Result<Option<Vec<Letter>>, Halt> {
         self.come_to_rest();
         self.flow.pass.effects = true;
-        self.note_order(true);
+        self.note_order(true, None)?;
         let (waiting, _) = arrival(self, wait);
         let channel = self.channel.at.channel;
         self.shared(|order| order.pass(&waiting).then(|| order.waits.letters(channel)))
@@ -136,18 +136,24 @@ impl Kernel<'_> {
 }
 
 impl Kernel<'_> {
-    /// Says once, where nothing is executed, that what follows from a wait depends on `first`: who comes first.
-    fn note_order(&mut self, first: bool) {
-        if first
-            && self.channel.env.options.lint
-            && !std::mem::replace(&mut self.channel.reports.waits.order_noted, true)
-        {
+    /// Says once, where nothing is executed, that what follows from a wait depends on `first`: who comes first. What such
+    /// channels wait for later is not judged, unless they are at one barrier with lists that never fit.
+    fn note_order(&mut self, first: bool, primitive: Option<Primitive>) -> Acted {
+        if !first || !self.channel.env.options.lint {
+            return Ok(());
+        }
+        if primitive != Some(Primitive::Barrier) {
+            let channel = self.channel.at.channel;
+            self.shared(|order| order.waits.order_matters = order.waits.order_matters.with(channel))?;
+        }
+        if !std::mem::replace(&mut self.channel.reports.waits.order_noted, true) {
             let text = format!(
-                "what follows depends on which channel comes first, which is judged as if blocks took no time, at '{}'",
+                "what follows depends on which channel comes first; waits that never end because of it are not reported, at '{}'",
                 self.block_text()
             );
             self.diagnose(&diag::LINT_ORDER, text);
         }
+        Ok(())
     }
 }
 

@@ -7,6 +7,7 @@
 
 mod regions;
 mod statements;
+mod unknown;
 mod words;
 
 use std::sync::Arc;
@@ -46,6 +47,8 @@ struct Walk<'w, 'k> {
     looked: FxHashMap<(FileId, u32, u32), Option<u32>>,
     /// That loops are taken to end has been said.
     loops: bool,
+    /// Words that have been reported as unknown.
+    unknown: FxHashSet<String>,
 }
 
 /// What a block says.
@@ -67,7 +70,11 @@ impl Kernel<'_> {
             self.diagnose(&diag::LINT_MACROS, text);
         }
         let (stood, looked) = (FxHashSet::default(), FxHashMap::default());
-        let mut walk = Walk { kernel: self, reader, read: 0, stood, looked, loops: false };
+        let unknown = FxHashSet::default();
+        let mut walk = Walk { kernel: self, reader, read: 0, stood, looked, loops: false, unknown };
+        if let Err(halt) = walk.report_unknown_of_program() {
+            return halt;
+        }
         loop {
             if let Err(halt) = walk.next() {
                 return halt;

@@ -189,7 +189,7 @@ impl Walk<'_, '_> {
     }
 
     /// Where the channel stands, to come back to.
-    fn stand(&self) -> Stands {
+    pub(super) fn stand(&self) -> Stands {
         let kernel = &*self.kernel;
         let frame = kernel.flow.frames.last();
         Stands {
@@ -201,7 +201,7 @@ impl Walk<'_, '_> {
         }
     }
 
-    fn back_to(&mut self, stands: Stands) {
+    pub(super) fn back_to(&mut self, stands: Stands) {
         let kernel = &mut *self.kernel;
         (kernel.channel.at.file, kernel.channel.at.line) = (stands.file, stands.line);
         kernel.flow.offset = stands.offset;
@@ -226,7 +226,7 @@ pub(super) enum Looked {
 }
 
 /// Where a channel stands.
-struct Stands {
+pub(super) struct Stands {
     file: FileId,
     line: u32,
     offset: u32,

@@ -57,7 +57,7 @@ impl Walk<'_, '_> {
     }
 
     /// Splits a text into words; gives what the text of the block was.
-    fn scan(&mut self, text: &[u8]) -> Option<Arc<[u8]>> {
+    pub(super) fn scan(&mut self, text: &[u8]) -> Option<Arc<[u8]>> {
         let read = self.kernel.channel.text.edited.replace(text.into());
         let plan = self.kernel.plan;
         let scanner = plan.unmarked.as_deref().unwrap_or(&plan.scanner);
@@ -71,6 +71,7 @@ impl Walk<'_, '_> {
             return Err(self.lost(&format!("the value of {name} is computed")));
         }
         let called = self.kernel.categorise() || self.kernel.calls_each_block();
+        self.report_unknown();
         self.kernel.sort();
         let acting = self.acting();
         let needed = |name: &&String| if called { is_of_call(name) } else { !self.moves(name) };
@@ -162,6 +163,7 @@ impl Walk<'_, '_> {
             return Ok(Meant::Meet);
         }
         let called = self.kernel.categorise() || self.kernel.calls_each_block();
+        self.report_unknown();
         let acting = self.acting();
         if !called && acting.is_empty() {
             return Ok(self.asked());

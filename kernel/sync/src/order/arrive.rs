@@ -46,6 +46,9 @@ impl Order {
             return None;
         }
         self.judged = Set(self.judged.0 | dead.0);
+        if verdict::depends_on_order(dead, &self.waits) {
+            return None;
+        }
         Some(verdict::of(dead, t, &self.waits, info))
     }
 
