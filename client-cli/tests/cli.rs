@@ -82,7 +82,8 @@ fn waits_are_judged_without_a_run() {
     };
     let (status, text) = lint(&[&lower]);
     assert_eq!(status, 1, "{text}");
-    assert!(text.contains("cannot run like this") && text.contains("M103, channel 1 at M102"), "{text}");
+    assert!(text.contains("cannot run like this") && text.contains("'M102': different codes without P; "), "{text}");
+    assert!(text.contains("channel 1 has 'M103' in line 4; channel 2 has 'M102' behind it, in line 3"), "{text}");
     let (status, text) = lint(&[&right, "--strict"]);
     assert_eq!(status, 0, "{text}");
     assert!(text.starts_with("no mistake found\n") && text.contains("M102        1: 2, 2: 2"), "{text}");

@@ -2,8 +2,8 @@
 
 mod fits;
 
-use crate::wait::{Set, Terminal, words};
-use crate::waits::Waits;
+use crate::wait::{Set, Terminal, Waiting, words};
+use crate::waits::{RefusedPairs, Waits};
 use counterpoint_event::event::{Member, Primitive, Verdict, VerdictKind};
 use counterpoint_event::info::Info;
 
@@ -35,6 +35,17 @@ pub fn of(dead: Set, at_ns: i64, waits: &Waits, info: &Info) -> Verdict {
             .map(|channel| member(channel, waits))
             .collect(),
     }
+}
+
+/// Waits that the control does not accept at the same time, with the places of the codes that would match.
+pub(crate) fn of_refused(refused: &RefusedPairs, waits: &Waits, info: &Info) -> String {
+    let own = &refused.arriving;
+    let at = |waiting: &Waiting| {
+        format!("channel {} waits at {}", waiting.tag.channel, place(info, waiting.file, waiting.line))
+    };
+    let cases = refused.standing.iter().map(|(other, case)| format!("{}, {}: {case}", at(own), at(other)));
+    let hints = refused.standing.iter().flat_map(|(other, _)| fits::of_pair(own, other, waits, info));
+    format!("{}: {}", refused.title, cases.chain(hints).collect::<Vec<_>>().join("; "))
 }
 
 /// Whether these channels, or those that they wait for, have come here by an order that only a run can tell.

@@ -9,14 +9,12 @@ mod search;
 #[cfg(test)]
 mod tests;
 
-use std::collections::BTreeMap;
-use std::fmt::Write as _;
-
 use crate::channels::Channels;
 use crate::primitives::{Letter, Memory, Moved};
 use crate::tag::Tag;
 use crate::wait::{Act, Finish, Key, Missing, Places, Reaction, Rule, Rules, Set, Terminal, Wait, Waiting};
-use counterpoint_event::event::{Member, Primitive};
+use counterpoint_event::event::Primitive;
+use std::collections::BTreeMap;
 
 /// Channels that continue together.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -40,20 +38,32 @@ pub enum Arrival {
     Released(Released),
     /// The channel waits.
     Blocked,
-    /// The control refuses: these channels (the arriving one included) alarm.
-    Mismatch {
-        /// Channels whose waits do not match, the arriving one among them.
-        channels: Set,
-        /// The other waits.
-        members: Vec<Member>,
-        /// What does not match.
-        text: String,
-    },
+    /// The control refuses: all of these channels alarm.
+    Mismatch(RefusedPairs),
     /// The channel cannot arrive here whatever the others do.
     Illegal {
         /// Why.
         text: String,
     },
+}
+
+/// Waits that the control does not accept at the same time.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RefusedPairs {
+    /// What the control calls it.
+    pub title: &'static str,
+    /// The wait of the channel that came last.
+    pub arriving: Waiting,
+    /// The waits that do not match it, each with the case.
+    pub standing: Vec<(Waiting, &'static str)>,
+}
+
+impl RefusedPairs {
+    /// All channels of the pairs.
+    pub fn channels(&self) -> Set {
+        let standing: Set = self.standing.iter().map(|(other, _)| other.tag.channel).collect();
+        standing.with(self.arriving.tag.channel)
+    }
 }
 
 /// An arrival, and what else it means.
@@ -63,8 +73,8 @@ pub struct Arrived {
     pub arrival: Arrival,
     /// Others whose own waits are over by it.
     pub others: Vec<Released>,
-    /// What the control warns of.
-    pub warning: Option<String>,
+    /// Waits that do not match and that the control only warns of.
+    pub warning: Option<RefusedPairs>,
 }
 
 impl From<Arrival> for Arrived {
@@ -180,14 +190,14 @@ impl Waits {
             return Arrival::Illegal { text }.into();
         }
         let mut warning = None;
-        if let Some((reaction, channels, members, text)) = self.mismatch(&arriving) {
+        if let Some((reaction, refused)) = self.mismatch(&arriving) {
             if reaction == Reaction::Alarm {
-                for channel in channels.without(tag.channel).iter() {
+                for channel in refused.channels().without(tag.channel).iter() {
                     self.give_up(channel);
                 }
-                return Arrival::Mismatch { channels, members, text }.into();
+                return Arrival::Mismatch(refused).into();
             }
-            warning = Some(text);
+            warning = Some(refused);
         }
         Arrived { warning, ..self.stand(arriving, None) }
     }
@@ -213,30 +223,13 @@ impl Waits {
         Arrival::Released(self.let_go(together, tag)).into()
     }
 
-    /// Waits that do not match the arriving one: what follows, the channels, the others as members, and what does not match.
-    fn mismatch(&self, arriving: &Waiting) -> Option<(Reaction, Set, Vec<Member>, String)> {
+    /// Waits that do not match the arriving one, and what follows from that.
+    fn mismatch(&self, arriving: &Waiting) -> Option<(Reaction, RefusedPairs)> {
         let mismatch = self.rules.of(&arriving.wait)?.mismatch?;
-        let channel = arriving.tag.channel;
-        let mut channels = Set::default();
-        let mut members = Vec::new();
-        let mut text = String::new();
-        for other in self.places.waiting() {
-            let Some(case) = self.refused(&arriving.wait, &other.wait) else { continue };
-            let partner = other.tag.channel;
-            channels = channels.with(partner);
-            members.push(Member { channel: partner, file: other.file, line: other.line, waiting_for: Vec::new() });
-            let _ = write!(
-                text,
-                "{}channel {channel} waits at {}, channel {partner} at {}: {case}",
-                if text.is_empty() { "" } else { "; " },
-                self.rules.text(&arriving.wait),
-                self.rules.text(&other.wait)
-            );
-        }
-        if channels.is_empty() {
-            return None;
-        }
-        Some((mismatch.reaction, channels.with(channel), members, format!("{}: {text}", mismatch.title)))
+        let pair = |other: &Waiting| Some((*other, self.refused(&arriving.wait, &other.wait)?));
+        let standing: Vec<_> = self.places.waiting().filter_map(pair).collect();
+        let refused = RefusedPairs { title: mismatch.title, arriving: *arriving, standing };
+        (!refused.standing.is_empty()).then_some((mismatch.reaction, refused))
     }
 
     /// A channel does something for others; who continues by that.

@@ -7,7 +7,7 @@ use super::{Order, Wake};
 use crate::tag::Tag;
 use crate::verdict;
 use crate::wait::{Act, Finish, Key, Set, Terminal, Waiting};
-use crate::waits::Arrival;
+use crate::waits::{Arrival, RefusedPairs};
 
 /// What the arrival means for the arriving kernel.
 pub enum After {
@@ -94,7 +94,6 @@ impl Order {
     /// Carries out the arrival of a channel at a wait, with what the control warns of.
     pub fn arrive(&mut self, waiting: Waiting, own: Finish, info: &Info) -> (After, Option<String>) {
         let tag = waiting.tag;
-        let (file, line) = (waiting.file, waiting.line);
         if let Some(races) = &mut self.races {
             races.arrive(tag.channel, &waiting.wait);
         }
@@ -110,38 +109,37 @@ impl Order {
                 self.block(tag.channel);
                 After::Stand(verdict)
             }
-            Arrival::Mismatch { channels, members, text } => {
-                let own_place = Member { channel: tag.channel, file, line, waiting_for: Vec::new() };
-                let members = members.into_iter().chain([own_place]).collect();
-                refuse(self, channels, members, text, (tag, own))
+            Arrival::Mismatch(refused) => {
+                let text = verdict::of_refused(&refused, &self.waits, info);
+                refuse(self, &refused, text, own)
             }
             Arrival::Illegal { text } => After::Illegal { text },
         };
         self.release_all(arrived.others);
-        (after, arrived.warning)
+        let warning = arrived.warning.map(|refused| verdict::of_refused(&refused, &self.waits, info));
+        (after, warning)
     }
 }
 
 /// The control refuses to pair waits: all of them alarm.
-fn refuse(
-    order: &mut Order,
-    channels: Set,
-    mut members: Vec<Member>,
-    text: String,
-    (tag, own): (Tag, Finish),
-) -> After {
-    members.sort_by_key(|m| m.channel);
-    for member in &mut members {
-        let own = member.channel;
-        member.waiting_for = channels.iter().filter(|&c| c != own).collect();
-    }
-    for member in members.iter().filter(|m| m.channel != tag.channel) {
+fn refuse(order: &mut Order, refused: &RefusedPairs, text: String, own: Finish) -> After {
+    let (channels, arriving) = (refused.channels(), refused.arriving);
+    let member = |waiting: &Waiting| {
+        let waiting_for = channels.without(waiting.tag.channel).iter().collect();
+        Member { channel: waiting.tag.channel, file: waiting.file, line: waiting.line, waiting_for }
+    };
+    let mut members: Vec<Member> = refused.standing.iter().map(|(other, _)| member(other)).collect();
+    members.sort_by_key(|member| member.channel);
+    let Tag { t, micro, channel } = arriving.tag;
+    for member in &members {
         let finish = Finish { how: Terminal::Alarmed, file: member.file, line: member.line };
         order.waits.finish(member.channel, finish);
-        let tag = Tag { t: tag.t, micro: tag.micro + 1, channel: member.channel };
+        let tag = Tag { t, micro: micro + 1, channel: member.channel };
         order.resume(member.channel, Wake::Alarm { tag, text: text.clone() });
     }
-    order.waits.finish(tag.channel, own);
-    let verdict = Verdict { kind: VerdictKind::Mismatch, at_ns: tag.t, text: text.clone().into(), members };
+    order.waits.finish(channel, own);
+    members.push(member(&arriving));
+    members.sort_by_key(|member| member.channel);
+    let verdict = Verdict { kind: VerdictKind::Mismatch, at_ns: t, text: text.clone().into(), members };
     After::Alarm { text, verdict }
 }

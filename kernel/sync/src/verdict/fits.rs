@@ -3,7 +3,7 @@
 //! Facts: reference channel-synchronisation.md 2.3. Decision: only the text of the partner's own program is looked at, at most
 //! [`MOST`] lines after and before the block where it stands; a mark in a comment is none. *Invariant:* a hint changes nothing.
 
-use counterpoint_event::event::Primitive;
+use counterpoint_event::event::{FileId, Primitive};
 use counterpoint_event::info::Info;
 
 use crate::wait::{Rule, Set, Style, Wait, Waiting};
@@ -51,20 +51,43 @@ fn standing(own: &Waiting, partner: u16, waits: &Waits) -> Option<String> {
     })
 }
 
+/// Where each of two channels whose waits do not match has the code at which the other one waits.
+pub(super) fn of_pair(one: &Waiting, other: &Waiting, waits: &Waits, info: &Info) -> Vec<String> {
+    if one.wait.key == other.wait.key {
+        return Vec::new();
+    }
+    let hint = |own: &Waiting, partner: &Waiting| {
+        written_from(own, partner.tag.channel, (partner.file, partner.line), (waits, info))
+    };
+    hint(one, other).into_iter().chain(hint(other, one)).collect()
+}
+
 /// The program of the partner has the mark somewhere else.
 fn written(own: &Waiting, partner: u16, waits: &Waits, info: &Info) -> Option<String> {
+    let stands = waits.places.at(partner).map(|at| (at.file, at.line));
+    let place = stands.or_else(|| waits.places.end(partner).map(|end| (end.file, end.line)))?;
+    written_from(own, partner, place, (waits, info))
+}
+
+/// The same, seen from a line of the partner.
+fn written_from(
+    own: &Waiting,
+    partner: u16,
+    (file, line): (FileId, u32),
+    (waits, info): (&Waits, &Info),
+) -> Option<String> {
     let rule = waits.rules.of(&own.wait)?;
     let channel = info.channel(partner).filter(|channel| !channel.program.is_empty())?;
-    let stands = waits.places.at(partner).map(|at| (at.file, at.line));
-    let (file, line) = stands.or_else(|| waits.places.end(partner).map(|end| (end.file, end.line)))?;
-    let here = if file == channel.file { line } else { channel.lines.0 };
+    let (first, last) = channel.lines;
+    // In a subprogram nothing shows on which side of the call a line of the main program is.
+    let is_main = file == channel.file && (first..=last).contains(&line);
+    let here = if is_main { line } else { first.saturating_sub(1) };
     let sections = info.files.get(usize::from(channel.file)).map_or(&[][..], |file| &file.sections);
     let has = |line: &u32| {
         let section = sections.iter().find(|section| (section.lines.0..=section.lines.1).contains(line));
         let is_own = section.is_none_or(|section| section.channel == 0 || section.channel == partner);
         is_own && mentions(&info.line_text(channel.file, *line), rule, &own.wait)
     };
-    let (first, last) = channel.lines;
     let ahead = (here.saturating_add(1)..=last.min(here.saturating_add(MOST))).find(has);
     let behind = || (first.max(here.saturating_sub(MOST))..=here).rev().find(has);
     let found = ahead.map(|line| (line, "ahead of it")).or_else(|| behind().map(|line| (line, "behind it")));
@@ -79,7 +102,8 @@ fn written(own: &Waiting, partner: u16, waits: &Waits, info: &Info) -> Option<St
         return Some(format!("the program of channel {partner} has no {code}"));
     };
     let text = info.block_text(channel.file, line, 60);
-    Some(format!("channel {partner} has '{text}' {side}, in line {line}"))
+    let side = if is_main { format!(" {side},") } else { String::new() };
+    Some(format!("channel {partner} has '{text}'{side} in line {line}"))
 }
 
 /// A line has the mark of a wait, whatever its list of channels.

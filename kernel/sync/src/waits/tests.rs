@@ -114,13 +114,17 @@ fn a_rule_refuses_pairs_of_waits() {
         (waits.arrive(second), waits)
     };
     let (arrived, waits) = arrive(Reaction::Alarm);
-    let Arrival::Mismatch { channels, members, text } = arrived.arrival else { panic!("{arrived:?}") };
-    assert_eq!((channels, members.len()), (Set::up_to(2), 1));
-    assert_eq!(text, "17 no pair: channel 2 waits at M2, channel 1 at M1: other numbers");
+    let refused = |refused: &RefusedPairs| {
+        assert_eq!((refused.title, refused.channels(), refused.standing.len()), ("17 no pair", Set::up_to(2), 1));
+        let (other, case) = refused.standing[0];
+        assert_eq!((refused.arriving.tag.channel, other.tag.channel, case), (2, 1, "other numbers"));
+    };
+    let Arrival::Mismatch(alarm) = &arrived.arrival else { panic!("{arrived:?}") };
+    refused(alarm);
     assert_eq!(waits.places.waiting().count(), 0);
     let (arrived, waits) = arrive(Reaction::Warning);
     assert_eq!(arrived.arrival, Arrival::Blocked);
-    assert_eq!(arrived.warning.as_deref(), Some("17 no pair: channel 2 waits at M2, channel 1 at M1: other numbers"));
+    refused(&arrived.warning.unwrap());
     assert_eq!(waits.dead(), Set::up_to(2));
 }
 
