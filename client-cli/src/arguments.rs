@@ -192,11 +192,12 @@ pub(crate) struct Run {
 impl Run {
     /// Whether a result is to be written.
     pub(crate) fn wants(&self, what: ResultKind) -> bool {
+        let named = self.write.contains(&what) || self.write.contains(&ResultKind::All);
         match what {
             ResultKind::Listing if self.nolist => false,
-            ResultKind::Log => self.ef || self.nolist || self.write.contains(&what),
-            ResultKind::Console => self.write.contains(&what),
-            _ => self.write.is_empty() || self.write.contains(&what),
+            ResultKind::Log => self.ef || self.nolist || named,
+            ResultKind::Console | ResultKind::Report => named,
+            _ => self.write.is_empty() || named,
         }
     }
 }
@@ -255,7 +256,7 @@ pub(crate) struct ResultArgs {
     /// Choose the format of timeline and toolpath
     #[arg(long, value_enum, default_value = "svg")]
     pub(crate) format: Format,
-    /// Write to this file instead of standard output; for `files`, to this folder
+    /// Write to this file instead of standard output; for `files` and `all`, to this folder
     #[arg(long, short, value_name = "FILE")]
     pub(crate) output: Option<PathBuf>,
     #[command(flatten)]
@@ -293,6 +294,10 @@ pub(crate) enum ResultKind {
     Events,
     /// The files that macros have written; without --output only their sizes and paths
     Files,
+    /// The report that `run` prints
+    Report,
+    /// All results, into the folder of --output
+    All,
 }
 
 /// Forms of drawings.

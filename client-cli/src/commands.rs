@@ -1,16 +1,21 @@
 //! All commands but `run` and `submit`.
 
+use std::path::Path;
+
 use counterpoint_client::Update;
 use counterpoint_proto::v1;
 use counterpoint_proto::v1::event::Kind;
 
-use crate::arguments::{Command, Follow, JobArgs, ResultArgs, Watch};
+use crate::arguments::{Command, Follow, Format, JobArgs, ResultArgs, ResultKind, Watch};
 use crate::attend::{Attendant, Next};
 use crate::client::Client;
 use crate::error::Error;
 use crate::outcome::ended;
+use crate::output_folder::{OutputFolder, drawn_timeline};
 use crate::progress::Progress;
+use crate::report::report;
 use crate::step::{Interrupt, Stepper};
+use crate::summary::Summary;
 use crate::text::time;
 use crate::{admin, analyse, calibrate, completions, jobs, lint, load, machines, macros, results, run, say};
 
@@ -145,13 +150,48 @@ async fn delete(arguments: JobArgs) -> Result<u8, Error> {
     Ok(0)
 }
 
+/// The summary of a job, as it came and as far as reports need it.
+async fn summary(client: &Client, job: &str) -> Result<(Vec<u8>, Summary), Error> {
+    let text = results::whole(client, job, ResultKind::Summary, 0, Format::Json.into()).await?;
+    let summary = serde_json::from_slice(&text)
+        .map_err(|error| Error::Connection(format!("cannot read the summary: {error}")))?;
+    Ok((text, summary))
+}
+
+/// The report that `run` prints.
+async fn reported(client: &Client, job: &str) -> Result<String, Error> {
+    let (_, summary) = summary(client, job).await?;
+    Ok(report(&summary, false) + &drawn_timeline(client, job, run::width()).await?)
+}
+
+/// Writes all results into a folder, as `run --out` does, and the report.
+async fn all(client: &Client, job: &str, folder: &Path, crlf: bool) -> Result<(), Error> {
+    let (text, summary) = summary(client, job).await?;
+    let program = summary.channels.iter().map(|channel| channel.program.as_str()).find(|name| !name.is_empty());
+    let file = program.unwrap_or("job").split('#').next().unwrap_or("job");
+    let wanted = |what| what != ResultKind::Trace;
+    let target = OutputFolder { folder, program: file, wanted: &wanted, crlf };
+    target.write(client, job, (&summary, &text), false).await
+}
+
 async fn result(arguments: ResultArgs) -> Result<u8, Error> {
     let client = Client::connect(&arguments.remote.server).await?;
     let ResultArgs { job, what, channel, format, crlf, .. } = &arguments;
     let form = results::Form { format: *format, crlf: *crlf };
-    match &arguments.output {
-        Some(path) => results::file(&client, job, *what, *channel, form, path).await?,
-        None => results::each(&client, job, *what, *channel, form, &mut say::data).await?,
+    match (what, &arguments.output) {
+        (ResultKind::Report, output) => {
+            let text = reported(&client, job).await?;
+            match output {
+                Some(path) => std::fs::write(path, text).map_err(Error::file(path))?,
+                None => say::data(text.as_bytes())?,
+            }
+        }
+        (ResultKind::All, Some(folder)) => all(&client, job, folder, *crlf).await?,
+        (ResultKind::All, None) => {
+            return Err(Error::Usage("name the folder for all results with --output DIR".to_owned()));
+        }
+        (_, Some(path)) => results::file(&client, job, *what, *channel, form, path).await?,
+        (_, None) => results::each(&client, job, *what, *channel, form, &mut say::data).await?,
     }
     Ok(0)
 }

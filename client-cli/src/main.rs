@@ -23,6 +23,7 @@ mod load;
 mod machines;
 mod macros;
 mod outcome;
+mod output_folder;
 mod own_machine;
 mod pack;
 mod problems;

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use crate::problems::{counts, problems};
 use crate::say::{BAD, GOOD, WARN, styled};
-use crate::summary::{Summary, Tool};
+use crate::summary::{Summary, Tool, ToolTimes};
 use crate::text::{more, table, time};
 
 /// Diagnostics shown at most.
@@ -34,7 +34,7 @@ pub(crate) fn report(summary: &Summary, verbose: bool) -> String {
     out.push('\n');
     out.push_str(&problems(summary, most(DIAGNOSTICS)));
     out.push_str(&channels(summary));
-    out.push_str(&tools(summary));
+    out.push_str(&tools(summary, most(TOOLS)));
     out.push_str(&waits(summary, most(WAITS)));
     out
 }
@@ -51,27 +51,48 @@ fn channels(summary: &Summary) -> String {
     table(&rows, 3)
 }
 
-/// Tools with a known name, diameter or radius.
-fn tools(summary: &Summary) -> String {
+/// Tools with the times spent with them, from each load to the next one.
+fn tools(summary: &Summary, most: usize) -> String {
     let all = || summary.channels.iter().flat_map(|c| c.tools.iter().map(move |tool| (c.channel, tool)));
-    let known = |tool: &Tool| !tool.name.is_empty() || tool.diameter.is_some() || tool.radius.is_some();
-    let count = all().filter(|(_, tool)| known(tool)).count();
+    let count = all().count();
     if count == 0 {
         return String::new();
     }
-    let head = ["tool", "name", "channel", "diameter", "radius", "length offsets", "diam offsets"];
-    let mut rows = vec![head.map(str::to_owned).to_vec()];
-    for (channel, tool) in all().filter(|(_, tool)| known(tool)).take(TOOLS) {
-        let size = |value: Option<f64>| value.map_or_else(|| "-".to_owned(), |value| value.to_string());
-        let list = |numbers: &[u32]| numbers.iter().map(u32::to_string).collect::<Vec<_>>().join(",");
-        let mut row = vec![tool.tool.to_string(), tool.name.clone(), channel.to_string()];
-        row.extend([tool.diameter, tool.radius].map(size));
-        row.extend([&tool.length_offsets, &tool.diameter_offsets].map(|numbers| list(numbers)));
+    let sized = all().any(|(_, tool)| tool.diameter.is_some() || tool.radius.is_some());
+    let unit = if summary.unit.is_empty() { String::new() } else { format!(" {}", summary.unit) };
+    let mut head: Vec<String> = ["tool", "name", "channel"].map(str::to_owned).to_vec();
+    if sized {
+        head.extend(["diameter", "radius"].map(|size| format!("{size}{unit}")));
+    }
+    head.extend(["offsets", "time", "feed", "rapid", "misc", "wait"].map(str::to_owned));
+    let mut rows = vec![head];
+    for (channel, tool) in all().take(most) {
+        let name = if tool.name.is_empty() { &tool.operation } else { &tool.name };
+        let mut row = vec![tool.tool.to_string(), name.clone(), channel.to_string()];
+        if sized {
+            let size = |value: Option<f64>| value.map_or_else(|| "-".to_owned(), |value| value.to_string());
+            row.extend([tool.diameter, tool.radius].map(size));
+        }
+        row.push(offsets(tool));
+        let ToolTimes { feed_ns, rapid_ns, misc_ns, wait_ns } = tool.times;
+        row.extend([feed_ns + rapid_ns + misc_ns + wait_ns, feed_ns, rapid_ns, misc_ns, wait_ns].map(time));
         rows.push(row);
     }
     let mut out = format!("\n{}", table(&rows, 2));
-    more(&mut out, count, TOOLS, "tools");
+    more(&mut out, count, most, "tools");
     out
+}
+
+/// Offsets that a tool was used with: `3`, `H3 D13` where they differ.
+fn offsets(tool: &Tool) -> String {
+    let list = |numbers: &[u32]| numbers.iter().map(u32::to_string).collect::<Vec<_>>().join(",");
+    match (tool.length_offsets.as_slice(), tool.diameter_offsets.as_slice()) {
+        ([], []) => "-".to_owned(),
+        (length, []) => list(length),
+        (length, diameter) if length == diameter => list(length),
+        ([], diameter) => format!("D{}", list(diameter)),
+        (length, diameter) => format!("H{} D{}", list(length), list(diameter)),
+    }
 }
 
 fn waits(summary: &Summary, most: usize) -> String {
@@ -102,13 +123,19 @@ mod tests {
         assert_eq!(time(61_234_567_890), "01:01.235");
         assert_eq!(time(3_661_000_000_000), "1:01:01.000");
         let text = r#"{"state":"FAILED","makespan_ns":5000000,"channels":[{"channel":1,"name":"UPPER","state":"ENDED",
-            "tools":[{"tool":3,"name":"ROUGH 80","radius":0.8,"length_offsets":[3,13]},{"tool":5}]}],
+            "tools":[{"tool":3,"name":"ROUGH 80","radius":0.8,"length_offsets":[3,13],"times":{"feed_ns":3000000000,
+            "wait_ns":1000000000}},{"tool":5,"operation":"DRILL","diameter_offsets":[7]}]}],"unit":"mm",
             "waits":[{"key":"M101","release_ns":null,"arrivals":[{"channel":1,"t_ns":1000000,"line":3}]}],
             "verdict":{"kind":"CYCLE","text":"all wait"},
             "diagnostics":[{"number":7,"severity":2,"channel":1,"text":"a"},{"number":9,"severity":9,"channel":1,
             "file":"p.nc","line":4,"block":"G99","text":"b"},{"number":7,"severity":2,"channel":1,"text":"a"}]}"#;
         let report = report(&serde_json::from_str(text).unwrap(), false);
-        assert!(report.contains("3     ROUGH 80        1         -     0.8            3,13"), "{report}");
+        let line = |start: &str| report.lines().find(|line| line.trim_start().starts_with(start)).unwrap_or_default();
+        let words = |line: &str| line.split_whitespace().map(str::to_owned).collect::<Vec<_>>().join(" ");
+        assert_eq!(words(line("tool")), "tool name channel diameter mm radius mm offsets time feed rapid misc wait");
+        let rough = "3 ROUGH 80 1 - 0.8 3,13 00:04.000 00:03.000 00:00.000 00:00.000 00:01.000";
+        assert_eq!(words(line("3 ")), rough);
+        assert!(words(line("5 ")).starts_with("5 DRILL 1 - - D7 00:00.000"), "{report}");
         assert!(report.contains("M101") && report.contains("never") && report.contains("CYCLE"), "{report}");
         assert!(report.contains("p.nc:4: b") && report.contains("a (2 times)"), "{report}");
         assert!(report.find("p.nc:4").unwrap() < report.find("(2 times)").unwrap(), "worst first");

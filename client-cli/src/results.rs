@@ -41,7 +41,7 @@ fn document(what: ResultKind, channel: u32, Form { format, crlf }: Form) -> Opti
         ResultKind::Timeline => Document::Timeline(drawing),
         ResultKind::Toolpath => Document::Toolpath(drawing),
         ResultKind::Events => Document::Events,
-        ResultKind::Files => return None,
+        ResultKind::Files | ResultKind::Report | ResultKind::All => return None,
     })
 }
 

@@ -14,13 +14,13 @@ use crate::client::{Asked, Client};
 use crate::codes::{self, Stage};
 use crate::error::Error;
 use crate::outcome::{exit_code, not_run};
-use crate::progress::{Progress, Steps};
+use crate::output_folder::{OutputFolder, drawn_timeline};
+use crate::progress::Progress;
 use crate::report::report;
 use crate::say::{self, DIM, styled};
 use crate::settings;
 use crate::step::{Interrupt, Stepper};
 use crate::summary::Summary;
-use crate::timeline::{Timeline, draw};
 use crate::{changed_machine, guess, jobs, machines, pack, results};
 
 /// Runs programs on a server in this process.
@@ -79,12 +79,10 @@ async fn show(arguments: &Run, client: &Client, job: &str, (first, draws): (&str
     let summary: Summary = serde_json::from_slice(&text)
         .map_err(|error| Error::Connection(format!("cannot read the summary: {error}")))?;
     if let Some(folder) = &arguments.out {
-        let mut steps = Steps::new(arguments.quiet);
-        Target { folder, program: first, arguments }.write(client, job, (&summary, &text), &mut steps).await?;
-        steps.clear();
-        if !arguments.quiet {
-            say::status_line(styled(DIM, format!("results written to {}", folder.display())));
-        }
+        let traced = !arguments.inputs.trace.is_empty();
+        let wanted = |what| arguments.wants(what) && (what != ResultKind::Trace || traced);
+        let target = OutputFolder { folder, program: first, wanted: &wanted, crlf: arguments.crlf };
+        target.write(client, job, (&summary, &text), arguments.quiet).await?;
     }
     if arguments.json {
         say::data(&text)?;
@@ -92,9 +90,7 @@ async fn show(arguments: &Run, client: &Client, job: &str, (first, draws): (&str
         let mut out = report(&summary, arguments.verbose);
         files_report(&mut out, &client.files(job).await?, arguments.out.is_some());
         if draws {
-            let json = results::whole(client, job, ResultKind::Timeline, 0, Format::Json.into()).await?;
-            let timeline: Timeline = serde_json::from_slice(&json).unwrap_or_default();
-            out.push_str(&draw(&timeline, width()));
+            out.push_str(&drawn_timeline(client, job, width()).await?);
         }
         say::data(out.as_bytes())?;
     }
@@ -278,13 +274,6 @@ async fn attend(
     }
 }
 
-/// Columns of the terminal.
-fn width() -> usize {
-    let columns = std::env::var("COLUMNS").ok().and_then(|columns| columns.parse().ok());
-    let (_, terminal) = console::Term::stdout().size_checked().unwrap_or((0, 100));
-    columns.unwrap_or(usize::from(terminal))
-}
-
 /// Limits given on the command line; zero leaves a limit to the server.
 fn limits(inputs: &Inputs) -> Option<v1::JobLimits> {
     let limits = v1::JobLimits {
@@ -295,72 +284,9 @@ fn limits(inputs: &Inputs) -> Option<v1::JobLimits> {
     };
     (limits != v1::JobLimits::default()).then_some(limits)
 }
-
-/// Where `run` writes results, and which ones.
-struct Target<'a> {
-    folder: &'a Path,
-    /// First program: names the listings.
-    program: &'a str,
-    arguments: &'a Run,
-}
-
-impl Target<'_> {
-    async fn write(
-        &self,
-        client: &Client,
-        job: &str,
-        (summary, text): (&Summary, &[u8]),
-        steps: &mut Steps,
-    ) -> Result<(), Error> {
-        let folder = self.folder;
-        std::fs::create_dir_all(folder).map_err(Error::file(folder))?;
-        let wanted = |what| self.arguments.wants(what);
-        if wanted(ResultKind::Summary) {
-            let path = folder.join("summary.json");
-            std::fs::write(&path, text).map_err(Error::file(&path))?;
-        }
-        let stem = Path::new(self.program).file_stem().unwrap_or_default().to_string_lossy();
-        let channels: Vec<u32> = summary.channels.iter().filter(|c| !c.program.is_empty()).map(|c| c.channel).collect();
-        let form = results::Form { format: Format::Svg, crlf: self.arguments.crlf };
-        for (what, extension) in [(ResultKind::Listing, "lce"), (ResultKind::Log, "log")] {
-            for &channel in channels.iter().filter(|_| wanted(what)) {
-                let of = if channels.len() == 1 { String::new() } else { format!(".{channel}") };
-                let path = folder.join(format!("{stem}{of}.{extension}"));
-                steps.show(&path);
-                results::file(client, job, what, channel, form, &path).await?;
-            }
-        }
-        if channels.len() > 1 && wanted(ResultKind::Listing) {
-            let path = folder.join(format!("{stem}.lce"));
-            steps.show(&path);
-            results::file(client, job, ResultKind::Listing, 0, form, &path).await?;
-        }
-        if wanted(ResultKind::Console) {
-            results::file(client, job, ResultKind::Console, 0, form, &folder.join("console.txt")).await?;
-        }
-        for &channel in channels.iter().filter(|_| !self.arguments.inputs.trace.is_empty() && wanted(ResultKind::Trace))
-        {
-            let path = folder.join(format!("{channel}.trace"));
-            steps.show(&path);
-            results::file(client, job, ResultKind::Trace, channel, Format::Svg.into(), &path).await?;
-        }
-        let files = [
-            (ResultKind::Events, Format::Json, "events.jsonl"),
-            (ResultKind::Timeline, Format::Svg, "timeline.svg"),
-            (ResultKind::Timeline, Format::Json, "timeline.json"),
-            (ResultKind::Toolpath, Format::Svg, "toolpath.svg"),
-            (ResultKind::Toolpath, Format::Json, "toolpath.json"),
-        ];
-        for (what, format, name) in files {
-            if wanted(what) {
-                let path = folder.join(name);
-                steps.show(&path);
-                results::file(client, job, what, 0, format.into(), &path).await?;
-            }
-        }
-        if wanted(ResultKind::Files) {
-            results::files(client, job, &folder.join("files")).await?;
-        }
-        Ok(())
-    }
+/// Columns of the terminal.
+pub(crate) fn width() -> usize {
+    let columns = std::env::var("COLUMNS").ok().and_then(|columns| columns.parse().ok());
+    let (_, terminal) = console::Term::stdout().size_checked().unwrap_or((0, 100));
+    columns.unwrap_or(usize::from(terminal))
 }

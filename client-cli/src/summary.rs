@@ -7,6 +7,7 @@ use serde::Deserialize;
 #[serde(default)]
 pub(crate) struct Summary {
     pub(crate) state: String,
+    pub(crate) unit: String,
     pub(crate) highest_severity: u8,
     pub(crate) makespan_ns: i64,
     pub(crate) channels: Vec<Channel>,
@@ -40,6 +41,17 @@ pub(crate) struct Tool {
     pub(crate) radius: Option<f64>,
     pub(crate) length_offsets: Vec<u32>,
     pub(crate) diameter_offsets: Vec<u32>,
+    pub(crate) operation: String,
+    pub(crate) times: ToolTimes,
+}
+
+#[derive(Debug, Default, Clone, Copy, Deserialize)]
+#[serde(default)]
+pub(crate) struct ToolTimes {
+    pub(crate) feed_ns: i64,
+    pub(crate) rapid_ns: i64,
+    pub(crate) misc_ns: i64,
+    pub(crate) wait_ns: i64,
 }
 
 #[derive(Debug, Default, Deserialize)]

@@ -15,3 +15,14 @@ pub enum Unit {
     /// Inches.
     Inch,
 }
+
+impl Unit {
+    /// `mm` or `inch`.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Mm => "mm",
+            Self::Inch => "inch",
+        }
+    }
+}

@@ -6,18 +6,22 @@
 
 use std::sync::Arc;
 
+use rustc_hash::FxHashMap;
+
 use counterpoint_event::Outcome;
 
 use crate::channel_results::ChannelResults;
 use crate::digest::{self, Digest};
 use crate::reported::Reported;
-use crate::summary::{self, ChannelState, Summary};
+use crate::summary::{self, ChannelState, State, Summary};
 use crate::sync_points::SyncPoints;
 use crate::timeline::{self, Timeline};
-use crate::toolpath::{self, Toolpath, Track};
-use counterpoint_event::event::Event;
-use counterpoint_event::event::Work;
+use crate::toolpath::{self, StopPlace, Toolpath, Track};
+use counterpoint_event::event::{Event, FileId, Work};
 use counterpoint_event::info::Info;
+
+/// Least severity of an error.
+const ERROR: u8 = 8;
 
 /// Results in the making.
 #[derive(Debug)]
@@ -124,8 +128,15 @@ impl ResultsBuilder {
             if let (Some(stay), true) = (stay, state != ChannelState::Blocked) {
                 bars.wait(stay.since_ns, end_ns, stay);
             }
-            let tools = tools.finish();
+            let mut tools = tools.finish(&tally);
             let spans = spans.finish(&info, &tools, end_ns);
+            let mut operations: FxHashMap<u32, &str> = FxHashMap::default();
+            spans.iter().for_each(|span| {
+                operations.entry(span.tool).or_insert(&span.operation);
+            });
+            for tool in &mut tools {
+                tool.operation = operations.get(&tool.tool).copied().unwrap_or_default().to_owned();
+            }
             let bars = (bars.finish(end_ns), spans);
             rows.push(timeline::Channel::new(channel, bars, (state, end_ns), tally.wait_ns));
             let mut end = summary::Channel::new(channel, &tally, (state, end_ns));
@@ -139,12 +150,36 @@ impl ResultsBuilder {
         }
         let sync_points = sync_points.finish();
         let digest = digest::log(digests.into_iter());
-        let tracks = tracks.into_iter().zip(&rows).map(|(track, row)| (track, row.tools.as_slice())).collect();
-        let toolpath = toolpath::Toolpath::new(&info, tracks);
-        Results {
-            summary: findings.finish(ends, sync_points.clone(), (outcome.cancelled, cut_short), digest),
-            timeline: Timeline::new(&info, rows, sync_points),
-            toolpath,
-        }
+        let summary = findings.finish(ends, sync_points.clone(), (outcome.cancelled, cut_short), digest);
+        let failed = summary.state != State::Succeeded;
+        let stops: Vec<_> = rows
+            .iter()
+            .zip(&tracks)
+            .map(|(row, track)| stop_place(&info, &summary, row.channel, track.last_place()))
+            .collect();
+        let spans = rows.iter().map(|row| row.tools.as_slice());
+        let tracks =
+            tracks.into_iter().zip(spans).zip(stops).map(|((track, spans), stop)| (track, spans, stop)).collect();
+        let toolpath = toolpath::Toolpath::new(&info, tracks, failed);
+        Results { summary, timeline: Timeline::new(&info, rows, sync_points, failed), toolpath }
     }
+}
+
+/// Where a channel that did not come to its end stopped: at its last error, at its wait, or else after its last move.
+fn stop_place(info: &Info, summary: &Summary, number: u16, last: Option<(FileId, u32)>) -> Option<StopPlace> {
+    let state = summary.channels.iter().find(|channel| channel.channel == number)?.state;
+    if matches!(state, ChannelState::Ended | ChannelState::NotStarted) {
+        return None;
+    }
+    let own = |found: &&summary::Diagnostic| found.channel == number && found.severity >= ERROR && found.line > 0;
+    let error = || summary.diagnostics.iter().rfind(own).map(|found| (found.file.clone(), found.line));
+    let wait = || {
+        let open = summary.waits.iter().filter(|point| point.release_ns.is_none());
+        let arrival = open.flat_map(|point| &point.arrivals).find(|arrival| arrival.channel == number)?;
+        Some((arrival.file.to_string(), arrival.line))
+    };
+    let (file, line) = if state == ChannelState::Blocked { wait() } else { error() }
+        .or_else(|| last.map(|(file, line)| (info.file_name(file).to_owned(), line)))
+        .unwrap_or_default();
+    Some(StopPlace { state, file, line })
 }

@@ -123,7 +123,14 @@ impl ChannelResults {
                 self.tally.life(*phase, event.t_ns);
             }
             kind => {
-                self.tools.event(kind);
+                if let (Kind::Mode(mode), Some(track)) = (kind, &mut self.track) {
+                    match mode.text.as_ref() {
+                        "units inch" => track.unit(true),
+                        "units mm" => track.unit(false),
+                        _ => {}
+                    }
+                }
+                self.tools.event(kind, &self.tally);
                 if let (Some(tool), Some(track)) = (self.spans.event(event), &mut self.track) {
                     track.tool(tool);
                 }

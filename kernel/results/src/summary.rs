@@ -59,6 +59,9 @@ pub enum ChannelState {
 pub struct Summary {
     /// How it ended.
     pub state: State,
+    /// Unit of lengths, `mm` or `inch`: that of the machine.
+    #[serde(default)]
+    pub unit: String,
     /// Highest severity of all diagnostics, 0 without any.
     pub highest_severity: u8,
     /// When the last channel came to its end, ns.
@@ -248,6 +251,7 @@ impl Findings {
         };
         Summary {
             state,
+            unit: self.info.unit.name().to_owned(),
             highest_severity: self.highest_severity,
             makespan_ns: channels.iter().map(|c| c.end_ns).max().unwrap_or(0),
             analysis: Late::new(analysis),

@@ -30,6 +30,9 @@ pub struct Timeline {
     /// Machine, for the title of the picture.
     #[serde(skip)]
     pub machine: String,
+    /// The job has failed or was cancelled, for the title of the picture.
+    #[serde(skip)]
+    pub failed: bool,
 }
 
 /// A channel in the timeline.
@@ -73,9 +76,9 @@ impl Channel {
 
 impl Timeline {
     /// From its rows and sync points.
-    pub fn new(info: &Info, channels: Vec<Channel>, waits: Waits) -> Self {
+    pub fn new(info: &Info, channels: Vec<Channel>, waits: Waits, failed: bool) -> Self {
         let makespan_ns = channels.iter().map(|c| c.end_ns).max().unwrap_or(0);
-        Self { unit: "ns", makespan_ns, channels, waits, machine: info.machine.clone() }
+        Self { unit: "ns", makespan_ns, channels, waits, machine: info.machine.clone(), failed }
     }
 
     /// The timeline as a picture of 1200 px width.

@@ -12,7 +12,12 @@
 //! `points`, the centre by the two axes of `plane`, and full turns in addition. A circle in space, or
 //! one whose plane is not seen, is a polyline with the points where a coordinate turns back. Coordinates are rounded to
 //! 0.0001. Every segment has `tool` (0 before the first one), `file` and `lines`: the line of each of its moves.
+//!
+//! A channel of a turning view whose live tools turn C or move Y has `face` too: segments with X, Y and Z of the part, X and Y
+//! as radius values with C turned back. A channel that did not come to its end has `stop: {state, file, line}`.
 
+mod chords;
+mod face;
 mod json;
 pub mod store;
 mod svg;
@@ -25,15 +30,11 @@ use serde::Serialize;
 
 use crate::geometry::{Loop, Sweep, scale};
 use crate::spans::Span;
+use crate::summary::ChannelState;
 use counterpoint_event::event::{FileId, Motion, MotionKind, Position};
 use counterpoint_event::info::{self, Info, Unit};
+use face::Face;
 use store::{Curve, Move, Path, Stroke};
-
-/// Longest chord of a circle in space, radians.
-const CHORD: f64 = std::f64::consts::TAU / 120.0;
-
-/// Chords of a circle with many turns that is seen from its side.
-const MOST_CHORDS: f64 = 4000.0;
 
 /// Tools that get colours of their own.
 const MOST_TOOLS: usize = 500;
@@ -46,6 +47,17 @@ pub enum View {
     Zx,
     /// X, Y and Z.
     Xyz,
+}
+
+/// Where a channel stopped before the end of its program.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct StopPlace {
+    /// How it ended.
+    pub state: ChannelState,
+    /// File of the block.
+    pub file: String,
+    /// Line of the block, 0 without one.
+    pub line: u32,
 }
 
 impl View {
@@ -70,6 +82,12 @@ pub struct Toolpath {
     /// Machine, for the title of the picture.
     #[serde(skip)]
     pub machine: String,
+    /// Unit of the programs, in which the picture counts.
+    #[serde(skip)]
+    pub program_unit: Unit,
+    /// The job has failed or was cancelled.
+    #[serde(skip)]
+    pub failed: bool,
 }
 
 /// A channel in the toolpath.
@@ -83,6 +101,10 @@ pub struct Channel {
     pub program: String,
     /// Its path.
     pub path: Path,
+    /// The path of its live tools on the face of the part, for a turning view.
+    pub face: Option<Path>,
+    /// Where it stopped, if it did not come to the end of its program.
+    pub stop: Option<StopPlace>,
     /// It works from below the turning axis.
     pub lower: bool,
     /// Names of its tools, by number, in the order of their first motion.
@@ -142,10 +164,15 @@ pub struct Track {
     axes: Vec<info::Axis>,
     eyes: Eyes,
     path: Path,
+    face: Option<Face>,
     /// Tool in work.
     tool: u32,
     /// Where the last motion ended.
     end: Option<Position>,
+    /// The program counts in inches now, if it has said so.
+    inch: Option<bool>,
+    /// The same at the first cutting move, once there was one.
+    cut_in_inch: Option<Option<bool>>,
 }
 
 /// How the paths of a job are seen.
@@ -160,18 +187,37 @@ impl Track {
     pub fn new(info: &Info, channel: &info::Channel) -> Self {
         let (first, last) = channel.lines;
         let lines = if channel.program.is_empty() { 0 } else { last.saturating_sub(first) };
+        // A face takes a quarter of the room.
+        let face = (view(info) == View::Zx).then(|| Face::new(channel, info.room.path / 4)).flatten();
+        let room = if face.is_some() { info.room.path / 4 * 3 } else { info.room.path };
         Self {
             axes: channel.axes.clone(),
             eyes: Eyes::new(channel, view(info)),
-            path: Path::with_capacity(lines as usize, info.room.path),
+            path: Path::with_capacity(lines as usize, room),
+            face,
             tool: 0,
             end: None,
+            inch: None,
+            cut_in_inch: None,
         }
     }
 
     /// A tool has been loaded.
     pub fn tool(&mut self, tool: u32) {
         self.tool = tool;
+        if let Some(face) = &mut self.face {
+            face.tool();
+        }
+    }
+
+    /// The program counts in inches or millimetres from here on.
+    pub fn unit(&mut self, inch: bool) {
+        self.inch = Some(inch);
+    }
+
+    /// File and line of the last move.
+    pub(crate) fn last_place(&self) -> Option<(FileId, u32)> {
+        Some((self.path.marks.last()?.file, self.path.moves.last()?.line))
     }
 
     /// The next motion, and the file and line of its block.
@@ -198,6 +244,19 @@ impl Track {
         self.begin(motion, line);
         self.end = Some(motion.to);
         self.path.push(Move::new(stroke, self.eyes.point(&motion.to), line), curve);
+        if self.face.is_some() || self.cut_in_inch.is_none() {
+            self.beside(motion, (file, line));
+        }
+    }
+
+    /// The path on the face, and the unit of the first cutting move.
+    fn beside(&mut self, motion: &Motion, place: (FileId, u32)) {
+        if motion.kind != MotionKind::Rapid && self.cut_in_inch.is_none() {
+            self.cut_in_inch = Some(self.inch);
+        }
+        if let Some(face) = &mut self.face {
+            face.motion(motion, &self.axes, self.tool, place);
+        }
     }
 }
 
@@ -215,22 +274,7 @@ impl Track {
     #[cold]
     fn aside(&mut self, motion: &Motion, sweep: &Sweep, line: u32) {
         self.begin(motion, line);
-        let parts = (sweep.angle.abs() / CHORD).ceil().clamp(1.0, MOST_CHORDS);
-        let mut shares: Vec<f64> = (1..parts as u32).map(|part| f64::from(part) / parts).collect();
-        shares.extend(sweep.turning_points());
-        shares.sort_by(f64::total_cmp);
-        for share in shares {
-            let mut position = motion.to;
-            for ((slot, to), from) in position.iter_mut().zip(motion.to).zip(motion.from) {
-                *slot = from + (to - from) * share;
-            }
-            for (axis, value) in sweep.axes.into_iter().zip(sweep.at(share)) {
-                if let (Some(slot), Some(own)) = (position.get_mut(axis), self.axes.get(axis)) {
-                    *slot = value / scale(own);
-                }
-            }
-            self.path.push(Move::new(Stroke::Feed, self.eyes.point(&position), line), None);
-        }
+        self.chords(chords::of_arc(motion, sweep, &self.axes), line);
     }
 
     /// A circle in space up to its end: chords, with the points where a coordinate turns back.
@@ -238,12 +282,12 @@ impl Track {
     fn around(&mut self, motion: &Motion, line: u32) {
         let Some(space) = Loop::of(motion, &self.axes) else { return };
         self.begin(motion, line);
-        let parts = (space.circle.sweep / CHORD).ceil().max(1.0);
-        let mut shares: Vec<f64> = (1..parts as u32).map(|part| f64::from(part) / parts).collect();
-        shares.extend((0..3).flat_map(|side| space.circle.turning_points(side)).flatten());
-        shares.sort_by(f64::total_cmp);
-        for share in shares {
-            self.path.push(Move::new(Stroke::Feed, self.eyes.point(&space.at(motion, share)), line), None);
+        self.chords(chords::of_loop(motion, &space), line);
+    }
+
+    fn chords(&mut self, positions: Vec<Position>, line: u32) {
+        for position in positions {
+            self.path.push(Move::new(Stroke::Feed, self.eyes.point(&position), line), None);
         }
     }
 }
@@ -261,28 +305,35 @@ fn tools(path: &Path, spans: &[Span]) -> Vec<(u32, String)> {
 }
 
 impl Toolpath {
-    /// From the tracks of all channels and the times of their tools.
-    pub fn new(info: &Arc<Info>, tracks: Vec<(Track, &[Span])>) -> Self {
+    /// From the tracks of all channels, the times of their tools and the places where they stopped.
+    pub fn new(info: &Arc<Info>, tracks: Vec<(Track, &[Span], Option<StopPlace>)>, failed: bool) -> Self {
         let view = view(info);
-        let channel = |(channel, (track, spans)): (&info::Channel, (Track, &[Span]))| Channel {
-            channel: channel.number,
-            name: channel.name.clone(),
-            program: channel.program.clone(),
-            lower: channel.lower && view == View::Zx,
-            tools: tools(&track.path, spans),
-            path: track.path,
-            view,
-            info: info.clone(),
-        };
+        let inch = tracks.iter().find_map(|(track, ..)| track.cut_in_inch.flatten());
+        let channel =
+            |(channel, (track, spans, stop)): (&info::Channel, (Track, &[Span], Option<StopPlace>))| Channel {
+                channel: channel.number,
+                name: channel.name.clone(),
+                program: channel.program.clone(),
+                lower: channel.lower && view == View::Zx,
+                tools: tools(&track.path, spans),
+                path: track.path,
+                face: track.face.and_then(Face::finish),
+                stop,
+                view,
+                info: info.clone(),
+            };
         let all = info.channels.iter().zip(tracks).map(channel);
         Self {
-            unit: match info.unit {
-                Unit::Mm => "mm",
-                Unit::Inch => "inch",
-            },
+            unit: info.unit.name(),
             view,
             channels: all.filter(|c| !c.program.is_empty()).collect(),
             machine: info.machine.clone(),
+            program_unit: match inch {
+                Some(true) => Unit::Inch,
+                Some(false) => Unit::Mm,
+                None => info.unit,
+            },
+            failed,
         }
     }
 
@@ -290,5 +341,14 @@ impl Toolpath {
     #[must_use]
     pub fn svg(&self) -> String {
         svg::draw(self)
+    }
+
+    /// Shown value of one unit of the machine: programs in inches are shown in inches.
+    fn shown(&self) -> f64 {
+        match (self.unit, self.program_unit) {
+            ("mm", Unit::Inch) => 1.0 / 25.4,
+            ("inch", Unit::Mm) => 25.4,
+            _ => 1.0,
+        }
     }
 }

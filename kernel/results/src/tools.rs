@@ -6,6 +6,7 @@
 use rustc_hash::FxHashMap;
 use serde::{Deserialize, Serialize};
 
+use crate::summary::tally::Tally;
 use counterpoint_event::event::{Kind, OffsetKind, ToolAction, ToolChange, ToolData, ToolOffset};
 
 /// Offsets listed per tool; a program with more of them has a mistake that the table need not show in full.
@@ -31,6 +32,40 @@ pub struct Tool {
     pub length_offsets: Vec<u32>,
     /// Numbers of the diameter offsets.
     pub diameter_offsets: Vec<u32>,
+    /// The comment of the program where the tool is loaded, empty without one.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub operation: String,
+    /// Time spent with it.
+    #[serde(default)]
+    pub times: ToolTimes,
+}
+
+/// Time spent with a tool, from the block that loads it to the next one.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(default)]
+pub struct ToolTimes {
+    /// Feed moves, ns.
+    pub feed_ns: i64,
+    /// Rapid moves, ns.
+    pub rapid_ns: i64,
+    /// Tool change, dwells and functions, ns.
+    pub misc_ns: i64,
+    /// Waiting for other channels, ns.
+    pub wait_ns: i64,
+}
+
+impl ToolTimes {
+    /// The times of a channel so far.
+    pub(crate) fn of(tally: &Tally) -> Self {
+        Self { feed_ns: tally.feed_ns, rapid_ns: tally.rapid_ns, misc_ns: tally.misc_ns, wait_ns: tally.wait_ns }
+    }
+
+    fn add_since(&mut self, since: Self, now: Self) {
+        self.feed_ns += now.feed_ns - since.feed_ns;
+        self.rapid_ns += now.rapid_ns - since.rapid_ns;
+        self.misc_ns += now.misc_ns - since.misc_ns;
+        self.wait_ns += now.wait_ns - since.wait_ns;
+    }
 }
 
 /// Collects the tools of a channel.
@@ -39,15 +74,20 @@ pub struct Tools {
     rows: Vec<Tool>,
     by_number: FxHashMap<u32, usize>,
     current: Option<usize>,
+    /// Times of the channel when the tool in work was loaded.
+    since: ToolTimes,
     data: FxHashMap<u32, Box<ToolData>>,
 }
 
 impl Tools {
-    /// Any event of the channel that is neither block nor motion.
-    pub fn event(&mut self, kind: &Kind) {
+    /// Any event of the channel that is neither block nor motion, with the times of the channel before it.
+    pub(crate) fn event(&mut self, kind: &Kind, tally: &Tally) {
         match kind {
             Kind::Tool(ToolChange { action: ToolAction::Select, .. }) => {}
-            Kind::Tool(load) => self.load(load.tool, load.offset),
+            Kind::Tool(load) => {
+                self.count(ToolTimes::of(tally));
+                self.load(load.tool, load.offset);
+            }
             Kind::Mode(mode) => self.offset(mode.offset),
             Kind::ToolData(data) => {
                 self.data.insert(data.tool, data.clone());
@@ -56,8 +96,17 @@ impl Tools {
         }
     }
 
+    /// The time since the last load is that of the tool in work.
+    fn count(&mut self, now: ToolTimes) {
+        if let Some(row) = self.current.and_then(|row| self.rows.get_mut(row)) {
+            row.times.add_since(self.since, now);
+        }
+        self.since = now;
+    }
+
     fn load(&mut self, tool: u32, offset: u32) {
         if tool == 0 {
+            self.current = None;
             return;
         }
         self.current = match self.by_number.get(&tool) {
@@ -85,8 +134,9 @@ impl Tools {
         note(list, number);
     }
 
-    /// The channel has ended.
-    pub fn finish(self) -> Vec<Tool> {
+    /// The channel has ended, with these times.
+    pub(crate) fn finish(mut self, tally: &Tally) -> Vec<Tool> {
+        self.count(ToolTimes::of(tally));
         let Self { mut rows, data, .. } = self;
         for row in &mut rows {
             if let Some(data) = data.get(&row.tool) {

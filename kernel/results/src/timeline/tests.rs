@@ -108,13 +108,13 @@ fn a_job_without_time_is_still_a_picture() {
     assert!(timeline(&lathe(&["x"]), &[]).svg().contains("cycle time 0.000 s"));
 }
 
-/// `x` and width of the marks of sync points.
-fn marks(svg: &str) -> Vec<(f64, f64, String)> {
+/// `x`, width, text and `y` of the marks of sync points.
+fn marks(svg: &str) -> Vec<(f64, f64, String, f64)> {
     let of = |rect: &str, key: &str| rect.split(key).nth(1).and_then(|r| r.split('"').next()).unwrap().parse().unwrap();
     let all = svg.split("<rect ").skip(1).filter(|rect| rect.contains("rx=\"3\""));
     all.map(|rect| {
         let text = rect.split("</text>").next().and_then(|r| r.rsplit('>').next()).unwrap_or_default();
-        (of(rect, "x=\""), of(rect, "width=\""), text.to_owned())
+        (of(rect, "x=\""), of(rect, "width=\""), text.to_owned(), of(rect, "y=\""))
     })
     .collect()
 }
@@ -135,15 +135,67 @@ fn marks_of_meetings_stay_inside_and_off_each_other() {
     events.extend([life(1, 100 * S, Phase::ProgramEnd), life(2, 100 * S, Phase::ProgramEnd)]);
     let svg = timeline(&info, &events).svg();
     let marks = marks(&svg);
-    let texts: Vec<&str> = marks.iter().map(|(_, _, text)| text.as_str()).collect();
-    assert_eq!(texts[..2], ["M100 P12", "M101 P12"], "of two near ones the first stays: {texts:?}");
-    assert!(texts.len() == 4 && texts[2].starts_with("MEET_AT_A_") && texts[2].ends_with('…'), "{texts:?}");
-    assert!(marks.iter().all(|(x, width, _)| *x >= 0.0 && x + width <= 1200.0), "{marks:?}");
-    assert!(marks.windows(2).all(|w| w[0].0 + w[0].1 < w[1].0), "{marks:?}");
+    let texts: Vec<&str> = marks.iter().map(|(_, _, text, _)| text.as_str()).collect();
+    assert_eq!(texts[..3], ["M100 P12", "M101 P12", "M102 P12"], "{texts:?}");
+    assert!(texts.len() == 5 && texts[3].starts_with("MEET_AT_A_") && texts[3].ends_with('…'), "{texts:?}");
+    assert!(marks.iter().all(|(x, width, ..)| *x >= 0.0 && x + width <= 1200.0), "{marks:?}");
+    assert!(apart(&marks), "{marks:?}");
     assert!(
         svg.contains("<title>M102 P12, 51.000 s; UPPER jobs/p1.nc line 3; LOWER jobs/p2.nc line 3</title>"),
         "{svg}"
     );
+}
+
+/// No mark lies over another one.
+fn apart(marks: &[(f64, f64, String, f64)]) -> bool {
+    let over = |one: &(f64, f64, String, f64), other: &(f64, f64, String, f64)| {
+        one.0 < other.0 + other.1 && other.0 < one.0 + one.1 && (one.3 - other.3).abs() < 16.0
+    };
+    (1..marks.len()).all(|index| marks[..index].iter().all(|other| !over(&marks[index], other)))
+}
+
+/// Two channels that meet at these times, s, by these marks.
+fn meeting(meetings: &[(i64, &str)], end: i64) -> String {
+    let mut events = Vec::new();
+    for (number, (t, key)) in (1..).zip(meetings) {
+        for channel in [1, 2] {
+            events.push(wait(channel, number, t * S, key, &[1, 2]));
+            events.push(release(channel, number, t * S, t * S, key, u64::from(number)));
+        }
+    }
+    events.extend([life(1, end * S, Phase::ProgramEnd), life(2, end * S, Phase::ProgramEnd)]);
+    timeline(&lathe(&["x", "y"]), &events).svg()
+}
+
+#[test]
+fn all_marks_of_one_instant_can_be_read() {
+    let balance = ["M101", "G68", "G68 cut", "G68 cut", "G68 cut", "M102", "G51.4", "M103", "M104 P12"];
+    let svg = meeting(&balance.map(|key| (50, key)), 100);
+    let texts = marks(&svg).into_iter().map(|(_, _, text, _)| text).collect::<Vec<_>>().join(", ");
+    assert_eq!(texts, "M101, G68, G68 cut ×3, M102, G51.4, M103, M104 P12");
+    assert!(apart(&marks(&svg)));
+}
+
+/// More marks than one plot has room for are drawn in parts of the time; each of them has a mark of its own there.
+#[test]
+fn sixty_and_six_hundred_marks_can_be_read() {
+    for count in [60, 600] {
+        let names: Vec<String> = (0..count).map(|n| format!("M{}", 100 + n)).collect();
+        let meetings: Vec<(i64, &str)> = (1..).zip(&names).map(|(t, name)| (t * 10, name.as_str())).collect();
+        let svg = meeting(&meetings, count * 10 + 10);
+        let marks = marks(&svg);
+        let shown = |name: &String| marks.iter().any(|(_, _, text, _)| text.split(", ").any(|shown| shown == name));
+        let hidden: Vec<&String> = names.iter().filter(|name| !shown(name)).collect();
+        assert!(hidden.is_empty(), "{hidden:?}");
+        assert!(apart(&marks));
+        assert!(svg.len() < 600_000, "{}", svg.len());
+    }
+}
+
+#[test]
+fn a_job_that_has_failed_says_so_in_its_title() {
+    let svg = timeline(&lathe(&["x"]), &[life(1, 0, Phase::ProgramStart), life(1, S, Phase::Alarmed)]).svg();
+    assert!(svg.contains(">FAILED, cycle time 1.000 s</text>"), "{svg}");
 }
 
 #[test]

@@ -2,19 +2,25 @@
 
 use serde::ser::{Serialize, SerializeSeq, SerializeStruct, Serializer};
 
-use super::store::{Curve, Move, Stroke};
+use super::store::{Curve, Move, Path, Stroke};
 use super::{Channel, View};
 
 impl Serialize for Channel {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let mut out = serializer.serialize_struct("Channel", 6)?;
+        let mut out = serializer.serialize_struct("Channel", 8)?;
         out.serialize_field("channel", &self.channel)?;
         out.serialize_field("name", &self.name)?;
         out.serialize_field("side", if self.lower { "lower" } else { "upper" })?;
         let tool = |(tool, name): &(u32, String)| Tool { tool: *tool, name: name.clone() };
         out.serialize_field("tools", &self.tools.iter().map(tool).collect::<Vec<_>>())?;
         out.serialize_field("truncated", &self.path.truncated)?;
-        out.serialize_field("segments", &Segments(self))?;
+        out.serialize_field("segments", &Segments { channel: self, path: &self.path, view: self.view })?;
+        if let Some(face) = &self.face {
+            out.serialize_field("face", &Segments { channel: self, path: face, view: View::Xyz })?;
+        }
+        if let Some(stop) = &self.stop {
+            out.serialize_field("stop", stop)?;
+        }
         out.end()
     }
 }
@@ -25,15 +31,19 @@ struct Tool {
     name: String,
 }
 
-struct Segments<'a>(&'a Channel);
+struct Segments<'a> {
+    channel: &'a Channel,
+    path: &'a Path,
+    view: View,
+}
 
 impl Serialize for Segments<'_> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let (path, view) = (&self.0.path, self.0.view);
+        let (path, view) = (self.path, self.view);
         let mut out = serializer.serialize_seq(None)?;
         let mut from = [0.0; 3];
         for (mark, moves) in path.sections() {
-            let file = self.0.info.file_name(mark.file);
+            let file = self.channel.info.file_name(mark.file);
             let mut rest = moves;
             while let [first, tail @ ..] = rest {
                 if first.stroke() == Stroke::Start {

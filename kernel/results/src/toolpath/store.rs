@@ -125,6 +125,15 @@ impl Curve {
     }
 }
 
+/// A place of a path.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Here {
+    moves: usize,
+    curves: usize,
+    marks: usize,
+    tolerance: f64,
+}
+
 /// The path of a channel.
 #[derive(Debug, Clone, Default)]
 pub struct Path {
@@ -212,6 +221,21 @@ impl Path {
         self.moves.push(to);
         if self.moves.len() >= MOST || self.bytes() >= self.room {
             self.thin();
+        }
+    }
+
+    /// Where the path is now, to come back to with [`rewind`](Self::rewind).
+    pub(super) fn here(&self) -> Here {
+        Here { moves: self.moves.len(), curves: self.curves.len(), marks: self.marks.len(), tolerance: self.tolerance }
+    }
+
+    /// Forgets the moves since a place; a path that has been thinned since then keeps them.
+    pub(super) fn rewind(&mut self, to: Here) {
+        if self.tolerance == to.tolerance && !self.truncated {
+            self.moves.truncate(to.moves);
+            self.curves.truncate(to.curves);
+            self.marks.truncate(to.marks);
+            self.marked = 0;
         }
     }
 

@@ -1,23 +1,31 @@
-//! The toolpath as a picture: one view for lathes, two for mills.
+//! The toolpath as a picture: for lathes Z and X, and the face of the part where live tools work; for mills from above, from the
+//! front, and in space.
 //!
-//! The frame fits the cutting moves; rapids beyond it are cut at its border. Every tool has a colour, and every line
-//! says on hover which block it comes from. *Invariant:* aspect is preserved, all views of a picture have one scale, and
-//! of a long path only lines that change the picture are drawn, in a bounded number of pieces.
+//! The frame fits the cutting moves; rapids beyond it are cut at its border. Every tool has a colour, rapids are grey, holes and
+//! places where a channel stopped have marks, and every line says on hover which block it comes from. *Invariant:* aspect is
+//! preserved, all views with scales have one scale, and of a long path only lines that change the picture are drawn, in a
+//! bounded number of pieces.
 
 mod canvas;
+mod colors;
 mod frame;
+mod holes;
 mod legend;
 mod pen;
 mod pieces;
+mod sight;
+mod stops;
 
 use std::fmt::Write as _;
 
-use super::store::Stroke;
-use super::{Channel, Toolpath, View};
+use super::store::{Path, Stroke};
+use super::{Channel, Toolpath};
 use crate::svg::{escape, fit, open, text, width};
+use counterpoint_event::event::FileId;
 use frame::{Bounds, Frame};
 use legend::Palette;
 use pieces::{Piece, pieces};
+use sight::{Sight, Source, sights};
 
 const WIDTH: f64 = 1200.0;
 const LEFT: f64 = 64.0;
@@ -28,80 +36,62 @@ const TOP: f64 = 78.0;
 const HEIGHT: f64 = 760.0;
 const INK: &str = "#1f2933";
 const SOFT: &str = "#66727f";
+const RED: &str = "#d62839";
+/// Below a view, for its scale and the heading of the next one.
+const BETWEEN: f64 = 56.0;
 /// How the kinds of moves are drawn, those below first.
 const KINDS: [(Stroke, &str, &str); 3] = [
-    (Stroke::Rapid, "rapid", r#"stroke-width="0.8" stroke-dasharray="5 3" stroke-opacity="0.65""#),
+    (Stroke::Rapid, "rapid", r##"stroke="#9aa5b1" stroke-width="0.8" stroke-dasharray="2 2""##),
     (Stroke::Feed, "feed", r#"stroke-width="1.4""#),
     (Stroke::Thread, "thread", r#"stroke-width="2.6" stroke-dasharray="1.5 2""#),
 ];
 
-/// What the upward scale of a view shows.
-#[derive(Debug, Clone, Copy)]
-struct Upwards {
-    name: &'static str,
-    /// Shown value of a coordinate of 1.
-    factor: f64,
-    /// Values count upwards and downwards from zero.
-    both_ways: bool,
-}
-
-impl Upwards {
-    fn note(self) -> &'static str {
-        if self.both_ways { ", lower turret below the axis" } else { "" }
-    }
-}
-
-/// What one view shows: coordinates to the right and up, and their names.
-#[derive(Debug, Clone, Copy)]
-struct Sight {
-    axes: [usize; 2],
-    across: &'static str,
-    upwards: Upwards,
-}
-
-fn sights(toolpath: &Toolpath) -> Vec<Sight> {
-    let plain = |name| Upwards { name, factor: 1.0, both_ways: false };
-    match toolpath.view {
-        View::Zx => {
-            let both_ways = toolpath.channels.iter().any(|c| c.lower);
-            vec![Sight { axes: [0, 1], across: "Z", upwards: Upwards { name: "X (diameter)", factor: 2.0, both_ways } }]
-        }
-        View::Xyz => vec![
-            Sight { axes: [0, 1], across: "X", upwards: plain("Y") },
-            Sight { axes: [0, 2], across: "X", upwards: plain("Z") },
-        ],
-    }
-}
-
 pub(super) fn draw(toolpath: &Toolpath) -> String {
-    let sights = sights(toolpath);
     let palette = Palette::new(toolpath);
-    let bounds = Bounds::of(toolpath.channels.iter().map(|c| (&c.path, c.lower)));
-    let scale = scale(&bounds, &sights);
-    let mut frames = Vec::new();
-    let mut top = TOP + palette.height();
-    for sight in sights {
-        let frame = Frame::new(sight, &bounds, scale, top);
-        top = frame.bottom + 56.0;
-        frames.push(frame);
-    }
+    let frames = frames(toolpath, TOP + palette.height());
+    let top = frames.last().map_or(TOP, |frame| frame.bottom + BETWEEN);
     let paths: Vec<String> = frames.iter().map(|frame| strokes(toolpath, frame, &palette)).collect();
     let mut out = String::with_capacity(paths.iter().map(String::len).sum::<usize>() + 16 * 1024);
     open(&mut out, WIDTH, top - 12.0);
     title(&mut out, toolpath);
     palette.draw(&mut out);
+    let (unit, shown) = (toolpath.program_unit.name(), toolpath.shown());
     for (index, (frame, paths)) in frames.iter().zip(&paths).enumerate() {
-        frame.draw(&mut out, index, toolpath.unit, paths);
+        frame.draw(&mut out, index, (unit, shown), paths);
     }
     out.push_str("</svg>\n");
     out
 }
 
-/// Pixels per unit that fit every view.
-fn scale(bounds: &Bounds, sights: &[Sight]) -> f64 {
-    let heights: f64 = sights.iter().map(|s| bounds.span(s.axes[1])).sum();
-    let width = sights.iter().map(|s| bounds.span(s.axes[0])).fold(0.0, f64::max);
-    let free = HEIGHT - 56.0 * (sights.len() as f64 - 1.0);
+/// The views, one below the other from `top` on. All with scales count the same pixels per unit.
+fn frames(toolpath: &Toolpath, mut top: f64) -> Vec<Frame> {
+    let bounds = |source| Bounds::of(paths(toolpath, source));
+    let sights: Vec<(Sight, Bounds)> =
+        sights(toolpath).into_iter().map(|sight| (sight, bounds(sight.source).seen_by(sight))).collect();
+    let common = scale(sights.iter().filter(|(sight, _)| sight.has_scales()), HEIGHT);
+    let mut frames = Vec::new();
+    for (sight, bounds) in &sights {
+        let scale = if sight.has_scales() { common } else { scale(std::iter::once(&(*sight, *bounds)), HEIGHT / 2.0) };
+        let frame = Frame::new(*sight, bounds, scale, top);
+        top = frame.bottom + BETWEEN;
+        frames.push(frame);
+    }
+    frames
+}
+
+/// Paths of all channels that a view shows, each with whether it is seen below the turning axis.
+fn paths(toolpath: &Toolpath, source: Source) -> impl Iterator<Item = (&Path, bool)> + Clone {
+    toolpath.channels.iter().filter_map(move |channel| match source {
+        Source::Path => Some((&channel.path, channel.lower)),
+        Source::Face => channel.face.as_ref().map(|path| (path, false)),
+    })
+}
+
+/// Pixels per unit that fit all of these views into a height.
+fn scale<'a>(sights: impl Iterator<Item = &'a (Sight, Bounds)> + Clone, height: f64) -> f64 {
+    let heights: f64 = sights.clone().map(|(_, bounds)| bounds.span(1)).sum();
+    let width = sights.clone().map(|(_, bounds)| bounds.span(0)).fold(0.0, f64::max);
+    let free = height - BETWEEN * (sights.count() as f64 - 1.0);
     ((RIGHT - LEFT) / width).min(free / heights)
 }
 
@@ -109,8 +99,12 @@ fn scale(bounds: &Bounds, sights: &[Sight]) -> f64 {
 fn strokes(toolpath: &Toolpath, frame: &Frame, palette: &Palette) -> String {
     let mut out = String::new();
     for (index, channel) in toolpath.channels.iter().enumerate() {
-        let frame = frame.of(channel.lower);
-        let pieces = pieces(&channel.path, &frame);
+        let (path, frame) = match (frame.sight.source, &channel.face) {
+            (Source::Path, _) => (&channel.path, frame.of(channel.lower)),
+            (Source::Face, Some(face)) => (face, frame.clone()),
+            (Source::Face, None) => continue,
+        };
+        let pieces = pieces(path, &frame);
         let drawn: usize = pieces.iter().filter(|p| p.stroke == Stroke::Feed).map(|p| p.d.len()).sum();
         for of_tool in pieces.chunk_by(|a, b| a.tool == b.tool) {
             let tool = of_tool.first().map_or(0, |piece| piece.tool);
@@ -134,41 +128,51 @@ fn strokes(toolpath: &Toolpath, frame: &Frame, palette: &Palette) -> String {
             }
             out.push_str("</g>\n");
         }
+        if frame.sight.shows_holes {
+            holes::draw(&mut out, (toolpath, channel), path, &frame, |tool| palette.color(index, tool));
+        }
+        if let (Some(stop), Source::Path) = (&channel.stop, frame.sight.source) {
+            stops::draw(&mut out, channel, stop, path, &frame);
+        }
     }
     out
 }
 
 /// Where a piece comes from: `UPPER T3, part.nc line 12: G1 X34.`.
 fn hint(toolpath: &Toolpath, channel: &Channel, piece: &Piece) -> String {
-    let mut hint = String::new();
-    if toolpath.channels.len() > 1 {
-        let _ = write!(hint, "{} ", channel.name);
-    }
-    if piece.tool > 0 {
-        let _ = write!(hint, "T{}, ", piece.tool);
-    }
-    let _ = write!(hint, "{} ", channel.info.file_name(piece.file));
+    let place = place(toolpath, channel, (piece.tool, piece.file));
     let (first, last) = piece.lines;
     if first != last {
-        let _ = write!(hint, "lines {first} to {last}");
-        return hint;
+        return format!("{place}lines {first} to {last}");
     }
-    let _ = write!(hint, "line {first}");
     let block = channel.info.block_text(piece.file, first, 60);
-    if !block.is_empty() {
-        let _ = write!(hint, ": {block}");
+    if block.is_empty() { format!("{place}line {first}") } else { format!("{place}line {first}: {block}") }
+}
+
+/// `UPPER T3, part.nc `, as far as it is needed.
+fn place(toolpath: &Toolpath, channel: &Channel, (tool, file): (u32, FileId)) -> String {
+    let mut out = String::new();
+    if toolpath.channels.len() > 1 {
+        let _ = write!(out, "{} ", channel.name);
     }
-    hint
+    if tool > 0 {
+        let _ = write!(out, "T{tool}, ");
+    }
+    let _ = write!(out, "{} ", channel.info.file_name(file));
+    out
 }
 
 fn title(out: &mut String, toolpath: &Toolpath) {
     let mut programs: Vec<&str> = toolpath.channels.iter().map(|c| c.program.as_str()).collect();
     programs.dedup();
-    let what = format!("toolpath, {}", toolpath.unit);
+    let what = match stops::sentence(toolpath) {
+        Some(stop) => fit(&stop, 15, 560.0),
+        None => format!("toolpath, {}", toolpath.program_unit.name()),
+    };
     let machine = format!("{}{}", if programs.is_empty() { "" } else { " on " }, toolpath.machine);
     let machine = fit(&machine, 17, 360.0);
     let room = RIGHT - 16.0 - width(&what, 15) - 24.0 - width(&machine, 17);
     let line = format!("{}{machine}", fit(&programs.join(" + "), 17, room));
     text(out, (16.0, 27.0), 17, "start", INK, &line);
-    text(out, (RIGHT, 27.0), 15, "end", INK, &what);
+    text(out, (RIGHT, 27.0), 15, "end", if toolpath.failed { RED } else { INK }, &what);
 }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::*;
 use crate::builder::ResultsBuilder;
 use crate::testing::*;
-use counterpoint_event::event::{Kind, ToolAction, ToolChange};
+use counterpoint_event::event::{Kind, Phase, ToolAction, ToolChange};
 
 fn of(info: &Arc<Info>, motions: impl Iterator<Item = Motion>) -> Toolpath {
     let mut builder = ResultsBuilder::new(info);
@@ -51,7 +51,8 @@ fn a_lathe_is_seen_by_z_and_radius() {
             r#"{"kind":"arc_cw","points":[-10.0,10.0,-15.0,15.0],"plane":"zx","center":[-10.0,15.0],"turns":0,"#,
             r#""tool":0,"file":"jobs/p1.nc","lines":[4]},"#,
             r#"{"kind":"thread","points":[-15.0,15.0,-20.0,15.0],"tool":0,"file":"jobs/p1.nc","lines":[5]},"#,
-            r#"{"kind":"rapid","points":[0.0,20.0,0.0,25.0],"tool":0,"file":"jobs/p1.nc","lines":[6]}]}]}"#
+            r#"{"kind":"rapid","points":[0.0,20.0,0.0,25.0],"tool":0,"file":"jobs/p1.nc","lines":[6]}],"#,
+            r#""stop":{"state":"STOPPED","file":"jobs/p1.nc","line":6}}]}"#
         )
     );
 }
@@ -216,6 +217,8 @@ fn turrets() -> Toolpath {
         cut(1, 4, &[20.0, 0.0], &[20.0, -10.0]),
         load(2, 2),
         cut(2, 3, &[40.0, 0.0], &[40.0, -10.0]),
+        life(1, 5, Phase::ProgramEnd),
+        life(2, 5, Phase::ProgramEnd),
     ] {
         builder.event(&event);
     }
@@ -278,4 +281,144 @@ fn a_long_path_has_a_bounded_number_of_pieces() {
     assert!(svg.matches("<title>").count() < 20_000, "{}", svg.matches("<title>").count());
     assert!(svg.len() < 6_000_000, "{}", svg.len());
     assert!(svg.contains(" more tools</text>"));
+}
+
+/// The pieces of a view, by the number of the view.
+fn view_of(svg: &str, index: usize) -> &str {
+    svg.split(&format!("url(#view{index})")).nth(1).unwrap_or_default()
+}
+
+#[test]
+fn holes_have_marks_and_pockets_have_none() {
+    let hole = |x: f64| {
+        [
+            motion(MotionKind::Rapid, &[x, 0.0, 5.0], &[x, 0.0, 2.0]),
+            motion(MotionKind::Linear, &[x, 0.0, 2.0], &[x, 0.0, -5.0]),
+            motion(MotionKind::Rapid, &[x, 0.0, -5.0], &[x, 0.0, 2.0]),
+            motion(MotionKind::Linear, &[x, 0.0, 2.0], &[x, 0.0, -9.5]),
+            motion(MotionKind::Rapid, &[x, 0.0, -9.5], &[x, 0.0, 5.0]),
+            motion(MotionKind::Rapid, &[x, 0.0, 5.0], &[x + 10.0, 0.0, 5.0]),
+        ]
+    };
+    let pocket = [
+        motion(MotionKind::Linear, &[20.0, 0.0, 5.0], &[20.0, 0.0, -5.0]),
+        motion(MotionKind::Linear, &[20.0, 0.0, -5.0], &[20.0, 20.0, -5.0]),
+        motion(MotionKind::Rapid, &[20.0, 20.0, -5.0], &[20.0, 20.0, 5.0]),
+    ];
+    let motions: Vec<Motion> = hole(0.0).into_iter().chain(hole(10.0)).chain(pocket).collect();
+    let svg = toolpath(&mill("x"), &motions).svg();
+    assert_eq!(svg.matches("hole to Z-9.500").count(), 2, "one mark for a hole, however often it is pecked");
+    assert_eq!(svg.matches("hole to Z").count(), 2, "a pocket is no hole");
+    assert!(view_of(&svg, 0).contains("line 4: hole to Z-9.500"), "{svg}");
+    assert!(svg.contains(">hole</text>"), "the legend names the mark");
+}
+
+#[test]
+fn rapids_have_a_colour_that_no_tool_has() {
+    let motions = [
+        motion(MotionKind::Rapid, &[0.0, 0.0, 5.0], &[10.0, 0.0, 5.0]),
+        motion(MotionKind::Linear, &[10.0, 0.0, 5.0], &[10.0, 10.0, 5.0]),
+    ];
+    let svg = toolpath(&mill("x"), &motions).svg();
+    let view = view_of(&svg, 0);
+    assert_eq!(view.matches(r##"<g stroke="#9aa5b1""##).count(), 3, "one in each view: {view}");
+}
+
+#[test]
+fn tools_beyond_a_dozen_and_of_other_turrets_have_colours_of_their_own() {
+    let mut builder = ResultsBuilder::new(&lathe(&["x", "y"]));
+    for channel in [1, 2] {
+        for tool in 1..=15_u32 {
+            let load = ToolChange { action: ToolAction::Load, tool, offset: tool };
+            builder.event(&at(channel, tool, 0, 0, Kind::Tool(load)));
+            let to = [20.0, -f64::from(tool)];
+            builder.event(&at(channel, tool, 0, 1, Kind::Motion(motion(MotionKind::Linear, &[20.0, 0.0], &to))));
+        }
+    }
+    let svg = builder.finish(&outcome(1)).toolpath.svg();
+    let colors: std::collections::BTreeSet<&str> =
+        view_of(&svg, 0).split("<g stroke=\"").skip(1).filter_map(|g| g.split('"').next()).collect();
+    assert_eq!(colors.len(), 30, "{colors:?}");
+}
+
+#[test]
+fn mills_are_seen_in_space_too() {
+    let svg = toolpath(&mill("x"), &[motion(MotionKind::Linear, &[0.0, 0.0, 0.0], &[10.0, 10.0, 0.0])]).svg();
+    // X to the right and Y to the left rise alike: the diagonal goes straight up.
+    let view = view_of(&svg, 2);
+    let d = view.split("<path d=\"M").nth(1).and_then(|d| d.split('"').next()).expect("a move in space");
+    let (_, step) = d.split_once('l').expect("a line");
+    assert!(step.starts_with("0-"), "{d}");
+}
+
+#[test]
+fn a_stop_is_marked_and_named() {
+    let events = [
+        at(1, 7, 0, 1, Kind::Motion(motion(MotionKind::Linear, &[20.0, 0.0], &[20.0, -10.0]))),
+        diagnostic(1, 8, 1, 2_900_320, 12, "no G411"),
+        life(1, 1, Phase::Alarmed),
+    ];
+    let toolpath = results(&lathe(&["x"]), &events, &outcome(3)).toolpath;
+    let json = serde_json::to_value(&toolpath).unwrap();
+    let stop = serde_json::json!({"state": "ALARMED", "file": "jobs/p1.nc", "line": 8});
+    assert_eq!(json["channels"][0]["stop"], stop);
+    let svg = toolpath.svg();
+    assert!(svg.contains(">FAILED: alarm at jobs/p1.nc line 8</text>"), "{svg}");
+    assert!(view_of(&svg, 0).contains("<title>UPPER: alarm at jobs/p1.nc line 8</title>"), "{svg}");
+}
+
+#[test]
+fn programs_in_inches_are_shown_in_inches() {
+    let path = |unit: &'static str| {
+        let events = [
+            at(1, 1, 0, 0, Kind::mode(unit)),
+            at(1, 2, 0, 1, Kind::Motion(motion(MotionKind::Linear, &[0.0, 0.0, 0.0], &[254.0, 0.0, 0.0]))),
+        ];
+        results(&mill("x"), &events, &outcome(1)).toolpath
+    };
+    let inches = path("units inch");
+    assert_eq!(serde_json::to_value(&inches).unwrap()["unit"], "mm", "data stay in the unit of the machine");
+    let svg = inches.svg();
+    assert!(svg.contains(">X / inch</text>") && svg.contains(">10</text>") && !svg.contains(">200</text>"), "{svg}");
+    let svg = path("units mm").svg();
+    assert!(svg.contains(">X / mm</text>") && svg.contains(">200</text>"), "{svg}");
+}
+
+/// Live tools work where the part has been turned to: holes on a circle, a straight side by polar interpolation, an arc by C.
+#[test]
+fn the_face_of_the_part_shows_the_work_of_live_tools() {
+    let info = lathe(&["x"]);
+    let load = |line, tool| at(1, line, 0, 0, Kind::Tool(ToolChange { action: ToolAction::Load, tool, offset: tool }));
+    let cut = |line, motion: Motion| at(1, line, 0, 1, Kind::Motion(motion));
+    let drill = |line, c: f64| {
+        [
+            cut(line, motion(MotionKind::Rapid, &[40.0, 5.0, c - 90.0], &[40.0, 5.0, c])),
+            cut(line, motion(MotionKind::Linear, &[40.0, 5.0, c], &[40.0, -8.0, c])),
+            cut(line, motion(MotionKind::Rapid, &[40.0, -8.0, c], &[40.0, 5.0, c])),
+        ]
+    };
+    // From X20 Y-20 to X20 Y20 of the face: radius 28.2843, C from -45 to 45, a way of 40.
+    let r = 2.0 * 800_f64.sqrt();
+    let side = Motion { length: 40.0, ..motion(MotionKind::Linear, &[r, 5.0, -45.0], &[r, 5.0, 45.0]) };
+    let round = Motion { length: 90.0, ..motion(MotionKind::Linear, &[r, 5.0, 45.0], &[r, 5.0, 135.0]) };
+    let mut events =
+        vec![load(1, 1), cut(2, motion(MotionKind::Linear, &[30.0, 2.0, 0.0], &[30.0, -20.0, 0.0])), load(3, 2)];
+    events.extend(drill(4, 90.0).into_iter().chain(drill(5, 180.0)));
+    events.extend([load(6, 3), cut(7, side), cut(8, round), life(1, 9, Phase::ProgramEnd)]);
+    let toolpath = results(&info, &events, &outcome(9)).toolpath;
+    let json = serde_json::to_value(&toolpath).unwrap();
+    let face = json["channels"][0]["face"].as_array().expect("a face");
+    let tools: Vec<u64> = face.iter().map(|segment| segment["tool"].as_u64().unwrap()).collect();
+    assert!(!tools.contains(&1) && tools.contains(&2) && tools.contains(&3), "turning leaves no trace: {tools:?}");
+    let points = |segment: &serde_json::Value| -> Vec<[f64; 3]> {
+        let all: Vec<f64> = segment["points"].as_array().unwrap().iter().map(|v| v.as_f64().unwrap()).collect();
+        all.chunks(3).map(|p| [p[0], p[1], p[2]]).collect()
+    };
+    let milled: Vec<[f64; 3]> = face.iter().filter(|segment| segment["tool"] == 3).flat_map(points).collect();
+    assert_eq!(milled[..2], [[20.0, -20.0, 5.0], [20.0, 20.0, 5.0]], "polar interpolation is straight");
+    assert!(milled.len() > 20 && milled[2..].iter().all(|p| (p[0].hypot(p[1]) - r / 2.0).abs() < 1e-3), "{milled:?}");
+    let svg = toolpath.svg();
+    let holes = svg.matches("hole to Z-8.000").count();
+    assert_eq!(holes, 2, "{svg}");
+    assert!(svg.contains(">face: X (radius) / mm</text>"), "{svg}");
 }

@@ -4,8 +4,8 @@
 
 use std::fmt::Write as _;
 
-use super::scale::Scale;
-use super::{BAR, SOFT, row_top};
+use super::layout::Layout;
+use super::{BAR, SOFT};
 use crate::analysis::Analysis;
 use crate::summary::ChannelState;
 use crate::svg::text;
@@ -29,7 +29,8 @@ pub(super) fn legend(out: &mut String, x: f64) {
     text(out, (x + 19.0, 52.5), 12, "start", SOFT, "critical path");
 }
 
-pub(super) fn draw(out: &mut String, timeline: &Timeline, scale: &Scale) {
+pub(super) fn draw(out: &mut String, timeline: &Timeline, layout: &Layout) {
+    let scale = &layout.scale;
     if !is_shown(timeline) {
         return;
     }
@@ -39,7 +40,10 @@ pub(super) fn draw(out: &mut String, timeline: &Timeline, scale: &Scale) {
     let mut path = String::new();
     let mut at: Option<(f64, f64)> = None;
     for (channel, from, to) in Analysis::of(&ends, &timeline.waits).critical {
-        let Some(y) = row(channel).map(|row| row_top(row) + BAR + BELOW) else { continue };
+        let Some(y) = row(channel).map(|row| layout.row_top(row) + BAR + BELOW) else { continue };
+        if !scale.sees(from, to) {
+            continue;
+        }
         let (from, to) = (scale.x(from), scale.x(to));
         if to - from < SHORTEST {
             continue;

@@ -5,6 +5,7 @@
 
 use std::fmt::Write as _;
 
+use super::layout::Layout;
 use super::scale::{Scale, time_text};
 use super::tools;
 use super::{BAR, INK, KINDS, LEFT, RED, SOFT, WIDTH, style};
@@ -20,7 +21,15 @@ const FEW: usize = 300;
 /// Tools named in a hint.
 const TOOLS: usize = 4;
 
-pub(super) fn draw(out: &mut String, timeline: &Timeline, channel: &Channel, top: f64, scale: &Scale) {
+/// The row with this index; `whole`: its time stands beside its name.
+pub(super) fn draw(
+    out: &mut String,
+    timeline: &Timeline,
+    channel: &Channel,
+    (layout, index): (&Layout, usize),
+    whole: bool,
+) {
+    let (top, scale) = (layout.row_top(index), &layout.scale);
     let name = format!("{} {}", channel.channel, channel.name);
     text(out, (16.0, top + 14.0), 14, "start", INK, &fit(&name, 14, LEFT - 24.0));
     let waits = channel.wait_ns as f64 / channel.end_ns.max(1) as f64 * 100.0;
@@ -28,14 +37,18 @@ pub(super) fn draw(out: &mut String, timeline: &Timeline, channel: &Channel, top
         ChannelState::NotStarted => "no program".to_owned(),
         _ => format!("{}, waits {waits:.0} %", time_text(channel.end_ns, 100_000_000)),
     };
-    text(out, (16.0, top + 28.0), 11, "start", SOFT, &fit(&note, 11, LEFT - 13.0));
+    if whole {
+        text(out, (16.0, top + 28.0), 11, "start", SOFT, &fit(&note, 11, LEFT - 13.0));
+    }
     let runs = runs(&channel.bars, scale);
     if runs.len() <= FEW {
         runs.iter().for_each(|run| single(out, run, channel, top, scale));
     } else {
         many(out, &runs, top, scale);
     }
-    ending(out, timeline, channel, top, scale);
+    if whole || scale.sees(channel.end_ns, channel.end_ns) {
+        ending(out, timeline, channel, top, scale);
+    }
 }
 
 /// Bars drawn as one.
@@ -51,7 +64,7 @@ fn runs(bars: &[Bar], scale: &Scale) -> Vec<Run> {
     let mut runs: Vec<Run> = Vec::new();
     let mut small: Vec<&Bar> = Vec::new();
     let wide = |from: i64, to: i64| scale.x(to) - scale.x(from) >= 1.0;
-    for bar in bars {
+    for bar in bars.iter().filter(|bar| scale.sees(bar.t_ns, bar.end_ns())) {
         if wide(bar.t_ns, bar.end_ns()) {
             flush(&mut small, &mut runs);
             add(&mut runs, run(bar.kind, &[bar]));
@@ -98,7 +111,8 @@ fn add(runs: &mut Vec<Run>, next: Run) {
 
 fn single(out: &mut String, run: &Run, channel: &Channel, top: f64, scale: &Scale) {
     let (name, color) = style(run.kind);
-    let (x, width) = (scale.x(run.t_ns), (scale.x(run.end_ns) - scale.x(run.t_ns)).max(0.5));
+    let (from, to) = scale.within(run.t_ns, run.end_ns);
+    let (x, width) = (scale.x(from), (scale.x(to) - scale.x(from)).max(0.5));
     let mut hint = name.to_owned();
     if let Some(label) = &run.label {
         let _ = write!(hint, " {label}");
@@ -128,7 +142,8 @@ fn many(out: &mut String, runs: &[Run], top: f64, scale: &Scale) {
                 let _ = write!(out, r#"<path fill="{color}" d=""#);
                 started = true;
             }
-            let (x, width) = (px(scale.x(run.t_ns)), px(scale.x(run.end_ns)) - px(scale.x(run.t_ns)));
+            let (from, to) = scale.within(run.t_ns, run.end_ns);
+            let (x, width) = (px(scale.x(from)), px(scale.x(to)) - px(scale.x(from)));
             out.push('M');
             hundredths(out, x, true);
             let _ = write!(out, " {top:.0}h");

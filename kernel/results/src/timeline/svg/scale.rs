@@ -10,27 +10,50 @@ const S: i64 = 1_000_000_000;
 /// From simulated time to pixels.
 #[derive(Debug)]
 pub(super) struct Scale {
+    from_ns: i64,
     span_ns: i64,
     pub(super) left: f64,
     pub(super) right: f64,
 }
 
 impl Scale {
-    /// A job without any length is drawn as one of a second.
-    pub(super) fn new(makespan_ns: i64, left: f64, right: f64) -> Self {
-        Self { span_ns: if makespan_ns > 0 { makespan_ns } else { S }, left, right }
+    /// From one time to another; a job without any length is drawn as one of a second.
+    pub(super) fn new((from_ns, to_ns): (i64, i64), left: f64, right: f64) -> Self {
+        Self { from_ns, span_ns: if to_ns > from_ns { to_ns - from_ns } else { S }, left, right }
     }
 
     pub(super) fn x(&self, ns: i64) -> f64 {
-        self.left + ns as f64 / self.span_ns as f64 * (self.right - self.left)
+        self.left + (ns - self.from_ns) as f64 / self.span_ns as f64 * (self.right - self.left)
+    }
+
+    /// First and last time, ns.
+    pub(super) fn window(&self) -> (i64, i64) {
+        (self.from_ns, self.from_ns.saturating_add(self.span_ns))
+    }
+
+    /// Whether something between two times is seen.
+    pub(super) fn sees(&self, from_ns: i64, to_ns: i64) -> bool {
+        to_ns >= self.from_ns && from_ns <= self.window().1
+    }
+
+    /// The part of a stretch of time that is seen.
+    pub(super) fn within(&self, from_ns: i64, to_ns: i64) -> (i64, i64) {
+        let (first, last) = self.window();
+        (from_ns.clamp(first, last), to_ns.clamp(first, last))
+    }
+
+    /// The times of the grid lines.
+    fn ticks(&self, step: i64) -> impl Iterator<Item = i64> {
+        let (from, to) = self.window();
+        (from.div_euclid(step) + i64::from(from.rem_euclid(step) > 0)..=to / step).map(move |n| n * step)
     }
 
     /// Ticks, grid lines and their times between two heights.
     pub(super) fn draw(&self, out: &mut String, top: f64, bottom: f64) {
         let step = step(self.span_ns);
         let _ = write!(out, r##"<path stroke="#dde2e7" stroke-width="1" d=""##);
-        for n in 0..=self.span_ns / step {
-            let _ = write!(out, "M{:.1} {top:.0}V{:.0}", self.x(n * step), bottom + 5.0);
+        for tick in self.ticks(step) {
+            let _ = write!(out, "M{:.1} {top:.0}V{:.0}", self.x(tick), bottom + 5.0);
         }
         out.push_str("\"/>\n");
         let _ = writeln!(
@@ -39,10 +62,10 @@ impl Scale {
             self.left,
             WIDTH - 24.0
         );
-        for n in 0..=self.span_ns / step {
-            let label = form(n * step, step, self.span_ns);
+        for tick in self.ticks(step) {
+            let label = form(tick, step, self.window().1);
             let half = width(&label, 12) / 2.0;
-            let x = self.x(n * step).min(WIDTH - 4.0 - half);
+            let x = self.x(tick).min(WIDTH - 4.0 - half);
             text(out, (x, bottom + 20.0), 12, "middle", SOFT, &label);
         }
     }

@@ -24,8 +24,9 @@ pub(super) fn name(span: &Span) -> String {
 pub(super) fn draw(out: &mut String, channel: &Channel, top: f64, scale: &Scale) {
     let mut free = f64::NEG_INFINITY;
     let mut grounds = GROUNDS.into_iter().cycle();
-    for span in &channel.tools {
-        let (x, end) = (scale.x(span.t_ns), scale.x(span.end_ns));
+    for span in channel.tools.iter().filter(|span| scale.sees(span.t_ns, span.end_ns)) {
+        let (from, to) = scale.within(span.t_ns, span.end_ns);
+        let (x, end) = (scale.x(from), scale.x(to));
         if end - x < LEAST && x < free {
             continue;
         }

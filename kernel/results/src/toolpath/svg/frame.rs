@@ -3,12 +3,13 @@
 use std::f64::consts::FRAC_PI_2;
 use std::fmt::Write as _;
 
-use super::{INK, LEFT, RIGHT, SOFT, Sight};
+use super::sight::{Projection, Sight};
+use super::{INK, LEFT, RIGHT, SOFT};
 use crate::svg::{round_step, text};
 use crate::toolpath::store::{Curve, Path, Stroke};
 
-/// Extent of what is to be seen, by coordinate.
-#[derive(Debug)]
+/// Extent of what is to be seen, by coordinate; of a view to the right and up.
+#[derive(Debug, Clone, Copy)]
 pub(super) struct Bounds {
     low: [f64; 3],
     high: [f64; 3],
@@ -46,6 +47,17 @@ impl Bounds {
         bounds
     }
 
+    /// The extent in a view: that of its corners.
+    pub(super) fn seen_by(&self, sight: Sight) -> Self {
+        let mut seen = Self { low: [f64::INFINITY; 3], high: [f64::NEG_INFINITY; 3] };
+        for corner in 0..8_usize {
+            let side = |axis: usize| if corner >> axis & 1 == 0 { self.at(axis).0 } else { self.at(axis).1 };
+            let [right, up] = sight.projection.of([side(0), side(1), side(2)]);
+            seen.add(&[right, up, 0.0]);
+        }
+        seen
+    }
+
     fn add(&mut self, point: &[f64; 3]) {
         for ((low, high), value) in self.low.iter_mut().zip(&mut self.high).zip(point) {
             (*low, *high) = (low.min(*value), high.max(*value));
@@ -73,6 +85,7 @@ impl Bounds {
         }
     }
 
+    /// Least and greatest value of a coordinate.
     fn at(&self, coordinate: usize) -> (f64, f64) {
         (self.low.get(coordinate).copied().unwrap_or(0.0), self.high.get(coordinate).copied().unwrap_or(1.0))
     }
@@ -106,7 +119,7 @@ pub(super) struct Frame {
 
 impl Frame {
     pub(super) fn new(sight: Sight, bounds: &Bounds, scale: f64, top: f64) -> Self {
-        let ((low, high), (under, over)) = (bounds.at(sight.axes[0]), bounds.at(sight.axes[1]));
+        let ((low, high), (under, over)) = (bounds.at(0), bounds.at(1));
         // Sideways the view takes the whole width, its content in the middle.
         let spare = ((RIGHT - LEFT) / scale - (high - low)).max(0.0) / 2.0;
         let bottom = top + (over - under) * scale;
@@ -122,8 +135,20 @@ impl Frame {
     /// Pixel of a point.
     pub(super) fn pixel(&self, point: &[f64; 3]) -> [f64; 2] {
         let point = seen(*point, self.mirrored);
-        let [right, up] = self.sight.axes.map(|axis| point.get(axis).copied().unwrap_or(0.0));
+        let [right, up] = self.sight.projection.of(point);
         [self.x(right), self.y(up)]
+    }
+
+    /// Pixel of a point, or the nearest one that is in the view with so much room around it.
+    pub(super) fn pixel_inside(&self, point: &[f64; 3], room: f64) -> [f64; 2] {
+        let [x, y] = self.pixel(point);
+        let within = |value: f64, low: f64, high: f64| value.max(low + room).min(high - room);
+        [within(x, self.left, self.right), within(y, self.top, self.bottom)]
+    }
+
+    /// A place in the right half of the view.
+    pub(super) fn is_right_half(&self, x: f64) -> bool {
+        x > f64::midpoint(self.left, self.right)
     }
 
     fn x(&self, value: f64) -> f64 {
@@ -134,40 +159,64 @@ impl Frame {
         self.bottom - (value - self.low[1]) * self.scale
     }
 
-    /// The view with its scales around the paths.
-    pub(super) fn draw(&self, out: &mut String, index: usize, unit: &str, paths: &str) {
+    /// The view with its scales around the paths; values are shown in a unit, `shown` of them for one of the machine.
+    pub(super) fn draw(&self, out: &mut String, index: usize, (unit, shown): (&str, f64), paths: &str) {
         let (left, right, top, bottom) = (self.left, self.right, self.top, self.bottom);
         let (width, height) = (right - left, bottom - top);
         let border = format!(r#"<rect x="{left:.1}" y="{top:.1}" width="{width:.1}" height="{height:.1}""#);
         let _ = writeln!(out, r#"<clipPath id="view{index}">{border}/></clipPath>"#);
-        let places = |step: f64| (-step.log10().floor()).clamp(0.0, 6.0) as usize;
-        let step = round_step(64.0 / self.scale, 1.0);
-        let decimals = places(step);
-        let mut grid = String::new();
         let mut labels = String::new();
-        for value in ticks(self.low[0], self.high[0], step) {
-            let x = self.x(value);
-            let _ = write!(grid, "M{x:.1} {top:.1}V{:.1}", bottom + 4.0);
-            text(&mut labels, (x, bottom + 18.0), 11, "middle", SOFT, &format!("{value:.decimals$}"));
+        if self.sight.has_scales() {
+            let grid = self.grid(&mut labels, shown);
+            let _ = writeln!(out, r##"<path fill="none" stroke="#e6eaee" d="{grid}"/>"##);
+            self.cross(out);
+            let up = self.sight.upwards;
+            text(&mut labels, (right, bottom + 34.0), 12, "end", INK, &format!("{} / {unit}", self.sight.across));
+            text(&mut labels, (left, top - 6.0), 12, "start", INK, &format!("{} / {unit}{}", up.name, up.note()));
+        } else {
+            self.axes_in_space(&mut labels);
         }
-        let up = self.sight.upwards;
-        let step = round_step(28.0 / self.scale * up.factor, 1.0);
-        let decimals = places(step);
-        for value in ticks(self.low[1] * up.factor, self.high[1] * up.factor, step) {
-            let y = self.y(value / up.factor);
-            let value = if up.both_ways { value.abs() } else { value };
-            let _ = write!(grid, "M{:.1} {y:.1}H{right:.1}", left - 4.0);
-            text(&mut labels, (left - 7.0, y + 4.0), 11, "end", SOFT, &format!("{value:.decimals$}"));
-        }
-        let _ = writeln!(out, r##"<path fill="none" stroke="#e6eaee" d="{grid}"/>"##);
         let _ = writeln!(out, r##"{border} fill="none" stroke="#b6c0ca"/>"##);
-        self.cross(out);
         let _ = writeln!(out, r#"<g clip-path="url(#view{index})" fill="none" stroke-linejoin="round">"#);
         out.push_str(paths);
         out.push_str("</g>\n");
         out.push_str(&labels);
-        text(out, (right, bottom + 34.0), 12, "end", INK, &format!("{} / {unit}", self.sight.across));
-        text(out, (left, top - 6.0), 12, "start", INK, &format!("{} / {unit}{}", up.name, up.note()));
+    }
+
+    /// Lines at round values, which become labels.
+    fn grid(&self, labels: &mut String, shown: f64) -> String {
+        let (left, right, top, bottom) = (self.left, self.right, self.top, self.bottom);
+        let places = |step: f64| (-step.log10().floor()).clamp(0.0, 6.0) as usize;
+        let step = round_step(64.0 / self.scale * shown, 1.0);
+        let decimals = places(step);
+        let mut grid = String::new();
+        for value in ticks(self.low[0] * shown, self.high[0] * shown, step) {
+            let x = self.x(value / shown);
+            let _ = write!(grid, "M{x:.1} {top:.1}V{:.1}", bottom + 4.0);
+            text(labels, (x, bottom + 18.0), 11, "middle", SOFT, &format!("{value:.decimals$}"));
+        }
+        let up = self.sight.upwards;
+        let factor = up.factor * shown;
+        let step = round_step(28.0 / self.scale * factor, 1.0);
+        let decimals = places(step);
+        for value in ticks(self.low[1] * factor, self.high[1] * factor, step) {
+            let y = self.y(value / factor);
+            let value = if up.both_ways { value.abs() } else { value };
+            let _ = write!(grid, "M{:.1} {y:.1}H{right:.1}", left - 4.0);
+            text(labels, (left - 7.0, y + 4.0), 11, "end", SOFT, &format!("{value:.decimals$}"));
+        }
+        grid
+    }
+
+    /// The directions of X, Y and Z in a corner of a view in space.
+    fn axes_in_space(&self, out: &mut String) {
+        let origin = [self.left + 44.0, self.bottom - 24.0];
+        for (name, axis) in [("X", [1.0, 0.0, 0.0]), ("Y", [0.0, 1.0, 0.0]), ("Z", [0.0, 0.0, 1.0])] {
+            let [right, up] = Projection::Isometric.of(axis).map(|part| part * 30.0);
+            let (x, y) = (origin[0] + right, origin[1] - up);
+            let _ = writeln!(out, r#"<path stroke="{SOFT}" d="M{:.1} {:.1}L{x:.1} {y:.1}"/>"#, origin[0], origin[1]);
+            text(out, (x + right * 0.25, y - up * 0.25 + 4.0), 11, "middle", SOFT, name);
+        }
     }
 
     /// The axes through zero, as far as they are in view.

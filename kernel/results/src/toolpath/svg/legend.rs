@@ -2,15 +2,16 @@
 
 use std::fmt::Write as _;
 
+use super::colors::colors;
+use super::holes;
+use super::sight::sights;
 use super::{KINDS, LEFT, RIGHT, SOFT};
 use crate::svg::{fit, text, width};
 use crate::toolpath::store::{Path, Stroke};
 use crate::toolpath::{Channel, Toolpath};
 
-const COLORS: [&str; 12] = [
-    "#1f6fb4", "#c2410c", "#2e7d32", "#7b3fa0", "#b8860b", "#be185d", "#0f8b8d", "#5b4636", "#4f46e5", "#6b8e23",
-    "#a61b1b", "#475569",
-];
+/// Name of the marks of holes.
+const HOLE: &str = "hole";
 /// Rows of the legend at most.
 const ROWS: usize = 5;
 /// Height of a row, px.
@@ -21,14 +22,14 @@ const NAME: f64 = 260.0;
 /// An entry with its place.
 struct Entry {
     name: String,
-    color: &'static str,
+    color: String,
     style: &'static str,
     at: (f64, f64),
 }
 
 /// Colours by channel and tool.
 pub(super) struct Palette {
-    tools: Vec<(usize, u32, &'static str)>,
+    tools: Vec<(usize, u32, String)>,
     entries: Vec<Entry>,
     rows: usize,
 }
@@ -38,19 +39,20 @@ impl Palette {
         let mut tools = Vec::new();
         let mut names = Vec::new();
         let several = toolpath.channels.len() > 1;
-        let mut colors = COLORS.into_iter().cycle();
+        let count = toolpath.channels.iter().map(|channel| channel.tools.len()).sum();
+        let mut colors = colors(count).into_iter();
         for (index, channel) in toolpath.channels.iter().enumerate() {
             for (tool, name) in &channel.tools {
                 // Moves before the first tool of a channel that has tools.
                 if *tool == 0 && channel.tools.len() > 1 {
-                    tools.push((index, 0, SOFT));
+                    tools.push((index, 0, SOFT.to_owned()));
                     if cuts(&channel.path) {
-                        names.push((label(channel, "no tool", "", several), SOFT));
+                        names.push((label(channel, "no tool", "", several), SOFT.to_owned()));
                     }
                     continue;
                 }
-                let color = colors.next().unwrap_or(SOFT);
-                tools.push((index, *tool, color));
+                let color = colors.next().unwrap_or_else(|| SOFT.to_owned());
+                tools.push((index, *tool, color.clone()));
                 let number = if *tool == 0 { String::new() } else { format!("T{tool}") };
                 names.push((label(channel, &number, name, several || *tool == 0), color));
             }
@@ -61,10 +63,14 @@ impl Palette {
     }
 
     /// Finds a place for every entry, kinds of moves first.
-    fn place(&mut self, names: Vec<(String, &'static str)>, toolpath: &Toolpath) {
+    fn place(&mut self, names: Vec<(String, String)>, toolpath: &Toolpath) {
         let used = |stroke: Stroke| toolpath.channels.iter().any(|c| c.path.moves.iter().any(|m| m.stroke() == stroke));
         let kinds = KINDS.into_iter().filter(|(stroke, ..)| used(*stroke));
-        let kinds = kinds.map(|(_, name, style)| (name.to_owned(), SOFT, style));
+        let holes = sights(toolpath).iter().any(|sight| {
+            sight.shows_holes && super::paths(toolpath, sight.source).any(|(path, _)| holes::has_any(path))
+        });
+        let hole = holes.then_some((Stroke::Start, HOLE, ""));
+        let kinds = kinds.chain(hole).map(|(_, name, style)| (name.to_owned(), SOFT.to_owned(), style));
         let count = names.len();
         let names = names.into_iter().map(|(name, color)| (fit(&name, 12, NAME), color, r#"stroke-width="4""#));
         let (mut x, mut row) = (LEFT, 0);
@@ -78,7 +84,8 @@ impl Palette {
             let left = count.saturating_sub(index.saturating_sub(self.kinds()));
             if last && left > 1 {
                 let name = format!("and {left} more tools");
-                self.entries.push(Entry { name, color: SOFT, style: r#"stroke-width="0""#, at: (x, row as f64 * ROW) });
+                let at = (x, row as f64 * ROW);
+                self.entries.push(Entry { name, color: SOFT.to_owned(), style: r#"stroke-width="0""#, at });
                 break;
             }
             self.entries.push(Entry { name, color, style, at: (x, row as f64 * ROW) });
@@ -89,7 +96,7 @@ impl Palette {
 
     /// Entries that are kinds of moves.
     fn kinds(&self) -> usize {
-        self.entries.iter().filter(|e| KINDS.iter().any(|(_, name, _)| *name == e.name)).count()
+        self.entries.iter().filter(|e| e.name == HOLE || KINDS.iter().any(|(_, name, _)| *name == e.name)).count()
     }
 
     /// Height of all rows but the first, px.
@@ -98,13 +105,24 @@ impl Palette {
     }
 
     /// Colour of a tool of a channel, by its index.
-    pub(super) fn color(&self, channel: usize, tool: u32) -> &'static str {
+    pub(super) fn color(&self, channel: usize, tool: u32) -> &str {
         self.tools.iter().find(|(c, t, _)| (*c, *t) == (channel, tool)).map_or(SOFT, |(_, _, color)| color)
     }
 
     pub(super) fn draw(&self, out: &mut String) {
         for Entry { name, color, style, at: (x, y) } in &self.entries {
-            let _ = writeln!(out, r#"<path stroke="{color}" {style} d="M{x:.0} {:.0}h26"/>"#, 46.0 + y);
+            let middle = 46.0 + y;
+            let _ = if name == HOLE {
+                writeln!(
+                    out,
+                    r#"<path fill="none" stroke="{color}" d="M{:.1} {middle:.1}h7m-3.5-3.5v7m-3.5-3.5a3.5 3.5 0 0 1 7 0a3.5 3.5 0 0 1-7 0"/>"#,
+                    x + 9.5
+                )
+            } else if style.starts_with("stroke=") {
+                writeln!(out, r#"<path {style} d="M{x:.0} {middle:.0}h26"/>"#)
+            } else {
+                writeln!(out, r#"<path stroke="{color}" {style} d="M{x:.0} {middle:.0}h26"/>"#)
+            };
             text(out, (x + 32.0, 50.0 + y), 12, "start", SOFT, name);
         }
     }

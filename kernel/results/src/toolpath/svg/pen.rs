@@ -8,6 +8,7 @@ use std::f64::consts::{PI, TAU};
 
 use super::canvas::Canvas;
 use super::frame::Frame;
+use super::sight::Projection;
 use crate::svg::{hundredths, px};
 use crate::toolpath::store::Curve;
 
@@ -77,8 +78,11 @@ impl Pen {
 
     pub(super) fn arc(&mut self, curve: &Curve, from: &[f64; 3], to: &[f64; 3], frame: &Frame) {
         let radius = curve.radius * frame.scale;
-        let axes = frame.sight.axes;
         let plane = curve.plane.map(usize::from);
+        let axes = match frame.sight.projection {
+            Projection::Along(axes) => axes,
+            Projection::Isometric => [usize::MAX; 2],
+        };
         let seen = plane == axes || plane == [axes[1], axes[0]];
         if radius * curve.angle.abs() < self.coarseness.max(0.5) {
             return self.line(frame.pixel(to));

@@ -1,0 +1,107 @@
+//! The path of live tools as seen on the face of the part: what a C axis or a Y axis adds to a turning view.
+//!
+//! Points are those of the part, not of the machine: the tool at radius X and height Y, turned by the angle of C. Moves of
+//! polar interpolation, whose axes follow a straight line on the face, are straight here as well. *Invariant:* only tools
+//! whose moves turn C or move Y are kept, so that turning tools leave no trace.
+
+use counterpoint_event::event::{FileId, Motion, MotionKind, Position};
+use counterpoint_event::info;
+
+use super::chords;
+use super::store::{Here, Move, Path, Stroke};
+use crate::geometry::{Loop, Sweep, scale};
+
+/// A move counts as straight if its length is that of the straight way, within this, mm or inch.
+const STRAIGHT: f64 = 1e-3;
+
+/// The path on the face in the making.
+#[derive(Debug)]
+pub(super) struct Face {
+    x: (usize, f64),
+    y: Option<usize>,
+    c: Option<usize>,
+    z: Option<usize>,
+    path: Path,
+    /// Where the moves of the tool in work begin.
+    of_tool: Here,
+    /// The tool in work has turned C or moved Y.
+    live: bool,
+    end: Option<Position>,
+}
+
+impl Face {
+    /// For a channel with X and one of C and Y; its path may take so many bytes.
+    pub(super) fn new(channel: &info::Channel, room: u64) -> Option<Self> {
+        let find = |name: &str| channel.axes.iter().position(|axis| axis.name == name);
+        let x = find("X")?;
+        let (y, c) = (find("Y"), find("C").filter(|at| channel.axes.get(*at).is_some_and(|axis| axis.rotary)));
+        if y.is_none() && c.is_none() {
+            return None;
+        }
+        let path = Path::with_capacity(0, room);
+        let of_tool = path.here();
+        let x = (x, channel.axes.get(x).map_or(1.0, scale));
+        Some(Self { x, y, c, z: find("Z"), path, of_tool, live: false, end: None })
+    }
+
+    /// Another tool is in work from here on.
+    pub(super) fn tool(&mut self) {
+        if !self.live {
+            self.path.rewind(self.of_tool);
+        }
+        (self.of_tool, self.live, self.end) = (self.path.here(), false, None);
+    }
+
+    /// The next motion of a tool, and the file and line of its block.
+    pub(super) fn motion(&mut self, motion: &Motion, axes: &[info::Axis], tool: u32, (file, line): (FileId, u32)) {
+        let changes = |axis: Option<usize>| {
+            axis.is_some_and(|at| motion.from.get(at).zip(motion.to.get(at)).is_some_and(|(from, to)| from != to))
+        };
+        let turns = changes(self.c);
+        self.live |= turns || changes(self.y);
+        self.path.mark(tool, file);
+        if !self.end.as_ref().is_some_and(|end| motion.starts_at(end)) {
+            self.path.begin(self.point(&motion.from), line);
+        }
+        let stroke = match motion.kind {
+            MotionKind::Rapid => Stroke::Rapid,
+            MotionKind::Thread => Stroke::Thread,
+            _ => Stroke::Feed,
+        };
+        for position in self.way(motion, axes, turns) {
+            self.path.push(Move::new(stroke, self.point(&position), line), None);
+        }
+        self.path.push(Move::new(stroke, self.point(&motion.to), line), None);
+        self.end = Some(motion.to);
+    }
+
+    /// Positions between the ends of a move that is no straight line on the face.
+    fn way(&self, motion: &Motion, axes: &[info::Axis], turns: bool) -> Vec<Position> {
+        if let Some(sweep) = Sweep::of(motion, axes) {
+            return chords::of_arc(motion, &sweep, axes);
+        }
+        if let Some(space) = Loop::of(motion, axes) {
+            return chords::of_loop(motion, &space);
+        }
+        let (from, to) = (self.point(&motion.from), self.point(&motion.to));
+        let straight = from.iter().zip(to).map(|(from, to)| (to - from).powi(2)).sum::<f64>().sqrt();
+        if !turns || motion.kind != MotionKind::Rapid && (motion.length - straight).abs() < STRAIGHT {
+            return Vec::new();
+        }
+        let angle = self.c.and_then(|at| Some((motion.to.get(at)? - motion.from.get(at)?).to_radians()));
+        chords::shares(angle.unwrap_or(0.0)).into_iter().map(|share| chords::between(motion, share)).collect()
+    }
+
+    fn point(&self, position: &Position) -> [f64; 3] {
+        let value = |at: Option<usize>| at.and_then(|at| position.get(at)).copied().unwrap_or(0.0);
+        let (x, y) = (value(Some(self.x.0)) * self.x.1, value(self.y));
+        let (sin, cos) = value(self.c).to_radians().sin_cos();
+        [x * cos - y * sin, x * sin + y * cos, value(self.z)]
+    }
+
+    /// The path of the live tools; none if there was none.
+    pub(super) fn finish(mut self) -> Option<Path> {
+        self.tool();
+        (!self.path.moves.is_empty()).then_some(self.path)
+    }
+}
