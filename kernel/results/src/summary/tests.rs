@@ -39,7 +39,7 @@ fn the_json_is_the_documented_one() {
     assert_eq!(
         json,
         concat!(
-            r#"{"state":"SUCCEEDED","highest_severity":4,"makespan_ns":3000000000,"log_digest":"d","channels":["#,
+            r#"{"state":"SUCCEEDED","unit":"mm","highest_severity":4,"makespan_ns":3000000000,"log_digest":"d","channels":["#,
             r#"{"channel":1,"name":"UPPER","program":"jobs/p1.nc","state":"ENDED","blocks":1,"end_ns":3000000000,"#,
             r#""feed_ns":3000000000,"rapid_ns":0,"misc_ns":0,"wait_ns":0},"#,
             r#"{"channel":2,"name":"LOWER","program":"jobs/p2.nc","state":"NOT_STARTED","blocks":0,"end_ns":0,"#,
