@@ -450,6 +450,13 @@ fn jobs_on_a_server_are_labelled_found_followed_and_run_again() {
     let with = ["--machine", "fanuc-mill", "--label", "part=17", "--label", "shift=early", "--priority", "high"];
     let first = done(&[&["submit", &part, "--deadline", "1h"][..], &with].concat());
     done(&["wait", &first]);
+    let report = done(&["result", &first, "report"]);
+    assert!(report.contains("cycle time") && report.contains("channel  program"), "{report}");
+    let fetched = folder.path().join("fetched");
+    done(&["result", &first, "all", "-o", &fetched.display().to_string()]);
+    for name in ["summary.json", "report.txt", "part.lce", "part.log", "console.txt", "events.jsonl", "timeline.svg"] {
+        assert!(fetched.join(name).is_file(), "{name} is missing");
+    }
     let second = done(&["submit", &part, "--machine", "fanuc-mill"]);
     done(&["wait", &second]);
     let again = done(&["rerun", &first, "--request-id", "again", "--label", "part=18"]);
