@@ -151,6 +151,8 @@ pub struct TapeRule {
     pub replace: String,
     /// Switched on at program start.
     pub on: bool,
+    /// It sees words only: no comments, no quoted texts, no parts of names.
+    pub words: bool,
     /// Line in `file`.
     pub line: u32,
     /// File where it is defined.

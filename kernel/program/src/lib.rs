@@ -20,3 +20,4 @@ pub mod spec;
 pub mod spot;
 pub mod syntax;
 pub mod tape;
+pub mod visible;

@@ -1,7 +1,8 @@
 //! The tape editor: rules that change the text of a block as it was read, before anything else looks at it.
 //!
 //! Facts: reference control-emulator.md 5.2. Invariants: every rule that is on is applied once, to its first match, in
-//! list order, each to what the rules before it left; a block that no rule matches costs one search for the texts that
+//! list order, each to what the rules before it left; a rule of words (`visible`) sees neither comments nor quoted texts
+//! and cuts no name in two; a block that no rule matches costs one search for the texts that
 //! the rules need, and no memory; a file in which none of these texts comes up costs one search in all.
 
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
@@ -11,6 +12,9 @@ use counterpoint_lang::pattern::{Memory, Pattern, STEPS};
 
 pub use super::rules::Rules;
 use super::source::Source;
+use super::visible::{Marks, Visible};
+use counterpoint_lang::fault::Outcome;
+use counterpoint_lang::pattern::Match;
 use counterpoint_machine::model::TapeRule;
 use counterpoint_ports::control::Stop;
 
@@ -38,6 +42,8 @@ pub struct Tape {
     every: Rules,
     /// Rules that are on at program start.
     pub start: Rules,
+    /// What rules of words do not see.
+    marks: Marks,
 }
 
 /// A compiled rule.
@@ -47,6 +53,8 @@ struct Rule {
     replace: String,
     /// Text without which it does not match; empty: it needs none.
     needs: String,
+    /// It sees words only.
+    words: bool,
 }
 
 /// Rules that may match a text.
@@ -81,8 +89,8 @@ pub struct Edited {
 }
 
 impl Tape {
-    /// Compiles the rules; `None` when there is none.
-    pub fn new(rules: &[TapeRule]) -> Option<Self> {
+    /// Compiles the rules of a machine whose text has these marks; `None` when there is none.
+    pub fn new(rules: &[TapeRule], marks: Marks) -> Option<Self> {
         let (mut compiled, mut texts, mut owners) = (Vec::new(), Vec::new(), Vec::new());
         let (mut always, mut every, mut start) = (Rules::default(), Rules::default(), Rules::default());
         for (number, rule) in rules.iter().enumerate() {
@@ -100,22 +108,21 @@ impl Tape {
             }
             every.set(number, true);
             start.set(number, rule.on);
-            compiled.push(Rule { pattern, replace: rule.replace.clone(), needs });
+            compiled.push(Rule { pattern, replace: rule.replace.clone(), needs, words: rule.words });
         }
         if compiled.is_empty() {
             return None;
         }
         let needed = AhoCorasick::builder().kind(Some(aho_corasick::AhoCorasickKind::DFA)).build(&texts);
         let number = NUMBERS.fetch_add(1, Relaxed);
-        match needed {
-            Ok(automaton) => {
-                Some(Self { number, rules: compiled, needed: Some((automaton, owners)), always, every, start })
-            }
+        let needed = match needed {
+            Ok(automaton) => Some((automaton, owners)),
             Err(_) => {
                 owners.iter().for_each(|&owner| always.set(usize::from(owner), true));
-                Some(Self { number, rules: compiled, needed: None, always, every, start })
+                None
             }
-        }
+        };
+        Some(Self { number, rules: compiled, needed, always, every, start, marks })
     }
 
     /// Rules that may match a text. Where needed texts come up very often they are not looked for any further.
@@ -182,11 +189,12 @@ impl Tape {
             let now = text.as_deref().unwrap_or(line);
             let rule = self.rules.get(number);
             edited.work += if unsure { now.len() } else { 0 };
-            if let Some(Rule { pattern, replace, .. }) = rule.filter(|rule| !unsure || now.contains(&rule.needs)) {
+            if let Some(rule) = rule.filter(|rule| !unsure || now.contains(&rule.needs)) {
+                let Rule { replace, .. } = rule;
                 let given = STEPS.min(left);
                 let mut budget = given;
                 edited.work += now.len();
-                match pattern.find_with(now, &mut budget, memory) {
+                match self.find(rule, now, &mut budget, memory) {
                     Ok(None) => {}
                     Ok(Some(found)) => {
                         let (start, end) = found.whole();
@@ -214,6 +222,21 @@ impl Tape {
         }
         (text.filter(|text| text != line), edited)
     }
+
+    /// The first match of a rule; of a rule of words the first one that is made of words.
+    fn find(&self, rule: &Rule, text: &str, budget: &mut u64, memory: &mut Memory) -> Outcome<Option<Match>> {
+        if !rule.words {
+            return rule.pattern.find_with(text, budget, memory);
+        }
+        let Visible { text, .. } = self.marks.visible(text);
+        let mut found = rule.pattern.find_with(&text, budget, memory)?;
+        while let Some(whole) = found.as_ref().map(Match::whole).filter(|whole| !self.marks.is_of_words(&text, *whole))
+        {
+            let behind = text.get(whole.0..).and_then(|rest| rest.chars().next()).map_or(1, char::len_utf8);
+            found = rule.pattern.find(&text, whole.0 + behind, budget)?;
+        }
+        Ok(found)
+    }
 }
 
 /// Characters back to bytes.
@@ -233,14 +256,19 @@ mod tests {
     use super::*;
 
     fn tape(rules: &[(&str, &str)]) -> Tape {
+        tape_of(rules, true)
+    }
+
+    fn tape_of(rules: &[(&str, &str)], words: bool) -> Tape {
         let rule = |(find, replace): &(&str, &str)| TapeRule {
             find: (*find).into(),
             replace: (*replace).into(),
             on: true,
+            words,
             line: 0,
             file: String::new(),
         };
-        Tape::new(&rules.iter().map(rule).collect::<Vec<_>>()).unwrap()
+        Tape::new(&rules.iter().map(rule).collect::<Vec<_>>(), Marks::of([(";", "")], true)).unwrap()
     }
 
     #[test]
@@ -293,7 +321,7 @@ mod tests {
     fn texts_that_come_up_everywhere_are_not_counted() {
         let rules: Vec<(String, String)> = (1..100).map(|n| ("X".repeat(n), format!("{n}"))).collect();
         let rules: Vec<(&str, &str)> = rules.iter().map(|(f, r)| (f.as_str(), r.as_str())).collect();
-        let tape = tape(&rules);
+        let tape = tape_of(&rules, false);
         let candidates = tape.candidates("X".repeat(200).as_bytes());
         assert!(candidates.unsure && candidates.rules == tape.every);
         // Each takes its own off: 1 + 2 + 3 … up to 19 of them.
@@ -306,7 +334,7 @@ mod tests {
         let tape = tape(&[("^%$", ""), ("A", "B"), ("B", "C"), ("\\(X\\)\\([0-9]*\\)", "\\1=\\2")]);
         assert_eq!(edit(&tape, "%").as_deref(), Some(""));
         assert_eq!(edit(&tape, "% 1"), None);
-        assert_eq!(edit(&tape, "AA").as_deref(), Some("CA"));
+        assert_eq!(edit(&tape, "A A").as_deref(), Some("C A"));
         assert_eq!(edit(&tape, "G1 X12 X3").as_deref(), Some("G1 X=12 X3"));
         assert_eq!(edit(&tape, "G1 Z12"), None);
     }
@@ -333,6 +361,17 @@ mod tests {
         let tape = tape(&[("G1", "G0")]);
         let edited = within(&tape, b"G1 (\xe4\xff)", &tape.start);
         assert_eq!(edited.text.as_deref(), Some(&b"G0 (\xe4\xff)"[..]));
+    }
+
+    #[test]
+    fn a_rule_of_words_sees_no_text_and_no_part_of_a_name() {
+        let tape = tape(&[("SPOS *=", "M19 SPOS="), ("\\(G7[0-2][^0-9].*\\)L", "\\1Q"), ("WAITS *$", "")]);
+        assert_eq!(edit(&tape, "MSG(\"SPOS=90\")"), None);
+        assert_eq!(edit(&tape, "X1 ; SPOS=90"), None);
+        assert_eq!(edit(&tape, "ADISPOS=1 ZSPOS=2"), None);
+        assert_eq!(edit(&tape, "ADISPOS=1 SPOS=2 ; SPOS=3").as_deref(), Some("ADISPOS=1 M19 SPOS=2 ; SPOS=3"));
+        assert_eq!(edit(&tape, "G71 D1 L2 ; L3").as_deref(), Some("G71 D1 Q2 ; L3"));
+        assert_eq!(edit(&tape, "WAITS ; here").as_deref(), Some("; here"));
     }
 
     #[test]

@@ -19,7 +19,9 @@ use counterpoint_machine::index::{CodeRowId, DataRowId, RegisterId, Table};
 use counterpoint_machine::model::AxisRole;
 use counterpoint_machine::rows::{CodeForm, CodeRow, Overlap, Register};
 use counterpoint_program::scan::Scanner;
+use counterpoint_program::syntax::Syntax;
 use counterpoint_program::tape::Tape;
+use counterpoint_program::visible::Marks;
 
 /// Compiled form of the machine for the block loop.
 pub struct Plan {
@@ -119,9 +121,9 @@ pub(crate) struct Edits {
 }
 
 impl Edits {
-    fn new(machine: &Machine) -> Self {
+    fn new(machine: &Machine, syntax: &Syntax) -> Self {
         Self {
-            tape: Tape::new(&machine.tape_editor),
+            tape: Tape::new(&machine.tape_editor, Marks::new(&machine.format, syntax)),
             reshapes: !machine.tape_editor.is_empty() || machine.format.eob.is_some() || machine.format.long_comments,
             long_comments: machine.format.long_comments,
         }
@@ -435,7 +437,7 @@ impl Plan {
             rules: Rules::new(machine, registers.g),
             registers,
             data: DataPlan::new(machine),
-            edits: Edits::new(machine),
+            edits: Edits::new(machine, syntax),
             motion: hooks.map(|hooks| hooks.motion).or(actions.record),
             reading: reading.map(|actions| Box::new(Self::new(machine, opskip, actions, None))),
         }

@@ -21,6 +21,7 @@ pub(super) fn read(top: &mut Section<'_>) -> Vec<TapeRule> {
         let find = row.text("find").unwrap_or_default().to_owned();
         let replace = row.text("replace").unwrap_or_default().to_owned();
         let on = row.flag("on").unwrap_or(true);
+        let words = row.choice("sees", &[("words", true), ("text", false)]).unwrap_or(true);
         for (key, text) in [("find", &find), ("replace", &replace)] {
             if text.chars().count() > LONGEST || text.contains(['\n', '\r']) {
                 row.error(key, format!("`{key}` must be one line of up to {LONGEST} characters"));
@@ -29,7 +30,7 @@ pub(super) fn read(top: &mut Section<'_>) -> Vec<TapeRule> {
         if let Err(fault) = Pattern::new(&find) {
             row.error("find", format!("\"{}\" is not a valid expression: {}", find.escape_debug(), fault.message));
         }
-        rules.push(TapeRule { find, replace, on, line: row.place().line, file: row.place().file.to_string() });
+        rules.push(TapeRule { find, replace, on, words, line: row.place().line, file: row.place().file.to_string() });
         row.finish();
     }
     rules
