@@ -123,6 +123,12 @@ impl Callers {
             .is_some_and(|names| source.walk(range.first, range.last).any(|line| (names.returns)(source.line(line))))
     }
 
+    /// Channel and number of a program of a job archive.
+    pub(super) fn in_archive(&self, source: &Source, range: Range) -> Option<(u16, u32)> {
+        let named = self.named.and_then(|names| names.in_archive)?;
+        source.walk(range.first, range.last).find_map(|line| named(source.line(line)))
+    }
+
     /// A word by itself calls this program.
     pub(super) fn by_word(&self, range: Range) -> bool {
         let within = |number: u32| self.numbers.iter().any(|(first, last)| (first..=last).contains(&&number));

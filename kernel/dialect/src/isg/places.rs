@@ -14,7 +14,8 @@ use counterpoint_program::shape::Range;
 use counterpoint_program::source::Source;
 use counterpoint_program::syntax::NamedPrograms;
 
-pub(super) const PROGRAMS: NamedPrograms = NamedPrograms { defined, called, is_header: |_| false, returns };
+pub(super) const PROGRAMS: NamedPrograms =
+    NamedPrograms { defined, called, is_header: |_| false, returns, in_archive: None };
 
 /// A control block.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

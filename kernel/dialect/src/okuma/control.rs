@@ -9,7 +9,13 @@ use counterpoint_machine::Machine;
 use counterpoint_program::syntax::{NamedPrograms, PLAIN, Syntax};
 
 static SYNTAX: Syntax = Syntax {
-    named_programs: Some(NamedPrograms { defined: program_name, called, is_header: line::is_header, returns }),
+    named_programs: Some(NamedPrograms {
+        defined: program_name,
+        called,
+        is_header: line::is_header,
+        returns,
+        in_archive: None,
+    }),
     needs_interpreter: Some(quick_look::needs_interpreter),
     ..PLAIN
 };

@@ -1,12 +1,14 @@
 //! Programs of an archive: `%_N_NAME_MPF` and `%_N_NAME_SPF` in one file, before anything runs.
 //!
 //! Facts: reference channel-synchronisation.md 1.2. Decisions: main programs are those with the ending MPF that no block of the
-//! archive calls or selects by INIT; they belong to the channels from left to right. What else an archive holds (definitions
+//! archive calls or selects by INIT; they belong to the channels from left to right. In a job archive of INDEX lathes
+//! `%_N_n_0_MPF` is the main program of channel n, and other numbers are data (tool lists). What else an archive holds (definitions
 //! `_DEF`, data `_INI`, `_TOA` and so on) is no program, and keeps its ending in its name. *Invariant:* a line is looked at alone.
 
 use counterpoint_program::syntax::NamedPrograms;
 
-pub(super) const PROGRAMS: NamedPrograms = NamedPrograms { defined, called, is_header, returns };
+pub(super) const PROGRAMS: NamedPrograms =
+    NamedPrograms { defined, called, is_header, returns, in_archive: Some(in_archive) };
 
 /// Name and ending of the program that begins with a line.
 fn parts(line: &[u8]) -> Option<(&[u8], &[u8])> {
@@ -36,6 +38,17 @@ fn defined(line: &[u8]) -> Option<&[u8]> {
 /// Everything but a main program.
 fn returns(line: &[u8]) -> bool {
     parts(line).is_some() && !ends_with(line, b"_MPF")
+}
+
+/// `%_N_n_k_MPF` of a job archive (INDEX): program k of channel n.
+fn in_archive(line: &[u8]) -> Option<(u16, u32)> {
+    let (name, ending) = parts(line).filter(|_| ends_with(line, b"_MPF"))?;
+    let (channel, number) = std::str::from_utf8(name).ok().filter(|_| ending.len() == 4)?.split_once('_')?;
+    let digits = |text: &str| !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_digit());
+    if !digits(channel) || !digits(number) {
+        return None;
+    }
+    Some((channel.parse().ok()?, number.parse().ok()?))
 }
 
 /// `;$PATH=…` says where a program was.
@@ -73,6 +86,10 @@ mod tests {
         assert!(returns(b"%_N_UGUD_DEF") && returns(b"%_N_COMPLETE_TEA_INI"));
         for line in [&b"%"[..], b"%PART", b"N10 G0", b"%_N__MPF", b"%_N_MPF", b"%_N_"] {
             assert_eq!(defined(line), None, "{}", String::from_utf8_lossy(line));
+        }
+        assert_eq!(in_archive(b"%_N_2_13_MPF"), Some((2, 13)));
+        for line in [&b"%_N_2_13_SPF"[..], b"%_N_A_1_MPF", b"%_N_2_MPF", b"%_N_2_1A_MPF", b"G1"] {
+            assert_eq!(in_archive(line), None, "{}", String::from_utf8_lossy(line));
         }
         assert!(returns(b"%_N_HOLE_SPF") && !returns(b"%_N_PART_1_MPF"));
         assert!(is_header(b";$PATH=/_N_MPF_DIR") && !is_header(b"; $PATH"));
