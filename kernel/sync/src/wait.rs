@@ -202,7 +202,7 @@ impl Rule {
     }
 
     /// The mark with this number, as the program writes it.
-    fn marked(&self, number: u32) -> String {
+    pub(crate) fn marked(&self, number: u32) -> String {
         self.names.get(number as usize).map_or_else(|| number.to_string(), |name| name.to_string())
     }
 }

@@ -94,6 +94,8 @@ fn written_from(
     let Some((line, side)) = found else {
         let code = if let Some(word) = &rule.signals.sent_by {
             format!("{word} [ID{}]", own.wait.key.number)
+        } else if rule.style == Style::Statement && rule.numbered {
+            format!("{}({},...)", rule.word, rule.marked(own.wait.key.number))
         } else if matches!(rule.style, Style::LineUp | Style::Axes) || !rule.numbered {
             waits.rules.text(&own.wait)
         } else {
