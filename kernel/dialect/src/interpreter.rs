@@ -33,6 +33,11 @@ pub trait Interpreter: Send {
         Ok(None)
     }
 
+    /// Plain words of the program that starts are for the interpreter, too.
+    fn watches(&self) -> bool {
+        false
+    }
+
     /// The program starts again with another file, with or without a reset (reference control-emulator.md 5.8).
     fn restart(&mut self, reset: bool);
 

@@ -146,6 +146,8 @@ diagnostics! {
     PLANE_UNDEFINED 2900173 "tilted-plane-undefined" 12 true "tilted plane not defined by the block";
     PLANE_UNREACHABLE 2900174 "tilted-plane-unreachable" 12 true "tilted plane out of reach of the rotary axes";
     OKUMA_UNKNOWN 2900180 "unknown-okuma-name" 8 false "unknown variable or function (Okuma)";
+    CODE_NEEDS 2900501 "code-needs-word" 12 true "code without a word that it needs";
+    WORK_AREA 2900500 "working-area" 12 true "position beyond the working area of the program";
     OKUMA_CONTINUED 2900181 "continuation-without-block" 8 false "continuation line without a block above it (Okuma)";
     UNKNOWN_CODE 2900320 "unknown-code" 12 true "unknown code";
     UNKNOWN_TEXT 2900321 "unknown-text" 12 true "unknown address or statement";

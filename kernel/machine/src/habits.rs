@@ -46,6 +46,8 @@ pub struct Habits {
     /// What is an alarm of a real control stops the channel; otherwise the rest of the block is dropped and the program
     /// goes on.
     pub stops: bool,
+    /// Limits of the working area count in all directions of all axes unless the program says otherwise.
+    pub work_area: bool,
     /// Answers to questions of the machine's own that are texts, `$TUDQ`.
     pub texts: Vec<String>,
     /// Those that are whole numbers, `$IUDQ`.
@@ -133,6 +135,7 @@ impl Default for Habits {
             dwell: Dwell::default(),
             unknown_alarms: false,
             stops: false,
+            work_area: false,
             texts: Vec::new(),
             integers: Vec::new(),
             numbers: Vec::new(),

@@ -83,6 +83,22 @@ pub trait Frames {
     /// Sets a work offset, which acts at once; whether it was set.
     fn set_offset(&mut self, number: u32, values: &[f64]) -> bool;
 
+    /// Rotation of a work offset, row by row; none without one.
+    fn offset_turn(&self, number: u32) -> Option<[f64; 9]>;
+
+    /// Sets it, and it acts at once; whether it was set.
+    fn turn_offset(&mut self, number: u32, turn: Option<[f64; 9]>) -> bool;
+
+    /// An axis goes to a position beside the next move of the block, or alone at its end: its letter, where as the program counts,
+    /// and its feed per minute; none is rapid.
+    fn go_beside(&mut self, letter: &str, to: f64, feed: Option<f64>);
+
+    /// A side of the working area by the letter of an axis: its limit as the program counts, and whether it counts.
+    fn area_side(&self, letter: &str, high: bool) -> Option<(Option<f64>, bool)>;
+
+    /// Sets the limit of a side, or whether it counts; false without such an axis.
+    fn set_area_side(&mut self, letter: &str, high: bool, limit: Option<f64>, counts: Option<bool>) -> bool;
+
     /// Number of the tool that is loaded.
     fn tool(&self) -> u32;
 

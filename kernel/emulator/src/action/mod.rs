@@ -5,6 +5,8 @@
 //! `Act` offers.
 
 mod arc;
+mod area;
+mod beside;
 mod change_point;
 mod clamp;
 mod compensation;
@@ -59,6 +61,8 @@ use entry::Entry;
 /// The registry.
 static ENTRIES: &[&[Entry]] = &[
     arc::ENTRIES,
+    area::ENTRIES,
+    beside::ENTRIES,
     change_point::ENTRIES,
     clamp::ENTRIES,
     compensation::ENTRIES,

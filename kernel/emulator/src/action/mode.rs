@@ -14,7 +14,8 @@ use counterpoint_program::block::PendingCode;
 pub(crate) const ENTRIES: &[Entry] = &[
     entry_of_kind!(CodeKind::Mode(text) => |act, _row, _code| mode(act, text)).contour(Contour::Waits),
     Entry::of(&[codes::UNITS_PRIMARY], |act, _, _| units(act, false)).contour(Contour::Waits),
-    Entry::of(&[codes::UNITS_SECONDARY], |act, _, _| units(act, true)).contour(Contour::Waits),
+    Entry::of(&[codes::UNITS_SECONDARY, codes::UNITS_SECONDARY_LENGTHS], |act, _, _| units(act, true))
+        .contour(Contour::Waits),
     Entry::of(&[codes::EXACTSTOP], |act, _, _| exact_stop_block(act)).contour(Contour::Waits),
     Entry::of(&[codes::COMP_DIAM_OFF], |act, row, _| diameter(act, "off", row.id)).contour(Contour::Waits),
     Entry::of(&[codes::COMP_DIAM_LEFT], |act, row, _| diameter(act, "left", row.id)).contour(Contour::Waits),

@@ -6,6 +6,7 @@ use super::Kernel;
 use crate::state::clamps::Modulo;
 use crate::state::frames::offsets::Table;
 use counterpoint_event::event::{Frame, Kind, MAX_AXES, Position};
+use counterpoint_fault as diag;
 use counterpoint_machine::index::{AxisSlot, BySlot};
 
 impl Kernel<'_> {
@@ -34,19 +35,35 @@ impl Kernel<'_> {
     /// Puts the sum of all offsets into force; the machine stands still.
     pub(crate) fn reframe(&mut self) {
         let wanted = self.channel.wanted_shift();
-        if wanted == self.channel.state.place.shift {
+        let turn = self.channel.offset_turn(self.channel.state.place.in_force.work_offset);
+        let turned = self.channel.state.place.frames.as_deref().and_then(|frames| frames.local.outer());
+        let turns = turn.as_ref() != turned;
+        if wanted == self.channel.state.place.shift && !turns {
             return;
         }
         let before = self.channel.counts_from();
-        if self.channel.state.place.frames.is_some() {
+        if self.channel.state.place.frames.is_some() || turns {
             self.flush_for_macro();
             let levels = self.channel.cycle_levels();
+            let mut refused = None;
             self.channel.standing(|channel| {
                 channel.state.place.shift = wanted;
+                if turns {
+                    let has = channel.state.place.has_axes();
+                    refused = channel.frames().local.turn(turn, has).err();
+                }
                 channel.refresh_tip();
                 channel.refresh_tilt();
             });
             self.channel.keep_levels(levels);
+            if refused.is_some() {
+                let text = format!(
+                    "the rotation of work offset {} is not possible on the axes of the channel in '{}'; it is left out",
+                    self.channel.state.place.in_force.work_offset,
+                    self.block_text()
+                );
+                self.diagnose(&diag::FRAME_REFUSED, text);
+            }
         } else {
             self.channel.state.cycle.reframed(&self.channel.state.place.shift, &wanted);
             for ((position, old), new) in

@@ -16,10 +16,15 @@ impl Kernel<'_> {
     #[inline]
     pub(crate) fn travel(&mut self, seconds: f64, motion: &Motion) -> Acted {
         self.channel.check_stop()?;
-        self.check_travel_before(motion)?;
-        if self.channel.state.others.balance.is_some() {
-            self.pair_cut(motion.kind)?;
+        if self.channel.state.others.attends() {
+            return self.travel_attended(seconds, motion);
         }
+        self.begin_travel(seconds, motion)
+    }
+
+    #[inline(always)]
+    fn begin_travel(&mut self, seconds: f64, motion: &Motion) -> Acted {
+        self.check_travel_before(motion)?;
         if self.plan.rules.overlaps {
             self.end_before_feed(motion.kind);
         }
@@ -27,6 +32,27 @@ impl Kernel<'_> {
             return instead(self, seconds, motion);
         }
         self.move_to(seconds, motion)
+    }
+
+    /// A motion at which something looks: axes go along, the working area bounds it, another channel begins together.
+    #[cold]
+    #[inline(never)]
+    fn travel_attended(&mut self, seconds: f64, motion: &Motion) -> Acted {
+        if let Some(beside) = self.channel.state.others.beside.take() {
+            let seconds = self.paced(seconds, motion).map_or(seconds, |stretch| stretch.piece.alone());
+            self.come_to_rest();
+            // The path stops at the end of the block.
+            let pace = self.channel.pace.take();
+            let moved = self.travel_attended(seconds.max(beside.seconds), &beside.with(motion));
+            self.channel.pace = pace;
+            return moved;
+        }
+        self.check_area(motion)?;
+        if self.channel.state.others.balance.is_some() {
+            self.check_travel_before(motion)?;
+            self.pair_cut(motion.kind)?;
+        }
+        self.begin_travel(seconds, motion)
     }
 
     /// Two channels that cut in balance begin the cuts of their blocks together; rapid moves are free.

@@ -1,4 +1,4 @@
-//! Limits of travel: where moves end, and how far circles swing out between their ends.
+//! Limits of travel and of the working area: where moves end, and how far circles swing out between their ends.
 //!
 //! *Invariant:* a block is reported once; a straight move is within the limits where both its ends are. Circles in the face plane of
 //! polar interpolation are checked at their ends only, those on a cylinder along its axis too.
@@ -14,6 +14,15 @@ use super::Kernel;
 
 /// An axis beyond its limits, where it is, and the limits.
 type Over = (AxisId, f64, [f64; 2]);
+
+/// Which limits.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Limits {
+    /// Those of the machine.
+    Travel,
+    /// Those of the program.
+    Area,
+}
 
 /// What a place may be beyond the limits by rounding.
 const NOISE: f64 = 1e-9;
@@ -39,25 +48,43 @@ impl Kernel<'_> {
 
     #[inline(never)]
     fn check_limits_of_motion(&mut self, motion: &Motion) {
-        let over = self.beyond(&motion.to, NOISE).or_else(|| match motion.kind {
-            MotionKind::ArcCw | MotionKind::ArcCcw => self.swings_beyond(motion),
-            MotionKind::ArcSpace => self.swings_beyond_in_space(motion),
-            MotionKind::Rapid | MotionKind::Linear | MotionKind::Thread => None,
-        });
+        let over = self.leads_beyond(motion, Limits::Travel);
         self.report_over_travel(over);
+    }
+
+    /// Stops the channel before a motion that leads out of the working area.
+    pub(super) fn check_area(&mut self, motion: &Motion) -> Acted {
+        let Some((axis, at, [low, high])) = self.leads_beyond(motion, Limits::Area) else { return Ok(()) };
+        let name = &self.channel.env.machine.axes[axis].name;
+        let bound = if at > high { high } else { low };
+        let text = format!(
+            "axis {name} would be at {at:.3} in the basic coordinate system, beyond the limit {bound} of the working area, \
+             in '{}'; no part of the block acts",
+            self.block_text()
+        );
+        self.diagnose(&diag::WORK_AREA, text);
+        self.channel.check_stop()
+    }
+
+    fn leads_beyond(&self, motion: &Motion, limits: Limits) -> Option<Over> {
+        self.beyond(&motion.to, NOISE, limits).or_else(|| match motion.kind {
+            MotionKind::ArcCw | MotionKind::ArcCcw => self.swings_beyond(motion, limits),
+            MotionKind::ArcSpace => self.swings_beyond_in_space(motion, limits),
+            MotionKind::Rapid | MotionKind::Linear | MotionKind::Thread => None,
+        })
     }
 
     /// Reports axes that stand beyond their limits.
     pub(super) fn check_limits_of_axes(&mut self, at: &Position) {
-        let over = self.beyond(at, NOISE);
+        let over = self.beyond(at, NOISE, Limits::Travel);
         self.report_over_travel(over);
     }
 
     /// Reports a circle that is straight for its axes and turns one of them back beyond its limits, at `values` in radius.
     #[cold]
     pub(crate) fn check_swing(&mut self, to: &Position, axis: AxisSlot, values: [Option<f64>; 2]) -> Acted {
-        if self.channel.state.place.layout.bounds.limited && self.beyond(to, NOISE).is_none() {
-            let over = self.turns_beyond(to, axis, values, NOISE);
+        if self.channel.state.place.layout.bounds.limited && self.beyond(to, NOISE, Limits::Travel).is_none() {
+            let over = self.turns_beyond(to, axis, values, (NOISE, Limits::Travel));
             self.report_over_travel(over);
             if self.channel.state.place.layout.bounds.stop {
                 return self.channel.check_stop();
@@ -67,27 +94,40 @@ impl Kernel<'_> {
     }
 
     /// The last axis of the channel that is beyond its limits at a place.
-    fn beyond(&self, place: &Position, slack: f64) -> Option<Over> {
-        let machine = self.channel.machine_point(place);
-        let axes = self.channel.state.place.layout.axes.iter().zip(machine);
-        axes.rev().find_map(|(axis, at)| {
-            let (low, high) = axis.limits?;
+    fn beyond(&self, place: &Position, slack: f64, limits: Limits) -> Option<Over> {
+        let point = match limits {
+            Limits::Travel => self.channel.machine_point(place),
+            Limits::Area => self.channel.basic_point(place)?,
+        };
+        let layout = &self.channel.state.place.layout;
+        layout.axes.entries().rev().find_map(|(slot, axis)| {
+            let at = point.at(slot);
+            let (low, high) = match limits {
+                Limits::Travel => axis.limits?,
+                Limits::Area => self.channel.area_of(slot)?,
+            };
             (at < low - slack || at > high + slack).then_some((axis.machine, at, [low, high]))
         })
     }
 
     /// The same for places where one axis turns back, in radius values.
-    fn turns_beyond(&self, to: &Position, axis: AxisSlot, values: [Option<f64>; 2], slack: f64) -> Option<Over> {
+    fn turns_beyond(
+        &self,
+        to: &Position,
+        axis: AxisSlot,
+        values: [Option<f64>; 2],
+        (slack, limits): (f64, Limits),
+    ) -> Option<Over> {
         let scale = self.channel.state.place.layout.axes[axis].scale;
         values.into_iter().flatten().find_map(|value| {
             let mut place = *to;
             *place.at_mut(axis) = value / scale;
-            self.beyond(&place, slack / scale)
+            self.beyond(&place, slack / scale, limits)
         })
     }
 
     /// A circle in a plane. Its end may be off the circle by the tolerance of the machine, so the places between may be, too.
-    fn swings_beyond(&self, motion: &Motion) -> Option<Over> {
+    fn swings_beyond(&self, motion: &Motion, limits: Limits) -> Option<Over> {
         let layout = &self.channel.state.place.layout;
         let [first, second] = motion.plane_axes.map(|axis| layout.axes.id(usize::from(axis)));
         let axes = [first?, second?];
@@ -97,10 +137,12 @@ impl Kernel<'_> {
         let center = [motion.center[0] * scales[0], motion.center[1] * scales[1]];
         let made = arc::by_center(from, to, center, motion.kind == MotionKind::ArcCw).ok()?.with_turns(motion.turns);
         let slack = made.end_error(to) + NOISE;
-        (0..).zip(axes).find_map(|(side, axis)| self.turns_beyond(&motion.to, axis, made.turning_points(side), slack))
+        (0..)
+            .zip(axes)
+            .find_map(|(side, axis)| self.turns_beyond(&motion.to, axis, made.turning_points(side), (slack, limits)))
     }
 
-    fn swings_beyond_in_space(&self, motion: &Motion) -> Option<Over> {
+    fn swings_beyond_in_space(&self, motion: &Motion, limits: Limits) -> Option<Over> {
         let layout = &self.channel.state.place.layout;
         let scale = |axis: AxisSlot| layout.axes[axis].scale;
         let point =
@@ -109,7 +151,7 @@ impl Kernel<'_> {
         (0..).zip(layout.cartesian).find_map(|(side, axis)| {
             let values =
                 circle.turning_points(side).map(|share| share.and_then(|share| circle.at(share).get(side).copied()));
-            self.turns_beyond(&motion.to, axis?, values, NOISE)
+            self.turns_beyond(&motion.to, axis?, values, (NOISE, limits))
         })
     }
 

@@ -121,6 +121,9 @@ impl Kernel<'_> {
         let text = shortened(text);
         let is_g = text.starts_with(['G', 'g']);
         let dialect = self.dialect.kind;
+        if let Some(needs) = self.needs(&text) {
+            return (&diag::CODE_NEEDS, format!("{text} needs {needs} in its block"));
+        }
         if self.is_code_word(&text) {
             let lacks = format!("machine {} has no {text}", self.channel.env.machine.name);
             // A machine with words of its own for it names its own alarm.
@@ -138,6 +141,21 @@ impl Kernel<'_> {
             () => Unknown::Text,
         };
         (&diag::UNKNOWN_TEXT, dialect.unknown_text(&text, kind))
+    }
+
+    /// The words one of which a code needs, if the machine has the code with others only.
+    fn needs(&self, text: &str) -> Option<String> {
+        let machine = self.channel.env.machine;
+        let (register, _) = self.plan.scanner.register(*text.as_bytes().first()?)?;
+        let value = text.get(1..)?.trim().parse().ok()?;
+        let rows = machine.tables.code(register, value).iter().map(|&row| &machine.codes[row]);
+        let mut names: Vec<&str> = rows.flat_map(|row| &row.with).map(|&of| &*machine.registers[of].name).collect();
+        names.sort_unstable();
+        names.dedup();
+        match names.split_last()? {
+            (last, []) => Some((*last).to_owned()),
+            (last, others) => Some(format!("{} or {last}", others.join(", "))),
+        }
     }
 
     /// An address alone.

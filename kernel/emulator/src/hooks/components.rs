@@ -157,7 +157,7 @@ impl Kernel<'_> {
                 None => {}
             }
         }
-        state.secondary = state.modal.code(group::UNITS) == Some(counterpoint_machine::ident::codes::UNITS_SECONDARY);
+        state.secondary = state.says_secondary();
         (state.cycle, state.arcs) = (Cycle::new(machine), Arcs::default());
         *state.threads = Threads::new(machine);
         state.others.turning = Turning::new(machine);

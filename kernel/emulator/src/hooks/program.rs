@@ -111,6 +111,7 @@ impl Kernel<'_> {
         self.flow.frames.push(Frame::main(file, range, name));
         if let Some(interpreter) = self.dialect.interpreter.as_deref_mut() {
             interpreter.restart(reset);
+            self.flow.watched = interpreter.watches();
         }
         self.interpreter_start();
         self.plain_macro(Hook::ProgramStartup)?;

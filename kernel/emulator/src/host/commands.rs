@@ -16,10 +16,9 @@ use crate::macros::calls::Task;
 use crate::macros::issued::{Later, MOST_QUEUED};
 use crate::macros::store::names;
 use crate::state::burden::shortened;
-use crate::state::modal::group;
 use counterpoint_event::event::{Kind, Listing, Message};
 use counterpoint_fault as diag;
-use counterpoint_machine::ident::{CodeId, codes};
+use counterpoint_machine::ident::CodeId;
 use counterpoint_machine::macros::model::Hook;
 
 /// Steps that processing a block costs the macro that asks for it.
@@ -43,7 +42,7 @@ impl Kernel<'_> {
         self.channel.follow_cycle();
         self.channel.follow_spindle();
         self.channel.follow_clamps();
-        self.channel.state.secondary = self.channel.state.modal.code(group::UNITS) == Some(codes::UNITS_SECONDARY);
+        self.channel.state.secondary = self.channel.state.says_secondary();
     }
 
     pub(crate) fn macro_command(&mut self, state: &mut State, command: Command<'_>) -> Outcome<i32> {

@@ -422,7 +422,6 @@ impl Kernel<'_> {
                 self.channel.state.others.tip.format = format;
             }
         }
-        self.channel.state.secondary =
-            self.channel.state.modal.code(group::UNITS) == Some(ident::codes::UNITS_SECONDARY);
+        self.channel.state.secondary = self.channel.state.says_secondary();
     }
 }

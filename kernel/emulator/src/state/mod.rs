@@ -5,6 +5,8 @@
 
 pub(crate) mod alarms;
 pub(crate) mod arc;
+pub(crate) mod area;
+pub(crate) mod beside;
 pub(crate) mod burden;
 pub mod channel;
 pub(crate) mod clamps;
@@ -112,6 +114,10 @@ pub(crate) struct Others {
     pub(crate) running: [Option<Running>; 2],
     /// Where the channel waits before its cuts, while two channels begin them together.
     pub(crate) balance: Option<Wait>,
+    /// Axes that go to a position beside the path of the block.
+    pub(crate) beside: Option<Box<beside::Beside>>,
+    /// The working area of the program.
+    pub(crate) area: Option<Box<area::WorkArea>>,
     /// Axes that are coupled with axes of other channels.
     pub(crate) couplings: Vec<coupling::Coupling>,
     /// Couplings that one channel commands alone.
@@ -145,9 +151,17 @@ impl Others {
             tools: FxHashMap::default(),
             running: [None; 2],
             balance: None,
+            beside: None,
+            area: None,
             couplings: Vec::new(),
             alone: coupling::Alone::default(),
             cylinder: None,
         }
+    }
+
+    /// Something looks at each move.
+    #[inline(always)]
+    pub(crate) fn attends(&self) -> bool {
+        self.balance.is_some() | self.beside.is_some() | self.area.is_some()
     }
 }

@@ -1,5 +1,6 @@
 //! Factors from what a program counts in to what the machine counts in.
 
+use super::State;
 use super::channel::Channel;
 use super::modal::group;
 use counterpoint_event::info::Unit;
@@ -7,10 +8,26 @@ use counterpoint_machine::ident::dimension::Dimension;
 use counterpoint_machine::ident::kind::data::DataKind;
 use counterpoint_machine::ident::{DataId, codes};
 
+impl State {
+    /// The active code of the units: lengths are in the secondary one.
+    pub(crate) fn says_secondary(&self) -> bool {
+        let active = self.modal.code(group::UNITS);
+        matches!(active, Some(codes::UNITS_SECONDARY | codes::UNITS_SECONDARY_LENGTHS))
+    }
+
+    /// Feeds and surface speeds are in the secondary unit, too.
+    pub(crate) fn counts_feeds_in_secondary(&self) -> bool {
+        self.secondary && self.modal.code(group::UNITS) != Some(codes::UNITS_SECONDARY_LENGTHS)
+    }
+}
+
 impl Channel<'_> {
     /// Factor from program units to machine units.
     pub(crate) fn unit_factor(&self, dimension: Dimension) -> f64 {
         if !self.state.secondary {
+            return 1.0;
+        }
+        if dimension == Dimension::Feed && !self.state.counts_feeds_in_secondary() {
             return 1.0;
         }
         match (dimension, self.env.machine.unit) {

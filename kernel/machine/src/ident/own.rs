@@ -115,6 +115,12 @@ macro_rules! with_own {
             TURRET_OPPOSITE 104 100 true true Plain => ": X is mirrored for tools of the turret on the other side of the turning axis (Fanuc G68 of lathes)";
             TURRET_OWN 104 100 true true Plain => ": ends that (Fanuc G69)";
             TURN_PASS 0 100 true true Plain => ": one more pass of the thread along a named contour that comes (Okuma G88)";
+            UNITS_SECONDARY_LENGTHS 6 100 true true Plain => ": lengths are in the secondary unit, feeds are not (Siemens G70)";
+            AXES_BESIDE 0 600 true true Plain => ": positioning axes arrive, if no move of the block has taken them along (Siemens POS)";
+            WORK_AREA_LOW 0 100 true true Plain => ": lower limits of the working area (Siemens G25)";
+            WORK_AREA_HIGH 0 100 true true Plain => ": upper limits of the working area (Siemens G26)";
+            WORK_AREA_ON 152 100 true true Plain => ": moves that end outside of the working area are alarms (Siemens WALIMON)";
+            WORK_AREA_OFF 152 100 true true Plain => ": ends that (Siemens WALIMOF)";
         }
     };
 }

@@ -49,6 +49,7 @@ const OWN: &[(&[CodeId], &str)] = &[
     (&[codes::DELAY], "REG_DELAY"),
     (&[codes::DELAY_REV], "REG_DELAY_REV"),
     (&[codes::GOHOME, codes::GOHOME_RETURN], "REG_AXIS_*"),
+    (&[codes::WORK_AREA_LOW, codes::WORK_AREA_HIGH], "REG_AXIS_* REG_SPINDLE_RPM_MAX"),
     (&[codes::GOHOME_NTH], "REG_GOHOME_NTH REG_AXIS_*"),
     (&[codes::FEED_UPM], "REG_FEED_UPM"),
     (&[codes::FEED_UPR], "REG_FEED_UPR"),

@@ -53,6 +53,7 @@ pub(super) fn read(top: &mut Section<'_>, preprocessor: Preprocessor) -> (Habits
     habits.dwell.bare = section.choice("dwell_without_time", &dwells).unwrap_or(habits.dwell.bare);
     let unknown = [("warn", false), ("alarm", true)];
     habits.unknown_alarms = section.choice("unknown_code", &unknown).unwrap_or(habits.unknown_alarms);
+    habits.work_area = section.flag("work_area").unwrap_or(habits.work_area);
     habits.stops = section.flag("stops").unwrap_or(habits.stops);
     if let Some(mut answers) = section.table("answers", "[control.answers]") {
         read_answers(&mut answers, &mut habits);

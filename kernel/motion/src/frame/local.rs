@@ -70,8 +70,10 @@ pub struct Local {
     parts: [Option<Programmed>; 4],
     /// Additive parts, oldest first.
     added: Vec<(Part, Programmed)>,
-    /// A frame that a macro has given, outside all.
+    /// A frame that a macro has given, outside all of these.
     given: Option<Affine>,
+    /// The rotation of the work offset, outside all.
+    outer: Option<Affine>,
     /// Switched off by a macro: the parts are kept.
     off: bool,
     /// From the program to the work frame.
@@ -83,14 +85,14 @@ pub struct Local {
 impl Default for Local {
     fn default() -> Self {
         let (map, back) = (Affine::SAME, Affine::SAME);
-        Self { parts: [None; 4], added: Vec::new(), given: None, off: false, map, back }
+        Self { parts: [None; 4], added: Vec::new(), given: None, outer: None, off: false, map, back }
     }
 }
 
 impl Local {
     /// Nothing is programmed.
     pub fn is_empty(&self) -> bool {
-        !self.is_programmed() && self.given.is_none()
+        !self.is_programmed() && self.given.is_none() && self.outer.is_none()
     }
 
     /// The program has given a part.
@@ -106,6 +108,19 @@ impl Local {
     /// From the program to the work frame.
     pub fn map(&self) -> &Affine {
         &self.map
+    }
+
+    /// What the program itself has made of it: without the rotation of the work offset.
+    pub fn programmed(&self) -> Affine {
+        match self.outer {
+            None => self.map,
+            Some(_) => Self { outer: None, ..self.clone() }.made(),
+        }
+    }
+
+    /// The rotation of the work offset.
+    pub fn outer(&self) -> Option<&Affine> {
+        self.outer.as_ref()
     }
 
     /// A programmed point in the work frame.
@@ -144,7 +159,10 @@ impl Local {
 
     /// What a macro has given and the parts from a kind outwards.
     fn composed(&self, from: usize) -> Affine {
-        let mut map = self.given.unwrap_or(Affine::SAME);
+        let mut map = match (self.outer, self.given) {
+            (Some(outer), Some(given)) => outer.after(&given),
+            (outer, given) => outer.or(given).unwrap_or(Affine::SAME),
+        };
         for part in Part::ALL.into_iter().rev().take_while(|part| *part as usize >= from) {
             if let Some(given) = self.part(part).filter(|_| !self.off) {
                 map = map.after(&given.map);
@@ -181,19 +199,27 @@ impl Local {
         self.change(has, |local| local.given = given.filter(|map| *map != Affine::SAME))
     }
 
+    /// The rotation of the work offset, or none.
+    pub fn turn(&mut self, outer: Option<Affine>, has: [bool; 3]) -> Result<(), Refused> {
+        self.change(has, |local| local.outer = outer.filter(|map| *map != Affine::SAME))
+    }
+
     /// Switches the programmed parts off, or on again.
     pub fn switch(&mut self, on: bool, has: [bool; 3]) -> Result<(), Refused> {
         self.change(has, |local| local.off = !on)
+    }
+
+    /// From the program to the work frame, of its parts.
+    fn made(&self) -> Affine {
+        let added = self.added.iter().filter(|_| !self.off);
+        added.fold(self.composed(0), |map, (_, given)| map.after(&given.map))
     }
 
     /// Takes a change over if the frame has a way back afterwards. `has`: the channel has an X, Y, Z axis.
     fn change(&mut self, has: [bool; 3], with: impl FnOnce(&mut Self)) -> Result<(), Refused> {
         let mut changed = self.clone();
         with(&mut changed);
-        let mut map = changed.composed(0);
-        for (_, given) in changed.added.iter().filter(|_| !changed.off) {
-            map = map.after(&given.map);
-        }
+        let map = changed.made();
         let back = map.inverse().ok_or(Refused::NoWayBack)?;
         if [map, back].iter().any(|map| map.cells().iter().any(|cell| cell.abs() > BOUND)) {
             return Err(Refused::NoWayBack);
@@ -234,6 +260,19 @@ mod tests {
         local.switch(false, ALL).unwrap();
         assert_eq!(local.to_work([1.0, 0.0, 0.0]), [1.0, 0.0, 0.0]);
         assert!(local.is_programmed() && !local.is_on());
+    }
+
+    #[test]
+    fn the_rotation_of_the_work_offset_is_outside_of_all() {
+        let mut local = Local::default();
+        local.set(Part::Translate, Some(shifted(10.0)), ALL).unwrap();
+        local.turn(Affine::rotation([0.0, 0.0, 1.0], 90.0), ALL).unwrap();
+        assert_eq!(local.to_work([1.0, 0.0, 0.0]), [0.0, 11.0, 0.0]);
+        assert_eq!(local.programmed().point([1.0, 0.0, 0.0]), [11.0, 0.0, 0.0]);
+        local.set(Part::Translate, None, ALL).unwrap();
+        assert!(!local.is_empty() && !local.is_programmed());
+        local.turn(None, ALL).unwrap();
+        assert!(local.is_empty());
     }
 
     #[test]

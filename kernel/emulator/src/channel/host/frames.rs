@@ -38,6 +38,15 @@ impl Kernel<'_> {
     }
 }
 
+impl Kernel<'_> {
+    /// The axis of the channel that the program calls by a letter.
+    fn slot_of(&self, letter: &str) -> Option<AxisSlot> {
+        let machine = &self.channel.env.machine.axes;
+        let mut axes = self.channel.state.place.layout.axes.entries();
+        axes.find(|(_, axis)| machine[axis.machine].letter.eq_ignore_ascii_case(letter)).map(|(slot, _)| slot)
+    }
+}
+
 impl Frames for Kernel<'_> {
     fn axes(&self) -> Vec<AxisPlace> {
         let programmed = self.channel.programmed();
@@ -82,7 +91,7 @@ impl Frames for Kernel<'_> {
     }
 
     fn local_frame(&self) -> [f64; 12] {
-        let map = self.channel.state.place.frames.as_deref().map_or(Affine::SAME, |frames| *frames.local.map());
+        let map = self.channel.state.place.frames.as_deref().map_or(Affine::SAME, |frames| frames.local.programmed());
         let mut rows = <[f64; 12]>::try_from(map.cells()).unwrap_or_default();
         for (row, axis) in self.channel.state.place.layout.cartesian.iter().enumerate() {
             let Some(at) = *axis else { continue };
@@ -141,6 +150,47 @@ impl Frames for Kernel<'_> {
             *offset.at_mut(axis) = value * self.program_factor(axis);
         }
         Kernel::set_offset(self, Table::Work, number, offset)
+    }
+
+    fn offset_turn(&self, number: u32) -> Option<[f64; 9]> {
+        let cells = self.channel.offset_turn(number)?.cells();
+        let rows = cells.chunks(4).filter_map(|row| row.get(..3)).flatten().copied();
+        <[f64; 9]>::try_from(rows.collect::<Vec<_>>()).ok()
+    }
+
+    fn turn_offset(&mut self, number: u32, turn: Option<[f64; 9]>) -> bool {
+        let affine = |[a, b, c, d, e, f, g, h, i]: [f64; 9]| [a, b, c, 0.0, d, e, f, 0.0, g, h, i, 0.0];
+        let turn = match turn.map(|turn| Affine::of_cells(affine(turn))) {
+            Some(None) => return false,
+            Some(turn) => turn,
+            None => None,
+        };
+        let stored = self.channel.store_turn(number, turn);
+        self.reframe();
+        stored
+    }
+
+    fn go_beside(&mut self, letter: &str, to: f64, feed: Option<f64>) {
+        let Some(axis) = self.slot_of(letter) else { return };
+        let to = to * self.program_factor(axis);
+        let turns = self.channel.state.place.layout.axes[axis].rotary;
+        let factor = if turns { 1.0 } else { self.channel.unit_factor(Dimension::Feed) };
+        self.channel.go_beside(axis, to, feed.map(|feed| feed * factor));
+    }
+
+    fn area_side(&self, letter: &str, high: bool) -> Option<(Option<f64>, bool)> {
+        let axis = self.slot_of(letter)?;
+        let (limit, counts) = self.channel.area_side(axis, high);
+        Some((limit.map(|limit| limit / self.program_factor(axis)), counts))
+    }
+
+    fn set_area_side(&mut self, letter: &str, high: bool, limit: Option<f64>, counts: Option<bool>) -> bool {
+        let Some(axis) = self.slot_of(letter) else { return false };
+        let limit = limit.map(|limit| limit * self.program_factor(axis));
+        if let Some(side) = self.channel.work_area().side(axis, high) {
+            (side.limit, side.enabled) = (limit.or(side.limit), counts.or(side.enabled));
+        }
+        true
     }
 
     fn tool(&self) -> u32 {

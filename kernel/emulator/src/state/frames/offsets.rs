@@ -9,6 +9,7 @@ use std::collections::BTreeMap;
 
 use crate::state::channel::Channel;
 use counterpoint_event::event::{MAX_AXES, Position};
+use counterpoint_motion::frame::affine::Affine;
 
 /// Number of the base values.
 pub(crate) const BASE: u32 = 0;
@@ -35,6 +36,8 @@ pub(crate) struct Offsets {
     radius: BTreeMap<u32, f64>,
     corner: BTreeMap<u32, f64>,
     tip: BTreeMap<u32, u8>,
+    /// Rotations of work offsets.
+    turned: BTreeMap<u32, Affine>,
 }
 
 /// A table of offsets with a value per axis.
@@ -96,6 +99,27 @@ impl Channel<'_> {
             }
         }
         position
+    }
+
+    /// Rotation of a work offset.
+    pub(crate) fn offset_turn(&self, number: u32) -> Option<Affine> {
+        self.state.place.offsets.as_deref().and_then(|offsets| offsets.turned.get(&number)).copied()
+    }
+
+    /// Stores the rotation of a work offset, which is not in force before the frame is made again; `false` when there is no
+    /// room for it.
+    pub(crate) fn store_turn(&mut self, number: u32, turn: Option<Affine>) -> bool {
+        let turned = &mut self.state.place.offsets.get_or_insert_default().turned;
+        match turn {
+            None => {
+                turned.remove(&number);
+            }
+            Some(_) if turned.len() >= MOST && !turned.contains_key(&number) => return false,
+            Some(turn) => {
+                turned.insert(number, turn);
+            }
+        }
+        true
     }
 
     /// Stores an offset, which is not in force before the frame is made again; `false` when there is no room for it or it

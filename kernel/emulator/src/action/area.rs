@@ -1,0 +1,38 @@
+//! Limits of the working area: G25 and G26 set them, and those of the speed; WALIMON and WALIMOF switch them.
+//!
+//! Facts: see `state/area.rs`. *Invariant:* no axis moves.
+
+use crate::act::Act;
+use crate::action::entry::Entry;
+use counterpoint_fault::Acted;
+use counterpoint_machine::ident::{codes, data};
+
+/// Codes and what they do.
+pub(crate) const ENTRIES: &[Entry] = &[
+    Entry::of(&[codes::WORK_AREA_LOW], |act, _, _| limits(act, false)),
+    Entry::of(&[codes::WORK_AREA_HIGH], |act, _, _| limits(act, true)),
+    Entry::of(&[codes::WORK_AREA_ON], |act, _, _| switch(act, false)),
+    Entry::of(&[codes::WORK_AREA_OFF], |act, _, _| switch(act, true)),
+];
+
+fn limits(act: &mut Act<'_, '_>, high: bool) -> Acted {
+    for axis in act.state.place.layout.axes.ids() {
+        let Some(datum) = act.take_axis(axis).filter(|datum| datum.value.is_finite()) else { continue };
+        if let Some(side) = act.work_area().side(axis, high) {
+            side.limit = Some(datum.value);
+        }
+    }
+    // Limits of the speed; the lower one changes nothing.
+    match act.take(data::SPINDLE_RPM_MAX).map(|datum| datum.value) {
+        Some(limit) if high => act.command_spindle(|command| command.limit = limit),
+        _ => Ok(()),
+    }
+}
+
+fn switch(act: &mut Act<'_, '_>, off: bool) -> Acted {
+    // Without limits it is on.
+    if off || act.state.others.area.is_some() {
+        act.work_area().off = off;
+    }
+    Ok(())
+}
