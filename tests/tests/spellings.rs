@@ -349,3 +349,84 @@ proptest! {
         same(&heidenhain_machine(), &circles(&arcs, true), &circles(&arcs, false));
     }
 }
+
+fn siemens_mill() -> Arc<Machine> {
+    machine("extends = \"siemens-mill-exact\"\n\n[ce]\nname = \"spellings\"\n")
+}
+
+/// A path on the shipped Siemens mill, with lines written by `line`, between two texts.
+fn on_siemens(before: &str, moves: &[Move], line: impl Fn(&Move) -> String, after: &str) -> String {
+    let lines: Vec<String> = moves.iter().map(line).collect();
+    format!("G17 G90 G94 G54\nG0 X0 Y0 Z0\n{before}\n{}\n{after}\nM30\n", lines.join("\n"))
+}
+
+fn in_mm(step: &Move) -> String {
+    let [x, y, z] = step.to.map(shown);
+    match step.feed {
+        None => format!("G0 X{x} Y{y} Z{z}"),
+        Some(feed) => format!("G1 X{x} Y{y} Z{z} F{feed}"),
+    }
+}
+
+proptest! {
+    #![proptest_config(cases())]
+
+    /// G70 converts lengths, G700 feeds as well.
+    #[test]
+    fn inches_of_siemens(moves in moves(), feeds in any::<bool>()) {
+        let line = |step: &Move, inch: bool| {
+            // Ten thousandths of an inch.
+            let [x, y, z] = step.to.map(|value| f64::from(value) / 10_000.0 * if inch { 1.0 } else { 25.4 });
+            let words = format!("X={x:.5} Y={y:.5} Z={z:.5}");
+            match step.feed {
+                None => format!("G0 {words}"),
+                Some(feed) if feeds && inch => format!("G1 {words} F={:.3}", f64::from(feed) / 10.0),
+                Some(feed) => format!("G1 {words} F={:.3}", f64::from(feed) * 2.54),
+            }
+        };
+        let mm = on_siemens("", &moves, |step| line(step, false), "");
+        let other = on_siemens(if feeds { "G700" } else { "G70" }, &moves, |step| line(step, true), "");
+        same(&siemens_mill(), &mm, &other);
+    }
+
+    /// A rotation of the settable frame is one of the programmable frame.
+    #[test]
+    fn rotated_settable_frames(moves in moves(), angle in -179_i32..180, shift in -50_i32..50) {
+        let rotated = on_siemens(&format!("ROT RPL={angle}\nATRANS X{shift}"), &moves, in_mm, "ROT");
+        let before = format!("$P_UIFR[2]=CROT(Z,{angle})\nG55\nTRANS X{shift}");
+        let settable = on_siemens(&before, &moves, in_mm, "TRANS");
+        same(&siemens_mill(), &rotated, &settable);
+    }
+
+    /// FA counts wherever it stands, and the order of positioning axes does not matter.
+    #[test]
+    fn orders_of_positioning_axes(moves in moves(), fast in 1_u16..9, slow in 1_u16..9) {
+        let words = |step: &Move| {
+            let [x, y, z] = step.to.map(shown);
+            let own = step.feed.unwrap_or(500);
+            [format!("POS[X]={x}"), format!("POS[Y]={y}"), format!("FA[X]={fast}00"), format!("FA[Y]={slow}00"), format!("G1 Z{z} F{own}")]
+        };
+        let one = on_siemens("", &moves, |step| words(step).join(" "), "");
+        let order = |step: &Move| {
+            let mut words = words(step).to_vec();
+            let turns = usize::from(step.way) % words.len();
+            words.rotate_left(turns);
+            words.swap(0, usize::from(step.way / 5) % 5);
+            words.join(" ")
+        };
+        same(&siemens_mill(), &one, &on_siemens("", &moves, order, ""));
+    }
+
+    /// Words in comments, texts and names are no words of the block.
+    #[test]
+    fn words_in_texts_and_names(moves in moves()) {
+        let decoys = ["; SPOS=90 WAITS(1)", "; T=\"DRILL\" SETMS(1)", "ASPOS=ASPOS+1", "MSG(\"SPOS=1 TRAORI(1)\")"];
+        let with = |step: &Move| {
+            let decoy = decoys[usize::from(step.way) % decoys.len()];
+            if decoy.starts_with(';') { format!("{} {decoy}", in_mm(step)) } else { format!("{}\n{decoy}", in_mm(step)) }
+        };
+        let plain = format!("DEF REAL ASPOS\n{}", on_siemens("", &moves, in_mm, ""));
+        let other = format!("DEF REAL ASPOS\n{}", on_siemens("", &moves, with, ""));
+        same(&siemens_mill(), &plain, &other);
+    }
+}

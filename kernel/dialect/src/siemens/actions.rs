@@ -3,8 +3,8 @@
 //! Facts: programming manual, synchronised actions: the control tests conditions in its interpolation cycle, a WHEN acts once, a
 //! WHENEVER in each cycle while it is true, an EVERY when it becomes true, a FROM in each cycle after it was true once; an action
 //! without ID holds for the next block, with ID to the end of the program, with IDS beyond it. Decisions: conditions are tested
-//! where a block begins, so one that is true only within a move is missed; actions set variables and outputs, give M codes to the block that begins, and set
-//! alarms (SETAL). *Invariant:* what an action cannot do here is refused where the action is written, so no axis moves otherwise than
+//! where a block begins, so one that is true only within a move is missed; actions set variables and outputs, give M codes to the block that begins, set
+//! alarms (SETAL), and set and clear marks of channels (SETM, CLEARM). *Invariant:* what an action cannot do here is refused where the action is written, so no axis moves otherwise than
 //! on the control without a word.
 
 use super::cursor::Cursor;
@@ -147,7 +147,7 @@ impl Siemens {
                 SET.iter().any(|set| name.name == *set || *set == "$A_DB" && name.name.starts_with(set))
                     || self.variables.knows(&name.name)
             }
-            Item::Function(name, _) => name == "SETAL",
+            Item::Function(name, _) => matches!(name.as_str(), "SETAL" | "SETM" | "CLEARM"),
             Item::Text(word) => word.starts_with(['M', 'm']) || word.starts_with(['H', 'h']),
             _ => false,
         };
@@ -157,7 +157,7 @@ impl Siemens {
         Err(Fault::Alarm(
             &diag::SIEMENS_STATE,
             format!(
-                "synchronised actions set variables and outputs, M codes and SETAL here; '{text}' does something else"
+                "synchronised actions set variables, outputs and marks, M codes and SETAL here; '{text}' does something else"
             ),
         ))
     }

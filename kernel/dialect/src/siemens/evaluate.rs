@@ -110,6 +110,12 @@ impl Siemens {
         if let Some(number) = self.r_parameter(host, name)? {
             return Ok(Data::Real(self.variables.parameter(number)));
         }
+        if ("RG", 1) == (name.name.as_str(), name.index.len())
+            && !self.variables.knows("RG")
+            && let Some(value) = self.stored_value(host, name)?
+        {
+            return Ok(value);
+        }
         if name.name == "AX" && name.index.len() == 1 {
             return self.axis_of(host, name);
         }
@@ -125,7 +131,10 @@ impl Siemens {
             Answer::Instead(text) => self.instead(host, &text),
             Answer::Drop => Ok(Data::Int(0)),
             Answer::Keep => Ok(Data::Axis(asked)),
-            Answer::Unknown => Err(unknown(&asked)),
+            Answer::Unknown => match MACHINING.iter().find(|(text, _)| *text == asked) {
+                Some((_, value)) => Ok(Data::Int(*value)),
+                None => Err(unknown(&asked)),
+            },
         }
     }
 
@@ -215,6 +224,21 @@ impl Siemens {
 
 /// The value of a variable of type AXIS that names none.
 const NO_AXIS: &str = "NO_AXIS";
+
+/// Types of machining of CYCLE832 by their names: units 0 off, 1 finishing, 2 semi-finishing, 3 roughing, 4 precision; tens 1 with
+/// a tolerance of the orientation.
+const MACHINING: [(&str, i64); 10] = [
+    ("_OFF", 0),
+    ("_FINISH", 1),
+    ("_SEMIFIN", 2),
+    ("_ROUGH", 3),
+    ("_PRECISION", 4),
+    ("_ORI_OFF", 10),
+    ("_ORI_FINISH", 11),
+    ("_ORI_SEMIFIN", 12),
+    ("_ORI_ROUGH", 13),
+    ("_ORI_PRECISION", 14),
+];
 
 /// A register or an axis has this name.
 pub(super) fn words_name(host: &dyn Host, name: &str) -> bool {

@@ -1,7 +1,7 @@
 //! Expressions, read.
 //!
 //! Facts: the control's priorities, strongest first: NOT B_NOT; * / DIV MOD and the chain `:`; + −; B_AND; B_XOR; B_OR;
-//! AND; XOR; OR; `<<`; comparisons. Since comparisons bind weakest, a second one without parentheses is a mistake.
+//! AND; XOR; OR; `<<`, which may stand before its first value too; comparisons. Since comparisons bind weakest, a second one without parentheses is a mistake.
 //! Invariant: what was read is bounded in depth, so that evaluating it is too.
 
 use super::cursor::{Cursor, split_list};
@@ -199,6 +199,8 @@ impl Reader<'_, '_> {
         let cursor = &mut *self.cursor;
         cursor.blanks();
         let constant = match cursor.byte(0) {
+            // `<<` before a value makes a text of it: that of nothing joined with it.
+            b'<' if cursor.byte(1) == b'<' => Data::Text("".into()),
             b'(' => {
                 cursor.takes("(");
                 if cursor.depth >= DEEPEST {

@@ -257,6 +257,17 @@ impl Frame {
         Self { linear, shift: [x, y, z], ..Self::default() }.checked()
     }
 
+    /// Three rows of the linear part.
+    pub(super) fn linear(&self) -> [f64; 9] {
+        let [[a, b, c], [d, e, f], [g, h, i]] = self.linear;
+        [a, b, c, d, e, f, g, h, i]
+    }
+
+    /// A frame that turns only.
+    pub(super) fn turned([a, b, c, d, e, f, g, h, i]: [f64; 9]) -> Option<Self> {
+        Self { linear: [[a, b, c], [d, e, f], [g, h, i]], ..Self::default() }.checked()
+    }
+
     /// For messages.
     pub(super) fn text(&self) -> String {
         self.numbers().map(super::value::shown).join(",")

@@ -13,11 +13,34 @@ use super::{Outcome, Siemens, syntax, wrong_type};
 use crate::host::Host;
 use counterpoint_fault as diag;
 
-/// Frames that are kept without being applied.
+/// Frames that were assigned and do not act, or not yet.
 #[derive(Debug, Default)]
 pub(super) struct Assigned {
     program: Frame,
+    /// Settable frames that wait for their G function; where nothing is applied, all that were assigned.
     settable: FxHashMap<u32, Frame>,
+}
+
+impl Assigned {
+    /// The settable frames of the program before stay.
+    pub(super) fn keep(&mut self, before: Self) {
+        self.settable = before.settable;
+    }
+
+    /// Settable frames wait for their G functions.
+    pub(super) fn wait(&self) -> bool {
+        !self.settable.is_empty()
+    }
+}
+
+/// The settable frame that a word activates.
+fn activated(word: &str) -> Option<u32> {
+    let digits = word.strip_prefix(['G', 'g'])?.trim_start_matches('0');
+    match digits.parse().ok()? {
+        number @ 54..=57 => Some(number - 53),
+        number @ 505..=599 => Some(number - 500),
+        _ => None,
+    }
 }
 
 /// Largest number of a settable frame.
@@ -122,7 +145,7 @@ impl Siemens {
     /// A frame of the control, or a part of it.
     pub(super) fn control_frame(&mut self, host: &mut dyn Host, name: &Name) -> Outcome<Option<Data>> {
         let Some((number, used)) = self.frame_name(host, name)? else { return Ok(None) };
-        let frame = self.current(host, number);
+        let frame = self.current(host, number, name.name != "$P_UIFR");
         let rest = name.index.get(used..).unwrap_or_default();
         if rest.is_empty() {
             return Ok(Some(Data::Frame(Box::new(frame))));
@@ -131,8 +154,30 @@ impl Siemens {
         part_of(&frame, axis, part).map(|value| Some(Data::Real(value)))
     }
 
-    /// The frame that holds.
-    fn current(&self, host: &dyn Host, number: u32) -> Frame {
+    /// The settable frames of the block's G functions act from now on as they were assigned.
+    pub(super) fn activate_frames(&mut self, host: &mut dyn Host, words: &str) -> Outcome<()> {
+        if !self.frames.wait() || !self.settings.applies_frames {
+            return Ok(());
+        }
+        for number in words.split(' ').filter_map(activated) {
+            if let Some(frame) = self.frames.settable.remove(&number) {
+                self.apply(host, number, &frame);
+            }
+        }
+        self.watch(host);
+        Ok(())
+    }
+
+    /// Puts a settable frame into force.
+    fn apply(&self, host: &mut dyn Host, number: u32, frame: &Frame) {
+        if let Err(text) = offset(host, number, frame) {
+            let text = format!("{text}, in '{}'", host.block_text());
+            host.diagnose(&diag::SIEMENS_FRAME, text);
+        }
+    }
+
+    /// The frame that holds; `$P_UIFR` is what was assigned last, `$P_IFRAME` what is in force.
+    fn current(&self, host: &dyn Host, number: u32, active: bool) -> Frame {
         if number == u32::MAX {
             return if self.settings.applies_frames {
                 Frame::from_numbers(&host.local_frame()).unwrap_or_default()
@@ -140,10 +185,13 @@ impl Siemens {
                 self.frames.program
             };
         }
-        if let Some(kept) = self.frames.settable.get(&number) {
+        if let Some(kept) = self.frames.settable.get(&number).filter(|_| !active || !self.settings.applies_frames) {
             return *kept;
         }
         let mut made = Parts::default();
+        if let Some(turn) = host.offset_turn(number) {
+            made.angles = Frame::turned(turn).and_then(|frame| frame.parts()).map_or([0.0; 3], |parts| parts.angles);
+        }
         for (axis, value) in host.axes().iter().zip(host.offset(number)) {
             if let Some(at) = GEOMETRY.iter().position(|name| name.eq_ignore_ascii_case(&axis.letter)) {
                 made.set(at, Part::Translation, value);
@@ -165,7 +213,7 @@ impl Siemens {
             super::variables::as_frame(value.clone())?
         } else {
             let (axis, part) = self.frame_part(host, rest)?;
-            with_part(&self.current(host, number), axis, part, value)?
+            with_part(&self.current(host, number, name.name != "$P_UIFR"), axis, part, value)?
         };
         host.effect();
         if !self.settings.applies_frames {
@@ -176,13 +224,25 @@ impl Siemens {
             }
             return Ok(Some(Vec::new()));
         }
-        let blocks = if number == u32::MAX {
-            blocks(host, &frame)
-        } else if name.name == "$P_IFRAME" {
-            Err(format!("{} cannot be set, assign $P_UIFR", name.name))
-        } else {
-            offset(host, number, &frame).map(|()| Vec::new())
-        };
+        if name.name == "$P_UIFR" {
+            // It acts from its G function on.
+            if let Err(text) = fits(host, &frame) {
+                let text = format!("{text}, in '{}'", host.block_text());
+                host.diagnose(&diag::SIEMENS_FRAME, text);
+            } else {
+                self.frames.settable.insert(number, frame);
+                self.watch(host);
+            }
+            return Ok(Some(Vec::new()));
+        }
+        if name.name == "$P_IFRAME" && number > 0 {
+            // The frame of the table stays as it is.
+            let kept = self.current(host, number, true);
+            self.frames.settable.entry(number).or_insert(kept);
+            self.watch(host);
+        }
+        let blocks =
+            if number == u32::MAX { blocks(host, &frame) } else { offset(host, number, &frame).map(|()| Vec::new()) };
         match blocks {
             Ok(blocks) => Ok(Some(blocks)),
             Err(text) => {
@@ -194,13 +254,27 @@ impl Siemens {
     }
 }
 
-/// Sets a work offset to a frame that is only a translation.
-fn offset(host: &mut dyn Host, number: u32, frame: &Frame) -> Result<(), String> {
+/// Why a work offset cannot be this frame, if it cannot.
+fn fits(host: &dyn Host, frame: &Frame) -> Result<(), String> {
     let parts = frame.parts().unwrap_or_default();
-    let only = Parts { shift: parts.shift, fine: parts.fine, ..Parts::default() };
-    if only.frame().map(|only| only.numbers()) != Some(frame.numbers()) {
-        return Err("a work offset of this machine is a translation only".to_owned());
+    let only = Parts { shift: parts.shift, fine: parts.fine, angles: parts.angles, ..Parts::default() };
+    let same = |only: Frame| only.numbers().iter().zip(frame.numbers()).all(|(a, b)| (a - b).abs() < 1e-9);
+    if !only.frame().is_some_and(same) {
+        return Err("a work offset of this machine is translated and rotated, not scaled or mirrored".to_owned());
     }
+    let axes = host.axes();
+    let missing = (0..3).zip(GEOMETRY).any(|(at, name)| {
+        let there = axes.iter().any(|axis| axis.letter.eq_ignore_ascii_case(name));
+        !there && parts.get(at, Part::Translation) + parts.get(at, Part::Fine) != 0.0
+    });
+    if missing { Err("the frame moves an axis that the channel does not have".to_owned()) } else { Ok(()) }
+}
+
+/// Sets a work offset to a frame that is a translation and a rotation.
+fn offset(host: &mut dyn Host, number: u32, frame: &Frame) -> Result<(), String> {
+    fits(host, frame)?;
+    let parts = frame.parts().unwrap_or_default();
+    let turned = parts.angles.iter().any(|angle| *angle != 0.0);
     let mut values = host.offset(number);
     let mut rest: [f64; 3] = [0, 1, 2].map(|at| parts.get(at, Part::Translation) + parts.get(at, Part::Fine));
     for (axis, value) in host.axes().iter().zip(&mut values) {
@@ -209,8 +283,11 @@ fn offset(host: &mut dyn Host, number: u32, frame: &Frame) -> Result<(), String>
             *value = std::mem::take(slot);
         }
     }
-    if rest.iter().any(|value| *value != 0.0) {
-        return Err("the frame moves an axis that the channel does not have".to_owned());
+    if number == 0 && turned {
+        return Err("the base frame of this machine is a translation only".to_owned());
+    }
+    if turned || host.offset_turn(number).is_some() {
+        host.turn_offset(number, turned.then(|| frame.linear()));
     }
     if host.set_offset(number, &values) { Ok(()) } else { Err(format!("work offset {number} cannot be kept")) }
 }

@@ -19,8 +19,10 @@ pub(super) struct Held {
     pub(super) axis_feeds: FxHashMap<String, f64>,
     /// Angles of directions are RPY angles.
     pub(super) rpy: bool,
-    /// Where SPOS has turned the spindle to, degrees.
+    /// Where SPOS has turned the master spindle to, degrees.
     pub(super) spindle: Option<f64>,
+    /// Limits of speed of spindles that are not the master, by number.
+    pub(super) limits: FxHashMap<i64, f64>,
     /// How the tool turns along the way.
     pub(super) turning: Turning,
     /// CONTPRON without its EXECUTE.

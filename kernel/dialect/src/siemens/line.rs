@@ -24,6 +24,8 @@ pub(super) struct Line {
     pub(super) at_once: bool,
     /// Its text is such a one, and is for the interpreter whether plain words are or not.
     pub(super) is_statement: bool,
+    /// A G function of the block makes a limit or a cutting speed of S.
+    pub(super) speed_is_other: bool,
 }
 
 /// A word or statement.
@@ -123,6 +125,17 @@ pub(super) enum Positioning {
     PerMinute,
     /// `PR(…)`: a feed per revolution.
     PerRevolution,
+    /// `DAC(…)`, `RAC(…)`: a position as a diameter or a radius, whatever the program counts in.
+    AbsoluteAs(Width),
+    /// `DIC(…)`, `RIC(…)`: a distance likewise.
+    IncrementalAs(Width),
+}
+
+/// What a value across the axis of turning is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Width {
+    Diameter,
+    Radius,
 }
 
 /// Where a jump looks for its target.
@@ -162,7 +175,7 @@ const STRUCTURES: [(&str, Structure); 7] = [
     ("REPEAT", Structure::Repeat),
 ];
 
-const POSITIONINGS: [(&str, Positioning); 12] = [
+const POSITIONINGS: [(&str, Positioning); 16] = [
     ("AC", Positioning::Absolute),
     ("IC", Positioning::Incremental),
     ("DC", Positioning::Shortest),
@@ -175,6 +188,10 @@ const POSITIONINGS: [(&str, Positioning); 12] = [
     ("QU", Positioning::Value),
     ("PM", Positioning::PerMinute),
     ("PR", Positioning::PerRevolution),
+    ("DAC", Positioning::AbsoluteAs(Width::Diameter)),
+    ("DIC", Positioning::IncrementalAs(Width::Diameter)),
+    ("RAC", Positioning::AbsoluteAs(Width::Radius)),
+    ("RIC", Positioning::IncrementalAs(Width::Radius)),
 ];
 
 /// Key words of statements that other controls have too.
@@ -221,6 +238,7 @@ pub(super) fn read(text: &str) -> Result<Line, String> {
     loop {
         cursor.blanks();
         if cursor.is_at_end() {
+            line.speed_is_other = line.items.iter().any(super::spindles::changes_speed);
             return if line.items.len() > 1 { alone(line) } else { Ok(line) };
         }
         let item = item(&mut cursor)?;

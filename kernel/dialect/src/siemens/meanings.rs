@@ -190,6 +190,10 @@ fn to_points(host: &mut dyn Host, left: &mut Left, fixed: bool) -> Outcome<()> {
 
 /// TRANS replaces the whole translation: axes that it does not name are not moved any more.
 fn whole_translation(host: &dyn Host, left: &mut Left) {
+    if left.words.split(' ').any(|word| word.len() == 1) {
+        // An axis without its value: the message shows the block as it is.
+        return;
+    }
     for axis in host.axes().iter().filter(|axis| slot(axis).is_some()) {
         let is_axis = |word: &str| {
             let (letter, value) = word.split_at_checked(1).unwrap_or_default();

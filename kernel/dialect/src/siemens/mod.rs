@@ -29,6 +29,7 @@ mod held;
 mod jumps;
 mod line;
 mod meanings;
+mod messages;
 mod modal;
 mod moves;
 mod orientation;
@@ -38,6 +39,7 @@ mod preparation;
 mod records;
 mod run;
 mod settings;
+mod spindles;
 mod statement;
 mod stored;
 mod system;
@@ -176,8 +178,13 @@ impl Siemens {
 
     /// All blocks are for the pre-processor while a name may stand for something else, motion may call, an action waits or the tool turns along the way.
     fn watch(&self, host: &mut dyn Host) {
+        host.watch(self.must_watch());
+    }
+
+    fn must_watch(&self) -> bool {
         let held = &self.held;
-        host.watch(!self.defines.is_empty() || self.modal.is_some() || !held.actions.is_empty() || held.turning.acts());
+        let waits = self.modal.is_some() || !held.actions.is_empty() || held.turning.acts() || self.frames.wait();
+        !self.defines.is_empty() || waits
     }
 }
 
@@ -210,8 +217,13 @@ impl Interpreter for Siemens {
             self.stored = before.stored;
             self.defines = before.defines;
             self.settings = before.settings;
+            self.frames.keep(before.frames);
             self.held.actions = before.held.actions.into_iter().filter(actions::Waiting::stays).collect();
         }
+    }
+
+    fn watches(&self) -> bool {
+        self.must_watch()
     }
 
     fn on_call(&mut self, host: &mut dyn Host) {

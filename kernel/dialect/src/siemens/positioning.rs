@@ -1,30 +1,25 @@
-//! POS, POSA, FA and WAITP: axes that go to a position by themselves. ACC, VELOLIM, JERKLIM, ATOL: limits of single axes. FGROUP: axes of the feed.
+//! POS, POSA, FA and WAITP: axes that go to a position by themselves. ACC, VELOLIM, JERKLIM, ATOL, FL, FGREF: data of single axes. FGROUP: axes of the feed.
 //!
-//! Facts: programming manual, fundamentals, chapter "traversing positioning axes": POS[axis] waits at the end of its block, POSA[axis]
-//! does not, WAITP waits for such an axis; FA[axis] is its feed per minute, without it the axis moves at the rate of the machine.
-//! Decisions: a positioning axis moves before the path of its block and the block waits for it, also with POSA, so that WAITP has
-//! nothing to wait for; without FA it is rapid. Under G95 the feed of G94 is forgotten
-//! (FA takes its place). Limits of single axes change nothing, which is told of those that change times; FGROUP of the geometry axes, or of none, is what is in force anyway, of others it is
-//! ignored with a warning. *Invariant:* group 1, the type of the feed and F of the path stay as they are.
+//! Facts: programming manual, fundamentals, chapter "traversing positioning axes": positioning axes move beside the path, each with a
+//! feed of its own; POS[axis] waits at the end of its block, POSA[axis] does not, WAITP waits for such an axis; FA[axis] is its feed
+//! per minute, without it the axis moves at the rate of the machine. Decisions: the block waits with POSA, too, so that WAITP has
+//! nothing to wait for; without FA an axis is rapid; all axes go along with the first move of the block. Limits of single axes and
+//! radii of FGREF change nothing, which is told of those that change times; FGROUP of the geometry axes, or of none, is what is in
+//! force anyway, of others it is ignored with a warning. *Invariant:* group 1, the type of the feed and F of the path stay as they are.
 
 use super::expression::{Argument, Name, as_name};
 use super::line::Assigned;
 use super::run::Left;
-use super::value::shown;
 use super::{Fault, Outcome, Siemens, syntax, wrong_type};
 use crate::host::Host;
 use counterpoint_fault as diag;
-use counterpoint_machine::ident::codes;
 
-/// Words for the machine's tables: a rapid move and a feed move, for their block.
-const RAPID: &str = "SC_POS";
-const FEED: &str = "SC_POSF";
-/// Limits of an axis or spindle that change nothing here.
-const LIMITS: [&str; 4] = ["ACC", "VELOLIM", "JERKLIM", "ATOL"];
+/// The word for the machine's tables that ends blocks with POS.
+const ARRIVE: &str = "SC_POS";
+/// Data of an axis or spindle that change nothing here.
+const LIMITS: [&str; 6] = ["ACC", "VELOLIM", "JERKLIM", "ATOL", "FL", "FGREF"];
 /// Axes of the path.
 const GEOMETRY: [&str; 3] = ["X", "Y", "Z"];
-/// Feed per minute.
-const PER_MINUTE: &str = "G94";
 
 impl Siemens {
     /// POS, POSA or FA of an axis; whether it is one.
@@ -36,10 +31,10 @@ impl Siemens {
         left: &mut Left,
     ) -> Outcome<bool> {
         let [_] = name.index.as_slice() else { return Ok(false) };
-        if LIMITS.contains(&name.name.as_str()) && host.is_code_text(RAPID) {
+        if LIMITS.contains(&name.name.as_str()) && host.is_code_text(ARRIVE) {
             return self.limit(host, name, value);
         }
-        if !matches!(name.name.as_str(), "POS" | "POSA" | "FA") || !host.is_code_text(RAPID) {
+        if !matches!(name.name.as_str(), "POS" | "POSA" | "FA") || !host.is_code_text(ARRIVE) {
             return Ok(false);
         }
         let axis = self.axis_of(host, name)?.text();
@@ -61,22 +56,37 @@ impl Siemens {
         }
         let mut words = Left::counting_as(left);
         self.word(host, &Name { name: letter.clone(), index: Vec::new() }, value, &mut words)?;
-        let feed = self.held.axis_feeds.get(&letter).copied().filter(|feed| *feed > 0.0);
-        let mode = left.relative.map_or("", |relative| if relative { "G91 " } else { "G90 " });
-        let Some(feed) = feed else {
-            left.before.push(format!("{mode}{RAPID} {}", words.words));
-            return Ok(true);
+        let written = words.words.strip_prefix(letter.as_str()).map(|value| value.trim_start_matches('='));
+        let Some(value) = written.and_then(|value| value.parse::<f64>().ok()) else {
+            return wrong_type(format!("{} is not a position of axis {axis}", words.words));
         };
-        let (kind, own) = self.path_feed(host)?;
-        let minute = if kind == PER_MINUTE { "" } else { "G94 " };
-        left.before.push(format!("{mode}{minute}{FEED} F{} {}", shown(feed), words.words));
-        let own = own.filter(|_| kind != "G93").map_or_else(String::new, |own| format!("F{}", shown(own)));
-        let back = [if kind == PER_MINUTE { "" } else { kind }, own.as_str()];
-        let back = back.into_iter().filter(|word| !word.is_empty()).collect::<Vec<_>>().join(" ");
-        if !back.is_empty() {
-            left.before.push(back);
-        }
+        let relative = left.relative.unwrap_or_else(|| host.relative());
+        let axes = host.axes();
+        let place = axes.iter().find(|place| place.letter == letter).filter(|_| relative);
+        let to = place.map_or(value, |place| {
+            let step = if place.diameter && host.steps_are_radii() { 2.0 } else { 1.0 };
+            place.from + value * step
+        });
+        left.beside.retain(|(other, _)| *other != letter);
+        left.beside.push((letter, to));
         Ok(true)
+    }
+
+    /// The positioning axes of the block go; FA counts wherever it stands in the block. Moves that compensation keeps back are
+    /// made without them.
+    pub(super) fn go_to_positions(&self, host: &mut dyn Host, left: &mut Left) {
+        if left.beside.is_empty() {
+            return;
+        }
+        for (letter, to) in &left.beside {
+            let feed = self.held.axis_feeds.get(letter).copied().filter(|feed| *feed > 0.0);
+            host.go_beside(letter, *to, feed);
+        }
+        if host.keeps_moves_back() {
+            left.before.push(ARRIVE.to_owned());
+        } else {
+            left.add(ARRIVE);
+        }
     }
 
     /// A limit of an axis or a spindle.
@@ -112,27 +122,9 @@ impl Siemens {
         arguments.is_empty() || left.is_empty()
     }
 
-    /// The G function of the type of the feed, and the feed of the path if it has one.
-    fn path_feed(&mut self, host: &mut dyn Host) -> Outcome<(&'static str, Option<f64>)> {
-        let kinds = [(codes::FEED_UPR, "G95"), (codes::FEED_1T, "G93"), (codes::FEED_UPM, PER_MINUTE)];
-        let modes = host.modes().0;
-        let kind = kinds.iter().find(|(kind, _)| modes.iter().any(|(_, code, _)| code == kind));
-        let feed = Name { name: "$P_F".to_owned(), index: Vec::new() };
-        let own = self.quietly_asked(host, &feed)?;
-        Ok((kind.map_or(PER_MINUTE, |(_, text)| text), own.filter(|own| *own > 0.0)))
-    }
-
-    fn quietly_asked(&mut self, host: &mut dyn Host, name: &Name) -> Outcome<Option<f64>> {
-        match self.read(host, name) {
-            Ok(value) => Ok(value.number()),
-            Err(Fault::Alarm(..)) => Ok(None),
-            Err(halt) => Err(halt),
-        }
-    }
-
     /// WAITP(axis, …): the axes are where they were to go. Whether it is one.
     pub(super) fn waits_for_axes(&mut self, host: &mut dyn Host, name: &str, arguments: &[Argument]) -> Outcome<bool> {
-        if name != "WAITP" || !host.is_code_text(RAPID) {
+        if name != "WAITP" || !host.is_code_text(ARRIVE) {
             return Ok(false);
         }
         for argument in arguments {

@@ -34,6 +34,12 @@ pub(super) struct Left {
     pub(super) aims: Option<Box<Aims>>,
     /// G90 or G91 stands on the block.
     pub(super) relative: Option<bool>,
+    /// S of the block is a limit or a cutting speed.
+    pub(super) speed_is_other: bool,
+    /// SPOS stands on the block.
+    pub(super) oriented: bool,
+    /// Axes that POS of the block moves, with their positions as the program counts.
+    pub(super) beside: Vec<(String, f64)>,
 }
 
 impl Left {
@@ -44,8 +50,9 @@ impl Left {
 
     /// Nothing is left.
     fn is_empty(&self) -> bool {
-        let Self { before, words, call, passes_word, aims, moves, passes: _, relative: _ } = self;
-        before.is_empty() && words.is_empty() && call.is_none() && passes_word.is_none() && aims.is_none() && !moves
+        let Self { before, words, call, passes_word, aims, moves, beside, .. } = self;
+        let nothing = before.is_empty() && words.is_empty() && beside.is_empty();
+        nothing && call.is_none() && passes_word.is_none() && aims.is_none() && !moves
     }
 
     /// A word more.
@@ -113,7 +120,7 @@ impl Siemens {
     }
 
     pub(super) fn run(&mut self, host: &mut dyn Host, line: &Line) -> Outcome<Option<String>> {
-        let mut left = Left::default();
+        let mut left = Left { speed_is_other: line.speed_is_other, ..Left::default() };
         self.test_actions(host, &mut left)?;
         let is_mode = |item: &&Item| matches!(item, Item::Text(text) if mode(text).is_some());
         if let Some(Item::Text(text)) = line.items.iter().rfind(is_mode) {
@@ -134,6 +141,9 @@ impl Siemens {
         self.call_modally(host, &mut left);
         self.orient(host, &mut left)?;
         self.rewrite(host, &mut left)?;
+        super::spindles::stop_once(&mut left);
+        self.go_to_positions(host, &mut left);
+        self.activate_frames(host, &left.words)?;
         self.finish(host, line, left)
     }
 
@@ -235,6 +245,9 @@ impl Siemens {
         if name.name.starts_with('$') {
             return self.set_by_name(host, name, value, left);
         }
+        if ("RG", 1) == (name.name.as_str(), name.index.len()) && !self.variables.knows("RG") {
+            return self.set_global_parameter(host, name, value);
+        }
         if let ("G", [group]) = (name.name.as_str(), name.index.as_slice()) {
             return self.indirect_function(host, group, value, left);
         }
@@ -304,7 +317,7 @@ impl Siemens {
             left.call = Some(self.prepare_call(host, &name, found, &[])?);
             return Ok(());
         }
-        if self.reset_orientation(host, &name, &[], left)? {
+        if self.reset_orientation(host, &name, &[], left)? || self.master_spindle(host, &name, &[], left)? {
             return Ok(());
         }
         self.unknown(host, &name, written, left)
@@ -333,6 +346,9 @@ impl Siemens {
         if is_statement || self.reset_orientation(host, name, arguments, left)? {
             return Ok(());
         }
+        if self.master_spindle(host, name, arguments, left)? {
+            return Ok(());
+        }
         let is_text = host.is_code_text(name) || host.is_register(&format!("{name}("));
         if !is_text && let Some(found) = self.known_program(host, name)? {
             left.call = Some(self.prepare_call(host, name, found, arguments)?);
@@ -348,6 +364,9 @@ impl Siemens {
 
     /// A text that nothing knows: a macro may, else the tables of the machine have to.
     fn unknown(&mut self, host: &mut dyn Host, asked: &str, written: &str, left: &mut Left) -> Outcome<()> {
+        if let Some(text) = lacks(host, asked) {
+            return Err(Fault::Halt(host.alarm(&diag::UNKNOWN_TEXT, text)));
+        }
         match self.ask(host, asked, None)? {
             Answer::Drop => {}
             Answer::Instead(text) => return self.block_instead(host, &text, left),
@@ -401,59 +420,16 @@ impl Siemens {
         left.call = Some(call);
         Ok(Then::Continue)
     }
+}
 
-    fn message(&mut self, host: &mut dyn Host, argument: Option<&Argument>, left: &mut Left) -> Outcome<()> {
-        let text = match argument {
-            None => String::new(),
-            Some(argument) => match &argument.value {
-                Ok(None) => String::new(),
-                Ok(Some(expression)) => match as_name(expression) {
-                    Some(name)
-                        if name.index.is_empty()
-                            && !name.name.starts_with('$')
-                            && !self.variables.knows(&name.name) =>
-                    {
-                        argument.text.clone()
-                    }
-                    _ => self.evaluate(host, expression)?.text(),
-                },
-                // A text without quotation marks.
-                Err(_) if !argument.text.contains('"') => argument.text.clone(),
-                Err(text) => return syntax(text.clone()),
-            },
-        };
-        if self.settings.messages {
-            host.show(&text);
-        } else {
-            left.add(&format!("MSG(\"{text}\")"));
-        }
-        Ok(())
-    }
-
-    /// SETAL: an alarm, which stops the channel or is only shown, as its number says.
-    fn set_alarm(&mut self, host: &mut dyn Host, arguments: &[Argument]) -> Outcome<()> {
-        let Some(first) = arguments.first() else { return syntax("SETAL needs the number of an alarm") };
-        let number = match self.argument(host, first)? {
-            Some(value) => super::evaluate::number(&value)?,
-            None => return syntax("SETAL needs the number of an alarm"),
-        };
-        if number.fract() != 0.0 || !(60_000.0..70_000.0).contains(&number) {
-            let number = super::value::shown(number);
-            return super::wrong_type(format!("SETAL sets alarms 60000 to 69999, not {number}"));
-        }
-        let text = match arguments.get(1) {
-            Some(text) => self.argument(host, text)?.map_or_else(String::new, |text| format!(": {}", text.text())),
-            None => String::new(),
-        };
-        let text = format!("the program sets alarm {number}{text}");
-        let is_shown = matches!(number as u32 / 1000, 60 | 63 | 64 | 67);
-        match self.settings.severity {
-            Some(severity) => host.report(&diag::SIEMENS_ALARM, severity, text),
-            None if is_shown => host.diagnose(&diag::SIEMENS_ALARM, text),
-            None => return Err(Fault::Alarm(&diag::SIEMENS_STOP, text)),
-        }
-        Ok(())
-    }
+/// A program of the control uses a word of its own that the machine does not have: the machine lacks what the program does.
+fn lacks(host: &dyn Programs, asked: &str) -> Option<String> {
+    let source = asked.starts_with("SC_").then(|| host.source(host.place().file)).flatten()?;
+    let stem = source.name.strip_prefix("//ICAMFS/")?.rsplit('/').next()?.split('.').next()?.to_ascii_uppercase();
+    Some(format!(
+        "12550 name not defined or option missing: this machine has no {stem}, whose axes or options it lacks; no part of the \
+         block acts"
+    ))
 }
 
 /// What a word would need that is not emulated, and what to do instead.

@@ -8,6 +8,7 @@
 use rustc_hash::FxHashMap;
 
 use super::expression::Name;
+use super::line::Assigned;
 use super::value::{Data, Type};
 use super::{Outcome, Siemens, syntax, wrong_type};
 use crate::host::Host;
@@ -59,6 +60,8 @@ const ROWS: &[Row] = &[
     row("$A_DBW", Type::Int, Scope::All, PLC),
     row("$A_DBD", Type::Int, Scope::All, PLC),
     row("$A_DBR", Type::Real, Scope::All, PLC),
+    // R parameters of all channels.
+    row("RG", Type::Real, Scope::All, &[(0, 32_535)]),
     row("$A_OUT", Type::Bool, Scope::All, ONE),
     row("$A_OUTA", Type::Real, Scope::All, ONE),
     row("$A_IN", Type::Bool, Scope::Input, ONE),
@@ -99,6 +102,29 @@ fn row_of(name: &str) -> Option<Row> {
     ROWS.iter().find(|row| row.name == name).copied().or_else(setting)
 }
 
+/// Where an axis without a limit of the working area ends.
+const UNLIMITED: f64 = 1e8;
+
+/// A setting of the working area: which side, and whether it is the limit or enables it.
+#[derive(Debug, Clone, Copy)]
+struct Side {
+    high: bool,
+    enable: bool,
+}
+
+impl Side {
+    fn named(name: &str) -> Option<Self> {
+        let (high, enable) = match name {
+            "$SA_WORKAREA_LIMIT_PLUS" => (true, false),
+            "$SA_WORKAREA_LIMIT_MINUS" => (false, false),
+            "$SA_WORKAREA_PLUS_ENABLE" => (true, true),
+            "$SA_WORKAREA_MINUS_ENABLE" => (false, true),
+            _ => return None,
+        };
+        Some(Self { high, enable })
+    }
+}
+
 /// Values that were written.
 #[derive(Debug, Default)]
 pub(super) struct Stored {
@@ -120,6 +146,7 @@ impl Siemens {
         let fixed = match name.name.as_str() {
             "$P_NUM_SPINDLES" | "$MN_SCALING_SYSTEM_IS_METRIC" => Some(1),
             "$P_TRAFO" => Some(0),
+            "$P_MC" => Some(i64::from(self.modal.is_some())),
             _ => None,
         };
         if let Some(value) = fixed {
@@ -128,6 +155,13 @@ impl Siemens {
         if matches!(name.name.as_str(), "$AC_DTEW" | "$AA_DTEW") {
             // A block is read when it begins, and then nothing is left of the one before.
             return Ok(Some(Data::Real(0.0)));
+        }
+        if let Some(side) = Side::named(&name.name) {
+            let letter = self.area_axis(host, name)?;
+            return Ok(host.area_side(&letter, side.high).map(|(limit, counts)| match side.enable {
+                true => Data::Bool(counts),
+                false => Data::Real(limit.unwrap_or(if side.high { UNLIMITED } else { -UNLIMITED })),
+            }));
         }
         let Some(row) = row_of(&name.name) else { return Ok(None) };
         let key = self.key(host, name, &row)?;
@@ -141,8 +175,22 @@ impl Siemens {
         }
     }
 
+    /// `RG[n]=…`
+    pub(super) fn set_global_parameter(&mut self, host: &mut dyn Host, name: &Name, value: &Assigned) -> Outcome<()> {
+        let Assigned::One(value, _) = value else { return syntax("RG[n] takes a number") };
+        let value = self.evaluate(host, value)?;
+        self.store_value(host, name, &value).map(|_| ())
+    }
+
     /// Keeps a value; false if the variable is not one that keeps it.
     pub(super) fn store_value(&mut self, host: &mut dyn Host, name: &Name, value: &Data) -> Outcome<bool> {
+        if let Some(side) = Side::named(&name.name) {
+            let letter = self.area_axis(host, name)?;
+            let number = super::evaluate::number(value)?;
+            let (limit, counts) = if side.enable { (None, Some(number != 0.0)) } else { (Some(number), None) };
+            host.effect();
+            return Ok(host.set_area_side(&letter, side.high, limit, counts));
+        }
         let Some(row) = row_of(&name.name).filter(|row| row.scope != Scope::Input) else { return Ok(false) };
         let key = self.key(host, name, &row)?;
         let value = match row.kind.hold(value.clone()) {
@@ -159,6 +207,16 @@ impl Siemens {
         }
         self.stored.values.insert(key, value);
         Ok(true)
+    }
+
+    /// The axis of a setting of the working area.
+    fn area_axis(&mut self, host: &mut dyn Host, name: &Name) -> Outcome<String> {
+        let asked = self.written(host, name)?;
+        let axis = asked.split_once('[').and_then(|(_, rest)| rest.strip_suffix(']')).unwrap_or_default();
+        match host.axis_letter(axis) {
+            Some(letter) => Ok(letter.to_owned()),
+            None => wrong_type(format!("{} needs an axis of the channel", name.name)),
+        }
     }
 
     /// The name with its indices, which are within their limits.

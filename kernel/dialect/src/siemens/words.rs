@@ -10,12 +10,11 @@ use std::borrow::Cow;
 use super::aims::Aim;
 use super::evaluate::{number, words_name};
 use super::expression::{Argument, Name, as_name};
-use super::line::{Assigned, Positioning};
+use super::line::{Assigned, Positioning, Width};
 use super::run::Left;
 use super::value::{Data, shown};
 use super::{Outcome, Siemens};
 use crate::host::{AxisPlace, Host};
-use counterpoint_machine::ident::codes;
 
 /// Largest value of a word.
 const BOUND: f64 = 1e12;
@@ -48,6 +47,9 @@ impl Spelling {
 impl Siemens {
     /// `ADDRESS=value` as a word.
     pub(super) fn word(&mut self, host: &mut dyn Host, name: &Name, value: &Assigned, left: &mut Left) -> Outcome<()> {
+        if self.spindle_word(host, name, value, left)? {
+            return Ok(());
+        }
         let address: Cow<'_, str> = match (name.name.as_str(), name.index.as_slice()) {
             ("AX", [_]) => self.axis_of(host, name)?.text().into(),
             (address, []) => address.into(),
@@ -88,17 +90,6 @@ impl Siemens {
                     left.add(&format!("{register}={}", Data::Real(value).word()));
                     return Ok(());
                 }
-                if plain_spindle(&address) && *way == Positioning::Incremental {
-                    let oriented = host.modes().0.iter().any(|(_, code, _)| *code == codes::SPINDLE_ORIENT);
-                    let Some(last) = self.held.spindle.filter(|_| oriented) else {
-                        return super::syntax("SPOS=IC( ) needs an SPOS before it, and no M3, M4 or M5 between");
-                    };
-                    let angle = (last + value).rem_euclid(360.0);
-                    self.held.spindle = Some(angle);
-                    let stop = if address == "SPOS" { "" } else { "M19 " };
-                    left.add(&format!("{stop}SPOS={}", Data::Real(angle).word()));
-                    return Ok(());
-                }
                 if let (Positioning::Incremental, Some(at)) =
                     (*way, ["AP", "RP"].iter().position(|name| *name == address))
                 {
@@ -114,7 +105,8 @@ impl Siemens {
                 let axis = axes.iter().find(|axis| axis.is(named.as_deref().unwrap_or(&address)));
                 // Positions of one step along the axis.
                 let step = if axis.is_some_and(|axis| axis.diameter) && host.steps_are_radii() { 2.0 } else { 1.0 };
-                match placed(&axes, axis, &address, *way, value, relative.then_some(step)) {
+                let (way, value) = across(host, (&address, axis), (*way, value), step)?;
+                match placed(&axes, axis, &address, way, value, relative.then_some(step)) {
                     Placed::Value(value) => Data::Real(value).word().into(),
                     Placed::Step(value) => match host.second(&address) {
                         Some(second) => {
@@ -130,13 +122,8 @@ impl Siemens {
                 }
             }
         };
-        if plain_spindle(&address) {
-            self.held.spindle = text.parse::<f64>().ok();
-        }
         if !has_word && let Some(plain) = self.without_number(host, &address) {
-            // An oriented stop is M19 with its angle.
-            let word = if plain == "SPOS" { format!("M19 SPOS={text}") } else { format!("{plain}{text}") };
-            left.add(&word);
+            left.add(&format!("{plain}{text}"));
             return Ok(());
         }
         let sign = self.sign(&address, spelling);
@@ -159,7 +146,6 @@ impl Siemens {
         let plain = match address.as_bytes() {
             b"M1" => "M",
             b"S1" => "S",
-            b"SPOS[1]" => "SPOS",
             [b'H', digits @ ..] if !digits.is_empty() && digits.iter().all(u8::is_ascii_digit) => "H",
             _ => return None,
         };
@@ -215,11 +201,6 @@ impl Siemens {
     }
 }
 
-/// An oriented stop of the only spindle; the tape editor writes SPOSA as SPOS.
-fn plain_spindle(address: &str) -> bool {
-    matches!(address, "SPOS" | "SPOS[1]")
-}
-
 /// A letter with a number after it.
 fn splits(address: &str) -> bool {
     address.as_bytes().get(1).is_some_and(u8::is_ascii_digit)
@@ -238,6 +219,34 @@ fn is_number(text: &str) -> bool {
     let digits = text.strip_prefix(['+', '-']).unwrap_or(text);
     let plain = digits.bytes().all(|byte| byte.is_ascii_digit() || byte == b'.');
     plain && digits.bytes().filter(|byte| *byte == b'.').count() < 2 && digits.bytes().any(|byte| byte.is_ascii_digit())
+}
+
+/// DAC, DIC, RAC and RIC as the program counts: a position or a distance across the axis of turning.
+///
+/// # Errors
+/// The address is not the transverse axis.
+fn across(
+    host: &dyn Host,
+    (address, axis): (&str, Option<&AxisPlace>),
+    (way, value): (Positioning, f64),
+    step: f64,
+) -> Outcome<(Positioning, f64)> {
+    let (width, steps) = match way {
+        Positioning::AbsoluteAs(width) => (width, false),
+        Positioning::IncrementalAs(width) => (width, true),
+        _ => return Ok((way, value)),
+    };
+    let Some(axis) = axis.filter(|axis| axis.letter.eq_ignore_ascii_case("X") && host.is_code_text("DIAMON")) else {
+        return super::wrong_type(format!(
+            "{address} is not a transverse axis, diameters and radii are not possible (alarm 16510)"
+        ));
+    };
+    let value = match (width, axis.diameter) {
+        (Width::Diameter, false) => value / 2.0,
+        (Width::Radius, true) => value * 2.0,
+        (Width::Diameter, true) | (Width::Radius, false) => value,
+    };
+    Ok(if steps { (Positioning::Incremental, value / step) } else { (Positioning::Absolute, value) })
 }
 
 /// What becomes of a position.
@@ -265,9 +274,12 @@ fn placed(
         let turn = (value - axis.work).rem_euclid(360.0);
         return match way {
             Positioning::Incremental => Placed::Step(value),
-            Positioning::Absolute | Positioning::Value | Positioning::PerMinute | Positioning::PerRevolution => {
-                to(value)
-            }
+            Positioning::Absolute
+            | Positioning::Value
+            | Positioning::PerMinute
+            | Positioning::PerRevolution
+            | Positioning::AbsoluteAs(_)
+            | Positioning::IncrementalAs(_) => to(value),
             Positioning::Shortest => to(axis.work + if turn > 180.0 { turn - 360.0 } else { turn }),
             Positioning::Positive => to(axis.work + turn),
             Positioning::Negative => to(axis.work + if turn == 0.0 { 0.0 } else { turn - 360.0 }),
