@@ -19,6 +19,9 @@ use crate::tools::Tools;
 /// What the name of a shipped machine ends with after a setting; the server keeps the names of shipped machines to itself.
 const CHANGED: &str = "-set";
 
+/// What the name of a machine ends with whose channels share the variables of a setting.
+const SHARES: &str = "-shared";
+
 /// What the name of a machine ends with that has the tools of a run.
 const TOOLS: &str = "-tools";
 
@@ -54,7 +57,7 @@ pub(crate) fn machine(machine: &str, settings: &[Setting]) -> Result<(String, Fi
         )));
     }
     if own {
-        return Ok(controlled(name, files, settings));
+        return Ok(extended(name, files, settings));
     }
     let (changed, inside) = (format!("{name}{CHANGED}"), format!("{name}/"));
     let renamed = |path: String| match path.strip_prefix(&inside) {
@@ -62,7 +65,7 @@ pub(crate) fn machine(machine: &str, settings: &[Setting]) -> Result<(String, Fi
         None => path,
     };
     let files = Files(files.0.into_iter().map(|(path, blob)| (renamed(path), blob)).collect());
-    Ok(controlled(changed, files, settings))
+    Ok(extended(changed, files, settings))
 }
 
 /// A lathe has codes that only some systems of G codes have.
@@ -76,20 +79,73 @@ fn has_systems(files: &Files, chain: &[String]) -> bool {
     kind.is_some_and(|kind| kind.ends_with("lathe")) && codes.into_iter().any(|row| row.get("systems").is_some())
 }
 
-/// The machine, or one that extends it with what settings say about its control; the last one of a key counts.
-fn controlled(name: String, mut files: Files, settings: &[Setting]) -> (String, Files) {
+/// The machine, or one that extends it by the settings: what they say about its control, where the last one of a key counts, and
+/// the variables that its channels share.
+fn extended(name: String, mut files: Files, settings: &[Setting]) -> (String, Files) {
     let said = |of: fn(&Setting) -> bool| settings.iter().rev().find(|setting| of(setting));
     let numbers = said(|setting| matches!(setting, Setting::Increments));
     let system = said(|setting| matches!(setting, Setting::System(_)));
     let control: Vec<_> = [numbers, system].into_iter().flatten().filter_map(Setting::of_control).collect();
-    if control.is_empty() {
+    let shares = settings.iter().filter_map(|setting| match setting {
+        Setting::Shared(first, last) => Some((*first, *last)),
+        Setting::Waits(_) | Setting::Increments | Setting::System(_) => None,
+    });
+    let shares: Vec<(u32, u32)> = shares.collect();
+    if control.is_empty() && shares.is_empty() {
         return (name, files);
     }
-    let changed = control.iter().fold(name.clone(), |name, (_, end)| name + end);
-    let lines = control.iter().map(|(line, _)| format!("{line}\n")).collect::<String>();
-    let text = format!("extends = \"{name}\"\n[ce]\nname = \"{changed}\"\n[control]\n{lines}");
+    let mut changed = control.iter().fold(name.clone(), |name, (_, end)| name + end);
+    let mut text = String::new();
+    if !control.is_empty() {
+        text.push_str("[control]\n");
+        text.extend(control.iter().map(|(line, _)| format!("{line}\n")));
+    }
+    if !shares.is_empty() {
+        changed.push_str(SHARES);
+        text.push_str(&sharing(&files, &name, &shares));
+    }
+    let text = format!("extends = \"{name}\"\n[ce]\nname = \"{changed}\"\n{text}");
     files.0.insert(definition(&changed), Blob::new(text.into_bytes()));
     (changed, files)
+}
+
+/// `[variables]` of a machine that shares these variables besides its own shared ones; those that remain are separate.
+fn sharing(files: &Files, name: &str, shares: &[(u32, u32)]) -> String {
+    let mut known = Files(files.0.clone());
+    let chain = chain(&mut known, name);
+    let texts = chain.iter().filter_map(|folder| known.0.get(&definition(folder)));
+    let tables: Vec<toml::Table> =
+        texts.filter_map(|blob| toml::from_str(&String::from_utf8_lossy(blob.content())).ok()).collect();
+    let ranges = |key: &str| {
+        let lists = tables.iter().find_map(|table| table.get("variables")?.get(key)?.as_array());
+        let end = |value: &toml::Value| value.as_integer().and_then(|number| u32::try_from(number).ok());
+        let range = |item: &toml::Value| Some((end(item.as_array()?.first()?)?, end(item.as_array()?.get(1)?)?));
+        lists.into_iter().flatten().filter_map(range).collect::<Vec<_>>()
+    };
+    let mut shared: Vec<(u32, u32)> = Vec::new();
+    for &range in shares {
+        let before: Vec<_> = shared.clone();
+        shared.extend(without(vec![range], &before));
+    }
+    let before = without(ranges("shared"), &shared);
+    shared.extend(before);
+    let separate = without(ranges("channel"), &shared);
+    let list = |ranges: Vec<(u32, u32)>| {
+        ranges.iter().map(|(first, last)| format!("[{first}, {last}]")).collect::<Vec<_>>().join(", ")
+    };
+    format!("[variables]\nshared = [{}]\nchannel = [{}]\n", list(shared), list(separate))
+}
+
+/// What is left of ranges without others.
+fn without(ranges: Vec<(u32, u32)>, others: &[(u32, u32)]) -> Vec<(u32, u32)> {
+    others.iter().fold(ranges, |ranges, &(first, last)| {
+        let cut = |(low, high): (u32, u32)| {
+            let below = (low < first).then(|| (low, high.min(first - 1)));
+            let above = (high > last).then(|| (low.max(last + 1), high));
+            [below, above].into_iter().flatten().filter(|(low, high)| low <= high)
+        };
+        ranges.into_iter().flat_map(cut).collect()
+    })
 }
 
 /// A machine that extends this one by the tools of a file; its files and the tools are given, too.
@@ -221,6 +277,14 @@ mod tests {
             let error = machine(other, &[Setting::System('B')]).unwrap_err().to_string();
             assert!(error.contains(&format!("machine '{other}' has one system of G codes")), "{error}");
         }
+        let (name, files) =
+            machine("fanuc-2path-lathe", &[Setting::Increments, Setting::Shared(150, 199), Setting::Shared(180, 520)])
+                .unwrap();
+        let loaded = counterpoint_kernel::machine::load(&package::Overlay::over_shipped(memory(&files)), &name);
+        assert_eq!((name.as_str(), loaded.findings), ("fanuc-2path-lathe-set-inc-shared", Vec::new()));
+        let variables = &loaded.machine.unwrap().variables;
+        assert_eq!(variables.shared, [(150, 199), (200, 520)]);
+        assert_eq!(variables.channel, [(100, 149), (521, 999)]);
         let error = machine("fanuc-mill", &[Setting::Waits(900..=999)]).unwrap_err().to_string();
         assert!(error.contains("machine 'fanuc-mill' has no range of M codes that wait"), "{error}");
     }

@@ -5,10 +5,14 @@ use std::str::FromStr;
 
 /// The keys with their values.
 const KEYS: &str = "waits=FIRST-LAST (M codes that are waiting codes, for example waits=900-999), numbers=increments (coordinates \
-                    without a decimal point count least increments) and system=A, B or C (system of G codes of a lathe)";
+                    without a decimal point count least increments), system=A, B or C (system of G codes of a lathe) and \
+                    shared=FIRST-LAST (common variables that all channels share, for example shared=500-549)";
 
 /// M codes that are waiting codes of the shipped machines.
 pub(crate) const WAITS: RangeInclusive<u32> = 100..=199;
+
+/// Highest number of a common variable.
+const HIGHEST_VARIABLE: u32 = 999_999;
 
 /// Highest number of an M code.
 const HIGHEST: u32 = 99_999_999;
@@ -22,13 +26,15 @@ pub(crate) enum Setting {
     Increments,
     /// System of G codes of a lathe: A, B or C.
     System(char),
+    /// Common variables that all channels share.
+    Shared(u32, u32),
 }
 
 impl Setting {
     /// The line of `[control]` that says it, and what the name of a machine with it ends with.
     pub(crate) fn of_control(&self) -> Option<(String, String)> {
         match self {
-            Self::Waits(_) => None,
+            Self::Waits(_) | Self::Shared(..) => None,
             Self::Increments => Some(("numbers = \"increments\"".to_owned(), "-inc".to_owned())),
             Self::System(letter) => {
                 Some((format!("system = \"{letter}\""), format!("-{}", letter.to_ascii_lowercase())))
@@ -55,6 +61,19 @@ impl FromStr for Setting {
                     )),
                 }
             }
+            "shared" => {
+                let ends = value.split_once('-').map(|(first, last)| [first, last]);
+                let numbers = ends.map(|ends| ends.map(|end| end.trim().trim_start_matches('#').parse::<u32>().ok()));
+                match numbers {
+                    Some([Some(first), Some(last)]) if (100..=last).contains(&first) && last <= HIGHEST_VARIABLE => {
+                        Ok(Self::Shared(first, last))
+                    }
+                    _ => Err(format!(
+                        "'{value}' is not a range of common variables: give FIRST-LAST from 100 to {HIGHEST_VARIABLE}, the smaller \
+                         number first"
+                    )),
+                }
+            }
             "numbers" => match value.trim() {
                 "increments" => Ok(Self::Increments),
                 other => Err(format!("'{other}' is not a way to count numbers: give {KEYS}")),
@@ -74,7 +93,7 @@ impl FromStr for Setting {
 pub(crate) fn waits(settings: &[Setting]) -> RangeInclusive<u32> {
     let range = |setting: &Setting| match setting {
         Setting::Waits(range) => Some(range.clone()),
-        Setting::Increments | Setting::System(_) => None,
+        Setting::Increments | Setting::System(_) | Setting::Shared(..) => None,
     };
     settings.iter().rev().find_map(range).unwrap_or(WAITS)
 }
@@ -89,12 +108,17 @@ mod tests {
         assert_eq!("waits=M200-M299".parse(), Ok(Setting::Waits(200..=299)));
         assert_eq!("numbers=increments".parse(), Ok(Setting::Increments));
         assert_eq!("system=b".parse(), Ok(Setting::System('B')));
+        assert_eq!("shared=500-549".parse(), Ok(Setting::Shared(500, 549)));
+        assert_eq!("shared=#100-#100".parse(), Ok(Setting::Shared(100, 100)));
         assert_eq!(waits(&[Setting::Waits(900..=999), Setting::Increments]), 900..=999);
         for (text, with) in [
             ("waits", "a value is missing"),
             ("waits=900", "no range"),
             ("waits=999-900", "is not a range"),
             ("waits=0-9", "is not a range"),
+            ("shared=33-120", "is not a range of common variables"),
+            ("shared=500", "is not a range of common variables"),
+            ("shared=600-500", "is not a range of common variables"),
             ("numbers=inches", "'inches' is not a way to count numbers"),
             ("system=D", "'D' is not a system of G codes"),
             ("rapids=1", "no such key 'rapids': the keys are waits="),

@@ -136,7 +136,8 @@ fn races_are_analysed() {
     let upper = program(folder.path(), "upper.nc", "O1\nG4 P1000\n#100=1\nM30\n");
     let lower = program(folder.path(), "lower.nc", "O2\n#101=#100\nM30\n");
     let out = folder.path().join("out").display().to_string();
-    let run = ["run", "-q", "--machine", "fanuc-2path-lathe", "--races", "warn", &upper, &lower, "--out", &out];
+    let shared = ["--set", "shared=100-199"];
+    let run = ["run", "-q", "--machine", "fanuc-2path-lathe", shared[0], shared[1], &upper, &lower, "--out", &out];
     assert_eq!(code(&counterpoint(&run)), 0);
     let output = counterpoint(&["analyse", &out, "--json"]);
     let found: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();

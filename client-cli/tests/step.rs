@@ -27,7 +27,9 @@ impl Folder {
     /// Runs both, with these options and this input.
     fn run(&self, options: &[&str], input: &str) -> Output {
         let mut command = Command::new(env!("CARGO_BIN_EXE_counterpoint"));
-        command.args(["run", "--no-timeline", "--machine", "fanuc-2path-lathe"]).args(options);
+        command
+            .args(["run", "--no-timeline", "--machine", "fanuc-2path-lathe", "--set", "shared=500-999"])
+            .args(options);
         command.args([self.path("upper.nc"), self.path("lower.nc")]).env_remove("COUNTERPOINT_SERVER");
         let command = command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
         let mut child = command.spawn().expect("it starts");

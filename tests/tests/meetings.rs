@@ -35,7 +35,11 @@ fn job(channels: u16, program: impl Fn(u16) -> String) -> Work {
     }
     let texts: Vec<String> = (1..=channels).map(program).collect();
     let limits = Limits { zero_time_blocks: u64::MAX, ..Limits::MOST };
-    Work::texts(machine("fanuc-turning", &overlay), &texts, Options { limits, ..Options::default() })
+    Work::texts(
+        machine("fanuc-turning", &format!("[variables]\nshared = [[100, 199], [500, 999]]\nchannel = []\n\n{overlay}")),
+        &texts,
+        Options { limits, ..Options::default() },
+    )
 }
 
 /// Runs a job with one thread and with all; gives the meetings and the memory of each.

@@ -25,7 +25,7 @@ pub(crate) struct Inputs {
     pub(crate) ignore_waits: Vec<u32>,
     /// Report variables that two channels reach in an order that only timing decides: as a warning, or as an alarm that
     /// stops the channel
-    #[arg(long, value_enum, default_value_t = RaceCheck::Off, value_name = "off|warn|alarm", hide_possible_values = true)]
+    #[arg(long, value_enum, default_value_t = RaceCheck::Warn, value_name = "off|warn|alarm", hide_possible_values = true)]
     pub(crate) races: RaceCheck,
     /// Time moves at feed as the machine makes them, with acceleration, corners and look-ahead where its definition gives
     /// them, or simply as length by feed

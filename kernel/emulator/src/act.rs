@@ -51,6 +51,11 @@ impl DerefMut for Act<'_, '_> {
 }
 
 impl<'k, 'a> Act<'k, 'a> {
+    /// Reads the numbers of the block again, in the units that it has chosen.
+    pub(crate) fn read_words_again(&mut self) {
+        self.kernel.read_words_again();
+    }
+
     /// The context of an action of this kernel.
     #[inline(always)]
     pub(crate) fn new(kernel: &'k mut Kernel<'a>) -> Self {

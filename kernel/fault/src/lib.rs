@@ -186,6 +186,9 @@ diagnostics! {
     PECK_STEP 2900412 "peck-step-negative" 8 true "peck or shift of a turning cycle negative";
     CONTOUR_REPEATS 2900413 "contour-repeats" 8 true "number of repetitions of a contour zero or negative";
     CONTOUR_APPROACH 2900414 "contour-approach" 12 true "approach to a contour or retraction from it not possible";
+    THREAD_AMOUNTS 2900480 "thread-amounts" 8 true "allowance or smallest cut of a thread above its height";
+    SEPARATE_VARIABLE 2900481 "separate-variable" 4 false "variable that only another channel writes";
+    STORED_LIMIT 2900482 "stored-limit" 8 true "move into a forbidden area, or out of the allowed one";
     COUNT_WITHOUT_PARTNER 2900420 "count-without-partner" 4 false "counted wait without a partner";
     SHARED_RACE 2900440 "shared-variable-race" 4 false "shared variable reached by two channels in no fixed order";
     LINT_LOST 2900441 "lint-ends-early" 4 false "waits of a channel judged up to a block only";

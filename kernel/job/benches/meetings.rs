@@ -31,7 +31,8 @@ const BUSY: &str = "--busy";
 fn many(channels: usize) -> Arc<Machine> {
     let mut text = "extends = \"fanuc-turning\"\n[ce]\nname = \"many\"\n[[registers]]\nindex = 60\nname = \"SYNC\"\nwhole = 8\n[[data]]\n\
                     id = \"REG_SYNC_PATHS\"\nregister = \"P\"\nmin = 0\n[[waits]]\nword = \"SYNC1-SYNC99999999\"\n\
-                    primitive = \"barrier\"\n"
+                    primitive = \"barrier\"\n\
+                    [variables]\nshared = [[100, 199], [500, 999]]\nchannel = []\n"
         .to_owned();
     for number in 1..=channels {
         let _ = writeln!(text, "[[axes]]\nname = \"X{number}\"\nrapid = 10_000\nhome = 0");
@@ -101,7 +102,7 @@ fn sharing(own: usize, rounds: usize) -> String {
 
 fn shared() {
     println!("shared operations: two channels, each reads and writes #500 after every move");
-    let machine = machine("fanuc-2path-lathe");
+    let machine = many(2);
     let texts = [sharing(0, MEETINGS), sharing(1, MEETINGS)];
     for count in [1, 2] {
         let job = job_with(&machine, &texts, threads(count));

@@ -48,6 +48,8 @@ pub struct Habits {
     pub stops: bool,
     /// Limits of the working area count in all directions of all axes unless the program says otherwise.
     pub work_area: bool,
+    /// Areas that the program sets.
+    pub stored_limits: StoredLimits,
     /// Answers to questions of the machine's own that are texts, `$TUDQ`.
     pub texts: Vec<String>,
     /// Those that are whole numbers, `$IUDQ`.
@@ -66,6 +68,25 @@ pub enum FileLayout {
     Heads,
     /// `$1`, `$2`, … say that, and `$0` data of all.
     Sections,
+}
+
+/// Areas that the program sets and that the tool must not enter or leave.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct StoredLimits {
+    /// Which side the tool must not be on.
+    pub forbidden: Forbidden,
+    /// Their ends are in the work frame where they are set; otherwise in the machine frame.
+    pub in_work_frame: bool,
+}
+
+/// A side of an area.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Forbidden {
+    /// The area itself.
+    #[default]
+    Inside,
+    /// All but the area.
+    Outside,
 }
 
 /// How a dwell tells its time.
@@ -136,6 +157,7 @@ impl Default for Habits {
             unknown_alarms: false,
             stops: false,
             work_area: false,
+            stored_limits: StoredLimits::default(),
             texts: Vec::new(),
             integers: Vec::new(),
             numbers: Vec::new(),

@@ -63,9 +63,10 @@ fn trail(fraction: &str, format: &NumberFormat) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::rows::Excess;
 
     const fn format(point: Point, lead: Zeros, trail: Zeros) -> NumberFormat {
-        NumberFormat { whole: 4, frac: 3, point, lead, trail, plus: false }
+        NumberFormat { whole: 4, frac: 3, point, lead, trail, plus: false, excess: Excess::Kept }
     }
 
     #[test]

@@ -56,6 +56,20 @@ pub struct NumberFormat {
     pub trail: Zeros,
     /// Plus sign is shown.
     pub plus: bool,
+    /// Digits of a program after the last one of `frac`.
+    pub excess: Excess,
+}
+
+/// A number with more digits after the point than its register.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum Excess {
+    /// All of them count.
+    #[default]
+    Kept,
+    /// They are cut off.
+    Cut,
+    /// The number is rounded to the nearest one with the digits of the register, halves away from zero.
+    Rounded,
 }
 
 /// Decimal point of a register.

@@ -321,12 +321,19 @@ mod tests {
     use super::super::ident::dimension::Dimension;
     use super::super::ident::{codes, data_names};
     use super::super::index::{nth, places};
-    use super::super::rows::{Modality, NumberFormat, Point, Zeros};
+    use super::super::rows::{Excess, Modality, NumberFormat, Point, Zeros};
     use super::*;
 
     fn register(name: &str, second: Option<&str>) -> Register {
-        let format =
-            NumberFormat { whole: 4, frac: 3, point: Point::Keep, lead: Zeros::Omit, trail: Zeros::Omit, plus: false };
+        let format = NumberFormat {
+            whole: 4,
+            frac: 3,
+            point: Point::Keep,
+            lead: Zeros::Omit,
+            trail: Zeros::Omit,
+            plus: false,
+            excess: Excess::Kept,
+        };
         let second = second.map(str::to_owned);
         let (before, after) = (name.into(), String::new());
         Register {

@@ -59,6 +59,8 @@ pub struct Number {
     pub point: bool,
     /// Digits written before the point.
     pub digits: u8,
+    /// Digits written after it.
+    pub fraction: u8,
 }
 
 /// A key word of statements, or the first letters of one, stands at a place: it begins and ends there with its letters,

@@ -319,6 +319,14 @@ impl Scanner {
         Some(read.value(number))
     }
 
+    /// Value of a word's text after its letter, if that is nothing but a number.
+    #[must_use]
+    pub fn read_again(&self, register: RegisterId, text: &[u8], secondary: bool) -> Option<f64> {
+        let text = text.trim_ascii();
+        let (number, end) = parse_number(text, 0)?;
+        (end == text.len()).then(|| self.reading(register, number, secondary).map(|(value, _)| value))?
+    }
+
     /// A word that begins at `at`, if a number follows its letter or text, which ends at `from`.
     #[inline(always)]
     fn word(

@@ -14,6 +14,7 @@ pub mod merge;
 pub mod order;
 mod primitives;
 pub mod races;
+pub mod separate;
 pub mod shared;
 pub mod sink;
 pub mod stream;

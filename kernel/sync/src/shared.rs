@@ -4,6 +4,7 @@ use rustc_hash::FxHashMap;
 
 use crate::files::Written;
 use crate::hoard::{Hoard, weight};
+use crate::separate::Separate;
 use crate::wait::Set;
 use counterpoint_event::event::Direction;
 use counterpoint_lang::value::Value;
@@ -23,6 +24,8 @@ pub struct Shared {
     pub files: Written,
     /// Spindles by index of the machine's list.
     pub spindles: Vec<Spindle>,
+    /// Variables that each channel has of its own, as far as channels have ended.
+    pub separate: Separate,
     /// What channels with coupled axes let each other know when they meet.
     pub coupled: FxHashMap<Coupled, Stand>,
     /// Couplings that one channel has commanded alone, oldest first.

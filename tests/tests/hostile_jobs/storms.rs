@@ -29,6 +29,9 @@ pub fn all() -> Vec<Case> {
     all
 }
 
+/// All channels have one set of common variables.
+const SHARES: &str = "[variables]\nshared = [[100, 199], [500, 999]]\nchannel = []\n\n";
+
 const QUESTION: &str = "[[dialogs]]\nname = \"Q\"\n[[dialogs.fields]]\nkind = \"text\"\nvariable = \"%G05\"\nlabel = \"A\"\n\
      [[dialogs.fields]]\nkind = \"number\"\nvariable = \"%G06\"\nlabel = \"B\"\nmin = 1\nmax = 9\ndefault = 3\n";
 
@@ -277,7 +280,12 @@ fn many_channels(name: &'static str, channels: u16, program: fn(u16) -> String) 
         overlay.push_str(&format!("[[axes]]\nname = \"X{number}\"\nrapid = 10_000\nhome = 0\n"));
         overlay.push_str(&format!("[[channels]]\nnumber = {number}\naxes = [\"X{number}\"]\n"));
     }
-    Case::new(name, machine("fanuc-turning", &overlay, &[]), (1..=channels).map(program).collect(), &[LIMIT])
+    Case::new(
+        name,
+        machine("fanuc-turning", &format!("{SHARES}{overlay}"), &[]),
+        (1..=channels).map(program).collect(),
+        &[LIMIT],
+    )
 }
 
 /// Ten megabytes of lines between a jump and where it goes to.

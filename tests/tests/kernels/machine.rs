@@ -59,7 +59,9 @@ OUTPUT
 
 /// A lathe of so many channels with one axis each.
 pub fn machine(channels: u16) -> Arc<Machine> {
-    let mut text = format!("extends = \"fanuc-turning\"\n[ce]\nname = \"kernels\"\n{WORDS}");
+    let mut text = format!(
+        "extends = \"fanuc-turning\"\n[ce]\nname = \"kernels\"\n\n[variables]\nshared = [[100, 199], [500, 999]]\nchannel = []\n\n{WORDS}"
+    );
     for (index, (word, primitive, act)) in WAITS.iter().enumerate() {
         let need = if *primitive == "count" { "\nneed = 2" } else { "" };
         write!(

@@ -7,6 +7,7 @@ use counterpoint_fault as diag;
 use counterpoint_fault::{Acted, Halt};
 use counterpoint_machine::index::RegisterId;
 use counterpoint_machine::model::MacroWords;
+use counterpoint_program::key_words::Number;
 
 use super::access::{Abandoned, eval};
 use super::expr::{is_vacant, number};
@@ -51,8 +52,9 @@ pub(super) fn arguments(
             continue;
         };
         let register = host.register(letter);
-        let value = match (register, word.written) {
-            (Some((register, _)), Some(number)) => host.read(register, number),
+        let value = match (reads_like(host, letter), word.written) {
+            // An argument keeps all its digits.
+            (Some(register), Some(number)) => host.read(register, Number { fraction: 0, ..number }),
             _ => match eval(host, &word.value) {
                 Ok(value) => value,
                 Err(Abandoned::Halt(halt)) => return Err(halt),
@@ -111,6 +113,15 @@ pub(super) fn arguments(
         }
     }
     Ok(read)
+}
+
+/// Register whose numbers an argument is read like: that of its letter, or of the axis that it goes on along.
+fn reads_like(host: &dyn Host, letter: u8) -> Option<RegisterId> {
+    let axis = match letter {
+        b'U'..=b'W' => letter - b'U' + b'X',
+        letter => letter,
+    };
+    host.register(letter).or_else(|| host.register(axis)).map(|(register, _)| register)
 }
 
 /// Arguments come after the word that calls, and a G word is never one.

@@ -75,6 +75,8 @@ pub(super) enum Own {
     Unknown(u32, u32),
     /// ROUND, which depends on where the expression is.
     Round,
+    /// Minus sign after an address, which belongs to the reference: without a value there is no word.
+    Minus,
 }
 
 pub(super) type Op = expression::Op<f64, Own>;
@@ -105,6 +107,10 @@ impl<V: Variables> Evaluate<f64, Own> for Values<'_, V> {
             Own::Variable(index) => self.0.get(*index),
             Own::Indirect => self.0.get(variable_index(number(stack.pop()))?),
             Own::Unknown(start, end) => self.0.unknown_function((*start, *end)),
+            Own::Minus => {
+                let value = stack.pop();
+                Ok(if is_vacant(value) { value } else { -value })
+            }
             Own::Round => Ok(to_step(number(stack.pop()), self.0.steps())),
         }
     }

@@ -102,7 +102,7 @@ impl Parser<'_> {
             match op {
                 Op::Value(_) | Op::Own(Own::Variable(_) | Own::Unknown(..)) => depth += 1,
                 Op::Combine(_) => depth = depth.saturating_sub(1),
-                Op::Apply(_) | Op::CombineWith(..) | Op::Own(Own::Indirect | Own::Round) => {}
+                Op::Apply(_) | Op::CombineWith(..) | Op::Own(Own::Indirect | Own::Round | Own::Minus) => {}
             }
             most = most.max(depth);
         }

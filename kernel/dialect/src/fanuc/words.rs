@@ -4,9 +4,8 @@
 //! order in which the scanner of plain lines tries them.
 
 use super::cursor::{Error, Parser};
-use super::expr::{Expr, Op};
+use super::expr::{Expr, Op, Own};
 use super::statement::{Name, Statement, TemplateWord};
-use crate::numeric::Function;
 use counterpoint_program::key_words::Number;
 use counterpoint_program::prefix_registers::{stands, starts_value};
 use counterpoint_program::shape::program_name;
@@ -78,7 +77,8 @@ impl Parser<'_> {
         }
         let point = text.iter().position(|byte| *byte == b'.');
         let digits = point.unwrap_or(text.len()).min(255) as u8;
-        Some(Number { value, point: point.is_some(), digits })
+        let fraction = point.map_or(0, |point| text.len() - point - 1).min(255) as u8;
+        Some(Number { value, point: point.is_some(), digits, fraction })
     }
 
     fn enclosed(&mut self) -> Result<Expr, Error> {
@@ -123,7 +123,7 @@ impl Parser<'_> {
             match ops.as_mut_slice() {
                 // A negated constant stays one.
                 [Op::Value(value)] => *value = -*value,
-                _ => ops.push(Op::Apply(Function::Neg)),
+                _ => ops.push(Op::Own(Own::Minus)),
             }
         }
         self.checked(ops)

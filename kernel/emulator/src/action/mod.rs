@@ -42,6 +42,7 @@ mod skip;
 mod spindle;
 mod spindles;
 mod stop;
+mod stored;
 mod subprogram;
 mod sync;
 mod thread;
@@ -95,6 +96,7 @@ static ENTRIES: &[&[Entry]] = &[
     spindle::ENTRIES,
     spindles::ENTRIES,
     stop::ENTRIES,
+    stored::ENTRIES,
     subprogram::ENTRIES,
     sync::ENTRIES,
     thread::ENTRIES,

@@ -36,7 +36,10 @@ pub(super) fn mode(act: &mut Act<'_, '_>, text: &'static str) -> Acted {
 /// Primary or secondary units.
 pub(super) fn units(act: &mut Act<'_, '_>, secondary: bool) -> Acted {
     use counterpoint_event::info::Unit;
-    act.state.secondary = secondary;
+    if act.state.secondary != secondary {
+        act.state.secondary = secondary;
+        act.read_words_again();
+    }
     let inch = (act.env.machine.unit == Unit::Inch) != secondary;
     mode(act, if inch { "units inch" } else { "units mm" })
 }

@@ -195,8 +195,9 @@ impl Kernel<'_> {
     }
 
     fn limits_changed(&mut self) {
+        let stored = self.channel.state.place.stored.as_deref().is_some_and(|area| area.on);
         let layout = &mut self.channel.state.place.layout;
-        layout.bounds.limited = layout.axes.iter().any(|axis| axis.limits.is_some());
+        layout.bounds.limited = layout.axes.iter().any(|axis| axis.limits.is_some()) || stored;
     }
 
     pub(super) fn log_coupling(&mut self, pair: &Pair, what: &str, moved: Option<AxisSlot>) {

@@ -10,6 +10,7 @@ use counterpoint_machine::ident::DataId;
 use counterpoint_machine::ident::dimension::Dimension;
 use counterpoint_machine::index::AxisSlot;
 use counterpoint_machine::index::DataRowId;
+use counterpoint_machine::rows::Point;
 use counterpoint_program::block::{Datum, Word};
 
 /// Stands for a remembered value among the registers of an identifier; no register has this bit, and every block does.
@@ -46,12 +47,13 @@ impl Kernel<'_> {
         let plan = self.plan;
         for source in plan.sources_of(id) {
             let Some(word) = self.channel.block.take(source.register) else { continue };
-            let (raw, incremental) = (word.value, word.incremental);
+            let raw = if source.one.is_some() { self.plain(source, &word) } else { word.value };
+            let incremental = word.incremental;
             if raw < source.min || raw > source.max {
                 self.out_of_range(source.row, raw);
             }
             let mut value = match source.dimension {
-                Dimension::Increments => self.counted(source, &word),
+                Dimension::Increments => self.counted(source, &word, raw),
                 other => (raw * source.mul + source.add) * self.channel.unit_factor(other),
             };
             if source.diameter_x {
@@ -68,9 +70,45 @@ impl Kernel<'_> {
 
     /// Length of a word that counts least increments.
     #[cold]
-    fn counted(&self, source: &Source, word: &Word) -> f64 {
+    fn counted(&self, source: &Source, word: &Word, raw: f64) -> f64 {
         let (increments, dimension) = self.counting(word);
-        (word.value * increments * source.mul + source.add) * self.channel.unit_factor(dimension)
+        (raw * increments * source.mul + source.add) * self.channel.unit_factor(dimension)
+    }
+
+    /// Number of a word for a row that does not count the last digit of its register.
+    #[cold]
+    pub(crate) fn plain(&self, source: &Source, word: &Word) -> f64 {
+        let register = &self.channel.env.machine.registers[word.register];
+        let format = if self.channel.state.secondary { register.secondary } else { register.format };
+        let line = self.text_bytes();
+        let text = line.get(word.start as usize..word.end as usize).unwrap_or_default();
+        let number = text.get(register.before.len()..).unwrap_or_default().trim_ascii_start();
+        let number = number.strip_prefix(b"-").or(number.strip_prefix(b"+")).unwrap_or(number).trim_ascii();
+        // An expression has a value, not digits.
+        if format.point != Point::Omit || number.is_empty() || !number.iter().all(u8::is_ascii_digit) {
+            return word.value;
+        }
+        let written = (word.value * 10_f64.powi(i32::from(format.frac))).round();
+        written * source.one.unwrap_or(1.0)
+    }
+
+    /// Reads the numbers of the block again, as the formats of the units that hold now say; values of expressions stay.
+    #[cold]
+    pub(crate) fn read_words_again(&mut self) {
+        let plan = self.plan;
+        let secondary = self.channel.state.secondary;
+        for at in 0..self.channel.block.words.len() {
+            let Some(&word) = self.channel.block.words.get(at) else { continue };
+            let before = self.channel.env.machine.registers[word.register].before.len();
+            let value = {
+                let line = self.text_bytes();
+                let text = line.get(word.start as usize..word.end as usize).and_then(|text| text.get(before..));
+                text.and_then(|text| plan.scanner.read_again(word.register, text, secondary))
+            };
+            if let (Some(value), Some(word)) = (value, self.channel.block.words.get_mut(at)) {
+                word.value = value;
+            }
+        }
     }
 
     /// Increments that one of a word is, and the dimension that it then has: with a decimal point it is a length (reference

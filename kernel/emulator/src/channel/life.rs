@@ -117,6 +117,7 @@ impl Kernel<'_> {
         let mut idle = can_start && self.channel.env.machine.channels.len() > 1;
         if matches!(halt, Halt::ProgramEnd(_) | Halt::Alarm) {
             self.report_order();
+            self.report_separate();
         }
         self.report_softened(halt);
         if let Halt::ProgramEnd(Some(stop)) = halt {

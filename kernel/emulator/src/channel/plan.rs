@@ -14,10 +14,10 @@ use counterpoint_machine::Machine;
 use counterpoint_machine::ident::dimension::Dimension;
 use counterpoint_machine::ident::kind::CodeKind;
 use counterpoint_machine::ident::kind::data::DataKind;
-use counterpoint_machine::ident::{self, CodeId, DataId, codes, data, takes};
+use counterpoint_machine::ident::{self, CodeId, DataId, codes, data, data_facts, takes};
 use counterpoint_machine::index::{CodeRowId, DataRowId, RegisterId, Table};
 use counterpoint_machine::model::AxisRole;
-use counterpoint_machine::rows::{CodeForm, CodeRow, Overlap, Register};
+use counterpoint_machine::rows::{CodeForm, CodeRow, DataRow, Overlap, Point, Register};
 use counterpoint_program::scan::Scanner;
 use counterpoint_program::syntax::Syntax;
 use counterpoint_program::tape::Tape;
@@ -342,6 +342,8 @@ pub(crate) struct Source {
     pub(crate) min: f64,
     pub(crate) max: f64,
     pub(crate) dimension: Dimension,
+    /// What one of a number without a point is, where that is not one in the last digit of the register.
+    pub(crate) one: Option<f64>,
     /// A position of X, which may be programmed as a diameter or as a radius.
     pub(crate) diameter_x: bool,
     /// Row of the data table.
@@ -379,11 +381,32 @@ fn sources(machine: &Machine, diameter_x: &[DataId]) -> Table<DataId, Vec<Source
             min: row.min.unwrap_or(f64::NEG_INFINITY),
             max: row.max.unwrap_or(f64::INFINITY),
             dimension: row.dimension,
+            one: one(machine, row),
             diameter_x: diameter_x.contains(&row.id),
             row: index,
         })
     };
     machine.tables.rows_of_data.map(|_, rows| rows.iter().filter_map(source).collect())
+}
+
+/// One of a number without a point for a row whose register has an implied point: words with a factor of their own and
+/// plain numbers are as written, and the unit of angles and times does not change with that of lengths.
+fn one(machine: &Machine, row: &DataRow) -> Option<f64> {
+    let register = &machine.registers[row.register?];
+    let [implied, other] =
+        [register.format, register.secondary].map(|format| format.point == Point::Omit && format.frac > 0);
+    if !implied && !other {
+        return None;
+    }
+    match row.dimension {
+        Dimension::Increments => Some(1.0),
+        _ if row.mul != 1.0 => Some(1.0),
+        Dimension::None if data_facts(row.id).is_some() => Some(1.0),
+        Dimension::Angle | Dimension::Time if register.format.frac != register.secondary.frac => {
+            Some(10_f64.powi(-i32::from(register.format.frac)))
+        }
+        _ => None,
+    }
 }
 
 /// First enabled row of each code.

@@ -36,11 +36,17 @@ impl Kernel<'_> {
         }
     }
 
-    /// Where it is an alarm, a motion beyond the limits stops the channel before it begins.
+    /// Where it is an alarm, a motion beyond the limits stops the channel before it begins; one that breaks the limit of the
+    /// program always does.
     #[inline(always)]
     pub(super) fn check_travel_before(&mut self, motion: &Motion) -> Acted {
-        if self.channel.state.place.layout.bounds.limited && self.channel.state.place.layout.bounds.stop {
-            self.check_limits_of_motion(motion);
+        if self.channel.state.place.layout.bounds.limited {
+            if self.channel.state.place.stored.is_some() {
+                self.check_stored_area(motion);
+            }
+            if self.channel.state.place.layout.bounds.stop {
+                self.check_limits_of_motion(motion);
+            }
             return self.channel.check_stop();
         }
         Ok(())
@@ -72,6 +78,50 @@ impl Kernel<'_> {
             MotionKind::ArcSpace => self.swings_beyond_in_space(motion, limits),
             MotionKind::Rapid | MotionKind::Linear | MotionKind::Thread => None,
         })
+    }
+
+    /// Reports a motion that breaks the limit that the program has set.
+    #[cold]
+    fn check_stored_area(&mut self, motion: &Motion) {
+        let Some(area) = self.channel.state.place.stored.as_deref().copied().filter(|area| area.on) else { return };
+        let at = |place: &Position| {
+            let machine = self.channel.machine_point(place);
+            self.channel.state.place.layout.cartesian.map(|axis| axis.map(|axis| machine.at(axis)))
+        };
+        let round = match motion.kind {
+            MotionKind::ArcCw | MotionKind::ArcCcw => self.round(motion),
+            _ => None,
+        };
+        let broken = match round {
+            Some((axes, arc, scales)) => area.breaks_round(|share| {
+                let mut place = motion.from;
+                for (slot, end) in place.iter_mut().zip(&motion.to) {
+                    *slot += (end - *slot) * share;
+                }
+                let angle = arc.start_angle + arc.sweep * share;
+                *place.at_mut(axes[0]) = (arc.center[0] + arc.radius * libm::cos(angle)) / scales[0];
+                *place.at_mut(axes[1]) = (arc.center[1] + arc.radius * libm::sin(angle)) / scales[1];
+                at(&place)
+            }),
+            None => area.breaks(&at(&motion.from), &at(&motion.to)),
+        };
+        let Some(role) = broken else { return };
+        let name = ["X", "Y", "Z"].get(role).copied().unwrap_or_default();
+        let does = if area.keep_out { "enters the area that is forbidden" } else { "leaves the area that is allowed" };
+        let text = format!("the tool {does} along {name} in '{}'", self.block_text());
+        self.diagnose(&diag::STORED_LIMIT, text);
+    }
+
+    /// A circle in a plane: its axes, the circle in radius values, and the factors to those.
+    fn round(&self, motion: &Motion) -> Option<([AxisSlot; 2], arc::Arc, [f64; 2])> {
+        let layout = &self.channel.state.place.layout;
+        let [first, second] = motion.plane_axes.map(|axis| layout.axes.id(usize::from(axis)));
+        let axes = [first?, second?];
+        let scales = axes.map(|axis| layout.axes[axis].scale);
+        let point = |place: &Position| [place.at(axes[0]) * scales[0], place.at(axes[1]) * scales[1]];
+        let center = [motion.center[0] * scales[0], motion.center[1] * scales[1]];
+        let made = arc::by_center(point(&motion.from), point(&motion.to), center, motion.kind == MotionKind::ArcCw);
+        Some((axes, made.ok()?.with_turns(motion.turns), scales))
     }
 
     /// Reports axes that stand beyond their limits.
@@ -128,14 +178,8 @@ impl Kernel<'_> {
 
     /// A circle in a plane. Its end may be off the circle by the tolerance of the machine, so the places between may be, too.
     fn swings_beyond(&self, motion: &Motion, limits: Limits) -> Option<Over> {
-        let layout = &self.channel.state.place.layout;
-        let [first, second] = motion.plane_axes.map(|axis| layout.axes.id(usize::from(axis)));
-        let axes = [first?, second?];
-        let scales = axes.map(|axis| layout.axes[axis].scale);
-        let point = |place: &Position| [place.at(axes[0]) * scales[0], place.at(axes[1]) * scales[1]];
-        let (from, to) = (point(&motion.from), point(&motion.to));
-        let center = [motion.center[0] * scales[0], motion.center[1] * scales[1]];
-        let made = arc::by_center(from, to, center, motion.kind == MotionKind::ArcCw).ok()?.with_turns(motion.turns);
+        let (axes, made, scales) = self.round(motion)?;
+        let to = [motion.to.at(axes[0]) * scales[0], motion.to.at(axes[1]) * scales[1]];
         let slack = made.end_error(to) + NOISE;
         (0..)
             .zip(axes)

@@ -9,8 +9,14 @@ use super::Kernel;
 use super::access::Door;
 use super::system_variables::SystemValues;
 use counterpoint_dialect::{CallStack, NotThere, VACANT, is_vacant};
+use counterpoint_fault as diag;
 use counterpoint_machine::model::Variables;
 use counterpoint_sync::races::Mode;
+use counterpoint_sync::separate::Uses;
+use counterpoint_sync::verdict;
+
+/// Variables that a channel reports at its end as read in vain, at most.
+const MOST_IN_VAIN: usize = 20;
 
 /// Local variables #1–#33 of one level.
 type Locals = [f64; 34];
@@ -24,6 +30,8 @@ pub(crate) struct ChannelVariables {
     print: u64,
     /// Writes, calls and returns so far.
     writes: u64,
+    /// Those of the channel's own that have been read without a value, and written; kept where other channels run, too.
+    pub(super) uses: Uses,
     /// What has no value, and what does not exist, is 0.
     pub(super) reads_zero: bool,
     /// System variables that programs write keep their values; otherwise the identification macro is asked where to write
@@ -42,6 +50,7 @@ impl Default for ChannelVariables {
             own: FxHashMap::default(),
             print: 0,
             writes: 0,
+            uses: Uses::default(),
             reads_zero: false,
             keeps_system: false,
             kept: FxHashMap::default(),
@@ -166,7 +175,12 @@ impl Kernel<'_> {
                 })
                 .map_err(NotThere::Halt),
             _ if within(&self.channel.env.machine.variables.channel, index) => {
-                Ok(self.dialect.variables.own.get(&index).copied().unwrap_or(VACANT))
+                let value = self.dialect.variables.own.get(&index).copied().unwrap_or(VACANT);
+                if is_vacant(value) && !self.ports.coordinator.is_single() {
+                    let place = (self.channel.at.file, self.channel.at.line);
+                    self.dialect.variables.uses.read_in_vain(index, place);
+                }
+                Ok(value)
             }
             _ => match self.dialect.variables.kept.get(&index) {
                 Some(value) => Ok(*value),
@@ -200,6 +214,10 @@ impl Kernel<'_> {
             _ if within(&self.channel.env.machine.variables.channel, index) => {
                 self.flow.pass.changes = true;
                 self.dialect.variables.set_own(index, value);
+                if !self.ports.coordinator.is_single() {
+                    let place = (self.channel.at.file, self.channel.at.line);
+                    self.dialect.variables.uses.write(index, place);
+                }
                 Ok(())
             }
             _ if self.dialect.variables.keeps_system && index >= 1000 => {
@@ -210,6 +228,31 @@ impl Kernel<'_> {
             }
             0 | 3100 => Err(NotThere::ReadOnly),
             _ => self.set_system_variable(index, value),
+        }
+    }
+}
+
+impl Kernel<'_> {
+    /// The channel ends: reports variables that one channel has read in vain and only another one has written.
+    pub(super) fn report_separate(&mut self) {
+        let uses = std::mem::take(&mut self.dialect.variables.uses);
+        if uses.is_empty() {
+            return;
+        }
+        let channel = self.channel.at.channel;
+        let found = self.shared(|order| order.shared.separate.end(channel, uses)).unwrap_or_default();
+        for one in found.into_iter().take(MOST_IN_VAIN) {
+            let place = |(file, line)| verdict::place(self.channel.env.info, file, line);
+            let ((reader, read), (writer, written)) = (one.reader, one.writer);
+            let text = format!(
+                "channel {reader} reads #{index} at {}, and only channel {writer} writes it, at {}: each channel has a #{index} \
+                 of its own here; if the control shares it (parameters 6036, 6037), run with --set shared={index}-{index} or \
+                 list it in [variables] shared",
+                place(read),
+                place(written),
+                index = one.index,
+            );
+            self.diagnose(&diag::SEPARATE_VARIABLE, text);
         }
     }
 }

@@ -221,7 +221,8 @@ impl Kernel<'_> {
         let plan = self.plan;
         for source in plan.sources_of(id) {
             let Some(word) = self.channel.block.take(source.register) else { continue };
-            let (raw, incremental) = (word.value, word.incremental);
+            let raw = if source.one.is_some() { self.plain(source, &word) } else { word.value };
+            let incremental = word.incremental;
             if raw < source.min || raw > source.max {
                 self.out_of_range(source.row, raw);
             }

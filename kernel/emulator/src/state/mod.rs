@@ -25,6 +25,7 @@ pub(crate) mod probing;
 pub(crate) mod remembered;
 pub(crate) mod smooth;
 pub(crate) mod spindle;
+pub(crate) mod stored;
 pub(crate) mod thread;
 pub(crate) mod turning;
 pub(crate) mod units;

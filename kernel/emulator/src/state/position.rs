@@ -120,6 +120,8 @@ pub(crate) struct Place {
     pub(crate) tools: Tools,
     /// Clamped axes, bit by axis.
     pub(crate) clamped: u8,
+    /// The area that the program has set; none until it does.
+    pub(crate) stored: Option<Box<super::stored::StoredArea>>,
     /// What lies between the program and the work frame; none while nothing of it is active.
     pub(crate) frames: Option<Box<super::frames::Frames>>,
     /// Offsets that macros have set; none while those of the machine hold.
@@ -172,6 +174,7 @@ impl Place {
             home_via: None,
             tools: Tools::default(),
             clamped: 0,
+            stored: None,
             frames: None,
             offsets: None,
             compensation: super::compensation::Compensation::of(machine),

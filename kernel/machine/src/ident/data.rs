@@ -259,6 +259,12 @@ data! {
     OFFSET_KIND true true Plain, None => "which table an offset is set in (Fanuc G10 L)";
     OFFSET_NUMBER true true Plain, None => "which offset is set (Fanuc G10 P)";
     OFFSET_VALUE true true Plain, None => "length or radius that is set (Fanuc G10 R)";
+    STORED_LIMIT_X true true FramePoint, Length => "upper end along X of an area that a code allows or forbids (Fanuc G22 X)";
+    STORED_LIMIT_Y true true FramePoint, Length => "upper end along Y of an area that a code allows or forbids (Fanuc G22 Y)";
+    STORED_LIMIT_Z true true FramePoint, Length => "upper end along Z of an area that a code allows or forbids (Fanuc G22 Z)";
+    STORED_LIMIT_END_X true true FramePoint, Length => "its lower end along X (Fanuc G22 I)";
+    STORED_LIMIT_END_Y true true FramePoint, Length => "its lower end along Y (Fanuc G22 J)";
+    STORED_LIMIT_END_Z true true FramePoint, Length => "its lower end along Z (Fanuc G22 K)";
     OFFSET_TIP true true Plain, None => "direction of the imaginary tip that is set (Fanuc G10 Q)";
     CORNER_LEGS true true Contour, Length => "chamfer at the end of the line, by what it takes of both lines (Fanuc ,C, Siemens CHR)";
     CORNER_FACE true true Contour, Length => "chamfer at the end of the line, by its own length (Siemens CHF)";

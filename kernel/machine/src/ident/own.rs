@@ -114,6 +114,8 @@ macro_rules! with_own {
             POLYGON_OFF 120 100 true true Mode("polygon off") => ": ends that (Fanuc G50.2)";
             TURRET_OPPOSITE 104 100 true true Plain => ": X is mirrored for tools of the turret on the other side of the turning axis (Fanuc G68 of lathes)";
             TURRET_OWN 104 100 true true Plain => ": ends that (Fanuc G69)";
+            STORED_LIMIT_ON 152 100 true true Plain => ": the tool must not enter, or not leave, an area (Fanuc, Okuma G22)";
+            STORED_LIMIT_OFF 152 100 true true Plain => ": ends that (G23)";
             TURN_PASS 0 100 true true Plain => ": one more pass of the thread along a named contour that comes (Okuma G88)";
             UNITS_SECONDARY_LENGTHS 6 100 true true Plain => ": lengths are in the secondary unit, feeds are not (Siemens G70)";
             AXES_BESIDE 0 600 true true Plain => ": positioning axes arrive, if no move of the block has taken them along (Siemens POS)";

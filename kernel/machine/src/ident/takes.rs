@@ -116,6 +116,7 @@ const OWN: &[(&[CodeId], &str)] = &[
     ),
     (&[codes::FIGURE_TURN], "REG_CALSUB_ID REG_CALSUB_REPEAT REG_LCS_ROT_CENTER_* REG_LCS_ROT_ANGLE"),
     (&[codes::FIGURE_SHIFT], "REG_CALSUB_ID REG_CALSUB_REPEAT REG_ARC_CENTER_*"),
+    (&[codes::STORED_LIMIT_ON], "REG_STORED_LIMIT_*"),
     (&[codes::DISPLY], "the text of the message"),
     (&[codes::COMMENT], "the text of the comment"),
 ];

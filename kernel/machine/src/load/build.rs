@@ -54,10 +54,8 @@ pub(super) fn machine(
     let turning = paths::turning(&mut top, head.unit);
     let threads = paths::threads(&mut top);
     let pump = pump::read(&mut top);
-    let (habits, increments) = habits::read(&mut top, head.preprocessor);
-    if increments {
-        registers::count_increments(&mut names.registers, data.iter());
-    }
+    let (habits, coordinates) = habits::read(&mut top, head.preprocessor);
+    registers::change_coordinates(&mut names.registers, coordinates);
     let output = output::read(&mut top);
     let kinematics = kinematics::read(&mut top, &axes, &channels, &codes, check);
     let corners = compensation::corners(&mut top);

@@ -3,19 +3,26 @@
 //! Invariant: answers of the machine's own are as many as their variables have room for. Facts: reference
 //! control-emulator.md 1.5; system-variables.md 2 (`$TUDQ`, `$IUDQ`, `$WUDQ`).
 
-use crate::habits::{FileLayout, Habits, Home, Rotations};
+use super::registers::Coordinates;
+use crate::habits::{FileLayout, Forbidden, Habits, Home, Rotations};
 use crate::preprocessor::Preprocessor;
+use crate::rows::Excess;
 use crate::toml::section::Section;
 
 /// Elements of `$TUDQ`, `$IUDQ` and `$WUDQ`.
 const ROOM: [usize; 3] = [10, 100, 50];
 
-/// Reads `[control]` of a control with this pre-processor; and whether numbers without a point count least increments.
-pub(super) fn read(top: &mut Section<'_>, preprocessor: Preprocessor) -> (Habits, bool) {
+/// Reads `[control]` of a control with this pre-processor; and what it says about numbers of coordinates.
+pub(super) fn read(top: &mut Section<'_>, preprocessor: Preprocessor) -> (Habits, Coordinates) {
     let mut habits = Habits { frame_increments: preprocessor.row().frame_increments, ..Habits::default() };
-    let Some(mut section) = top.table("control", "[control]") else { return (habits, false) };
+    let Some(mut section) = top.table("control", "[control]") else { return (habits, Coordinates::default()) };
     let numbers = [("as-written", false), ("increments", true)];
-    let counts = section.choice("numbers", &numbers).unwrap_or(false);
+    let excess = [("kept", Excess::Kept), ("cut", Excess::Cut), ("rounded", Excess::Rounded)];
+    let coordinates = Coordinates {
+        increments: section.choice("numbers", &numbers).unwrap_or(false),
+        excess: section.choice("excess_digits", &excess).unwrap_or_default(),
+        nine: section.integer("digits", 8..=9) == Some(9),
+    };
     habits.speed_word = section.flag("speed_word").unwrap_or(habits.speed_word);
     let homes = [("workpiece", Home::Workpiece), ("machine", Home::Machine)];
     habits.home = section.choice("home", &homes).unwrap_or(habits.home);
@@ -54,13 +61,20 @@ pub(super) fn read(top: &mut Section<'_>, preprocessor: Preprocessor) -> (Habits
     let unknown = [("warn", false), ("alarm", true)];
     habits.unknown_alarms = section.choice("unknown_code", &unknown).unwrap_or(habits.unknown_alarms);
     habits.work_area = section.flag("work_area").unwrap_or(habits.work_area);
+    let sides = [("inside", Forbidden::Inside), ("outside", Forbidden::Outside)];
+    if let Some(mut limits) = section.table("stored_limits", "[control.stored_limits]") {
+        habits.stored_limits.forbidden = limits.choice("forbidden", &sides).unwrap_or_default();
+        let frames = [("machine", false), ("work", true)];
+        habits.stored_limits.in_work_frame = limits.choice("frame", &frames).unwrap_or(false);
+        limits.finish();
+    }
     habits.stops = section.flag("stops").unwrap_or(habits.stops);
     if let Some(mut answers) = section.table("answers", "[control.answers]") {
         read_answers(&mut answers, &mut habits);
         answers.finish();
     }
     section.finish();
-    (habits, counts)
+    (habits, coordinates)
 }
 
 fn read_answers(section: &mut Section<'_>, habits: &mut Habits) {

@@ -3,7 +3,7 @@
 //! Invariant: names, second names and indexes are unique. Facts: reference control-emulator.md 1.4.
 
 use crate::index::{RegisterId, Table};
-use crate::rows::{DataRow, NumberFormat, Point, Register, Zeros};
+use crate::rows::{Excess, NumberFormat, Point, Register, Zeros};
 use crate::toml::check::Check;
 use crate::toml::section::Section;
 
@@ -23,18 +23,26 @@ pub(super) fn read(top: &mut Section<'_>, check: &Check) -> Table<RegisterId, Re
     registers.into_iter().collect()
 }
 
-/// Numbers of coordinates (signed, with digits after the point) without a point count units of their last digit. Words that
-/// count units of their own already, as Q of turning cycles does, stay.
-pub(super) fn count_increments<'d>(
-    registers: &mut Table<RegisterId, Register>,
-    data: impl Iterator<Item = &'d DataRow>,
-) {
-    let own = data.filter(|row| row.mul != 1.0).filter_map(|row| row.register);
-    let own: Vec<u8> = own.map(|id| registers[id].index).collect();
-    let counts = |register: &&mut Register| register.signed && register.pointed && !own.contains(&register.index);
-    for register in registers.iter_mut().filter(counts) {
-        for format in [&mut register.format, &mut register.secondary] {
-            if format.frac > 0 {
+/// What `[control]` says about numbers of coordinates: signed registers with digits after the point.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Coordinates {
+    /// Without a point they count units of their last digit.
+    pub increments: bool,
+    /// Digits after the last one of the register.
+    pub excess: Excess,
+    /// Those with eight digits have one more before the point.
+    pub nine: bool,
+}
+
+/// Changes the formats of coordinates.
+pub(super) fn change_coordinates(registers: &mut Table<RegisterId, Register>, rule: Coordinates) {
+    for register in registers.iter_mut().filter(|register| register.signed && register.pointed) {
+        for format in [&mut register.format, &mut register.secondary].into_iter().filter(|format| format.frac > 0) {
+            format.excess = rule.excess;
+            if rule.nine && format.whole + format.frac == 8 {
+                format.whole += 1;
+            }
+            if rule.increments {
                 (format.point, format.lead, format.trail) = (Point::Omit, Zeros::Omit, Zeros::Keep);
             }
         }
@@ -138,6 +146,7 @@ fn number_format(row: &mut Section<'_>) -> NumberFormat {
         lead: row.choice("lead", &zeros).unwrap_or(Zeros::Omit),
         trail: row.choice("trail", &zeros).unwrap_or(Zeros::Omit),
         plus: row.flag("plus").unwrap_or(false),
+        excess: Excess::default(),
     }
 }
 

@@ -4,7 +4,7 @@
 
 use crate::block::irregular;
 use crate::key_words::Number;
-use counterpoint_machine::rows::{NumberFormat, Point, Zeros};
+use counterpoint_machine::rows::{Excess, NumberFormat, Point, Zeros};
 
 /// Powers of ten that are exact in `f64`.
 const POW10: [f64; 23] = [
@@ -57,7 +57,7 @@ pub(super) fn parse_number(line: &[u8], at: usize) -> Option<(Number, usize)> {
         _ => std::str::from_utf8(text.get(..length)?).ok()?.parse().ok()?,
     };
     let value = if negative { -magnitude } else { magnitude };
-    let number = Number { value, point, digits: digits.min(255) as u8 };
+    let number = Number { value, point, digits: digits.min(255) as u8, fraction: fraction.min(255) as u8 };
     Some((number, at + (rest.len() - text.len()) + length))
 }
 
@@ -71,6 +71,8 @@ pub(super) struct Read {
     room: f64,
     /// The same without a written point: an implied one leaves room for the fraction too.
     room_without_point: f64,
+    /// Digits after the point that count.
+    places: u8,
     /// What is irregular about a negative value, and about a written point.
     sign: u8,
     pointed: u8,
@@ -83,19 +85,45 @@ impl Read {
         let implied = format.point == Point::Omit;
         let room = power(format.whole);
         let room_without_point = if implied { power(format.whole.saturating_add(format.frac)) } else { room };
-        Self { format, implied, room, room_without_point, sign, pointed }
+        let places = if format.excess == Excess::Kept { u8::MAX } else { format.frac };
+        Self { format, implied, room, room_without_point, places, sign, pointed }
     }
 
     /// Value of a number, and what is irregular about it, bit by bit.
     #[inline(always)]
     pub(super) fn value(&self, number: Number) -> (f64, u8) {
-        let value = if number.point || !self.implied { number.value } else { implied(number, &self.format) };
+        let value = if number.fraction > self.places {
+            without_excess(number, &self.format)
+        } else if number.point || !self.implied {
+            number.value
+        } else {
+            implied(number, &self.format)
+        };
         let too_long = number.value.abs() >= if number.point { self.room } else { self.room_without_point };
         let digits = u8::from(too_long) * irregular::DIGITS;
         let sign = u8::from(number.value < 0.0) * self.sign;
         let point = u8::from(number.point) * self.pointed;
         (value, digits | sign | point)
     }
+}
+
+/// Value of a number with more digits after the point than its register has.
+#[cold]
+fn without_excess(number: Number, format: &NumberFormat) -> f64 {
+    let Some(power) = POW10.get(usize::from(format.frac)) else { return number.value };
+    let units = number.value.abs() * power;
+    // Half of the last digit written, so that a binary fraction just below or above a whole or half unit is taken for it.
+    let written = i32::from(number.fraction) - i32::from(format.frac);
+    let near = (0.5 * 10_f64.powi(-written)).max(units * 4.0 * f64::EPSILON);
+    let whole = units.round();
+    let units = if (units - whole).abs() < near {
+        whole
+    } else if format.excess == Excess::Rounded && units.fract() > 0.5 - near {
+        units.ceil()
+    } else {
+        units.floor()
+    };
+    (units / power).copysign(number.value)
 }
 
 /// Value of a number without a point in a register that implies one (reference control-emulator.md 1.4).
@@ -135,7 +163,15 @@ mod tests {
 
     #[test]
     fn implied_points() {
-        let format = |lead, trail| NumberFormat { whole: 4, frac: 3, point: Point::Omit, lead, trail, plus: false };
+        let format = |lead, trail| NumberFormat {
+            whole: 4,
+            frac: 3,
+            point: Point::Omit,
+            lead,
+            trail,
+            plus: false,
+            excess: Excess::Kept,
+        };
         let number = |text: &str| parse_number(text.as_bytes(), 0).unwrap().0;
         assert_eq!(implied(number("12500"), &format(Zeros::Omit, Zeros::Keep)), 12.5);
         assert_eq!(implied(number("00125"), &format(Zeros::Keep, Zeros::Omit)), 12.5);
@@ -143,5 +179,53 @@ mod tests {
             implied(number("125"), &NumberFormat { point: Point::Keep, ..format(Zeros::Omit, Zeros::Omit) }),
             125.0
         );
+    }
+
+    #[test]
+    fn digits_beyond_the_register_are_kept_cut_or_rounded() {
+        let value = |text: &str, excess| {
+            let (lead, trail) = (Zeros::Omit, Zeros::Omit);
+            let format = NumberFormat { whole: 5, frac: 3, point: Point::Keep, lead, trail, plus: false, excess };
+            Read::new(format, (0, 0)).value(parse_number(text.as_bytes(), 0).unwrap().0).0
+        };
+        let cases = [
+            ("1.2345", 1.2345, 1.234, 1.235),
+            ("-1.2345", -1.2345, -1.234, -1.235),
+            ("0.0006", 0.0006, 0.0, 0.001),
+            ("0.0004", 0.0004, 0.0, 0.0),
+            ("0.0005", 0.0005, 0.0, 0.001),
+            ("0.00049999", 0.00049999, 0.0, 0.0),
+            // 0.029 times 1000 is less than 29 in binary.
+            ("0.0290", 0.029, 0.029, 0.029),
+            ("1.0050000", 1.005, 1.005, 1.005),
+            ("99999.9996", 99999.9996, 99999.999, 100_000.0),
+            ("12345.678901234567", 12345.678901234567, 12345.678, 12345.679),
+            ("5.", 5.0, 5.0, 5.0),
+            ("5", 5.0, 5.0, 5.0),
+        ];
+        for (text, kept, cut, rounded) in cases {
+            let values = [Excess::Kept, Excess::Cut, Excess::Rounded].map(|excess| value(text, excess));
+            assert_eq!(values, [kept, cut, rounded], "{text}");
+        }
+    }
+
+    #[test]
+    fn every_number_with_one_digit_too_many_is_cut_and_rounded_as_its_digits_say() {
+        let format = |excess| NumberFormat {
+            whole: 5,
+            frac: 3,
+            point: Point::Keep,
+            lead: Zeros::Omit,
+            trail: Zeros::Omit,
+            plus: false,
+            excess,
+        };
+        let [cut, rounded] = [Excess::Cut, Excess::Rounded].map(|excess| Read::new(format(excess), (0, 0)));
+        for units in (0..2_000_000_u32).step_by(7) {
+            let text = format!("{}.{:04}", units / 10_000, units % 10_000);
+            let number = parse_number(text.as_bytes(), 0).unwrap().0;
+            assert_eq!(cut.value(number).0, f64::from(units / 10) / 1000.0, "{text}");
+            assert_eq!(rounded.value(number).0, f64::from((units + 5) / 10) / 1000.0, "{text}");
+        }
     }
 }

@@ -97,7 +97,7 @@ impl Words for Kernel<'_> {
             Some(number) => self.read(register, number),
             None => {
                 // Its size and its sign count; no point was written.
-                let number = Number { value, point: true, digits: 0 };
+                let number = Number { value, point: true, digits: 0, fraction: 0 };
                 let reading = self.plan.scanner.reading(register, number, self.channel.state.secondary);
                 self.channel.block.flags.irregular |= reading.map_or(0, |(_, bits)| bits & !irregular::POINT);
                 value

@@ -16,7 +16,7 @@ pub enum DataKind {
     Contour,
     /// Orientation of the tool.
     Orientation,
-    /// A point of a local frame: its shift, the centre of a rotation or of a scale.
+    /// A point of a local frame: its shift, the centre of a rotation or of a scale; an end of an area.
     FramePoint,
     /// Speed or angle of a spindle.
     Spindle,
@@ -63,7 +63,9 @@ mod tests {
                 () if starts(&["C2P_INTERP_"]) => DataKind::Polar,
                 () if starts(&["CORNER_", "LINE_ANGLE", "POLE_"]) => DataKind::Contour,
                 () if starts(&["RTCP_"]) => DataKind::Orientation,
-                () if starts(&["LCS_TRANS_", "LCS_ROT_CENTER_", "LCS_SCALE_CENTER_"]) => DataKind::FramePoint,
+                () if starts(&["LCS_TRANS_", "LCS_ROT_CENTER_", "LCS_SCALE_CENTER_", "STORED_LIMIT_"]) => {
+                    DataKind::FramePoint
+                }
                 // No action remembers an angle unless the machine says so.
                 () if name == "SPINDLE_ORIENT" => DataKind::Plain,
                 () if starts(&["SPINDLE_"]) => DataKind::Spindle,

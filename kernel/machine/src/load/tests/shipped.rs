@@ -111,8 +111,8 @@ G18 CODE_PLANE_ZX 100 2
 G19 CODE_PLANE_YZ 100 2
 G20 CODE_UNITS_SECONDARY 100 6
 G21 CODE_UNITS_PRIMARY 100 6
-G22 CODE_IGNORE 999 0
-G23 CODE_IGNORE 999 0
+G22 CODE_STORED_LIMIT_ON 100 152
+G23 CODE_STORED_LIMIT_OFF 100 152
 G25 CODE_IGNORE 999 0
 G26 CODE_IGNORE 999 0
 G27 CODE_GOHOME_CHECK 450 0
@@ -230,14 +230,17 @@ fn the_two_path_lathe_has_these_data() {
         "N REG_SEQNO - - none",
         "X REG_AXIS_X yes - length",
         "X REG_DELAY - - time",
+        "X REG_STORED_LIMIT_X - - length",
         "X REG_TURN_ALLOWANCE_X - - length",
         "X REG_TURN_DEPTH_X - - length",
         "X REG_LCS_TRANS_X - - length",
         "X REG_LCS_ROT_CENTER_X - - length",
         "Y REG_AXIS_Y yes - length",
+        "Y REG_STORED_LIMIT_Y - - length",
         "Y REG_LCS_TRANS_Y - - length",
         "Y REG_LCS_ROT_CENTER_Y - - length",
         "Z REG_AXIS_Z yes - length",
+        "Z REG_STORED_LIMIT_Z - - length",
         "Z REG_TURN_ALLOWANCE_Z - - length",
         "Z REG_TURN_DEPTH_Z - - length",
         "Z REG_LCS_TRANS_Z - - length",
@@ -247,6 +250,7 @@ fn the_two_path_lathe_has_these_data() {
         "C REG_C2P_INTERP_Y - - length",
         "C REG_CORNER_SIDE - - length",
         "I REG_ARC_CENTER_X - - length",
+        "I REG_STORED_LIMIT_END_X - - length",
         "I REG_THREAD_MULTI_TAPER_X - - length",
         "I REG_TURN_RELIEF_X - - length",
         "I REG_TURN_STEP_X - - length",
@@ -254,8 +258,10 @@ fn the_two_path_lathe_has_these_data() {
         "I REG_LCS_ROT_ANGLE_X - - angle",
         "I REG_CORNER_SIDE_X - - length",
         "J REG_ARC_CENTER_Y - - length",
+        "J REG_STORED_LIMIT_END_Y - - length",
         "J REG_LCS_ROT_ANGLE_Y - - angle",
         "K REG_ARC_CENTER_Z - - length",
+        "K REG_STORED_LIMIT_END_Z - - length",
         "K REG_INTERP_THREAD_PITCH_VAR - - length",
         "K REG_THREAD_MULTI_HEIGHT_X - - length",
         "K REG_TURN_RELIEF_Z - - length",
@@ -335,7 +341,8 @@ fn the_two_path_lathe_is_set_up_like_this() {
     assert_eq!(lathe.format.comment, Some(("(".to_owned(), ")".to_owned())));
     assert_eq!((lathe.format.opskip_mark, lathe.format.opskip_default), (Some('/'), 1));
     assert_eq!((lathe.subprograms.call, lathe.subprograms.main_return), (CallForm::RepeatAndNumber, MainReturn::End));
-    assert_eq!(lathe.variables.shared, [(100, 199), (500, 999)]);
+    assert_eq!(lathe.variables.shared, []);
+    assert_eq!(lathe.variables.channel, [(100, 199), (500, 999)]);
     assert_eq!(lathe.tool.offset_digits, 2);
     assert_eq!(lathe.home(&lathe.channels[0])[..3], [300.0, 500.0, 0.0]);
     assert!(lathe.codes.iter().all(|row| row.seconds == 0.0));

@@ -12,7 +12,7 @@ use super::Screw;
 use crate::act::Act;
 use crate::action::entry::{Contour, Entry, entry_of_kind};
 use counterpoint_fault as diag;
-use counterpoint_fault::Acted;
+use counterpoint_fault::{Acted, Halt};
 use counterpoint_machine::ident::data;
 use counterpoint_machine::ident::kind::CodeKind;
 use counterpoint_machine::ident::kind::thread::{Setting, ThreadCycle};
@@ -137,7 +137,7 @@ fn multi(act: &mut Act<'_, '_>, kind: ThreadCycle, axes: [AxisSlot; 2]) -> Acted
 }
 
 /// The passes that the settings make of a depth.
-fn plan(act: &mut Act<'_, '_>) -> Plan {
+fn plan(act: &mut Act<'_, '_>) -> Result<Plan, Halt> {
     if act.state.threads.cycle.depth.is_none() {
         let text = format!("a thread needs its depth in '{}', it is cut in one pass", act.block_text());
         act.diagnose(&diag::DATA_MISSING, text);
@@ -153,8 +153,18 @@ fn plan(act: &mut Act<'_, '_>) -> Plan {
         finish_cuts: whole(cycle.finish_cuts),
         finish: cycle.finish.abs(),
     };
-    if cycle.depth.is_some() {
-        return plan;
+    if cycle.depth.is_none() {
+        return Ok(Plan { step: None, cuts: None, finish_cuts: 0, finish: 0.0, ..plan });
     }
-    Plan { step: None, cuts: None, finish_cuts: 0, finish: 0.0, ..plan }
+    let amounts = [("finishing allowance", plan.finish), ("smallest cut", plan.least)];
+    if let Some((name, amount)) = amounts.into_iter().find(|(_, amount)| *amount > plan.depth + 1e-9) {
+        let height = plan.depth;
+        let text = format!(
+            "the {name} {amount:.4} of the thread is above its height {height:.4} in '{}'; check whether its word counts least \
+             increments or needs a decimal point",
+            act.block_text()
+        );
+        return Err(act.alarm(&diag::THREAD_AMOUNTS, text));
+    }
+    Ok(plan)
 }

@@ -37,7 +37,7 @@ struct Chamfer {
 impl Act<'_, '_> {
     /// All passes of a thread, each for every start.
     pub(super) fn all_passes(&mut self, thread: &Thread) -> Acted {
-        let plan = plan(self);
+        let plan = plan(self)?;
         let (passes, cut_short) = plan.passes();
         self.state.threads.cycle.made = (passes.len() as u32).saturating_sub(plan.finish_cuts);
         if cut_short {
