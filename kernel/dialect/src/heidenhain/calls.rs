@@ -95,10 +95,10 @@ impl Heidenhain {
             Call::Pattern => "CYCL CALL PAT",
         };
         if kind == Call::Pattern && !host.is_code_text(text) {
-            let Some(program) = self.cycles.defined.program.clone() else { return Ok(self.not_understood(host)) };
+            let Some(program) = self.cycles.defined.program.clone() else { return Err(self.not_understood(host)) };
             return Ok(match self.call_at_pattern(host, &program, &seen, place)? {
                 Some(blocks) => Some(blocks.join("\n")),
-                None => self.not_understood(host),
+                None => return Err(self.not_understood(host)),
             });
         }
         let Some(program) = self.cycles.defined.program.clone().filter(|_| kind != Call::Pattern) else {

@@ -2,9 +2,9 @@
 //!
 //! Facts: see [`super::statement`]. Invariant: a block is either executed, left as words, or diagnosed.
 
-use super::eval::{Asked, Evaluator};
+use super::eval::Evaluator;
 use super::formula::Formula;
-use super::path::{AXES, Shape, Step, axis, walk};
+use super::path::{Shape, Step, axis, walk};
 use super::statement::{Condition, Statement, Test};
 use super::variables::Value;
 use super::words::{Seen, Word, joined};
@@ -68,7 +68,7 @@ impl Heidenhain {
             Statement::SelectContour(name) if self.settings.cycles.contains(&14) => {
                 self.select_contour(host, name).map(|()| None)
             }
-            Statement::SelectContour(_) => Ok(self.not_understood(host)),
+            Statement::SelectContour(_) => Err(self.not_understood(host)),
             Statement::CallSelected => match self.selected.clone() {
                 Some(name) => self.call_program(host, &name).map(|()| None),
                 None => {
@@ -84,6 +84,7 @@ impl Heidenhain {
             Statement::CyclePart { .. } => self.define_by_parts(host, line, place),
             Statement::CycleCall { kind, words } => self.call_cycle(host, (*kind, words), place),
             Statement::ToolCall { tool, words } => self.call_tool(host, tool.as_ref(), words),
+            Statement::SelectPreset(words) => self.select_preset(host, words),
             Statement::ToolDefinition { tool, words } => self.define_tool(host, tool, words),
             Statement::Stop(words) => {
                 let seen = Evaluator::new(&mut self.variables, host).seen(words)?;
@@ -104,11 +105,11 @@ impl Heidenhain {
                             let seen = Evaluator::new(&mut self.variables, host).seen(words)?;
                             match self.define_contours(host, seen.get(2..).unwrap_or_default()) {
                                 true => Ok(None),
-                                false => Ok(self.not_understood(host)),
+                                false => Err(self.not_understood(host)),
                             }
                         }
                         Some("TRANS DATUM") => self.shift_datum(host, words),
-                        _ => Ok(self.not_understood(host)),
+                        _ => Err(self.not_understood(host)),
                     };
                 }
                 if words.first().is_some_and(|word| &*word.name == "PLANE") {
@@ -121,11 +122,10 @@ impl Heidenhain {
         }
     }
 
-    /// A statement that is not emulated: reported and dropped.
-    pub(super) fn not_understood(&mut self, host: &mut dyn Host) -> Option<String> {
-        let text = format!("statement '{}' is not supported; ignored", host.block_text());
-        host.diagnose(&diag::STATEMENT_UNKNOWN, text);
-        None
+    /// A statement that is not emulated: an alarm, because the blocks after it count on what it does.
+    pub(super) fn not_understood(&mut self, host: &mut dyn Host) -> Halt {
+        let text = format!("'{}' is not supported on this machine", host.block_text());
+        host.alarm(&diag::STATEMENT_UNKNOWN, text)
     }
 
     /// A value that has to be a text.
@@ -227,9 +227,8 @@ impl Heidenhain {
             return Ok(Some(unit(inch).to_owned()));
         }
         if inch {
-            let text =
-                format!("the machine has no code INCH for '{}'; lengths are read in its own unit", host.block_text());
-            host.diagnose(&diag::STATEMENT_UNKNOWN, text);
+            let text = format!("the machine has no code INCH for '{}'", host.block_text());
+            return Err(host.alarm(&diag::STATEMENT_UNKNOWN, text));
         }
         Ok(None)
     }
@@ -241,99 +240,6 @@ impl Heidenhain {
         Some(unit(inches).to_owned()).filter(|unit| host.is_code_text(unit))
     }
 
-    /// Number of a tool; none for a name that nobody knows.
-    fn tool(&mut self, host: &mut dyn Host, tool: &Formula) -> Result<Option<String>, Halt> {
-        let mut evaluator = Evaluator::new(&mut self.variables, host);
-        let name = match evaluator.value(tool)? {
-            Value::Number(number) => return Ok(Some(super::words::shown(number))),
-            Value::Text(name) => name,
-        };
-        let quoted = format!("\"{name}\"");
-        Ok(match evaluator.ask(&quoted)? {
-            Asked::Value(Value::Number(number)) => Some(super::words::shown(number)),
-            Asked::Value(Value::Text(text)) => Some(text.to_string()),
-            Asked::Kept => Some(quoted),
-            Asked::Nothing => None,
-            Asked::Unknown => {
-                let text = format!("tool {quoted} not found in '{}'", host.block_text());
-                host.diagnose(&diag::TOOL_NAME, text);
-                None
-            }
-        })
-    }
-
-    fn call_tool(
-        &mut self,
-        host: &mut dyn Host,
-        tool: Option<&Formula>,
-        words: &[Word],
-    ) -> Result<Option<String>, Halt> {
-        let number = match tool {
-            Some(tool) => self.tool(host, tool)?,
-            None => None,
-        };
-        let mut seen = Evaluator::new(&mut self.variables, host).seen(words)?;
-        if let Some(number) = number.as_deref().and_then(|number| number.parse::<f64>().ok()) {
-            self.variables.control.tool = Some(number);
-        }
-        self.feed_units(host, &mut seen)?;
-        for word in &seen {
-            if word.value.is_none()
-                && let Some(at) = AXES.iter().position(|axis| word.is(axis))
-            {
-                // Q109 counts X, Y, Z as 0 to 2, U, V, W as 6 to 8, as the axes stand here.
-                self.variables.control.tool_axis = Some(at);
-                self.path.plane = match at % 3 {
-                    0 => [1, 2],
-                    1 => [2, 0],
-                    _ => [0, 1],
-                };
-            }
-            if word.is("F") {
-                self.path.tool_feed = Some(word.text.clone());
-                self.path.feed = Some(word.text.clone());
-            }
-        }
-        if let Some(number) = number.as_deref().and_then(|number| number.parse::<f64>().ok()) {
-            let own = self.tools.defined(number);
-            let said = |name: &str| seen.iter().find(|word| word.is(name)).and_then(|word| word.value).unwrap_or(0.0);
-            let allowances = ["DL", "DR"].map(said);
-            self.tools.add_allowances(host, number, &mut seen);
-            // Offsets of the machine are in its own unit.
-            let factor = if self.units.inches { host.length_factor() } else { 1.0 };
-            for word in seen.iter_mut().filter(|word| matches!(&*word.name, "DL" | "DR") && factor != 1.0) {
-                *word = Seen::made(&word.name.clone(), word.value.unwrap_or(0.0) * factor);
-            }
-            let control = &mut self.variables.control;
-            (control.tool, control.length, control.allowances) = (Some(number), own.0, allowances);
-            control.radius = own.1.map(|radius| radius + allowances[1]);
-            let allowance = |word: &Seen| matches!(&*word.name, "DL" | "DR" | "DR2") && word.value != Some(0.0);
-            self.space.allowances = seen.iter().any(|word| word.value.is_some() && allowance(word));
-        }
-        self.functions_of(&seen);
-        // Allowances belong to the tool table, unless the machine has registers for them.
-        let stays = |word: &Seen| !matches!(&*word.name, "DL" | "DR") || host.is_register(&word.name);
-        let left: Vec<Seen> = seen.into_iter().filter(stays).collect();
-        Ok(Some(match number {
-            Some(number) => joined(&format!("TOOL CALL {number}"), &left),
-            None => joined("", &left),
-        }))
-    }
-
-    fn define_tool(&mut self, host: &mut dyn Host, tool: &Formula, words: &[Word]) -> Result<Option<String>, Halt> {
-        let Some(number) = self.tool(host, tool)? else { return Ok(None) };
-        let seen = Evaluator::new(&mut self.variables, host).seen(words)?;
-        let value = |name: &str| seen.iter().find(|word| word.is(name)).and_then(|word| word.value);
-        if let Ok(number) = number.parse::<f64>()
-            && (value("L").is_some() || value("R").is_some())
-        {
-            self.tools.define(number, (value("L"), value("R")));
-        }
-        // Length and radius are those of the tool table, no words of the block.
-        let others: Vec<Seen> = seen.into_iter().filter(|word| !word.is("L") && !word.is("R")).collect();
-        Ok(Some(joined(&format!("TOOL DEF {number}"), &others)))
-    }
-
     fn path(
         &mut self,
         host: &mut dyn Host,
@@ -342,7 +248,7 @@ impl Heidenhain {
         place: Place,
     ) -> Result<Option<String>, Halt> {
         if shape == Shape::Space && !host.is_code_text("LN") {
-            return Ok(self.not_understood(host));
+            return Err(self.not_understood(host));
         }
         let mut seen = Evaluator::new(&mut self.variables, host).seen(words)?;
         // Old programs show what they do not say.
@@ -352,7 +258,7 @@ impl Heidenhain {
         self.functions_of(&seen);
         self.follow(host, &mut seen);
         if shape == Shape::Space {
-            self.directions(host, &mut seen);
+            self.directions(host, &mut seen)?;
         }
         let mut lines = self.function_words(host, &mut seen)?;
         self.feed_units(host, &mut seen)?;

@@ -184,8 +184,7 @@ fn quarter(at: Spot, heading: Spot, side: f64, radius: f64, arrives: bool) -> Op
 impl Heidenhain {
     /// Radius of the tool in force, in geometry units.
     pub(super) fn cutter(&self, host: &dyn Host) -> Result<f64, String> {
-        let radius =
-            self.variables.control.radius.map_or_else(|| host.tool_in_force()[1], |own| own * host.length_factor());
+        let radius = host.tool_in_force()[1];
         if radius > 0.0 { Ok(radius) } else { Err("the tool of an SL cycle has no radius".to_owned()) }
     }
 

@@ -154,7 +154,7 @@ impl Heidenhain {
     ) -> Result<Option<String>, Halt> {
         let stored = host.files().get(usize::from(place.file)).is_some_and(|name| name.starts_with(StoredFile::ROOT));
         if !stored {
-            return Ok(self.not_understood(host));
+            return Err(self.not_understood(host));
         }
         if matches!(what, "READ" | "READ ROUND") {
             self.cycles.contours.unrolled = None;
@@ -192,7 +192,7 @@ impl Heidenhain {
             "OLD ROUGH" => self.rough_out(host, &self.old_task(host), false),
             "OLD SIDE" => self.finish_sides(host, &self.old_task(host)),
             "OLD PILOT" => self.drill_pilots(host, &self.old_task(host)),
-            _ => return Ok(self.not_understood(host)),
+            _ => return Err(self.not_understood(host)),
         };
         match made {
             Ok(blocks) => Ok(Some(blocks.join("\n"))),

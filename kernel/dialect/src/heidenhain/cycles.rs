@@ -295,8 +295,7 @@ impl Heidenhain {
         if *cycle == 12 {
             let Some(program) = program.filter(|name| !name.is_empty()) else {
                 let text = format!("cycle 12 names no program in '{}'", host.block_text());
-                host.diagnose(&diag::STATEMENT_UNKNOWN, text);
-                return Ok(None);
+                return Err(host.alarm(&diag::STATEMENT_UNKNOWN, text));
             };
             let name = match super::formula::parameter(&mut Cursor::new(&program)) {
                 Some(name) => match Evaluator::new(&mut self.variables, host).value_or_kept(name)? {
@@ -371,7 +370,7 @@ impl Heidenhain {
             Some("TABLE") => {
                 let seen = Evaluator::new(&mut self.variables, host).seen(values.unwrap_or_default())?;
                 let Some(row) = seen.iter().find(|word| word.is("TABLINE")).and_then(|word| word.value) else {
-                    return Ok(self.not_understood(host));
+                    return Err(self.not_understood(host));
                 };
                 let table = seen.iter().find(|word| word.text.starts_with('"')).map(|word| word.text.as_str());
                 let mut words = self.datum_row(host, row, table)?;
@@ -379,7 +378,7 @@ impl Heidenhain {
                 self.shifts.define(host, 7, &mut words);
                 return Ok(Some(joined("CYCL DEF 7", &words)));
             }
-            _ => return Ok(self.not_understood(host)),
+            _ => return Err(self.not_understood(host)),
         }
         let mut seen = Evaluator::new(&mut self.variables, host).seen(&all)?;
         self.take_shifts(&seen);

@@ -44,6 +44,7 @@ mod statement;
 mod system;
 mod tables;
 mod tasks;
+mod tool_call;
 mod tools;
 mod train;
 mod upright;

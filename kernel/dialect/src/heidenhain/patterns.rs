@@ -209,8 +209,7 @@ impl Heidenhain {
             });
             let fits = made.filter(|(points, ..)| spots.len() + points.len() <= MOST);
             let Some((points, surface, end)) = fits else {
-                self.not_understood(host);
-                return Ok(());
+                return Err(self.not_understood(host));
             };
             spots.extend(points.into_iter().map(|at| Spot { at, above: surface, clearance: None }));
             rest = behind.get(end + 1..).unwrap_or_default();
@@ -246,15 +245,13 @@ impl Heidenhain {
     ) -> Result<Option<String>, Halt> {
         let Some(program) = self.cycles.defined.program.clone() else {
             let text = format!("no cycle is defined for the points of '{}'; define one before it", host.block_text());
-            host.diagnose(&diag::STATEMENT_UNKNOWN, text);
-            return Ok(None);
+            return Err(host.alarm(&diag::STATEMENT_UNKNOWN, text));
         };
         if self.cycles.pattern.call.is_none_or(|call| call.at != (place.file, place.line)) {
             let spots = if number == 220 { self.on_circle() } else { self.in_rows() };
             let Some(spots) = spots else {
                 let text = format!("the numbers of points in '{}' have to be 1 to {MOST} in all", host.block_text());
-                host.diagnose(&diag::STATEMENT_UNKNOWN, text);
-                return Ok(None);
+                return Err(host.alarm(&diag::STATEMENT_UNKNOWN, text));
             };
             self.cycles.pattern.of_cycle =
                 spots.into_iter().map(|at| Spot { at, above: 0.0, clearance: None }).collect();

@@ -60,9 +60,8 @@ impl Heidenhain {
     pub(super) fn plane(&mut self, host: &mut dyn Host, words: &[Word]) -> Result<Option<String>, Halt> {
         let mut seen = Evaluator::new(&mut self.variables, host).seen(words)?;
         if !seen.iter().any(|word| BEHAVIOUR.iter().any(|name| word.is(name))) {
-            let text = format!("PLANE needs MOVE, TURN or STAY in '{}'; ignored", host.block_text());
-            host.diagnose(&diag::STATEMENT_UNKNOWN, text);
-            return Ok(None);
+            let text = format!("PLANE needs MOVE, TURN or STAY in '{}'", host.block_text());
+            return Err(host.alarm(&diag::STATEMENT_UNKNOWN, text));
         }
         if seen.iter().any(|word| word.is("POINTS")) {
             seen = points(seen);

@@ -2,12 +2,13 @@
 //!
 //! Facts: programming manuals of the control (TCPM, three-dimensional compensation): F after M128 limits the linear axes
 //! that follow; a direction T counts only under M128 or TCPM; a block with a normal N but without T then has the tool along
-//! N. Decision: allowances of the tool along N are reported, not applied.
+//! N. Decision: allowances of the tool along N are an alarm.
 
 use super::Heidenhain;
 use super::words::Seen;
 use crate::host::Host;
 use counterpoint_fault as diag;
+use counterpoint_fault::Halt;
 
 /// What blocks in space depend on.
 #[derive(Debug, Default)]
@@ -43,17 +44,17 @@ impl Heidenhain {
     }
 
     /// Directions of an LN block.
-    pub(super) fn directions(&mut self, host: &mut dyn Host, seen: &mut Vec<Seen>) {
+    pub(super) fn directions(&mut self, host: &mut dyn Host, seen: &mut Vec<Seen>) -> Result<(), Halt> {
         const NORMAL: [&str; 3] = ["NX", "NY", "NZ"];
         const TOOL: [&str; 3] = ["TX", "TY", "TZ"];
         let is_normal = |word: &Seen| NORMAL.contains(&&*word.name);
         if self.space.allowances && seen.iter().any(is_normal) {
-            let text = format!("DL, DR and DR2 along the normal of '{}' are not emulated; ignored", host.block_text());
-            host.diagnose(&diag::STATEMENT_UNKNOWN, text);
+            let text = format!("DL, DR and DR2 along the normal of '{}' are not emulated", host.block_text());
+            return Err(host.alarm(&diag::STATEMENT_UNKNOWN, text));
         }
         if !self.space.follows || seen.iter().any(|word| TOOL.contains(&&*word.name)) {
             seen.retain(|word| !is_normal(word));
-            return;
+            return Ok(());
         }
         for word in seen {
             if let Some(name) = NORMAL.iter().position(|name| word.is(name)).and_then(|at| TOOL.get(at)) {
@@ -61,5 +62,6 @@ impl Heidenhain {
                 *word = Seen { name: (*name).into(), value: word.value, text };
             }
         }
+        Ok(())
     }
 }

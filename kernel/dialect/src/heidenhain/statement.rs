@@ -84,6 +84,8 @@ pub(super) enum Statement {
     SelectDatums(Formula),
     /// SEL CONTOUR with the program that makes an area of contours.
     SelectContour(Formula),
+    /// PRESET SELECT with the words after it.
+    SelectPreset(Vec<Word>),
     Begin {
         iso: bool,
         inch: Option<bool>,
@@ -131,7 +133,8 @@ pub(super) enum Call {
 }
 
 /// Key words of statements that are not emulated.
-const FOREIGN: [&str; 23] = [
+const FOREIGN: [&str; 24] = [
+    "PRESET",
     "PLANE",
     "FUNCTION",
     "GLOBAL",
@@ -251,6 +254,8 @@ fn key_word(cursor: &mut Cursor<'_>) -> Result<Option<Statement>, Wrong> {
         Statement::SelectContour(program_name(cursor)?)
     } else if cursor.keyword("SEL TABLE") {
         Statement::SelectDatums(program_name(cursor)?)
+    } else if cursor.keyword("PRESET SELECT") {
+        Statement::SelectPreset(words(cursor))
     } else if cursor.keyword("BEGIN PGM") {
         let inch = cursor.all().split_whitespace().last().and_then(|unit| match unit {
             "INCH" => Some(true),

@@ -7,6 +7,7 @@ use super::Heidenhain;
 use super::eval::{Asked, Evaluator};
 use super::formula::{Formula, Name};
 use super::path::AXES;
+use super::tools::row;
 use super::variables::Value;
 use super::words::shown;
 use crate::host::{Answer, Host};
@@ -52,13 +53,14 @@ impl Heidenhain {
         let (id, number) = (whole(id)?, whole(number)?);
         let tool = || control.tool.unwrap_or_else(|| f64::from(host.tool()));
         let of_tool = || index.map_or_else(|| Some(tool() as u32), whole);
+        let of_row = || index.map_or_else(|| Some(row(tool())), row_of);
         match (id, number) {
-            (20 | 60, 1) => Some(tool()),
+            (20 | 60, 1) => Some(tool().trunc()),
             (20, 3) | (60, 2) => Some(control.tool_axis.map_or(-1.0, |axis| axis as f64)),
             (20, 5) => Some(control.spindle.map_or(-1.0, f64::from)),
             (20, 8) => Some(f64::from(u8::from(control.coolant))),
             (30, number) => self.cycles.old.get(number.checked_sub(1)? as usize).copied(),
-            (50, column) => self.tools.column(host, of_tool()?, column),
+            (50, column) => self.tools.column(host, of_row()?, column),
             (51, column) => self.tools.pocket(whole(index?)?, column),
             (52, 1) => Some(self.tools.pocket_of(of_tool()?)),
             (60, 4) => Some(control.allowances[0]),
@@ -67,7 +69,7 @@ impl Heidenhain {
             (200, 1 | 2) => {
                 let [length, radius] = control.allowances;
                 let (size, more, called) = if number == 1 { (2, 5, radius) } else { (1, 4, length) };
-                let column = |column: u32| self.tools.column(host, tool() as u32, column);
+                let column = |column: u32| self.tools.column(host, row(tool()), column);
                 match index.map_or(Some(3), whole)? {
                     1 => column(size),
                     2 => Some(column(size)? + column(more)?),
@@ -122,14 +124,15 @@ impl Heidenhain {
         host.effect();
         let tool = self.variables.control.tool.unwrap_or_else(|| f64::from(host.tool()));
         let at = index.map_or_else(|| Some(tool as u32), whole);
+        let tool = index.map_or_else(|| Some(row(tool)), row_of);
         let written = match (whole(id), whole(number), at) {
-            (Some(50), Some(column), Some(tool)) => self.tools.write_column(host, tool, column, value),
+            (Some(50), Some(column), _) => tool.is_some_and(|tool| self.tools.write_column(host, tool, column, value)),
             (Some(51), Some(column), Some(pocket)) => self.tools.write_pocket(pocket, column, value),
             _ => false,
         };
         if !written {
-            let text = format!("{asked} cannot be written in '{}'; ignored", host.block_text());
-            host.diagnose(&diag::STATEMENT_UNKNOWN, text);
+            let text = format!("{asked} cannot be written in '{}'", host.block_text());
+            return Err(host.alarm(&diag::STATEMENT_UNKNOWN, text));
         }
         Ok(())
     }
@@ -139,6 +142,11 @@ impl Heidenhain {
 fn name_of(id: f64, number: f64, index: Option<f64>) -> String {
     let index = index.map_or_else(String::new, |index| format!(" IDX{}", shown(index)));
     format!("ID{} NR{}{index}", shown(id), shown(number))
+}
+
+/// The row of a tool in the tool table.
+fn row_of(tool: f64) -> Option<u32> {
+    (0.0..32_768.0).contains(&tool).then(|| row(tool))
 }
 
 /// A whole number that may be a system, a number of it or an index.

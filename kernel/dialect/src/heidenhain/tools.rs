@@ -13,8 +13,8 @@ use crate::host::Host;
 /// Columns that there are.
 const COLUMNS: std::ops::RangeInclusive<u32> = 1..=48;
 
-const LENGTH: u32 = 1;
-const RADIUS: u32 = 2;
+pub(super) const LENGTH: u32 = 1;
+pub(super) const RADIUS: u32 = 2;
 const MORE_LENGTH: u32 = 4;
 const MORE_RADIUS: u32 = 5;
 const TEETH: u32 = 15;
@@ -22,14 +22,28 @@ const TEETH: u32 = 15;
 /// Lengths: L, R, R2, DL, DR, DR2, LCUTS, the tolerances and limits of measuring and the offsets for it.
 const LENGTHS: [u32; 13] = [1, 2, 3, 4, 5, 6, 13, 16, 17, 19, 20, 21, 22];
 
+/// Rows of indexed tools: ten times the number of the tool and its index behind this.
+const INDEXED: u32 = 100_000;
+
+/// The last row.
+const LAST: u32 = INDEXED + 327_679;
+
+/// Whether a tool has an index, as 5.1.
+pub(super) fn is_indexed(tool: f64) -> bool {
+    (tool * 10.0).round() as u32 % 10 != 0
+}
+
+/// The row of a tool.
+pub(super) fn row(tool: f64) -> u32 {
+    if is_indexed(tool) { INDEXED + (tool * 10.0).round() as u32 } else { tool as u32 }
+}
+
 /// Most values that programs write.
 const MOST: usize = 10_000;
 
 /// What programs have said about tools.
 #[derive(Debug, Default)]
 pub(super) struct Tools {
-    /// Length and radius by TOOL DEF.
-    defined: FxHashMap<u32, (Option<f64>, Option<f64>)>,
     /// By tool and column; lengths in units of the machine.
     table: FxHashMap<(u32, u32), f64>,
     /// Pocket table by pocket and column.
@@ -39,29 +53,17 @@ pub(super) struct Tools {
 impl Tools {
     /// Bytes that they take, about.
     pub(super) fn bytes(&self) -> usize {
-        (self.defined.len() + self.table.len() + self.pockets.len()) * 60
-    }
-
-    /// TOOL DEF.
-    pub(super) fn define(&mut self, tool: f64, size: (Option<f64>, Option<f64>)) {
-        if self.defined.len() < MOST {
-            self.defined.insert(tool as u32, size);
-        }
-    }
-
-    /// Length and radius by TOOL DEF.
-    pub(super) fn defined(&self, tool: f64) -> (Option<f64>, Option<f64>) {
-        self.defined.get(&(tool as u32)).copied().unwrap_or_default()
+        (self.table.len() + self.pockets.len()) * 60
     }
 
     /// Teeth of a tool, 0 where no program has said them.
     pub(super) fn teeth(&self, tool: f64) -> f64 {
-        self.table.get(&(tool as u32, TEETH)).copied().unwrap_or(0.0)
+        self.table.get(&(row(tool), TEETH)).copied().unwrap_or(0.0)
     }
 
     /// A value of the tool table; none for a column or tool that there is not.
     pub(super) fn column(&self, host: &dyn Host, tool: u32, column: u32) -> Option<f64> {
-        if tool > 32_767 || !COLUMNS.contains(&column) {
+        if tool > LAST || !COLUMNS.contains(&column) {
             return None;
         }
         let value = match column {
@@ -74,12 +76,11 @@ impl Tools {
 
     /// Writes a value of the tool table; whether there is such a place.
     pub(super) fn write_column(&mut self, host: &mut dyn Host, tool: u32, column: u32, value: f64) -> bool {
-        if !(1..=32_767).contains(&tool) || !COLUMNS.contains(&column) {
+        if !(1..=LAST).contains(&tool) || !COLUMNS.contains(&column) {
             return false;
         }
         let value = if LENGTHS.contains(&column) { value * host.length_factor() } else { value };
         if matches!(column, LENGTH | RADIUS) {
-            self.defined.remove(&tool);
             return host.set_tool_size(tool, usize::from(column == RADIUS), value);
         }
         put(&mut self.table, (tool, column), value)
@@ -110,7 +111,7 @@ impl Tools {
     /// Adds the allowances of the tool table to those of a TOOL CALL.
     pub(super) fn add_allowances(&self, host: &dyn Host, tool: f64, seen: &mut Vec<Seen>) {
         for (column, name) in [(MORE_LENGTH, "DL"), (MORE_RADIUS, "DR")] {
-            let more = self.column(host, tool as u32, column).unwrap_or(0.0);
+            let more = self.column(host, row(tool), column).unwrap_or(0.0);
             if more == 0.0 {
                 continue;
             }

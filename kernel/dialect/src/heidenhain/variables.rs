@@ -30,10 +30,6 @@ impl Default for Value {
 pub(super) struct ControlState {
     /// Tool called last.
     pub(super) tool: Option<f64>,
-    /// Radius of the tool by TOOL DEF, with the allowance of TOOL CALL; none where that of the offset in force counts.
-    pub(super) radius: Option<f64>,
-    /// Length by TOOL DEF.
-    pub(super) length: Option<f64>,
     /// Allowances of TOOL CALL.
     pub(super) allowances: [f64; 2],
     /// Tool axis, 0 = X.
@@ -50,12 +46,12 @@ impl ControlState {
     fn get(&self, index: u32, host: &dyn Host) -> Option<f64> {
         let in_force = || host.tool_in_force().map(|length| length / host.length_factor());
         Some(match index {
-            108 => self.radius.unwrap_or_else(|| in_force()[1]),
+            108 => in_force()[1],
             109 => self.tool_axis.map_or(-1.0, |axis| axis as f64),
             110 => self.spindle.map_or(-1.0, f64::from),
             111 => f64::from(u8::from(self.coolant)),
             113 => f64::from(u8::from(self.inch)),
-            114 => self.length.unwrap_or_else(|| in_force()[0]),
+            114 => in_force()[0],
             _ => return None,
         })
     }

@@ -111,6 +111,15 @@ fn word(cursor: &mut Cursor<'_>) -> Word {
     }
     *cursor = ahead;
     let mut name = letters.to_owned();
+    // `DR2+0`: the digit belongs to the name where a value follows it.
+    if name == "DR" && cursor.rest().starts_with('2') {
+        let mut behind = cursor.clone();
+        behind.bump();
+        if matches!(behind.next_byte(), Some(b'+' | b'-' | b'Q')) {
+            *cursor = behind;
+            name.push('2');
+        }
+    }
     if cursor.take(b'=') {
         name.push('=');
     }

@@ -14,6 +14,9 @@ const MOST: usize = 1000;
 /// Characters of a tool's name.
 const LONGEST_NAME: usize = 80;
 
+/// The largest number of a tool offset.
+const LAST: i64 = 999_999;
+
 /// Work offsets that always exist, G54 to G59.
 const STANDARD: usize = 6;
 
@@ -69,13 +72,13 @@ fn read_data(row: &mut Section<'_>) -> Option<ToolFacts> {
     let number = row.integer("number", 1..=99_999_999).map(|number| number as u32);
     let name = row.name("name", LONGEST_NAME).unwrap_or_default().to_owned();
     let [diameter, radius, length] = ["diameter", "radius", "length"].map(|key| row.at_least_zero(key));
-    let offset = row.integer("offset", 1..=9999).map(|number| number as u32);
+    let offset = row.integer("offset", 1..=LAST).map(|number| number as u32);
     Some(ToolFacts { number: number?, name, diameter, radius, length, offset })
 }
 
 fn read_offset(row: &mut Section<'_>, axes: &Table<AxisId, Axis>, check: &Check) -> Option<ToolOffset> {
-    row.require("number", "a whole number from 1 to 9999");
-    let number = row.integer("number", 1..=9999).map(|number| number as u32);
+    row.require("number", "a whole number from 1 to 999999");
+    let number = row.integer("number", 1..=LAST).map(|number| number as u32);
     let radius = row.at_least_zero("radius").unwrap_or(0.0);
     let tip = row.integer("tip", 0..=9).unwrap_or(0) as u8;
     let values = by_axis(row, axes, check);
