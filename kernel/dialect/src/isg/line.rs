@@ -5,6 +5,7 @@
 
 use super::cursor::{Cursor, Mistake, plain};
 use super::expr::{Expr, Reader, Variable, is_value, is_variable};
+use super::message;
 use super::signals::{self, Statement};
 
 /// A block.
@@ -35,8 +36,8 @@ pub(super) enum Item {
     Declare(Variable),
     Control(Control),
     Signal(Box<Statement>),
-    /// `#MSG`.
-    Message(String),
+    /// `#MSG` with the values that its text shows.
+    Message(String, Vec<Expr>),
     /// `LL NAME`, which is in the same file, or `L NAME`, a file.
     Call {
         local: bool,
@@ -288,15 +289,7 @@ fn hash(cursor: &mut Cursor<'_>, text: &[u8]) -> Result<Item, Mistake> {
             let _ = cursor.word("WAIT") || cursor.word("CONTINUE");
             Item::Idle
         }
-        "MSG" => {
-            let rest = text.get(cursor.at..).unwrap_or_default();
-            let mut quotes = rest.split(|byte| *byte == b'"');
-            let (Some(_), Some(message), Some(_)) = (quotes.next(), quotes.next(), quotes.next()) else {
-                return Err(Mistake::expected("a text in quotation marks", cursor.at));
-            };
-            cursor.run(|_| true);
-            Item::Message(String::from_utf8_lossy(message).into_owned())
-        }
+        "MSG" => message::read(cursor, text)?,
         _ => {
             cursor.at = start;
             cursor.run(|_| true);
@@ -351,7 +344,7 @@ mod tests {
         assert!(matches!(items("#TIME 2.5")[..], [Item::Dwell(_)]));
         assert_eq!(items("LL UP1"), [Item::Call { local: true, name: "UP1".to_owned() }]);
         assert_eq!(items("L sub.nc"), [Item::Call { local: false, name: "SUB.NC".to_owned() }]);
-        assert_eq!(items("#MSG [\"Part (done)\"]"), [Item::Message("Part (done)".to_owned())]);
+        assert_eq!(items("#MSG [\"Part (done)\"]"), [Item::Message("Part (done)".to_owned(), Vec::new())]);
         assert_eq!(items("#HSC ON [A 1]"), [Item::Text("#HSC ON [A 1]".to_owned())]);
         assert!(read(b"$WHILE P1 < 3 X5").is_err() && read(b"$FOO").is_err());
     }

@@ -9,6 +9,7 @@ mod cursor;
 mod expr;
 mod flow;
 mod line;
+mod message;
 mod outline;
 mod places;
 mod run;

@@ -47,7 +47,7 @@ impl Isg {
                 Item::Signal(statement) => steps.push(Step::Signal(signalled(statement))),
                 Item::Call { local, name } => steps.push(self.called(programs, *local, name)),
                 Item::Return => steps.push(Step::Return),
-                Item::Time(_) | Item::Dwell(_) | Item::Set(..) | Item::Declare(_) | Item::Message(_) | Item::Idle => {}
+                Item::Time(_) | Item::Dwell(_) | Item::Set(..) | Item::Declare(_) | Item::Message(..) | Item::Idle => {}
             }
         }
         steps.insert(0, Step::Words(plain.into_bytes()));

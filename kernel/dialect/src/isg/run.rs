@@ -10,7 +10,7 @@ use counterpoint_lang::value::Value;
 use super::cursor::Cursor;
 use super::expr::{Expr, Own, Reader, Variable};
 use super::line::Item;
-use super::{Fault, Isg, Outcome, no_variable, places};
+use super::{Fault, Isg, Outcome, message, no_variable, places};
 use crate::expression::{Evaluate, Stack};
 use crate::host::{Answer, Host};
 use crate::numeric::{Function, Operator, truth};
@@ -129,7 +129,10 @@ impl Isg {
                 }
                 self.signal(host, statement)?;
             }
-            Item::Message(text) => host.show(text),
+            Item::Message(text, values) => {
+                let values = values.iter().map(|value| self.value(host, value)).collect::<Outcome<Vec<f64>>>()?;
+                host.show(&message::filled(text, &values)?);
+            }
             Item::Call { local, name } => self.call(host, *local, name)?,
             Item::Return => host.return_from(),
             Item::Idle => {}
