@@ -89,7 +89,14 @@ fn written_from(
         is_own && mentions(&info.line_text(channel.file, *line), rule, &own.wait)
     };
     let ahead = (here.saturating_add(1)..=last.min(here.saturating_add(MOST))).find(has);
-    let behind = || (first.max(here.saturating_sub(MOST))..=here).rev().find(has);
+    // The partner has not passed the block that it waits in.
+    let waits_here = stands.is_some_and(|(file, _)| file == channel.file) && has(&here);
+    if waits_here && ahead.is_none() {
+        let text = info.block_text(channel.file, here, 60);
+        return Some(format!("channel {partner} waits at '{text}' itself, in line {here}"));
+    }
+    let passed = here.saturating_add(u32::from(stands.is_none()));
+    let behind = || (first.max(here.saturating_sub(MOST))..passed).rev().find(has);
     let found = ahead.map(|line| (line, "ahead of it")).or_else(|| behind().map(|line| (line, "behind it")));
     let Some((line, side)) = found else {
         let code = if let Some(word) = &rule.signals.sent_by {
