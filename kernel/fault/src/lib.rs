@@ -111,7 +111,7 @@ diagnostics! {
     SIEMENS_DEFINITION_LINE 2900208 "definition-left-out" 8 false "line of a definition file left out";
     STATEMENT_UNKNOWN 2900240 "unknown-statement" 8 true "statement not supported by the pre-processor";
     PARAMETER_UNSET 2900241 "parameter-not-set" 4 false "Q parameter read before it has a value";
-    PATH_NOT_MADE 2900242 "path-not-possible" 8 false "path block not possible";
+    PATH_NOT_MADE 2900242 "path-not-possible" 4 false "path that may differ from that of the control (TNC)";
     TOOL_NAME 2900243 "tool-name-without-number" 8 false "tool name without a number";
     SYSTEM_DATA_UNKNOWN 2900244 "unknown-system-data" 8 false "system data not available";
     PRINT_MASK 2900245 "print-mask-not-found" 4 false "print mask not found";
@@ -211,6 +211,9 @@ diagnostics! {
     CYCLE_REFUSED 2900450 "cycle-refused" 12 true "cycle that the control refuses";
     OKUMA_DRAWING 2900451 "drawing-ignored" 0 false "statements for the screen that change neither path nor time (Okuma)";
     OKUMA_BLANK 2900452 "blank-ignored" 4 false "shape of the blank before a contour that the cycle ignores (Okuma)";
+    OKUMA_WORD 2900510 "word-of-another-machine" 12 true "word of the control that this machine does not have (Okuma)";
+    PATH_REFUSED 2900512 "path-refused" 12 true "path block that cannot be made (TNC)";
+    OKUMA_UNREAD 2900511 "variable-never-read" 4 false "local variable set beside words and never read (Okuma)";
     ARC_STRAIGHT 2900462 "arc-is-straight" 4 false "arc without a centre or radius that is a straight line";
     ARC_INCOMPLETE 2900384 "arc-incomplete" 8 false "arc without a centre or radius";
     OKUMA_NO_MODAL 2900182 "no-modal-call" 4 false "no modal call active (Okuma)";

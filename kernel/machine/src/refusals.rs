@@ -22,6 +22,8 @@ pub struct Refusal {
     pub implied: bool,
     /// One of these registers is on the block, bit by register; 0: any block.
     pub with: u128,
+    /// All of these registers are on the block, bit by register.
+    pub all: u128,
     /// None of these registers is on the block, bit by register.
     pub without: u128,
     /// One of these codes is active when the block begins, and the block makes no other of its group active.

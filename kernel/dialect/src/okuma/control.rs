@@ -37,7 +37,14 @@ impl Dialect for Control {
     }
 
     fn settings(&self) -> &'static [&'static str] {
-        &["PROCESS,SUBPROGRAMS", "PROCESS,SEQNAME", "PROCESS,EXECUTIONS", "PROCESS,CONTOURS", "PROCESS,DRAWING"]
+        &[
+            "PROCESS,SUBPROGRAMS",
+            "PROCESS,SEQNAME",
+            "PROCESS,EXECUTIONS",
+            "PROCESS,CONTOURS",
+            "PROCESS,DRAWING",
+            "PROCESS,TOOLOFFSETS",
+        ]
     }
 
     fn reader(&self, machine: &Machine) -> Option<Box<dyn Reader>> {

@@ -93,6 +93,8 @@ pub(super) struct Call {
 pub(super) enum Item {
     /// Text for the machine's tables.
     Plain(String),
+    /// An offset of the tool in the spindle: `HA`, `DB`.
+    OfTool(String),
     /// A value for a word or a variable.
     Set {
         /// Name of the word or variable, in capitals.
@@ -121,12 +123,14 @@ pub(super) struct Wanted {
     pub(super) subprograms: bool,
     /// Statements for the screen and the tool management.
     pub(super) drawing: bool,
+    /// HA to DC alone are offsets of the tool in the spindle.
+    pub(super) offsets: bool,
 }
 
 /// Reads a block.
 pub(super) fn read(prepared: Prepared, wanted: Wanted) -> Result<Line, Mistake> {
     let Prepared { plain, upper, messages, open } = prepared;
-    let mut reading = Reading { plain: &plain, cursor: Cursor::new(&upper) };
+    let mut reading = Reading { plain: &plain, cursor: Cursor::new(&upper), offsets: wanted.offsets };
     if let Some(header) = reading.of_the_file() {
         return Ok(Line { statement: header, messages, open, ..Line::default() });
     }
@@ -139,6 +143,8 @@ pub(super) fn read(prepared: Prepared, wanted: Wanted) -> Result<Line, Mistake> 
 struct Reading<'a> {
     plain: &'a [u8],
     cursor: Cursor<'a>,
+    /// HA to DC alone are offsets.
+    offsets: bool,
 }
 
 impl Reading<'_> {
@@ -408,6 +414,9 @@ impl Reading<'_> {
                 return self.set(start, name, Some(variable)).map(Some);
             }
             return Err(Mistake::Expected("'='", self.cursor.at + 1));
+        }
+        if self.offsets && names::is_offset(name) {
+            return Ok(Some(Item::OfTool(name.to_owned())));
         }
         // The rest of a number, as in.
         self.cursor.run(|byte| !byte.is_ascii_uppercase() && !matches!(byte, b' ' | b',' | b'=' | b'['));

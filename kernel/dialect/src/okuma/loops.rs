@@ -37,7 +37,9 @@ impl Open {
         if !may_hold_loop(text) {
             return;
         }
-        match read(prepare(text), Wanted { subprograms: true, drawing: false }).map(|line| line.statement) {
+        match read(prepare(text), Wanted { subprograms: true, drawing: false, offsets: false })
+            .map(|line| line.statement)
+        {
             Ok(Statement::Loop(_, number)) => self.open.begin(number, line),
             Ok(Statement::EndLoop(number)) => {
                 if let Some(start) = self.open.end(number) {

@@ -20,6 +20,7 @@ mod quick_look;
 mod run;
 mod store;
 mod text;
+mod unread;
 
 use counterpoint_fault::Halt;
 use std::sync::Arc;
@@ -72,6 +73,10 @@ pub(crate) struct Okuma {
     counts_executions: bool,
     /// G81 to G88 are contours with a name and cycles along them.
     has_contours: bool,
+    /// HA to DC without a value are offsets of the tool in the spindle.
+    takes_offsets: bool,
+    /// Local variables set beside words, and whether their file reads them; others have been reported.
+    read: FxHashMap<(FileId, names::Local), bool>,
     /// Statements for the screen are ignored.
     ignores_drawing: bool,
     /// That has been reported.
@@ -95,6 +100,8 @@ impl Okuma {
             takes_messages: true,
             counts_executions: false,
             has_contours: false,
+            takes_offsets: false,
+            read: FxHashMap::default(),
             ignores_drawing: false,
             reported_drawing: false,
         }
@@ -111,7 +118,8 @@ impl Okuma {
         {
             return Ok(Arc::clone(line));
         }
-        let wanted = line::Wanted { subprograms: self.takes_calls, drawing: self.ignores_drawing };
+        let wanted =
+            line::Wanted { subprograms: self.takes_calls, drawing: self.ignores_drawing, offsets: self.takes_offsets };
         let mut block = text::prepare(text);
         let lap = if self.has_contours { lap::find(&mut block) } else { None };
         match line::read(block, wanted) {
@@ -250,6 +258,7 @@ impl Interpreter for Okuma {
         self.alarm_texts.clear();
         self.arguments = None;
         self.caching = false;
+        self.read.clear();
     }
 
     fn on_start(&mut self, host: &mut dyn Host) {
@@ -344,6 +353,7 @@ impl Interpreter for Okuma {
             "PROCESS,EXECUTIONS" => &mut self.counts_executions,
             "PROCESS,CONTOURS" => &mut self.has_contours,
             "PROCESS,DRAWING" => &mut self.ignores_drawing,
+            "PROCESS,TOOLOFFSETS" => &mut self.takes_offsets,
             _ => return Setting::Unknown,
         };
         let [value] = values else { return Setting::Wrong };

@@ -29,7 +29,7 @@ impl Reader for Outlines {
     fn outline(&mut self, programs: &mut dyn Programs, text: &[u8]) -> Vec<Step> {
         let whole = self.okuma.continued(programs, text);
         let text = whole.as_ref().map_or(text, |(whole, _)| whole.as_slice());
-        match read(prepare(text), Wanted { subprograms: true, drawing: false }) {
+        match read(prepare(text), Wanted { subprograms: true, drawing: false, offsets: false }) {
             Ok(line) => self.line(programs, &line),
             Err(mistake) => vec![Step::Mistake(mistake.to_string())],
         }
@@ -111,7 +111,7 @@ fn words(items: &[Item]) -> Vec<Step> {
                 plain.push_str(spelled);
             }
             Item::Set { name, .. } => steps.push(Step::Computed(name.clone())),
-            Item::Text { .. } => {}
+            Item::Text { .. } | Item::OfTool(_) => {}
         }
         plain.push(' ');
     }

@@ -106,7 +106,7 @@ fn head(text: &[u8]) -> Option<Head> {
         return None;
     }
     // Only the head is wanted, so nothing after it may be a mistake.
-    let line = read(prepare(cut(text)), Wanted { subprograms: true, drawing: false }).ok()?;
+    let line = read(prepare(cut(text)), Wanted { subprograms: true, drawing: false, offsets: false }).ok()?;
     line.head.into_iter().find(|head| !matches!(head, Head::Mark(_)))
 }
 

@@ -87,7 +87,10 @@ impl Okuma {
             Statement::Shared(shared, operands) => {
                 shared.execute(host, operands, |host, operand| self.value(host, operand))?;
             }
-            Statement::Items(items) => items.iter().try_for_each(|item| self.item(host, item, &mut left))?,
+            Statement::Items(items) => {
+                self.check_names(host, items)?;
+                items.iter().try_for_each(|item| self.item(host, item, &mut left))?;
+            }
         }
         Ok(some(left))
     }
@@ -226,6 +229,11 @@ impl Okuma {
         let (name, variable, value, spelled, raw) = match item {
             Item::Plain(text) => {
                 push(left, text);
+                return Ok(());
+            }
+            Item::OfTool(name) => {
+                let tool = f64::from(host.tool());
+                push(left, &host.word(name, tool, None).unwrap_or_else(|| name.clone()));
                 return Ok(());
             }
             Item::Text { variable, text, raw } => return self.text(host, (variable, text, raw), left),

@@ -41,7 +41,7 @@ pub(super) fn go(act: &mut Act<'_, '_>, number: usize) -> Acted {
         if !act.env.machine.habits.bare_home {
             return Ok(());
         }
-        coded = every_axis(act);
+        coded = with_reference(act, number);
     }
     act.added_to(coded, "PS0363 return to the reference point of an axis to which moves are added")?;
     act.trace(ACTION, |channel| trace::action(&home_text(channel, coded, number)));
@@ -90,6 +90,13 @@ fn straight(act: &mut Act<'_, '_>, number: usize) -> Acted {
 /// All axes of the channel, bit by axis.
 fn every_axis(act: &Act<'_, '_>) -> u8 {
     act.state.place.layout.axes.ids().fold(0, |bits, slot| bits | slot.bit())
+}
+
+/// The axes that have the point; all where none has it, so that this is reported.
+fn with_reference(act: &Act<'_, '_>, number: usize) -> u8 {
+    let axes = act.state.place.layout.axes.entries().filter(|(_, axis)| reference(axis, number).is_some());
+    let found = axes.fold(0, |bits, (slot, _)| bits | slot.bit());
+    if found == 0 { every_axis(act) } else { found }
 }
 
 /// Takes the axis words as positions of the machine frame.

@@ -43,7 +43,7 @@ struct Words {
 impl Words {
     fn of(rule: &Refusal) -> Self {
         let one = if rule.with == 0 { ANY_BLOCK } else { rule.with };
-        Self { one, all: rule.word.map_or(0, |word| word.register.bit()), none: rule.without }
+        Self { one, all: rule.all | rule.word.map_or(0, |word| word.register.bit()), none: rule.without }
     }
 
     #[inline(always)]

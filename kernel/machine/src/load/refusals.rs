@@ -14,9 +14,9 @@ use crate::toml::section::Section;
 const MOST: usize = 1000;
 
 /// Keys of a row that is switched off: it only takes away that of the family.
-const KEYS: [&str; 15] = [
-    "alarm", "name", "text", "codes", "implied", "with", "without", "active", "inactive", "register", "min", "max",
-    "whole", "point", "most",
+const KEYS: [&str; 16] = [
+    "alarm", "name", "text", "codes", "implied", "with", "all", "without", "active", "inactive", "register", "min",
+    "max", "whole", "point", "most",
 ];
 
 /// Reads the rows in file order.
@@ -53,7 +53,7 @@ fn read_row(row: &mut Section<'_>, names: &Names<'_>, codes: &[CodeRow]) -> Opti
     let on = row.texts("codes").unwrap_or_default();
     let on: Vec<Written> = on.into_iter().filter_map(|(name, place)| written(name, place, row, names)).collect();
     let implied = row.flag("implied").unwrap_or(false);
-    let [with, without] = ["with", "without"].map(|key| {
+    let [with, all, without] = ["with", "all", "without"].map(|key| {
         let listed = row.texts(key).unwrap_or_default();
         let registers = listed.into_iter().filter_map(|(name, place)| names.register(name, place));
         registers.fold(0_u128, |bits, register| bits | register.bit())
@@ -66,9 +66,9 @@ fn read_row(row: &mut Section<'_>, names: &Names<'_>, codes: &[CodeRow]) -> Opti
     if on.is_empty() && word.is_none() && row.place_of("codes") == row.place() {
         names.check.error(row.place(), "[[refusals]] needs `codes` or `register`: what it looks for on a block");
     }
-    let says = with != 0 || without != 0 || !active.is_empty() || !inactive.is_empty() || word.is_some();
+    let says = with != 0 || all != 0 || without != 0 || !active.is_empty() || !inactive.is_empty() || word.is_some();
     if !says {
-        let text = "[[refusals]] would refuse every block of these codes: it needs `with`, `without`, `active`, \
+        let text = "[[refusals]] would refuse every block of these codes: it needs `with`, `all`, `without`, `active`, \
                     `inactive` or `register`";
         names.check.error(row.place(), text);
     }
@@ -79,6 +79,7 @@ fn read_row(row: &mut Section<'_>, names: &Names<'_>, codes: &[CodeRow]) -> Opti
         codes: on,
         implied,
         with,
+        all,
         without,
         active,
         inactive,

@@ -2,13 +2,14 @@ use super::super::text::prepare;
 use super::*;
 
 fn line(text: &str) -> Result<Line, Mistake> {
-    read(prepare(text.as_bytes()), Wanted { subprograms: true, drawing: false })
+    read(prepare(text.as_bytes()), Wanted { subprograms: true, drawing: false, offsets: false })
 }
 
 fn plain(text: &str) -> Vec<String> {
     let Statement::Items(items) = line(text).unwrap().statement else { panic!("{text} has no items") };
     let text = |item| match item {
         Item::Plain(text) => format!("'{text}'"),
+        Item::OfTool(name) => name,
         Item::Set { raw, .. } | Item::Text { raw, .. } => raw,
     };
     items.into_iter().map(text).collect()

@@ -1,0 +1,136 @@
+//! Local variables that a block sets beside words, and that no block reads.
+//!
+//! Facts: the control takes a name that is no word of the machine for a local variable. Decisions: a name that its file reads anywhere
+//! is a variable; of the others a word of the control is an alarm, a name beside words a warning, once for each name of a file.
+//! Invariant: a name is looked for once.
+
+use counterpoint_fault as diag;
+use counterpoint_fault::Acted;
+
+use super::Okuma;
+use super::expr::Variable;
+use super::line::Item;
+use super::names::{Local, is_word_of_control};
+use super::text;
+use crate::host::Host;
+
+/// Most names that are kept.
+const MOST: usize = 10_000;
+
+/// Whether an item is anything but a value for a variable.
+fn is_word(item: &Item) -> bool {
+    !matches!(
+        item,
+        Item::Set { variable: Some(Variable::Local(_) | Variable::Common(..) | Variable::System(..)), .. }
+            | Item::Text { .. }
+    )
+}
+
+impl Okuma {
+    /// Reports names of a block that are taken for local variables by mistake.
+    pub(super) fn check_names(&mut self, host: &mut dyn Host, items: &[Item]) -> Acted {
+        let mut beside = None;
+        for item in items {
+            let Item::Set { name, variable: Some(Variable::Local(local)), .. } = item else { continue };
+            let of_control = is_word_of_control(name);
+            if !of_control && items.len() == 1 {
+                continue;
+            }
+            if self.is_word(host, name) {
+                continue;
+            }
+            let beside = *beside.get_or_insert_with(|| {
+                items.iter().any(|other| match other {
+                    Item::Set { name, variable: Some(Variable::Local(_)), .. } => self.is_word(host, name),
+                    other => is_word(other),
+                })
+            });
+            if (of_control || beside) && !self.is_read(host, *local, name) {
+                self.unread(host, (*local, name), of_control)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// The file reads the name, or it has been reported.
+    fn is_read(&mut self, host: &mut dyn Host, local: Local, name: &str) -> bool {
+        let file = host.place().file;
+        if let Some(read) = self.read.get(&(file, local)) {
+            return *read;
+        }
+        let source = host.source(file);
+        let read = source.is_none_or(|source| {
+            source.walk(1, source.lines()).any(|line| {
+                let line = source.line(line);
+                may_name(line, name) && reads(&text::prepare(line).upper, name.as_bytes())
+            })
+        });
+        if self.read.len() >= MOST {
+            self.read.clear();
+        }
+        self.read.insert((file, local), read);
+        read
+    }
+
+    fn unread(&mut self, host: &mut dyn Host, (local, name): (Local, &str), of_control: bool) -> Acted {
+        if of_control {
+            let text = format!(
+                "{name}= is a word of the control that this machine does not have, and no block reads a variable {name}, in '{}'",
+                host.block_text()
+            );
+            return Err(host.alarm(&diag::OKUMA_WORD, text));
+        }
+        let text = format!(
+            "{name} is set as a local variable beside other words in '{}', and no block reads it: correct the name, or add a register {name}= to the machine",
+            host.block_text()
+        );
+        host.diagnose(&diag::OKUMA_UNREAD, text);
+        let file = host.place().file;
+        self.read.insert((file, local), true);
+        Ok(())
+    }
+}
+
+/// A quick look: the line has the letters of the name.
+fn may_name(line: &[u8], name: &str) -> bool {
+    line.windows(name.len()).any(|part| part.eq_ignore_ascii_case(name.as_bytes()))
+}
+
+/// The name stands somewhere without an equal sign behind it.
+fn reads(line: &[u8], name: &[u8]) -> bool {
+    let is_name = |byte: &u8| byte.is_ascii_alphanumeric();
+    let mut from = 0;
+    while let Some(at) = line.get(from..).and_then(|rest| rest.windows(name.len()).position(|part| part == name)) {
+        let (start, end) = (from + at, from + at + name.len());
+        from = end;
+        let begins = start == 0 || !line.get(start - 1).is_some_and(is_name);
+        let rest = line.get(end..).unwrap_or_default();
+        let ends = !rest.first().is_some_and(is_name);
+        if begins && ends && rest.trim_ascii_start().first() != Some(&b'=') {
+            return true;
+        }
+    }
+    false
+}
+
+#[cfg(test)]
+mod tests {
+    use super::reads;
+
+    #[test]
+    fn a_name_is_read_where_no_value_follows() {
+        for (line, is) in [
+            ("X=QB", true),
+            ("G1 X[QB+1]", true),
+            ("QB=QB-1", true),
+            ("IF [QB EQ 1] N5", true),
+            ("G1 X5 QB=45", false),
+            ("G1 X5 QB = 45", false),
+            ("X=QB1", false),
+            ("X=LQB", false),
+            ("", false),
+        ] {
+            assert_eq!(reads(line.as_bytes(), b"QB"), is, "{line}");
+        }
+    }
+}
