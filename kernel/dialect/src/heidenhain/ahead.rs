@@ -6,9 +6,11 @@
 
 use super::eval::Evaluator;
 use super::formula::Name;
+use super::iso_blocks::Modes;
 use super::path::{Shape, Step};
 use super::statement::Statement;
 use super::variables::Value;
+use super::words::Word;
 use super::{Heidenhain, Line};
 use crate::host::{Host, Place};
 use counterpoint_fault::Halt;
@@ -48,23 +50,20 @@ impl Heidenhain {
             return Ok(Vec::new());
         }
         let mut steps = Vec::new();
+        let mut modes = self.modes;
         if let Statement::Path { shape, iso, words } = &first.statement {
-            let mut seen = Evaluator::new(&mut self.variables, host).seen(words)?;
-            self.cycles.contours.unroll(&mut seen);
-            // The line of a corner follows from what it was read from.
-            steps.push(Step {
-                shape: *shape,
-                iso: *iso,
-                seen,
-                line: behind.saturating_sub(1),
-                number: first.number,
-                rapid: None,
-            });
+            for (shape, iso, words) in self.elements_ahead(host, &mut modes, (*shape, *iso, words)) {
+                let mut seen = Evaluator::new(&mut self.variables, host).seen(&words)?;
+                self.cycles.contours.unroll(&mut seen);
+                // The line of a corner follows from what it was read from.
+                let line = behind.saturating_sub(1);
+                steps.push(Step { shape, iso, seen, line, number: first.number, rapid: None });
+            }
         }
         let elements = matches!(shape, Shape::FreeLine { .. } | Shape::FreeArc { .. });
         if is_corner || elements {
             self.note_select(host, 1, behind, place);
-            steps.extend(self.next_steps(host, behind, place)?);
+            steps.extend(self.next_steps(host, modes, behind, place)?);
         }
         Ok(steps)
     }
@@ -91,16 +90,23 @@ impl Heidenhain {
 
     /// The next path block as the program comes to it, with the one after it where it is a pole; assignments on the way are taken
     /// back.
-    fn next_steps(&mut self, host: &mut dyn Host, from: u32, place: Place) -> Result<Vec<Step>, Halt> {
+    fn next_steps(
+        &mut self,
+        host: &mut dyn Host,
+        mut modes: Modes,
+        from: u32,
+        place: Place,
+    ) -> Result<Vec<Step>, Halt> {
         let (mut before, mut steps) = (Vec::new(), Vec::new());
         let mut next = Some(from);
         let mut done = Ok(());
         while let Some(line) = next.take() {
-            match self.run_to_step(host, (line, place), &mut before) {
-                Ok(Some((step, behind))) => {
+            match self.run_to_steps(host, &mut modes, (line, place), &mut before) {
+                Ok(Some((found, behind))) => {
                     self.note_select(host, steps.len() + 2, behind, place);
-                    next = (step.shape == Shape::Pole && steps.is_empty()).then_some(behind);
-                    steps.push(step);
+                    let is_pole = found.len() == 1 && found.first().is_some_and(|step| step.shape == Shape::Pole);
+                    next = (is_pole && steps.is_empty()).then_some(behind);
+                    steps.extend(found);
                 }
                 Ok(None) => {}
                 Err(halt) => done = Err(halt),
@@ -112,12 +118,27 @@ impl Heidenhain {
         done.map(|()| steps)
     }
 
-    fn run_to_step(
+    /// The path blocks of a block, which are several in an ISO program on a machine of conversational words.
+    fn elements_ahead(
+        &mut self,
+        host: &dyn Host,
+        modes: &mut Modes,
+        (shape, iso, words): (Shape, bool, &[Word]),
+    ) -> Vec<(Shape, bool, Vec<Word>)> {
+        let elements = if shape == Shape::Iso && self.is_translated(host) { modes.read(words) } else { None };
+        match elements {
+            Some(elements) => elements.into_iter().map(|(shape, words)| (shape, false, words)).collect(),
+            None => vec![(shape, iso, words.to_vec())],
+        }
+    }
+
+    fn run_to_steps(
         &mut self,
         host: &mut dyn Host,
+        modes: &mut Modes,
         (from, place): (u32, Place),
         before: &mut Vec<(Name, Option<Value>)>,
-    ) -> Result<Option<(Step, u32)>, Halt> {
+    ) -> Result<Option<(Vec<Step>, u32)>, Halt> {
         let mut line = from;
         for _ in 0..NEAR {
             let Some(read) = Some(line).filter(|line| *line <= place.range.last) else { return Ok(None) };
@@ -141,12 +162,13 @@ impl Heidenhain {
                 }
                 Statement::Branch(..) => read.next,
                 Statement::Path { shape, iso, words } => {
-                    let mut seen = Evaluator::new(&mut self.variables, host).seen(words)?;
-                    self.cycles.contours.unroll(&mut seen);
-                    return Ok(Some((
-                        Step { shape: *shape, iso: *iso, seen, line: 0, number: read.number, rapid: None },
-                        read.next,
-                    )));
+                    let mut steps = Vec::new();
+                    for (shape, iso, words) in self.elements_ahead(host, modes, (*shape, *iso, words)) {
+                        let mut seen = Evaluator::new(&mut self.variables, host).seen(&words)?;
+                        self.cycles.contours.unroll(&mut seen);
+                        steps.push(Step { shape, iso, seen, line: 0, number: read.number, rapid: None });
+                    }
+                    return Ok(Some((steps, read.next)));
                 }
                 _ => return Ok(None),
             };

@@ -24,6 +24,9 @@ impl Heidenhain {
     pub(super) fn carry_out(&mut self, host: &mut dyn Host, line: &Line, place: Place) -> Result<Option<String>, Halt> {
         match &line.statement {
             Statement::Nothing | Statement::Label(_) => Ok(None),
+            Statement::Words(words) | Statement::Path { shape: Shape::Iso, words, .. } if self.is_translated(host) => {
+                self.iso_block(host, words, line, place)
+            }
             Statement::Words(words) => self.plain(host, words),
             Statement::Assign(name, formula) => {
                 let mut evaluator = Evaluator::new(&mut self.variables, host);
@@ -80,17 +83,21 @@ impl Heidenhain {
             Statement::Begin { inch, words, .. } => self.begin_program(host, *inch, words),
             Statement::End => self.end_program(host),
             Statement::Contour(what) => self.contour_statement(host, what, place),
+            Statement::CycleDefinition(words)
+                if words.first().is_some_and(|word| &*word.name == "G") && self.is_translated(host) =>
+            {
+                match Self::iso_definition(words) {
+                    Some(words) => self.define_cycle(host, &words, place),
+                    None => Err(self.not_understood(host)),
+                }
+            }
             Statement::CycleDefinition(words) => self.define_cycle(host, words, place),
             Statement::CyclePart { .. } => self.define_by_parts(host, line, place),
             Statement::CycleCall { kind, words } => self.call_cycle(host, (*kind, words), place),
             Statement::ToolCall { tool, words } => self.call_tool(host, tool.as_ref(), words),
             Statement::SelectPreset(words) => self.select_preset(host, words),
             Statement::ToolDefinition { tool, words } => self.define_tool(host, tool, words),
-            Statement::Stop(words) => {
-                let seen = Evaluator::new(&mut self.variables, host).seen(words)?;
-                self.functions_of(&seen);
-                Ok(Some(joined(if host.is_code_text("STOP") { "STOP" } else { "M0" }, &seen)))
-            }
+            Statement::Stop(words) => self.stop(host, words),
             Statement::Path { shape, iso, words } => self.path(host, (*shape, *iso, words), line, place),
             Statement::Foreign(words) => {
                 let starts = |count: usize| {
@@ -174,7 +181,14 @@ impl Heidenhain {
         }
     }
 
-    fn plain(&mut self, host: &mut dyn Host, words: &[Word]) -> Result<Option<String>, Halt> {
+    /// STOP.
+    pub(super) fn stop(&mut self, host: &mut dyn Host, words: &[Word]) -> Result<Option<String>, Halt> {
+        let seen = Evaluator::new(&mut self.variables, host).seen(words)?;
+        self.functions_of(&seen);
+        Ok(Some(joined(if host.is_code_text("STOP") { "STOP" } else { "M0" }, &seen)))
+    }
+
+    pub(super) fn plain(&mut self, host: &mut dyn Host, words: &[Word]) -> Result<Option<String>, Halt> {
         let mut seen = Evaluator::new(&mut self.variables, host).seen(words)?;
         self.functions_of(&seen);
         self.follow(host, &mut seen);
@@ -214,7 +228,7 @@ impl Heidenhain {
         if let Some(inch) = inch.filter(|_| !called) {
             self.variables.control.inch = inch;
         }
-        if !words.is_empty() {
+        if !words.is_empty() && !self.is_translated(host) {
             let seen = Evaluator::new(&mut self.variables, host).seen(words)?;
             return Ok(Some(joined("", &seen)));
         }
@@ -240,7 +254,7 @@ impl Heidenhain {
         Some(unit(inches).to_owned()).filter(|unit| host.is_code_text(unit))
     }
 
-    fn path(
+    pub(super) fn path(
         &mut self,
         host: &mut dyn Host,
         (shape, iso, words): (Shape, bool, &[Word]),

@@ -59,7 +59,7 @@ impl Walk<'_> {
         let (start, to) = (self.flat(&self.start), self.flat(&end));
         let Some(clockwise) = self.path.clockwise else {
             self.path.base = None;
-            self.complain("the circle has no direction of rotation");
+            self.refuse("the circle has no direction of rotation");
             return vec![self.verbatim(&[])];
         };
         let radius = self.step.seen.iter().find(|word| word.is("R") && word.text != "R0").and_then(|word| word.value);
@@ -67,7 +67,7 @@ impl Walk<'_> {
         let center = if shape == Shape::Arc {
             let Some(pole) = self.path.poles.flat else {
                 self.path.base = None;
-                self.complain("the circle has no centre (CC)");
+                self.refuse("the circle has no centre (CC)");
                 return vec![self.verbatim(&[])];
             };
             centre = self.center_words(pole);
@@ -85,7 +85,7 @@ impl Walk<'_> {
             let element = contour::arc(self.flat(&self.actual), to, center, clockwise);
             let shortened = if self.step.iso {
                 if self.corner_follows() {
-                    self.complain("corners beside circles of ISO programs are not made; the corner after this block is left sharp");
+                    self.refuse("corners beside circles of ISO programs are not made");
                 }
                 None
             } else {
@@ -210,7 +210,7 @@ impl Walk<'_> {
         self.path.base = None;
         let others = self.others(self.polar_words());
         let Some(heading) = self.path.heading else {
-            self.complain("a tangential circle needs a path block before it; a straight move is made instead");
+            self.refuse("a tangential circle needs a path block before it");
             return vec![self.straight(&end, &others)];
         };
         match contour::tangent(start, heading, to) {
@@ -228,7 +228,7 @@ impl Walk<'_> {
             }
             straight => {
                 if straight == Tangent::Back {
-                    self.complain("a tangential circle cannot lead straight back; a straight move is made instead");
+                    self.refuse("a tangential circle cannot lead straight back");
                 }
                 self.head_for(minus(to, start));
                 vec![self.straight(&end, &others)]

@@ -37,9 +37,7 @@ impl Walk<'_> {
             .find(|word| (word.is("R") || word.is("") || word.is("RND") || word.is("CHF")) && word.value.is_some());
         let size = size.and_then(|word| word.value).unwrap_or(0.0);
         let Some(after) = self.element_behind(end) else {
-            self.complain(
-                "corners are made before lines and circles whose blocks say where they end; the corner after this block is left sharp",
-            );
+            self.refuse("corners are made before lines and circles whose blocks say where they end");
             return None;
         };
         match contour::corner(own, after, chamfer, size) {
@@ -49,7 +47,7 @@ impl Walk<'_> {
                 Some(from)
             }
             Err(why) => {
-                self.complain(&format!("{why}; the corner after this block is left sharp"));
+                self.refuse(&format!("{why}"));
                 None
             }
         }
@@ -121,7 +119,7 @@ impl Walk<'_> {
         let Some(corner) = corner.filter(|corner| corner.line == self.step.line) else {
             // An element that could not make room has said so.
             if self.path.heading.is_none() {
-                self.complain("a corner needs an element before it");
+                self.refuse("a corner needs an element before it");
             }
             return Vec::new();
         };
@@ -163,7 +161,7 @@ impl Walk<'_> {
         let next = self.ahead.first().cloned();
         let heading = next.as_ref().and_then(|step| self.heading_of(step, &end, to));
         let Some(heading) = heading else {
-            self.complain("an approach needs a path block after it for its direction; a straight move is made instead");
+            self.refuse("an approach needs a path block after it for its direction");
             let others = self.others(&USED);
             return vec![self.straight(&end, &others)];
         };
@@ -171,7 +169,7 @@ impl Walk<'_> {
         let made = contour::approach(way, from, (to, heading), side);
         let others = self.others(&USED);
         let Some(Approach { begin, radius, heading }) = made else {
-            self.complain("an approach has no length or radius that fits; a straight move is made instead");
+            self.refuse("an approach has no length or radius that fits");
             return vec![self.straight(&end, &others)];
         };
         let mut first = self.actual;
@@ -224,12 +222,12 @@ impl Walk<'_> {
         self.path.base = None;
         let others = self.others(&USED);
         let Some(heading) = self.path.heading else {
-            self.complain("a departure needs a path block before it");
+            self.refuse("a departure needs a path block before it");
             return Vec::new();
         };
         let side = self.side(way);
         if side.size == 0.0 {
-            self.complain("a departure has no length or radius");
+            self.refuse("a departure has no length or radius");
             return Vec::new();
         }
         self.path.side.is_left = None;
@@ -263,7 +261,7 @@ impl Walk<'_> {
                 vec![first, last]
             }
             None => {
-                self.complain("a departure ends inside its circle; a straight move is made instead");
+                self.refuse("a departure ends inside its circle");
                 vec![self.straight(&end, &with_end)]
             }
         }

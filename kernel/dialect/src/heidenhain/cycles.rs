@@ -325,8 +325,7 @@ impl Heidenhain {
             let ends = lines.iter().skip(1).map(|(_, begin)| *begin).chain([seen.len()]);
             let lines =
                 lines.iter().zip(ends).map(|(&(part, begin), end)| (part, seen.get(begin..end).unwrap_or_default()));
-            self.cycles.old = old::data(*cycle, lines, self.path.plane);
-            self.cycles.defined = State { program: Some(cycle.to_string().into()), stored: true, modal: false };
+            self.define_old(*cycle, lines);
             return Ok(None);
         }
         if let Some((_, name)) = VALUES.iter().find(|(of, _)| of == cycle) {
@@ -343,6 +342,12 @@ impl Heidenhain {
         }
         before.push(joined("", &seen));
         Ok(Some(before.join("\n")))
+    }
+
+    /// A cycle of several lines that is a program, with what its lines say.
+    pub(super) fn define_old<'s>(&mut self, cycle: u32, lines: impl Iterator<Item = (u32, &'s [Seen])>) {
+        self.cycles.old = old::data(cycle, lines, self.path.plane);
+        self.cycles.defined = State { program: Some(cycle.to_string().into()), stored: true, modal: false };
     }
 
     /// GLOBAL DEF: what PREDEF means in definitions to come.

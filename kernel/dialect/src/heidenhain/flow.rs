@@ -170,21 +170,21 @@ impl Heidenhain {
         Ok(())
     }
 
-    /// Whether the program in process is an ISO program: by setting, name of its file, first block.
-    fn is_iso(&self, host: &dyn Host) -> bool {
+    /// Whether the program in process is an ISO program: by setting, first block, name of its file.
+    pub(super) fn is_iso(&self, host: &dyn Host) -> bool {
         if let Some(iso) = self.settings.iso {
             return iso;
         }
         let file = host.place().file;
-        let name = host.files().get(usize::from(file)).map_or(String::new(), |name| name.to_ascii_uppercase());
-        match name.rsplit_once('.').map(|(_, extension)| extension) {
-            Some("I") => true,
-            Some("H") => false,
-            _ => host.source(file).is_some_and(|source| {
-                let first = source.walk(1, source.lines()).map(|line| source.line(line).trim_ascii());
-                first.into_iter().find(|line| !line.is_empty()).is_some_and(|line| line.starts_with(b"%"))
-            }),
+        let first = host.source(file).and_then(|source| {
+            let lines = source.walk(1, source.lines()).map(|line| source.line(line).trim_ascii());
+            lines.into_iter().find(|line| !line.is_empty()).map(<[u8]>::to_vec)
+        });
+        if first.is_some_and(|first| first.starts_with(b"%")) {
+            return true;
         }
+        let files = host.files();
+        files.get(usize::from(file)).is_some_and(|name| name.to_ascii_uppercase().ends_with(".I"))
     }
 
     /// Where a program of a name is: beside the calling or the main program, then where the settings say.

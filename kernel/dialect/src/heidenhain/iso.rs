@@ -38,7 +38,7 @@ pub(super) fn read(cursor: &mut Cursor<'_>) -> Result<Option<Statement>, Wrong> 
     call(cursor)
 }
 
-/// `L5`, `L5,2`, `L5.2`, `L"NAME"`: nothing else stands on such a block.
+/// `L5`, `L5,0`, `L5,2`, `L5.2`, `L"NAME"`: nothing else stands on such a block.
 fn call(cursor: &mut Cursor<'_>) -> Result<Option<Statement>, Wrong> {
     let mut ahead = cursor.clone();
     if !ahead.take(b'L') {
@@ -54,7 +54,14 @@ fn call(cursor: &mut Cursor<'_>) -> Result<Option<Statement>, Wrong> {
     };
     let repeat = if matches!(ahead.peek(), Some(b',' | b'.')) {
         ahead.bump();
-        Some(formula::operand(&mut ahead)?)
+        // `L5,0` calls the subprogram once.
+        let mut zero = ahead.clone();
+        if zero.whole() == Some(0) && zero.is_over() {
+            ahead = zero;
+            None
+        } else {
+            Some(formula::operand(&mut ahead)?)
+        }
     } else {
         None
     };
@@ -104,7 +111,7 @@ pub(super) fn needs_interpreter(text: &[u8]) -> bool {
         let letter = match byte.to_ascii_uppercase() {
             b' ' | b'\t' => continue,
             b';' => return false,
-            letter @ (b'G' | b'M' | b'S' | b'F' | b'T' | b'H') => letter,
+            letter @ (b'M' | b'S' | b'F' | b'H') => letter,
             _ => return true,
         };
         let digits = text.get(at..).unwrap_or_default();
@@ -116,7 +123,6 @@ pub(super) fn needs_interpreter(text: &[u8]) -> bool {
         at += length;
         let plain = match letter {
             _ if length == 0 => false,
-            b'G' => matches!(number, 30..=38 | 40..=69 | 72..=78 | 80..=89 | 92..=97),
             b'M' => !matches!(number, 3..=5 | 8 | 9 | 13 | 14 | 89 | 99),
             _ => true,
         };
@@ -195,11 +201,26 @@ mod tests {
 
     #[test]
     fn plain_words_are_left_alone() {
-        for text in ["M30", "  S3000 T5", "G54 M8 ; X", "; X+5", "", "F200.5"] {
-            assert_eq!(needs_interpreter(text.as_bytes()), text == "G54 M8 ; X", "{text}");
+        for text in ["M30", "  S3000", "; X+5", "", "F200.5"] {
+            assert!(!needs_interpreter(text.as_bytes()), "{text}");
         }
-        for text in ["L X+5", "12 M30", "N10 M30", "Q1 = 2", "%A", "X+5", "M99", "G1", "G91", "M30 *", "G", "\"", "Ü"]
-        {
+        for text in [
+            "G54 M8 ; X",
+            "S3000 T5",
+            "L X+5",
+            "12 M30",
+            "N10 M30",
+            "Q1 = 2",
+            "%A",
+            "X+5",
+            "M99",
+            "G1",
+            "G91",
+            "M30 *",
+            "G",
+            "\"",
+            "Ü",
+        ] {
             assert!(needs_interpreter(text.as_bytes()), "{text}");
         }
     }

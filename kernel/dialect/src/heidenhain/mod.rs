@@ -26,6 +26,7 @@ mod formula;
 mod free;
 mod functions;
 mod iso;
+mod iso_blocks;
 mod lex;
 mod m_words;
 mod models;
@@ -98,6 +99,7 @@ pub(crate) struct Heidenhain {
     shifts: shifts::Shifts,
     units: feeds::Units,
     tools: tools::Tools,
+    modes: iso_blocks::Modes,
     space: space::Space,
     planes: planes::Planes,
     /// A line may run again, so compiled lines are worth keeping.
@@ -188,6 +190,7 @@ impl Interpreter for Heidenhain {
         self.calling = None;
         self.path = Path::default();
         self.units = feeds::Units::default();
+        self.modes = iso_blocks::Modes::default();
         self.space = space::Space::default();
         self.planes = planes::Planes::default();
         self.cycles.running = cycles::Running::default();

@@ -216,6 +216,8 @@ pub(super) struct Walk<'a> {
     /// Where the tool is, and where the program is.
     pub(super) actual: Position,
     pub(super) start: Position,
+    /// The block cannot be made.
+    pub(super) refused: Option<Halt>,
 }
 
 /// Where the tool is, in units of the program.
@@ -237,24 +239,27 @@ pub(super) fn actual(host: &dyn Host) -> Position {
 pub(super) fn walk(path: &mut Path, host: &mut dyn Host, step: &Step, ahead: &[Step]) -> Result<Vec<String>, Halt> {
     let actual = actual(host);
     let start = path.base.unwrap_or(actual);
-    let mut walk = Walk { path, host, step, ahead, actual, start };
+    let mut walk = Walk { path, host, step, ahead, actual, start, refused: None };
     let mut lines = walk.lines()?;
     walk.remember();
     walk.feeds(&mut lines);
-    Ok(lines)
+    walk.refused.map_or(Ok(lines), Err)
 }
 
 impl Walk<'_> {
-    pub(super) fn complain(&mut self, why: &str) {
-        let text = format!("{why}, in '{}'", self.host.block_text());
-        self.host.diagnose(&diag::PATH_NOT_MADE, text);
+    /// Refuses the block: the control has an alarm where a path block cannot be made.
+    pub(super) fn refuse(&mut self, why: &str) {
+        if self.refused.is_none() {
+            let text = format!("{why}, in '{}'", self.host.block_text());
+            self.refused = Some(self.host.alarm(&diag::PATH_REFUSED, text));
+        }
     }
 
     fn lines(&mut self) -> Result<Vec<String>, Halt> {
         self.note_words();
         let step = self.step;
         if step.seen.iter().any(|word| word.is("G") && matches!(word.value, Some(26.0 | 27.0))) {
-            self.complain("G26 and G27 are not supported; the contour is reached and left without an arc");
+            self.refuse("G26 and G27 are not supported");
             return Ok(Vec::new());
         }
         if step.shape == Shape::FreeSelect {
@@ -482,7 +487,7 @@ impl Walk<'_> {
         if self.step.seen.iter().any(|word| word.is("FAUTO")) {
             let feed = self.path.tool_feed.clone();
             if feed.is_none() {
-                self.complain("F AUTO needs a feed in TOOL CALL");
+                self.refuse("F AUTO needs a feed in TOOL CALL");
             }
             for line in lines {
                 *line = line.replace("FAUTO", feed.as_deref().unwrap_or(""));

@@ -16,7 +16,7 @@ impl Walk<'_> {
     /// End of a block in polar coordinates, and the angle that the tool goes round the pole if that is said.
     pub(super) fn polar_end(&mut self) -> Option<(Position, Option<f64>)> {
         if self.path.poles.upright.is_some() {
-            self.complain("polar coordinates are in the working plane, but the pole (CC) is in another one");
+            self.refuse("polar coordinates are in the working plane, but the pole (CC) is in another one");
             return None;
         }
         self.polar_end_about(self.path.poles.flat)
@@ -25,7 +25,7 @@ impl Walk<'_> {
     /// The same about another pole.
     pub(super) fn polar_end_about(&mut self, pole: Option<Point>) -> Option<(Position, Option<f64>)> {
         let Some(pole) = pole else {
-            self.complain("polar coordinates have no pole (CC)");
+            self.refuse("polar coordinates have no pole (CC)");
             return None;
         };
         let Polar { mut radius, mut angle } = Polar::of(pole, self.flat(&self.start));
@@ -82,12 +82,12 @@ impl Walk<'_> {
             (None, Some(sweep)) => sweep < 0.0,
             (Some(clockwise), _) => clockwise,
             (None, None) => {
-                self.complain("the circle has no direction of rotation");
+                self.refuse("the circle has no direction of rotation");
                 return Vec::new();
             }
         };
         if sweep.is_some_and(|sweep| sweep != 0.0 && (sweep < 0.0) != clockwise) {
-            self.complain("the angle about the pole and the direction do not agree; the direction is used");
+            self.refuse("the angle about the pole and the direction do not agree");
         }
         let Polar { radius, angle: from } = Polar::of(pole, start);
         let turned = match sweep {
@@ -95,7 +95,7 @@ impl Walk<'_> {
             None => angle_between(from, Polar::of(pole, self.flat(&end)).angle, clockwise),
         };
         if !(0.0..=360.0 * 1000.0).contains(&turned) || radius == 0.0 {
-            self.complain("a circle has no radius or more than 1000 turns");
+            self.refuse("a circle has no radius or more than 1000 turns");
             return Vec::new();
         }
         let own = crate::contour::arc(self.flat(&self.actual), self.flat(&end), pole, clockwise);

@@ -66,7 +66,7 @@ impl Walk<'_> {
             |of: Plane| PLANES.iter().zip(TOOL_AXES).find(|(known, _)| **known == of).map(|(_, letter)| letter);
         let (Some(there), Some(back)) = (tool_axis(plane), tool_axis(self.path.plane)) else { return Vec::new() };
         if self.path.side.is_left.is_some() || !self.host.is_code_text(there) {
-            self.complain("a circle outside the working plane cannot be made here");
+            self.refuse("a circle outside the working plane cannot be made here");
             return Vec::new();
         }
         let (working, poles) = (self.path.plane, self.path.poles);
