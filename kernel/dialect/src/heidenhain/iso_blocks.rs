@@ -1,8 +1,10 @@
-//! ISO programs on machines that have conversational words alone: a block becomes the conversational blocks that mean the same.
+//! ISO programs on machines that have conversational words alone: a block becomes the conversational blocks that
+//! mean the same.
 //!
-//! Facts: programming manuals of the control (DIN/ISO): G words of the path with their modes, G90 and G91, T with the tool axis, and
-//! the G words of cycles, labels and programs, each with its conversational form. Decisions: a block without a motion word repeats the last
-//! one where it names an axis, R or H; a block with T makes no move. Invariant: a block is either turned into such blocks or an alarm.
+//! Facts: programming manuals of the control (DIN/ISO): G words of the path with their modes, G90 and G91, T with
+//! the tool axis, and the G words of cycles, labels and programs, each with its conversational form. Decisions: a
+//! block without a motion word repeats the last one where it names an axis, R or H; a block with T makes no move.
+//! Invariant: a block is either turned into such blocks or an alarm.
 
 use counterpoint_fault::Halt;
 

@@ -1,9 +1,10 @@
 //! TOOL CALL and TOOL DEF.
 //!
-//! Facts: programming manuals of the control: TOOL CALL with a tool changes it, without one it changes S, F and the allowances
-//! of the tool in the spindle; `5.1` is a tool of the table of its own, which is the same tool in the magazine; L and R of TOOL DEF
-//! are those of the tool. Decisions: an allowance that a TOOL CALL without a tool does not name stays; L and R of TOOL DEF replace
-//! those of the table. Invariant: a length or radius acts from the next TOOL CALL on.
+//! Facts: programming manuals of the control: TOOL CALL with a tool changes it, without one it changes S, F and the
+//! allowances of the tool in the spindle; `5.1` is a tool of the table of its own, which is the same tool in the
+//! magazine; L and R of TOOL DEF are those of the tool. Decisions: an allowance that a TOOL CALL without a tool
+//! does not name stays; L and R of TOOL DEF replace those of the table. Invariant: a length or radius acts from the
+//! next TOOL CALL on.
 
 use counterpoint_fault as diag;
 use counterpoint_fault::Halt;
@@ -94,8 +95,8 @@ impl Heidenhain {
         }))
     }
 
-    /// The allowances of the block, with those of the tool table; without a tool the ones that it does not name stay. An indexed
-    /// tool gets its row.
+    /// The allowances of the block, with those of the tool table; without a tool the ones that it does not name
+    /// stay. An indexed tool gets its row.
     fn take_allowances(&mut self, host: &mut dyn Host, called: Option<f64>, seen: &mut Vec<Seen>) {
         let tool = called.or(self.variables.control.tool).unwrap_or_else(|| f64::from(host.tool()));
         let before = if called.is_some() { [0.0; 2] } else { self.variables.control.allowances };
@@ -149,7 +150,8 @@ impl Heidenhain {
         Ok(Some(joined(&format!("TOOL DEF {number}"), &others)))
     }
 
-    /// PRESET SELECT: a row of the preset table by its number, as cycle 247; transformations end unless KEEP TRANS stands there.
+    /// PRESET SELECT: a row of the preset table by its number, as cycle 247; transformations end unless KEEP TRANS
+    /// stands there.
     pub(super) fn select_preset(&mut self, host: &mut dyn Host, words: &[Word]) -> Result<Option<String>, Halt> {
         let seen = Evaluator::new(&mut self.variables, host).seen(words)?;
         let is_known = |word: &Seen| matches!(&*word.name, "#" | "KEEP" | "TRANS" | "WP");

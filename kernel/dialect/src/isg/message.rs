@@ -1,8 +1,9 @@
 //! `#MSG`: texts with values.
 //!
-//! Facts: ISG programming manual, messages from the program (`#MSG [SYN] [receiver] ["text", values]`, `#MSG INFO`; formats as
-//! those of printf). Decisions: a value of %d is cut off to a whole number; a text without values is shown as it stands, but for
-//! `%%`; %s needs a text, of which there are none. Invariant: each format has its value.
+//! Facts: ISG programming manual, messages from the program (`#MSG [SYN] [receiver] ["text", values]`, `#MSG INFO`;
+//! formats as those of printf). Decisions: a value of %d is cut off to a whole number; a text without values is
+//! shown as it stands, but for `%%`; %s needs a text, of which there are none. Invariant: each format has its
+//! value.
 
 use counterpoint_fault as diag;
 

@@ -1,8 +1,8 @@
 //! Local variables that a block sets beside words, and that no block reads.
 //!
-//! Facts: the control takes a name that is no word of the machine for a local variable. Decisions: a name that its file reads anywhere
-//! is a variable; of the others a word of the control is an alarm, a name beside words a warning, once for each name of a file.
-//! Invariant: a name is looked for once.
+//! Facts: the control takes a name that is no word of the machine for a local variable. Decisions: a name that its
+//! file reads anywhere is a variable; of the others a word of the control is an alarm, a name beside words a
+//! warning, once for each name of a file. Invariant: a name is looked for once.
 
 use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
@@ -75,13 +75,15 @@ impl Okuma {
     fn unread(&mut self, host: &mut dyn Host, (local, name): (Local, &str), of_control: bool) -> Acted {
         if of_control {
             let text = format!(
-                "{name}= is a word of the control that this machine does not have, and no block reads a variable {name}, in '{}'",
+                "{name}= is a word of the control that this machine does not have, and no block reads a variable {name}, \
+                 in '{}'",
                 host.block_text()
             );
             return Err(host.alarm(&diag::OKUMA_WORD, text));
         }
         let text = format!(
-            "{name} is set as a local variable beside other words in '{}', and no block reads it: correct the name, or add a register {name}= to the machine",
+            "{name} is set as a local variable beside other words in '{}', and no block reads it: correct the name, or \
+             add a register {name}= to the machine",
             host.block_text()
         );
         host.diagnose(&diag::OKUMA_UNREAD, text);
