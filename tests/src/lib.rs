@@ -114,9 +114,23 @@ impl Work {
     /// # Errors
     /// When the job cannot be prepared.
     pub fn run(&self, jitter: Option<fn(u16)>) -> Result<Done, PrepareError> {
-        let (job, control) = self.prepare(jitter)?;
+        let with = |control: Control| match jitter {
+            Some(jitter) => control.with_jitter(jitter),
+            None => control,
+        };
+        self.run_with(with, false)
+    }
+
+    /// Prepares and runs with a control of its own; `watched`: a thread looks at the progress as fast as it can.
+    ///
+    /// # Errors
+    /// When the job cannot be prepared.
+    pub fn run_with(&self, with: impl FnOnce(Control) -> Control, watched: bool) -> Result<Done, PrepareError> {
+        let (job, control) = self.prepare(None)?;
+        let control = with(control);
         let mut sink = Collect { builder: ResultsBuilder::new(job.info()), events: Vec::new(), files: Vec::new() };
-        let outcome = watchdog::watched(&control, || job.run(&self.files, &control, &mut sink));
+        let run = || job.run(&self.files, &control, &mut sink);
+        let outcome = if watched { watchdog::beside(&control, run) } else { watchdog::watched(&control, run) };
         let Collect { builder, events, files } = sink;
         let info = Arc::clone(job.info());
         let summary = builder.finish(&outcome).summary;

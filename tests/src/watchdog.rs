@@ -6,7 +6,7 @@
 
 use std::fmt::Write as _;
 use std::sync::atomic::Ordering::Relaxed;
-use std::sync::mpsc::{RecvTimeoutError, channel};
+use std::sync::mpsc::{RecvTimeoutError, TryRecvError, channel};
 use std::time::Duration;
 
 use counterpoint_kernel::control::Control;
@@ -42,6 +42,25 @@ pub fn watched<R>(control: &Control, job: impl FnOnce() -> R) -> R {
             }
         });
         let result = job();
+        drop(done);
+        result
+    })
+}
+
+/// Runs `job` under watch while a further thread looks at the progress as fast as it can.
+///
+/// # Panics
+/// As [`watched`].
+pub fn beside<R>(control: &Control, job: impl FnOnce() -> R) -> R {
+    let (done, ended) = channel::<()>();
+    std::thread::scope(|scope| {
+        scope.spawn(move || {
+            while let Err(TryRecvError::Empty) = ended.try_recv() {
+                std::hint::black_box(places(control));
+                std::thread::yield_now();
+            }
+        });
+        let result = watched(control, job);
         drop(done);
         result
     })

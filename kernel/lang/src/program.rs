@@ -47,6 +47,8 @@ pub struct Options {
     pub trace: bool,
     /// Kind of macro.
     pub place: Place,
+    /// GLOBAL variables that are declared belong to the object: the macros are those of a component.
+    pub globals_are_objects: bool,
 }
 
 /// A user function as its callers see it.
@@ -75,8 +77,6 @@ pub struct Program {
     pub objects: u32,
     /// Names of the global variables by index; the first hundred are `%G00` to `%G99`.
     pub globals: Vec<String>,
-    /// GLOBAL variables that are declared from now on belong to the object: the macros are those of a component.
-    pub globals_are_objects: bool,
     pub(crate) functions: FxHashMap<String, FunctionSymbol>,
     pub(crate) shared: FxHashMap<String, SharedSymbol>,
     /// Files that were included, by the name they were asked for.

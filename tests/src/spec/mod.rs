@@ -3,6 +3,7 @@
 //! *Invariant:* an example depends on its page and its machine only, not on other examples.
 
 pub mod machines;
+mod observe;
 mod outcome;
 mod run;
 

@@ -9,7 +9,7 @@ use counterpoint_kernel::diag;
 use counterpoint_kernel::log::event::{Diagnostic, Kind};
 use counterpoint_mdspec::{Check, Example, counted, severity_name};
 
-use super::{Case, outcome};
+use super::{Case, observe, outcome};
 use crate::Done;
 
 /// Compares an example with what comes out of it.
@@ -43,6 +43,7 @@ pub fn check(example: &Example, check: &mut Check<'_>) {
     if done.summary != results.summary {
         check.wrong(example.line, "results without a log differ");
     }
+    observe::check(example, &case, &done, check);
     compare(example, &case, &done, check);
 }
 

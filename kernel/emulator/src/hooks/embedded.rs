@@ -20,9 +20,6 @@ const MOST_CODES: usize = 5000;
 impl Kernel<'_> {
     /// Block delete comes before embedded code, which the block holds; a mark inside such code is none.
     pub(crate) fn delete_around_code(&mut self) {
-        if self.macros.block.text.is_some() {
-            return;
-        }
         let text = self.text_bytes().into_owned();
         let seen = self.without_code(&text);
         let (plan, switched) = (self.plan, self.switched_scanner());
@@ -132,7 +129,8 @@ impl Kernel<'_> {
         let source = counterpoint_lang::source::Source::new("embedded code", statements(code));
         let expression = counterpoint_lang::parse::expression(&source).is_some();
         let program = Arc::make_mut(&mut runtime.program);
-        let options = counterpoint_lang::compile::Options::default();
+        // No macro of another kernel knows a name that is first declared here.
+        let options = counterpoint_lang::compile::Options { globals_are_objects: true, ..Default::default() };
         let added = counterpoint_lang::compile::embedded(program, &mut environment, source, options);
         let index = if added.has_errors() { None } else { added.macros.first().map(|&at| (at, expression)) };
         runtime.measure();

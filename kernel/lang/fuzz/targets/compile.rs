@@ -12,6 +12,7 @@ fn options(byte: u8) -> Options {
         uninitialised: byte & 4 != 0,
         trace: byte & 8 != 0,
         place: [Place::Any, Place::Declaration, Place::Data, Place::Startup][usize::from(byte >> 4 & 3)],
+        globals_are_objects: byte & 64 != 0,
     }
 }
 

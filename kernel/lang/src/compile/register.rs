@@ -64,7 +64,7 @@ pub(super) fn share(
             if again {
                 continue;
             }
-            let shared = if *scope == Scope::Global && !program.globals_are_objects {
+            let shared = if *scope == Scope::Global && !options.globals_are_objects {
                 program.globals.push(declared.name.clone());
                 Shared::Global(u32::try_from(program.globals.len() - 1).unwrap_or(u32::MAX))
             } else {

@@ -38,7 +38,7 @@ pub(super) fn machine(
         check.set_incomplete();
     }
     let head = head::read(&mut top);
-    let (common, together) = (composite.flatten(), composite.is_some() || head.kind == MachineKind::Composite);
+    let together = composite.is_some() || head.kind == MachineKind::Composite;
     let format = format::read(&mut top, check, head.preprocessor);
     let registers = registers::read(&mut top, check);
     let mut names = Names { check, registers, codes: ident::code_names(), data: ident::data_names() };
@@ -78,7 +78,7 @@ pub(super) fn machine(
     let work_offsets = tool::read_work(&mut top, &axes, check);
     let storage = storage::read(&mut top, files);
     let mut shown = Vec::new();
-    let macros = macros::read(&mut top, &names, (&codes, &data), (files, &storage, common), &mut shown);
+    let macros = macros::read(&mut top, &names, (&codes, &data), (files, &storage, composite), &mut shown);
     idle::check(&mut top, &codes, head.preprocessor, channels.len(), check);
     overlap::check_custom(&codes, &names.codes, macros.as_deref(), check);
     let tape_editor = tape::read(&mut top);

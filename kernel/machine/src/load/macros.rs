@@ -25,11 +25,13 @@ use counterpoint_ports::files::Files;
 const MOST: usize = 1000;
 
 /// Reads the section; none if the machine has no macros. Dialogs that macros show by name are added to `shown`.
+///
+/// Of a component `composite` has the declaration macro of its composite, if there is one.
 pub(super) fn read(
     top: &mut Section<'_>,
     names: &Names<'_>,
     (codes, data): (&[CodeRow], &[DataRow]),
-    (files, stored, common): (&dyn Files, &[StoredFile], Option<(&str, &Place)>),
+    (files, stored, composite): (&dyn Files, &[StoredFile], Option<Option<(&str, &Place)>>),
     shown: &mut Vec<(String, Place)>,
 ) -> Option<Arc<Macros>> {
     let mut section = top.table("macros", "[macros]")?;
@@ -40,12 +42,12 @@ pub(super) fn read(
     let mut program = Program::new();
     let program_of = &mut program;
     let mut compiler =
-        Compiler { names, codes, data, files, stored, program: program_of, strong, uninitialised, shown };
-    if let Some((file, place)) = common {
+        Compiler { names, codes, data, files, stored, program: program_of, own: false, strong, uninitialised, shown };
+    if let Some((file, place)) = composite.flatten() {
         // It runs in the master kernel; here it says which GLOBAL variables there are.
         compiler.add(file, place, Kind::Declaration, Available::of(Hook::Declaration));
-        compiler.program.globals_are_objects = true;
     }
+    compiler.own = composite.is_some();
     compiler.hook(&mut section, Hook::Declaration, &mut macros.hooks);
     for (file, place) in section.texts("functions").unwrap_or_default() {
         compiler.add(file, place, Kind::Library, Available::FUNCTIONS);
@@ -72,6 +74,8 @@ struct Compiler<'a, 'n> {
     files: &'a dyn Files,
     stored: &'a [StoredFile],
     program: &'a mut Program,
+    /// GLOBAL variables are those of a component.
+    own: bool,
     strong: Strong,
     /// Variables that are read and never assigned are findings.
     uninitialised: bool,
@@ -118,8 +122,13 @@ impl Compiler<'_, '_> {
             files: Some(self.files),
             stored: self.stored,
         };
-        let options =
-            Options { strong: self.strong, place: kind, uninitialised: self.uninitialised, ..Options::default() };
+        let options = Options {
+            strong: self.strong,
+            place: kind,
+            uninitialised: self.uninitialised,
+            globals_are_objects: self.own,
+            ..Options::default()
+        };
         let source = Source::from_bytes(path, &bytes);
         let added = compile::add(self.program, &mut environment, source.clone(), options);
         if !added.has_errors() {
