@@ -231,6 +231,8 @@ diagnostics! {
     NO_TEETH 2900366 "no-teeth" 12 true "number of teeth unknown for feed per tooth";
     OKUMA_ALARM 2900367 "user-alarm" 12 true "user alarm (Okuma)";
     NO_FEED_PER_TURN 2900368 "no-feed-per-revolution" 12 true "feed per revolution on a machine without M136";
+
+    VALUE_WITHHELD 2900530 "value-withheld" 4 false "value taken away by a data macro";
 }
 
 /// The word of a number, `None` for numbers that only a machine or its macros have.

@@ -44,6 +44,8 @@ pub enum CommandCode {
     MatchOn,
     /// MATCH/OFF
     MatchOff,
+    /// A user function begins, or has ended: MATCH is on.
+    MatchAgain,
     /// OUTPUT
     Output,
     /// EXEC/NEXT of formatted text

@@ -19,7 +19,7 @@ pub use crate::program::{Options, Place, Program, Strong};
 pub use traced::traced;
 
 use crate::ast::{Macro, StatementKind};
-use crate::bytecode::{Code, Declaration, MAX_CODE, Op, Shared, Slot};
+use crate::bytecode::{Code, CommandCode, Declaration, MAX_CODE, Op, Shared, Slot};
 use crate::diag::{Diagnostic, Number};
 use crate::host::Environment;
 use crate::layout::standard_line;
@@ -186,6 +186,16 @@ struct MacroCompiler<'a> {
     blocks: Vec<flow::Open>,
     labels: FxHashMap<String, usize>,
     jumps: Vec<(usize, String, Span)>,
+    /// The macro issues blocks or codes, to which MATCH matters.
+    issues: bool,
+}
+
+/// A macro issues blocks or codes.
+fn issues(one: &Macro) -> bool {
+    let issue = |kind: &StatementKind| {
+        matches!(kind, StatementKind::Output | StatementKind::Exec(..) | StatementKind::TapeWrite)
+    };
+    one.statements.iter().any(|statement| issue(&statement.kind))
 }
 
 impl<'a> MacroCompiler<'a> {
@@ -211,6 +221,7 @@ impl<'a> MacroCompiler<'a> {
             blocks: Vec::new(),
             labels: FxHashMap::default(),
             jumps: Vec::new(),
+            issues: false,
         }
     }
 
@@ -219,8 +230,12 @@ impl<'a> MacroCompiler<'a> {
         self.place = one.span;
         self.declare_locals(one);
         self.note_assigned(one);
+        self.issues = issues(one);
         if let Some(header) = &one.header {
             self.header(header);
+            if self.issues {
+                self.bare(CommandCode::MatchAgain);
+            }
         }
         for statement in &one.statements {
             self.place = statement.span;
@@ -237,7 +252,10 @@ impl<'a> MacroCompiler<'a> {
         if self.code.ops.len() > MAX_CODE || self.code.registers.count > MAX_CODE {
             self.error(one.span, Number::TOO_LARGE, "this macro is too large; split it into functions");
         }
-        self.code.short.forms = fast::forms(&self.code, &self.temporaries);
+        // With a trace every jump goes the long way, which leaves the trace instructions out of what it costs.
+        if self.code.statements.is_empty() {
+            self.code.short.forms = fast::forms(&self.code, &self.temporaries);
+        }
         self.code
     }
 

@@ -8,8 +8,12 @@ use counterpoint_lang::vm::{self, End, Limits, State};
 use counterpoint_lang_standalone::Standalone;
 
 fn run(text: &str, limits: Limits) -> (Standalone, End) {
+    run_with(text, limits, Options::default())
+}
+
+fn run_with(text: &str, limits: Limits, options: Options) -> (Standalone, End) {
     let (mut program, mut host) = (Program::new(), Standalone::new());
-    let added = compile::add(&mut program, &mut host, Source::new("m", text), Options::default());
+    let added = compile::add(&mut program, &mut host, Source::new("m", text), options);
     assert_eq!(added.diagnostics, [], "{text}");
     let mut state = State::new(limits);
     let (end, _) = vm::run(&program, &mut state, &mut host, *added.macros.last().unwrap(), &mut []);
@@ -80,6 +84,21 @@ fn depth_and_ticks_are_limited_through_calls() {
 }
 
 /// What can be seen of a run: its end, what it printed and reported, and the steps that it cost.
+/// The budget ends at the same statement, whichever it is.
+#[test]
+fn a_trace_costs_no_steps() {
+    let text = "MACRO/F(X)\nF=X\nWHILE/F.GT.3\nF=F-1\nENDOF/WHILE\nENDMAC\n\
+        S=''\nI=0\nWHILE/.TRUE.\nI=I+1\nIF/$FMOD(I,3).EQ.0\nA=F(I)\nB=$FSWRIT('!(*)',A)\nELSE\nB=$FMAX(I,2)\nENDOF/IF\n\
+        REPEAT\nB='x'\nUNTIL/I.GT.0\nDO/J=1,I\nEXIT\nENDOF/DO\nPPRINT/'!(*)',I\nENDOF/WHILE";
+    for ticks in (100..1500).step_by(7) {
+        let limits = Limits { ticks, ..Limits::default() };
+        let (plain, end) = run(text, limits);
+        let (traced, traced_end) = run_with(text, limits, Options { trace: true, ..Options::default() });
+        assert_eq!((end, plain.output.printed), (traced_end, traced.output.printed), "{ticks} ticks");
+        assert_eq!(plain.output.diagnostics, traced.output.diagnostics, "{ticks} ticks");
+    }
+}
+
 fn seen(text: &str, limits: Limits) -> (End, Vec<String>, Vec<String>, u64) {
     let (mut program, mut host) = (Program::new(), Standalone::new());
     let added = compile::add(&mut program, &mut host, Source::new("m", text), Options::default());

@@ -4,6 +4,7 @@
 
 use super::Kernel;
 use super::plan::Source;
+use crate::state::channel::Handed;
 use counterpoint_event::info::Unit;
 use counterpoint_fault as diag;
 use counterpoint_machine::ident::DataId;
@@ -23,17 +24,49 @@ impl Kernel<'_> {
         if let Some(hooks) = self.plan.hooks {
             return (hooks.codes.take)(self, id);
         }
-        if let Some((data, value)) = self.channel.acting.as_data
-            && data == id
-        {
-            self.channel.acting.as_data = None;
-            self.trace_data(id, value);
-            return Some(Datum { value, incremental: false, absolute: false, raw: value });
+        if self.channel.acting.as_data.is_some_and(|handed| handed.id == id) {
+            return self.take_handed();
         }
         if (self.channel.block.present | RECALLED) & self.plan.data.registers_of[id] == 0 {
             return None;
         }
         self.take_word(id)
+    }
+
+    /// Takes the value that the code in action hands over.
+    #[cold]
+    fn take_handed(&mut self) -> Option<Datum> {
+        let handed = self.channel.acting.as_data.take()?;
+        let (value, factor, modal) = self.accept(handed);
+        let value = value * factor;
+        if modal {
+            self.channel.state.remembered.remember(handed.id, value);
+        }
+        self.trace_data(handed.id, value);
+        Some(Datum { value, incremental: false, absolute: false, raw: handed.raw })
+    }
+
+    /// What a value handed over is by its row: value, factor of its unit, whether it is remembered. Reports one outside the row's
+    /// range.
+    #[cold]
+    pub(crate) fn accept(&mut self, handed: Handed) -> (f64, f64, bool) {
+        let Some(at) = handed.row else {
+            return (handed.raw, self.channel.unit_factor(handed.id.dimension().plain()), false);
+        };
+        let row = &self.channel.env.machine.data[at];
+        if row.min.is_some_and(|min| handed.raw < min) || row.max.is_some_and(|max| handed.raw > max) {
+            self.out_of_range(at, handed.raw);
+        }
+        (self.handed_value(handed), self.channel.unit_factor(row.dimension.plain()), row.modal && row.process)
+    }
+
+    /// The same value with the factor of its row, in the unit of the program.
+    #[cold]
+    pub(crate) fn handed_value(&self, handed: Handed) -> f64 {
+        handed.row.map_or(handed.raw, |at| {
+            let row = &self.channel.env.machine.data[at];
+            handed.raw * row.mul + row.add
+        })
     }
 
     /// A value of `id` is on the block.
@@ -47,7 +80,7 @@ impl Kernel<'_> {
         let plan = self.plan;
         for source in plan.sources_of(id) {
             let Some(word) = self.channel.block.take(source.register) else { continue };
-            let raw = if source.one.is_some() { self.plain(source, &word) } else { word.value };
+            let raw = self.raw(source, &word);
             let incremental = word.incremental;
             if raw < source.min || raw > source.max {
                 self.out_of_range(source.row, raw);
@@ -71,8 +104,8 @@ impl Kernel<'_> {
     /// Length of a word that counts least increments.
     #[cold]
     fn counted(&self, source: &Source, word: &Word, raw: f64) -> f64 {
-        let (increments, dimension) = self.counting(word);
-        (raw * increments * source.mul + source.add) * self.channel.unit_factor(dimension)
+        let (value, dimension) = self.scaled(source, word, raw);
+        value * self.channel.unit_factor(dimension)
     }
 
     /// Number of a word for a row that does not count the last digit of its register.
@@ -111,10 +144,24 @@ impl Kernel<'_> {
         }
     }
 
+    /// Number of a word, before the factor of a row.
+    pub(crate) fn raw(&self, source: &Source, word: &Word) -> f64 {
+        if source.one.is_some() { self.plain(source, word) } else { word.value }
+    }
+
+    /// Value of a number of a word with the factor of its row, in the unit of the program, and its dimension.
+    pub(crate) fn scaled(&self, source: &Source, word: &Word, raw: f64) -> (f64, Dimension) {
+        let (increments, dimension) = match source.dimension {
+            Dimension::Increments => self.counting(word),
+            other => (1.0, other),
+        };
+        (raw * increments * source.mul + source.add, dimension)
+    }
+
     /// Increments that one of a word is, and the dimension that it then has: with a decimal point it is a length (reference
     /// turning-cycles.md 1).
     #[cold]
-    pub(crate) fn counting(&self, word: &Word) -> (f64, Dimension) {
+    fn counting(&self, word: &Word) -> (f64, Dimension) {
         let text = self.text_bytes();
         let pointed = text.get(word.start as usize..word.end as usize).is_some_and(|text| text.contains(&b'.'));
         match (pointed, self.channel.env.machine.unit) {
@@ -170,7 +217,10 @@ impl Kernel<'_> {
 
     pub(crate) fn out_of_range(&mut self, row: DataRowId, value: f64) {
         let row = &self.channel.env.machine.data[row];
-        let name = row.register.map_or("?", |register| self.channel.env.machine.registers[register].name.as_str());
+        let name = match row.register {
+            Some(register) => self.channel.env.machine.registers[register].name.clone(),
+            None => "value ".to_owned(),
+        };
         let bound = |b: Option<f64>| b.map_or_else(|| "-".to_owned(), counterpoint_lang::format::wildcard_text);
         let text = format!(
             "{name}{} is outside {} to {} of {} in '{}'",

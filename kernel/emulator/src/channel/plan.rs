@@ -235,7 +235,7 @@ fn recall(machine: &Machine) -> Option<Table<DataId, bool>> {
 }
 
 /// Data that whoever asks for them needs; others have a second form or a value of their own without the word.
-const NEEDED: [DataId; 24] = [
+pub(crate) const NEEDED: [DataId; 24] = [
     data::SPINDLE_RPM,
     data::SPINDLE_CSS,
     data::SPINDLE_RPM_MAX,

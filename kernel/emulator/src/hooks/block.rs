@@ -21,11 +21,7 @@ use counterpoint_program::scan::Scanner;
 impl Kernel<'_> {
     /// A text becomes the block: a line of the file, or what EXEC issued.
     pub(crate) fn begin_text(&mut self, text: Option<Arc<String>>) {
-        let (machine, syntax) = (self.channel.env.machine, self.plan.scanner.syntax());
         let runtime = &mut *self.macros;
-        if text.is_some() && runtime.reading.unmarked.is_none() {
-            runtime.reading.unmarked = Some(Arc::new(Scanner::without_marks(machine, syntax)));
-        }
         runtime.block.begin(text);
         runtime.variables.store.number = 0;
     }
@@ -155,13 +151,12 @@ impl Kernel<'_> {
         self.macros.reading.switched.clone()
     }
 
-    /// The scanner for the text of the block in process, if not the plan's: what EXEC issued undergoes no block delete.
+    /// The scanner for the text of the block in process, if not the plan's: what the pre-processor made undergoes no block delete.
     #[inline]
     pub(crate) fn block_scanner(&self) -> Option<Arc<Scanner>> {
         self.plan.hooks?;
         let runtime = &*self.macros;
         match &self.plan.unmarked {
-            _ if runtime.block.issued => runtime.reading.unmarked.clone(),
             Some(scanner) if runtime.block.made => Some(Arc::clone(scanner)),
             _ => runtime.reading.switched.clone(),
         }

@@ -9,7 +9,9 @@ use counterpoint_machine::index::{DataMacroId, RegisterId};
 
 use crate::channel::Kernel;
 use crate::channel::hook_points::Origin;
+use crate::channel::plan::NEEDED;
 use crate::macros::calls::Task;
+use crate::macros::context::Withheld;
 use crate::macros::values::{code_value, data_value};
 use crate::state::modal::group;
 use counterpoint_fault as diag;
@@ -52,6 +54,7 @@ impl Kernel<'_> {
 
     /// Data that macros added and nothing took; then what they found out about the program.
     pub(crate) fn drop_added_data(&mut self) -> Acted {
+        self.report_withheld();
         self.added_leftovers();
         self.pending_halt()
     }
@@ -136,7 +139,24 @@ impl Kernel<'_> {
         let outer = self.set_code(Some(id));
         let done = self.run_code(pending, id);
         self.set_code(outer);
+        self.report_withheld();
         done
+    }
+
+    /// Reports that a data macro has left no value of data that an action needed, unless the action has said so.
+    fn report_withheld(&mut self) {
+        let Some(Withheld { id, code, diagnostics }) = self.macros.block.withheld.take() else { return };
+        if self.channel.reports.diagnostics != diagnostics {
+            return;
+        }
+        let machine = self.channel.env.machine;
+        let name = machine.macros.as_deref().and_then(|macros| macros.name_of(code)).unwrap_or_default();
+        let text = format!(
+            "the data macro '{name}' leaves no value of {} in '{}': the action goes on without one",
+            machine.data_name(id),
+            self.block_text()
+        );
+        self.diagnose(&diag::VALUE_WITHHELD, text);
     }
 
     pub(crate) fn set_code(&mut self, id: Option<CodeId>) -> Option<CodeId> {
@@ -180,7 +200,7 @@ impl Kernel<'_> {
             return Ok(());
         };
         let machine = self.channel.env.machine;
-        let own = Self::data_of_code(&machine.codes[pending.row], pending);
+        let own = self.data_of_code(&machine.codes[pending.row], pending);
         let pending = PendingCode { row, ..pending };
         self.channel.acting.as_data = own;
         if target != id {
@@ -211,28 +231,35 @@ impl Kernel<'_> {
         Some(Datum { value, incremental: taken.incremental, absolute, raw: taken.raw })
     }
 
+    /// Takes the value of data off the block for a macro, in the unit of the program; never one that is remembered.
+    pub(crate) fn take_for_macro(&mut self, id: DataId, runs: bool) -> Option<f64> {
+        let mut taken = self.taken(id)?;
+        let list = self.channel.env.machine.macros.as_deref().map_or(&[][..], |macros| macros.of_data(id));
+        if runs && !list.is_empty() && self.macros.hooks.matching {
+            self.data_macros(id, list, &mut taken)?;
+        }
+        if taken.modal && !taken.incremental && !id.kind().is_axis() {
+            self.channel.state.remembered.remember(id, taken.value * taken.factor);
+        }
+        Some(taken.value)
+    }
+
     fn taken(&mut self, id: DataId) -> Option<Taken> {
-        if let Some((data, value)) = self.channel.acting.as_data
-            && data == id
-        {
-            self.channel.acting.as_data = None;
-            return Some(Taken { value, factor: 1.0, incremental: false, raw: value, modal: false, register: None });
+        if let Some(handed) = self.channel.acting.as_data.take_if(|handed| handed.id == id) {
+            let (value, factor, modal) = self.accept(handed);
+            return Some(Taken { value, factor, incremental: false, raw: handed.raw, modal, register: None });
         }
         let plan = self.plan;
         for source in plan.sources_of(id) {
             let Some(word) = self.channel.block.take(source.register) else { continue };
-            let raw = if source.one.is_some() { self.plain(source, &word) } else { word.value };
+            let raw = self.raw(source, &word);
             let incremental = word.incremental;
             if raw < source.min || raw > source.max {
                 self.out_of_range(source.row, raw);
             }
             let diameter = if source.diameter_x { self.channel.position_factor(id, incremental) } else { 1.0 };
-            let (increments, dimension) = match source.dimension {
-                Dimension::Increments => self.counting(&word),
-                other => (1.0, other),
-            };
+            let (value, dimension) = self.scaled(source, &word, raw);
             let factor = self.channel.unit_factor(dimension) * diameter;
-            let value = raw * increments * source.mul + source.add;
             let register = Some(source.register);
             return Some(Taken { value, factor, incremental, raw, modal: source.modal, register });
         }
@@ -265,6 +292,10 @@ impl Kernel<'_> {
             }
             self.check_result(&before, &mut arguments);
             if arguments.first().and_then(Value::as_real) == Some(0.0) {
+                if NEEDED.contains(&id) {
+                    let diagnostics = self.channel.reports.diagnostics;
+                    self.macros.block.withheld = Some(Withheld { id, code, diagnostics });
+                }
                 return None;
             }
         }

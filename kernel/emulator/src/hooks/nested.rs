@@ -36,6 +36,12 @@ impl Kernel<'_> {
         Some(done.and_then(|()| self.follow()))
     }
 
+    /// The blocks of a text that EXEC issues: as in a file, line ends and the machine's character end a block.
+    pub(crate) fn blocks_of_text(&self, text: &str) -> Vec<Arc<String>> {
+        let lines = text.split(['\n', '\r']).flat_map(|line| self.blocks_of(line.as_bytes()));
+        lines.map(|(block, _)| Arc::new(String::from_utf8_lossy(block).into_owned())).collect()
+    }
+
     /// Processes a text as a block.
     pub(crate) fn issued_block(&mut self, text: Arc<String>) -> Acted {
         self.begin_text(Some(text));

@@ -6,11 +6,13 @@ use counterpoint_lang::diag::Number;
 use counterpoint_lang::fault::{Fault, Outcome};
 use counterpoint_lang::ident;
 use counterpoint_lang::value::Value;
+use counterpoint_lang::vm::State;
 
 use crate::channel::Kernel;
 use crate::macros::values::code_value;
 use counterpoint_machine::ident::{CodeId, DataId};
 use counterpoint_machine::index::CodeRowId;
+use counterpoint_machine::macros::condition::Item;
 use counterpoint_machine::rows::CodeForm;
 use counterpoint_program::block::PendingCode;
 
@@ -105,22 +107,50 @@ impl Kernel<'_> {
         let registers = self.plan.data.registers_of[id];
         self.channel.block.present & registers != 0
             || self.channel.block.added.iter().any(|(other, _)| *other == id)
-            || self.channel.acting.as_data.is_some_and(|(other, _)| other == id)
+            || self.channel.acting.as_data.is_some_and(|handed| handed.id == id)
     }
 
-    /// `$FCEGET` and `$FCESEEK`
-    pub(crate) fn get_item(&mut self, arguments: &[Value], take: bool) -> Outcome<Value> {
-        let Some(item) = arguments.first() else { return Ok(Value::Null) };
-        if let Value::Code(_) = item {
-            let Some(at) = self.code_id(item).and_then(|id| self.waiting_code(id)) else { return Ok(Value::Null) };
-            let pending = self.channel.block.pending.get(at).copied();
-            if take {
-                self.channel.block.pending.remove(at);
+    /// `$FCEGET`: takes a code or data off the block. Data pass the columns of their row; the data macros of those that no
+    /// built-in action takes run, since nothing else obtains them.
+    pub(crate) fn take_item(&mut self, state: &mut State, arguments: &[Value]) -> Outcome<Value> {
+        match self.named_item(arguments)? {
+            Some(Item::Code(id)) => {
+                let pending = self.waiting_code(id).map(|at| self.channel.block.pending.remove(at));
+                Ok(pending.map_or(Value::Null, |pending| Value::Real(self.code_number(pending))))
             }
-            return Ok(pending.map_or(Value::Null, |pending| Value::Real(self.code_number(pending))));
+            Some(Item::Data(id)) => {
+                let mut value = None;
+                let runs = counterpoint_machine::ident::data_facts(id).is_none_or(|facts| !facts.built_in);
+                self.meanwhile(state, |kernel| {
+                    value = kernel.take_for_macro(id, runs);
+                    Ok(())
+                })?;
+                Ok(value.map_or(Value::Null, Value::Real))
+            }
+            None => Ok(Value::Null),
         }
-        let Value::Register(_) = item else { return Err(Fault::kind("a code or data identifier", item)) };
-        let Some(id) = self.data_id(item) else { return Ok(Value::Null) };
+    }
+
+    /// The code or the data that a macro names; none if the machine does not know it.
+    fn named_item(&self, arguments: &[Value]) -> Outcome<Option<Item>> {
+        match arguments.first() {
+            None => Ok(None),
+            Some(item @ Value::Code(_)) => Ok(self.code_id(item).map(Item::Code)),
+            Some(item @ Value::Register(_)) => Ok(self.data_id(item).map(Item::Data)),
+            Some(other) => Err(Fault::kind("a code or data identifier", other)),
+        }
+    }
+
+    /// `$FCESEEK`
+    pub(crate) fn seek_item(&self, arguments: &[Value]) -> Outcome<Value> {
+        let id = match self.named_item(arguments)? {
+            Some(Item::Data(id)) => id,
+            Some(Item::Code(id)) => {
+                let found = self.waiting_code(id).and_then(|at| self.channel.block.pending.get(at).copied());
+                return Ok(found.map_or(Value::Null, |pending| Value::Real(self.code_number(pending))));
+            }
+            None => return Ok(Value::Null),
+        };
         let named = |code: &i32| ident::minor_name(*code).filter(|name| ["MODAL", "LAST"].contains(name));
         let mode = match arguments.get(1) {
             None => "",
@@ -130,7 +160,7 @@ impl Kernel<'_> {
             Some(other) => return Err(Fault::kind("MODAL or LAST", other)),
         };
         if mode != "LAST"
-            && let Some(value) = self.data_on_block(id, take)
+            && let Some(value) = self.data_on_block(id)
         {
             return Ok(Value::Real(value));
         }
@@ -143,29 +173,18 @@ impl Kernel<'_> {
     }
 
     /// Value of data of this block, before any change of units.
-    fn data_on_block(&mut self, id: DataId, take: bool) -> Option<f64> {
-        if let Some((data, value)) = self.channel.acting.as_data
-            && data == id
-        {
-            if take {
-                self.channel.acting.as_data = None;
-            }
-            return Some(value);
+    fn data_on_block(&self, id: DataId) -> Option<f64> {
+        if let Some(handed) = self.channel.acting.as_data.filter(|handed| handed.id == id) {
+            return Some(self.handed_value(handed));
         }
         let plan = self.plan;
         for source in plan.sources_of(id) {
-            let word =
-                if take { self.channel.block.take(source.register) } else { self.channel.block.look(source.register) };
-            if let Some(word) = word {
-                return Some(word.value * source.mul + source.add);
+            if let Some(word) = self.channel.block.look(source.register) {
+                return Some(self.scaled(source, &word, self.raw(source, &word)).0);
             }
         }
-        let at = self.channel.block.added.iter().position(|(other, _)| *other == id)?;
-        let value = self.channel.block.added.get(at).map(|(_, value)| *value);
-        if take {
-            self.channel.block.added.remove(at);
-        }
-        value
+        let found = self.channel.block.added.iter().find(|(other, _)| *other == id);
+        found.map(|(_, value)| *value)
     }
 
     /// `$FCEGAC`, `$FCESAC`

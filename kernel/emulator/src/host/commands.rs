@@ -47,11 +47,8 @@ impl Kernel<'_> {
 
     pub(crate) fn macro_command(&mut self, state: &mut State, command: Command<'_>) -> Outcome<i32> {
         match command {
-            Command::Match(on) => {
-                if let Some(call) = self.macros.calls.innermost() {
-                    call.matching = on;
-                }
-            }
+            Command::Match(on) => self.match_macros(on),
+            Command::MatchAgain => self.match_macros(true),
             Command::Output(arguments) => self.output(state, arguments)?,
             Command::ExecBlock(now, text) => self.exec_text(state, now, text)?,
             Command::ExecItems(now, items) => self.exec_items(state, now, items)?,
@@ -91,6 +88,13 @@ impl Kernel<'_> {
             Command::System(text) => return self.system_command(state, text),
         }
         Ok(0)
+    }
+
+    /// Whether macros match what the running one issues from here on.
+    fn match_macros(&mut self, on: bool) {
+        if let Some(call) = self.macros.calls.innermost() {
+            call.matching = on;
+        }
     }
 
     fn output(&mut self, state: &mut State, arguments: &[(u8, Value)]) -> Outcome<()> {
@@ -149,13 +153,23 @@ impl Kernel<'_> {
                 format!("EXEC of {} bytes, a block may have {limit}", text.len()),
             ));
         }
-        let text = Arc::new(text.replace(['\n', '\r'], " "));
-        self.trace_exec_text(now, &text);
-        if now {
-            return self.meanwhile(state, |kernel| kernel.nested_block(|kernel| kernel.issued_block(text)));
+        self.trace_exec_text(now, &text.replace(['\n', '\r'], " "));
+        let blocks = self.blocks_of_text(text);
+        state.spend(blocks.len().saturating_sub(1) * BLOCK_TICKS)?;
+        for text in blocks {
+            if !now {
+                state.grow(text.len() + 64);
+                self.leave_for_later(|matching| Later::Text(text, matching))?;
+                continue;
+            }
+            let asked = self.flow.pending.is_some();
+            self.meanwhile(state, |kernel| kernel.nested_block(|kernel| kernel.issued_block(text)))?;
+            // A jump or an end leads away from the blocks after it.
+            if !asked && self.flow.pending.is_some() {
+                break;
+            }
         }
-        state.grow(text.len() + 64);
-        self.leave_for_later(|matching| Later::Text(text, matching))
+        Ok(())
     }
 
     fn exec_items(&mut self, state: &mut State, now: bool, items: &[Value]) -> Outcome<()> {

@@ -52,8 +52,8 @@ impl Kernel<'_> {
                 return Self::not_here(function.name());
             }
             HostFn::AddItem => self.add_item(arguments)?,
-            HostFn::TakeItem => self.get_item(arguments, true)?,
-            HostFn::SeekItem => self.get_item(arguments, false)?,
+            HostFn::TakeItem => self.take_item(state, arguments)?,
+            HostFn::SeekItem => self.seek_item(arguments)?,
             HostFn::ActiveCode => self.active_code(arguments, false),
             HostFn::SetActiveCode => self.active_code(arguments, true),
             HostFn::DataAsCode => self.data_as_code(arguments),

@@ -4,7 +4,7 @@
 
 use std::sync::Arc;
 
-use counterpoint_machine::ident::CodeId;
+use counterpoint_machine::ident::{CodeId, DataId};
 
 /// The block in process, beyond its words.
 #[derive(Debug, Default)]
@@ -13,8 +13,6 @@ pub(crate) struct BlockContext {
     pub(crate) text: Option<Arc<String>>,
     /// Text in place of what nothing recognised, if a macro has set it.
     pub(crate) unrecognised: Option<Arc<String>>,
-    /// EXEC issued the text.
-    pub(crate) issued: bool,
     /// The pre-processor has worked on it: what it takes off is gone.
     pub(crate) preprocessed: bool,
     /// The pre-processor has made its words, or has left its text.
@@ -23,25 +21,30 @@ pub(crate) struct BlockContext {
     pub(crate) mark: Option<u8>,
     /// `$CECODE`
     pub(crate) code: Option<CodeId>,
+    /// A data macro has taken a needed value away.
+    pub(crate) withheld: Option<Withheld>,
+}
+
+/// A value that a data macro has taken away.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Withheld {
+    /// Its data.
+    pub(crate) id: DataId,
+    /// Index of the macro.
+    pub(crate) code: u16,
+    /// Diagnostics of the channel before.
+    pub(crate) diagnostics: u32,
 }
 
 impl BlockContext {
     /// Another text becomes the block: a line of the file, or what EXEC issued.
     pub(crate) fn begin(&mut self, text: Option<Arc<String>>) {
-        self.issued = text.is_some();
-        self.text = text;
-        self.unrecognised = None;
+        (self.text, self.unrecognised, self.made) = (text, None, false);
     }
 
     /// The context of a block within this one, which is returned.
     pub(crate) fn enter(&mut self) -> Self {
-        let inner = Self {
-            issued: self.issued,
-            preprocessed: self.preprocessed,
-            made: self.made,
-            mark: self.mark,
-            ..Self::default()
-        };
+        let inner = Self { preprocessed: self.preprocessed, made: self.made, mark: self.mark, ..Self::default() };
         std::mem::replace(self, inner)
     }
 }

@@ -62,8 +62,6 @@ pub(crate) struct DiagnosticChanges {
 pub(crate) struct Reading {
     /// The scanner with levels of block skip that a macro has switched.
     pub(crate) switched: Option<Arc<Scanner>>,
-    /// The scanner without marks of block skip, once EXEC has issued a text.
-    pub(crate) unmarked: Option<Arc<Scanner>>,
     /// Compiled embedded code by text; none where it has errors.
     pub(crate) embedded: FxHashMap<String, Option<(u16, bool)>>,
 }

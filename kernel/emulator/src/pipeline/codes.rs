@@ -9,11 +9,12 @@ use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
 use counterpoint_machine::ident::kind::CodeKind;
 use counterpoint_machine::ident::{self, CodeId, DataId, codes};
-use counterpoint_machine::index::CodeRowId;
+use counterpoint_machine::index::{CodeRowId, DataRowId, RegisterId};
 use counterpoint_machine::number::written;
 use counterpoint_machine::rows::{CodeForm, CodeRow, Modality};
 use counterpoint_program::block::{PendingCode, Word};
 
+use crate::state::channel::Handed;
 use crate::state::modal::group;
 
 impl Kernel<'_> {
@@ -341,11 +342,21 @@ impl Kernel<'_> {
 
     /// Value that a code hands over as data.
     #[inline]
-    pub(crate) fn data_of_code(row: &CodeRow, pending: PendingCode) -> Option<(DataId, f64)> {
+    pub(crate) fn data_of_code(&self, row: &CodeRow, pending: PendingCode) -> Option<Handed> {
         match row.form {
-            CodeForm::RegisterAsData { data, .. } => Some((data, pending.value * row.mul + row.add)),
+            CodeForm::RegisterAsData { register, data, .. } => {
+                let raw = pending.value * row.mul + row.add;
+                Some(Handed { id: data, raw, row: self.row_of_handed(data, register) })
+            }
             _ => None,
         }
+    }
+
+    /// The row that a value of a code passes: that of its register, or one that has none.
+    fn row_of_handed(&self, data: DataId, register: RegisterId) -> Option<DataRowId> {
+        let machine = self.channel.env.machine;
+        let of = |wanted| machine.tables.data(data).iter().copied().find(|&row| machine.data[row].register == wanted);
+        of(Some(register)).or_else(|| of(None))
     }
 
     /// What a code does before it acts: is remembered if it is a function, hands over its data, becomes active in its modal group.
@@ -358,7 +369,7 @@ impl Kernel<'_> {
         {
             self.channel.state.remembered.remember_function(pending.value);
         }
-        self.channel.acting.as_data = Self::data_of_code(row, pending);
+        self.channel.acting.as_data = self.data_of_code(row, pending);
         self.channel.acting.mode_changed = self.channel.state.modal.code(row.group) != Some(row.id);
         match row.modality {
             Modality::NonModal if row.group != 0 && !pending.modal => self.channel.state.modal.refire_once(row.group),

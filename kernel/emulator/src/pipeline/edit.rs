@@ -107,7 +107,7 @@ impl Kernel<'_> {
     }
 
     /// The blocks of a line that are not blank, each with the byte after its end.
-    fn blocks_of<'l>(&self, line: &'l [u8]) -> Vec<(&'l [u8], usize)> {
+    pub(crate) fn blocks_of<'l>(&self, line: &'l [u8]) -> Vec<(&'l [u8], usize)> {
         let (mut from, mut found) = (0, Vec::new());
         while let Some(rest) = line.get(from..).filter(|rest| !rest.is_empty()) {
             let length = self.plan.scanner.block_end(rest).unwrap_or(rest.len());

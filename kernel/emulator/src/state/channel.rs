@@ -21,6 +21,7 @@ use counterpoint_event::info::Info;
 use counterpoint_fault as diag;
 use counterpoint_machine::Machine;
 use counterpoint_machine::ident::DataId;
+use counterpoint_machine::index::DataRowId;
 use counterpoint_ports::files::Files;
 use counterpoint_ports::options::Options;
 use counterpoint_program::sources::SeenSources;
@@ -111,11 +112,22 @@ pub(crate) struct BlockText {
     pub(crate) tape: (tape::Rules, counterpoint_lang::pattern::Memory),
 }
 
+/// A value that a code hands over as data.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Handed {
+    /// As this data.
+    pub(crate) id: DataId,
+    /// The value of the code, with its factor.
+    pub(crate) raw: f64,
+    /// The row of the data table that it passes, if there is one.
+    pub(crate) row: Option<DataRowId>,
+}
+
 /// The code that is acting.
 #[derive(Debug, Default)]
 pub(crate) struct Acting {
     /// Value that the code hands over as data.
-    pub(crate) as_data: Option<(DataId, f64)>,
+    pub(crate) as_data: Option<Handed>,
     /// The code was not the active one of its group before.
     pub(crate) mode_changed: bool,
 }

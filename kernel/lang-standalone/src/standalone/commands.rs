@@ -75,6 +75,7 @@ impl Standalone {
             Command::Listing(on) => format!("LPRINT/{}", if *on { "ON" } else { "OFF" }),
             Command::Skip(lines) => format!("LPRINT/{lines}"),
             Command::Print(text) | Command::System(text) => (*text).to_owned(),
+            Command::MatchAgain => String::new(),
         }
     }
 }
@@ -87,6 +88,8 @@ impl Blocks for Standalone {
             Command::System(_) => {
                 return Err(Fault::new(Number::SYSTEM_INHIBITED, "SYSTEM commands are switched off"));
             }
+            // No command of the macro's own.
+            Command::MatchAgain => return Ok(0),
             Command::TapeRead => self.program.read_block(&mut self.system, state),
             Command::Search(number) => self.program.go_to(*number),
             _ => {}

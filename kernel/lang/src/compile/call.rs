@@ -3,7 +3,7 @@
 use super::MacroCompiler;
 use super::expression::{Operand, Reach};
 use crate::ast::{Expr, ExprKind, Variable};
-use crate::bytecode::{NO_SLOT, Op, Slot};
+use crate::bytecode::{CommandCode, NO_SLOT, Op, Slot};
 use crate::diag::Number;
 use crate::func::{self, Way};
 use crate::ident;
@@ -36,6 +36,9 @@ impl MacroCompiler<'_> {
         let list = self.list(slots.into_iter().map(|(slot, _)| slot).collect());
         let to = self.goal(wanted);
         self.emit(Op::CallMacro { to, callee: symbol.index, list });
+        if self.issues {
+            self.bare(CommandCode::MatchAgain);
+        }
         (to, symbol.result)
     }
 

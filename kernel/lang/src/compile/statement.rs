@@ -104,7 +104,7 @@ impl MacroCompiler<'_> {
         self.emit(Op::Command { command, list });
     }
 
-    fn bare(&mut self, command: CommandCode) {
+    pub(super) fn bare(&mut self, command: CommandCode) {
         self.command(command, Vec::new());
     }
 

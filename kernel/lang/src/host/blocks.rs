@@ -10,6 +10,8 @@ use crate::value::Value;
 pub enum Command<'a> {
     /// MATCH/ON, OFF
     Match(bool),
+    /// MATCH is on again: a user function begins, or has ended.
+    MatchAgain,
     /// OUTPUT, with the arguments of the macro as they are now: number and value.
     Output(&'a [(u8, Value)]),
     /// EXEC of a block; the flag is NOW.

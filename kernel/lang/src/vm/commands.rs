@@ -26,6 +26,7 @@ pub(super) fn command(
     let request = match command {
         CommandCode::MatchOn => Command::Match(true),
         CommandCode::MatchOff => Command::Match(false),
+        CommandCode::MatchAgain => Command::MatchAgain,
         CommandCode::TapeRead => Command::TapeRead,
         CommandCode::TapeWrite => Command::TapeWrite,
         CommandCode::SaveModal => Command::SaveModal,

@@ -57,7 +57,7 @@ pub(super) fn of_pair(one: &Waiting, other: &Waiting, waits: &Waits, info: &Info
         return Vec::new();
     }
     let hint = |own: &Waiting, partner: &Waiting| {
-        written_from(own, partner.tag.channel, (partner.file, partner.line), (waits, info))
+        written_from(own, partner.tag.channel, (partner.file, partner.line, true), (waits, info))
     };
     hint(one, other).into_iter().chain(hint(other, one)).collect()
 }
@@ -65,15 +65,16 @@ pub(super) fn of_pair(one: &Waiting, other: &Waiting, waits: &Waits, info: &Info
 /// The program of the partner has the mark somewhere else.
 fn written(own: &Waiting, partner: u16, waits: &Waits, info: &Info) -> Option<String> {
     let stands = waits.places.at(partner).map(|at| (at.file, at.line));
-    let place = stands.or_else(|| waits.places.end(partner).map(|end| (end.file, end.line)))?;
-    written_from(own, partner, place, (waits, info))
+    let waiting = stands.is_some();
+    let (file, line) = stands.or_else(|| waits.places.end(partner).map(|end| (end.file, end.line)))?;
+    written_from(own, partner, (file, line, waiting), (waits, info))
 }
 
-/// The same, seen from a line of the partner.
+/// The same, seen from a line of the partner, where it waits or has ended.
 fn written_from(
     own: &Waiting,
     partner: u16,
-    (file, line): (FileId, u32),
+    (file, line, is_waiting): (FileId, u32, bool),
     (waits, info): (&Waits, &Info),
 ) -> Option<String> {
     let rule = waits.rules.of(&own.wait)?;
@@ -90,12 +91,12 @@ fn written_from(
     };
     let ahead = (here.saturating_add(1)..=last.min(here.saturating_add(MOST))).find(has);
     // The partner has not passed the block that it waits in.
-    let waits_here = stands.is_some_and(|(file, _)| file == channel.file) && has(&here);
+    let waits_here = is_waiting && is_main && has(&here);
     if waits_here && ahead.is_none() {
         let text = info.block_text(channel.file, here, 60);
         return Some(format!("channel {partner} waits at '{text}' itself, in line {here}"));
     }
-    let passed = here.saturating_add(u32::from(stands.is_none()));
+    let passed = here.saturating_add(u32::from(!is_waiting));
     let behind = || (first.max(here.saturating_sub(MOST))..passed).rev().find(has);
     let found = ahead.map(|line| (line, "ahead of it")).or_else(|| behind().map(|line| (line, "behind it")));
     let Some((line, side)) = found else {

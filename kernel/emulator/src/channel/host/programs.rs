@@ -23,7 +23,6 @@ impl Kernel<'_> {
         }
         let runtime = &*self.macros;
         let own = match &plan.unmarked {
-            _ if runtime.block.issued => &runtime.reading.unmarked,
             Some(scanner) if runtime.block.made => return scanner,
             _ => &runtime.reading.switched,
         };
