@@ -222,8 +222,15 @@ fn candidates<'a>(
         let Some(source) = sources.read_by(reader, file) else { continue };
         let Reader { machine, callers, .. } = readers.at(reader);
         let format = &machine.format;
-        if source.walk(1, source.lines()).all(|n| source.line(n).iter().all(u8::is_ascii_whitespace)) {
+        let is_blank = |n: u32| source.line(n).iter().all(u8::is_ascii_whitespace);
+        if source.walk(1, source.lines()).all(is_blank) {
             let text = "the file is empty: a program needs at least one block";
+            findings.push(Finding::error(wish.file.clone(), 0, 0, text));
+            continue;
+        }
+        let is_stop = |n: u32| source.line(n).trim_ascii() == format.rws.as_bytes();
+        if source.walk(1, source.lines()).all(|n| is_blank(n) || is_stop(n)) {
+            let text = format!("the file has nothing but '{}': a program needs at least one block", format.rws);
             findings.push(Finding::error(wish.file.clone(), 0, 0, text));
             continue;
         }
@@ -364,8 +371,22 @@ fn place(spec: &Spec, candidates: Vec<Candidate<'_>>, channels: &mut [Channel], 
                     (None, _) => file.clone(),
                 };
             }
-            // Further programs of a single file stay callable; more files than channels are a mistake.
-            None if spec.programs.len() == 1 => {}
+            // Further programs of a single file stay callable; more files than channels are a mistake, and so are further main
+            // programs of a machine whose channels share a file.
+            None if spec.programs.len() == 1 && count == 1 => {}
+            None if spec.programs.len() == 1 => {
+                let name = match (candidate.range.number, &candidate.name) {
+                    (Some(number), _) => format!("O{number:04}"),
+                    (None, Some(name)) => name.clone(),
+                    (None, None) => "this program".to_owned(),
+                };
+                let file = &candidate.wish.file;
+                let text = format!(
+                    "{name} is one more main program than machine {machine} has channels ({count}): name those that run, \
+                     each as {file}#NUMBER, or end it with M99 if it is a subprogram"
+                );
+                findings.push(candidate.error(text));
+            }
             None => {
                 let plural = if count == 1 { "" } else { "s" };
                 let text = format!("machine {machine} has {count} channel{plural}, but the job has more programs");

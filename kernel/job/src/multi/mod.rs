@@ -44,7 +44,7 @@ pub(crate) fn run(job: &Job, files: &dyn Files, control: &Control, sink: &mut dy
     let (plan, plans) = job.plans();
     let components = job.components(&plans);
     let (given, mut round) = (OnceLock::new(), Some(Round::default()));
-    let director = control.console().map(|console| Director::new(console, control, job.info()));
+    let director = control.console().map(|console| Director::new(console, control, (job.info(), machine)));
     let mut written = WrittenFiles::new();
     let mut log = Log::new(sink);
     while let Some(mut now) = round.take() {

@@ -29,7 +29,11 @@ impl Breakpoints {
     }
 
     /// Sets one; gives it with its number.
-    pub(super) fn add(&mut self, breakpoint: Breakpoint) -> Result<Breakpoint, String> {
+    pub(super) fn add(
+        &mut self,
+        breakpoint: Breakpoint,
+        may_hit: impl Fn(&Spot) -> Result<(), String>,
+    ) -> Result<Breakpoint, String> {
         if self.list.len() >= MOST {
             return Err(format!("there are {MOST} breakpoints already: delete some"));
         }
@@ -39,7 +43,7 @@ impl Breakpoints {
             }
             Spot::Line { line: 0, .. } => return Err("lines count from 1".to_owned()),
             Spot::Time(ns) if *ns < 0 => return Err("simulated time begins at 0".to_owned()),
-            _ => {}
+            spot => may_hit(spot)?,
         }
         self.last_id += 1;
         let of = Breakpoint { id: self.last_id, ..breakpoint };
@@ -119,6 +123,44 @@ impl Breakpoints {
     }
 }
 
+/// Something may come to a breakpoint. `shared`: ranges of the numbered variables that channels share, if all of them are known.
+pub(super) fn may_hit(spot: &Spot, info: &Info, shared: Option<&[(u32, u32)]>) -> Result<(), String> {
+    match spot {
+        Spot::Line { file, line } => may_come(file, *line, info),
+        Spot::Write(name) => {
+            let number = name.trim().strip_prefix('#').and_then(|number| number.trim().parse::<u32>().ok());
+            let (Some(number), Some(shared)) = (number, shared) else { return Ok(()) };
+            if shared.iter().any(|(first, last)| (*first..=*last).contains(&number)) {
+                return Ok(());
+            }
+            let ranges: Vec<String> = shared.iter().map(|(first, last)| format!("#{first} to #{last}")).collect();
+            let has = if ranges.is_empty() { "none".to_owned() } else { ranges.join(", ") };
+            Err(format!(
+                "#{number} is a channel's own: a run stops at variables that channels share, and this machine has {has}"
+            ))
+        }
+        Spot::Wait(_) | Spot::Time(_) => Ok(()),
+    }
+}
+
+/// A block may begin in this line of some file of the job. Files that no channel has read yet may have any lines.
+fn may_come(wanted: &str, line: u32, info: &Info) -> Result<(), String> {
+    let mut most = 0;
+    for file in info.files.iter().filter(|file| is_file(wanted, &file.name)) {
+        let Some(text) = file.text.get().and_then(Option::as_ref) else { return Ok(()) };
+        if line <= text.lines() && text.line(line).iter().any(|byte| !byte.is_ascii_whitespace()) {
+            return Ok(());
+        }
+        most = most.max(text.lines());
+    }
+    let files = || info.files.iter().take(10).map(|file| file.name.as_str()).collect::<Vec<_>>().join(", ");
+    Err(match most {
+        0 => format!("the job has no file '{wanted}'; it has {}", files()),
+        most if line > most => format!("there is no line {line}: the file has {most} lines"),
+        _ => format!("line {line} is blank: no block begins there"),
+    })
+}
+
 /// The same but for blanks and letter case.
 fn is_same(one: &str, other: &str) -> bool {
     let letters = |text: &str| text.chars().filter(|c| !c.is_whitespace()).map(|c| c.to_ascii_uppercase()).collect();
@@ -171,8 +213,8 @@ mod tests {
     #[test]
     fn a_breakpoint_counts_and_may_be_spent() {
         let mut set = Breakpoints::default();
-        assert_eq!(set.add(Breakpoint { count: 2, once: true, ..wait("") }).unwrap().id, 1);
-        assert_eq!(set.add(wait("102")).unwrap().id, 2);
+        assert_eq!(set.add(Breakpoint { count: 2, once: true, ..wait("") }, |_| Ok(())).unwrap().id, 1);
+        assert_eq!(set.add(wait("102"), |_| Ok(())).unwrap().id, 2);
         assert_eq!(set.hit(|spot| matches!(spot, Spot::Wait(key) if key.is_empty())), None);
         assert_eq!(set.hit(|spot| matches!(spot, Spot::Wait(key) if key.is_empty())), Some(1));
         assert_eq!(set.all().len(), 1, "the first one is spent");
@@ -180,7 +222,9 @@ mod tests {
         assert_eq!(set.remove(1), Err("there is no breakpoint 1".to_owned()));
         assert_eq!(set.remove(0), Ok(()));
         assert_eq!(set.hit(|_| true), None);
-        assert!(set.add(Breakpoint { spot: Spot::Write(" ".into()), ..wait("") }).is_err());
-        assert!(set.add(Breakpoint { spot: Spot::Line { file: String::new(), line: 0 }, ..wait("") }).is_err());
+        assert!(set.add(Breakpoint { spot: Spot::Write(" ".into()), ..wait("") }, |_| Ok(())).is_err());
+        assert!(
+            set.add(Breakpoint { spot: Spot::Line { file: String::new(), line: 0 }, ..wait("") }, |_| Ok(())).is_err()
+        );
     }
 }

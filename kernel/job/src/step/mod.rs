@@ -14,6 +14,7 @@ use std::time::Duration;
 
 use breakpoints::Breakpoints;
 use counterpoint_event::info::Info;
+use counterpoint_machine::Machine;
 use counterpoint_ports::control::{Control, State as Doing};
 use counterpoint_ports::step::{Command, Common, Console, Event, Go, Heard, Said, Seen, Stepper, Whom};
 use decide::{Decision, Goal, Standing};
@@ -38,6 +39,8 @@ pub(crate) struct Director<'a> {
     console: &'a dyn Console,
     control: &'a Control,
     info: &'a Info,
+    /// Numbered variables that channels share; none where components have their own.
+    shared: Option<&'a [(u32, u32)]>,
     state: Mutex<State>,
 }
 
@@ -87,7 +90,11 @@ impl State {
 
 impl<'a> Director<'a> {
     /// For a job that stands before the first block of each channel.
-    pub(crate) fn new(console: &'a dyn Console, control: &'a Control, info: &'a Info) -> Self {
+    pub(crate) fn new(
+        console: &'a dyn Console,
+        control: &'a Control,
+        (info, machine): (&'a Info, &'a Machine),
+    ) -> Self {
         let channel = |number| Channel { number, ..Channel::default() };
         let state = State {
             channels: info.channels.iter().map(|of| channel(of.number)).collect(),
@@ -97,7 +104,8 @@ impl<'a> Director<'a> {
             ahead: None,
             detached: false,
         };
-        Self { console, control, info, state: Mutex::new(state) }
+        let shared = machine.components.is_empty().then_some(machine.variables.shared.as_slice());
+        Self { console, control, info, shared, state: Mutex::new(state) }
     }
 
     fn lock(&self) -> MutexGuard<'_, State> {
@@ -177,7 +185,11 @@ impl<'a> Director<'a> {
             Command::Continue => state.goal = Goal::Free,
             Command::Pause if state.goal == Goal::Stand => {}
             Command::Pause => state.stop = Some((0, "paused by the operator".to_owned())),
-            Command::Add(breakpoint) => return Ok(Some(Said::Added(state.breakpoints.add(breakpoint)?))),
+            Command::Add(breakpoint) => {
+                return Ok(Some(Said::Added(
+                    state.breakpoints.add(breakpoint, |spot| breakpoints::may_hit(spot, self.info, self.shared))?,
+                )));
+            }
             Command::Remove(id) => state.breakpoints.remove(id)?,
             Command::Hold(channel) => {
                 self.known(channel)?;

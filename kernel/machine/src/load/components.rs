@@ -149,6 +149,29 @@ pub(super) fn declaration(composite: &Table) -> Option<(&str, &Place)> {
     Some((macros.text("declaration")?, &macros.get("declaration")?.place))
 }
 
+/// Sections that the blocks of a component take from its own definition.
+const OWN_SECTIONS: [&str; 10] = [
+    "cycles",
+    "arcs",
+    "turning",
+    "threads",
+    "compensation",
+    "corners",
+    "tape_editor",
+    "initial",
+    "coolant",
+    "kinematics",
+];
+
+/// Reports sections that the file of a composite has and nothing reads. Those of its family are not its own.
+pub(super) fn check_sections(composite: &Table, file: &str, check: &Check) {
+    let own = |entry: &&Entry| OWN_SECTIONS.contains(&entry.key.as_str()) && &*entry.place.file == file;
+    for entry in composite.entries.iter().filter(own) {
+        let text = format!("`{}` of a composite machine is never read: its components have their own", entry.key);
+        check.warning(&entry.place, text);
+    }
+}
+
 /// Reports macros of a composite that never run.
 pub(super) fn check_macros(composite: &Table, check: &Check) {
     let Some(Value::Table(macros)) = composite.get("macros").map(|node| &node.value) else { return };

@@ -18,17 +18,19 @@ pub(super) struct Available {
     pub(super) title: &'static str,
     /// Arguments `$P1` to this one.
     pub(super) arguments: u8,
-    /// One that a macro may read and never sets.
-    pub(super) read_only: Option<u8>,
+    /// Those that a macro may read and never sets.
+    pub(super) read_only: &'static [u8],
+    /// Nothing reads a program here.
+    pub(super) is_master: bool,
 }
 
 impl Available {
     /// A code macro.
-    pub(super) const CODE: Self = Self { title: "code macro", arguments: 2, read_only: None };
+    pub(super) const CODE: Self = Self { title: "code macro", arguments: 2, read_only: &[2], is_master: false };
     /// A data macro.
-    pub(super) const DATA: Self = Self { title: "data macro", arguments: 5, read_only: None };
+    pub(super) const DATA: Self = Self { title: "data macro", arguments: 5, read_only: &[3, 5], is_master: false };
     /// A file of functions.
-    pub(super) const FUNCTIONS: Self = Self { title: "function", arguments: 0, read_only: None };
+    pub(super) const FUNCTIONS: Self = Self { title: "function", arguments: 0, read_only: &[], is_master: false };
 
     /// The macro of a hook.
     pub(super) const fn of(hook: Hook) -> Self {
@@ -49,8 +51,18 @@ impl Available {
             Hook::Cycle => 6,
             Hook::Diagnostic => 5,
         };
-        let read_only = if matches!(hook, Hook::Diagnostic) { Some(4) } else { None };
-        Self { title: hook.title(), arguments, read_only }
+        let read_only: &[u8] = match hook {
+            Hook::SubprogramStartup => &[2, 3, 4, 5, 6, 7, 8],
+            Hook::PreprocessorStartup | Hook::BlockStartup | Hook::Identification => &[3],
+            Hook::BlockShutdown | Hook::PreprocessorShutdown => &[1, 3],
+            Hook::Tool => &[1, 2, 3],
+            Hook::Motion => &[3, 4, 5, 6, 7, 8],
+            Hook::Cycle => &[1, 2],
+            Hook::Diagnostic => &[4],
+            _ => &[],
+        };
+        let is_master = matches!(hook, Hook::MachineStartup | Hook::MachineShutdown);
+        Self { title: hook.title(), arguments, read_only, is_master }
     }
 }
 
@@ -58,9 +70,16 @@ impl Available {
 pub(super) fn check(source: &Source, given: Available, check: &Check, dialogs: &mut Vec<(String, Place)>) {
     let (macros, _) = parse(source);
     for found in &macros {
-        let mut uses = Uses { source, given, check, dialogs, set: 0, reported: 0 };
-        uses.set = assigned(found);
+        let mut uses = Uses { source, given, check, dialogs, set: 0, reported: 0, read: Some(0) };
         found.statements.iter().for_each(|statement| uses.statement(&statement.kind));
+        let read = uses.read.take().unwrap_or(0);
+        // An argument that the macro itself reads after it has set it is a variable like any other.
+        let set = assigned(found);
+        uses.set = set;
+        for statement in &found.statements {
+            uses.statement(&statement.kind);
+            uses.without_effect(&statement.kind, statement.span, read);
+        }
     }
 }
 
@@ -96,6 +115,8 @@ struct Uses<'a> {
     dialogs: &'a mut Vec<(String, Place)>,
     set: u128,
     reported: u128,
+    /// Arguments that are read, while they are collected and nothing is reported.
+    read: Option<u128>,
 }
 
 impl Uses<'_> {
@@ -104,15 +125,40 @@ impl Uses<'_> {
         Place { file: self.source.name.as_str().into(), line, column }
     }
 
+    /// Reports a statement that does nothing at its place.
+    fn without_effect(&self, statement: &StatementKind, span: Span, read: u128) {
+        let title = self.given.title;
+        if let StatementKind::Assign { target, .. } = statement
+            && let Some(number) = argument(target).filter(|number| self.given.read_only.contains(number))
+            && read & 1_u128.wrapping_shl(u32::from(number)) == 0
+        {
+            let text = format!("$P{number} of the {title} is read-only, this changes nothing");
+            self.check.warning(&self.place(target.span), text);
+        }
+        let command = match statement {
+            StatementKind::Exec(..) => "EXEC",
+            StatementKind::TapeRead => "TAPERD",
+            StatementKind::TapeWrite => "TAPEWT",
+            StatementKind::Search(_) => "SEARCH",
+            StatementKind::SaveModal => "SAVMODAL",
+            StatementKind::RestoreModal => "RSTMODAL",
+            _ => return,
+        };
+        if self.given.is_master {
+            let text = format!("{command} does nothing in the {title}: its kernel runs no program");
+            self.check.warning(&self.place(span), text);
+        }
+    }
+
     fn statement(&mut self, statement: &StatementKind) {
         match statement {
             StatementKind::Assign { target, value, .. } => {
-                if let Some(number) = argument(target).filter(|number| self.given.read_only == Some(*number)) {
-                    let text = format!("$P{number} of the {} is read-only, this changes nothing", self.given.title);
-                    self.check.warning(&self.place(target.span), text);
-                }
+                let own = argument(target).map_or(0, |number| 1_u128.wrapping_shl(u32::from(number)));
+                let before = self.read;
                 self.expression(target);
                 self.expression(value);
+                // What only makes its own next value is not read.
+                self.read = self.read.zip(before).map(|(now, before)| now & (!own | before));
             }
             StatementKind::Declare { names, .. } => {
                 for name in names {
@@ -156,6 +202,9 @@ impl Uses<'_> {
 
     /// Data in EXEC need their value behind them.
     fn items(&self, items: &[Expr]) {
+        if self.read.is_some() {
+            return;
+        }
         let mut rest = items.iter().peekable();
         while let Some(item) = rest.next() {
             match &item.kind {
@@ -187,6 +236,7 @@ impl Uses<'_> {
                 if let ("$FDIALOG", Some(ExprKind::Text(dialog))) =
                     (name.as_str(), parts.first().map(|part| &part.kind))
                     && parts.len() == 1
+                    && self.read.is_none()
                 {
                     let place = self.place(expression.span);
                     self.dialogs.push((dialog.clone(), place));
@@ -202,6 +252,10 @@ impl Uses<'_> {
 
     fn uses(&mut self, number: u8, span: Span) {
         let bit = 1_u128.wrapping_shl(u32::from(number));
+        if let Some(read) = &mut self.read {
+            *read |= bit;
+            return;
+        }
         if (1..=self.given.arguments).contains(&number) || (self.set | self.reported) & bit != 0 {
             return;
         }

@@ -80,6 +80,7 @@ pub fn load(files: &dyn Files, folder: &str) -> Loaded {
         let (mut machine, rows) = build::machine(&merged, files, None, &check);
         if !rows.is_empty() {
             components::check_macros(&plain, &check);
+            components::check_sections(&plain, &machine.file, &check);
             machine.components = made_of(&machine, &plain, &rows, files, &check);
         }
         machine

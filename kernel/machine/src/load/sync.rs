@@ -3,10 +3,11 @@
 //! Invariant: the form of the channel list can name every channel of the machine. Facts: reference
 //! channel-synchronisation.md 1.3.
 
-use crate::ident::codes;
+use crate::ident::{CodeId, codes};
 use crate::model::{AlarmScope, Channel, PathsForm, Sync, SyncDialect, WaitRow};
 use crate::rows::CodeRow;
 use crate::toml::check::Check;
+use crate::toml::node::Place;
 use crate::toml::section::Section;
 
 /// Longest delay in seconds.
@@ -17,6 +18,10 @@ const MOST_SIGNALS: i64 = 100_000;
 
 /// Tick of a polling loop, ns, when the file does not say.
 const POLL_NS: i64 = 1_000_000;
+
+/// Codes at whose words channels meet.
+const MARKS: [CodeId; 5] =
+    [codes::SYNC_REG, codes::SYNC_REG_MAIN, codes::SYNC_REG_SIDE, codes::SYNC_REG_START, codes::SYNC_REG_STOP];
 
 /// Reads the section.
 pub(super) fn read(
@@ -36,7 +41,18 @@ pub(super) fn read(
         composite_places: false,
         waits,
     };
-    let Some(mut section) = top.table("sync", "[sync]") else { return sync };
+    let Some(mut section) = top.table("sync", "[sync]") else {
+        for row in rows.iter().filter(|row| row.enable && MARKS.contains(&row.id)) {
+            if !sync.waits.iter().any(|wait| wait.is_of(&row.form)) {
+                let place = Place { file: row.file.as_str().into(), line: row.line, column: 1 };
+                check.idle(
+                    &place,
+                    "the word of this synchronisation does nothing: the machine has no [sync] with `dialect`",
+                );
+            }
+        }
+        return sync;
+    };
     let dialects = [("none", SyncDialect::None), ("fanuc", SyncDialect::Fanuc)];
     sync.dialect = section.choice("dialect", &dialects).unwrap_or(SyncDialect::None);
     let forms = [("list", PathsForm::List), ("bits", PathsForm::Bits), ("either", PathsForm::Either)];
@@ -86,10 +102,8 @@ fn check_form(section: &Section<'_>, form: PathsForm, channels: &[Channel]) {
 }
 
 fn check_words(section: &Section<'_>, sync: &Sync, channels: &[Channel], rows: &[CodeRow], check: &Check) {
-    let marks =
-        [codes::SYNC_REG, codes::SYNC_REG_MAIN, codes::SYNC_REG_SIDE, codes::SYNC_REG_START, codes::SYNC_REG_STOP];
     let own = |row: &CodeRow| sync.waits.iter().any(|wait| wait.is_of(&row.form));
-    let words = rows.iter().any(|row| marks.contains(&row.id) && row.enable && !own(row));
+    let words = rows.iter().any(|row| MARKS.contains(&row.id) && row.enable && !own(row));
     if sync.dialect == SyncDialect::Fanuc && !words && sync.waits.is_empty() && channels.len() > 1 {
         let text = "the channels of this machine cannot meet: no row of [[codes]] has CODE_SYNC_REG";
         check.warning(section.place_of("dialect"), text);
