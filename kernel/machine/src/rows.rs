@@ -31,6 +31,8 @@ pub struct Register {
     pub pointed: bool,
     /// The text between `before` and `after` may be a tool's name.
     pub names: bool,
+    /// It is a coordinate whose numbers without a point count least increments because the control says so.
+    pub counts: bool,
 }
 
 impl Register {

@@ -347,6 +347,7 @@ mod tests {
             increment: None,
             signed: true,
             pointed: true,
+            counts: false,
             names: false,
         }
     }

@@ -17,7 +17,7 @@ use counterpoint_machine::ident::kind::data::DataKind;
 use counterpoint_machine::ident::{self, CodeId, DataId, codes, data, data_facts, takes};
 use counterpoint_machine::index::{CodeRowId, DataRowId, RegisterId, Table};
 use counterpoint_machine::model::AxisRole;
-use counterpoint_machine::rows::{CodeForm, CodeRow, DataRow, Overlap, Point, Register};
+use counterpoint_machine::rows::{CodeForm, CodeRow, DataRow, Overlap, Register};
 use counterpoint_program::scan::Scanner;
 use counterpoint_program::syntax::Syntax;
 use counterpoint_program::tape::Tape;
@@ -389,13 +389,11 @@ fn sources(machine: &Machine, diameter_x: &[DataId]) -> Table<DataId, Vec<Source
     machine.tables.rows_of_data.map(|_, rows| rows.iter().filter_map(source).collect())
 }
 
-/// One of a number without a point for a row whose register has an implied point: words with a factor of their own and
+/// One of a number without a point for a row whose register counts least increments: words with a factor of their own and
 /// plain numbers are as written, and the unit of angles and times does not change with that of lengths.
 fn one(machine: &Machine, row: &DataRow) -> Option<f64> {
     let register = &machine.registers[row.register?];
-    let [implied, other] =
-        [register.format, register.secondary].map(|format| format.point == Point::Omit && format.frac > 0);
-    if !implied && !other {
+    if !register.counts {
         return None;
     }
     match row.dimension {

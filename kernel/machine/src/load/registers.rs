@@ -46,6 +46,7 @@ pub(super) fn change_coordinates(registers: &mut Table<RegisterId, Register>, ru
                 (format.point, format.lead, format.trail) = (Point::Omit, Zeros::Omit, Zeros::Keep);
             }
         }
+        register.counts = rule.increments;
     }
 }
 
@@ -87,7 +88,7 @@ fn read_row(mut row: Section<'_>, known: &[Register], check: &Check) -> Option<R
     }
     row.finish();
     let (name, before) = (name?, before?);
-    Some(Register { index, name, second, before, after, format, secondary, increment, signed, pointed, names })
+    Some(Register { index, name, second, before, after, format, secondary, increment, signed, pointed, names, counts: false })
 }
 
 /// Text around the number of a special register; the empty text is one.
