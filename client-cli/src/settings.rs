@@ -8,9 +8,6 @@ const KEYS: &str = "waits=FIRST-LAST (M codes that are waiting codes, for exampl
                     without a decimal point count least increments), system=A, B or C (system of G codes of a lathe) and \
                     shared=FIRST-LAST (common variables that all channels share, for example shared=500-549)";
 
-/// M codes that are waiting codes of the shipped machines.
-pub(crate) const WAITS: RangeInclusive<u32> = 100..=199;
-
 /// Highest number of a common variable.
 const HIGHEST_VARIABLE: u32 = 999_999;
 
@@ -89,13 +86,13 @@ impl FromStr for Setting {
     }
 }
 
-/// The waiting codes that a guess looks for.
-pub(crate) fn waits(settings: &[Setting]) -> RangeInclusive<u32> {
+/// The waiting codes that a guess looks for, if they are others than those of the machines.
+pub(crate) fn waits(settings: &[Setting]) -> Option<RangeInclusive<u32>> {
     let range = |setting: &Setting| match setting {
         Setting::Waits(range) => Some(range.clone()),
         Setting::Increments | Setting::System(_) | Setting::Shared(..) => None,
     };
-    settings.iter().rev().find_map(range).unwrap_or(WAITS)
+    settings.iter().rev().find_map(range)
 }
 
 #[cfg(test)]
@@ -110,7 +107,7 @@ mod tests {
         assert_eq!("system=b".parse(), Ok(Setting::System('B')));
         assert_eq!("shared=500-549".parse(), Ok(Setting::Shared(500, 549)));
         assert_eq!("shared=#100-#100".parse(), Ok(Setting::Shared(100, 100)));
-        assert_eq!(waits(&[Setting::Waits(900..=999), Setting::Increments]), 900..=999);
+        assert_eq!(waits(&[Setting::Waits(900..=999), Setting::Increments]), Some(900..=999));
         for (text, with) in [
             ("waits", "a value is missing"),
             ("waits=900", "no range"),

@@ -230,6 +230,7 @@ diagnostics! {
     SIEMENS_STOP 2900365 "setal-alarm" 12 true "alarm set by the program";
     NO_TEETH 2900366 "no-teeth" 12 true "number of teeth unknown for feed per tooth";
     OKUMA_ALARM 2900367 "user-alarm" 12 true "user alarm (Okuma)";
+    NOT_UTF8 2900540 "not-utf-text" 4 false "text of a file not in UTF-8";
     NO_FEED_PER_TURN 2900368 "no-feed-per-revolution" 12 true "feed per revolution on a machine without M136";
 
     VALUE_WITHHELD 2900530 "value-withheld" 4 false "value taken away by a data macro";
