@@ -48,6 +48,7 @@ mod tasks;
 mod tool_call;
 mod tools;
 mod train;
+mod trans;
 mod upright;
 mod variables;
 mod words;
