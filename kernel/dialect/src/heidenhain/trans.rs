@@ -26,7 +26,7 @@ impl Heidenhain {
             ("ROTATION", "RESET") if rest.len() == 1 => (10, vec![number("ROT", 0.0)]),
             ("SCALE", "SCL") if rest.len() == 1 => (11, rest.to_vec()),
             ("SCALE", "RESET") if rest.len() == 1 => (11, vec![number("SCL", 1.0)]),
-            _ => return Ok(self.not_understood(host)),
+            _ => return Err(self.not_understood(host)),
         };
         let mut all = vec![head(cycle)];
         all.extend(values);
@@ -53,7 +53,7 @@ impl Heidenhain {
             Some("TABLE") => {
                 let seen = Evaluator::new(&mut self.variables, host).seen(values.unwrap_or_default())?;
                 let Some(row) = seen.iter().find(|word| word.is("TABLINE")).and_then(|word| word.value) else {
-                    return Ok(self.not_understood(host));
+                    return Err(self.not_understood(host));
                 };
                 let table = seen.iter().find(|word| word.text.starts_with('"')).map(|word| word.text.as_str());
                 let mut words = self.datum_row(host, row, table)?;
@@ -61,7 +61,7 @@ impl Heidenhain {
                 self.shifts.define(host, 7, &mut words);
                 return Ok(Some(joined("CYCL DEF 7", &words)));
             }
-            _ => return Ok(self.not_understood(host)),
+            _ => return Err(self.not_understood(host)),
         }
         let mut seen = Evaluator::new(&mut self.variables, host).seen(&all)?;
         self.take_shifts(&seen);

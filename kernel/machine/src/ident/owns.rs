@@ -18,6 +18,8 @@ const OWN: &[CodeId] = &[
     codes::DELAY,
     codes::DELAY_REV,
     codes::ENGRAVE,
+    codes::FIGURE_SHIFT,
+    codes::FIGURE_TURN,
     codes::GOHOME,
     codes::GOHOME_NTH,
     codes::GOHOME_RETURN,
@@ -27,6 +29,7 @@ const OWN: &[CodeId] = &[
     codes::POLE_TOOL,
     codes::POLE_ZERO,
     codes::POSITION_PRESET,
+    codes::STORED_LIMIT_ON,
     codes::WORK_AREA_HIGH,
     codes::WORK_AREA_LOW,
 ];

@@ -88,7 +88,20 @@ fn read_row(mut row: Section<'_>, known: &[Register], check: &Check) -> Option<R
     }
     row.finish();
     let (name, before) = (name?, before?);
-    Some(Register { index, name, second, before, after, format, secondary, increment, signed, pointed, names, counts: false })
+    Some(Register {
+        index,
+        name,
+        second,
+        before,
+        after,
+        format,
+        secondary,
+        increment,
+        signed,
+        pointed,
+        names,
+        counts: false,
+    })
 }
 
 /// Text around the number of a special register; the empty text is one.
