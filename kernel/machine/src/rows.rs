@@ -125,6 +125,8 @@ pub struct CodeRow {
     pub without: Vec<RegisterId>,
     /// Registers whose words the control ignores on a block of this code.
     pub ignores: Vec<RegisterId>,
+    /// All axis words of a block with this code are the code's: those that it does not take are reported and move nothing.
+    pub owns_axes: bool,
     /// Seconds this code takes (machine's time table), 0 = none.
     pub seconds: f64,
     /// What its seconds run beside.

@@ -358,6 +358,7 @@ mod tests {
             with: Vec::new(),
             without: Vec::new(),
             ignores: Vec::new(),
+            owns_axes: false,
             seconds: 0.0,
             overlap: crate::rows::Overlap::None,
             axis: None,

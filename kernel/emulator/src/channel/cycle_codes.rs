@@ -18,6 +18,9 @@ impl Kernel<'_> {
         let code = |row: CodeRowId| (machine.codes[row].id, machine.codes[row].id.kind());
         let mut in_machine = false;
         for pending in &self.channel.block.pending {
+            if machine.codes[pending.row].owns_axes {
+                return;
+            }
             match code(pending.row) {
                 (codes::CYCLE_ON, _) | (_, CodeKind::Cycle(_) | CodeKind::ThreadCycle(_)) => return,
                 (codes::CYCLE_OFF, _) => return self.queue_by_data(group::MOTION),

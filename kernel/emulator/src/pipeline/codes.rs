@@ -267,6 +267,9 @@ impl Kernel<'_> {
             for &register in row.map_or(&[][..], |row| row.ignores.as_slice()) {
                 self.channel.block.take(register);
             }
+            if row.is_some_and(|row| row.owns_axes) {
+                self.take_axis_words(|_, _| {});
+            }
         }
     }
 
@@ -336,6 +339,9 @@ impl Kernel<'_> {
             None => self.perform(row, pending),
         };
         self.channel.acting.as_data = None;
+        if row.owns_axes && result.is_ok() {
+            self.refuse_axis_words(row, pending);
+        }
         result
     }
 

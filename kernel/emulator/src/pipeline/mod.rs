@@ -14,6 +14,7 @@ mod leftovers;
 mod length_words;
 mod long_comments;
 mod messages;
+mod owned_words;
 mod preprocess;
 mod read;
 mod split;

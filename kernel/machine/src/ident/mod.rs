@@ -9,6 +9,7 @@ pub mod dimension;
 pub mod kind;
 mod list;
 mod own;
+pub mod owns;
 pub mod takes;
 
 use crate::index::Table;

@@ -73,6 +73,7 @@ fn read_row(section: &mut Section<'_>, names: &mut Names<'_>) -> Option<CodeRow>
     let with = registers(section, "with", names);
     let without = registers(section, "without", names);
     let ignores = registers(section, "ignores", names);
+    let owns_axes = section.flag("owns_axes");
     if with.iter().any(|register| without.contains(register)) {
         section.error("without", "a register cannot be both in `with` and in `without`");
     }
@@ -111,6 +112,7 @@ fn read_row(section: &mut Section<'_>, names: &mut Names<'_>) -> Option<CodeRow>
         with,
         without,
         ignores,
+        owns_axes: owns_axes.unwrap_or_else(|| ident::owns::owns_axes(id)),
         seconds,
         overlap,
         axis,

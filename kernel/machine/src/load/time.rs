@@ -144,6 +144,7 @@ fn function_row(entry: &Entry, register: RegisterId, value: f64, (seconds, overl
         with: Vec::new(),
         without: Vec::new(),
         ignores: Vec::new(),
+        owns_axes: false,
         seconds,
         overlap,
         axis: None,

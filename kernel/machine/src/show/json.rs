@@ -158,6 +158,7 @@ fn code(machine: &Machine, row: &CodeRow) -> Value {
         "with": names(&row.with),
         "without": names(&row.without),
         "ignores": names(&row.ignores),
+        "owns_axes": row.owns_axes,
         "seconds": row.seconds,
         "overlap": word(row.overlap),
         "axis": row.axis.map(|axis| ["X", "Y", "Z"].get(usize::from(axis))),

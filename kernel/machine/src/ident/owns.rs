@@ -1,0 +1,42 @@
+//! Codes to which all axis words of their block belong: a word that such a code does not take is a mistake of the program and
+//! never moves an axis.
+//!
+//! Facts: programming manuals of the controls, which give these codes a block or a list of axis words of their own.
+//! *Invariant:* a code that leaves axis words to the motion code of its block is not among them.
+
+use counterpoint_motion::frame::local::Part;
+
+use super::kind::CodeKind;
+use super::kind::local::Change;
+use super::kind::plane::Tilt;
+use super::{CodeId, codes};
+
+/// Codes whose kind does not say it.
+const OWN: &[CodeId] = &[
+    codes::CYLINDER_MAP,
+    codes::CYLINDER_ON,
+    codes::DELAY,
+    codes::DELAY_REV,
+    codes::ENGRAVE,
+    codes::GOHOME,
+    codes::GOHOME_NTH,
+    codes::GOHOME_RETURN,
+    codes::OFFSET_SET,
+    codes::POCKET,
+    codes::POLE_LAST,
+    codes::POLE_TOOL,
+    codes::POLE_ZERO,
+    codes::POSITION_PRESET,
+    codes::WORK_AREA_HIGH,
+    codes::WORK_AREA_LOW,
+];
+
+/// All axis words of a block with this code are the code's, unless its row says otherwise.
+#[must_use]
+pub fn owns_axes(id: CodeId) -> bool {
+    match id.kind() {
+        CodeKind::Local(_, Change::On | Change::Add) | CodeKind::Local(Part::Mirror, Change::Off) => true,
+        CodeKind::Plane(Tilt::On(_) | Tilt::Add(_)) | CodeKind::Turning(_) => true,
+        _ => OWN.contains(&id),
+    }
+}
