@@ -9,8 +9,7 @@ use super::ident::{DataId, Name};
 use super::index::{CodeRowId, DataRowId, RegisterId, Table};
 use super::rows::{CodeForm, CodeRow, DataRow, Register};
 
-/// Register a letter belongs to, and whether it is the register's second,
-/// incremental name; `None` = no regular register.
+/// Register a letter belongs to, and whether it is its second, incremental name; `None` = no regular register.
 pub type LetterEntry = Option<(RegisterId, bool)>;
 
 /// Code numbers below this one may have one decimal and are looked up directly.

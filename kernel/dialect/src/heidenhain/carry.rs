@@ -107,7 +107,7 @@ impl Heidenhain {
                                 false => Ok(self.not_understood(host)),
                             }
                         }
-                        Some("TRANS DATUM") => self.shift_datum(host, words),
+                        _ if words.first().is_some_and(|word| &*word.name == "TRANS") => self.transform(host, words),
                         _ => Ok(self.not_understood(host)),
                     };
                 }

@@ -357,33 +357,4 @@ impl Heidenhain {
         }
         Ok(())
     }
-
-    /// TRANS DATUM AXIS and RESET: cycle 7 by another name.
-    pub(super) fn shift_datum(&mut self, host: &mut dyn Host, words: &[Word]) -> Result<Option<String>, Halt> {
-        let (form, values) = words.get(2..).and_then(<[Word]>::split_first).unzip();
-        let mut all = vec![head(7)];
-        match form.map(|word| &*word.name) {
-            Some("AXIS") => all.extend_from_slice(values.unwrap_or_default()),
-            Some("RESET") => {
-                let zero = |name: &str| Word { name: name.into(), operand: Operand::Number("0".into(), 0.0) };
-                all.extend(["X", "Y", "Z"].map(zero));
-            }
-            Some("TABLE") => {
-                let seen = Evaluator::new(&mut self.variables, host).seen(values.unwrap_or_default())?;
-                let Some(row) = seen.iter().find(|word| word.is("TABLINE")).and_then(|word| word.value) else {
-                    return Ok(self.not_understood(host));
-                };
-                let table = seen.iter().find(|word| word.text.starts_with('"')).map(|word| word.text.as_str());
-                let mut words = self.datum_row(host, row, table)?;
-                self.take_shifts(&words);
-                self.shifts.define(host, 7, &mut words);
-                return Ok(Some(joined("CYCL DEF 7", &words)));
-            }
-            _ => return Ok(self.not_understood(host)),
-        }
-        let mut seen = Evaluator::new(&mut self.variables, host).seen(&all)?;
-        self.take_shifts(&seen);
-        self.shifts.define(host, 7, &mut seen);
-        Ok(Some(joined("", &seen)))
-    }
 }

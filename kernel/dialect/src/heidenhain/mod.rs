@@ -46,6 +46,7 @@ mod tables;
 mod tasks;
 mod tools;
 mod train;
+mod trans;
 mod upright;
 mod variables;
 mod words;

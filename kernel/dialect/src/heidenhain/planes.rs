@@ -12,7 +12,7 @@ use super::Heidenhain;
 use super::eval::Evaluator;
 use super::formula::{Kind, Name};
 use super::path::{AXES, axis};
-use super::shifts::Shifts;
+use super::shifts::{SPACE, Shifts};
 use super::variables::Value;
 use super::words::{Seen, Word, joined, shown};
 use crate::host::Host;
@@ -81,7 +81,7 @@ impl Heidenhain {
     pub(super) fn take_shifts(&mut self, seen: &[Seen]) {
         let Some(before) = &mut self.planes.before else { return };
         for word in seen.iter().filter(|word| word.value == Some(0.0)) {
-            let Some((at, false)) = axis(&word.name) else { continue };
+            let Some((at, false)) = axis(&word.name).filter(|(at, _)| *at < SPACE) else { continue };
             if before.take_datum(at) {
                 self.planes.taken |= 1 << at;
             }
@@ -95,7 +95,8 @@ impl Heidenhain {
             let taken = std::mem::take(&mut self.planes.taken);
             if let Some(before) = self.planes.before.take().filter(|before| taken != 0 || *before != Shifts::default())
             {
-                self.shifts = before;
+                let ended = std::mem::replace(&mut self.shifts, before);
+                self.shifts.take_beside(&ended);
             }
             if taken != 0 {
                 let axes = AXES.iter().enumerate().filter(|(at, _)| taken & 1 << at != 0);
@@ -104,6 +105,7 @@ impl Heidenhain {
             }
         } else {
             let before = std::mem::take(&mut self.shifts);
+            self.shifts.take_beside(&before);
             if !added || self.planes.before.is_none() {
                 self.planes.before.get_or_insert(before);
             }

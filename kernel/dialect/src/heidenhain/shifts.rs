@@ -9,6 +9,9 @@ use super::path::{AXES, axis};
 use super::words::{Seen, joined, shown};
 use crate::host::Host;
 
+/// X, Y and Z come first; other axes are shifted, mirrored and scaled each by itself, whatever plane is active.
+pub(super) const SPACE: usize = 3;
+
 /// What ends a mirror, in words of the tables.
 const NO_MIRROR: &str = "MIRROR OFF";
 
@@ -20,13 +23,13 @@ const CENTER: [&str; 3] = ["CCX", "CCY", "CCZ"];
 pub(super) struct Shifts {
     datum: [f64; AXES.len()],
     angle: f64,
-    mirrored: [bool; 3],
-    factors: [f64; 3],
+    mirrored: [bool; AXES.len()],
+    factors: [f64; AXES.len()],
 }
 
 impl Default for Shifts {
     fn default() -> Self {
-        Self { datum: Default::default(), angle: 0.0, mirrored: [false; 3], factors: [1.0; 3] }
+        Self { datum: Default::default(), angle: 0.0, mirrored: Default::default(), factors: [1.0; AXES.len()] }
     }
 }
 
@@ -41,6 +44,22 @@ impl Shifts {
         self.datum.get_mut(axis).is_some_and(|datum| std::mem::take(datum) != 0.0)
     }
 
+    /// Takes over what another one says of axes beside X, Y and Z.
+    pub(super) fn take_beside(&mut self, other: &Self) {
+        let beside = |at: &usize| *at >= SPACE;
+        for at in (0..AXES.len()).filter(beside) {
+            if let (Some(slot), Some(value)) = (self.datum.get_mut(at), other.datum.get(at)) {
+                *slot = *value;
+            }
+            if let (Some(slot), Some(value)) = (self.mirrored.get_mut(at), other.mirrored.get(at)) {
+                *slot = *value;
+            }
+            if let (Some(slot), Some(value)) = (self.factors.get_mut(at), other.factors.get(at)) {
+                *slot = *value;
+            }
+        }
+    }
+
     /// The angle of the rotation.
     pub(super) fn angle(&self) -> f64 {
         self.angle
@@ -53,7 +72,7 @@ impl Shifts {
 
     /// The factor of an axis, 0 for X.
     pub(super) fn factor(&self, axis: usize) -> Option<f64> {
-        if axis < AXES.len() { Some(self.factors.get(axis).copied().unwrap_or(1.0)) } else { None }
+        self.factors.get(axis).copied()
     }
 
     /// The words of a cycle: notes what they set, makes incremental ones absolute and says what they leave out. Blocks that have
@@ -93,7 +112,7 @@ impl Shifts {
                 *word = Seen::made(AXES.get(at).copied().unwrap_or_default(), 0.0);
             }
         }
-        if self.mirrored == [false; 3] {
+        if !self.mirrored.contains(&true) {
             // A word that is no axis stays, so that the tables refuse it.
             if seen.iter().all(|word| axis(&word.name).is_none()) {
                 seen.clear();
@@ -128,7 +147,10 @@ impl Shifts {
                         *slot = value;
                     }
                 }
-                (_, Some(value)) if word.is("SCL") => self.factors = [value; 3],
+                (_, Some(value)) if word.is("SCL") => {
+                    self.factors = [1.0; AXES.len()];
+                    self.factors.iter_mut().take(SPACE).for_each(|factor| *factor = value);
+                }
                 _ => {}
             }
         }
@@ -161,7 +183,7 @@ impl Shifts {
         if self.angle != 0.0 {
             blocks.push("CYCL DEF 10 ROT0".to_owned());
         }
-        if self.factors != [1.0; 3] {
+        if self.factors != [1.0; AXES.len()] {
             blocks.push("CYCL DEF 11 SCL1".to_owned());
         }
         blocks

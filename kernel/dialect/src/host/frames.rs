@@ -18,6 +18,8 @@ pub struct AxisPlace {
     pub from: f64,
     /// Where it is in the machine frame, as the program counts now.
     pub machine: f64,
+    /// Factor and shift of an axis beside X, Y and Z in the programmable frame; 1 and 0 for these.
+    pub line: [f64; 2],
 }
 
 impl AxisPlace {

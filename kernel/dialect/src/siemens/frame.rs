@@ -4,7 +4,11 @@
 //! outside of its right side. A frame is given as translation, then rotations about Z, the turned Y and the turned X,
 //! then scale and mirror. Invariant: all numbers are finite.
 
+use super::beside::Beside;
 use crate::numeric::is_multiple;
+
+/// Places of X, Y and Z.
+pub(super) const SPACE: usize = 3;
 
 /// Largest number of a frame.
 const BOUND: f64 = 1e12;
@@ -18,6 +22,7 @@ pub(super) struct Frame {
     shift: [f64; 3],
     fine: [f64; 3],
     mirrored: [bool; 3],
+    beside: Beside,
 }
 
 /// A part of a frame.
@@ -39,6 +44,8 @@ pub(super) struct Parts {
     pub(super) angles: [f64; 3],
     pub(super) scale: [f64; 3],
     pub(super) mirror: [bool; 3],
+    /// Along other axes.
+    pub(super) beside: Beside,
 }
 
 impl Default for Frame {
@@ -48,13 +55,21 @@ impl Default for Frame {
             shift: [0.0; 3],
             fine: [0.0; 3],
             mirrored: [false; 3],
+            beside: Beside::default(),
         }
     }
 }
 
 impl Default for Parts {
     fn default() -> Self {
-        Self { shift: [0.0; 3], fine: [0.0; 3], angles: [0.0; 3], scale: [1.0; 3], mirror: [false; 3] }
+        Self {
+            shift: [0.0; 3],
+            fine: [0.0; 3],
+            angles: [0.0; 3],
+            scale: [1.0; 3],
+            mirror: [false; 3],
+            beside: Beside::default(),
+        }
     }
 }
 
@@ -126,11 +141,14 @@ impl Parts {
                 *slot *= if mirror { -scale } else { scale };
             }
         }
-        Frame { linear, shift: self.shift, fine: self.fine, mirrored: self.mirror }.checked()
+        Frame { linear, shift: self.shift, fine: self.fine, mirrored: self.mirror, beside: self.beside }.checked()
     }
 
-    /// Number of a part along an axis.
+    /// Number of a part along an axis: 0 to 2 are X, Y and Z, from 3 on the axes of the channel follow.
     pub(super) fn get(&self, axis: usize, part: Part) -> f64 {
+        if let Some(other) = axis.checked_sub(SPACE) {
+            return self.beside.get(other, part);
+        }
         let of = |numbers: [f64; 3]| numbers.get(axis).copied().unwrap_or(0.0);
         match part {
             Part::Translation => of(self.shift),
@@ -143,6 +161,9 @@ impl Parts {
 
     /// Sets a part along an axis.
     pub(super) fn set(&mut self, axis: usize, part: Part, value: f64) {
+        if let Some(other) = axis.checked_sub(SPACE) {
+            return self.beside.set(other, part, value);
+        }
         let numbers = match part {
             Part::Translation => &mut self.shift,
             Part::Fine => &mut self.fine,
@@ -166,7 +187,7 @@ impl Frame {
         let sound = |value: &f64| value.abs() <= BOUND;
         let all = self.linear.iter().flatten().chain(&self.shift).chain(&self.fine);
         let volume = self.volume().abs();
-        (all.into_iter().all(sound) && volume > 1e-12).then_some(self)
+        (all.into_iter().all(sound) && volume > 1e-12 && self.beside.is_sound()).then_some(self)
     }
 
     fn volume(&self) -> f64 {
@@ -192,7 +213,8 @@ impl Frame {
             *slot ^= other;
         }
         let linear = product(&self.linear, &inner.linear);
-        Self { linear, shift: sum(shift, moved), fine: sum(fine, moved_fine), mirrored }.checked()
+        let beside = self.beside.after(&inner.beside);
+        Self { linear, shift: sum(shift, moved), fine: sum(fine, moved_fine), mirrored, beside }.checked()
     }
 
     /// What it is made of; none for a frame that is no rotation of a scaled and mirrored one.
@@ -236,7 +258,13 @@ impl Frame {
             angles,
             scale: scale.map(clean),
             mirror,
+            beside: self.beside,
         })
+    }
+
+    /// The same frame with other parts along axes beside X, Y and Z.
+    pub(super) fn with_beside(self, beside: Beside) -> Self {
+        Self { beside, ..self }
     }
 
     /// Three rows of the linear part with the whole translation.

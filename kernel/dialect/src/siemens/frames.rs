@@ -6,8 +6,9 @@
 
 use rustc_hash::FxHashMap;
 
+use super::beside::{Beside, Own};
 use super::expression::{Argument, Name};
-use super::frame::{Frame, Part, Parts};
+use super::frame::{Frame, Part, Parts, SPACE};
 use super::value::Data;
 use super::{Outcome, Siemens, syntax, wrong_type};
 use crate::host::Host;
@@ -49,8 +50,25 @@ const MOST_SETTABLE: i64 = 99;
 /// Names of the geometry axes.
 const GEOMETRY: [&str; 3] = ["X", "Y", "Z"];
 
+/// X, Y or Z as 0, 1 or 2; from 3 on the axes of the channel, for parts that are not rotations.
+pub(super) fn place(host: &dyn Host, axis: &Data, part: Part) -> Outcome<usize> {
+    let others = host.axes();
+    let other = |name: &String| others.iter().position(|axis| axis.is(name) && !is_geometry(&axis.letter));
+    match axis {
+        Data::Axis(name) if part != Part::Rotation => match other(name) {
+            Some(at) => Ok(SPACE + at),
+            None => geometry(host, axis),
+        },
+        _ => geometry(host, axis),
+    }
+}
+
+fn is_geometry(letter: &str) -> bool {
+    GEOMETRY.iter().any(|name| name.eq_ignore_ascii_case(letter))
+}
+
 /// X, Y or Z as 0, 1 or 2.
-pub(super) fn geometry(host: &dyn Host, axis: &Data) -> Outcome<usize> {
+fn geometry(host: &dyn Host, axis: &Data) -> Outcome<usize> {
     if let Data::Axis(wanted) = axis {
         let is = |name: &&str| name.eq_ignore_ascii_case(wanted);
         let letter = host.axes().into_iter().find(|axis| axis.name.eq_ignore_ascii_case(wanted));
@@ -105,7 +123,7 @@ impl Siemens {
         let mut arguments = arguments.iter();
         while let Some(argument) = arguments.next() {
             let Some(axis) = self.argument(host, argument)? else { return syntax(format!("{name} needs an axis")) };
-            let axis = geometry(host, &axis)?;
+            let axis = place(host, &axis, part)?;
             if part == Part::Mirror {
                 made.set(axis, part, 1.0);
                 continue;
@@ -180,7 +198,11 @@ impl Siemens {
     fn current(&self, host: &dyn Host, number: u32, active: bool) -> Frame {
         if number == u32::MAX {
             return if self.settings.applies_frames {
-                Frame::from_numbers(&host.local_frame()).unwrap_or_default()
+                let mut beside = Beside::default();
+                for (at, axis) in host.axes().iter().enumerate() {
+                    beside.put(at, Own::of_line(axis.line));
+                }
+                Frame::from_numbers(&host.local_frame()).unwrap_or_default().with_beside(beside)
             } else {
                 self.frames.program
             };
@@ -192,10 +214,9 @@ impl Siemens {
         if let Some(turn) = host.offset_turn(number) {
             made.angles = Frame::turned(turn).and_then(|frame| frame.parts()).map_or([0.0; 3], |parts| parts.angles);
         }
-        for (axis, value) in host.axes().iter().zip(host.offset(number)) {
-            if let Some(at) = GEOMETRY.iter().position(|name| name.eq_ignore_ascii_case(&axis.letter)) {
-                made.set(at, Part::Translation, value);
-            }
+        for (place, (axis, value)) in host.axes().iter().zip(host.offset(number)).enumerate() {
+            let at = GEOMETRY.iter().position(|name| name.eq_ignore_ascii_case(&axis.letter));
+            made.set(at.unwrap_or(SPACE + place), Part::Translation, value);
         }
         made.frame().unwrap_or_default()
     }
@@ -259,7 +280,7 @@ fn fits(host: &dyn Host, frame: &Frame) -> Result<(), String> {
     let parts = frame.parts().unwrap_or_default();
     let only = Parts { shift: parts.shift, fine: parts.fine, angles: parts.angles, ..Parts::default() };
     let same = |only: Frame| only.numbers().iter().zip(frame.numbers()).all(|(a, b)| (a - b).abs() < 1e-9);
-    if !only.frame().is_some_and(same) {
+    if !only.frame().is_some_and(same) || !parts.beside.is_shift() {
         return Err("a work offset of this machine is translated and rotated, not scaled or mirrored".to_owned());
     }
     let axes = host.axes();
@@ -277,11 +298,12 @@ fn offset(host: &mut dyn Host, number: u32, frame: &Frame) -> Result<(), String>
     let turned = parts.angles.iter().any(|angle| *angle != 0.0);
     let mut values = host.offset(number);
     let mut rest: [f64; 3] = [0, 1, 2].map(|at| parts.get(at, Part::Translation) + parts.get(at, Part::Fine));
-    for (axis, value) in host.axes().iter().zip(&mut values) {
+    for (place, (axis, value)) in host.axes().iter().zip(&mut values).enumerate() {
         let at = GEOMETRY.iter().position(|name| name.eq_ignore_ascii_case(&axis.letter));
-        if let Some(slot) = at.and_then(|at| rest.get_mut(at)) {
-            *value = std::mem::take(slot);
-        }
+        *value = match at.and_then(|at| rest.get_mut(at)) {
+            Some(slot) => std::mem::take(slot),
+            None => parts.beside.of(place).shift + parts.beside.of(place).fine,
+        };
     }
     if number == 0 && turned {
         return Err("the base frame of this machine is a translation only".to_owned());
@@ -321,6 +343,13 @@ fn blocks(host: &dyn Host, frame: &Frame) -> Result<Vec<String>, String> {
             return Err("the frame moves an axis that the channel does not have".to_owned());
         }
     }
+    let others = axes.iter().enumerate().filter(|(_, axis)| !is_geometry(&axis.letter));
+    let others: Vec<_> = others.map(|(at, axis)| (&axis.letter, parts.beside.of(at))).collect();
+    let other = |letter: &str, value: f64| format!("{letter}{}", Data::Real(value).word());
+    for (letter, own) in others.iter().filter(|(_, own)| own.shift + own.fine != 0.0) {
+        shift.push(' ');
+        shift.push_str(&other(letter, own.shift + own.fine));
+    }
     let mut blocks = vec![word("TRANS", shift)?];
     for at in [2, 1, 0] {
         let angle = parts.get(at, Part::Rotation);
@@ -330,7 +359,12 @@ fn blocks(host: &dyn Host, frame: &Frame) -> Result<Vec<String>, String> {
     }
     let changed = |part: Part, nothing: f64| {
         let words = (0..3).filter(|at| parts.get(*at, part) != nothing);
-        words.map(|at| named(at, if part == Part::Mirror { 0.0 } else { parts.get(at, part) })).collect::<Vec<_>>()
+        let words = words.map(|at| named(at, if part == Part::Mirror { 0.0 } else { parts.get(at, part) }));
+        let beside = others.iter().filter_map(|(letter, own)| match part {
+            Part::Mirror => own.mirror.then(|| other(letter, 0.0)),
+            _ => (own.scale != nothing).then(|| other(letter, own.scale)),
+        });
+        words.chain(beside).collect::<Vec<_>>()
     };
     for (code, words) in [("ASCALE", changed(Part::Scale, 1.0)), ("AMIRROR", changed(Part::Mirror, 0.0))] {
         if !words.is_empty() {

@@ -101,7 +101,8 @@ impl Siemens {
             })
         });
         let name = if additive { "G59" } else { "G58" };
-        if turned {
+        let axes = host.axes();
+        if turned || axes.iter().any(|axis| axis.line[0] != 1.0) {
             return Err(Fault::Alarm(
                 &diag::SIEMENS_STATE,
                 format!(
@@ -110,7 +111,6 @@ impl Siemens {
             ));
         }
         let mut shift = [3, 7, 11].map(|at| frame.get(at).copied().unwrap_or(0.0));
-        let axes = host.axes();
         for word in left.words.split(' ').filter(|word| code(word).is_none()) {
             let found = axis_word(&axes, word).and_then(|(at, value)| Some((slot(axes.get(at)?)?, value)));
             let Some((at, value)) = found else {
@@ -132,6 +132,9 @@ impl Siemens {
                 let word = format!("{letter}{}", Data::Real(shift.get(at).copied().unwrap_or(0.0)).word());
                 left.add(&word);
             }
+        }
+        for axis in axes.iter().filter(|axis| axis.line[1] != 0.0) {
+            left.add(&format!("{}{}", axis.letter, Data::Real(axis.line[1]).word()));
         }
         host.effect();
         Ok(())

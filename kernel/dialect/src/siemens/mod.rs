@@ -9,6 +9,7 @@ mod actions;
 mod aims;
 mod along;
 mod archive;
+mod beside;
 mod branches;
 mod calls;
 mod contours;

@@ -446,7 +446,7 @@ impl Siemens {
         };
         let Some(part) = part else { return super::syntax("a part of a frame is TR, FI, RT, SC or MI") };
         let axis = self.evaluate(host, axis)?;
-        Ok((super::frames::geometry(host, &axis)?, part))
+        Ok((super::frames::place(host, &axis, part)?, part))
     }
 
     /// A variable's value for macros; a frame gives its twelve numbers.

@@ -8,6 +8,8 @@ use counterpoint_lang::format::wildcard_text;
 use crate::act::Act;
 use crate::action::cutter;
 use crate::action::entry::{Entry, entry_of_kind};
+use crate::action::local_beside as beside;
+use crate::state::frames::Frames;
 use crate::state::modal::group;
 use counterpoint_event::event::Kind;
 use counterpoint_fault as diag;
@@ -16,6 +18,7 @@ use counterpoint_machine::ident::kind::CodeKind;
 use counterpoint_machine::ident::kind::local::Change;
 use counterpoint_machine::ident::{DataId, codes, data};
 use counterpoint_motion::frame::affine::{Affine, Point};
+use counterpoint_motion::frame::beside::Lines;
 use counterpoint_motion::frame::local::{Part, Programmed, Refused};
 
 /// Codes and what they do.
@@ -35,42 +38,33 @@ const SCALE_CENTER: [DataId; 3] = [data::LCS_SCALE_CENTER_X, data::LCS_SCALE_CEN
 /// Directions of X, Y and Z.
 const UNITS: [Point; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 
+/// A part as the block gives it: of X, Y and Z, and of the axes beside them.
+struct Given {
+    local: Option<Programmed>,
+    beside: Option<Lines>,
+}
+
 /// Executes a code of the local frame.
 pub(super) fn change(act: &mut Act<'_, '_>, part: Part, change: Change) -> Acted {
-    let has = act.state.place.has_axes();
     let levels = act.cycle_levels();
     let before = act.counts_from();
     let mirrored = cutter::mirror::is_mirrored(act);
-    let made = match (part, change) {
-        (Part::Mirror, Change::Off) => {
-            let given = fewer_mirrors(act);
-            act.frames().local.set(part, given, has)
-        }
-        (_, Change::Off) => act.frames().local.set(part, None, has),
+    let given = match (part, change) {
+        (Part::Mirror, Change::Off) => fewer_mirrors(act),
+        (_, Change::Off) => Given { local: None, beside: None },
         _ => {
-            let given = match part {
-                Part::Translate => translation(act, change),
-                Part::Rotate => rotation(act, change),
-                Part::Scale => scale(act, change),
-                Part::Mirror => mirror(act, change),
-            };
-            match given {
-                Some(given) if change == Change::Add => act.frames().local.add(part, given, has),
-                Some(given) => act.frames().local.set(part, Some(given), has),
-                // An additive code alone changes nothing.
-                None if change == Change::Add => Ok(()),
-                None => {
-                    let text = format!(
-                        "the local coordinate system needs its data in '{}'; it is unchanged",
-                        act.block_text()
-                    );
-                    act.diagnose(&diag::DATA_MISSING, text);
-                    return Ok(());
-                }
+            let given = given(act, part, change);
+            // An additive code alone changes nothing.
+            if given.local.is_none() && given.beside.is_none() && change != Change::Add {
+                let text =
+                    format!("the local coordinate system needs its data in '{}'; it is unchanged", act.block_text());
+                act.diagnose(&diag::DATA_MISSING, text);
+                return Ok(());
             }
+            given
         }
     };
-    if let Err(refused) = made {
+    if let Err(refused) = put(act, part, change, given) {
         refuse(act, refused);
     }
     act.frames_changed();
@@ -84,6 +78,7 @@ pub(super) fn change(act: &mut Act<'_, '_>, part: Part, change: Change) -> Acted
 
 /// The shift of the local frame along these axes ends, bit by axis.
 pub(super) fn end_shift(act: &mut Act<'_, '_>, coded: u8) {
+    beside::end_shift(act, coded);
     let frames = act.state.place.frames.as_deref();
     let Some(part) = frames.and_then(|frames| frames.local.part(Part::Translate)).copied() else { return };
     let mut by = part.values;
@@ -114,6 +109,46 @@ fn opposite(act: &mut Act<'_, '_>, on: bool) -> Acted {
     cutter::mirror::frame_changed(act, mirrored);
     let text = act.frame_text();
     act.emit(0, Kind::mode(text));
+    Ok(())
+}
+
+/// Takes the data of a part. Axes that a translation or a mirror does not name keep their values.
+fn given(act: &mut Act<'_, '_>, part: Part, change: Change) -> Given {
+    let adds = change == Change::Add;
+    let (local, beside) = match part {
+        Part::Translate => (translation(act, change), beside::translation(act, adds)),
+        Part::Rotate => return Given { local: rotation(act, change), beside: None },
+        Part::Scale => return Given { local: scale(act, change), beside: beside::scale(act) },
+        Part::Mirror => (mirror(act, change), beside::mirror(act, adds)),
+    };
+    if adds || local.is_none() && beside.is_none() {
+        return Given { local, beside };
+    }
+    let frames = act.state.place.frames.as_deref();
+    let kept = |frames: &Frames| frames.local.part(part).copied();
+    let kept_beside = |frames: &Frames| frames.beside.as_deref()?.part(part).copied();
+    Given { local: local.or_else(|| frames.and_then(kept)), beside: beside.or_else(|| frames.and_then(kept_beside)) }
+}
+
+/// Puts a part into force for all axes, or for none.
+fn put(act: &mut Act<'_, '_>, part: Part, change: Change, given: Given) -> Result<(), Refused> {
+    let has = act.state.place.has_axes();
+    let frames = act.frames();
+    let now = || frames.beside.as_deref().cloned().unwrap_or_default();
+    let beside = match (change, given.beside) {
+        (Change::Add, Some(lines)) => Some(now().with_added(part, lines)?),
+        (Change::Add, None) => None,
+        (_, None) if frames.beside.is_none() => None,
+        (_, lines) => Some(now().with(part, lines)?),
+    };
+    match (change, given.local) {
+        (Change::Add, Some(given)) => frames.local.add(part, given, has)?,
+        (Change::Add, None) => {}
+        (_, given) => frames.local.set(part, given, has)?,
+    }
+    if let Some(beside) = beside {
+        frames.beside = Some(Box::new(beside)).filter(|beside| !beside.is_empty());
+    }
     Ok(())
 }
 
@@ -259,38 +294,47 @@ fn mirror(act: &mut Act<'_, '_>, change: Change) -> Option<Programmed> {
 }
 
 /// The mirrors that are left when those of the block are taken away; all go without words.
-fn fewer_mirrors(act: &mut Act<'_, '_>) -> Option<Programmed> {
+fn fewer_mirrors(act: &mut Act<'_, '_>) -> Given {
     let words = mirrors(act);
     let (flags, at) = mirrored(act);
     let left = filled(words.map(|word| word.map(|_| 0.0)), flags);
-    (words.iter().any(Option::is_some) && left.contains(&1.0)).then(|| mirror_of(left, at))
+    let lines = beside::fewer_mirrors(act);
+    if words.iter().all(Option::is_none) && lines.is_none() {
+        return Given { local: None, beside: None };
+    }
+    let beside = lines.or_else(|| {
+        let frames = act.state.place.frames.as_deref()?.beside.as_deref()?;
+        frames.part(Part::Mirror).copied()
+    });
+    Given { local: left.contains(&1.0).then(|| mirror_of(left, at)), beside }
 }
 
 impl Act<'_, '_> {
     /// The local frame in the words of the listing.
     pub(crate) fn frame_text(&self) -> String {
-        let Some(local) = self.state.place.frames.as_deref().map(|frames| &frames.local).filter(|l| l.is_programmed())
-        else {
+        let Some(frames) = self.state.place.frames.as_deref() else { return "lcs off".to_owned() };
+        let local = &frames.local;
+        if !local.is_programmed() && frames.beside.is_none() {
             return "lcs off".to_owned();
-        };
+        }
         let list = |values: Point| values.map(wildcard_text).join(",");
         let mut text = "lcs".to_owned();
         let values = self.frame_values();
-        if local.parts(Part::Translate).next().is_some() {
-            text += &format!(" tra={}", list(values.translation));
-        }
-        if let Some(rotation) = local.parts(Part::Rotate).last() {
-            text += &format!(" rot={}", list(rotation.values));
-            if rotation.order == "IJK" {
-                text += &format!(",{}", wildcard_text(rotation.angle));
+        let mut part = |part: Part, word: &str, values: Point| {
+            let beside = beside::text(self, part);
+            if local.parts(part).next().is_some() || !beside.is_empty() {
+                text += &format!(" {word}={}{beside}", list(values));
             }
-        }
-        if local.parts(Part::Scale).next().is_some() {
-            text += &format!(" sca={}", list(values.scale));
-        }
-        if local.parts(Part::Mirror).next().is_some() {
-            text += &format!(" mir={}", list(values.mirror));
-        }
+            if let Some(rotation) = local.parts(Part::Rotate).last().filter(|_| part == Part::Translate) {
+                text += &format!(" rot={}", list(rotation.values));
+                if rotation.order == "IJK" {
+                    text += &format!(",{}", wildcard_text(rotation.angle));
+                }
+            }
+        };
+        part(Part::Translate, "tra", values.translation);
+        part(Part::Scale, "sca", values.scale);
+        part(Part::Mirror, "mir", values.mirror);
         text
     }
 }

@@ -27,6 +27,7 @@ mod home;
 mod lathe;
 mod lengthen;
 mod local;
+mod local_beside;
 mod measure;
 mod mode;
 mod motion;

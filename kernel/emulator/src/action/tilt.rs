@@ -249,8 +249,7 @@ fn positions(act: &mut Act<'_, '_>) -> Turned {
         words = numbers(act).to_vec();
     }
     let position = |(axis, word): (&AxisSlot, Option<f64>)| {
-        let shift = act.state.place.shift.at(*axis);
-        (*axis, word.map_or_else(|| act.stand(*axis).at, |word| word + shift))
+        (*axis, word.map_or_else(|| act.stand(*axis).at, |word| act.machine_angle(*axis, word)))
     };
     axes.iter().zip(words).map(position).collect()
 }

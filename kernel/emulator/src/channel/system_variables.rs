@@ -156,7 +156,9 @@ impl Kernel<'_> {
             }
             Means::Mirrors => {
                 let mirror = self.channel.frame_values().mirror;
-                mirror.iter().zip([1.0, 2.0, 4.0]).filter(|(on, _)| **on != 0.0).map(|(_, bit)| bit).sum()
+                let linear: f64 =
+                    mirror.iter().zip([1.0, 2.0, 4.0]).filter(|(on, _)| **on != 0.0).map(|(_, bit)| bit).sum();
+                linear + f64::from(self.channel.beside_mirrors())
             }
             Means::MainProgram => f64::from(self.main_number()),
             Means::Modal(groups) => self.modal_word(*groups.get(at as usize)?),
@@ -222,7 +224,7 @@ impl Kernel<'_> {
     }
 
     fn local_shift(&self) -> Position {
-        let mut values = [0.0; MAX_AXES];
+        let mut values = self.channel.beside_shift();
         let shift = self.channel.frame_values().translation;
         for (slot, value) in self.channel.state.place.layout.cartesian.iter().zip(shift) {
             if let Some(slot) = slot {

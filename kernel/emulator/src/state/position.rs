@@ -57,6 +57,13 @@ pub(crate) struct Layout {
     pub(crate) cartesian: [Option<AxisSlot>; 3],
 }
 
+impl Layout {
+    /// The axis is none of X, Y and Z: a rotary or a parallel one.
+    pub(crate) fn is_beside(&self, axis: AxisSlot) -> bool {
+        !self.cartesian.contains(&Some(axis))
+    }
+}
+
 /// Numbers of the offsets in force.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct InForce {

@@ -1,6 +1,7 @@
 //! Frames: maps between programmed points, the part and the machine.
 
 pub mod affine;
+pub mod beside;
 pub mod kinematics;
 pub mod local;
 pub mod orient;

@@ -62,6 +62,7 @@ impl Frames for Kernel<'_> {
                 work: programmed.at(slot) / factor,
                 from: counted.at(slot) / factor,
                 machine: machine.at(slot) / factor,
+                line: self.channel.line_of(slot).map_or([1.0, 0.0], |line| [line.factor, line.shift / factor]),
             }
         });
         places.collect()
@@ -108,7 +109,7 @@ impl Frames for Kernel<'_> {
         let machine = &self.channel.env.machine.axes;
         let of = |(axis, angle): &(AxisSlot, f64)| {
             let letter = machine[self.channel.state.place.layout.axes[*axis].machine].letter.clone();
-            (letter, angle - self.channel.state.place.shift.at(*axis))
+            (letter, self.channel.programmed_angle(*axis, *angle))
         };
         Some(angles.iter().map(of).collect())
     }

@@ -21,18 +21,16 @@ fn local<T>(kernel: &Kernel<'_>, of: impl FnOnce(&Frames) -> T) -> Option<T> {
 pub(crate) fn find(name: &str) -> Option<(Read, Option<Write>)> {
     let row: (Read, Option<Write>) = match name {
         "$LCS" => (
-            |k, _| Value::Logical(local(k, |frames| frames.local.is_on()).unwrap_or(false)),
+            |k, _| Value::Logical(local(k, Frames::is_on).unwrap_or(false)),
             Some(|k, _, value| {
                 let on = value.as_logical().unwrap_or(true);
                 let has = k.channel.state.place.has_axes();
-                let switched =
-                    k.channel.state.place.frames.as_deref_mut().map_or(Ok(()), |frames| frames.local.switch(on, has));
+                let frames = k.channel.state.place.frames.as_deref_mut();
+                let switched = frames.map_or(Ok(()), |frames| frames.switch(on, has));
                 changed(k, switched)
             }),
         ),
-        "$LCSM" => {
-            (|k, _| Value::Logical(local(k, |frames| *frames.local.map() != Affine::SAME).unwrap_or(false)), None)
-        }
+        "$LCSM" => (|k, _| Value::Logical(local(k, Frames::changes_points).unwrap_or(false)), None),
         "$LCSTRA" => (|k, _| Value::numbers(&k.channel.frame_values().translation), None),
         "$LCSROT" => (|k, _| Value::numbers(&k.channel.frame_values().rotation), None),
         "$LCSSCA" => (|k, _| Value::numbers(&k.channel.frame_values().scale), None),

@@ -31,8 +31,9 @@ mod values;
 pub(crate) mod words;
 
 use counterpoint_machine::index::{AxisSlot, BySlot};
-use counterpoint_motion::frame::affine::Point;
-use counterpoint_motion::frame::local::Local;
+use counterpoint_motion::frame::affine::{Affine, Point};
+use counterpoint_motion::frame::beside::{Beside, Line, SAME};
+use counterpoint_motion::frame::local::{Local, Refused};
 
 use super::channel::Channel;
 use super::position::Place;
@@ -50,6 +51,8 @@ const FINE: f64 = 1e6;
 pub(crate) struct Frames {
     /// The local frame.
     pub(crate) local: Local,
+    /// The same of axes beside X, Y and Z.
+    pub(crate) beside: Option<Box<Beside>>,
     /// Polar or cylindrical interpolation.
     pub(crate) polar: Option<polar::Polar>,
     /// Words of the plane are a radius and an angle: those of the last block.
@@ -76,6 +79,7 @@ impl Frames {
     /// Nothing is active any more.
     fn is_idle(&self) -> bool {
         self.local.is_empty()
+            && self.beside.is_none()
             && self.polar.is_none()
             && self.words.is_none()
             && self.tilt.is_none()
@@ -85,6 +89,25 @@ impl Frames {
             && self.rounding.is_none()
             && self.feeds == feeds::Feeds::default()
             && self.ways.is_none()
+    }
+
+    /// A local frame is programmed and not switched off.
+    pub(crate) fn is_on(&self) -> bool {
+        self.local.is_on() || self.beside.as_deref().is_some_and(Beside::is_on)
+    }
+
+    /// Switches the programmed parts of the local frame off, or on again. `has`: the channel has an X, Y, Z axis.
+    pub(crate) fn switch(&mut self, on: bool, has: [bool; 3]) -> Result<(), Refused> {
+        self.local.switch(on, has)?;
+        if let Some(beside) = &mut self.beside {
+            **beside = beside.switched(on);
+        }
+        Ok(())
+    }
+
+    /// Work points differ from programmed ones by the local frame.
+    pub(crate) fn changes_points(&self) -> bool {
+        *self.local.map() != Affine::SAME || self.beside.as_deref().is_some_and(|beside| *beside.map() != SAME)
     }
 
     /// Linear axes do not follow the work frame one by one.
@@ -134,6 +157,17 @@ impl Frames {
             point[1] = programmed.at(across);
         }
         point
+    }
+
+    /// Leads the axes beside X, Y and Z by their lines. Polar and cylindrical interpolation count the rotary axis in the
+    /// work frame (Siemens MD24905 and MD24805 = 0).
+    fn beside(&self, place: &Place, position: &mut Position, lead: impl Fn(Line, f64) -> f64) {
+        let Some(beside) = &self.beside else { return };
+        let polar = self.polar.map(|polar| polar.rotary);
+        for axis in place.layout.axes.ids().filter(|axis| place.layout.is_beside(*axis) && polar != Some(*axis)) {
+            let slot = position.at_mut(axis);
+            *slot = clean(lead(beside.map().at(axis), *slot), *slot);
+        }
     }
 
     /// Puts what the local frame makes of a point back.
@@ -220,6 +254,7 @@ impl Channel<'_> {
         }
         let seen = frames.seen(&self.state.place, &point);
         frames.put(&self.state.place, &mut point, frames.local.to_program(seen));
+        frames.beside(&self.state.place, &mut point, Line::to_program);
         point
     }
 
@@ -269,6 +304,7 @@ impl Channel<'_> {
         let Some(frames) = place.frames.as_deref() else { return *programmed };
         let mut work = *programmed;
         frames.put(place, &mut work, frames.local.to_work(frames.seen(place, programmed)));
+        frames.beside(place, &mut work, Line::to_work);
         for (slot, stands) in work.iter_mut().zip(self.contour()) {
             *slot = clean(*slot, stands);
         }

@@ -13,6 +13,7 @@ use counterpoint_event::event::Position;
 use counterpoint_machine::index::{AxisSlot, BySlot};
 use counterpoint_machine::model::paths::Tilting;
 use counterpoint_motion::frame::affine::{Affine, Point};
+use counterpoint_motion::frame::beside::Line;
 use counterpoint_motion::frame::kinematics::unit;
 use counterpoint_motion::frame::local::Local;
 use counterpoint_motion::frame::orient::{Free, Rule, Side, Stand, Unreached};
@@ -207,6 +208,23 @@ impl Channel<'_> {
         if let Some(tilt) = self.state.place.frames.as_deref_mut().and_then(|frames| frames.tilt.as_deref_mut()) {
             tilt.tool = tool;
         }
+    }
+
+    /// The word that brings a rotary axis to an angle of the machine frame.
+    pub(crate) fn programmed_angle(&self, axis: AxisSlot, angle: f64) -> f64 {
+        let work = angle - self.state.place.shift.at(axis);
+        self.line_of(axis).map_or(work, |line| line.to_program(work))
+    }
+
+    /// The angle of the machine frame that a word of a rotary axis means.
+    pub(crate) fn machine_angle(&self, axis: AxisSlot, word: f64) -> f64 {
+        self.line_of(axis).map_or(word, |line| line.to_work(word)) + self.state.place.shift.at(axis)
+    }
+
+    /// The line of an axis beside X, Y and Z in the local frame.
+    pub(crate) fn line_of(&self, axis: AxisSlot) -> Option<Line> {
+        let beside = self.state.place.frames.as_deref()?.beside.as_deref()?;
+        Some(beside.map().at(axis))
     }
 
     /// A rotary axis as it stands.

@@ -4,7 +4,7 @@
 //! is: after a change of the frame, of the work offset or of the tool length the change is travelled with it
 //! (Siemens SD42440 and SD42442). The keys are `[control] frame_increments` and `[compensation]
 //! length_change`. Invariants: an absolute word takes the change
-//! of its axis away; axes without a word keep it; rotary axes have none.
+//! of its axis away; axes without a word keep it.
 
 use super::NOISE;
 use crate::state::channel::Channel;
@@ -32,10 +32,9 @@ impl Channel<'_> {
         let Some(before) = before else { return };
         let after = self.programmed();
         let mut ways = [0.0; MAX_AXES];
-        let axes = self.state.place.layout.axes.iter();
-        for (((slot, axis), before), after) in ways.iter_mut().zip(axes).zip(before).zip(after) {
+        for ((slot, before), after) in ways.iter_mut().zip(before).zip(after) {
             let way = before - after;
-            *slot = if axis.rotary || way.abs() < NOISE { 0.0 } else { way };
+            *slot = if way.abs() < NOISE { 0.0 } else { way };
         }
         let ways = ways.iter().any(|way| *way != 0.0).then(|| Box::new(ways));
         if ways.is_some() || self.state.place.frames.is_some() {

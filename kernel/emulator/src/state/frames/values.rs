@@ -4,6 +4,7 @@
 //! before away again; of rotations and centres the newest counts.
 
 use crate::state::channel::Channel;
+use counterpoint_event::event::{MAX_AXES, Position};
 use counterpoint_motion::frame::affine::Point;
 use counterpoint_motion::frame::local::Part;
 
@@ -20,6 +21,28 @@ pub(crate) struct FrameValues {
 }
 
 impl Channel<'_> {
+    /// All translations of axes beside X, Y and Z taken together.
+    pub(crate) fn beside_shift(&self) -> Position {
+        let mut shift = [0.0; MAX_AXES];
+        let frames = self.state.place.frames.as_deref().and_then(|frames| frames.beside.as_deref());
+        for lines in frames.into_iter().flat_map(|beside| beside.parts(Part::Translate)) {
+            for (slot, line) in shift.iter_mut().zip(lines) {
+                *slot += line.shift;
+            }
+        }
+        shift
+    }
+
+    /// Axes beside X, Y and Z that are mirrored, bit by axis.
+    pub(crate) fn beside_mirrors(&self) -> u8 {
+        let frames = self.state.place.frames.as_deref().and_then(|frames| frames.beside.as_deref());
+        let mirrors = frames.into_iter().flat_map(|beside| beside.parts(Part::Mirror));
+        mirrors.fold(0, |bits, lines| {
+            let mirrored = lines.iter().enumerate().filter(|(_, line)| line.factor < 0.0);
+            mirrored.fold(bits, |bits, (at, _)| bits ^ 1 << at)
+        })
+    }
+
     /// The values of the local frame.
     pub(crate) fn frame_values(&self) -> FrameValues {
         let mut values = FrameValues {

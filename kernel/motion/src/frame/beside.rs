@@ -1,0 +1,209 @@
+//! The local frame of axes beside X, Y and Z: rotary and parallel axes have a scale, a mirror and a translation of their own.
+//!
+//! Parts and additive parts act in the order of the frame of X, Y and Z (`local`); a rotation leaves these axes alone.
+//! *Invariant:* the line of each axis has a way back.
+
+use super::local::{Part, Refused};
+
+/// Most axes of a channel.
+pub const AXES: usize = 8;
+
+/// Most additive parts.
+const MOST: usize = 200;
+
+/// Largest number of a line and of its way back.
+const BOUND: f64 = 1e12;
+
+/// What becomes of the values of one axis: `value · factor + shift`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Line {
+    /// Factor.
+    pub factor: f64,
+    /// Shift, as the axis is programmed.
+    pub shift: f64,
+}
+
+/// A line for each axis of the channel.
+pub type Lines = [Line; AXES];
+
+/// Lines that change nothing.
+pub const SAME: Lines = [Line::SAME; AXES];
+
+impl Line {
+    /// The line that changes nothing.
+    pub const SAME: Self = Self { factor: 1.0, shift: 0.0 };
+
+    /// A shift.
+    #[must_use]
+    pub fn shift(shift: f64) -> Self {
+        Self { shift, ..Self::SAME }
+    }
+
+    /// A factor about a place that stays where it is.
+    #[must_use]
+    pub fn scale(factor: f64, about: f64) -> Self {
+        Self { factor, shift: about - factor * about }
+    }
+
+    /// The line of a programmed value.
+    #[must_use]
+    pub fn to_work(self, programmed: f64) -> f64 {
+        programmed * self.factor + self.shift
+    }
+
+    /// The way back.
+    #[must_use]
+    pub fn to_program(self, work: f64) -> f64 {
+        (work - self.shift) / self.factor
+    }
+
+    /// This line after another one.
+    fn after(self, first: Self) -> Self {
+        Self { factor: self.factor * first.factor, shift: self.to_work(first.shift) }
+    }
+
+    fn is_sound(self) -> bool {
+        let back = [1.0 / self.factor, self.shift / self.factor];
+        [self.factor, self.shift].into_iter().chain(back).all(|number| number.abs() <= BOUND)
+    }
+}
+
+/// The local frame of the axes beside X, Y and Z.
+#[derive(Debug, Clone)]
+pub struct Beside {
+    /// The part of each kind.
+    parts: [Option<Lines>; 4],
+    /// Additive parts, oldest first.
+    added: Vec<(Part, Lines)>,
+    /// Switched off by a macro: the parts are kept.
+    off: bool,
+    /// From the program to the work frame.
+    map: Lines,
+}
+
+impl Default for Beside {
+    fn default() -> Self {
+        Self { parts: [None; 4], added: Vec::new(), off: false, map: SAME }
+    }
+}
+
+impl Beside {
+    /// Nothing is programmed.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.parts.iter().all(Option::is_none) && self.added.is_empty()
+    }
+
+    /// Programmed and not switched off.
+    #[must_use]
+    pub fn is_on(&self) -> bool {
+        !self.is_empty() && !self.off
+    }
+
+    /// From the program to the work frame.
+    #[must_use]
+    pub fn map(&self) -> &Lines {
+        &self.map
+    }
+
+    /// The part of a kind.
+    #[must_use]
+    pub fn part(&self, part: Part) -> Option<&Lines> {
+        self.parts.get(part as usize)?.as_ref()
+    }
+
+    /// All parts of a kind, oldest first.
+    pub fn parts(&self, part: Part) -> impl Iterator<Item = &Lines> {
+        let added = self.added.iter().filter(move |(of, _)| *of == part).map(|(_, lines)| lines);
+        self.part(part).into_iter().chain(added)
+    }
+
+    /// This frame with another part of a kind, without the additive ones of that kind.
+    ///
+    /// # Errors
+    /// A line would have no way back.
+    pub fn with(&self, part: Part, lines: Option<Lines>) -> Result<Self, Refused> {
+        let mut changed = self.clone();
+        changed.added.retain(|(of, _)| *of != part);
+        if let Some(slot) = changed.parts.get_mut(part as usize) {
+            *slot = lines.filter(|lines| *lines != SAME);
+        }
+        changed.off = false;
+        changed.composed()
+    }
+
+    /// This frame with one more part inside of all others.
+    ///
+    /// # Errors
+    /// A line would have no way back, or there are too many parts.
+    pub fn with_added(&self, part: Part, lines: Lines) -> Result<Self, Refused> {
+        if self.added.len() >= MOST {
+            return Err(Refused::TooMany);
+        }
+        let mut changed = self.clone();
+        if lines != SAME {
+            changed.added.push((part, lines));
+        }
+        changed.off = false;
+        changed.composed()
+    }
+
+    /// This frame with its parts switched off, or on again.
+    #[must_use]
+    pub fn switched(&self, on: bool) -> Self {
+        let changed = Self { off: !on, ..self.clone() };
+        changed.composed().unwrap_or_else(|_| self.clone())
+    }
+
+    fn composed(mut self) -> Result<Self, Refused> {
+        let outer = self.parts.iter().rev().flatten();
+        let lines = outer.chain(self.added.iter().map(|(_, lines)| lines)).filter(|_| !self.off);
+        let mut map = SAME;
+        for inner in lines {
+            for (line, inner) in map.iter_mut().zip(inner) {
+                *line = line.after(*inner);
+            }
+        }
+        if map.iter().any(|line| !line.is_sound()) {
+            return Err(Refused::NoWayBack);
+        }
+        self.map = map;
+        Ok(self)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn first(line: Line) -> Lines {
+        let mut lines = SAME;
+        lines[0] = line;
+        lines
+    }
+
+    #[test]
+    fn parts_act_in_the_order_of_the_frame_and_additive_ones_inside() {
+        // Scale 2, mirror at 10, shift 30: 5 becomes 10, then 10, then 40; 7 becomes 14, then 6, then 36.
+        let frame = Beside::default().with(Part::Translate, Some(first(Line::shift(30.0)))).unwrap();
+        let frame = frame.with(Part::Scale, Some(first(Line::scale(2.0, 0.0)))).unwrap();
+        let frame = frame.with(Part::Mirror, Some(first(Line::scale(-1.0, 10.0)))).unwrap();
+        let [line, other, ..] = *frame.map();
+        assert_eq!([line.to_work(5.0), line.to_work(7.0), line.to_program(36.0)], [40.0, 36.0, 7.0]);
+        assert_eq!(other, Line::SAME);
+        // An additive shift by 1 counts before all of them: 4 counts as 5.
+        let added = frame.with_added(Part::Translate, first(Line::shift(1.0))).unwrap();
+        assert_eq!(added.map()[0].to_work(4.0), 40.0);
+        assert_eq!(added.switched(false).map(), &SAME);
+        assert_eq!(added.switched(false).switched(true).map(), added.map());
+        let shifts_gone = added.with(Part::Translate, None).unwrap();
+        assert_eq!(shifts_gone.map()[0].to_work(5.0), 10.0);
+    }
+
+    #[test]
+    fn a_line_without_a_way_back_is_refused() {
+        let flat = Beside::default().with(Part::Scale, Some(first(Line::scale(0.0, 0.0))));
+        assert_eq!(flat.map(|_| ()), Err(Refused::NoWayBack));
+        assert!(Beside::default().with(Part::Translate, Some(SAME)).unwrap().is_empty());
+    }
+}
