@@ -18,6 +18,8 @@ const OWN: &[CodeId] = &[
     codes::DELAY,
     codes::DELAY_REV,
     codes::ENGRAVE,
+    codes::FIGURE_SHIFT,
+    codes::FIGURE_TURN,
     codes::GOHOME,
     codes::GOHOME_NTH,
     codes::GOHOME_RETURN,
