@@ -40,8 +40,11 @@ pub struct NamedPrograms {
     pub returns: fn(&[u8]) -> bool,
     /// The channel of a job archive that the line which defines a program names, and the number of the program there: 0 is the main
     /// program of the channel, others are data.
-    pub in_archive: Option<fn(&[u8]) -> Option<(u16, u32)>>,
+    pub in_archive: Option<ReadArchiveHead>,
 }
+
+/// Reads the channel and the number of a program off the line of a job archive that defines it.
+pub type ReadArchiveHead = fn(&[u8]) -> Option<(u16, u32)>;
 
 /// Of a control without a pre-processor.
 pub static PLAIN: Syntax = Syntax {

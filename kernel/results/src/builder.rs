@@ -128,7 +128,7 @@ impl ResultsBuilder {
             if let (Some(stay), true) = (stay, state != ChannelState::Blocked) {
                 bars.wait(stay.since_ns, end_ns, stay);
             }
-            let mut tools = tools.finish(&tally);
+            let mut tools = tools.finish(tally.times());
             let spans = spans.finish(&info, &tools, end_ns);
             let mut operations: FxHashMap<u32, &str> = FxHashMap::default();
             spans.iter().for_each(|span| {

@@ -130,7 +130,7 @@ impl ChannelResults {
                         _ => {}
                     }
                 }
-                self.tools.event(kind, &self.tally);
+                self.tools.event(kind, || self.tally.times());
                 if let (Some(tool), Some(track)) = (self.spans.event(event), &mut self.track) {
                     track.tool(tool);
                 }

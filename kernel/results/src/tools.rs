@@ -6,7 +6,6 @@
 use rustc_hash::FxHashMap;
 use serde::{Deserialize, Serialize};
 
-use crate::summary::tally::Tally;
 use counterpoint_event::event::{Kind, OffsetKind, ToolAction, ToolChange, ToolData, ToolOffset};
 
 /// Offsets listed per tool; a program with more of them has a mistake that the table need not show in full.
@@ -55,11 +54,6 @@ pub struct ToolTimes {
 }
 
 impl ToolTimes {
-    /// The times of a channel so far.
-    pub(crate) fn of(tally: &Tally) -> Self {
-        Self { feed_ns: tally.feed_ns, rapid_ns: tally.rapid_ns, misc_ns: tally.misc_ns, wait_ns: tally.wait_ns }
-    }
-
     fn add_since(&mut self, since: Self, now: Self) {
         self.feed_ns += now.feed_ns - since.feed_ns;
         self.rapid_ns += now.rapid_ns - since.rapid_ns;
@@ -81,11 +75,11 @@ pub struct Tools {
 
 impl Tools {
     /// Any event of the channel that is neither block nor motion, with the times of the channel before it.
-    pub(crate) fn event(&mut self, kind: &Kind, tally: &Tally) {
+    pub(crate) fn event(&mut self, kind: &Kind, times: impl Fn() -> ToolTimes) {
         match kind {
             Kind::Tool(ToolChange { action: ToolAction::Select, .. }) => {}
             Kind::Tool(load) => {
-                self.count(ToolTimes::of(tally));
+                self.count(times());
                 self.load(load.tool, load.offset);
             }
             Kind::Mode(mode) => self.offset(mode.offset),
@@ -135,8 +129,8 @@ impl Tools {
     }
 
     /// The channel has ended, with these times.
-    pub(crate) fn finish(mut self, tally: &Tally) -> Vec<Tool> {
-        self.count(ToolTimes::of(tally));
+    pub(crate) fn finish(mut self, times: ToolTimes) -> Vec<Tool> {
+        self.count(times);
         let Self { mut rows, data, .. } = self;
         for row in &mut rows {
             if let Some(data) = data.get(&row.tool) {

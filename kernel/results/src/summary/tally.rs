@@ -3,6 +3,7 @@
 //! *Invariant:* what is counted adds up to where the channel ends; only its last event can be cut by a stop.
 
 use super::ChannelState;
+use crate::tools::ToolTimes;
 use counterpoint_event::event::Work;
 use counterpoint_event::event::{Event, Phase};
 
@@ -27,6 +28,12 @@ pub struct Tally {
 }
 
 impl Tally {
+    /// The times so far, as those of a tool begin and end with them.
+    pub fn times(&self) -> ToolTimes {
+        let Self { feed_ns, rapid_ns, misc_ns, wait_ns, .. } = *self;
+        ToolTimes { feed_ns, rapid_ns, misc_ns, wait_ns }
+    }
+
     /// Counts time by what it was spent on.
     pub fn add(&mut self, work: Work, ns: i64) {
         let sum = match work {
