@@ -71,8 +71,18 @@ async fn summary(arguments: &Analyse) -> Result<Vec<u8>, Error> {
     if file.exists() || arguments.of.contains(['/', '.']) {
         return std::fs::read(&file).map_err(Error::file(&file));
     }
-    let client = Client::connect(&arguments.remote.server).await?;
-    results::whole(&client, &arguments.of, ResultKind::Summary, 0, Format::Json.into()).await
+    let of = &arguments.of;
+    let about = |error: Error| match error {
+        Error::Connection(text) => Error::Connection(format!(
+            "'{of}' is no folder and no file, so it is looked for among the jobs of the server: {text}"
+        )),
+        Error::Refused(status) if status.code() == tonic::Code::NotFound => {
+            Error::Usage(format!("'{of}' is no folder, no file, and no job of the server"))
+        }
+        other => other,
+    };
+    let client = Client::connect(&arguments.remote.server).await.map_err(about)?;
+    results::whole(&client, &arguments.of, ResultKind::Summary, 0, Format::Json.into()).await.map_err(about)
 }
 
 /// `2:2.5s`: channel, and how much faster it works. A minus sign means the same, a plus sign slower.

@@ -126,20 +126,35 @@ async fn wait(Follow { of: arguments, strict }: Follow) -> Result<u8, Error> {
     Ok(ended(&client.wait(&arguments.job).await?, strict))
 }
 
+/// Says that a command comes after the end of a job: the server accepts it, and nothing changes.
+async fn say_ended(client: &Client, job: &str) -> Result<(), Error> {
+    use v1::JobState::{Cancelled, Failed, Succeeded};
+    let request = v1::GetJobRequest { job_id: job.to_owned() };
+    let status = client.jobs().get_job(request).await?.into_inner().status.unwrap_or_default();
+    if matches!(status.state(), Succeeded | Failed | Cancelled) {
+        let state = status.state().as_str_name().trim_start_matches("JOB_STATE_");
+        say::status_line(format!("job {job} has already ended: {state}"));
+    }
+    Ok(())
+}
+
 async fn cancel(arguments: JobArgs) -> Result<u8, Error> {
     let client = Client::connect(&arguments.remote.server).await?;
+    say_ended(&client, &arguments.job).await?;
     client.jobs().cancel_job(v1::CancelJobRequest { job_id: arguments.job }).await?;
     Ok(0)
 }
 
 async fn pause(arguments: JobArgs) -> Result<u8, Error> {
     let client = Client::connect(&arguments.remote.server).await?;
+    say_ended(&client, &arguments.job).await?;
     client.jobs().pause_job(v1::PauseJobRequest { job_id: arguments.job }).await?;
     Ok(0)
 }
 
 async fn resume(arguments: JobArgs) -> Result<u8, Error> {
     let client = Client::connect(&arguments.remote.server).await?;
+    say_ended(&client, &arguments.job).await?;
     client.jobs().resume_job(v1::ResumeJobRequest { job_id: arguments.job }).await?;
     Ok(0)
 }

@@ -29,7 +29,7 @@ pub(crate) async fn lint(arguments: Lint) -> Result<u8, Error> {
     let pack = pack::job(&inputs)?;
     let client = Client::embed(Asked::default(), false, false).await?;
     let quiet = arguments.quiet || arguments.json;
-    let name = machine(&client, &inputs, arguments.quiet).await?;
+    let name = machine(&client, &inputs, &pack, arguments.quiet).await?;
     let request = v1::SubmitJobRequest { request_id: counterpoint_client::request_id(), ..Default::default() };
     let job = submit_pack(&client, &inputs, pack, name, Submission { request, attended: false, lint: true }).await?;
     let status = follow(&client, &job, (quiet, false, false)).await?;

@@ -14,6 +14,7 @@ mod client;
 mod codes;
 mod commands;
 mod completions;
+mod encoding;
 mod error;
 mod findings;
 mod guess;

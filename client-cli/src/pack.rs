@@ -6,13 +6,13 @@
 use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
 use std::fs;
-use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 
 use counterpoint_client::Blob;
 use counterpoint_proto::v1;
 
 use crate::arguments::Inputs;
+use crate::encoding::Encoding;
 use crate::error::Error;
 
 /// Larger files beside a program are not taken as subprograms.
@@ -22,14 +22,28 @@ fn read(path: &Path) -> Result<Blob, Error> {
     Ok(Blob::new(fs::read(path).map_err(Error::file(path))?))
 }
 
+/// A file that may be a program, in UTF-8 if it is written in a code page.
+fn read_in(path: &Path, encoding: Option<Encoding>) -> Result<Blob, Error> {
+    let Some(encoding) = encoding else { return read(path) };
+    let bytes = fs::read(path).map_err(Error::file(path))?;
+    let text = encoding.decode(&bytes).ok_or_else(|| {
+        Error::Usage(format!("'{}' has bytes that are no characters of the code page of --encoding", path.display()))
+    })?;
+    Ok(Blob::new(text.into_bytes()))
+}
+
 /// Files by path inside the job or the machines folder.
 #[derive(Debug, Default)]
 pub(crate) struct Files(pub(crate) BTreeMap<String, Blob>);
 
 impl Files {
     fn add(&mut self, name: String, path: &Path) -> Result<(), Error> {
+        self.add_in(name, path, None)
+    }
+
+    fn add_in(&mut self, name: String, path: &Path, encoding: Option<Encoding>) -> Result<(), Error> {
         if let Entry::Vacant(place) = self.0.entry(name) {
-            place.insert(read(path)?);
+            place.insert(read_in(path, encoding)?);
         }
         Ok(())
     }
@@ -61,7 +75,7 @@ pub(crate) fn job(inputs: &Inputs) -> Result<Pack, Error> {
             Some(name) => name.clone(),
             None => free_name(&pack.files, &path)?,
         };
-        pack.files.add(name.clone(), &path)?;
+        pack.files.add_in(name.clone(), &path, inputs.encoding)?;
         if let Some(blob) = pack.files.0.get(&name) {
             is_program(&path, blob.content())?;
         }
@@ -76,15 +90,15 @@ pub(crate) fn job(inputs: &Inputs) -> Result<Pack, Error> {
         folders.push((path.parent().map(Path::to_owned).unwrap_or_default(), stem));
     }
     for (folder, stem) in folders {
-        neighbours(&mut pack.files, &folder, &stem)?;
+        neighbours(&mut pack.files, &folder, &stem, inputs.encoding)?;
     }
     for with in &inputs.with {
         if with.is_dir() {
             for path in files_of(with)? {
-                pack.files.add(file_name(&path)?, &path)?;
+                pack.files.add_in(file_name(&path)?, &path, inputs.encoding)?;
             }
         } else {
-            pack.files.add(file_name(with)?, with)?;
+            pack.files.add_in(file_name(with)?, with, inputs.encoding)?;
         }
     }
     Ok(pack)
@@ -163,12 +177,12 @@ fn files_of(folder: &Path) -> Result<Vec<PathBuf>, Error> {
 }
 
 /// Adds the files beside a program that look like subprograms.
-fn neighbours(files: &mut Files, folder: &Path, stem: &str) -> Result<(), Error> {
+fn neighbours(files: &mut Files, folder: &Path, stem: &str, encoding: Option<Encoding>) -> Result<(), Error> {
     for path in files_of(folder)? {
         let name = file_name(&path)?;
         let small = || fs::metadata(&path).is_ok_and(|meta| meta.len() <= NEIGHBOUR_MAX);
         if is_subprogram(&name, stem) && small() {
-            files.add(name, &path)?;
+            files.add_in(name, &path, encoding)?;
         }
     }
     Ok(())
@@ -186,12 +200,18 @@ const DEFINITION: &str = "machine.toml";
 
 /// Whether a machine argument means a folder.
 pub(crate) fn is_folder(machine: &str) -> bool {
-    Path::new(machine).join(DEFINITION).is_file()
+    Path::new(machine).join(DEFINITION).is_file() || is_definition(Path::new(machine))
+}
+
+/// A machine argument is the definition in a folder, which means the folder.
+fn is_definition(path: &Path) -> bool {
+    path.file_name().is_some_and(|name| name == DEFINITION) && path.is_file()
 }
 
 /// Packs a machine folder and the sibling folders that it extends; returns the name of the machine, too.
 pub(crate) fn machine(folder: &Path) -> Result<(String, Files), Error> {
     let folder = fs::canonicalize(folder).map_err(Error::file(folder))?;
+    let folder = if is_definition(&folder) { folder.parent().map(Path::to_owned).unwrap_or_default() } else { folder };
     let name = file_name(&folder)?;
     let mut files = Files::default();
     let mut next = Some((name.clone(), folder));
@@ -252,38 +272,6 @@ fn whole_folder(files: &mut Files, root: &Path, folder: &Path, name: &str, depth
         }
     }
     Ok(())
-}
-
-/// Number of channels that the programs are written for: one per program file, but a single file with waiting codes has
-/// one per program in it, and an archive one per main program.
-pub(crate) fn channels(programs: &[String], waiting: &RangeInclusive<u32>) -> usize {
-    let [program] = programs else { return programs.len() };
-    if program.contains('#') {
-        return 1;
-    }
-    let text = std::fs::read(program).unwrap_or_default();
-    let mut definitions = 0;
-    let mut waits = false;
-    // Main programs of a Siemens archive.
-    let mut mains = 0;
-    for line in text.split(|b| matches!(b, b'\n' | b'\r')).map(<[u8]>::trim_ascii_start) {
-        definitions += usize::from(matches!(line, [b'O' | b'o' | b':', b'0'..=b'9', ..]));
-        let archived = line.get(..4).is_some_and(|start| start.eq_ignore_ascii_case(b"%_N_"));
-        if archived && line.trim_ascii_end().to_ascii_uppercase().ends_with(b"_MPF") {
-            mains += 1;
-        }
-        waits |= has_code(line, waiting);
-    }
-    if waits { definitions.max(mains).max(1) } else { mains.max(1) }
-}
-
-/// A line has an M code of the range.
-fn has_code(line: &[u8], range: &RangeInclusive<u32>) -> bool {
-    line.split(|b| matches!(b, b'M' | b'm')).skip(1).any(|rest| {
-        let digits = rest.iter().take_while(|b| b.is_ascii_digit());
-        let number = digits.fold(0_u32, |number, b| number.saturating_mul(10).saturating_add(u32::from(b - b'0')));
-        range.contains(&number)
-    })
 }
 
 #[cfg(test)]

@@ -49,7 +49,7 @@ async fn carry_out(arguments: Run) -> Result<(v1::JobStatus, Option<u8>), (Stage
     let draws = !arguments.no_timeline && !arguments.quiet && !arguments.json;
     let embedded = Client::embed(asked(&arguments), arguments.allow_system, arguments.inputs.operator.step).await;
     let client = embedded.map_err(at(Stage::Submission))?;
-    let name = machine(&client, &arguments.inputs, arguments.quiet).await.map_err(at(Stage::Machine))?;
+    let name = machine(&client, &arguments.inputs, &pack, arguments.quiet).await.map_err(at(Stage::Machine))?;
     let first = pack.programs.first().map(|p| p.path.clone()).unwrap_or_default();
     let request = v1::SubmitJobRequest { request_id: counterpoint_client::request_id(), ..Default::default() };
     let stepped = arguments.inputs.operator.step;
@@ -113,7 +113,7 @@ fn files_report(out: &mut String, files: &[v1::WrittenFile], kept: bool) {
 pub(crate) async fn submit(arguments: Submit) -> Result<u8, Error> {
     let pack = pack::job(&arguments.inputs)?;
     let client = Client::connect(&arguments.remote.server).await?;
-    let name = machine(&client, &arguments.inputs, false).await?;
+    let name = machine(&client, &arguments.inputs, &pack, false).await?;
     let (request, attended) = (jobs::request(&arguments.request), arguments.inputs.operator.attend);
     let job =
         submit_pack(&client, &arguments.inputs, pack, name, Submission { request, attended, lint: false }).await?;
@@ -122,15 +122,15 @@ pub(crate) async fn submit(arguments: Submit) -> Result<u8, Error> {
 }
 
 /// The machine to run on; one of a folder, or one with other data, is uploaded first.
-pub(crate) async fn machine(client: &Client, inputs: &Inputs, quiet: bool) -> Result<String, Error> {
+pub(crate) async fn machine(client: &Client, inputs: &Inputs, pack: &pack::Pack, quiet: bool) -> Result<String, Error> {
     let Some(machine) = &inputs.on.machine else {
-        let guess = guess::machine(&inputs.programs, &settings::waits(&inputs.on.set))?;
+        let guess = guess::machine(pack, settings::waits(&inputs.on.set).as_ref())?;
         if !quiet {
             let text =
                 format!("machine {}, guessed from {}; use --machine to choose another", guess.machine, guess.why);
             say::status_line(styled(DIM, text));
         }
-        return changed(client, guess.machine, inputs).await;
+        return changed(client, &guess.machine, inputs).await;
     };
     if !pack::is_folder(machine) {
         machines::known(client, machine)?;

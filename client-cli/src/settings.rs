@@ -7,9 +7,6 @@ use std::str::FromStr;
 const KEYS: &str = "waits=FIRST-LAST (M codes that are waiting codes, for example waits=900-999), numbers=increments (coordinates \
                     without a decimal point count least increments) and system=A, B or C (system of G codes of a lathe)";
 
-/// M codes that are waiting codes of the shipped machines.
-pub(crate) const WAITS: RangeInclusive<u32> = 100..=199;
-
 /// Highest number of an M code.
 const HIGHEST: u32 = 99_999_999;
 
@@ -70,13 +67,13 @@ impl FromStr for Setting {
     }
 }
 
-/// The waiting codes that a guess looks for.
-pub(crate) fn waits(settings: &[Setting]) -> RangeInclusive<u32> {
+/// The waiting codes that a guess looks for, if they are others than those of the machines.
+pub(crate) fn waits(settings: &[Setting]) -> Option<RangeInclusive<u32>> {
     let range = |setting: &Setting| match setting {
         Setting::Waits(range) => Some(range.clone()),
         Setting::Increments | Setting::System(_) => None,
     };
-    settings.iter().rev().find_map(range).unwrap_or(WAITS)
+    settings.iter().rev().find_map(range)
 }
 
 #[cfg(test)]
@@ -89,7 +86,7 @@ mod tests {
         assert_eq!("waits=M200-M299".parse(), Ok(Setting::Waits(200..=299)));
         assert_eq!("numbers=increments".parse(), Ok(Setting::Increments));
         assert_eq!("system=b".parse(), Ok(Setting::System('B')));
-        assert_eq!(waits(&[Setting::Waits(900..=999), Setting::Increments]), 900..=999);
+        assert_eq!(waits(&[Setting::Waits(900..=999), Setting::Increments]), Some(900..=999));
         for (text, with) in [
             ("waits", "a value is missing"),
             ("waits=900", "no range"),

@@ -81,6 +81,9 @@ fn of_toml(file: String, text: String) -> Result<Tools, Error> {
     Ok(Tools { file, arrays: String::new(), sections: text, lines })
 }
 
+/// Columns of a CSV file.
+const COLUMNS: &str = "number, name, diameter, radius, tip, length";
+
 /// What a column of a CSV file is.
 #[derive(Debug, Clone, PartialEq)]
 enum Column {
@@ -164,7 +167,16 @@ fn of_csv(file: String, text: &str, tool_axis: Option<&str>) -> Result<Tools, Er
                 let cell = if delimiter == ';' { cell.replace(',', ".") } else { cell.to_owned() };
                 cell.parse::<f64>().ok().filter(|value| value.is_finite())
             };
-            let value = || read().ok_or_else(|| wrong(line, format!("'{cell}' is not a number")));
+            let value = || {
+                read().ok_or_else(|| match column {
+                    // A column that is no known one is taken for an axis; a text in it shows that it is none.
+                    Column::Axis(title) | Column::Wear(title) => wrong(
+                        line,
+                        format!("'{cell}' is not a number: the column '{title}' is none of {COLUMNS}, so it would be an axis"),
+                    ),
+                    _ => wrong(line, format!("'{cell}' is not a number")),
+                })
+            };
             match column {
                 Column::Number => {
                     let digits = cell.trim_start_matches(['T', 't', 'D', 'H']);

@@ -298,7 +298,7 @@ fn a_machine_is_guessed_with_a_reason_or_asked_for() {
     assert!(status.contains("machine fanuc-lathe, guessed from G50 S2500 (line 2), G96 S200 (line 4)"), "{status}");
     for (name, text, reason) in [
         ("bare.nc", "O1\nG0 X1.\nM30\n", "shows which machine it is for"),
-        ("part.i", "%PART G71 *\nN10 G00 X+10*\nN99999 %PART G71 *\n", "a Heidenhain control"),
+        ("part.i", "%PART G71 *\nN10 G00 X+10*\nN99999 %PART G71 *\n", "a Heidenhain control in ISO code"),
         ("part.mpf", "G54 G0 X10\nM30\n", "a Siemens control"),
     ] {
         let path = program(folder.path(), name, text);
@@ -714,4 +714,61 @@ fields = [
         let summary = String::from_utf8_lossy(&output.stdout).into_owned();
         assert!(summary.contains(text), "{status} {summary}");
     }
+}
+
+/// Files that are no programs in UTF-8: UTF-16 without a mark in both orders, a code page by name, and a warning otherwise.
+#[test]
+fn programs_are_read_in_their_encoding() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = "O1\nT1 M6\nG90 G54 G0 X0 Y0\nG43 H1 Z5.\nG1 Z-5. F200\nM30\n";
+    for (name, unit) in [("be.nc", u16::to_be_bytes as fn(u16) -> [u8; 2]), ("le.nc", u16::to_le_bytes)] {
+        let path = folder.path().join(name);
+        std::fs::write(&path, text.encode_utf16().flat_map(unit).collect::<Vec<u8>>()).unwrap();
+        let output = counterpoint(&["run", "--no-timeline", &path.display().to_string()]);
+        let status = String::from_utf8_lossy(&output.stderr);
+        assert!(code(&output) == 0 && status.contains("machine fanuc-mill, guessed"), "{name}: {status}");
+    }
+    let path = folder.path().join("paged.nc");
+    std::fs::write(&path, b"O1\n(FR\xc4SER)\nT1 M6\nG43 H1 Z5.\nM30\n").unwrap();
+    let path = path.display().to_string();
+    let run = |more: &[&str]| {
+        let output = counterpoint(&[&["run", "--no-timeline", &path], more].concat());
+        (code(&output), String::from_utf8_lossy(&[output.stdout, output.stderr].concat()).into_owned())
+    };
+    let (ended, told) = run(&[]);
+    assert!(ended == 0 && told.contains("2900540") && told.contains("first in line 2"), "{told}");
+    let (ended, told) = run(&["--encoding", "windows-1252"]);
+    assert!(ended == 0 && !told.contains("2900540"), "{told}");
+    let (ended, told) = run(&["--encoding", "utf-8"]);
+    assert!(ended == 2 && told.contains("no characters of the code page"), "{told}");
+    let (ended, told) = run(&["--encoding", "ebcdic"]);
+    assert!(ended == 2 && told.contains("no known code page"), "{told}");
+}
+
+#[test]
+fn plain_mistakes_are_told_by_name() {
+    let folder = tempfile::tempdir().unwrap();
+    let part = program(folder.path(), "part.nc", "O1\nG21\nG50 S2500\nT0101\nG96 S200 M3\nG0 X52. Z2.\nM30\n");
+    let told = |output: &Output| String::from_utf8_lossy(&output.stderr).into_owned();
+    // Programs that never wait for each other are two jobs.
+    let output = counterpoint(&["run", &part, &part]);
+    assert!(code(&output) == 2 && told(&output).contains("never wait for each other"), "{}", told(&output));
+    let output = counterpoint(&["analyse", "nodir"]);
+    assert!(code(&output) != 0 && told(&output).contains("'nodir' is no folder and no file"), "{}", told(&output));
+    let help = counterpoint(&["run", "--help"]);
+    assert!(String::from_utf8_lossy(&help.stdout).contains("numbers=increments"));
+    // The definition in a folder means the folder.
+    let own = folder.path().join("mine");
+    std::fs::create_dir(&own).unwrap();
+    let definition = program(&own, "machine.toml", "extends = \"fanuc-lathe\"\n[ce]\nname = \"mine\"\n");
+    let output = counterpoint(&["run", "--no-timeline", "--machine", &definition, &part]);
+    assert_eq!(code(&output), 0, "{}", told(&output));
+    let table = program(folder.path(), "tools.csv", "Tool,Beschreibung,Radius\n1,CNMG,0.8\n");
+    let output = counterpoint(&["run", "--no-timeline", "--tools", &table, &part]);
+    assert!(code(&output) == 2 && told(&output).contains("column 'Beschreibung'"), "{}", told(&output));
+    // No datum of the machine says how long a move at feed takes.
+    let mill = program(folder.path(), "mill.nc", "O1\nT1 M6\nG43 H1 Z5.\nG1 Z-1. F300\nX130. F600\nM30\n");
+    let measured = program(folder.path(), "lines.csv", "line,seconds\n4,2.5\n5,4.0\n");
+    let output = counterpoint(&["calibrate", "--machine", "fanuc-mill", "--measured", &measured, &mill]);
+    assert!(!told(&output).contains("panicked"), "{}", told(&output));
 }

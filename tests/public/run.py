@@ -134,6 +134,42 @@ def run(binary, program, read, seconds):
             return done.stderr.decode(errors="replace").strip().splitlines()[-1:] or ["no output"]
 
 
+def base(machine):
+    """The shipped machine that a machine is, or that its folder extends."""
+    path = os.path.join(HERE, "machines", machine, "machine.toml")
+    if not os.path.exists(path):
+        return machine
+    with open(path, encoding="utf-8") as file:
+        return re.search(r'^extends = "(.*)"', file.read(), re.M).group(1)
+
+
+def guess(binary, program, read, seconds):
+    """The machine that is guessed for a program, or `-`, and the reason."""
+    with tempfile.TemporaryDirectory() as folder:
+        main, _ = lay_out(program, folder, read)
+        command = [binary, "run", "--no-timeline", "--max-blocks", "1", main]
+        done = subprocess.run(command, stdin=subprocess.DEVNULL, capture_output=True, timeout=seconds, check=False)
+        told = done.stderr.decode(errors="replace").strip()
+        found = re.search(r"^machine (\S+), guessed from (.*); use --machine", told, re.M)
+        return found.groups() if found else ("-", told.splitlines()[-1] if told else "no output")
+
+
+def guesses(binary, programs, read_of, seconds):
+    """Compares the guesses with guesses.tsv; returns how many differ."""
+    listed = {}
+    for _, (repository, file, machine, _) in rows(os.path.join(HERE, "guesses.tsv"), ["repository", "file", "guess", "reason"]):
+        listed[(repository, file)] = machine
+    wrong = 0
+    for program in programs:
+        found, why = guess(binary, program, read_of(program), seconds)
+        expected = listed.get((program.repository, program.files[0]), base(program.machine))
+        if found != expected:
+            wrong += 1
+            print(f"programs.tsv:{program.line}: {program.repository} {program.files[0]}\n    {found} instead of {expected}: {why}")
+    print(f"{wrong} of {len(programs)} guesses differ from the list")
+    return wrong
+
+
 def outcome(summary):
     """What a run did: succeeded, stopped (by errors or a verdict) or not run, the numbers of its errors, and its first error."""
     if not isinstance(summary, dict):
@@ -203,6 +239,7 @@ def main():
     parser.add_argument("--seconds", type=float, default=60, help="longest run of a program")
     parser.add_argument("--list", default=os.path.join(HERE, "programs.tsv"))
     parser.add_argument("--tables", action="store_true", help="print the tables of docs/coverage/programs.md and run nothing")
+    parser.add_argument("--guess", action="store_true", help="run without a machine and compare the guesses with guesses.tsv")
     parser.add_argument("filters", nargs="*", metavar="FILTER")
     args = parser.parse_args()
     repositories = read_repositories(os.path.join(os.path.dirname(args.list), "repositories.tsv"))
@@ -213,6 +250,12 @@ def main():
         print("\n".join(markdown(programs)))
         return
     os.makedirs(args.cache, exist_ok=True)
+    if args.guess:
+        def read_of(program):
+            commit = repositories[program.repository].commit
+            folder = git_folder(program.repository, commit, args.mirror, args.cache)
+            return lambda path: git(folder, "show", f"{commit}:{path}")
+        sys.exit(1 if guesses(args.counterpoint, programs, read_of, args.seconds) else 0)
     results, report, wrong = [], [], 0
     for program in programs:
         commit = repositories[program.repository].commit

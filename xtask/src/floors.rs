@@ -9,7 +9,7 @@ use crate::graph::Package;
 const FLOORS: &[&[&str]] = &[
     &["fault", "motion", "proto", "mdspec"],
     &["event", "lang"],
-    &["ports", "lang-standalone"],
+    &["ports", "lang-standalone", "signs"],
     &["machine"],
     &["program"],
     &["dialect", "results"],

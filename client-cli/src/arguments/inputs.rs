@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
+use crate::encoding::Encoding;
 use crate::settings::Setting;
 
 /// What a job is made of.
@@ -18,6 +19,9 @@ pub(crate) struct Inputs {
     /// Add files that the programs may call (a folder adds all its files)
     #[arg(long = "with", value_name = "FILE|DIR")]
     pub(crate) with: Vec<PathBuf>,
+    /// Read the programs in this code page: windows-1252, iso-8859-2, cp850, shift_jis, utf-16le, … [default: UTF-8, or UTF-16]
+    #[arg(long, value_name = "NAME")]
+    pub(crate) encoding: Option<Encoding>,
     #[command(flatten)]
     pub(crate) switches: Switches,
     /// Let these channels pass every sync point without waiting
@@ -71,7 +75,8 @@ pub(crate) struct On {
     /// do not show it]
     #[arg(long, value_name = "NAME|DIR")]
     pub(crate) machine: Option<String>,
-    /// Set a datum of the machine for this run: `waits=FIRST-LAST`, the M codes that are waiting codes
+    /// Set a datum of the machine for this run: `waits=FIRST-LAST`, the M codes that are waiting codes, or `numbers=increments`:
+    /// coordinates without a decimal point count least increments
     #[arg(long, value_name = "KEY=VALUE")]
     pub(crate) set: Vec<Setting>,
     /// Take tools, tool offsets and work offsets from this table: TOML rows as in a machine definition, or a CSV file with a
@@ -87,6 +92,7 @@ impl Inputs {
             programs: programs.to_vec(),
             on: On::default(),
             with: Vec::new(),
+            encoding: None,
             switches: Switches::default(),
             ignore_waits: Vec::new(),
             races: RaceCheck::Off,

@@ -31,7 +31,9 @@ pub(crate) fn fit<E>(
     let mut values = start;
     let mut now = residuals(&values)?;
     let mut damping = 1e-3;
-    for _ in 0..STEPS {
+    // Without parameters there is nothing to change, and no matrix to solve.
+    let steps = if values.is_empty() { 0 } else { STEPS };
+    for _ in 0..steps {
         let slopes = slopes(&values, step, &now, &mut residuals)?;
         let (normal, gradient) = (slopes.tr_mul(&slopes), slopes.tr_mul(&now));
         let mut better = None;
@@ -88,7 +90,7 @@ fn errors(slopes: &DMatrix<f64>, left: &DVector<f64>) -> Vec<Option<f64>> {
     let (rows, columns) = slopes.shape();
     let freedom = rows.saturating_sub(columns);
     let nothing = vec![None; columns];
-    if freedom == 0 {
+    if freedom == 0 || columns == 0 {
         return nothing;
     }
     let variance = left.norm_squared() / freedom as f64;
@@ -123,5 +125,15 @@ mod tests {
         assert!((fit.values[0] - 2.1).abs() < 1e-6);
         assert_eq!(fit.values[1], 5.0);
         assert_eq!(fit.errors[1], None);
+    }
+
+    #[test]
+    fn few_measurements_are_no_mistake() {
+        let none = fit(Vec::new(), &[], |_| Ok::<_, ()>(DVector::from_vec(vec![1.0, 2.0]))).unwrap();
+        assert!(none.values.is_empty() && none.errors.is_empty());
+        let one = |values: &[f64]| Ok::<_, ()>(DVector::from_vec(vec![values[0] + values[1] - 2.0]));
+        let fit = fit(vec![0.0, 0.0], &[1e-6, 1e-6], one).unwrap();
+        assert!((fit.values[0] + fit.values[1] - 2.0).abs() < 1e-6);
+        assert_eq!(fit.errors, [None, None]);
     }
 }

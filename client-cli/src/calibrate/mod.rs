@@ -33,6 +33,9 @@ use measured::Lines;
 /// Smallest value of a datum that is above zero, as its logarithm.
 const LEAST: f64 = -14.0;
 
+/// Measured lines named in a message.
+const NAMED: usize = 5;
+
 /// Programs and files of the runs, and what was measured.
 struct Trial {
     machine: Machine,
@@ -143,6 +146,14 @@ impl Trial {
             if (moved - &untouched).amax() > 1e-9 {
                 kept.push(datum);
             }
+        }
+        if kept.is_empty() {
+            let lines: Vec<String> = self.lines.keys().take(NAMED).map(u32::to_string).collect();
+            return Err(Error::Usage(format!(
+                "nothing to calibrate: no datum of the machine changes the time of a measured line ({}); measure more lines, such \
+                 as rapid moves, tool changes and codes that take time",
+                lines.join(", ")
+            )));
         }
         let start: Vec<f64> = kept.iter().map(|datum| self.parameter(datum)).collect();
         let steps: Vec<f64> = kept.iter().map(|datum| if datum.is_factor() { 1e-3 } else { 1e-4 }).collect();

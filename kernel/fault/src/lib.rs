@@ -225,6 +225,7 @@ diagnostics! {
     SIEMENS_STOP 2900365 "setal-alarm" 12 true "alarm set by the program";
     NO_TEETH 2900366 "no-teeth" 12 true "number of teeth unknown for feed per tooth";
     OKUMA_ALARM 2900367 "user-alarm" 12 true "user alarm (Okuma)";
+    NOT_UTF8 2900540 "not-utf-text" 4 false "text of a file not in UTF-8";
     NO_FEED_PER_TURN 2900368 "no-feed-per-revolution" 12 true "feed per revolution on a machine without M136";
 }
 

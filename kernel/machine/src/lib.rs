@@ -23,5 +23,6 @@ pub mod system_variables;
 pub mod tables;
 mod toml;
 
-pub use load::{Loaded, load};
+pub use counterpoint_signs as signs;
+pub use load::{Loaded, candidates, load};
 pub use model::Machine;

@@ -97,6 +97,7 @@ pub(crate) fn status(record: Record) -> v1::JobStatus {
         }
         .into(),
         rerun_of: record.asked.rerun_of,
+        machine_guess: record.asked.guess,
         paused: record.paused,
         limit: limit(record.runs.reached).into(),
         cpu_us: record.runs.cpu_us,

@@ -205,6 +205,9 @@ pub struct Asked {
     /// The job that it runs again; empty = none.
     #[serde(skip_serializing_if = "String::is_empty")]
     pub rerun_of: String,
+    /// The signs by which its machine was guessed; empty = the client named it.
+    #[serde(skip_serializing_if = "String::is_empty")]
+    pub guess: String,
     /// Limits of the kernel that were asked for, 0 = none; absent = none at all.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub limits: Option<Limits>,

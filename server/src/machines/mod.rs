@@ -3,6 +3,8 @@
 //! A machine put there has a revision, the digest of its files; a job keeps the revision it was submitted with.
 //! Invariant: a stored machine has passed the check of this server.
 
+mod candidates;
+
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, LazyLock};
@@ -18,6 +20,8 @@ use serde::{Deserialize, Serialize};
 use crate::blobs::{Blobs, digest};
 use crate::reason::Refusal;
 use crate::tenant;
+
+pub(crate) use candidates::candidates;
 
 /// A machine as the ledger keeps it.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]

@@ -6,6 +6,7 @@ use std::collections::BTreeMap;
 
 use counterpoint_kernel::dialog::answers::{Answer, Value};
 use counterpoint_kernel::job::Program;
+use counterpoint_kernel::machine::signs;
 use counterpoint_kernel::options::{Limits, Options, Races, TimeModel};
 use counterpoint_proto::v1;
 use prost::Message as _;
@@ -13,7 +14,7 @@ use prost::Message as _;
 use crate::blobs::{digest, is_digest};
 use crate::jobs::Core;
 use crate::ledger::record::{Asked, CONTENT, Priority, Record, Runs, now_ms};
-use crate::machines::{Definition, is_shipped};
+use crate::machines::{Definition, candidates, is_shipped};
 use crate::reason::Refusal;
 
 /// Most labels of a job.
@@ -33,17 +34,23 @@ pub(super) fn record(core: &Core, tenant: &str, request: v1::SubmitJobRequest) -
         priority: priority(request.priority)?.unwrap_or_default(),
         deadline_ms: deadline(request.deadline_ms)?,
         rerun_of: String::new(),
+        guess: String::new(),
         limits: asked_limits(&own)?,
     };
     let options = options(sent)?;
-    let machine = machine(core, tenant, &request.machine)?;
     core.blobs.of(tenant).require(&mut files.iter().map(|(_, digest)| digest))?;
+    let (machine_name, guess) = match request.machine {
+        named if !named.is_empty() => (named, String::new()),
+        _ => guessed(core, tenant, &programs, &files)?,
+    };
+    let asked = Asked { guess, ..asked };
+    let machine = machine(core, tenant, &machine_name)?;
     // The ledger gives the job its name when it accepts it.
     let record = Record {
         content,
         tenant: tenant.to_owned(),
         request_id: request.request_id,
-        machine_name: request.machine,
+        machine_name,
         programs,
         files,
         options,
@@ -67,6 +74,7 @@ pub(super) fn rerun(core: &Core, earlier: Record, mut request: v1::RerunJobReque
         priority: priority(request.priority)?.unwrap_or(earlier.asked.priority),
         deadline_ms: deadline(request.deadline_ms)?,
         rerun_of: earlier.id,
+        guess: earlier.asked.guess,
         limits: earlier.asked.limits.clone().or_else(early),
     };
     let runs = Runs { wall_ms: earlier.runs.wall_ms, max_job_bytes: earlier.runs.max_job_bytes, ..Runs::default() };
@@ -280,6 +288,28 @@ fn or_default(asked: &Limits) -> Limits {
         macro_steps: or(asked.macro_steps, default.macro_steps),
     }
     .capped()
+}
+
+/// The machine that the programs of a job show, and why.
+fn guessed(
+    core: &Core,
+    tenant: &str,
+    programs: &[Program],
+    files: &[(String, String)],
+) -> Result<(String, String), Refusal> {
+    let blobs = core.blobs.of(tenant);
+    let mut looked_at = Vec::with_capacity(programs.len());
+    for program in programs {
+        let Some((_, digest)) = files.iter().find(|(path, _)| *path == program.file) else { continue };
+        let part = program.number.is_some() || program.section.is_some();
+        let content = blobs.read(digest)?;
+        looked_at.push(signs::Program { name: program.file.clone(), content, number: program.number, part });
+    }
+    let candidates = candidates(&core.blobs, &core.ledger.machines(tenant)?)?;
+    match signs::guess(&candidates, &looked_at, None) {
+        Ok(guess) => Ok((guess.machine, guess.why)),
+        Err(why) => Err(Refusal::field("machine", format!("none is named, and {why}"))),
+    }
 }
 
 /// The machine that a name means to a tenant, pinned to its revision.

@@ -193,3 +193,32 @@ async fn a_shipped_machine_cannot_be_replaced() {
     assert_eq!((refused.code(), reason(&refused).as_str()), (Code::AlreadyExists, "MACHINE_SHIPPED"));
     server.stop().await;
 }
+
+/// A job without a machine: the server guesses it by the signs of the shipped machines and of the tenant's own, says which one and why, and
+/// refuses what does not show a machine.
+#[tokio::test]
+async fn a_job_without_a_machine_is_guessed() {
+    let folder = tempfile::tempdir().unwrap();
+    let server = Server::start(options(folder.path())).await;
+    let submit = async |id: &str, text: &str| {
+        let request = v1::SubmitJobRequest { machine: String::new(), ..server.request(id, text).await };
+        server.jobs().submit_job(request).await.map(|answer| answer.into_inner().status.unwrap())
+    };
+    let lathe = "O1\n(T1 M6)\nG50 S2500\nT0101\nG96 S200 M3\nG0 X52. Z2.\nM30\n";
+    let status = submit("lathe", lathe).await.unwrap();
+    assert_eq!(status.machine, "fanuc-lathe");
+    assert!(status.machine_guess.starts_with("G50 S2500 (line 3), G96 S200 (line 5)"), "{}", status.machine_guess);
+    assert_eq!(server.status(&status.job_id).await.machine_guess, status.machine_guess);
+    let refused = submit("bare", "O1\nG0 X1.\nM30\n").await.unwrap_err();
+    assert_eq!(refused.code(), Code::InvalidArgument);
+    assert!(refused.message().contains("shows which machine it is for"), "{}", refused.message());
+    // A machine of the tenant's own is a candidate if it has signs.
+    let own = "extends = \"fanuc-lathe\"\n[ce]\nname = \"ours\"\n[signs.traits.ours]\n\"G510\" = 5\n";
+    let digest = server.upload(own.as_bytes()).await;
+    let file = v1::MachineFile { path: "ours/machine.toml".into(), digest };
+    let put = v1::PutMachineRequest { name: "ours".into(), files: vec![file] };
+    server.machines().put_machine(put).await.unwrap();
+    assert_eq!(submit("own", &lathe.replace("T0101", "G510\nT0101")).await.unwrap().machine, "ours");
+    assert_eq!(submit("still", lathe).await.unwrap().machine, "fanuc-lathe");
+    server.stop().await;
+}

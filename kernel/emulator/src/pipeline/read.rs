@@ -96,6 +96,7 @@ impl Kernel<'_> {
                     "no rewind-stop before the program; it starts with its first block",
                 );
             }
+            self.check_encoding(source);
         }
         if let Some(hooks) = hooks {
             (hooks.block.begin)(self);
@@ -105,6 +106,20 @@ impl Kernel<'_> {
         }
         self.block(text)?;
         self.follow()
+    }
+
+    /// Says that results cannot show the text of a file as it was written.
+    #[cold]
+    fn check_encoding(&mut self, source: &Source) {
+        let Err(error) = std::str::from_utf8(source.text().bytes()) else { return };
+        let before = source.text().bytes().get(..error.valid_up_to()).unwrap_or_default();
+        let line = before.iter().filter(|byte| **byte == b'\n').count() + 1;
+        let text = format!(
+            "{} has bytes that are not UTF-8, first in line {line}, and results show \u{fffd} there; name its code page, \
+             for example with --encoding windows-1252",
+            source.name
+        );
+        self.diagnose(&diag::NOT_UTF8, &text);
     }
 
     /// Lines of the file are blocks as they stand, and nobody wants to see what becomes of them.

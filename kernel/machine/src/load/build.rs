@@ -8,7 +8,7 @@ use super::{
     axes, calls, channels, codes, compensation, components, cycles, data, diagnostics, dialogs, external, format,
     habits, head, idle, initial, kinematics, macros, output, overlap, paths, pump, refusals, registers,
 };
-use super::{spindles, storage, subprograms, sync, system_variables, tape, time, tool, variables, waits};
+use super::{signs, spindles, storage, subprograms, sync, system_variables, tape, time, tool, variables, waits};
 use crate::ident;
 use crate::index::Table;
 use crate::model::{Machine, MachineKind};
@@ -78,6 +78,7 @@ pub(super) fn machine(
     let subprograms = subprograms::read(&mut top, &around);
     let tool = tool::read(&mut top, &axes, check);
     let work_offsets = tool::read_work(&mut top, &axes, check);
+    signs::read(&mut top, check);
     let storage = storage::read(&mut top, files);
     let mut shown = Vec::new();
     let macros = macros::read(&mut top, &names, (&codes, &data), (files, &storage, common), &mut shown);

@@ -12,7 +12,7 @@ use crate::toml::suggest::did_you_mean;
 use counterpoint_ports::files::{Error, Files};
 
 /// Name of the file in a machine's folder.
-const FILE: &str = "machine.toml";
+pub(super) const FILE: &str = "machine.toml";
 
 /// A machine's own file over all its families.
 pub(super) struct Merged {
@@ -22,12 +22,15 @@ pub(super) struct Merged {
     pub(super) start: Place,
     /// The folder it was loaded from.
     pub(super) folder: String,
+    /// The own file has signs.
+    pub(super) own_signs: bool,
 }
 
 /// Reads and merges the chain; `None` when the machine's own file is not there.
 pub(super) fn read(files: &dyn Files, folder: &str, check: &Check) -> Option<Merged> {
     let start = place_of(folder);
     let own = read_file(files, folder, &start, None, check)?;
+    let own_signs = own.get("signs").is_some();
     let mut tables = vec![own];
     let mut folders = vec![folder.to_owned()];
     while let Some((parent, place)) = tables.last().and_then(extends) {
@@ -40,7 +43,7 @@ pub(super) fn read(files: &dyn Files, folder: &str, check: &Check) -> Option<Mer
         check.set_incomplete();
     }
     let table = tables.into_iter().rev().reduce(|parent, child| merge(heritage(parent), child, row_name))?;
-    Some(Merged { table, start, folder: folder.to_owned() })
+    Some(Merged { table, start, folder: folder.to_owned(), own_signs })
 }
 
 fn parent_table(files: &dyn Files, seen: &[String], parent: &str, place: &Place, check: &Check) -> Option<Table> {

@@ -35,6 +35,7 @@ mod questionnaire;
 mod questions;
 mod refusals;
 mod registers;
+mod signs;
 mod spindles;
 mod storage;
 mod subprograms;
@@ -50,6 +51,8 @@ mod word;
 
 #[cfg(test)]
 mod tests;
+
+pub use signs::candidates;
 
 use std::sync::Arc;
 

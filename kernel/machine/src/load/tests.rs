@@ -5,6 +5,7 @@ mod contradictions;
 mod diagnostics;
 mod dialogs;
 mod doubles;
+mod guesses;
 mod macros;
 mod mistakes;
 mod mistakes_in_rows;

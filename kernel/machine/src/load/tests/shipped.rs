@@ -34,6 +34,8 @@ fn all_machines_load_without_a_finding() {
             "fanuc-3path-lathe",
             "fanuc-horizontal",
             "fanuc-lathe",
+            "fanuc-lathe-b",
+            "fanuc-lathe-c",
             "fanuc-mill",
             "fanuc-mill-4axis",
             "fanuc-mill-5axis",

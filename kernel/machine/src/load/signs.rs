@@ -1,0 +1,95 @@
+//! `[signs]`: by which signs programs show that they are for the machine.
+//!
+//! Invariant: every pattern can be read. A machine is guessed only if its own file has the section; families hand on what
+//! stands in it.
+
+use counterpoint_ports::files::Files;
+use counterpoint_signs::{Candidate, HEAVIEST, Pattern, Rows, Signs};
+
+use super::chain;
+use crate::toml::check::Check;
+use crate::toml::node::{Table, Value};
+use crate::toml::section::Section;
+
+/// Longest name of a control or trait.
+const LONGEST: usize = 80;
+
+/// Reads the section.
+pub(super) fn read(top: &mut Section<'_>, check: &Check) -> Option<Signs> {
+    let mut section = top.table("signs", "[signs]")?;
+    section.require("control", "the control, as messages name it");
+    let signs = Signs {
+        control: section.name("control", LONGEST).unwrap_or_default().to_owned(),
+        plain: section.flag("plain").unwrap_or(false),
+        marks: section.free_table("marks").map_or_else(Rows::new, |table| rows(table, check)),
+        waits: section.free_table("waits").map_or_else(Rows::new, |table| rows(table, check)),
+        elsewhere: section.free_table("elsewhere").map_or_else(Vec::new, |table| tables(table, check)),
+        traits: section.free_table("traits").map_or_else(Vec::new, |table| tables(table, check)),
+    };
+    section.finish();
+    Some(signs)
+}
+
+/// Tables of signs under names.
+fn tables(table: &Table, check: &Check) -> Vec<(String, Rows)> {
+    let mut all = Vec::with_capacity(table.entries.len());
+    for entry in &table.entries {
+        let length = entry.key.chars().count();
+        if length == 0 || length > LONGEST || entry.key.chars().any(char::is_control) {
+            check.error(&entry.place, format!("a name of signs must have 1 to {LONGEST} characters"));
+        }
+        match &entry.node.value {
+            Value::Table(table) => all.push((entry.key.clone(), rows(table, check))),
+            other => check.error(&entry.node.place, format!("signs must be a table, not {}", other.kind())),
+        }
+    }
+    all
+}
+
+/// Patterns with their weights; weight 0 takes away what a family has.
+fn rows(table: &Table, check: &Check) -> Rows {
+    let mut rows = Rows::new();
+    for entry in &table.entries {
+        let weight = match &entry.node.value {
+            Value::Integer(weight) => u32::try_from(*weight).ok().filter(|weight| *weight <= HEAVIEST),
+            _ => None,
+        };
+        let Some(weight) = weight else {
+            check.error(&entry.node.place, format!("the weight of a sign must be a whole number from 0 to {HEAVIEST}"));
+            continue;
+        };
+        match Pattern::parse(&entry.key) {
+            Ok(pattern) => rows.push((pattern, weight)),
+            Err(why) => check.error(&entry.place, format!("the sign \"{}\" {why}", entry.key.escape_debug())),
+        }
+    }
+    rows.retain(|(_, weight)| *weight > 0);
+    rows
+}
+
+/// The machines of these names that programs can show, with their signs. A machine that cannot be read is left out.
+#[must_use]
+pub fn candidates(files: &dyn Files, names: &[String]) -> Vec<Candidate> {
+    names.iter().filter_map(|name| candidate(files, name)).collect()
+}
+
+fn candidate(files: &dyn Files, name: &str) -> Option<Candidate> {
+    // Most machines need not be read for it.
+    let own = files.read(&format!("{name}/{}", chain::FILE)).ok()?;
+    if !own.windows(6).any(|part| part == b"[signs") {
+        return None;
+    }
+    let check = Check::default();
+    let merged = chain::read(files, name, &check).filter(|merged| merged.own_signs)?;
+    let mut top = Section::new(&merged.table, merged.start.clone(), "the machine file", &check);
+    let signs = read(&mut top, &check).filter(|_| !check.has_errors())?;
+    let channels = match merged.table.get("channels").map(|node| &node.value) {
+        Some(Value::Array(rows)) => rows.len(),
+        _ => 0,
+    };
+    let layout = match merged.table.get("control").map(|node| &node.value) {
+        Some(Value::Table(control)) => control.text("programs").unwrap_or_default(),
+        _ => "",
+    };
+    Some(Candidate { name: name.to_owned(), channels, whole_file: matches!(layout, "heads" | "sections"), signs })
+}

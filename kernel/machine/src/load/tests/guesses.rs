@@ -1,0 +1,226 @@
+//! Guesses by the signs of the shipped machines: which machine is meant, and what is refused.
+
+use std::ops::RangeInclusive;
+use std::sync::LazyLock;
+
+use counterpoint_ports::files::Bytes;
+use counterpoint_signs::{Candidate, Guess, Program, guess};
+
+use super::*;
+use crate::load::candidates;
+use crate::package;
+
+static SHIPPED: LazyLock<Vec<Candidate>> = LazyLock::new(|| candidates(&package::shipped(), &package::shipped_names()));
+
+fn shipped() -> &'static [Candidate] {
+    &SHIPPED
+}
+
+fn of_files(files: &[(&str, &str)], waits: Option<&RangeInclusive<u32>>) -> Result<Guess, String> {
+    let program = |(name, text): &(&str, &str)| Program {
+        name: (*name).to_owned(),
+        content: Bytes::from(text.as_bytes().to_vec()),
+        number: None,
+        part: false,
+    };
+    guess(shipped(), &files.iter().map(program).collect::<Vec<_>>(), waits)
+}
+
+fn machine(name: &str, text: &str) -> Result<String, String> {
+    of_files(&[(name, text)], None).map(|guess| guess.machine)
+}
+
+const PROGRAMS: &[(&str, &str)] = &[
+    ("%\nO1\nT1 M6\nG90 G54 G0 X1. Y2.\nG43 H1 Z5.\nM30\n", "fanuc-mill"),
+    ("G90 G0 X10. Y5.\nG1 X20. F100.\nM30\n", "fanuc-mill"),
+    ("G90 G94 G1 X2. F100\nM30\n", "fanuc-mill"),
+    ("O1\nG50 S2500\nG96 S200 M3\nT0101\nG0 X52. Z2.\nM30\n", "fanuc-lathe"),
+    ("O1\nT0101\nG0 X52. Z2.\nG1 W-20. F0.2\nU4.\nM30\n", "fanuc-lathe"),
+    ("O1\nG71 U2. R1.\nG71 P10 Q20 U0.5 W0.1 F0.2\nM30\n", "fanuc-lathe"),
+    ("G92 S2000\nG96 S180\n(T1 M6 G43 H1 Y5.)\nM30\n", "fanuc-lathe"),
+    // Only X and Z move, an arc in XZ, feeds per revolution.
+    ("O1\nG0 X205. Z10.\nG1 Z0. F0.1\nX192.7\nG3 X193.8 Z-.3 R.6\nG1 X199.9 Z-7.5\nM30\n", "fanuc-lathe"),
+    ("O301\nG21 G18 G40 G54\nG90 G95\nG92 S2500\nT0101\nG96 S200 M3\nG0 X52. Z2.\nG91 G1 X2. F0.3\n", "fanuc-lathe-b"),
+    ("G71 G40\nG90 G95\nT0101\nG96 S200 M3\nG0 X52. Z2.\nG20 X48. Z-20. F0.2\n", "fanuc-lathe-c"),
+    ("O1\nT101\nG71 P10 Q20 U0.5 W0.1 D2.5 F0.2\nM30\n", "haas-lathe"),
+    ("T101;\nG97 S1000 M3;\nG0 X50. Z2.;\nM30;\n", "haas-lathe"),
+    ("T101;\nG97 S1000 M3;\nG0 X50. Y0;\nM155;\nM30;\n", "haas-mill-turn"),
+    ("%_N_PART_MPF\nG17 G90 T1 M6\nG0 X1 Y2\n", "siemens-mill"),
+    ("O1\nT001.01\nG97 S500 M3\nG0 X50. Z2.\n", "mazak-eia-lathe"),
+    ("O1\nT0101\nG0 X50. Z2.\nG290 X46. Z-20. F0.2\n", "mazak-eia-lathe"),
+    ("N10 TRAORI(1)\nN20 G1 X1 A=-20 C10\n", "siemens-mill-5axis"),
+    ("%_N_PART_MPF\nG1 X1 A3=0 B3=1 C3=0\n", "siemens-mill-5axis"),
+    ("N10 T1 M6\nN20 CYCLE800(1,\"TC1\")\nN30 G0 X1 Y2\n", "siemens-mill-5axis"),
+    ("N10 G18 G95 DIAMON\nN20 TRANSMIT\nN30 G1 X1 Y2\n", "siemens-lathe"),
+    ("0 BEGIN PGM PART MM\n1 L X+10 A+20 R0 FMAX M128\n", "heidenhain-mill-5axis"),
+    ("0 BEGIN PGM PART MM\n1 M128\n2 L X+10 R0 FMAX\n", "heidenhain-mill-5axis"),
+    ("0 BEGIN PGM PART MM\n1 L X+10 R0 FMAX\n2 PLANE SPATIAL SPA+0 SPB+0 SPC+30 STAY\n", "heidenhain-mill-5axis"),
+    ("0 BEGIN PGM PART MM\n1 FUNCTION TCPM F TCP AXIS POS PATHCTRL AXIS\n", "heidenhain-mill-5axis"),
+    ("O1\nT1 M6\nG43.4 H1 Z50.\nG1 X1. A-20. F100.\n", "fanuc-mill-5axis"),
+    ("O500\nG90 G54 G0 B0\nT1 M6\nG43 H1 Z100.\nX0 Y0\nG55 B90.\n", "fanuc-horizontal"),
+    ("O1\nT1 M6\nG43 H1 Z50.\nG0 X1. A90.\nG1 Y2. F100.\n", "fanuc-mill-4axis"),
+    ("O1\nT1 M6\nG43 H1 Z50.\nG0 X1. A90.\nG154 P2 Y2.\n", "haas-mill-4axis"),
+    ("O1\nT1 M6\nG43 H1 Z50.\nG0 X1. A90. C30.\nG1 Y2. F100.\n", "fanuc-mill-5axis"),
+    ("DIAMON\nG96 S200 LIMS=3000 M4\nG0 X40 Z2\n", "siemens-lathe"),
+    ("0 BEGIN PGM PART MM\n1 L X+10 R0 FMAX\n", "heidenhain-mill"),
+    ("O1\nT0101\nM130\nM99\nO2\nT0202\nM130\nM99\n", "fanuc-2path-lathe"),
+    (
+        "$SHAFT.MIN%\nG00 X300 Z300\nG50 S2500\nT010101\nG96 S180 M03 M42\nG00 X60 Z2\nG01 Z-30 F0.2\nM02\n",
+        "okuma-lathe",
+    ),
+    ("NLAP1 G81\n", "okuma-lathe"),
+    ("G15 H1\nT1 M6\n", "okuma-mill"),
+    ("O1\nG13\nM110\nG14 (B)\nO2\n", "okuma-2turret"),
+    ("O1\n$1\nG50 S2500\nM30\n$2\nM30\n", "citizen-3system"),
+    ("$0\n#814=10\n$1\nT1 M6\n", "citizen-3system"),
+    ("O1\nG50 S2500\n!2L1\nG0 X5. Z1.\n", "citizen-3system"),
+    // Pocket milling of a Haas, its second spindle and the end of polar interpolation are no turrets.
+    ("G13 I5. D1 F100.\nG14\nT1 M6\n", "haas-mill"),
+    ("T1 M6\nG154 P3 X0 Y0\n", "haas-mill"),
+    ("T1 M6\nM97 P100 L2\n", "haas-mill"),
+    ("T1 M6\nG70 I20. J0 L6\n", "haas-mill"),
+    ("G13.1\nG50 S900\n", "fanuc-lathe"),
+];
+
+#[test]
+fn programs_show_what_they_are_for() {
+    for (text, expected) in PROGRAMS {
+        assert_eq!(machine("p.nc", text).as_deref(), Ok(*expected), "{text}");
+    }
+    for (name, text, expected) in [
+        ("p.MIN", "G50 S2500\nT010101\n", "okuma-lathe"),
+        ("p.min", "G14\nG96 S150\n", "okuma-2turret"),
+        ("p.mpf", "G54 G90 G95\nG0 X50 Z2\nG1 Z-20 F0.2\nM30\n", "siemens-lathe"),
+        ("a.arc", "%_N_A_1_MPF\nDIAMON\nM30\n%_N_A_2_MPF\nM30\n%_N_B_SPF\nM17\n", "siemens-2channel"),
+    ] {
+        assert_eq!(machine(name, text).as_deref(), Ok(expected), "{name} {text}");
+    }
+}
+
+/// A comment in the form of the control, whatever its text, a file in capitals or with other ends of lines, block skip and
+/// numbers of blocks change no guess.
+#[test]
+fn comments_and_numbers_never_change_a_guess() {
+    let texts = [
+        "80 DEG DIAMOND CNMG",
+        "T1 M6 G43 H1 Y5.",
+        "G96 S200 G50 S2500 T0101",
+        "WAITM 1,1,2 TRAORI A3=1 DIAMON CYCLE81",
+        "BEGIN PGM TOOL CALL 5 L X+10 FMAX M128",
+        "$1 $2 !L1 NLAP1 G15 H1 G13 G14 O1",
+        "E2 O100 SUB #SIGNAL V.P.X",
+    ];
+    for (text, expected) in PROGRAMS {
+        let known = machine("p.nc", text);
+        let siemens = expected.starts_with("siemens") || expected.starts_with("heidenhain");
+        for comment in texts {
+            let comment = if siemens { format!("; {comment}") } else { format!("({comment})") };
+            for line in 0..=text.lines().count() {
+                let mut lines: Vec<&str> = text.lines().collect();
+                lines.insert(line, &comment);
+                assert_eq!(machine("p.nc", &lines.join("\n")), known, "{comment} before line {} of {text}", line + 1);
+            }
+            let behind = text.lines().map(|line| format!("{line} {comment}\n")).collect::<String>();
+            if !text.contains(['$', '%', '!', ';']) {
+                assert_eq!(machine("p.nc", &behind), known, "{behind}");
+            }
+        }
+        assert_eq!(machine("p.nc", &text.to_lowercase()), known, "{text}");
+        assert_eq!(machine("p.nc", &text.replace('\n', "\r\n")), known, "{text}");
+        let wide: Vec<u8> = text.encode_utf16().flat_map(u16::to_be_bytes).collect();
+        let program = Program { name: "p.nc".into(), content: Bytes::from(wide), number: None, part: false };
+        assert_eq!(guess(shipped(), &[program], None).map(|guess| guess.machine), known, "UTF-16: {text}");
+    }
+}
+
+#[test]
+fn the_answer_names_the_signs() {
+    let why = |files: &[(&str, &str)]| of_files(files, None).map(|guess| guess.why).unwrap();
+    assert_eq!(why(&[("p.nc", "O1\r\nT1 M6\r\nN10 G43 H1\r\nM30\r\n")]), "T1 M6 (line 2), G43 H1 (line 3)");
+    assert_eq!(
+        why(&[("p.MIN", "G50 S2500\nT010101\n")]),
+        "the file ending .MIN (p.MIN), T010101 (line 2), G50 S2500 (line 1)"
+    );
+    assert_eq!(
+        why(&[("a.nc", "WAITM(1,1,2)\nM30\n"), ("b.nc", "WAITM(1,1,2)\nG96 S200\n")]),
+        "2 programs with waiting codes, WAITM (a.nc line 1), G96 S200 (b.nc line 2)"
+    );
+    assert_eq!(
+        why(&[("a.nc", "O1\nM101\nM30\n"), ("b.nc", "O2\nT0202\nM101\nM30\n")]),
+        "2 programs with waiting codes, T0202 (b.nc line 2)"
+    );
+    assert_eq!(why(&[("p.nc", "T1 M6\nG154 P3 X0 Y0\n")]), "T1 M6 (line 1), Y0 (line 2), G154 P3 (line 2)");
+}
+
+#[test]
+fn what_cannot_be_guessed_is_refused() {
+    let refused = |files: &[(&str, &str)], with: &str| {
+        let why = of_files(files, None).unwrap_err();
+        assert!(why.contains(with), "{why}");
+    };
+    refused(&[("p.nc", "O1\nG0 X1.\nM30\n")], "nothing in p.nc shows");
+    refused(&[("p.nc", "T1 M6\nG43 H1\nG50 S1000\nG96 S100\n")], "as well as turning (G50 S1000 (line 3)");
+    refused(&[("p.nc", "%_N_PART_MPF\nG0 X1\n")], "the program is for a Siemens control, judging by %_N_ (line 1)");
+    refused(&[("p.mpf", "G54 G90 G0 X10\nM30\n")], "a Siemens control");
+    refused(&[("p.nc", "%PART G71 *\nN10 G00 X1*\n")], "a Heidenhain control in ISO code");
+    refused(&[("a.mpf", "G96 S200\n"), ("b.mpf", "M30\n"), ("c.mpf", "M30\n")], "3 channels");
+    refused(&[("a.mpf", "T1 M6\nWAITM(1,1,2)\n"), ("b.mpf", "M30\n")], "show milling");
+    refused(&[("p.MIN", "G0 X50\n")], "okuma-lathe and okuma-mill are shipped");
+    refused(&[("p.MIN", "G90 G95 G0 X50\n")], "okuma-lathe and okuma-mill are shipped");
+    refused(&[("a.MIN", "T1 M6\n"), ("b.MIN", "G0 Y2\n")], "show milling");
+    refused(&[("a.MIN", "G13\n"), ("b.MIN", "G14\n"), ("c.MIN", "G50 S99\n")], "3 channels");
+    refused(&[("p.nc", "$1\nM30\n$2\nM30\n$4\nM30\n")], "a control with more than three systems");
+    refused(&[("a.nc", "T1 M6\nG43 H1\n"), ("b.nc", "T2 M6\n")], "2 programs show milling");
+    refused(&[("a", "M30"), ("b", "M30"), ("c", "M30"), ("d", "M30")], "4 channels");
+    // Programs that never wait for each other are two jobs.
+    refused(&[("a.nc", "O1\nT0101\nM30\n"), ("b.nc", "O2\nT0202\nM30\n")], "never wait for each other");
+    refused(&[("a.mpf", "G96 S200\n"), ("b.mpf", "G96 S200\n")], "never wait for each other");
+    // Controls that no machine has.
+    refused(&[("p.gcode", ";FLAVOR:Marlin\nG28\nG1 X10 Y10 Z0.3 F3000 E0\nG1 X50 E2\n")], "a 3D printer");
+    refused(&[("p.ngc", "o100 sub\nG1 X10 Y5\no100 endsub\n")], "a LinuxCNC control");
+    // An ISG control has a machine, for three programs.
+    refused(&[("p.nc", "P1 = 5\n$FOR P1=1,3,1\nG1 X1 Y2\n#TIME 2\n")], "an ISG control");
+    // Marks of several controls.
+    refused(&[("p.nc", "O1\nG65 P9810 Z1.\n; rough\nG1 X1. Y2.\n")], "as well as");
+    refused(&[("p.nc", "; rough\nG1 X1. Y2.\n")], "each of several controls");
+    refused(&[("p.mpf", "O1\nG65 P9810 Z1.\nT1 M6\n")], "as well as");
+}
+
+#[test]
+fn turrets_of_two_files_need_no_wait() {
+    let both = of_files(&[("a.min", "G13\nG50 S900\n"), ("b.min", "G14\nG97 S500\n")], None).unwrap();
+    assert_eq!(both.machine, "okuma-2turret");
+}
+
+#[test]
+fn waiting_codes_are_those_of_the_settings() {
+    let files = [("both.nc", "O1\nT0101\nM901\nM99\nO2\nT0202\nM901\nM99\n")];
+    let of = |waits: Option<RangeInclusive<u32>>| of_files(&files, waits.as_ref()).unwrap().machine;
+    assert_eq!((of(Some(900..=999)).as_str(), of(None).as_str()), ("fanuc-2path-lathe", "fanuc-lathe"));
+}
+
+#[test]
+fn a_program_of_a_file_is_judged_alone() {
+    let text = "O1\nT1 M6\nG43 H1\nM30\nO2\nG50 S2000\nT0101\nM30\n";
+    let of = |number: u32| {
+        let content = Bytes::from(text.as_bytes());
+        let program = Program { name: "both.nc".into(), content, number: Some(number), part: true };
+        guess(shipped(), &[program], None).unwrap().machine
+    };
+    assert_eq!((of(1).as_str(), of(2).as_str()), ("fanuc-mill", "fanuc-lathe"));
+}
+
+#[test]
+fn signs_are_checked_with_their_places() {
+    let text = "extends = \"fanuc-mill\"\n[ce]\nname = \"own\"\n[signs]\ncolour = 1\n[signs.marks]\n\"!X\" = 2\n\"G1 X\" = 12\n";
+    let mut files = package::shipped();
+    files.insert("own/machine.toml", Bytes::from(text));
+    let texts: Vec<String> = load(&files, "own").findings.iter().map(ToString::to_string).collect();
+    assert_eq!(texts.len(), 3, "{texts:?}");
+    assert!(
+        texts.iter().any(|text| text.contains("own/machine.toml:7") && text.contains("names no word")),
+        "{texts:?}"
+    );
+    assert!(texts.iter().any(|text| text.contains("own/machine.toml:8") && text.contains("from 0 to 9")), "{texts:?}");
+    assert!(texts.iter().any(|text| text.contains("unknown key `colour`")), "{texts:?}");
+}

@@ -1,0 +1,217 @@
+//! Looks for the signs of all machines in the programs of a job, in one walk through the text.
+//!
+//! *Invariant:* a sign is found at most once, at its first place; the order of the machines does not matter.
+
+use std::collections::BTreeMap;
+
+use bytes::Bytes;
+use counterpoint_event::Text;
+
+use super::block::Block;
+use super::pattern::{Part, Pattern};
+
+/// Signs named in an answer.
+const NAMED: usize = 3;
+
+/// Bytes of a program that are looked at.
+const LOOKED_AT: usize = 4 << 20;
+
+/// A program of a job.
+#[derive(Debug, Clone)]
+pub struct Program {
+    /// Name of its file.
+    pub name: String,
+    /// The file.
+    pub content: Bytes,
+    /// Number of the program in the file, if only that one is meant.
+    pub number: Option<u32>,
+    /// One program or section of the file is meant.
+    pub part: bool,
+}
+
+/// Where a sign was found first.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct Found {
+    /// How the program shows it.
+    pub(crate) text: String,
+    /// Number of the program.
+    program: usize,
+    /// Line, 0 for the name of the file.
+    line: u32,
+}
+
+/// A sign that the programs show.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Shown<'e> {
+    /// Its pattern.
+    pub(crate) pattern: &'e str,
+    /// Its weight.
+    pub(crate) weight: u32,
+    found: &'e Found,
+}
+
+/// What the programs show.
+#[derive(Debug, Default)]
+pub(crate) struct Evidence {
+    found: BTreeMap<String, Found>,
+    /// Names of the files.
+    names: Vec<String>,
+    /// O-programs in the only file.
+    pub(crate) definitions: usize,
+    /// Main programs of an archive in the only file.
+    pub(crate) mains: usize,
+}
+
+impl Evidence {
+    /// Looks for patterns in programs.
+    pub(crate) fn of(programs: &[Program], patterns: &[&Pattern]) -> Self {
+        let mut search = Search::new(patterns);
+        let mut evidence = Self { names: programs.iter().map(|one| one.name.clone()).collect(), ..Self::default() };
+        for (index, program) in programs.iter().enumerate() {
+            search.name(index, &program.name);
+            let content = program.content.slice(..program.content.len().min(LOOKED_AT));
+            let text = Text::new(content, || false);
+            let mut current = None;
+            for line in 1..=text.lines() {
+                let bytes = text.line(line);
+                current = definition(bytes).or(current);
+                evidence.definitions += usize::from(definition(bytes).is_some());
+                evidence.mains += usize::from(is_main(bytes));
+                if program.number.is_none() || current.is_none() || program.number == current {
+                    search.block(&Block::of(&String::from_utf8_lossy(bytes)), (index, line));
+                }
+            }
+        }
+        evidence.found = search.into_found();
+        evidence
+    }
+
+    /// The rows of tables that the programs show, each pattern once with its highest weight.
+    pub(crate) fn shown<'e>(&'e self, rows: impl IntoIterator<Item = &'e (Pattern, u32)>) -> Vec<Shown<'e>> {
+        let mut all: BTreeMap<&str, Shown<'e>> = BTreeMap::new();
+        for (pattern, weight) in rows {
+            let Some(found) = self.found.get(pattern.text()).filter(|_| *weight > 0) else { continue };
+            let shown = Shown { pattern: pattern.text(), weight: *weight, found };
+            let known = all.entry(pattern.text()).or_insert(shown);
+            known.weight = known.weight.max(*weight);
+        }
+        let mut all: Vec<_> = all.into_values().collect();
+        all.sort_by_key(|shown| Self::order(shown.found));
+        all
+    }
+
+    /// The heaviest signs with their places, first those that stand first.
+    pub(crate) fn named(&self, shown: &[Shown<'_>]) -> String {
+        let mut shown: Vec<_> = shown.iter().collect();
+        shown.sort_by_key(|one| (std::cmp::Reverse(one.weight), Self::order(one.found)));
+        let mut texts: Vec<String> = Vec::new();
+        for text in shown.into_iter().map(|one| self.place(one.found)) {
+            if !texts.contains(&text) && texts.len() < NAMED {
+                texts.push(text);
+            }
+        }
+        texts.join(", ")
+    }
+
+    /// A sign with its place.
+    fn place(&self, found: &Found) -> String {
+        let name = self.names.get(found.program).map_or("", String::as_str);
+        match found.line {
+            0 => format!("{} ({name})", found.text),
+            line if self.names.len() > 1 => format!("{} ({name} line {line})", found.text),
+            line => format!("{} (line {line})", found.text),
+        }
+    }
+
+    /// Order of places.
+    fn order(found: &Found) -> (usize, u32) {
+        (found.program, found.line)
+    }
+}
+
+/// A program of that number is defined in a file.
+#[must_use]
+pub fn has_program(content: &Bytes, number: u32) -> bool {
+    let text = Text::new(content.clone(), || false);
+    (1..=text.lines()).any(|line| definition(text.line(line)) == Some(number))
+}
+
+/// The number of the program that a line defines.
+fn definition(line: &[u8]) -> Option<u32> {
+    let [b'O' | b'o' | b':', rest @ ..] = line.trim_ascii_start() else { return None };
+    let digits = rest.iter().take_while(|b| b.is_ascii_digit());
+    let (count, number) = digits.fold((0, 0_u32), |(count, number), digit| {
+        (count + 1, number.saturating_mul(10).saturating_add(u32::from(digit - b'0')))
+    });
+    (count > 0).then_some(number)
+}
+
+/// A line is the head of a main program in an archive of a Siemens control.
+fn is_main(line: &[u8]) -> bool {
+    let line = line.trim_ascii().to_ascii_uppercase();
+    line.starts_with(b"%_N_") && line.ends_with(b"_MPF")
+}
+
+/// A sign that is looked for.
+struct Sought<'p> {
+    pattern: &'p Pattern,
+    /// First places of its parts, as far as they are found.
+    parts: Vec<Option<Found>>,
+    /// A word is there that must be nowhere.
+    refuted: bool,
+}
+
+struct Search<'p> {
+    sought: Vec<Sought<'p>>,
+    ends: u32,
+}
+
+impl<'p> Search<'p> {
+    fn new(patterns: &[&'p Pattern]) -> Self {
+        let mut known = BTreeMap::new();
+        for pattern in patterns {
+            let sought = || Sought { pattern, parts: vec![None; pattern.parts.len()], refuted: false };
+            known.entry(pattern.text()).or_insert_with(sought);
+        }
+        Self { sought: known.into_values().collect(), ends: 0 }
+    }
+
+    fn name(&mut self, program: usize, name: &str) {
+        self.ends = 0;
+        let Some((_, ending)) = name.rsplit_once('.') else { return };
+        let small = format!(".{}", ending.to_ascii_lowercase());
+        for sought in &mut self.sought {
+            for (part, found) in sought.pattern.parts.iter().zip(&mut sought.parts) {
+                if matches!(part, Part::File(of) if *of == small) && found.is_none() {
+                    *found = Some(Found { text: format!("the file ending .{ending}"), program, line: 0 });
+                }
+            }
+        }
+    }
+
+    fn block(&mut self, block: &Block, (program, line): (usize, u32)) {
+        self.ends += u32::from(block.ends);
+        if block.line.is_empty() && !block.remark {
+            return;
+        }
+        for sought in self.sought.iter_mut().filter(|sought| !sought.refuted) {
+            sought.refuted = sought.pattern.nowhere.iter().any(|no| no.is_in(block));
+            for (part, found) in sought.pattern.parts.iter().zip(&mut sought.parts) {
+                if found.is_none() {
+                    *found = part.in_block(block, self.ends).map(|text| Found { text, program, line });
+                }
+            }
+        }
+    }
+
+    /// The signs of which every part was found; each where its last part is.
+    fn into_found(self) -> BTreeMap<String, Found> {
+        let one = |sought: Sought<'p>| {
+            let parts: Vec<Found> = sought.parts.into_iter().collect::<Option<_>>()?;
+            let last = parts.iter().max_by_key(|found| Evidence::order(found))?.clone();
+            let text = parts.into_iter().map(|found| found.text).collect::<Vec<_>>().join(" and ");
+            Some((sought.pattern.text().to_owned(), Found { text, ..last })).filter(|_| !sought.refuted)
+        };
+        self.sought.into_iter().filter_map(one).collect()
+    }
+}

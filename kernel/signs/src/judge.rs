@@ -1,0 +1,305 @@
+//! Which machine of a control the programs are for.
+//!
+//! Every trait of the machines (milling, turning, five axes) has a weight: that of its signs in the programs. It counts for the
+//! machines that have the trait, and against those that do not.
+//! *Invariant:* a machine is chosen only if all its traits show, or if no other machine has as many channels.
+
+use std::ops::RangeInclusive;
+
+use super::controls::{Control, decide};
+use super::evidence::{Evidence, Program, Shown};
+use super::pattern::Pattern;
+use super::{Candidate, Guess};
+
+/// Weight from which signs are enough.
+const ENOUGH: u32 = 2;
+
+/// Guesses the machine for programs, left to right, among `candidates`.
+///
+/// `waits` are the M codes that are waiting codes, if they are others than those of the machines.
+///
+/// # Errors
+///
+/// Why no machine can be told, as the rest of a sentence.
+pub fn guess(
+    candidates: &[Candidate],
+    programs: &[Program],
+    waits: Option<&RangeInclusive<u32>>,
+) -> Result<Guess, String> {
+    let candidates = &with_waits(candidates, waits);
+    let tables = candidates.iter().flat_map(|candidate| {
+        let signs = &candidate.signs;
+        let named = signs.elsewhere.iter().chain(&signs.traits).map(|(_, rows)| rows);
+        [&signs.marks, &signs.waits].into_iter().chain(named)
+    });
+    let patterns: Vec<&Pattern> = tables.flatten().map(|(pattern, _)| pattern).collect();
+    let evidence = Evidence::of(programs, &patterns);
+    let control = decide(candidates, &evidence)?;
+    let of_control = candidates.iter().filter(|candidate| candidate.signs.control == control.title);
+    let machines: Vec<_> = of_control.map(|candidate| Machine::of(candidate, &evidence)).collect();
+    Judge { programs, evidence: &evidence, control: &control, machines }.judge()
+}
+
+/// The candidates with other waiting codes.
+fn with_waits(candidates: &[Candidate], waits: Option<&RangeInclusive<u32>>) -> Vec<Candidate> {
+    let mut candidates = candidates.to_vec();
+    if let Some(waits) = waits {
+        for (pattern, _) in candidates.iter_mut().flat_map(|candidate| &mut candidate.signs.waits) {
+            if pattern.is_m_codes() {
+                *pattern = Pattern::m_codes(*waits.start(), *waits.end());
+            }
+        }
+    }
+    candidates
+}
+
+/// A candidate and what the programs show of it.
+struct Machine<'c> {
+    candidate: &'c Candidate,
+    /// Its traits with their signs.
+    traits: Vec<(&'c str, Vec<Shown<'c>>)>,
+    waits: Vec<Shown<'c>>,
+}
+
+impl<'c> Machine<'c> {
+    fn of(candidate: &'c Candidate, evidence: &'c Evidence) -> Self {
+        let traits = candidate.signs.traits.iter().map(|(name, rows)| (name.as_str(), evidence.shown(rows))).collect();
+        Self { candidate, traits, waits: evidence.shown(&candidate.signs.waits) }
+    }
+
+    /// Weight of its signs, each counted once.
+    fn weight(&self) -> u32 {
+        let mut counted: Vec<Shown<'c>> = Vec::new();
+        for sign in self.signs() {
+            match counted.iter_mut().find(|known| known.pattern == sign.pattern) {
+                Some(known) => known.weight = known.weight.max(sign.weight),
+                None => counted.push(*sign),
+            }
+        }
+        weight(&counted)
+    }
+
+    fn has(&self, name: &str) -> bool {
+        self.traits.iter().any(|(own, _)| *own == name)
+    }
+
+    /// The signs of all its traits show.
+    fn is_proven(&self) -> bool {
+        self.traits.iter().all(|(_, shown)| !shown.is_empty())
+    }
+
+    fn signs(&self) -> impl Iterator<Item = &Shown<'c>> {
+        self.traits.iter().flat_map(|(_, shown)| shown)
+    }
+
+    fn takes(&self, channels: usize, several: bool) -> bool {
+        let has = self.candidate.channels;
+        match (several, self.candidate.whole_file) {
+            (false, true) => true,
+            (true, true) => has > 1 && channels <= has,
+            _ => has == channels,
+        }
+    }
+}
+
+fn weight<'s>(signs: impl IntoIterator<Item = &'s Shown<'s>>) -> u32 {
+    signs.into_iter().map(|sign| sign.weight).sum()
+}
+
+struct Judge<'c> {
+    programs: &'c [Program],
+    evidence: &'c Evidence,
+    control: &'c Control<'c>,
+    machines: Vec<Machine<'c>>,
+}
+
+/// A machine with the weights for and against it.
+struct Verdict<'j, 'c> {
+    machine: &'j Machine<'c>,
+    by: u32,
+    /// Traits that show and that it does not have.
+    against: Vec<(&'c str, Vec<Shown<'c>>)>,
+}
+
+impl Verdict<'_, '_> {
+    fn against(&self) -> u32 {
+        self.against.iter().map(|(_, shown)| weight(shown)).sum()
+    }
+
+    fn score(&self) -> i64 {
+        i64::from(self.by) - i64::from(self.against())
+    }
+}
+
+impl<'c> Judge<'c> {
+    /// Channels that the programs are written for: one for each file; a single file with waiting codes has one for each
+    /// program in it, and an archive one for each main program.
+    fn channels(&self) -> usize {
+        let [program] = self.programs else { return self.programs.len() };
+        if program.part {
+            return 1;
+        }
+        let waits = self.machines.iter().any(|machine| !machine.waits.is_empty());
+        let definitions = if waits { self.evidence.definitions } else { 0 };
+        definitions.max(self.evidence.mains).max(1)
+    }
+
+    fn judge(&self) -> Result<Guess, String> {
+        let several = self.programs.len() > 1;
+        let channels = self.channels();
+        let alone: Vec<_> = self.machines.iter().filter(|m| !several && m.takes(1, false)).collect();
+        let together: Vec<_> = self.machines.iter().filter(|m| channels > 1 && m.takes(channels, several)).collect();
+        let mut fit: Vec<_> = [alone, together.clone()].concat();
+        fit.sort_by_key(|machine| &machine.candidate.name);
+        fit.dedup_by_key(|machine| &machine.candidate.name);
+        if fit.is_empty() {
+            return Err(self.for_control(&no_machine(channels)));
+        }
+        let sole = fit.len() == 1;
+        let names: Vec<&str> = fit.iter().map(|machine| machine.candidate.name.as_str()).collect();
+        let mut verdicts: Vec<_> = fit.into_iter().map(|machine| self.verdict(machine, channels)).collect();
+        verdicts.sort_by_key(|verdict| std::cmp::Reverse(verdict.score()));
+        let proven = |verdict: &&Verdict<'_, '_>| sole || verdict.machine.is_proven();
+        let mut proven = verdicts.iter().filter(proven);
+        let Some(best) = proven.next() else { return Err(self.unproven(&names)) };
+        if let Some(other) = proven.next().filter(|other| other.score() == best.score()) {
+            if best.by < best.against() * 2 && !several {
+                return Err(self.disagree(best));
+            }
+            let (one, other) = (&best.machine.candidate.name, &other.machine.candidate.name);
+            return Err(self.for_control(&format!("nothing shows whether it is for {one} or {other}")));
+        }
+        self.accept(best, channels, (sole, together.is_empty()))
+    }
+
+    /// A sign counts for a machine with the weight that it has there; with what it weighs more for another one, against it.
+    fn verdict<'j>(&self, machine: &'j Machine<'c>, channels: usize) -> Verdict<'j, 'c> {
+        let mut against: Vec<(&'c str, Vec<Shown<'c>>)> = Vec::new();
+        for (name, shown) in self.machines.iter().flat_map(|other| &other.traits) {
+            for sign in shown {
+                let own = machine.signs().filter(|own| own.pattern == sign.pattern).map(|own| own.weight).max();
+                let more = sign.weight.saturating_sub(own.unwrap_or(0));
+                let known = against.iter_mut().flat_map(|(_, signs)| signs).find(|known| known.pattern == sign.pattern);
+                match known {
+                    Some(known) => known.weight = known.weight.max(more),
+                    None if more > 0 => {
+                        let mut sign = *sign;
+                        sign.weight = more;
+                        match against.iter_mut().find(|(known, _)| known == name) {
+                            Some((_, signs)) => signs.push(sign),
+                            None => against.push((name, vec![sign])),
+                        }
+                    }
+                    None => {}
+                }
+            }
+        }
+        let mut by = machine.weight();
+        if channels > 1 && machine.candidate.channels > 1 {
+            by += weight(&machine.waits);
+        }
+        Verdict { machine, by, against }
+    }
+
+    /// The best machine, unless too much speaks against it.
+    fn accept(
+        &self,
+        best: &Verdict<'_, 'c>,
+        channels: usize,
+        (sole, none_together): (bool, bool),
+    ) -> Result<Guess, String> {
+        let machine = best.machine;
+        let several = self.programs.len() > 1;
+        let against = best.against();
+        if several && best.by < against * 2 {
+            let (names, signs) = names(&best.against);
+            let shown = self.evidence.named(&signs);
+            return Err(self.for_control(&format!(
+                "the {channels} programs show {names} ({shown}): no such machine with {channels} channels is shipped; run the \
+                 programs one by one"
+            )));
+        }
+        if several && machine.waits.is_empty() {
+            return Err(self.for_control(&format!(
+                "the {channels} programs never wait for each other, so they may be {channels} jobs: run them one by one"
+            )));
+        }
+        // Programs that wait for each other are not one job for one channel of a machine of the same kind.
+        let multi = |name: &str| self.machines.iter().any(|other| other.candidate.channels > 1 && other.has(name));
+        if channels > 1 && none_together && machine.traits.iter().any(|(name, _)| multi(name)) {
+            return Err(self.for_control(&no_machine(channels)));
+        }
+        let needs = !self.control.is_marked() || !machine.traits.is_empty() && !sole;
+        if best.by < ENOUGH && needs {
+            return Err(self.unproven(&self.machines.iter().map(|one| one.candidate.name.as_str()).collect::<Vec<_>>()));
+        }
+        if best.by < against * 2 {
+            return Err(self.disagree(best));
+        }
+        Ok(Guess { machine: machine.candidate.name.clone(), why: self.why(machine, channels) })
+    }
+
+    /// Signs speak for the best machine and against it.
+    fn disagree(&self, best: &Verdict<'_, 'c>) -> String {
+        let (others, signs) = names(&best.against);
+        let (own, shown) = names(&best.machine.traits);
+        let (shown, signs) = (self.evidence.named(&shown), self.evidence.named(&signs));
+        self.for_control(&format!("the program shows {own} ({shown}) as well as {others} ({signs})"))
+    }
+
+    fn why(&self, machine: &Machine<'_>, channels: usize) -> String {
+        let mut parts = Vec::new();
+        if channels > 1 {
+            let of = if self.programs.len() > 1 { "programs" } else { "programs of one file" };
+            let with = if machine.waits.is_empty() { "" } else { " with waiting codes" };
+            parts.push(format!("{channels} {of}{with}"));
+        }
+        if self.control.is_marked() {
+            parts.push(self.evidence.named(&self.control.shown));
+        }
+        let traits = machine.traits.iter();
+        parts.extend(traits.map(|(_, shown)| self.evidence.named(shown)));
+        let mut all: Vec<&str> = Vec::new();
+        for one in parts.iter().flat_map(|part| part.split(", ")).filter(|one| !one.is_empty()) {
+            if !all.contains(&one) {
+                all.push(one);
+            }
+        }
+        all.join(", ")
+    }
+
+    /// No machine of these has all its traits shown.
+    fn unproven(&self, names: &[&str]) -> String {
+        if !self.control.is_marked() {
+            return self.nothing();
+        }
+        self.for_control(&format!("{} are shipped, and nothing shows which one it is for", names.join(" and ")))
+    }
+
+    fn nothing(&self) -> String {
+        let names: Vec<&str> = self.programs.iter().map(|program| program.name.as_str()).collect();
+        format!("nothing in {} shows which machine it is for", names.join(" "))
+    }
+
+    /// A reason with the marks by which the control was told.
+    fn for_control(&self, why: &str) -> String {
+        if !self.control.is_marked() {
+            return why.to_owned();
+        }
+        let marks = self.evidence.named(&self.control.shown);
+        format!("the program is for {}, judging by {marks}: {why}", self.control.title)
+    }
+}
+
+/// Names of traits that show, and their signs.
+fn names<'s>(traits: &[(&'s str, Vec<Shown<'s>>)]) -> (String, Vec<Shown<'s>>) {
+    let shown: Vec<_> = traits.iter().filter(|(_, shown)| !shown.is_empty()).collect();
+    let names = shown.iter().map(|(name, _)| *name).collect::<Vec<_>>().join(" and ");
+    (names, shown.iter().flat_map(|(_, shown)| shown.iter().copied()).collect())
+}
+
+/// No machine of the control has as many channels.
+fn no_machine(channels: usize) -> String {
+    let plural = if channels == 1 { "channel" } else { "channels" };
+    format!("no such machine with {channels} {plural} is shipped")
+}
