@@ -12,7 +12,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 
 use crate::remote::Remote;
 pub(crate) use calibrate::Calibrate;
-pub(crate) use inputs::{Inputs, Levels, On, RaceCheck, Switches, Timing};
+pub(crate) use inputs::{Inputs, Levels, On, ProgramFiles, RaceCheck, Switches, Timing};
 pub(crate) use jobs::{JobFilter, Jobs, Priority, RequestArgs, Rerun, State, Watch, When};
 pub(crate) use lint::Lint;
 pub(crate) use machines::{Machine, Part};

@@ -75,7 +75,7 @@ pub(crate) fn job(inputs: &Inputs) -> Result<Pack, Error> {
             Some(name) => name.clone(),
             None => free_name(&pack.files, &path)?,
         };
-        pack.files.add_in(name.clone(), &path, inputs.encoding)?;
+        pack.files.add_in(name.clone(), &path, inputs.files.encoding)?;
         if let Some(blob) = pack.files.0.get(&name) {
             is_program(&path, blob.content())?;
         }
@@ -90,15 +90,15 @@ pub(crate) fn job(inputs: &Inputs) -> Result<Pack, Error> {
         folders.push((path.parent().map(Path::to_owned).unwrap_or_default(), stem));
     }
     for (folder, stem) in folders {
-        neighbours(&mut pack.files, &folder, &stem, inputs.encoding)?;
+        neighbours(&mut pack.files, &folder, &stem, inputs.files.encoding)?;
     }
-    for with in &inputs.with {
+    for with in &inputs.files.with {
         if with.is_dir() {
             for path in files_of(with)? {
-                pack.files.add_in(file_name(&path)?, &path, inputs.encoding)?;
+                pack.files.add_in(file_name(&path)?, &path, inputs.files.encoding)?;
             }
         } else {
-            pack.files.add_in(file_name(with)?, with, inputs.encoding)?;
+            pack.files.add_in(file_name(with)?, with, inputs.files.encoding)?;
         }
     }
     Ok(pack)
@@ -277,6 +277,7 @@ fn whole_folder(files: &mut Files, root: &Path, folder: &Path, name: &str, depth
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::arguments::ProgramFiles;
 
     #[test]
     fn a_definition_extends_what_stands_before_its_tables() {
@@ -415,7 +416,7 @@ mod tests {
         let at = |name: &str| folder.path().join(name).display().to_string();
         let inputs = Inputs {
             programs: vec![at("part.nc"), at("other/part.nc"), at("part.nc#2")],
-            with: vec![folder.path().join("lib")],
+            files: ProgramFiles { with: vec![folder.path().join("lib")], encoding: None },
             ..Inputs::plain(&[])
         };
         let pack = job(&inputs).unwrap();

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::Inputs;
+use super::{Inputs, ProgramFiles};
 
 #[derive(Debug, Args)]
 pub(crate) struct Calibrate {
@@ -38,6 +38,6 @@ pub(crate) struct Calibrate {
 impl Calibrate {
     /// What the job is made of.
     pub(crate) fn inputs(&self) -> Inputs {
-        Inputs { with: self.with.clone(), ..Inputs::plain(&self.programs) }
+        Inputs { files: ProgramFiles { with: self.with.clone(), encoding: None }, ..Inputs::plain(&self.programs) }
     }
 }

@@ -16,12 +16,8 @@ pub(crate) struct Inputs {
     pub(crate) programs: Vec<String>,
     #[command(flatten)]
     pub(crate) on: On,
-    /// Add files that the programs may call (a folder adds all its files)
-    #[arg(long = "with", value_name = "FILE|DIR")]
-    pub(crate) with: Vec<PathBuf>,
-    /// Read the programs in this code page: windows-1252, iso-8859-2, cp850, shift_jis, utf-16le, … [default: UTF-8, or UTF-16]
-    #[arg(long, value_name = "NAME")]
-    pub(crate) encoding: Option<Encoding>,
+    #[command(flatten)]
+    pub(crate) files: ProgramFiles,
     #[command(flatten)]
     pub(crate) switches: Switches,
     /// Let these channels pass every sync point without waiting
@@ -68,6 +64,17 @@ pub(crate) struct Inputs {
     pub(crate) max_memory: Option<u64>,
 }
 
+/// The files of a job besides its programs, and how all are read.
+#[derive(Debug, Clone, Default, Args)]
+pub(crate) struct ProgramFiles {
+    /// Add files that the programs may call (a folder adds all its files)
+    #[arg(long = "with", value_name = "FILE|DIR")]
+    pub(crate) with: Vec<PathBuf>,
+    /// Read the programs in this code page: windows-1252, iso-8859-2, cp850, shift_jis, utf-16le, … [default: UTF-8, or UTF-16]
+    #[arg(long, value_name = "NAME")]
+    pub(crate) encoding: Option<Encoding>,
+}
+
 /// The machine of a job.
 #[derive(Debug, Clone, Default, Args)]
 pub(crate) struct On {
@@ -91,8 +98,7 @@ impl Inputs {
         Self {
             programs: programs.to_vec(),
             on: On::default(),
-            with: Vec::new(),
-            encoding: None,
+            files: ProgramFiles::default(),
             switches: Switches::default(),
             ignore_waits: Vec::new(),
             races: RaceCheck::Off,

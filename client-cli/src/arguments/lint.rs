@@ -1,11 +1,9 @@
 //! Arguments of `counterpoint lint`.
 
-use std::path::PathBuf;
-
 use clap::Args;
 
 use super::inputs::levels;
-use super::{Inputs, Levels, On, Switches};
+use super::{Inputs, Levels, On, ProgramFiles, Switches};
 
 #[derive(Debug, Args)]
 pub(crate) struct Lint {
@@ -15,9 +13,8 @@ pub(crate) struct Lint {
     programs: Vec<String>,
     #[command(flatten)]
     on: On,
-    /// Add files that the programs may call (a folder adds all its files)
-    #[arg(long = "with", value_name = "FILE|DIR")]
-    with: Vec<PathBuf>,
+    #[command(flatten)]
+    files: ProgramFiles,
     /// Switch optional block skip: off, on (for marks without a digit), or a list of levels such as 1,3
     #[arg(long, default_value = "off", value_name = "off|on|LEVELS", value_parser = levels)]
     opskip: Levels,
@@ -43,7 +40,7 @@ impl Lint {
     pub(crate) fn inputs(&self) -> Inputs {
         Inputs {
             on: self.on.clone(),
-            with: self.with.clone(),
+            files: self.files.clone(),
             switches: Switches { opskip: self.opskip.clone(), opstop: false },
             ignore_waits: self.ignore_waits.clone(),
             ..Inputs::plain(&self.programs)

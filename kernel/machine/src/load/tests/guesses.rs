@@ -159,7 +159,7 @@ fn what_cannot_be_guessed_is_refused() {
         assert!(why.contains(with), "{why}");
     };
     refused(&[("p.nc", "O1\nG0 X1.\nM30\n")], "nothing in p.nc shows");
-    refused(&[("p.nc", "T1 M6\nG43 H1\nG50 S1000\nG96 S100\n")], "as well as turning (G50 S1000 (line 3)");
+    refused(&[("p.nc", "T1 M6\nG43 H1\nG50 S1000\nG96 S100\n")], "as well as milling (T1 M6 (line 1)");
     refused(&[("p.nc", "%_N_PART_MPF\nG0 X1\n")], "the program is for a Siemens control, judging by %_N_ (line 1)");
     refused(&[("p.mpf", "G54 G90 G0 X10\nM30\n")], "a Siemens control");
     refused(&[("p.nc", "%PART G71 *\nN10 G00 X1*\n")], "a Heidenhain control in ISO code");
