@@ -181,7 +181,7 @@ fn what_cannot_be_guessed_is_refused() {
     // An ISG control has a machine, for three programs.
     refused(&[("p.nc", "P1 = 5\n$FOR P1=1,3,1\nG1 X1 Y2\n#TIME 2\n")], "an ISG control");
     // Marks of several controls.
-    refused(&[("p.nc", "O1\nG65 P9810 Z1.\n; rough\nG1 X1. Y2.\n")], "as well as");
+    refused(&[("p.nc", "O1\nG65 P9810 Z1.\n; rough\nG1 X1. Y2.\n")], "a LinuxCNC control");
     refused(&[("p.nc", "; rough\nG1 X1. Y2.\n")], "each of several controls");
     refused(&[("p.mpf", "O1\nG65 P9810 Z1.\nT1 M6\n")], "as well as");
 }
