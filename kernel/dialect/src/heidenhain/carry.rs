@@ -63,7 +63,7 @@ impl Heidenhain {
                 self.call_program(host, &name).map(|()| None)
             }
             Statement::SelectProgram(name) => {
-                self.selected = Some(self.text(host, name)?);
+                self.selected.program = Some(self.text(host, name)?);
                 Ok(None)
             }
             Statement::SelectPoints(name) => self.select_points(host, name).map(|()| None),
@@ -72,7 +72,7 @@ impl Heidenhain {
                 self.select_contour(host, name).map(|()| None)
             }
             Statement::SelectContour(_) => Err(self.not_understood(host)),
-            Statement::CallSelected => match self.selected.clone() {
+            Statement::CallSelected => match self.selected.program.clone() {
                 Some(name) => self.call_program(host, &name).map(|()| None),
                 None => {
                     let text = format!("no program is selected for '{}'; program SEL PGM first", host.block_text());

@@ -92,10 +92,7 @@ pub(crate) struct Heidenhain {
     settings: Settings,
     /// Kind of the call that has been asked for.
     calling: Option<flow::Kind>,
-    /// Program that CALL SELECTED PGM calls.
-    selected: Option<Arc<str>>,
-    /// Datum table that SEL TABLE has named.
-    datums: Option<Arc<str>>,
+    selected: Selected,
     cycles: cycles::Cycles,
     shifts: shifts::Shifts,
     units: feeds::Units,
@@ -107,6 +104,15 @@ pub(crate) struct Heidenhain {
     keeping: bool,
     compiled: Kept<Line>,
     labels: Tables<FileId, Labels<statement::Label>>,
+}
+
+/// Files that statements have selected for later ones.
+#[derive(Debug, Default)]
+struct Selected {
+    /// Program that CALL SELECTED PGM calls.
+    program: Option<Arc<str>>,
+    /// Datum table that SEL TABLE has named.
+    datums: Option<Arc<str>>,
 }
 
 impl Heidenhain {
@@ -201,8 +207,7 @@ impl Interpreter for Heidenhain {
             self.cycles.global.clear();
             self.cycles.defined = cycles::State::default();
             self.cycles.pattern = patterns::Pattern::default();
-            self.selected = None;
-            self.datums = None;
+            self.selected = Selected::default();
         }
     }
 

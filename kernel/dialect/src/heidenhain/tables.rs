@@ -122,7 +122,7 @@ impl Heidenhain {
 
     /// SEL TABLE: the table that rows of cycle 7 are of.
     pub(super) fn select_datums(&mut self, host: &mut dyn Host, name: &Formula) -> Result<(), Halt> {
-        self.datums = Some(self.text(host, name)?);
+        self.selected.datums = Some(self.text(host, name)?);
         Ok(())
     }
 
@@ -133,7 +133,8 @@ impl Heidenhain {
         wanted: f64,
         table: Option<&str>,
     ) -> Result<Vec<Seen>, Halt> {
-        let Some(table) = table.map(str::to_owned).or_else(|| self.datums.as_deref().map(str::to_owned)) else {
+        let Some(table) = table.map(str::to_owned).or_else(|| self.selected.datums.as_deref().map(str::to_owned))
+        else {
             let text = format!("no datum table is selected for '{}'; program SEL TABLE first", host.block_text());
             return Err(host.alarm(&diag::SUBPROGRAM_MISSING, text));
         };

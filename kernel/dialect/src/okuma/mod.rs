@@ -61,8 +61,7 @@ pub(crate) struct Okuma {
     indices: Tables<FileId, Index>,
     /// Texts of the alarms of the user, `VUACM[n]`.
     alarm_texts: FxHashMap<u32, String>,
-    /// Names and whether a register of the machine has them.
-    words: FxHashMap<Box<str>, bool>,
+    names: KnownNames,
     /// Calls are executed; otherwise they stay on the block.
     takes_calls: bool,
     /// Sequence names are taken off the block.
@@ -75,12 +74,25 @@ pub(crate) struct Okuma {
     has_contours: bool,
     /// HA to DC without a value are offsets of the tool in the spindle.
     takes_offsets: bool,
+    drawing: Drawing,
+}
+
+/// Names that blocks have had.
+#[derive(Debug, Default)]
+struct KnownNames {
+    /// Names and whether a register of the machine has them.
+    words: FxHashMap<Box<str>, bool>,
     /// Local variables set beside words, and whether their file reads them; others have been reported.
     read: FxHashMap<(FileId, names::Local), bool>,
-    /// Statements for the screen are ignored.
-    ignores_drawing: bool,
+}
+
+/// Statements for the screen.
+#[derive(Debug, Default)]
+struct Drawing {
+    /// They are ignored.
+    ignored: bool,
     /// That has been reported.
-    reported_drawing: bool,
+    reported: bool,
 }
 
 impl Okuma {
@@ -94,16 +106,14 @@ impl Okuma {
             lines: Kept::default(),
             indices: Tables::default(),
             alarm_texts: FxHashMap::default(),
-            words: FxHashMap::default(),
+            names: KnownNames::default(),
             takes_calls: true,
             takes_names,
             takes_messages: true,
             counts_executions: false,
             has_contours: false,
             takes_offsets: false,
-            read: FxHashMap::default(),
-            ignores_drawing: false,
-            reported_drawing: false,
+            drawing: Drawing::default(),
         }
     }
 }
@@ -119,7 +129,7 @@ impl Okuma {
             return Ok(Arc::clone(line));
         }
         let wanted =
-            line::Wanted { subprograms: self.takes_calls, drawing: self.ignores_drawing, offsets: self.takes_offsets };
+            line::Wanted { subprograms: self.takes_calls, drawing: self.drawing.ignored, offsets: self.takes_offsets };
         let mut block = text::prepare(text);
         let lap = if self.has_contours { lap::find(&mut block) } else { None };
         match line::read(block, wanted) {
@@ -258,7 +268,7 @@ impl Interpreter for Okuma {
         self.alarm_texts.clear();
         self.arguments = None;
         self.caching = false;
-        self.read.clear();
+        self.names.read.clear();
     }
 
     fn on_start(&mut self, host: &mut dyn Host) {
@@ -342,7 +352,7 @@ impl Interpreter for Okuma {
     }
 
     fn memory(&self) -> u64 {
-        (self.store.bytes() + self.words.len() * 60 + self.lines.bytes() + self.indices.bytes()) as u64
+        (self.store.bytes() + self.names.words.len() * 60 + self.lines.bytes() + self.indices.bytes()) as u64
     }
 
     fn setting(&mut self, _: &mut dyn Host, name: &str, values: &[Value]) -> Setting {
@@ -352,7 +362,7 @@ impl Interpreter for Okuma {
             "PROCESS,MESSAGES" => &mut self.takes_messages,
             "PROCESS,EXECUTIONS" => &mut self.counts_executions,
             "PROCESS,CONTOURS" => &mut self.has_contours,
-            "PROCESS,DRAWING" => &mut self.ignores_drawing,
+            "PROCESS,DRAWING" => &mut self.drawing.ignored,
             "PROCESS,TOOLOFFSETS" => &mut self.takes_offsets,
             _ => return Setting::Unknown,
         };

@@ -62,7 +62,7 @@ impl Okuma {
         match &line.statement {
             Statement::Nothing => {}
             Statement::Drawing => {
-                if !std::mem::replace(&mut self.reported_drawing, true) {
+                if !std::mem::replace(&mut self.drawing.reported, true) {
                     let text = format!(
                         "'{}' changes neither path nor time; statements like it are ignored",
                         host.block_text()
@@ -279,14 +279,14 @@ impl Okuma {
 impl Okuma {
     /// A register of the machine has this name.
     pub(super) fn is_word(&mut self, host: &dyn Host, name: &str) -> bool {
-        if let Some(known) = self.words.get(name) {
+        if let Some(known) = self.names.words.get(name) {
             return *known;
         }
         let is = host.word(name, 0.0, None).is_some();
-        if self.words.len() >= WORDS {
-            self.words.clear();
+        if self.names.words.len() >= WORDS {
+            self.names.words.clear();
         }
-        self.words.insert(name.into(), is);
+        self.names.words.insert(name.into(), is);
         is
     }
 

@@ -55,7 +55,7 @@ impl Okuma {
     /// The file reads the name, or it has been reported.
     fn is_read(&mut self, host: &mut dyn Host, local: Local, name: &str) -> bool {
         let file = host.place().file;
-        if let Some(read) = self.read.get(&(file, local)) {
+        if let Some(read) = self.names.read.get(&(file, local)) {
             return *read;
         }
         let source = host.source(file);
@@ -65,10 +65,10 @@ impl Okuma {
                 may_name(line, name) && reads(&text::prepare(line).upper, name.as_bytes())
             })
         });
-        if self.read.len() >= MOST {
-            self.read.clear();
+        if self.names.read.len() >= MOST {
+            self.names.read.clear();
         }
-        self.read.insert((file, local), read);
+        self.names.read.insert((file, local), read);
         read
     }
 
@@ -88,7 +88,7 @@ impl Okuma {
         );
         host.diagnose(&diag::OKUMA_UNREAD, text);
         let file = host.place().file;
-        self.read.insert((file, local), true);
+        self.names.read.insert((file, local), true);
         Ok(())
     }
 }
