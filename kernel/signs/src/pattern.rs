@@ -268,7 +268,7 @@ fn has(line: &str, name: &str) -> bool {
     line.match_indices(name).any(|(at, _)| {
         let before = at.checked_sub(1).and_then(|at| bytes.get(at)).is_some_and(|b| part(*b) || *b == b'$');
         let after = bytes.get(at + name.len()).is_some_and(|b| part(*b));
-        !(begins && before) && !(ends && after)
+        !(begins && before || ends && after)
     })
 }
 

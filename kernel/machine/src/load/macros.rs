@@ -24,6 +24,9 @@ use counterpoint_ports::files::Files;
 /// Most code macros, and most data macros.
 const MOST: usize = 1000;
 
+/// The declaration macro of the composite that a component belongs to, if it has one; `None` for other machines.
+type OfComposite<'a> = Option<Option<(&'a str, &'a Place)>>;
+
 /// Reads the section; none if the machine has no macros. Dialogs that macros show by name are added to `shown`.
 ///
 /// Of a component `composite` has the declaration macro of its composite, if there is one.
@@ -31,7 +34,7 @@ pub(super) fn read(
     top: &mut Section<'_>,
     names: &Names<'_>,
     (codes, data): (&[CodeRow], &[DataRow]),
-    (files, stored, composite): (&dyn Files, &[StoredFile], Option<Option<(&str, &Place)>>),
+    (files, stored, composite): (&dyn Files, &[StoredFile], OfComposite<'_>),
     shown: &mut Vec<(String, Place)>,
 ) -> Option<Arc<Macros>> {
     let mut section = top.table("macros", "[macros]")?;
