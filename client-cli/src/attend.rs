@@ -34,7 +34,7 @@ pub(crate) enum Next {
     /// A dialog is open.
     Question(v1::Question),
     /// The job has ended.
-    Ended(v1::JobStatus),
+    Ended(Box<v1::JobStatus>),
 }
 
 /// Result of a prompt.
@@ -63,7 +63,7 @@ impl Attendant {
                 return Ok(Next::Question(question));
             }
             if let Some(status) = &self.ended {
-                return Ok(Next::Ended(status.clone()));
+                return Ok(Next::Ended(Box::new(status.clone())));
             }
             self.listen().await?;
         }

@@ -101,8 +101,11 @@ impl Way {
     }
 }
 
+/// A motion: kind, end, duration in ns.
+type Moved = (MotionKind, [f64; 3], i64);
+
 /// Each motion: its kind, its end, how long it takes.
-fn ran(machine: &Arc<Machine>, text: &str) -> (Vec<(MotionKind, [f64; 3], i64)>, Vec<u32>) {
+fn ran(machine: &Arc<Machine>, text: &str) -> (Vec<Moved>, Vec<u32>) {
     let done = Work::texts(Arc::clone(machine), &[text], Options::default()).run(None).expect("a job");
     let ends = done.events.iter().filter_map(|event| match &event.kind {
         Kind::Motion(motion) => Some((motion.kind, [motion.to[0], motion.to[1], motion.to[2]], event.dur_ns)),

@@ -47,7 +47,7 @@ impl Walk<'_> {
                 Some(from)
             }
             Err(why) => {
-                self.refuse(&format!("{why}"));
+                self.refuse(why);
                 None
             }
         }

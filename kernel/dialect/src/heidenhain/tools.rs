@@ -30,7 +30,7 @@ const LAST: u32 = INDEXED + 327_679;
 
 /// Whether a tool has an index, as 5.1.
 pub(super) fn is_indexed(tool: f64) -> bool {
-    (tool * 10.0).round() as u32 % 10 != 0
+    !((tool * 10.0).round() as u32).is_multiple_of(10)
 }
 
 /// The row of a tool.
