@@ -169,7 +169,7 @@ fn macros() -> Vec<Case> {
             "tape editor: backtracking rules",
             "\\\\(a*\\\\)*\\\\(a*\\\\)*cb",
             "",
-            "(aaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaax cb)\n",
+            "aaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaax cb\n",
             &[2_900_008],
         ),
         recursion(),
