@@ -111,7 +111,7 @@ diagnostics! {
     SIEMENS_DEFINITION_LINE 2900208 "definition-left-out" 8 false "line of a definition file left out";
     STATEMENT_UNKNOWN 2900240 "unknown-statement" 8 true "statement not supported by the pre-processor";
     PARAMETER_UNSET 2900241 "parameter-not-set" 4 false "Q parameter read before it has a value";
-    PATH_NOT_MADE 2900242 "path-not-possible" 4 false "path that may differ from that of the control (TNC)";
+    PATH_NOT_MADE 2900242 "path-not-possible" 4 false "path that may differ from the path of the control (TNC)";
     TOOL_NAME 2900243 "tool-name-without-number" 8 false "tool name without a number";
     SYSTEM_DATA_UNKNOWN 2900244 "unknown-system-data" 8 false "system data not available";
     PRINT_MASK 2900245 "print-mask-not-found" 4 false "print mask not found";
@@ -146,7 +146,7 @@ diagnostics! {
     PLANE_UNDEFINED 2900173 "tilted-plane-undefined" 12 true "tilted plane not defined by the block";
     PLANE_UNREACHABLE 2900174 "tilted-plane-unreachable" 12 true "tilted plane out of reach of the rotary axes";
     OKUMA_UNKNOWN 2900180 "unknown-okuma-name" 8 false "unknown variable or function (Okuma)";
-    CODE_NEEDS 2900501 "code-needs-word" 12 true "code without a word that it needs";
+    CODE_NEEDS 2900501 "code-needs-word" 12 true "required word of a code missing";
     WORK_AREA 2900500 "working-area" 12 true "position beyond the working area of the program";
     OKUMA_CONTINUED 2900181 "continuation-without-block" 8 false "continuation line without a block above it (Okuma)";
     UNKNOWN_CODE 2900320 "unknown-code" 12 true "unknown code";
@@ -186,7 +186,7 @@ diagnostics! {
     PECK_STEP 2900412 "peck-step-negative" 8 true "peck or shift of a turning cycle negative";
     CONTOUR_REPEATS 2900413 "contour-repeats" 8 true "number of repetitions of a contour zero or negative";
     CONTOUR_APPROACH 2900414 "contour-approach" 12 true "approach to a contour or retraction from it not possible";
-    THREAD_AMOUNTS 2900480 "thread-amounts" 8 true "allowance or smallest cut of a thread above its height";
+    THREAD_AMOUNTS 2900480 "thread-amounts" 8 true "allowance or smallest cut greater than the height of the thread";
     SEPARATE_VARIABLE 2900481 "separate-variable" 4 false "variable that only another channel writes";
     STORED_LIMIT 2900482 "stored-limit" 8 true "move into a forbidden area, or out of the allowed one";
     COUNT_WITHOUT_PARTNER 2900420 "count-without-partner" 4 false "counted wait without a partner";
@@ -203,20 +203,20 @@ diagnostics! {
     EXTERNAL_VARIABLE 2900438 "external-variable" 12 true "external variable not there, or not accessible so (ISG)";
     SIGNAL_VALUE 2900439 "signal-values" 12 true "values of a signal that are not taken over (21549)";
     NOT_AT_REFERENCE 2900490 "not-at-reference" 12 true "axis not at its reference point (PS0092)";
-    FIGURE_NESTED 2900491 "figure-nested" 12 true "figure copied within a copy of its kind (PS0900, PS0901)";
-    MEASURE_ASSUMED 2900492 "measuring-assumed" 4 false "tool taken to have the length of its offset where it is measured";
+    FIGURE_NESTED 2900491 "figure-nested" 12 true "figure copy nested in a copy of the same kind (PS0900, PS0901)";
+    MEASURE_ASSUMED 2900492 "measuring-assumed" 4 false "tool measurement assumed to confirm the offset";
     BALANCE_ILLEGAL 2900421 "balance-cut-illegal" 12 true "balance cutting commanded wrongly (PS0163)";
     COUPLING_ILLEGAL 2900447 "axis-coupling-illegal" 12 true "axes coupled wrongly (PS5339, PS0352, PS0357, PS0362)";
     COUPLED_AXIS 2900448 "coupled-axis-moved" 12 true "move that a coupled axis cannot make (PS0353, PS0363, PS0364)";
     CYCLE_REFUSED 2900450 "cycle-refused" 12 true "cycle that the control refuses";
     OKUMA_DRAWING 2900451 "drawing-ignored" 0 false "statements for the screen that change neither path nor time (Okuma)";
     OKUMA_BLANK 2900452 "blank-ignored" 4 false "shape of the blank before a contour that the cycle ignores (Okuma)";
-    OKUMA_WORD 2900510 "word-of-another-machine" 12 true "word of the control that this machine does not have (Okuma)";
+    OKUMA_WORD 2900510 "word-of-another-machine" 12 true "word that belongs to equipment this machine does not have (Okuma)";
     PATH_REFUSED 2900512 "path-refused" 12 true "path block that cannot be made (TNC)";
-    OKUMA_UNREAD 2900511 "variable-never-read" 4 false "local variable set beside words and never read (Okuma)";
+    OKUMA_UNREAD 2900511 "variable-never-read" 4 false "local variable set next to other words and never read (Okuma)";
     ARC_STRAIGHT 2900462 "arc-is-straight" 4 false "arc without a centre or radius that is a straight line";
     ARC_INCOMPLETE 2900384 "arc-incomplete" 8 false "arc without a centre or radius";
-    AXIS_WORD_OWNED 2900520 "axis-word-not-taken" 8 false "axis word that its code does not take";
+    AXIS_WORD_OWNED 2900520 "axis-word-not-taken" 8 false "axis word that the code of the block does not take";
     OKUMA_NO_MODAL 2900182 "no-modal-call" 4 false "no modal call active (Okuma)";
     GROUP_TWICE 2900350 "group-twice" 4 false "G code overridden by a later one of the same group";
     MACHINE_INCREMENTAL 2900351 "machine-coordinates-incremental" 4 false "machine coordinates in incremental mode";
@@ -231,10 +231,10 @@ diagnostics! {
     SIEMENS_STOP 2900365 "setal-alarm" 12 true "alarm set by the program";
     NO_TEETH 2900366 "no-teeth" 12 true "number of teeth unknown for feed per tooth";
     OKUMA_ALARM 2900367 "user-alarm" 12 true "user alarm (Okuma)";
-    NOT_UTF8 2900540 "not-utf-text" 4 false "text of a file not in UTF-8";
+    NOT_UTF8 2900540 "not-utf-text" 4 false "program text is not valid UTF-8";
     NO_FEED_PER_TURN 2900368 "no-feed-per-revolution" 12 true "feed per revolution on a machine without M136";
 
-    VALUE_WITHHELD 2900530 "value-withheld" 4 false "value taken away by a data macro";
+    VALUE_WITHHELD 2900530 "value-withheld" 4 false "value removed by a data macro";
 }
 
 /// The word of a number, `None` for numbers that only a machine or its macros have.
