@@ -12,7 +12,7 @@ use crate::client::Client;
 use crate::error::Error;
 use crate::say::{self, DIM, styled};
 use crate::text::{more, table, time};
-use crate::{results, text};
+use crate::{results, standard_input, text};
 
 /// Rows of a table at most.
 const ROWS: usize = 20;
@@ -38,7 +38,7 @@ pub(crate) async fn analyse(arguments: Analyse) -> Result<u8, Error> {
     let bytes = summary(&arguments).await?;
     let read = serde_json::from_slice(&bytes);
     let summary: Summary =
-        read.map_err(|error| Error::Usage(format!("'{}' is not the summary of a job: {error}", arguments.of)))?;
+        read.map_err(|error| Error::Usage(format!("'{}' is not the summary of a job: {error}", name(&arguments.of))))?;
     let ran = summary.channels.iter().filter(|channel| channel.state != ChannelState::NotStarted);
     let ends: Vec<(u16, i64)> = ran.map(|channel| (channel.channel, channel.end_ns)).collect();
     let mut what_if = Vec::new();
@@ -64,9 +64,17 @@ pub(crate) async fn analyse(arguments: Analyse) -> Result<u8, Error> {
     Ok(0)
 }
 
+/// The argument as messages name it.
+fn name(of: &str) -> &str {
+    if standard_input::is(Path::new(of)) { standard_input::NAME } else { of }
+}
+
 /// summary.json: a file, that of a folder, or of a job of the server.
 async fn summary(arguments: &Analyse) -> Result<Vec<u8>, Error> {
     let path = Path::new(&arguments.of);
+    if standard_input::is(path) {
+        return standard_input::read();
+    }
     let file = if path.is_dir() { path.join("summary.json") } else { path.to_path_buf() };
     if file.exists() || arguments.of.contains(['/', '.']) {
         return std::fs::read(&file).map_err(Error::file(&file));

@@ -9,6 +9,7 @@ use counterpoint_proto::v1;
 use serde::Deserialize;
 
 use crate::error::Error;
+use crate::standard_input;
 
 /// The file.
 #[derive(Debug, Deserialize)]
@@ -19,6 +20,7 @@ struct File {
 
 /// Reads a file of answers.
 pub(crate) fn read(path: &Path) -> Result<Vec<v1::DialogAnswer>, Error> {
+    standard_input::refuse("--answers", path)?;
     let text = std::fs::read_to_string(path).map_err(Error::file(path))?;
     let file: File =
         toml::from_str(&text).map_err(|error| Error::Usage(format!("{}: {}", path.display(), error.message())))?;

@@ -29,6 +29,7 @@ Examples:
   counterpoint run upper.nc lower.nc --out results
   counterpoint run --machine ./my-lathe twin.nc#2101 twin.nc#2102 --json
   counterpoint run part.nc --out out --write summary,toolpath --strict
+  post-processor part.cl | counterpoint run - --name part.nc
 
 Default limits: 86400 s (24 h) of simulated time; per channel 10000000 blocks, 1000000 blocks in a row without
 time, 40000000 events, and 1000 diagnostics kept.";
@@ -266,8 +267,8 @@ pub(crate) struct ResultArgs {
 /// What to analyse.
 #[derive(Debug, Args)]
 pub(crate) struct Analyse {
-    /// Analyse this job of the server, summary.json, or the output folder of a run
-    #[arg(value_name = "JOB|FILE|DIR")]
+    /// Analyse this job of the server, summary.json, or the output folder of a run; - reads the summary from standard input
+    #[arg(value_name = "JOB|FILE|DIR|-")]
     pub(crate) of: String,
     /// Compute the end of the job if a channel works this much faster (or slower, with +), such as 2:-2.5s; repeat for
     /// other questions

@@ -35,6 +35,7 @@ mod results;
 mod run;
 mod say;
 mod settings;
+mod standard_input;
 mod step;
 mod summary;
 mod text;

@@ -11,6 +11,7 @@ use crate::progress::Steps;
 use crate::report::report;
 use crate::results;
 use crate::say::{self, DIM, styled};
+use crate::standard_input;
 use crate::summary::Summary;
 use crate::timeline::{Timeline, draw};
 
@@ -59,7 +60,8 @@ impl OutputFolder<'_> {
             let path = folder.join("summary.json");
             std::fs::write(&path, text).map_err(Error::file(&path))?;
         }
-        let stem = Path::new(self.program).file_stem().unwrap_or_default().to_string_lossy();
+        let program = if self.program == standard_input::NAME { "stdin" } else { self.program };
+        let stem = Path::new(program).file_stem().unwrap_or_default().to_string_lossy();
         let channels: Vec<u32> = summary.channels.iter().filter(|c| !c.program.is_empty()).map(|c| c.channel).collect();
         let form = results::Form { format: Format::Svg, crlf: self.crlf };
         for (what, extension) in [(ResultKind::Listing, "lce"), (ResultKind::Log, "log")] {

@@ -14,6 +14,7 @@ use counterpoint_proto::v1;
 use crate::arguments::Inputs;
 use crate::encoding::Encoding;
 use crate::error::Error;
+use crate::standard_input;
 
 /// Larger files beside a program are not taken as subprograms.
 const NEIGHBOUR_MAX: u64 = 64 << 20;
@@ -26,6 +27,12 @@ fn read(path: &Path) -> Result<Blob, Error> {
 fn read_in(path: &Path, encoding: Option<Encoding>) -> Result<Blob, Error> {
     let Some(encoding) = encoding else { return read(path) };
     let bytes = fs::read(path).map_err(Error::file(path))?;
+    decoded(path, bytes, Some(encoding))
+}
+
+/// The bytes of a program, in UTF-8 if they are written in a code page.
+fn decoded(path: &Path, bytes: Vec<u8>, encoding: Option<Encoding>) -> Result<Blob, Error> {
+    let Some(encoding) = encoding else { return Ok(Blob::new(bytes)) };
     let text = encoding.decode(&bytes).ok_or_else(|| {
         Error::Usage(format!("'{}' has bytes that are no characters of the code page of --encoding", path.display()))
     })?;
@@ -65,8 +72,18 @@ pub(crate) fn job(inputs: &Inputs) -> Result<Pack, Error> {
     let mut pack = Pack::default();
     let mut used: BTreeMap<PathBuf, String> = BTreeMap::new();
     let mut folders: Vec<(PathBuf, String)> = Vec::new();
+    let piped = piped(inputs)?;
     for text in &inputs.programs {
         let (path, inside) = program(text)?;
+        if let (true, Some(name)) = (standard_input::is(&path), &piped) {
+            if !pack.files.0.contains_key(name) {
+                let blob = decoded(Path::new(name), standard_input::read()?, inputs.files.encoding)?;
+                is_program(Path::new(name), blob.content())?;
+                pack.files.0.insert(name.clone(), blob);
+            }
+            pack.programs.push(in_job(name.clone(), inside));
+            continue;
+        }
         if path.is_dir() {
             let hint = if path.join(DEFINITION).is_file() { " (use --machine for a machine)" } else { "" };
             return Err(Error::Usage(format!("'{}' is a folder: give program files{hint}", path.display())));
@@ -80,12 +97,7 @@ pub(crate) fn job(inputs: &Inputs) -> Result<Pack, Error> {
             is_program(&path, blob.content())?;
         }
         used.insert(path.clone(), name.clone());
-        let (number, section) = match inside {
-            Some(Inside::Number(number)) => (Some(number), None),
-            Some(Inside::Name(section)) => (None, Some(section)),
-            None => (None, None),
-        };
-        pack.programs.push(v1::Program { path: name, number, section, channel: None });
+        pack.programs.push(in_job(name, inside));
         let stem = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
         folders.push((path.parent().map(Path::to_owned).unwrap_or_default(), stem));
     }
@@ -93,6 +105,7 @@ pub(crate) fn job(inputs: &Inputs) -> Result<Pack, Error> {
         neighbours(&mut pack.files, &folder, &stem, inputs.files.encoding)?;
     }
     for with in &inputs.files.with {
+        standard_input::refuse("--with", with)?;
         if with.is_dir() {
             for path in files_of(with)? {
                 pack.files.add_in(file_name(&path)?, &path, inputs.files.encoding)?;
@@ -102,6 +115,47 @@ pub(crate) fn job(inputs: &Inputs) -> Result<Pack, Error> {
         }
     }
     Ok(pack)
+}
+
+/// Whether a program is standard input.
+pub(crate) fn reads_standard_input(programs: &[String]) -> bool {
+    programs.iter().any(|text| program(text).is_ok_and(|(path, _)| standard_input::is(&path)))
+}
+
+/// The file that standard input becomes inside the job; none if no program is `-`. It has to be the first of its name.
+fn piped(inputs: &Inputs) -> Result<Option<String>, Error> {
+    let name = inputs.files.name.as_deref();
+    let programs = inputs.programs.iter().map(|text| program(text)).collect::<Result<Vec<_>, _>>()?;
+    let from_input: Vec<_> = programs.iter().filter(|(path, _)| standard_input::is(path)).collect();
+    if from_input.is_empty() {
+        return match name {
+            Some(_) => {
+                Err(Error::Usage("--name names the program from standard input, but no program is -".to_owned()))
+            }
+            None => Ok(None),
+        };
+    }
+    if from_input.len() > 1 && from_input.iter().any(|(_, inside)| inside.is_none()) {
+        let text = "standard input (-) can be read only once: give the other programs as files, or name programs in it \
+                    (-- -#2101 -#2102)";
+        return Err(Error::Usage(text.to_owned()));
+    }
+    let name = name.unwrap_or(standard_input::NAME);
+    let taken = |path: &Path| !standard_input::is(path) && path.file_name().is_some_and(|file| file == name);
+    if programs.iter().any(|(path, _)| taken(path)) {
+        return Err(Error::Usage(format!("--name {name}: another program has this name")));
+    }
+    Ok(Some(name.to_owned()))
+}
+
+/// A program of a job.
+fn in_job(path: String, inside: Option<Inside>) -> v1::Program {
+    let (number, section) = match inside {
+        Some(Inside::Number(number)) => (Some(number), None),
+        Some(Inside::Name(section)) => (None, Some(section)),
+        None => (None, None),
+    };
+    v1::Program { path, number, section, channel: None }
 }
 
 /// A program is text and has at least one block.
@@ -416,7 +470,7 @@ mod tests {
         let at = |name: &str| folder.path().join(name).display().to_string();
         let inputs = Inputs {
             programs: vec![at("part.nc"), at("other/part.nc"), at("part.nc#2")],
-            files: ProgramFiles { with: vec![folder.path().join("lib")], encoding: None },
+            files: ProgramFiles { with: vec![folder.path().join("lib")], ..ProgramFiles::default() },
             ..Inputs::plain(&[])
         };
         let pack = job(&inputs).unwrap();

@@ -45,6 +45,11 @@ async fn carry_out(arguments: Run) -> Result<(v1::JobStatus, Option<u8>), (Stage
         let text = "--step reads standard input and writes stops to standard output: it goes without --attend, --json and --quiet";
         return Err((Stage::Programs, Error::Usage(text.to_owned())));
     }
+    let piped = pack::reads_standard_input(&arguments.inputs.programs);
+    if piped && (arguments.inputs.operator.step || arguments.inputs.operator.attend) {
+        let text = "--step and --attend read standard input, which is a program here (-): give the program as a file";
+        return Err((Stage::Programs, Error::Usage(text.to_owned())));
+    }
     let pack = pack::job(&arguments.inputs).map_err(at(Stage::Programs))?;
     let draws = !arguments.no_timeline && !arguments.quiet && !arguments.json;
     let embedded = Client::embed(asked(&arguments), arguments.allow_system, arguments.inputs.operator.step).await;
@@ -53,7 +58,7 @@ async fn carry_out(arguments: Run) -> Result<(v1::JobStatus, Option<u8>), (Stage
     let first = pack.programs.first().map(|p| p.path.clone()).unwrap_or_default();
     let request = v1::SubmitJobRequest { request_id: counterpoint_client::request_id(), ..Default::default() };
     let stepped = arguments.inputs.operator.step;
-    let person = !stepped && std::io::stdin().is_terminal() && std::io::stderr().is_terminal();
+    let person = !stepped && !piped && std::io::stdin().is_terminal() && std::io::stderr().is_terminal();
     let attended = arguments.inputs.operator.attend || person && !arguments.quiet && !arguments.json;
     let job = submit_pack(&client, &arguments.inputs, pack, name, Submission { request, attended, lint: false }).await;
     let job = job.map_err(at(Stage::Submission))?;

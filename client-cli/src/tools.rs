@@ -9,6 +9,7 @@ use std::fs;
 use std::path::Path;
 
 use crate::error::Error;
+use crate::standard_input;
 
 /// Tables of a TOML file.
 const TABLES: &str = "[[tool.offsets]], [[tool.data]], [[tool.names]] and [[work_offsets]]";
@@ -29,6 +30,7 @@ pub(crate) struct Tools {
 impl Tools {
     /// Reads a file. `tool_axis` is the name of the axis that the length of a tool of a CSV file counts along.
     pub(crate) fn read(path: &Path, tool_axis: Option<&str>) -> Result<Self, Error> {
+        standard_input::refuse("--tools", path)?;
         let file = path.display().to_string();
         let text =
             fs::read(path).map_err(|error| Error::File { path: file.clone(), error }).map(String::from_utf8)?.map_err(

@@ -645,6 +645,63 @@ fn answering(arguments: &[&str], lines: &str) -> Output {
     child.wait_with_output().unwrap()
 }
 
+/// `-` is standard input for every command that takes a program, under a name of its own or of `--name`.
+#[test]
+fn a_program_comes_from_standard_input() {
+    let folder = tempfile::tempdir().unwrap();
+    let (one, two) = ("O1\nG0 X10. Z5.\nM101 P12\nQ7\nM30\n", "O2\nG0 X10. Z5.\nM101 P12\nM30\n");
+    let upper = program(folder.path(), "upper.nc", one);
+    let told = |arguments: &[&str], input: &str| {
+        let output = answering(arguments, input);
+        (code(&output), String::from_utf8_lossy(&[output.stdout, output.stderr].concat()).into_owned())
+    };
+    let out = folder.path().join("out").display().to_string();
+    let (ended, text) = told(&["run", "-", &program(folder.path(), "lower.nc", two), "--out", &out], one);
+    assert!(ended == 1 && text.contains("channel 1 <standard input>:4: Q7"), "{text}");
+    assert!(Path::new(&out).join("stdin.1.lce").is_file());
+    let (ended, text) = told(&["run", &upper, "-", "--name", "lower.nc", "--quiet"], two);
+    assert!(ended == 1 && text.is_empty(), "{text}");
+    let (ended, text) = told(&["run", "--no-timeline", "--", "-#1", "-#2"], &format!("{one}{two}"));
+    assert!(ended == 1 && text.contains("<standard input>#2  ENDED"), "{text}");
+    let (ended, text) = told(&["lint", "-", "--machine", "fanuc-mill", "--name", "part.nc"], "O1\nG0 X1.\nM30\n");
+    assert!(ended == 0 && text.contains("1 MAIN   part.nc"), "{text}");
+    // Guess, encoding and checks are those of files.
+    let (ended, text) = told(&["run", "-", "--name", "a.mpf"], "G1 X10 F100\nM30\n");
+    assert!(ended == 2 && text.contains("the file ending .mpf (a.mpf)"), "{text}");
+    let (ended, text) =
+        told(&["run", "-", "--encoding", "shift_jis", "--machine", "fanuc-mill"], "O1\n(\u{fffd})\nM30\n");
+    assert!(ended == 2 && text.contains("'<standard input>' has bytes that are no characters"), "{text}");
+    let measured = program(folder.path(), "lines.csv", "line,seconds\n2,1.5\n");
+    let calibrate = ["calibrate", "--machine", "fanuc-mill", "--measured", &measured, "-"];
+    let (ended, text) = told(&calibrate, "O1\nG0 X100.\nM30\n");
+    assert!(ended == 0 && text.contains("rapid"), "{text}");
+    let summary = answering(&["run", "--json", "--machine", "fanuc-mill", "-"], "O1\nG0 X100.\nM30\n");
+    let (ended, text) = told(&["analyse", "-"], &String::from_utf8_lossy(&summary.stdout));
+    assert!(ended == 0 && text.starts_with("cycle time 00:0"), "{text}");
+    for (arguments, words) in [
+        (&["run", "-", "-"][..], "standard input (-) can be read only once"),
+        (&["run", "-"], "'<standard input>' is empty"),
+        (&["run", "-", "--step"], "--step and --attend read standard input"),
+        (&["run", &upper, "-", "--name", "upper.nc"], "--name upper.nc: another program has this name"),
+        (&["run", &upper, "--name", "x.nc"], "no program is -"),
+        (&["run", "-", "--name", "a/x.nc"], "without folders"),
+        (&["run", &upper, "--tools", "-"], "--tools needs a file"),
+        (&["run", &upper, "--with", "-"], "--with needs a file"),
+        (&["run", &upper, "--answers", "-"], "--answers needs a file"),
+        (&["calibrate", "--machine", "fanuc-mill", "--measured", "-", &upper], "--measured needs a file"),
+        (&["analyse", "-"], "'<standard input>' is not the summary of a job"),
+        (&["macro", "check", "-", "-"], "can be read only once"),
+        (&["macro", "fmt", "-", "-"], "can be read only once"),
+    ] {
+        let (ended, text) = told(arguments, "");
+        assert!(ended == 2 && text.contains(words), "{arguments:?}: {ended} {text}");
+    }
+    let (ended, text) = told(&["macro", "check", "-"], "X=\n");
+    assert!(ended == 1 && text.contains("--> <standard input>:1:"), "{text}");
+    let (ended, text) = told(&["macro", "run", "-"], "PPRINT/'piped'\n");
+    assert!(ended == 0 && text == "piped\n", "{text}");
+}
+
 #[test]
 fn dialogs_are_answered_line_by_line() {
     let folder = tempfile::tempdir().unwrap();

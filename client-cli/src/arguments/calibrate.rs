@@ -8,7 +8,8 @@ use super::{Inputs, ProgramFiles};
 
 #[derive(Debug, Args)]
 pub(crate) struct Calibrate {
-    /// Run these programs, one per channel from left to right; the lines that were measured are those of the first
+    /// Run these programs, one per channel from left to right; the lines that were measured are those of the first;
+    /// - reads standard input, once
     #[arg(required = true, value_name = "PROGRAM")]
     programs: Vec<String>,
     /// Begin with the data of this machine: a name, or a folder with machine.toml
@@ -21,9 +22,8 @@ pub(crate) struct Calibrate {
     /// Take the lines of this channel
     #[arg(long, default_value_t = 1, value_name = "N")]
     pub(crate) channel: u16,
-    /// Add files that the programs may call (a folder adds all its files)
-    #[arg(long = "with", value_name = "FILE|DIR")]
-    with: Vec<PathBuf>,
+    #[command(flatten)]
+    files: ProgramFiles,
     /// Write a machine with the fitted data into this new folder
     #[arg(long, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
@@ -38,6 +38,6 @@ pub(crate) struct Calibrate {
 impl Calibrate {
     /// What the job is made of.
     pub(crate) fn inputs(&self) -> Inputs {
-        Inputs { files: ProgramFiles { with: self.with.clone(), encoding: None }, ..Inputs::plain(&self.programs) }
+        Inputs { files: self.files.clone(), ..Inputs::plain(&self.programs) }
     }
 }

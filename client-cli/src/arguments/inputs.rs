@@ -11,7 +11,7 @@ use crate::settings::Setting;
 #[derive(Debug, Args)]
 pub(crate) struct Inputs {
     /// Run these programs, one per channel from left to right; FILE#2102 is program O2102 of FILE,
-    /// FILE#NAME the program or section of that name (`PART_1`, `$2`, `G14`)
+    /// FILE#NAME the program or section of that name (`PART_1`, `$2`, `G14`); - reads standard input, once
     #[arg(required = true, value_name = "PROGRAM")]
     pub(crate) programs: Vec<String>,
     #[command(flatten)]
@@ -73,6 +73,19 @@ pub(crate) struct ProgramFiles {
     /// Read the programs in this code page: windows-1252, iso-8859-2, cp850, shift_jis, utf-16le, … [default: UTF-8, or UTF-16]
     #[arg(long, value_name = "NAME")]
     pub(crate) encoding: Option<Encoding>,
+    /// Name the program from standard input (-), for messages, results and the guess of the machine [default: <standard input>]
+    #[arg(long, value_name = "FILE", value_parser = file_name)]
+    pub(crate) name: Option<String>,
+}
+
+/// The name of a file without folders.
+fn file_name(text: &str) -> Result<String, String> {
+    const LONGEST: usize = 200;
+    let strange = |c: char| c.is_control() || "/\\:#".contains(c);
+    if text.is_empty() || text.len() > LONGEST || text.contains(strange) || [".", "..", "-"].contains(&text) {
+        return Err(format!("expected the name of a file, without folders, ':' and '#', of at most {LONGEST} bytes"));
+    }
+    Ok(text.to_owned())
 }
 
 /// The machine of a job.

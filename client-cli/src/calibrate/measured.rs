@@ -7,6 +7,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use crate::error::Error;
+use crate::standard_input;
 
 /// Seconds that lines took, by number.
 pub(crate) type Lines = BTreeMap<u32, f64>;
@@ -19,6 +20,7 @@ const LINES: [&str; 3] = ["Line", "LineNumber", "BlockCount"];
 /// # Errors
 /// It cannot be read, or has no times.
 pub(crate) fn read(path: &Path) -> Result<Lines, Error> {
+    standard_input::refuse("--measured", path)?;
     let text = std::fs::read_to_string(path).map_err(Error::file(path))?;
     let lines = if text.trim_start().starts_with('<') { document(&text) } else { table(&text) };
     let shown = path.display();

@@ -24,7 +24,8 @@ pub(crate) enum Macro {
 
 #[derive(Debug, Args)]
 pub(crate) struct Check {
-    /// Check these files together; with --strong the last file is an ordinary macro and the files before it declare
+    /// Check these files together; with --strong the last file is an ordinary macro and the files before it declare;
+    /// - reads standard input, once
     #[arg(required = true, value_name = "FILE")]
     pub(crate) files: Vec<PathBuf>,
     /// Print one JSON document
@@ -53,7 +54,7 @@ pub(crate) struct Fmt {
 
 #[derive(Debug, Args)]
 pub(crate) struct Run {
-    /// Load these macro files and run the last one
+    /// Load these macro files and run the last one; - reads standard input, once
     #[arg(required = true, value_name = "FILE")]
     pub(crate) files: Vec<PathBuf>,
     /// Print the macro trace, too

@@ -2,7 +2,7 @@
 //!
 //! *Invariant:* a file is replaced as a whole or not at all, and only if its text changes; it keeps its line endings.
 
-use std::io::{Read as _, Write as _};
+use std::io::Write as _;
 use std::path::Path;
 
 use counterpoint_lang::diag::Diagnostic;
@@ -11,9 +11,10 @@ use counterpoint_lang::layout;
 use super::arguments::Fmt;
 use super::say_finding;
 use crate::error::Error;
-use crate::say;
+use crate::{say, standard_input};
 
 pub(super) fn fmt(arguments: &Fmt) -> Result<u8, Error> {
+    super::input_once(&arguments.files)?;
     let mut code = 0;
     for path in &arguments.files {
         code = code.max(one(path, arguments)?);
@@ -23,12 +24,12 @@ pub(super) fn fmt(arguments: &Fmt) -> Result<u8, Error> {
 
 /// Formats one file; returns 1 if it has errors, or would change under `--check`.
 fn one(path: &Path, arguments: &Fmt) -> Result<u8, Error> {
-    let piped = path == Path::new("-");
-    let text = if piped { standard_input()? } else { text(path)? };
+    let piped = standard_input::is(path);
+    let text = text(path)?;
     let new = match formatted(&text, arguments.style.into()) {
         Ok(new) => new,
         Err(found) => {
-            let name = if piped { "standard input".to_owned() } else { super::name(path) };
+            let name = super::name(path);
             for mut finding in found {
                 finding.file.clone_from(&name);
                 say_finding(&finding);
@@ -59,12 +60,6 @@ fn formatted(text: &str, style: layout::Style) -> Result<String, Vec<Diagnostic>
 
 fn text(path: &Path) -> Result<String, Error> {
     utf8(super::bytes(path)?, &super::name(path))
-}
-
-fn standard_input() -> Result<String, Error> {
-    let mut bytes = Vec::new();
-    std::io::stdin().lock().read_to_end(&mut bytes).map_err(Error::file("standard input"))?;
-    utf8(bytes, "standard input")
 }
 
 /// A text that is not UTF-8 would be written back with other characters, so it is refused.

@@ -18,7 +18,7 @@ use counterpoint_lang::diag::Diagnostic;
 use counterpoint_lang_standalone::File;
 
 use crate::error::Error;
-use crate::say;
+use crate::{say, standard_input};
 use arguments::Macro;
 pub(crate) use explain::{explain, remedy};
 
@@ -34,16 +34,31 @@ pub(crate) fn dispatch(command: &Macro) -> Result<u8, Error> {
 
 /// Names and texts of files; bytes that are not UTF-8 become replacement characters.
 fn read(paths: &[PathBuf]) -> Result<Vec<File>, Error> {
+    input_once(paths)?;
     paths.iter().map(|path| Ok((name(path), String::from_utf8_lossy(&bytes(path)?).into_owned()))).collect()
 }
 
+/// Refuses a second `-`.
+fn input_once(paths: &[PathBuf]) -> Result<(), Error> {
+    if paths.iter().filter(|path| standard_input::is(path)).count() > 1 {
+        return Err(Error::Usage(
+            "standard input (-) can be read only once: give the other macros as files".to_owned(),
+        ));
+    }
+    Ok(())
+}
+
 fn bytes(path: &Path) -> Result<Vec<u8>, Error> {
-    let bytes = std::fs::read(path).map_err(Error::file(path))?;
+    let bytes = if standard_input::is(path) {
+        standard_input::read()?
+    } else {
+        std::fs::read(path).map_err(Error::file(path))?
+    };
     Ok(bytes.strip_prefix(b"\xEF\xBB\xBF").map_or_else(|| bytes.clone(), <[u8]>::to_vec))
 }
 
 fn name(path: &Path) -> String {
-    path.display().to_string()
+    if standard_input::is(path) { standard_input::NAME.to_owned() } else { path.display().to_string() }
 }
 
 /// A finding with its line and a mark.

@@ -1,0 +1,41 @@
+//! `-`: standard input in place of a file.
+//!
+//! *Invariant:* a command reads it at most once, to its end, and no more than the largest file that a server takes.
+
+use std::io::{IsTerminal as _, Read as _};
+use std::path::Path;
+
+use crate::error::Error;
+use crate::say::{self, DIM, styled};
+
+/// Its name in messages.
+pub(crate) const NAME: &str = "<standard input>";
+
+/// Most bytes that are read: those of the largest file that a server takes by default.
+const MOST: u64 = 256 << 20;
+
+/// Whether a path means standard input; a file of this name is `./-`.
+pub(crate) fn is(path: &Path) -> bool {
+    path.as_os_str() == "-"
+}
+
+/// Refuses `-` for an option whose file has to have a name.
+pub(crate) fn refuse(option: &str, path: &Path) -> Result<(), Error> {
+    if is(path) {
+        return Err(Error::Usage(format!("{option} needs a file: - (standard input) stands for a program only")));
+    }
+    Ok(())
+}
+
+/// All of it.
+pub(crate) fn read() -> Result<Vec<u8>, Error> {
+    if std::io::stdin().is_terminal() {
+        say::status_line(styled(DIM, "reading from standard input; Ctrl-D (Windows: Ctrl-Z and Enter) ends it"));
+    }
+    let mut bytes = Vec::new();
+    std::io::stdin().lock().take(MOST + 1).read_to_end(&mut bytes).map_err(Error::file("standard input"))?;
+    if bytes.len() as u64 > MOST {
+        return Err(Error::Usage(format!("standard input has more than {} MiB", MOST >> 20)));
+    }
+    Ok(bytes)
+}
