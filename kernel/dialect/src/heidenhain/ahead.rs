@@ -1,8 +1,8 @@
 //! The path blocks after a path block that its end depends on.
 //!
-//! Facts: programming manuals of the control (corners and approaches are computed with the next element). Decisions: after a
-//! corner the look ahead follows assignments and jumps, and ends at a call. Invariant: a look ahead leaves the parameters as
-//! they were.
+//! Facts: programming manuals of the control (corners and approaches are computed with the next element). Decisions:
+//! blocks without motion may come between a line and its corner; after a corner the look ahead follows assignments and jumps, and
+//! ends at a call. Invariant: a look ahead leaves the parameters as they were.
 
 use super::eval::Evaluator;
 use super::formula::Name;
@@ -10,7 +10,7 @@ use super::iso_blocks::Modes;
 use super::path::{Shape, Step};
 use super::statement::Statement;
 use super::variables::Value;
-use super::words::Word;
+use super::words::{Operand, Seen, Word};
 use super::{Heidenhain, Line};
 use crate::host::{Host, Place};
 use counterpoint_fault::Halt;
@@ -37,33 +37,50 @@ impl Heidenhain {
             return Ok(Vec::new());
         }
         self.note_select(host, 0, next, place);
-        let Some((first, behind)) = self.following(host, next, place) else { return Ok(Vec::new()) };
+        let Some(first) = self.following(host, next, place) else { return Ok(Vec::new()) };
         let is_corner = match &first.statement {
             Statement::Path { shape: Shape::Chamfer | Shape::Round, .. } => true,
-            Statement::Path { shape: Shape::Iso, words, .. } => words.iter().any(|word| {
-                &*word.name == "G"
-                    && matches!(word.operand, super::words::Operand::Number(_, value) if value == 24.0 || value == 25.0)
-            }),
+            Statement::Path { shape: Shape::Iso, words, .. } => {
+                words.iter().any(|word| matches!(g_number(word), Some(24.0 | 25.0)))
+            }
             _ => false,
         };
-        if !approach && !is_corner && !matches!(shape, Shape::FreeLine { .. }) {
+        let elements = matches!(shape, Shape::FreeLine { .. } | Shape::FreeArc { .. });
+        if !approach && !is_corner && !elements {
             return Ok(Vec::new());
         }
-        let mut steps = Vec::new();
-        let mut modes = self.modes;
-        if let Statement::Path { shape, iso, words } = &first.statement {
-            for (shape, iso, words) in self.elements_ahead(host, &mut modes, (*shape, *iso, words)) {
-                let mut seen = Evaluator::new(&mut self.variables, host).seen(&words)?;
-                self.cycles.contours.unroll(&mut seen);
-                // The line of a corner follows from what it was read from.
-                let line = behind.saturating_sub(1);
-                steps.push(Step { shape, iso, seen, line, number: first.number, rapid: None });
-            }
+        let mut run = Run { modes: self.modes, said: Vec::new(), before: Vec::new() };
+        let steps = self.steps_from(host, &mut run, (next, place), is_corner || elements);
+        for (name, value) in run.before.into_iter().rev() {
+            self.variables.put_back(name, value);
         }
-        let elements = matches!(shape, Shape::FreeLine { .. } | Shape::FreeArc { .. });
-        if is_corner || elements {
-            self.note_select(host, 1, behind, place);
-            steps.extend(self.next_steps(host, modes, behind, place)?);
+        steps
+    }
+
+    /// The next path block, and where `more` the one after it, with a pole between them.
+    fn steps_from(
+        &mut self,
+        host: &mut dyn Host,
+        run: &mut Run,
+        (from, place): (u32, Place),
+        more: bool,
+    ) -> Result<Vec<Step>, Halt> {
+        let Some((mut steps, mut behind)) = self.run_to_steps(host, run, (from, place))? else {
+            return Ok(Vec::new());
+        };
+        if !more {
+            return Ok(steps);
+        }
+        self.note_select(host, 1, behind, place);
+        for count in 2..=3 {
+            let Some((found, after)) = self.run_to_steps(host, run, (behind, place))? else { break };
+            self.note_select(host, count, after, place);
+            let is_pole = matches!(found.as_slice(), [step] if step.shape == Shape::Pole);
+            steps.extend(found);
+            if !is_pole {
+                break;
+            }
+            behind = after;
         }
         Ok(steps)
     }
@@ -77,7 +94,7 @@ impl Heidenhain {
                 Statement::Nothing => line = read.next,
                 Statement::Path { shape: Shape::FreeSelect, words, .. } => {
                     let number = words.iter().find_map(|word| match &word.operand {
-                        super::words::Operand::Number(_, value) => Some(*value as usize),
+                        Operand::Number(_, value) => Some(*value as usize),
                         _ => None,
                     });
                     self.path.free.selects.extend(number.map(|number| (behind, number, line)));
@@ -86,36 +103,6 @@ impl Heidenhain {
                 _ => return,
             }
         }
-    }
-
-    /// The next path block as the program comes to it, with the one after it where it is a pole; assignments on the way are taken
-    /// back.
-    fn next_steps(
-        &mut self,
-        host: &mut dyn Host,
-        mut modes: Modes,
-        from: u32,
-        place: Place,
-    ) -> Result<Vec<Step>, Halt> {
-        let (mut before, mut steps) = (Vec::new(), Vec::new());
-        let mut next = Some(from);
-        let mut done = Ok(());
-        while let Some(line) = next.take() {
-            match self.run_to_steps(host, &mut modes, (line, place), &mut before) {
-                Ok(Some((found, behind))) => {
-                    self.note_select(host, steps.len() + 2, behind, place);
-                    let is_pole = found.len() == 1 && found.first().is_some_and(|step| step.shape == Shape::Pole);
-                    next = (is_pole && steps.is_empty()).then_some(behind);
-                    steps.extend(found);
-                }
-                Ok(None) => {}
-                Err(halt) => done = Err(halt),
-            }
-        }
-        for (name, value) in before.into_iter().rev() {
-            self.variables.put_back(name, value);
-        }
-        done.map(|()| steps)
     }
 
     /// The path blocks of a block, which are several in an ISO program on a machine of conversational words.
@@ -132,12 +119,12 @@ impl Heidenhain {
         }
     }
 
+    /// The path blocks of the next block with motion, as the program comes to it, with the line after it.
     fn run_to_steps(
         &mut self,
         host: &mut dyn Host,
-        modes: &mut Modes,
+        run: &mut Run,
         (from, place): (u32, Place),
-        before: &mut Vec<(Name, Option<Value>)>,
     ) -> Result<Option<(Vec<Step>, u32)>, Halt> {
         let mut line = from;
         for _ in 0..NEAR {
@@ -149,7 +136,7 @@ impl Heidenhain {
                 }
                 Statement::Assign(name, formula) => {
                     let value = Evaluator::new(&mut self.variables, host).value(formula)?;
-                    before.push((*name, self.variables.get(*name)));
+                    run.before.push((*name, self.variables.get(*name)));
                     if !self.variables.set(*name, value) {
                         return Ok(None);
                     }
@@ -161,12 +148,25 @@ impl Heidenhain {
                     line
                 }
                 Statement::Branch(..) => read.next,
+                Statement::Words(words) | Statement::Path { shape: Shape::Iso, words, .. } if is_still(words) => {
+                    // The modes that it sets hold for the blocks after it.
+                    if self.is_translated(host) {
+                        run.modes.read(words);
+                    } else {
+                        let said = words.iter().filter(|word| &*word.name == "G").cloned().collect::<Vec<_>>();
+                        run.said.extend(Evaluator::new(&mut self.variables, host).seen(&said)?);
+                    }
+                    read.next
+                }
                 Statement::Path { shape, iso, words } => {
                     let mut steps = Vec::new();
-                    for (shape, iso, words) in self.elements_ahead(host, modes, (*shape, *iso, words)) {
-                        let mut seen = Evaluator::new(&mut self.variables, host).seen(&words)?;
+                    for (shape, iso, words) in self.elements_ahead(host, &mut run.modes, (*shape, *iso, words)) {
+                        let mut seen = run.said.clone();
+                        seen.extend(Evaluator::new(&mut self.variables, host).seen(&words)?);
                         self.cycles.contours.unroll(&mut seen);
-                        steps.push(Step { shape, iso, seen, line: 0, number: read.number, rapid: None });
+                        // The line of a corner follows from where it was read.
+                        let line = read.next.saturating_sub(1);
+                        steps.push(Step { shape, iso, seen, line, number: read.number, rapid: None });
                     }
                     return Ok(Some((steps, read.next)));
                 }
@@ -176,20 +176,52 @@ impl Heidenhain {
         Ok(None)
     }
 
-    /// The next path block from a line on, with the line after it.
-    fn following(&mut self, host: &mut dyn Host, from: u32, place: Place) -> Option<(std::sync::Arc<Line>, u32)> {
+    /// The next path block from a line on, after blocks without motion; nothing is evaluated.
+    fn following(&mut self, host: &mut dyn Host, from: u32, place: Place) -> Option<std::sync::Arc<Line>> {
         let mut line = from;
         while line <= place.range.last && line < from.saturating_add(NEAR) {
             let read = self.line(host, line).ok()?;
             match &read.statement {
-                Statement::Nothing | Statement::Path { shape: Shape::FreeSelect, .. } => line = read.next,
-                Statement::Path { .. } => {
-                    let next = read.next;
-                    return Some((read, next));
+                Statement::Nothing
+                | Statement::Label(_)
+                | Statement::Assign(..)
+                | Statement::Path { shape: Shape::FreeSelect, .. } => line = read.next,
+                Statement::Words(words) | Statement::Path { shape: Shape::Iso, words, .. } if is_still(words) => {
+                    line = read.next;
                 }
+                Statement::Path { .. } => return Some(read),
                 _ => return None,
             }
         }
         None
     }
+}
+
+/// The state of a look ahead.
+struct Run {
+    modes: Modes,
+    /// G words of blocks without motion, where they are not turned into modes.
+    said: Vec<Seen>,
+    /// Parameters that assignments on the way have changed, with the values from before.
+    before: Vec<(Name, Option<Value>)>,
+}
+
+/// Number of a G word.
+fn g_number(word: &Word) -> Option<f64> {
+    match word.operand {
+        Operand::Number(_, value) if &*word.name == "G" => Some(value),
+        _ => None,
+    }
+}
+
+/// A block between a line and its corner that neither moves nor calls: speed, feed, switching M functions, or motion
+/// words and G90 and G91 without a position.
+fn is_still(words: &[Word]) -> bool {
+    !words.is_empty()
+        && words.iter().all(|word| match (&*word.name, &word.operand) {
+            ("S" | "F", _) => true,
+            ("M", Operand::Number(_, number)) => *number < 89.0 && !matches!(*number, 2.0 | 6.0 | 30.0),
+            ("G", Operand::Number(_, number)) => matches!(*number, 0.0 | 1.0 | 90.0 | 91.0),
+            _ => false,
+        })
 }

@@ -117,10 +117,10 @@ impl Walk<'_> {
     /// A corner: what the line before has made room for.
     pub(super) fn corner(&mut self, corner: Option<Corner>) -> Vec<String> {
         let Some(corner) = corner.filter(|corner| corner.line == self.step.line) else {
-            // An element that could not make room has said so.
-            if self.path.heading.is_none() {
-                self.refuse("a corner needs an element before it");
-            }
+            self.refuse(match self.path.heading {
+                None => "a corner needs an element before it",
+                Some(_) => "a corner needs its element before it, with nothing but blocks without motion between them",
+            });
             return Vec::new();
         };
         let mut end = self.actual;
