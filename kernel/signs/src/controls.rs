@@ -90,6 +90,9 @@ pub(crate) fn decide<'c>(candidates: &'c [Candidate], evidence: &'c Evidence) ->
     if first.against() * 2 > first.own {
         return Err(disagree(&first, &all, evidence));
     }
+    if first.plain && evidence.lines.are_no_program() {
+        return Err("too many lines of the text are no blocks of words".to_owned());
+    }
     if !first.here {
         let marks = evidence.named(&first.shown);
         return Err(format!(

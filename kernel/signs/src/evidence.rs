@@ -9,6 +9,7 @@ use counterpoint_event::Text;
 
 use super::block::Block;
 use super::pattern::{Part, Pattern};
+use super::prose::Lines;
 
 /// Signs named in an answer.
 const NAMED: usize = 3;
@@ -50,6 +51,13 @@ pub(crate) struct Shown<'e> {
     found: &'e Found,
 }
 
+impl Shown<'_> {
+    /// The name of the file shows it, not its text.
+    pub(crate) fn is_name(&self) -> bool {
+        self.found.line == 0
+    }
+}
+
 /// What the programs show.
 #[derive(Debug, Default)]
 pub(crate) struct Evidence {
@@ -60,6 +68,8 @@ pub(crate) struct Evidence {
     pub(crate) definitions: usize,
     /// Main programs of an archive in the only file.
     pub(crate) mains: usize,
+    /// Lines that are blocks, and others.
+    pub(crate) lines: Lines,
 }
 
 impl Evidence {
@@ -78,7 +88,9 @@ impl Evidence {
                 evidence.definitions += usize::from(definition(bytes).is_some());
                 evidence.mains += usize::from(is_main(bytes));
                 if program.number.is_none() || current.is_none() || program.number == current {
-                    search.block(&Block::of(&String::from_utf8_lossy(bytes)), (index, line));
+                    let block = Block::of(&String::from_utf8_lossy(bytes));
+                    evidence.lines.count(&block.line);
+                    search.block(&block, (index, line));
                 }
             }
         }
@@ -146,10 +158,16 @@ fn definition(line: &[u8]) -> Option<u32> {
     (count > 0).then_some(number)
 }
 
-/// A line is the head of a main program in an archive of a Siemens control.
+/// A line is the head of a main program in an archive of a Siemens control. In a job archive, whose heads have a channel and a
+/// number, those with the number 0 are (`%_N_1_0_MPF`).
 fn is_main(line: &[u8]) -> bool {
     let line = line.trim_ascii().to_ascii_uppercase();
-    line.starts_with(b"%_N_") && line.ends_with(b"_MPF")
+    let name = line.strip_prefix(b"%_N_").and_then(|rest| rest.strip_suffix(b"_MPF"));
+    let digits = |text: &[u8]| !text.is_empty() && text.iter().all(u8::is_ascii_digit);
+    name.is_some_and(|name| match name.iter().position(|byte| *byte == b'_').and_then(|at| name.split_at_checked(at)) {
+        Some((channel, [b'_', number @ ..])) if digits(channel) && digits(number) => number.iter().all(|b| *b == b'0'),
+        _ => true,
+    })
 }
 
 /// A sign that is looked for.

@@ -229,6 +229,9 @@ impl<'c> Judge<'c> {
         if channels > 1 && none_together && machine.traits.iter().any(|(name, _)| multi(name)) {
             return Err(self.for_control(&no_machine(channels)));
         }
+        if machine.traits.is_empty() && self.control.shown.iter().all(Shown::is_name) {
+            return Err(self.for_control("nothing but the name shows it"));
+        }
         let needs = !self.control.is_marked() || !machine.traits.is_empty() && !sole;
         if best.by < ENOUGH && needs {
             return Err(self.unproven(&self.machines.iter().map(|one| one.candidate.name.as_str()).collect::<Vec<_>>()));

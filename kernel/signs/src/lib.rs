@@ -10,6 +10,7 @@ mod controls;
 mod evidence;
 mod judge;
 mod pattern;
+mod prose;
 
 pub use evidence::{Program, has_program};
 pub use judge::guess;

@@ -43,6 +43,8 @@ fn tables(table: &Table, check: &Check) -> Vec<(String, Rows)> {
             other => check.error(&entry.node.place, format!("signs must be a table, not {}", other.kind())),
         }
     }
+    // A machine does not have a trait of its family without a sign that is left.
+    all.retain(|(_, rows)| !rows.is_empty());
     all
 }
 

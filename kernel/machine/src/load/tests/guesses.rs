@@ -80,6 +80,21 @@ const PROGRAMS: &[(&str, &str)] = &[
     ("T1 M6\nM97 P100 L2\n", "haas-mill"),
     ("T1 M6\nG70 I20. J0 L6\n", "haas-mill"),
     ("G13.1\nG50 S900\n", "fanuc-lathe"),
+    ("T1 M6\nG103 P1\nG43 H1 Z1.\n", "haas-mill"),
+    ("T1 M6\nG110 G0 X1. Y1.\n", "haas-mill"),
+    ("T1 M6\nG150 P2 X0 Y0 Z-1. Q.1 K.1 J.1 D1 F10.\n", "haas-mill"),
+    ("T1 M6\nG47 P0 X0 Y0 I0 J.5 R.1 Z-.01 F10. E5.\n", "haas-mill"),
+    // A at a threading cycle is the angle of the thread.
+    ("T101;\nM155;\nG50 S900;\nG0 X50. Y0;\nG1 C90. F1.;\nG76 X45. Z-20. K.5 D.1 F1. A60;\n", "haas-mill-turn"),
+    // Two T words on a tool change, the sequence number of a call in Q.
+    ("O1\nT1 T2 M6\nG90 G54 G0 X1. Y2.\nG43 H1 Z5.\n", "mazak-eia-mill"),
+    ("T1 M6\nG43 H1 Z5.\nM98 P2 Q10 L2\n", "mazak-eia-mill"),
+    // The sequence number of a call in H, patterns of holes.
+    ("O1\nT1 M6\nG43 H1 Z5.\nM98 P2 H10\n", "mitsubishi-mill"),
+    ("T1 M6\nG81 Z-5. R1. K0 F100\nG34 X0 Y0 I50. J0 K6\n", "mitsubishi-mill"),
+    ("T1 M6\nIF [#1 EQ 1]\nG0 X1.\nENDIF\n", "mitsubishi-mill"),
+    // Statements of custom macros are blocks.
+    ("O1\n#1=#2 MOD 3\nWHILE[#1LT5]DO1\n#1=#1+1\nEND1\nGOTO 10\nPOPEN\nN10 T1 M6\n", "fanuc-mill"),
 ];
 
 #[test]
@@ -91,6 +106,13 @@ fn programs_show_what_they_are_for() {
         ("p.MIN", "G50 S2500\nT010101\n", "okuma-lathe"),
         ("p.min", "G14\nG96 S150\n", "okuma-2turret"),
         ("p.mpf", "G54 G90 G95\nG0 X50 Z2\nG1 Z-20 F0.2\nM30\n", "siemens-lathe"),
+        ("p.eia", "O1\nT1 M6\nG90 G54 G0 X1. Y2.\n", "mazak-eia-mill"),
+        ("p.EIA", "O1\nT0101\nG96 S200 M3\nG0 X50. Z2.\n", "mazak-eia-lathe"),
+        // In a job archive numbers other than 0 are data.
+        ("a.txt", "%_N_1_0_MPF\nG96 S100 M3\nM30\n%_N_2_0_MPF\nM30\n%_N_1_50_MPF\nR1=5\nM30\n", "siemens-2channel"),
+        ("a.txt", "%_N_PART_MPF\nT1 M6\nL10\nM30\n%_N_L10_SPF\nG1 Y2 F100\nM17\n", "siemens-mill"),
+        ("p.nc", "T1 M6 G43 H1 X1. Y1.", "fanuc-mill"),
+        ("p.nc", "O1\r\nT1 M6\nG43 H1 Z5.\r\nG0 X1. Y2.\rM30\r\n", "fanuc-mill"),
         ("a.arc", "%_N_A_1_MPF\nDIAMON\nM30\n%_N_A_2_MPF\nM30\n%_N_B_SPF\nM17\n", "siemens-2channel"),
     ] {
         assert_eq!(machine(name, text).as_deref(), Ok(expected), "{name} {text}");
@@ -184,6 +206,39 @@ fn what_cannot_be_guessed_is_refused() {
     refused(&[("p.nc", "O1\nG65 P9810 Z1.\n; rough\nG1 X1. Y2.\n")], "a LinuxCNC control");
     refused(&[("p.nc", "; rough\nG1 X1. Y2.\n")], "each of several controls");
     refused(&[("p.mpf", "O1\nG65 P9810 Z1.\nT1 M6\n")], "as well as");
+}
+
+/// Texts of other machines and programs that are no NC program.
+const ELSEWHERE: &[(&str, &str, &str)] = &[
+    ("p.gcode", "M104 S210\nG28\nG1 X10 Y10 E1.2 F1500\nG1 X20 E2.4\n", "a 3D printer"),
+    ("p.gcode", "G21\nG90\nM106 S255\nG1 X1 Y1 F100\nM107\n", "a 3D printer"),
+    ("p.nc", "G21\nG90\nM4 S0\nG1 X10 Y10 S500 F1000\nM5\n", "a laser control"),
+    ("p.nc", "G21\nG90\nM3\nG1 X10 Y10 S500 F1000\nG1 X20 S0\n", "a laser control"),
+    ("p.ngc", "G21 G90\n#<depth>=5\nG0 Z[#<depth>]\nG1 X1 Y2 F100\n", "a LinuxCNC control"),
+    ("p.ngc", "G21 G90 G64 P0.01\nG1 X1 Y2 F100\n", "a LinuxCNC control"),
+    ("p.drl", "M48\nMETRIC,TZ\nT1C0.8\n%\nG90\nG05\nT1\nX10.0Y20.0\nX11.0Y20.0\nM30\n", "a drill for circuit boards"),
+    ("p.iso", "O1\nG92 X0 Y0\nG41 D1\nG1 X1. Y2. U0.5 V0.2\nM50\nM60\n", "a wire EDM control"),
+    ("p.src", "DEF PART()\nPTP {A1 0,A2 -90,A3 90}\nLIN {X 100,Y 20,Z 30,A 0,B 90,C 0}\nEND\n", "no blocks"),
+    ("p.mod", "MODULE Main\nPROC main()\nMoveL p10, v100, z10, tool0;\nMoveJ p20, v100, fine, tool0;\n", ""),
+    ("p.plt", "IN;\nSP1;\nPU100,100;\nPD200,200;\n", "no blocks"),
+    ("p.gbr", "%FSLAX24Y24*%\nG01*\nX100Y200D02*\nX200Y200D01*\n", "no blocks"),
+    ("p.txt", "Dear Sir,\nthe part is X and Y. Please mill T1 M6 today.\n", "no blocks"),
+    ("p.py", "import os\nfor x in range(3):\n    y = x\n", "no blocks"),
+    ("p.html", "<html>G1 X1 Y1 <b>M6</b></html>\n", "no blocks"),
+    ("p.stp", "HEADER;\nENDSEC;\nDATA;\n#1=CARTESIAN_POINT('',(0.,0.,0.));\n", ""),
+    ("p.h", "{ \"G1\": \"X1 Y2\"}\n", "nothing but the name shows it"),
+    ("p.nc", "\u{0}\u{1}\u{2}T1\u{3}M6 Y\u{1f}\u{7f}\n\u{4}\n", "no blocks"),
+    ("p.nc", "", "nothing in p.nc shows"),
+    ("p.eia", "O1\nM30\n", "nothing in p.eia shows"),
+    ("p.nc", "T1 M6\nG90 G0 X1. Y2.\nG5 P2\n", "for mazak-eia-mill or mitsubishi-mill"),
+];
+
+#[test]
+fn texts_for_other_machines_are_refused() {
+    for (name, text, with) in ELSEWHERE {
+        let why = machine(name, text).unwrap_err();
+        assert!(why.contains(with), "{text}: {why}");
+    }
 }
 
 #[test]
