@@ -126,6 +126,7 @@ fn rule(machine: &Machine, row: &WaitRow) -> Rule {
         },
         absent: if row.absent_counts { Absent::Counts } else { Absent::Missed },
         signals: signals::rule(machine, row),
+        acts: false,
         names: if statements::takes_axes(row) { leases::names(machine) } else { Default::default() },
     }
 }

@@ -175,7 +175,8 @@ fn slack(ends: &[(u16, i64)], waits: &[SyncPoint]) -> BTreeMap<u16, i64> {
     slack
 }
 
-/// Marks whose sync points always come for all their channels at the instant at which another one was passed by the same.
+/// Marks whose sync points always come for all their channels at the instant at which another one was passed by the same, and
+/// at which nothing happens but the wait.
 fn redundant(waits: &[SyncPoint]) -> Vec<Arc<str>> {
     let mut last: BTreeMap<u16, (usize, i64)> = BTreeMap::new();
     let mut keys: BTreeMap<&Arc<str>, bool> = BTreeMap::new();
@@ -186,6 +187,7 @@ fn redundant(waits: &[SyncPoint]) -> Vec<Arc<str>> {
         let first = point.arrivals.first().and_then(|arrival| before(&arrival.channel, arrival.t_ns));
         let same = first.is_some()
             && passed.is_mutual()
+            && !point.acts
             && point.arrivals.iter().all(|arrival| before(&arrival.channel, arrival.t_ns) == first);
         keys.entry(&point.key).and_modify(|always| *always &= same).or_insert(same);
         for arrival in &point.arrivals {

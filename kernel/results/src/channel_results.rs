@@ -123,6 +123,14 @@ impl ChannelResults {
                 self.tally.life(*phase, event.t_ns);
             }
             kind => {
+                if let Kind::Mode(mode) = kind
+                    && let Some(carried) = &mode.carried
+                {
+                    self.bars.carried(event.t_ns, &carried.axes);
+                    if let Some(track) = &mut self.track {
+                        track.carried(carried, (event.file, event.line));
+                    }
+                }
                 if let (Kind::Mode(mode), Some(track)) = (kind, &mut self.track) {
                     match mode.text.as_ref() {
                         "units inch" => track.unit(true),

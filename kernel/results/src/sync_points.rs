@@ -24,6 +24,9 @@ pub struct SyncPoint {
     /// Channel whose operation let them continue: the last to come, who set the flag or sent the signal; 0 if none did.
     #[serde(default, skip_serializing_if = "is_none")]
     pub by: u16,
+    /// The code does more than wait: it begins or ends balance cutting or a coupling of axes.
+    #[serde(default, skip_serializing_if = "is_plain")]
+    pub acts: bool,
     /// Who arrived, ascending channel.
     pub arrivals: Vec<Arrival>,
 }
@@ -31,6 +34,11 @@ pub struct SyncPoint {
 #[allow(clippy::trivially_copy_pass_by_ref, reason = "serde wants a reference")]
 fn is_none(channel: &u16) -> bool {
     *channel == 0
+}
+
+#[allow(clippy::trivially_copy_pass_by_ref, reason = "serde wants a reference")]
+fn is_plain(acts: &bool) -> bool {
+    !acts
 }
 
 /// Arrival of one channel.
@@ -73,7 +81,7 @@ impl Stay {
     /// Of a release whose wait is not in the log.
     pub(super) fn unseen(release: &Release, place: (FileId, u32)) -> Self {
         let (key, mark) = (release.key.clone(), release.mark.clone());
-        let wait = Wait { key, primitive: release.primitive, participants: [].into(), mark };
+        let wait = Wait { key, primitive: release.primitive, participants: [].into(), mark, acts: false };
         Self::new(&Arc::new(wait), release.since_ns, place)
     }
 
@@ -175,7 +183,7 @@ impl SyncPoints {
             let Some((_, first)) = stays.first() else { continue };
             let (key, kind, release_ns, by) = (first.key(), first.wait.primitive, Some(release_ns), first.by);
             let arrivals = stays.iter().map(|(channel, stay)| places.arrival(*channel, stay)).collect();
-            all.push(SyncPoint { key, kind, release_ns, by, arrivals });
+            all.push(SyncPoint { key, kind, release_ns, by, acts: first.wait.acts, arrivals });
         }
         self.open.sort_by_key(|(channel, stay)| (stay.since_ns, *channel));
         let mut open: Vec<(Arc<Wait>, SyncPoint)> = Vec::new();
@@ -187,8 +195,9 @@ impl SyncPoints {
                     point.arrivals.sort_by_key(|a| a.channel);
                 }
                 None => {
-                    let (key, kind) = (stay.key(), stay.wait.primitive);
-                    open.push((stay.wait, SyncPoint { key, kind, release_ns: None, by: 0, arrivals: vec![arrival] }));
+                    let (key, kind, acts) = (stay.key(), stay.wait.primitive, stay.wait.acts);
+                    let point = SyncPoint { key, kind, release_ns: None, by: 0, acts, arrivals: vec![arrival] };
+                    open.push((stay.wait, point));
                 }
             }
         }

@@ -79,8 +79,13 @@ fn mark(key: &str) -> Arc<str> {
 }
 
 pub(crate) fn wait(channel: u16, line: u32, t_ns: i64, key: &str, participants: &[u16]) -> Event {
-    let wait =
-        Wait { key: key.into(), primitive: Primitive::Barrier, participants: participants.into(), mark: mark(key) };
+    let wait = Wait {
+        key: key.into(),
+        primitive: Primitive::Barrier,
+        participants: participants.into(),
+        mark: mark(key),
+        acts: false,
+    };
     at(channel, line, t_ns, 0, Kind::Wait(Arc::new(wait)))
 }
 

@@ -5,7 +5,8 @@
 //! most; beyond that the path gets coarser, and a path that cannot be thinned ends early and says so.
 //!
 //! As JSON: `{unit, view: "zx" | "xyz", channels: [{channel, name, side, tools, truncated, segments}]}`. `side` is
-//! `lower` for a channel that works from below the turning axis; its coordinates are as programmed nevertheless. `tools`
+//! `lower` for a channel that works from below the turning axis; its coordinates are as programmed nevertheless. A slave
+//! axis moves straight from where its channel was to where the master has brought it, as feed. `tools`
 //! are those that moved, `{tool, name}`. A segment is either
 //! `{kind: rapid | feed | thread, points}` with the coordinates of a polyline one after the other (two or three for
 //! each point, by the view), or `{kind: arc_cw | arc_ccw, points, plane, center, turns}` with start and end in
@@ -31,7 +32,7 @@ use serde::Serialize;
 use crate::geometry::{Loop, Sweep, scale};
 use crate::spans::Span;
 use crate::summary::ChannelState;
-use counterpoint_event::event::{FileId, Motion, MotionKind, Position};
+use counterpoint_event::event::{Carried, FeedUnit, FileId, Motion, MotionKind, Position};
 use counterpoint_event::info::{self, Info, Unit};
 use face::Face;
 use store::{Curve, Move, Path, Stroke};
@@ -247,6 +248,13 @@ impl Track {
         if self.face.is_some() || self.cut_in_inch.is_none() {
             self.beside(motion, (file, line));
         }
+    }
+
+    /// Another channel has brought an axis along, straight as far as the channel knows.
+    #[cold]
+    pub fn carried(&mut self, carried: &Carried, place: (FileId, u32)) {
+        let ends = [*carried.from, *carried.to];
+        self.motion(&Motion::straight(MotionKind::Linear, 0, ends, (0.0, FeedUnit::PerMinute), 0.0), place);
     }
 
     /// The path on the face, and the unit of the first cutting move.

@@ -154,6 +154,8 @@ pub struct Rule {
     pub signals: Signals,
     /// Names of the marks, by their numbers; empty: marks are numbers.
     pub names: Arc<[Box<str>]>,
+    /// The code does more than wait.
+    pub acts: bool,
 }
 
 /// What a control makes of signals.
@@ -198,6 +200,7 @@ impl Rule {
             met_by: None,
             signals: Signals::default(),
             names: Arc::default(),
+            acts: false,
         }
     }
 
@@ -230,6 +233,11 @@ impl Rules {
     /// The rule of a wait.
     pub fn of(&self, wait: &Wait) -> Option<&Rule> {
         self.0.get(usize::from(wait.rule))
+    }
+
+    /// The code of a wait does more than wait.
+    pub fn acts(&self, wait: &Wait) -> bool {
+        self.of(wait).is_some_and(|rule| rule.acts)
     }
 
     /// Absent partners count as arrived.

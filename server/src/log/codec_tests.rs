@@ -69,6 +69,7 @@ fn kinds() -> Vec<Kind> {
             primitive: Primitive::Order,
             participants: [1, 2, 300].into(),
             mark: "".into(),
+            acts: false,
         })),
         release("M101", Primitive::Barrier, 5, 3, "", 0),
         Kind::Diagnostic(Box::new(Diagnostic {
@@ -170,6 +171,7 @@ fn kinds() -> Vec<Kind> {
             primitive: Primitive::Barrier,
             participants: [1, 2].into(),
             mark: "101".into(),
+            acts: false,
         })),
         release("M101", Primitive::Barrier, 5, 3, "101", 0),
         Kind::Diagnostic(Box::new(Diagnostic {
@@ -181,6 +183,17 @@ fn kinds() -> Vec<Kind> {
             number: 2_900_440,
             race: Some(Box::new(RaceWith { variable: "#100".into(), channel: 2, line: 7 })),
             ..Diagnostic::default()
+        })),
+        Kind::coupling(
+            "synchronous off Z1 Z2 z=5".into(),
+            Some(Carried { from: Box::new(from), to: Box::new([7.5; MAX_AXES]), axes: "Z2 with Z1".into() }),
+        ),
+        Kind::Wait(Arc::new(Wait {
+            key: "G68".into(),
+            primitive: Primitive::Barrier,
+            participants: [1, 2].into(),
+            mark: "G68".into(),
+            acts: true,
         })),
     ]
 }

@@ -3,11 +3,11 @@
 //! Facts: Fanuc programs command G51.4 and G50.4 in one path, between waiting codes of both. *Invariant:* what a channel learns
 //! depends on the order of shared operations, so on simulated time alone.
 
-use counterpoint_fault::Acted;
+use counterpoint_fault::{Acted, Halt};
 use counterpoint_sync::shared::Alone;
 
 use super::Kernel;
-use super::coupling::{Meeting, key as coupling_key};
+use super::coupling::{Meeting, Moved, key as coupling_key};
 use crate::state::coupling::{Coupling, Parking};
 use crate::waits::coupling::{self, Kind, Pair};
 
@@ -38,7 +38,7 @@ impl Kernel<'_> {
     /// Couples an axis of this channel with one of another channel, which learns of it. The same pair again changes what is parked.
     pub(crate) fn couple_alone(&mut self, pair: Pair, parking: Parking) -> Acted {
         self.flush_lookahead()?;
-        self.end_own(&pair)?;
+        self.end_own(&pair);
         self.say(&pair, parking, true)?;
         self.begin_coupling(pair, parking);
         self.tell(&pair, Meeting::Between)?;
@@ -51,7 +51,7 @@ impl Kernel<'_> {
     pub(crate) fn end_alone(&mut self, pair: Pair) -> Acted {
         self.flush_lookahead()?;
         self.say(&pair, Parking::Neither, false)?;
-        let moved = self.end_own(&pair)?;
+        let moved = self.end_own(&pair);
         self.log_coupling(&pair, " off", moved);
         self.channel.check_stop()
     }
@@ -89,14 +89,11 @@ impl Kernel<'_> {
     }
 
     /// Ends a coupling that this channel has commanded: a slave is where its master had brought it at the last barrier.
-    fn end_own(
-        &mut self,
-        pair: &Pair,
-    ) -> Result<Option<counterpoint_machine::index::AxisSlot>, counterpoint_fault::Halt> {
+    fn end_own(&mut self, pair: &Pair) -> Option<Moved> {
         let sign = pair.sign(self.channel.env.machine);
         let coupled = self.channel.state.others.couplings.iter().find(|coupling| coupling.pair == *pair);
         let theirs = coupled.map_or(0.0, |coupling| sign * (self.place_of(coupling.slot) - coupling.stood));
-        Ok(self.uncouple(pair, theirs))
+        self.uncouple(pair, theirs)
     }
 
     /// Takes part in what another channel has commanded alone.
@@ -122,19 +119,18 @@ impl Kernel<'_> {
                 continue;
             }
             self.begin_coupling(pair, Parking::of(alone.parking).unwrap_or_default());
-            self.log_coupling(&pair, "", None);
-            self.follow_since(&pair)?;
+            let moved = self.follow_since(&pair)?.or(moved);
+            self.log_coupling(&pair, "", moved);
         }
         self.channel.check_stop()
     }
 
     /// A slave is where its master has brought it since the coupling was commanded.
-    fn follow_since(&mut self, pair: &Pair) -> Acted {
+    fn follow_since(&mut self, pair: &Pair) -> Result<Option<Moved>, Halt> {
         let coupled = self.channel.state.others.couplings.iter().find(|coupling| coupling.pair == *pair);
         let follows = coupled.filter(|coupling| coupling.follows() && coupling.parking != Parking::Slave);
-        let Some((slot, stood)) = follows.map(|coupling| (coupling.slot, coupling.stood)) else { return Ok(()) };
+        let Some((slot, stood)) = follows.map(|coupling| (coupling.slot, coupling.stood)) else { return Ok(None) };
         let by = pair.sign(self.channel.env.machine) * self.hear(pair, Meeting::Between)?.by;
-        self.put(slot, stood + by);
-        Ok(())
+        Ok(self.put(slot, stood + by))
     }
 }

@@ -6,7 +6,7 @@
 //! of both, so it depends on simulated time alone.
 
 use counterpoint_event::event::Kind as Logged;
-use counterpoint_event::event::Primitive;
+use counterpoint_event::event::{Carried, Position, Primitive};
 use counterpoint_fault as diag;
 use counterpoint_fault::{Acted, Halt};
 use counterpoint_lang::format::wildcard_text;
@@ -28,6 +28,13 @@ pub(super) enum Meeting {
     Off,
     /// At another barrier.
     Between,
+}
+
+/// An axis that a coupling has brought to another place, and where its channel was before.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Moved {
+    slot: AxisSlot,
+    from: Position,
 }
 
 impl Meeting {
@@ -52,7 +59,7 @@ impl Kernel<'_> {
         let before = self.channel.state.others.couplings.iter().find(|coupling| coupling.pair == pair);
         let meetings = before.map_or(0, |coupling| coupling.meetings.wrapping_add(1));
         let theirs = self.meet_at(&pair, Meeting::On(meetings), pair.wait(machine, false))?;
-        self.uncouple(&pair, theirs.by);
+        let moved = self.uncouple(&pair, theirs.by);
         let stood = self.place_of(slot);
         let sign = pair.sign(machine);
         let mut coupling =
@@ -68,7 +75,7 @@ impl Kernel<'_> {
         }
         self.channel.state.others.couplings.push(coupling);
         self.hold_followers();
-        self.log_coupling(&pair, "", None);
+        self.log_coupling(&pair, "", moved);
         Ok(())
     }
 
@@ -117,7 +124,7 @@ impl Kernel<'_> {
     }
 
     /// Ends a coupling here: the axis is where both channels have brought it. Gives the axis if that is another place.
-    pub(super) fn uncouple(&mut self, pair: &Pair, theirs: f64) -> Option<AxisSlot> {
+    pub(super) fn uncouple(&mut self, pair: &Pair, theirs: f64) -> Option<Moved> {
         let couplings = &mut self.channel.state.others.couplings;
         let at = couplings.iter().position(|coupling| coupling.pair == *pair)?;
         let coupling = couplings.remove(at);
@@ -135,7 +142,7 @@ impl Kernel<'_> {
             (Kind::Superimposed, true, _) => self.place_of(slot) + by,
             (Kind::Synchronous | Kind::Superimposed, false, _) => return None,
         };
-        self.put(slot, place).then_some(slot)
+        self.put(slot, place)
     }
 
     /// Place of an axis in the machine frame, geometry units.
@@ -144,19 +151,20 @@ impl Kernel<'_> {
         self.channel.machine_point(&place.position).at(slot) * place.layout.axes[slot].scale
     }
 
-    /// An axis stands at a place of the machine frame, geometry units; whether that is another one.
-    pub(super) fn put(&mut self, slot: AxisSlot, place: f64) -> bool {
+    /// An axis stands at a place of the machine frame, geometry units. Gives it if that is another place.
+    pub(super) fn put(&mut self, slot: AxisSlot, place: f64) -> Option<Moved> {
+        let from = self.channel.state.place.position;
         let mut machine = self.channel.machine_point(&self.channel.state.place.position);
         let (before, after) = (machine.at(slot), place / self.channel.state.place.layout.axes[slot].scale);
         if before == after {
-            return false;
+            return None;
         }
         *machine.at_mut(slot) = after;
         self.channel.state.place.position = self.channel.way_of_machine(&machine);
         if let Some(cutter) = self.channel.cutter() {
             *cutter.contour.at_mut(slot) += after - before;
         }
-        true
+        Some(Moved { slot, from })
     }
 
     /// Another component of a composite machine works: its axes are coupled as before.
@@ -200,14 +208,21 @@ impl Kernel<'_> {
         layout.bounds.limited = layout.axes.iter().any(|axis| axis.limits.is_some()) || stored;
     }
 
-    pub(super) fn log_coupling(&mut self, pair: &Pair, what: &str, moved: Option<AxisSlot>) {
+    pub(super) fn log_coupling(&mut self, pair: &Pair, what: &str, moved: Option<Moved>) {
         let machine = self.channel.env.machine;
         let (master, slave) = (&machine.axes[pair.master.axis].name, &machine.axes[pair.slave.axis].name);
-        let place = moved.map_or_else(String::new, |slot| {
-            let value = self.channel.state.place.position.at(slot);
-            format!(" {}={}", self.channel.axis_name(slot), wildcard_text(value))
+        let position = &self.channel.state.place.position;
+        let place = moved.map_or_else(String::new, |moved| {
+            format!(" {}={}", self.channel.axis_name(moved.slot), wildcard_text(position.at(moved.slot)))
         });
-        self.emit(0, Logged::mode(format!("{}{what} {master} {slave}{place}", pair.kind.name())));
+        // Composite control changes what the program counts; nothing has moved.
+        let carried = moved.filter(|_| pair.kind != Kind::Composite).map(|moved| Carried {
+            from: Box::new(moved.from),
+            to: Box::new(*position),
+            axes: format!("{slave} with {master}").into(),
+        });
+        let text = format!("{}{what} {master} {slave}{place}", pair.kind.name());
+        self.emit(0, Logged::coupling(text, carried));
     }
 }
 
@@ -233,8 +248,9 @@ impl Kernel<'_> {
             let by = pair.sign(self.channel.env.machine) * self.hear(pair, Meeting::Between)?.by;
             let coupled = self.channel.state.others.couplings.iter().find(|coupling| coupling.pair == *pair);
             let moves = coupled.filter(|coupling| coupling.parking != Parking::Slave);
-            if let Some((slot, place)) = moves.map(|coupling| (coupling.slot, coupling.stood + by)) {
-                self.put(slot, place);
+            let moved = moves.map(|coupling| (coupling.slot, coupling.stood + by));
+            if let Some(moved) = moved.and_then(|(slot, place)| self.put(slot, place)) {
+                self.log_coupling(pair, "", Some(moved));
             }
         }
         Ok(())

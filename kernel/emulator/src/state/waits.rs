@@ -36,7 +36,8 @@ impl KnownWaits {
         }
         let (key, participants) = (self.rules.text(wait).into(), wait.parts.iter().collect());
         let mark = self.rules.mark(wait).into();
-        let logged = Arc::new(Wait { key, primitive: wait.primitive, participants, mark });
+        let acts = self.rules.acts(wait);
+        let logged = Arc::new(Wait { key, primitive: wait.primitive, participants, mark, acts });
         self.known.insert(*wait, logged.clone());
         logged
     }

@@ -27,7 +27,7 @@ pub(super) fn rules(machine: &Machine) -> impl Iterator<Item = Rule> {
     let word = |id| super::word(machine, id).unwrap_or_else(|| "BALANCE".to_owned());
     let (on, off) = (word(codes::BALANCE_ON), word(codes::BALANCE_OFF));
     let words = [on.clone(), format!("{on} cut"), off];
-    words.into_iter().map(|word| Rule { word: word.into(), numbered: false, ..Rule::plain("") })
+    words.into_iter().map(|word| Rule { word: word.into(), numbered: false, acts: true, ..Rule::plain("") })
 }
 
 /// The wait of a channel and its partner.

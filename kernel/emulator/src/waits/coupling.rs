@@ -84,7 +84,7 @@ pub(crate) struct Pair {
 pub(super) fn rules(machine: &Machine) -> impl Iterator<Item = Rule> {
     Kind::ALL.into_iter().flat_map(Kind::codes).map(|id| {
         let word = super::word(machine, id).unwrap_or_else(|| machine.code_name(id).to_owned());
-        Rule { style: Style::Axes, ..Rule::plain(&word) }
+        Rule { style: Style::Axes, acts: true, ..Rule::plain(&word) }
     })
 }
 

@@ -37,7 +37,7 @@ pub use frame::Frame;
 pub use function::Function;
 pub use lifecycle::Phase;
 pub use message::Message;
-pub use mode::{Mode, OffsetKind, ToolOffset};
+pub use mode::{Carried, Mode, OffsetKind, ToolOffset};
 pub use motion::{FeedUnit, Motion, MotionKind};
 pub use spindle::{Direction, Spindle};
 pub use stop::Stop;

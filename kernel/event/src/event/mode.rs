@@ -3,8 +3,8 @@
 use std::borrow::Cow;
 use std::fmt;
 
-use super::Kind;
 use super::declare::{record, words};
+use super::{Kind, Position};
 
 words! {
     /// What a tool offset corrects.
@@ -28,6 +28,19 @@ record! {
 }
 
 record! {
+    /// An axis of the channel that another one has brought along.
+    #[derive(Debug, Clone, PartialEq)]
+    pub struct Carried {
+        /// Where the channel was, in the work frame.
+        pub from: Box<Position> = 1,
+        /// Where it is.
+        pub to: Box<Position> = 2,
+        /// The axis and the one that it follows: `Z2 with Z1`.
+        pub axes: Box<str> = 3,
+    }
+}
+
+record! {
     /// A modal state changed. *Invariant:* what a result needs of it is a field; the text is for people only.
     #[derive(Debug, Clone, PartialEq)]
     pub struct Mode {
@@ -35,6 +48,8 @@ record! {
         pub text: Cow<'static, str> = 1,
         /// The tool offset that comes with it.
         pub offset: Option<ToolOffset> = 2 [wire],
+        /// The axis that a coupling has moved meanwhile.
+        pub carried: Option<Box<Carried>> = 3 [wire],
     }
 
     fn action(&self, _: fn(f64) -> String) -> Option<String> {
@@ -52,13 +67,18 @@ impl fmt::Display for Mode {
 impl Kind {
     /// A modal state, in the words of the listing.
     pub fn mode(text: impl Into<Cow<'static, str>>) -> Self {
-        Self::Mode(Mode { text: text.into(), offset: None })
+        Self::Mode(Mode { text: text.into(), offset: None, carried: None })
+    }
+
+    /// A coupling of axes, in the words of the listing, and the axis that it has moved.
+    pub fn coupling(text: String, carried: Option<Carried>) -> Self {
+        Self::Mode(Mode { text: text.into(), offset: None, carried: carried.map(Box::new) })
     }
 
     /// Compensation by a tool offset, in the words of the listing. Numbers that no offset can have are left to the words.
     pub fn compensation(text: impl Into<Cow<'static, str>>, kind: OffsetKind, number: f64) -> Self {
         let whole = (0.0..=f64::from(u32::MAX)).contains(&number) && number.fract() == 0.0;
         let offset = whole.then_some(ToolOffset { kind, number: number as u32 });
-        Self::Mode(Mode { text: text.into(), offset })
+        Self::Mode(Mode { text: text.into(), offset, carried: None })
     }
 }

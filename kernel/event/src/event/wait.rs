@@ -36,6 +36,8 @@ record! {
         pub participants: Arc<[u16]> = 3,
         /// The mark as the listing names it: `101`.
         pub mark: Arc<str> = 4 [wire],
+        /// The code does more than wait: it begins or ends balance cutting or a coupling of axes.
+        pub acts: bool = 5 [wire],
     }
 
     fn action(&self, _: fn(f64) -> String) -> Option<String> {

@@ -10,7 +10,7 @@ fn point(key: &str, kind: Primitive, (release, by): (i64, u16), arrivals: &[(u16
     let arrival =
         |&(channel, t): &(u16, i64)| Arrival { channel, t_ns: t * S, file: "p.nc".into(), line: 1, block: key.into() };
     let arrivals = arrivals.iter().map(arrival).collect();
-    SyncPoint { key: key.into(), kind, release_ns: Some(release * S), by, arrivals }
+    SyncPoint { key: key.into(), kind, release_ns: Some(release * S), by, acts: false, arrivals }
 }
 
 fn barrier(key: &str, release: (i64, u16), arrivals: &[(u16, i64)]) -> SyncPoint {
@@ -72,6 +72,19 @@ fn a_sync_point_right_after_another_one_is_redundant() {
     // Not if one of its channels came from elsewhere.
     let third = [barrier("M101", (5, 2), &[(1, 2), (2, 5)]), barrier("M102", (5, 2), &[(1, 5), (2, 5), (3, 5)])];
     assert_eq!(Analysis::of(&[(1, 9 * S), (2, 9 * S), (3, 9 * S)], &third).redundant, [] as [Arc<str>; 0]);
+}
+
+#[test]
+fn a_code_that_begins_or_ends_something_is_never_redundant() {
+    let acts = |point: SyncPoint| SyncPoint { acts: true, ..point };
+    let points = [
+        barrier("M102", (5, 2), &[(1, 2), (2, 5)]),
+        acts(barrier("G68", (5, 2), &[(1, 5), (2, 5)])),
+        acts(barrier("G68 cut", (5, 2), &[(1, 5), (2, 5)])),
+        acts(barrier("G69", (7, 2), &[(1, 6), (2, 7)])),
+        barrier("M103", (7, 2), &[(1, 7), (2, 7)]),
+    ];
+    assert_eq!(Analysis::of(&[(1, 9 * S), (2, 9 * S)], &points).redundant, ["M103".into()]);
 }
 
 #[test]

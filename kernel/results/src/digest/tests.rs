@@ -107,8 +107,13 @@ fn every_field_counts() {
     };
     let member = Member { channel: 1, file: 0, line: 3, waiting_for: vec![2] };
     let verdict = Verdict { kind: VerdictKind::Cycle, at_ns: 1, text: "t".into(), members: vec![member.clone()] };
-    let wait =
-        Wait { key: "M101".into(), primitive: Primitive::Barrier, participants: [1, 2].into(), mark: "101".into() };
+    let wait = Wait {
+        key: "M101".into(),
+        primitive: Primitive::Barrier,
+        participants: [1, 2].into(),
+        mark: "101".into(),
+        acts: false,
+    };
     let release = Release {
         key: "M101".into(),
         primitive: Primitive::Barrier,

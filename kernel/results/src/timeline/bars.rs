@@ -33,6 +33,9 @@ pub struct Bar {
     /// Mark of a wait.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub label: Option<Arc<str>>,
+    /// The axis that another channel moved meanwhile: `Z2 with Z1`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub carried: Option<Box<str>>,
     /// Time of the kind, when shorter ones of other kinds are inside.
     #[serde(skip)]
     pub(super) own_ns: i64,
@@ -53,6 +56,7 @@ impl Bar {
         } else if next.own_ns > self.own_ns {
             (self.kind, self.own_ns) = (next.kind, next.own_ns);
             self.label = next.label.take();
+            self.carried = next.carried.take();
         }
     }
 }
@@ -83,10 +87,19 @@ impl Bars {
             && last.kind != Work::Wait
             && last.end_ns() == t_ns
         {
-            last.absorb(&mut Bar { kind, t_ns, dur_ns, line, end_line: line, label: None, own_ns: dur_ns });
+            last.absorb(&mut Bar {
+                kind,
+                t_ns,
+                dur_ns,
+                line,
+                end_line: line,
+                label: None,
+                carried: None,
+                own_ns: dur_ns,
+            });
             return;
         }
-        self.add(Bar { kind, t_ns, dur_ns, line, end_line: line, label: None, own_ns: dur_ns });
+        self.add(Bar { kind, t_ns, dur_ns, line, end_line: line, label: None, carried: None, own_ns: dur_ns });
     }
 
     /// A wait that is over.
@@ -94,7 +107,26 @@ impl Bars {
         let (dur_ns, line) = (t_ns.saturating_sub(since_ns), stay.line);
         if dur_ns > 0 {
             let label = Some(stay.key());
-            self.add(Bar { kind: Work::Wait, t_ns: since_ns, dur_ns, line, end_line: line, label, own_ns: dur_ns });
+            self.add(Bar {
+                kind: Work::Wait,
+                t_ns: since_ns,
+                dur_ns,
+                line,
+                end_line: line,
+                label,
+                carried: None,
+                own_ns: dur_ns,
+            });
+        }
+    }
+
+    /// An axis has been moved by another channel during the wait that ended just now, if it took time.
+    pub fn carried(&mut self, t_ns: i64, axes: &str) {
+        if let Some(last) = self.bars.last_mut()
+            && last.kind == Work::Wait
+            && last.end_ns() == t_ns
+        {
+            last.carried = Some(axes.into());
         }
     }
 

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::*;
 use crate::testing::*;
-use counterpoint_event::event::{Dwell, Event, Kind, MotionKind, Phase, ToolAction, ToolChange};
+use counterpoint_event::event::{Carried, Dwell, Event, Kind, MotionKind, Phase, ToolAction, ToolChange};
 
 const S: i64 = 1_000_000_000;
 
@@ -50,6 +50,37 @@ fn neighbours_of_one_kind_are_one_bar() {
         {"tool": 1, "operation": "", "t_ns": 3 * S, "end_ns": 10 * S, "file": "jobs/p1.nc", "line": 4}
     ]);
     assert_eq!(json["channels"][0]["tools"], tools);
+}
+
+#[test]
+fn a_slave_moves_below_its_wait_and_on_the_path() {
+    let carried = |t: i64| {
+        let (from, to) = (Box::new(position(&[40.0, -35.0])), Box::new(position(&[40.0, -65.0])));
+        let carried = Carried { from, to, axes: "Z2 with Z1".into() };
+        at(2, 10, t * S, 0, Kind::coupling("synchronous off Z1 Z2 z=-65".into(), Some(carried)))
+    };
+    let events = [
+        at(2, 9, 0, S, Kind::Motion(motion(MotionKind::Linear, &[40.0, 0.0], &[40.0, -35.0]))),
+        wait(2, 10, S, "G50.4 Q203", &[1, 2]),
+        release(2, 10, S, 4 * S, "G50.4 Q203", 1),
+        carried(4),
+        at(2, 11, 4 * S, S, Kind::Motion(motion(MotionKind::Rapid, &[40.0, -65.0], &[40.0, 0.0]))),
+        // Another wait that took no time: nothing moved during it.
+        carried(5),
+        life(2, 5 * S, Phase::ProgramEnd),
+    ];
+    let info = lathe(&["x", "y"]);
+    let results = results(&info, &events, &outcome(events.len()));
+    let svg = results.timeline.svg();
+    let json = serde_json::to_value(&results.timeline).unwrap();
+    let bars = &json["channels"][1]["bars"];
+    assert_eq!((bars[0]["carried"].as_str(), bars[1]["carried"].as_str()), (None, Some("Z2 with Z1")));
+    assert_eq!((bars[1]["kind"].as_str(), bars[2]["carried"].as_str()), (Some("wait"), None));
+    assert!(svg.contains("<title>moves Z2 with Z1 meanwhile</title>"), "{svg}");
+    let path = serde_json::to_value(&results.toolpath).unwrap();
+    let feed = &path["channels"][1]["segments"][0];
+    assert_eq!(feed["points"], serde_json::json!([0.0, 20.0, -35.0, 20.0, -65.0, 20.0]));
+    assert_eq!(feed["lines"], serde_json::json!([9, 10]));
 }
 
 #[test]

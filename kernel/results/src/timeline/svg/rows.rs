@@ -18,6 +18,9 @@ use counterpoint_event::event::Work;
 /// Bars of a row that still get a hint each.
 const FEW: usize = 300;
 
+/// Height of the strip below a wait during which another channel moved an axis.
+const CARRIED: f64 = 8.0;
+
 /// Tools named in a hint.
 const TOOLS: usize = 4;
 
@@ -46,6 +49,7 @@ pub(super) fn draw(
     } else {
         many(out, &runs, top, scale);
     }
+    carried(out, &runs, top, scale);
     if whole || scale.sees(channel.end_ns, channel.end_ns) {
         ending(out, timeline, channel, top, scale);
     }
@@ -58,6 +62,8 @@ struct Run {
     end_ns: i64,
     lines: (u32, u32),
     label: Option<String>,
+    /// The axis that another channel moved meanwhile.
+    carried: Option<String>,
 }
 
 fn runs(bars: &[Bar], scale: &Scale) -> Vec<Run> {
@@ -96,6 +102,7 @@ fn run(kind: Work, bars: &[&Bar]) -> Run {
         end_ns: last.map_or(0, |b| b.end_ns()),
         lines: (first.map_or(0, |b| b.line), last.map_or(0, |b| b.end_line)),
         label: first.filter(|_| bars.len() == 1).and_then(|b| b.label.as_deref()).map(str::to_owned),
+        carried: first.filter(|_| bars.len() == 1).and_then(|b| b.carried.as_deref()).map(str::to_owned),
     }
 }
 
@@ -132,6 +139,22 @@ fn single(out: &mut String, run: &Run, channel: &Channel, top: f64, scale: &Scal
         r#"<rect x="{x:.2}" y="{top:.0}" width="{width:.2}" height="{BAR:.0}" fill="{color}"><title>{}</title></rect>"#,
         escape(&hint)
     );
+}
+
+/// Below the bars of waits during which another channel moved an axis of this one.
+fn carried(out: &mut String, runs: &[Run], top: f64, scale: &Scale) {
+    let (_, color) = style(Work::Feed);
+    for run in runs {
+        let Some(axes) = &run.carried else { continue };
+        let (from, to) = scale.within(run.t_ns, run.end_ns);
+        let (x, width) = (scale.x(from), (scale.x(to) - scale.x(from)).max(0.5));
+        let y = top + BAR - CARRIED;
+        let _ = writeln!(
+            out,
+            r#"<rect x="{x:.2}" y="{y:.0}" width="{width:.2}" height="{CARRIED:.0}" fill="{color}"><title>{}</title></rect>"#,
+            escape(&format!("moves {axes} meanwhile"))
+        );
+    }
 }
 
 fn many(out: &mut String, runs: &[Run], top: f64, scale: &Scale) {
