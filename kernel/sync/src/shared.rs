@@ -82,6 +82,8 @@ pub struct Command {
     pub surface: f64,
     /// Largest rev/min programmed.
     pub limit: f64,
+    /// Smallest rev/min programmed.
+    pub least: f64,
     /// Channel whose X drives constant surface speed.
     pub driver: u16,
     /// Radius at which the surface speed counts, 0 = at X.
@@ -98,6 +100,7 @@ impl Default for Command {
             rpm: 0.0,
             surface: 0.0,
             limit: f64::INFINITY,
+            least: 0.0,
             driver: 0,
             radius: 0.0,
             angle: 0.0,

@@ -257,14 +257,17 @@ pub(super) fn is_variable(cursor: &Cursor<'_>) -> bool {
 pub(super) fn is_value(cursor: &Cursor<'_>) -> bool {
     match cursor.here() {
         Some(b'0'..=b'9' | b'.' | b'+' | b'-' | b'[') => true,
-        Some(b'A'..=b'Z') => {
-            let mut ahead = cursor.clone();
-            let name = ahead.run(|byte| byte.is_ascii_alphabetic());
-            let is_function = FUNCTIONS.iter().any(|(known, _)| *known == name) || Function::named(name).is_some();
-            is_variable(cursor) || (is_function || name == "DEXP") && ahead.here() == Some(b'[')
-        }
+        Some(b'A'..=b'Z') => is_variable(cursor) || is_function(cursor),
         _ => false,
     }
+}
+
+/// A function comes next; a blank may stand before its bracket.
+pub(super) fn is_function(cursor: &Cursor<'_>) -> bool {
+    let mut ahead = cursor.clone();
+    let name = ahead.run(|byte| byte.is_ascii_alphabetic());
+    let known = FUNCTIONS.iter().any(|(known, _)| *known == name) || Function::named(name).is_some();
+    (known || name == "DEXP") && ahead.peek() == Some(b'[')
 }
 
 /// The digits of a number without sign.

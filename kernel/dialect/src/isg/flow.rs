@@ -21,6 +21,9 @@ fn loop_fault<T>(text: &str) -> Outcome<T> {
     Err(Fault::Alarm(&diag::MACRO_LOOP, text.to_owned()))
 }
 
+/// A condition is fulfilled from this absolute value on (TwinCAT programming manual, "Control blocks: IF branching").
+const FULFILLED: f64 = 0.5;
+
 impl Isg {
     /// Labels and control blocks of a file.
     pub(super) fn places(&mut self, host: &dyn Programs, file: FileId) -> Arc<Places> {
@@ -47,7 +50,7 @@ impl Isg {
     }
 
     fn is_true(&mut self, host: &mut dyn Host, condition: &Expr) -> Outcome<bool> {
-        Ok(self.value(host, condition)? != 0.0)
+        Ok(self.value(host, condition)?.abs() >= FULFILLED)
     }
 
     /// The condition of a loop.
@@ -132,9 +135,13 @@ impl Isg {
                 let block = self.block_here(host)?;
                 self.go(host, block.first)
             }
-            Control::EndDo => {
+            Control::EndDo(condition) => {
                 let block = self.block_here(host)?;
-                self.go(host, block.first.saturating_add(1))
+                let again = match condition {
+                    Some(condition) => self.repeats(host, condition)?,
+                    None => true,
+                };
+                if again { self.go(host, block.first.saturating_add(1)) } else { Ok(()) }
             }
             Control::Break => {
                 let block = self.block_here(host)?;
@@ -144,7 +151,6 @@ impl Isg {
                 let block = self.block_here(host)?;
                 match block.kind {
                     Kind::While => self.go(host, block.first),
-                    Kind::Do => self.go(host, block.first.saturating_add(1)),
                     _ => self.go(host, block.last),
                 }
             }

@@ -4,7 +4,7 @@
 //! nor statement stays on the block for the tables of the machine. Invariant: items are in the order of the text.
 
 use super::cursor::{Cursor, Mistake, plain};
-use super::expr::{Expr, Reader, Variable, is_value, is_variable};
+use super::expr::{Expr, Reader, Variable, is_function, is_value, is_variable};
 use super::message;
 use super::signals::{self, Statement};
 
@@ -68,7 +68,8 @@ pub(super) enum Control {
     Continue,
     EndWhile,
     EndFor,
-    EndDo,
+    /// With a condition the loop goes on while it is fulfilled.
+    EndDo(Option<Expr>),
     /// Nothing happens at it: ENDIF, DO, REPEAT, DEFAULT, ENDSWITCH.
     Mark,
 }
@@ -170,7 +171,7 @@ fn word(cursor: &mut Cursor<'_>, letter: u8) -> Result<Option<Item>, Mistake> {
     if close != Some(b'=') && !is_value(&ahead) {
         // A number may stand apart from its address.
         let blank = matches!(close, Some(b' ' | b'\t'));
-        if !blank || !matches!(ahead.peek(), Some(b'0'..=b'9' | b'.' | b'-' | b'=')) {
+        if !blank || !matches!(ahead.peek(), Some(b'0'..=b'9' | b'.' | b'-' | b'=')) && !is_function(&ahead) {
             return Ok(None);
         }
     }
@@ -183,7 +184,8 @@ fn word(cursor: &mut Cursor<'_>, letter: u8) -> Result<Option<Item>, Mistake> {
     if letter == b'M' && matches!(value.as_constant(), Some(17.0 | 29.0)) {
         return Ok(Some(Item::Return));
     }
-    let spelled = value.as_constant().map(|_| spelled);
+    // A number in brackets is an expression.
+    let spelled = Some(spelled).filter(|text| value.as_constant().is_some() && text.parse::<f64>().is_ok());
     Ok(Some(Item::Word { name: char::from(letter), value, spelled }))
 }
 
@@ -268,7 +270,8 @@ fn control(cursor: &mut Cursor<'_>) -> Result<Control, Mistake> {
         "CONTINUE" => Control::Continue,
         "ENDWHILE" => Control::EndWhile,
         "ENDFOR" => Control::EndFor,
-        "ENDDO" => Control::EndDo,
+        "ENDDO" if cursor.peek().is_some() => Control::EndDo(Some(Reader::new(cursor).expression()?)),
+        "ENDDO" => Control::EndDo(None),
         "ENDIF" | "DO" | "REPEAT" | "ENDSWITCH" => Control::Mark,
         _ => return Err(Mistake::syntax(format!("${word} at column {start} is no statement"))),
     };
@@ -322,6 +325,7 @@ mod tests {
         let line = items("N10 G01 X10.5 Y-3 Z[P1+2] F=V.E.FEED");
         let expected = [('G', Some("01")), ('X', Some("10.5")), ('Y', Some("-3")), ('Z', None), ('F', None)];
         assert_eq!(spelled(&line), expected);
+        assert_eq!(spelled(&items("X[8.1] Y-[1] Z-.5")), [('X', None), ('Y', None), ('Z', Some("-.5"))]);
         assert_eq!(spelled(&items("XP1 YSIN[30] Z 4")), [('X', None), ('Y', None), ('Z', Some("4"))]);
         assert!(matches!(items("G04 2.5")[..], [Item::Word { .. }, Item::Time(_)]));
         assert!(matches!(items("G04 P1")[..], [Item::Word { .. }, Item::Time(_)]));

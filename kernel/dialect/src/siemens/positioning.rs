@@ -21,6 +21,12 @@ const LIMITS: [&str; 6] = ["ACC", "VELOLIM", "JERKLIM", "ATOL", "FL", "FGREF"];
 /// Axes of the path.
 const GEOMETRY: [&str; 3] = ["X", "Y", "Z"];
 
+/// A word of an axis, as `X5`, `X-1` or `X=5`.
+fn is_word_of(word: &str, letter: &str) -> bool {
+    let rest = word.strip_prefix(letter);
+    rest.is_some_and(|rest| rest.starts_with(|next: char| next.is_ascii_digit() || "+-.=".contains(next)))
+}
+
 impl Siemens {
     /// POS, POSA or FA of an axis; whether it is one.
     pub(super) fn positions(
@@ -74,11 +80,16 @@ impl Siemens {
 
     /// The positioning axes of the block go; FA counts wherever it stands in the block. Moves that compensation keeps back are
     /// made without them.
-    pub(super) fn go_to_positions(&self, host: &mut dyn Host, left: &mut Left) {
+    pub(super) fn go_to_positions(&self, host: &mut dyn Host, left: &mut Left) -> Outcome<()> {
         if left.beside.is_empty() {
-            return;
+            return Ok(());
         }
         for (letter, to) in &left.beside {
+            if left.words.split(' ').any(|word| is_word_of(word, letter)) {
+                let text =
+                    format!("axis {letter} has a word and POS in the same block; program one of them (alarm 16420)");
+                return Err(Fault::Alarm(&diag::SIEMENS_STATE, text));
+            }
             let feed = self.held.axis_feeds.get(letter).copied().filter(|feed| *feed > 0.0);
             host.go_beside(letter, *to, feed);
         }
@@ -87,6 +98,7 @@ impl Siemens {
         } else {
             left.add(ARRIVE);
         }
+        Ok(())
     }
 
     /// A limit of an axis or a spindle.

@@ -142,7 +142,7 @@ impl Siemens {
         self.orient(host, &mut left)?;
         self.rewrite(host, &mut left)?;
         super::spindles::stop_once(&mut left);
-        self.go_to_positions(host, &mut left);
+        self.go_to_positions(host, &mut left)?;
         self.activate_frames(host, &left.words)?;
         self.finish(host, line, left)
     }

@@ -22,10 +22,10 @@ fn limits(act: &mut Act<'_, '_>, high: bool) -> Acted {
             side.limit = Some(datum.value);
         }
     }
-    // Limits of the speed; the lower one changes nothing.
     match act.take(data::SPINDLE_RPM_MAX).map(|datum| datum.value) {
         Some(limit) if high => act.command_spindle(|command| command.limit = limit),
-        _ => Ok(()),
+        Some(least) => act.command_spindle(|command| command.least = least),
+        None => Ok(()),
     }
 }
 

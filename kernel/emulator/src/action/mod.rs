@@ -126,6 +126,7 @@ const BASE: Actions = Actions {
     flush_old: |kernel| Act::new(kernel).flush_old(),
     end_compensation: |kernel, halt| Act::new(kernel).end_compensation(halt),
     switch_compensation: |kernel| Act::new(kernel).switch_compensation(),
+    resize_compensation: |kernel| Act::new(kernel).resize_compensation(),
     speed_word: |kernel| spindle::speed_word(&mut Act::new(kernel)),
     offset_words: |kernel, free| offset_words::select(&mut Act::new(kernel), free),
     make_hole: |kernel, hole| Act::new(kernel).make_hole(hole),

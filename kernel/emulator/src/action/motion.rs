@@ -122,13 +122,14 @@ impl Act<'_, '_> {
     /// Where programmed points are points of the work frame.
     #[inline(never)]
     fn plain_targets(&mut self) -> (u8, Position) {
-        self.axis_words(self.state.place.position, |act, axis| Some(act.state.place.shift.at(axis)), Self::take_axis)
+        self.axis_words(self.state.place.position, |act, axis| Some(act.shift_in_machine_frame(axis)), Self::take_axis)
     }
 
     #[cold]
     fn targets_in_frames(&mut self) -> (u8, Position) {
         let (coded, target) = self.framed_targets();
         let (coded, target) = self.by_angle(coded, target);
+        self.ways_travelled(coded);
         (coded, self.work_point(&target))
     }
 
@@ -142,8 +143,14 @@ impl Act<'_, '_> {
     fn framed_targets(&mut self) -> (u8, Position) {
         self.check_parts();
         if self.block.flags.machine_frame {
-            let machine = self.machine_point(&self.state.place.position);
-            let (coded, target) = self.axis_words(machine, |_, _| None, Self::take_axis);
+            let tool = self.tool_in_machine_frame();
+            let add = |place: &mut Position, factor: f64| {
+                place.iter_mut().zip(tool).for_each(|(slot, tool)| *slot += factor * tool);
+            };
+            let mut stands = self.machine_point(&self.state.place.position);
+            add(&mut stands, -1.0);
+            let (coded, mut target) = self.axis_words(stands, |_, _| None, Self::take_axis);
+            add(&mut target, 1.0);
             self.ways_travelled(coded);
             return (coded, self.program_point(&self.point_of_machine(&target)));
         }
@@ -166,8 +173,9 @@ impl Act<'_, '_> {
                 }
             }
         }
+        let (coded, target) = self.polar_end(coded, target);
         self.ways_travelled(coded);
-        self.polar_end(coded, target)
+        (coded, target)
     }
 
     /// Takes the word of an axis.

@@ -9,7 +9,7 @@ use crate::state::modal::group;
 use counterpoint_event::event::{Kind, OffsetKind};
 use counterpoint_fault::Acted;
 use counterpoint_machine::ident::{codes, data};
-use counterpoint_machine::model::LengthThere;
+use counterpoint_machine::model::{LengthInMachineFrame, LengthThere};
 
 /// Selects the offsets whose numbers stand on the block; `free`: registers whose words are for no code of it, bit by register.
 pub(crate) fn select(act: &mut Act<'_, '_>, free: u128) -> Acted {
@@ -66,7 +66,7 @@ pub(super) fn at_reference(act: &mut Act<'_, '_>, axes: u8) {
 
 /// Axes go to positions of the machine frame.
 pub(super) fn in_machine_frame(act: &mut Act<'_, '_>, axes: u8) {
-    if act.env.machine.compensation.length.off_in_machine_frame {
+    if act.env.machine.compensation.length.in_machine_frame == LengthInMachineFrame::Off {
         take_off(act, axes);
     }
 }

@@ -35,6 +35,8 @@ pub struct Actions {
     pub(crate) end_compensation: fn(&mut Kernel<'_>, Halt) -> Halt,
     /// A macro has made another code of compensation active.
     pub(crate) switch_compensation: fn(&mut Kernel<'_>) -> Acted,
+    /// Goes on with the radius of another offset on the same side.
+    pub(crate) resize_compensation: fn(&mut Kernel<'_>) -> Acted,
     /// A speed that no code took.
     pub(crate) speed_word: fn(&mut Kernel<'_>) -> Acted,
     /// Numbers of offsets without their codes; the registers whose words no code of the block takes, bit by register.
@@ -76,6 +78,13 @@ impl Kernel<'_> {
     /// A macro has made another code of compensation active.
     pub(crate) fn switch_compensation(&mut self) {
         if let Err(halt) = (self.plan.actions.switch_compensation)(self) {
+            self.keep_halt(halt);
+        }
+    }
+
+    /// A macro has selected another offset of the radius.
+    pub(crate) fn resize_compensation(&mut self) {
+        if let Err(halt) = (self.plan.actions.resize_compensation)(self) {
             self.keep_halt(halt);
         }
     }

@@ -8,6 +8,7 @@ use super::flow::Frame;
 use counterpoint_event::event::{Diagnostic, Event, FileId, Kind, Member, Phase, Verdict, VerdictKind};
 use counterpoint_fault::{self as diag, Facts};
 use counterpoint_fault::{Acted, Halt};
+use counterpoint_machine::ident::data;
 use counterpoint_ports::control::{Limit, State};
 use counterpoint_program::shape::Range;
 use counterpoint_sync::order::Wake;
@@ -92,8 +93,14 @@ impl Kernel<'_> {
         }
         (self.channel.at.clock, self.channel.at.micro) = (tag.t, tag.micro);
         if !self.flow.frames.is_empty() {
-            // A start begins with the codes of a reset, whatever was active at the end of the program before.
+            // A start begins with the codes of a reset and without local frames, whatever was active at the end of the
+            // program before; the tool and its offsets stay.
+            let number = self.channel.state.remembered.value(data::COMP_DIAM);
             self.channel.state.forget_words(self.channel.env.machine);
+            if let Some(number) = number {
+                self.channel.state.remembered.remember(data::COMP_DIAM, number);
+            }
+            (self.channel.state.place.frames, self.channel.state.place.clamped) = (None, 0);
             self.initial_codes();
         }
         let range = Range { number: None, first: program.lines.0, last: program.lines.1 };
@@ -101,9 +108,14 @@ impl Kernel<'_> {
     }
 
     fn begin(&mut self, file: FileId, range: Range, name: Arc<str>) -> Acted {
+        let again = !self.flow.frames.is_empty();
         self.flow.frames.push(Frame::main(file, range, name));
         self.initial_codes();
-        self.initial_frame();
+        if again {
+            self.reframe();
+        } else {
+            self.initial_frame();
+        }
         self.load(file)?;
         self.report_leader(file, range);
         self.interpreter_start();

@@ -147,8 +147,9 @@ impl Kernel<'_> {
             None => (f64::INFINITY, 0.0),
         };
         let max = max.min(command.limit);
+        let min = min.max(command.least).min(max);
         if !command.css {
-            let rpm = command.rpm.min(max);
+            let rpm = if command.rpm > 0.0 { command.rpm.max(command.least).min(max) } else { command.rpm };
             return Ok((rpm > 0.0).then_some(Turning::Fixed(rpm)));
         }
         if command.surface <= 0.0 {

@@ -3,7 +3,7 @@
 //!
 //! Invariant: the angle is one of 0 to 180 degrees.
 
-use crate::model::{Compensation, Corners, LengthRules, LengthThere, OutsideCorner};
+use crate::model::{Compensation, Corners, LengthInMachineFrame, LengthRules, LengthThere, OutsideCorner};
 use crate::toml::section::Section;
 
 /// Reads `[compensation]`.
@@ -38,8 +38,12 @@ fn length(section: &mut Section<'_>) -> LengthRules {
     let mut made = LengthRules::default();
     let there = [("stays", LengthThere::Stays), ("off", LengthThere::Off), ("ends", LengthThere::Ends)];
     made.at_reference = section.choice("length_at_reference", &there).unwrap_or(made.at_reference);
-    let there = [("stays", false), ("off", true)];
-    made.off_in_machine_frame = section.choice("length_in_machine_frame", &there).unwrap_or(made.off_in_machine_frame);
+    let there = [
+        ("stays", LengthInMachineFrame::Stays),
+        ("off", LengthInMachineFrame::Off),
+        ("added", LengthInMachineFrame::Added),
+    ];
+    made.in_machine_frame = section.choice("length_in_machine_frame", &there).unwrap_or(made.in_machine_frame);
     let values = [("at-once", false), ("by-word", true)];
     made.by_word = section.choice("length_values", &values).unwrap_or(made.by_word);
     let changes = [("shift", false), ("move", true)];

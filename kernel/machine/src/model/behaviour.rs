@@ -278,8 +278,8 @@ pub struct Compensation {
 pub struct LengthRules {
     /// At a reference point.
     pub at_reference: LengthThere,
-    /// A move in the machine frame takes it off its axes.
-    pub off_in_machine_frame: bool,
+    /// In moves to positions of the machine frame.
+    pub in_machine_frame: LengthInMachineFrame,
     /// A new value of the offset in force counts from the next block with the code or the word of its number.
     pub by_word: bool,
     /// Codes and numbers move the axis by the change; otherwise they shift the frame, and nothing moves.
@@ -296,6 +296,18 @@ pub enum LengthThere {
     Off,
     /// It ends, whichever axes go there.
     Ends,
+}
+
+/// Role of length compensation in a move to positions of the machine frame.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum LengthInMachineFrame {
+    /// The positions are those of the axes without it; it is in force again in the next block.
+    #[default]
+    Stays,
+    /// The same, and it is taken off the axes that move until the code or a number brings it back.
+    Off,
+    /// The positions are those of the tip of the tool: it is added to them.
+    Added,
 }
 
 /// Words that make corners and directions of lines.

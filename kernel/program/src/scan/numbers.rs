@@ -6,6 +6,9 @@ use crate::block::irregular;
 use crate::key_words::Number;
 use counterpoint_machine::rows::{Excess, NumberFormat, Point, Zeros};
 
+/// All whole numbers below are exact in `f64`.
+const EXACT: f64 = 9_007_199_254_740_992.0;
+
 /// Powers of ten that are exact in `f64`.
 const POW10: [f64; 23] = [
     1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15, 1e16, 1e17, 1e18, 1e19, 1e20,
@@ -107,22 +110,21 @@ impl Read {
     }
 }
 
-/// Value of a number with more digits after the point than its register has.
-#[cold]
+/// Value of a number with more digits after the point than its register has. Programs of CAM systems have one on most words.
+#[inline(never)]
 fn without_excess(number: Number, format: &NumberFormat) -> f64 {
     let Some(power) = POW10.get(usize::from(format.frac)) else { return number.value };
     let units = number.value.abs() * power;
+    if units >= EXACT {
+        return number.value;
+    }
     // Half of the last digit written, so that a binary fraction just below or above a whole or half unit is taken for it.
-    let written = i32::from(number.fraction) - i32::from(format.frac);
-    let near = (0.5 * 10_f64.powi(-written)).max(units * 4.0 * f64::EPSILON);
-    let whole = units.round();
-    let units = if (units - whole).abs() < near {
-        whole
-    } else if format.excess == Excess::Rounded && units.fract() > 0.5 - near {
-        units.ceil()
-    } else {
-        units.floor()
-    };
+    let written = POW10.get(usize::from(number.fraction.saturating_sub(format.frac)));
+    let near = written.map_or(0.0, |written| 0.5 / written).max(units * 4.0 * f64::EPSILON);
+    let below = units as u64 as f64;
+    let rest = units - below;
+    let half = if format.excess == Excess::Rounded { 0.5 } else { 1.0 };
+    let units = if rest > half - near { below + 1.0 } else { below };
     (units / power).copysign(number.value)
 }
 

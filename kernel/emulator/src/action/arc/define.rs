@@ -46,7 +46,7 @@ pub(super) fn coordinate(act: &mut Act<'_, '_>, id: DataId, axis: AxisSlot) -> O
         true => of(&act.programmed()) * scale + datum.value,
         false => {
             let value = datum.value * act.axis_diameter_factor(axis);
-            let shift = if act.block.flags.machine_frame { of(&act.state.place.shift) } else { 0.0 };
+            let shift = if act.block.flags.machine_frame { act.shift_in_machine_frame(axis) } else { 0.0 };
             (value - shift) * scale
         }
     })

@@ -94,7 +94,7 @@ fn way_point(act: &mut Act<'_, '_>) -> (u8, Position) {
             act.diagnose(&diag::AXIS_NOT_IN_CHANNEL, text);
             continue;
         };
-        let shift = act.state.place.shift.at(axis);
+        let shift = act.shift_in_machine_frame(axis);
         let slot = via.at_mut(axis);
         *slot = if datum.incremental || relative && !datum.absolute {
             *slot + datum.value

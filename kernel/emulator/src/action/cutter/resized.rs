@@ -7,8 +7,9 @@ use super::{before, compensated_plane, contour_allowance, no_radius, switched};
 use crate::act::Act;
 use crate::action::entry::Contour;
 use crate::state::cutter::{Stage, Step};
+use crate::state::modal::group;
 use counterpoint_fault::Acted;
-use counterpoint_machine::ident::CodeId;
+use counterpoint_machine::ident::{CodeId, codes};
 use counterpoint_motion::contour::corner::Link;
 use counterpoint_motion::contour::element::Element;
 
@@ -37,6 +38,14 @@ pub(in crate::action) fn resized(act: &mut Act<'_, '_>, code: CodeId) -> Acted {
 }
 
 impl Act<'_, '_> {
+    /// Another number is in force, with or without compensation.
+    pub(in crate::action) fn resize_compensation(&mut self) -> Acted {
+        match self.state.modal.code(group::DIAMETER) {
+            Some(code @ (codes::COMP_DIAM_LEFT | codes::COMP_DIAM_RIGHT)) => resized(self, code),
+            _ => Ok(()),
+        }
+    }
+
     /// The radius that a number of the block has selected counts from the end of its move on; an arc begins beside its start.
     pub(super) fn resize(&mut self, step: &Step, element: &Element) -> Acted {
         let Some(cutter) = self.cutter() else { return Ok(()) };

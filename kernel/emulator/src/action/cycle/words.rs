@@ -11,7 +11,7 @@ use counterpoint_fault as diag;
 use counterpoint_machine::ident::dimension::Dimension;
 use counterpoint_machine::ident::kind::cycle::HoleCycle;
 use counterpoint_machine::ident::{DataId, codes, data};
-use counterpoint_machine::index::{AxisSlot, BySlot};
+use counterpoint_machine::index::AxisSlot;
 use counterpoint_machine::model::Heights;
 use counterpoint_program::block::Datum;
 
@@ -123,7 +123,7 @@ fn height(act: &mut Act<'_, '_>, id: DataId, rule: Heights, scale: f64) -> Optio
     // The word of the axis itself has been taken as its axis counts.
     let own = axis.filter(|axis| act.state.place.layout.axes[*axis].data != id);
     let factor = own.map_or(1.0, |axis| act.axis_diameter_factor(axis));
-    let shift = axis.filter(|_| act.block.flags.machine_frame).map_or(0.0, |axis| act.state.place.shift.at(axis));
+    let shift = axis.filter(|_| act.block.flags.machine_frame).map_or(0.0, |axis| act.shift_in_machine_frame(axis));
     Some(Height { value: datum.value * factor - shift, relative })
 }
 

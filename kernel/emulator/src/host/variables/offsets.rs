@@ -65,7 +65,12 @@ pub(crate) fn find(name: &str) -> Option<(Read, Option<Write>)> {
             },
             Some(|k, _, value| {
                 only_with(k, &DIAMETERS)?;
-                k.channel.state.remembered.remember(data::COMP_DIAM, f64::from(whole(value)));
+                let number = whole(value);
+                let before = k.channel.state.remembered.diameter();
+                k.channel.state.remembered.remember(data::COMP_DIAM, f64::from(number));
+                if number != before {
+                    k.resize_compensation();
+                }
                 Ok(())
             }),
         ),

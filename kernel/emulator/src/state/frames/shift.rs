@@ -6,6 +6,7 @@ use crate::state::modal::group;
 use counterpoint_event::event::{MAX_AXES, Position};
 use counterpoint_machine::ident::{CodeId, codes};
 use counterpoint_machine::index::{AxisSlot, BySlot};
+use counterpoint_machine::model::LengthInMachineFrame;
 
 pub(crate) const DIAMETERS: [CodeId; 3] = [codes::COMP_DIAM_LEFT, codes::COMP_DIAM_RIGHT, codes::COMP_3D_VECTOR];
 
@@ -68,6 +69,17 @@ impl Channel<'_> {
         let axes = shifted.fold(0, |bits, slot| bits | slot.bit()) & axes;
         self.state.place.in_force.length_off |= axes;
         axes != 0
+    }
+
+    /// What the tool adds to positions of the machine frame; under tool centre point control these are places of the machine.
+    pub(crate) fn tool_in_machine_frame(&self) -> Position {
+        let added = self.env.machine.compensation.length.in_machine_frame == LengthInMachineFrame::Added;
+        if added && self.tip().is_none() { self.tool_shift() } else { [0.0; MAX_AXES] }
+    }
+
+    /// How far the work frame lies from the frame in which positions of the machine frame are programmed.
+    pub(crate) fn shift_in_machine_frame(&self, axis: AxisSlot) -> f64 {
+        self.state.place.shift.at(axis) - self.tool_in_machine_frame().at(axis)
     }
 
     /// Presets, the work offset and the tool together.

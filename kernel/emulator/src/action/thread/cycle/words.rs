@@ -44,7 +44,7 @@ pub(super) fn points(act: &mut Act<'_, '_>, ids: [DataId; 2], axes: bool) -> [Op
             if datum.incremental || relative && !datum.absolute {
                 of(&act.programmed()) + datum.value
             } else if act.block.flags.machine_frame {
-                datum.value - of(&act.state.place.shift)
+                datum.value - act.shift_in_machine_frame(axis)
             } else {
                 datum.value
             }
