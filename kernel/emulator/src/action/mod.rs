@@ -55,7 +55,7 @@ mod turned;
 mod turning;
 
 use crate::act::Act;
-use crate::channel::actions::{Action, Actions};
+use crate::channel::actions::{Action, Actions, CompensationChange};
 use crate::state::turning::Task;
 use counterpoint_machine::ident::CodeId;
 use entry::Entry;
@@ -125,8 +125,10 @@ const BASE: Actions = Actions {
     flush_lookahead: |kernel| Act::new(kernel).next_element(None),
     flush_old: |kernel| Act::new(kernel).flush_old(),
     end_compensation: |kernel, halt| Act::new(kernel).end_compensation(halt),
-    switch_compensation: |kernel| Act::new(kernel).switch_compensation(),
-    resize_compensation: |kernel| Act::new(kernel).resize_compensation(),
+    change_compensation: |kernel, change| match change {
+        CompensationChange::Code => Act::new(kernel).switch_compensation(),
+        CompensationChange::Number => Act::new(kernel).resize_compensation(),
+    },
     speed_word: |kernel| spindle::speed_word(&mut Act::new(kernel)),
     offset_words: |kernel, free| offset_words::select(&mut Act::new(kernel), free),
     make_hole: |kernel, hole| Act::new(kernel).make_hole(hole),

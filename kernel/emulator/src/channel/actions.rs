@@ -22,6 +22,15 @@ pub(crate) trait Action: Debug + Sync {
     fn run(&self, kernel: &mut Kernel<'_>, row: &CodeRow, code: &PendingCode) -> Acted;
 }
 
+/// Compensation that a macro changes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum CompensationChange {
+    /// Another code is active.
+    Code,
+    /// Another offset is in force on the same side.
+    Number,
+}
+
 /// The built-in actions: those of codes, and what other stages of the pipeline need of them.
 #[derive(Debug)]
 pub struct Actions {
@@ -33,10 +42,8 @@ pub struct Actions {
     pub(crate) flush_old: fn(&mut Kernel<'_>) -> Acted,
     /// The program has ended, and compensation with it.
     pub(crate) end_compensation: fn(&mut Kernel<'_>, Halt) -> Halt,
-    /// A macro has made another code of compensation active.
-    pub(crate) switch_compensation: fn(&mut Kernel<'_>) -> Acted,
-    /// Goes on with the radius of another offset on the same side.
-    pub(crate) resize_compensation: fn(&mut Kernel<'_>) -> Acted,
+    /// A macro has changed compensation.
+    pub(crate) change_compensation: fn(&mut Kernel<'_>, CompensationChange) -> Acted,
     /// A speed that no code took.
     pub(crate) speed_word: fn(&mut Kernel<'_>) -> Acted,
     /// Numbers of offsets without their codes; the registers whose words no code of the block takes, bit by register.
@@ -77,14 +84,16 @@ impl Kernel<'_> {
 
     /// A macro has made another code of compensation active.
     pub(crate) fn switch_compensation(&mut self) {
-        if let Err(halt) = (self.plan.actions.switch_compensation)(self) {
-            self.keep_halt(halt);
-        }
+        self.change_compensation(CompensationChange::Code);
     }
 
     /// A macro has selected another offset of the radius.
     pub(crate) fn resize_compensation(&mut self) {
-        if let Err(halt) = (self.plan.actions.resize_compensation)(self) {
+        self.change_compensation(CompensationChange::Number);
+    }
+
+    fn change_compensation(&mut self, change: CompensationChange) {
+        if let Err(halt) = (self.plan.actions.change_compensation)(self, change) {
             self.keep_halt(halt);
         }
     }
