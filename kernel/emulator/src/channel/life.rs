@@ -246,10 +246,18 @@ impl Kernel<'_> {
 
     /// Stops the whole job here, at a limit or because it can never continue, and says who was doing what.
     pub(crate) fn limit(&mut self, reason: &str, limit: Option<Limit>) -> Halt {
+        self.stop_all(reason, limit, self.channel.at.line)
+    }
+
+    /// The same, at a line of the loop that never ends or at the block.
+    fn stop_all(&mut self, reason: &str, limit: Option<Limit>, line: u32) -> Halt {
         let kind = limit.map_or(VerdictKind::PartnerSpinning, |_| VerdictKind::Limit);
         let (own_channel, tag, info) = (self.channel.at.channel, self.tag(), self.channel.env.info);
-        let own = self.what_it_did(reason);
-        let (file, line) = (self.channel.at.file, self.channel.at.line);
+        if limit.is_some() {
+            self.report_polled();
+        }
+        let own = self.what_it_did(reason, if limit.is_some() { ":" } else { "" });
+        let file = self.channel.at.file;
         let verdict = self.shared(|order| {
             let mut sentences = vec![own];
             let mut members = Vec::new();
@@ -280,18 +288,18 @@ impl Kernel<'_> {
         }
     }
 
-    fn what_it_did(&self, reason: &str) -> String {
+    fn what_it_did(&self, reason: &str, colon: &str) -> String {
         let pass = self.flow.pass.last();
         let name = self.channel.env.info.place_name(self.channel.at.file, self.channel.at.line);
         if pass.count > 1 {
             let (_, first, last) = pass.key;
             format!(
-                "channel {}: {reason}; it looped {} times over lines {first}-{last} of {name} without a wait",
+                "channel {}{colon} {reason}; it looped {} times over lines {first}-{last} of {name} without reaching a wait",
                 self.channel.at.channel, pass.count
             )
         } else {
             format!(
-                "channel {}: {reason} at {}",
+                "channel {}{colon} {reason} at {}",
                 self.channel.at.channel,
                 verdict::place(self.channel.env.info, self.channel.at.file, self.channel.at.line)
             )
@@ -301,7 +309,7 @@ impl Kernel<'_> {
     /// A loop that only reads shared variables is hopeless once nobody is left to change them.
     pub(crate) fn spinning(&mut self, line: u32, names: &str) -> Halt {
         let place = verdict::place(self.channel.env.info, self.channel.at.file, line);
-        let reason = format!("polls {names} at {place}, and nobody is left to change that");
-        self.limit(&reason, None)
+        let reason = format!("polls {names} at {place}, and no channel is left to change that");
+        self.stop_all(&reason, None, line)
     }
 }

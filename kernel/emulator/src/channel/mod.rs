@@ -36,6 +36,7 @@ pub mod plan;
 mod refusals;
 pub(crate) mod report;
 mod search;
+mod separate;
 mod spindle;
 mod statement;
 pub mod step;

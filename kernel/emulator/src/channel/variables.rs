@@ -9,14 +9,9 @@ use super::Kernel;
 use super::access::Door;
 use super::system_variables::SystemValues;
 use counterpoint_dialect::{CallStack, NotThere, VACANT, is_vacant};
-use counterpoint_fault as diag;
 use counterpoint_machine::model::Variables;
 use counterpoint_sync::races::Mode;
 use counterpoint_sync::separate::Uses;
-use counterpoint_sync::verdict;
-
-/// Variables that a channel reports at its end as read in vain, at most.
-const MOST_IN_VAIN: usize = 20;
 
 /// Local variables #1–#33 of one level.
 type Locals = [f64; 34];
@@ -140,7 +135,7 @@ fn print(index: u32, value: f64) -> u64 {
     mix(mix(value.to_bits() ^ mix(u64::from(index) + 1)) + 1)
 }
 
-fn within(ranges: &[(u32, u32)], index: u32) -> bool {
+pub(super) fn within(ranges: &[(u32, u32)], index: u32) -> bool {
     ranges.iter().any(|&(low, high)| (low..=high).contains(&index))
 }
 
@@ -228,31 +223,6 @@ impl Kernel<'_> {
             }
             0 | 3100 => Err(NotThere::ReadOnly),
             _ => self.set_system_variable(index, value),
-        }
-    }
-}
-
-impl Kernel<'_> {
-    /// The channel ends: reports variables that one channel has read in vain and only another one has written.
-    pub(super) fn report_separate(&mut self) {
-        let uses = std::mem::take(&mut self.dialect.variables.uses);
-        if uses.is_empty() {
-            return;
-        }
-        let channel = self.channel.at.channel;
-        let found = self.shared(|order| order.shared.separate.end(channel, uses)).unwrap_or_default();
-        for one in found.into_iter().take(MOST_IN_VAIN) {
-            let place = |(file, line)| verdict::place(self.channel.env.info, file, line);
-            let ((reader, read), (writer, written)) = (one.reader, one.writer);
-            let text = format!(
-                "channel {reader} reads #{index} at {}, and only channel {writer} writes it, at {}: each channel has a #{index} \
-                 of its own here; if the control shares it (parameters 6036, 6037), run with --set shared={index}-{index} or \
-                 list it in [variables] shared",
-                place(read),
-                place(written),
-                index = one.index,
-            );
-            self.diagnose(&diag::SEPARATE_VARIABLE, text);
         }
     }
 }

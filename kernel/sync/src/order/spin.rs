@@ -128,12 +128,12 @@ impl Order {
         let (first, last) = lap.lines;
         let left_out = seat.nap.map_or(0, |nap| nap.count(self.now, channel));
         let text = format!(
-            "channel {channel}: polls {names} at {}; it looped {} times over lines {first}-{last} of {} without a wait",
+            "channel {channel} polls {names} at {}; it looped {} times over lines {first}-{last} of {} without reaching a wait",
             verdict::place(info, lap.file, first),
             lap.count + left_out,
             info.place_name(lap.file, last)
         );
-        Some((text, Member { channel, file: lap.file, line: last, waiting_for: Vec::new() }))
+        Some((text, Member { channel, file: lap.file, line: first, waiting_for: Vec::new() }))
     }
 }
 
@@ -169,8 +169,8 @@ mod tests {
         order.block(3);
         assert!(lap(&mut order, 1, 0));
         let (text, member) = order.polling(2, &info()).unwrap();
-        assert!(text.starts_with("channel 2: polls #100 at "), "{text}");
-        assert_eq!((member.line, order.polling(3, &info())), (3, None));
+        assert!(text.starts_with("channel 2 polls #100 at "), "{text}");
+        assert_eq!((member.line, order.polling(3, &info())), (2, None));
     }
 
     #[test]
