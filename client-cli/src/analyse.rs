@@ -82,10 +82,10 @@ async fn summary(arguments: &Analyse) -> Result<Vec<u8>, Error> {
     let of = &arguments.of;
     let about = |error: Error| match error {
         Error::Connection(text) => Error::Connection(format!(
-            "'{of}' is no folder and no file, so it is looked for among the jobs of the server: {text}"
+            "there is no file or folder '{of}', and the server cannot be asked for a job with this id: {text}"
         )),
         Error::Refused(status) if status.code() == tonic::Code::NotFound => {
-            Error::Usage(format!("'{of}' is no folder, no file, and no job of the server"))
+            Error::Usage(format!("'{of}' is not a file, a folder or a job of the server"))
         }
         other => other,
     };

@@ -44,7 +44,7 @@ impl FromStr for Encoding {
             .or_else(|| encoding_rs::Encoding::for_label(windows.as_bytes()));
         known.map(Self::Known).ok_or_else(|| {
             format!(
-                "'{text}' is no known code page: give utf-16le, windows-1250 to windows-1258, iso-8859-1 to iso-8859-16, cp437, \
+                "unknown code page '{text}': give utf-16le, windows-1250 to windows-1258, iso-8859-1 to iso-8859-16, cp437, \
                  cp850, shift_jis, euc-kr, gbk, big5, koi8-r"
             )
         })

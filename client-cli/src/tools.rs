@@ -174,7 +174,7 @@ fn of_csv(file: String, text: &str, tool_axis: Option<&str>) -> Result<Tools, Er
                     // A column that is no known one is taken for an axis; a text in it shows that it is none.
                     Column::Axis(title) | Column::Wear(title) => wrong(
                         line,
-                        format!("'{cell}' is not a number: the column '{title}' is none of {COLUMNS}, so it would be an axis"),
+                        format!("unknown column '{title}': columns are {COLUMNS}, and the names of axes; an axis would need a number, not '{cell}'"),
                     ),
                     _ => wrong(line, format!("'{cell}' is not a number")),
                 })
@@ -183,7 +183,7 @@ fn of_csv(file: String, text: &str, tool_axis: Option<&str>) -> Result<Tools, Er
                 Column::Number => {
                     let digits = cell.trim_start_matches(['T', 't', 'D', 'H']);
                     let whole =
-                        digits.parse::<u32>().map_err(|_| wrong(line, format!("'{cell}' is no tool number")))?;
+                        digits.parse::<u32>().map_err(|_| wrong(line, format!("'{cell}' is not a tool number")))?;
                     number = Some(whole);
                 }
                 Column::Name => drop(write!(facts, ", name = {}", toml::Value::String(cell.to_owned()))),
@@ -286,7 +286,7 @@ mod tests {
         for (name, text, with) in [
             ("tools.csv", "name,radius\nA,1\n", "tools.csv:1: the first line names the columns"),
             ("tools.csv", "number,radius\n1,round\n", "tools.csv:2: 'round' is not a number"),
-            ("tools.csv", "number,radius\nA1,2\n", "tools.csv:2: 'A1' is no tool number"),
+            ("tools.csv", "number,radius\nA1,2\n", "tools.csv:2: 'A1' is not a tool number"),
             ("tools.csv", "number,radius\n1,2,3\n", "tools.csv:2: 3 columns"),
             ("tools.csv", "number,radius\n,2\n", "tools.csv:2: the tool has no number"),
             ("tools.toml", "[[codes]]\nid = 1\n", "`codes` is not for a table of tools"),

@@ -800,7 +800,7 @@ fn programs_are_read_in_their_encoding() {
     let (ended, told) = run(&["--encoding", "utf-8"]);
     assert!(ended == 2 && told.contains("no characters of the code page"), "{told}");
     let (ended, told) = run(&["--encoding", "ebcdic"]);
-    assert!(ended == 2 && told.contains("no known code page"), "{told}");
+    assert!(ended == 2 && told.contains("unknown code page 'ebcdic'"), "{told}");
 }
 
 #[test]
@@ -812,7 +812,7 @@ fn plain_mistakes_are_told_by_name() {
     let output = counterpoint(&["run", &part, &part]);
     assert!(code(&output) == 2 && told(&output).contains("never wait for each other"), "{}", told(&output));
     let output = counterpoint(&["analyse", "nodir"]);
-    assert!(code(&output) != 0 && told(&output).contains("'nodir' is no folder and no file"), "{}", told(&output));
+    assert!(code(&output) != 0 && told(&output).contains("there is no file or folder 'nodir'"), "{}", told(&output));
     let help = counterpoint(&["run", "--help"]);
     assert!(String::from_utf8_lossy(&help.stdout).contains("numbers=increments"));
     // The definition in a folder means the folder.
