@@ -24,5 +24,5 @@ pub mod tables;
 mod toml;
 
 pub use counterpoint_signs as signs;
-pub use load::{Loaded, candidates, load};
+pub use load::{Definition, DefinitionKey, DefinitionRow, Loaded, candidates, definition, load, without_key};
 pub use model::Machine;

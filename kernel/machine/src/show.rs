@@ -8,8 +8,11 @@ mod json;
 mod macros;
 mod refusals;
 mod text;
+mod variables;
 
-pub use json::{json, part as json_part};
+pub use groups::subject as group_subject;
+pub use json::{code as code_json, data as data_json, json, part as json_part, register_json};
+pub use variables::variable;
 
 use super::model::Machine;
 use crate::index::RegisterId;

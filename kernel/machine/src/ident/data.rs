@@ -19,6 +19,7 @@ macro_rules! data {
             own: $own,
             kind: $kind,
             dimension: Dimension::$dimension,
+            meaning: concat!($($meaning)?),
         }),*];
         $(#[doc = concat!("`REG_", stringify!($name), "`" $(, ": ", $meaning)?, ".")]
         pub const $name: DataId = DataId::built_in(Position::$name as u16);)*

@@ -8,6 +8,7 @@ macro_rules! codes {
         /// Facts of every identifier, indexed by `CodeId`.
         pub const TABLE: &[CodeFacts] = &[$(CodeFacts {
             name: concat!("CODE_", stringify!($name)), group: $group, order: $order, built_in: $built_in, own: $own, kind: $kind,
+            meaning: concat!($($meaning)?),
         }),*];
         $(#[doc = concat!("`CODE_", stringify!($name), "`" $(, $meaning)?, ".")]
         pub const $name: CodeId = CodeId::built_in(Position::$name as u16);)*

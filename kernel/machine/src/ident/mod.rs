@@ -8,6 +8,7 @@ pub mod data;
 pub mod dimension;
 pub mod kind;
 mod list;
+pub mod meaning;
 mod own;
 pub mod owns;
 pub mod takes;
@@ -45,6 +46,8 @@ pub struct CodeFacts {
     pub own: bool,
     /// What it is about.
     pub kind: kind::CodeKind,
+    /// What an own one means, behind a colon; empty for the others.
+    meaning: &'static str,
 }
 
 impl CodeId {
@@ -88,6 +91,8 @@ pub struct DataFacts {
     pub kind: kind::data::DataKind,
     /// Dimension of its values where the machine does not say.
     pub dimension: dimension::Dimension,
+    /// What an own one means; empty for the others.
+    meaning: &'static str,
 }
 
 /// Other spellings that the pages of the emulated system use for the same identifier (reference README, conflicts).

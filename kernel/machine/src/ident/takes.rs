@@ -169,7 +169,9 @@ pub fn codes_of(data: &str) -> Vec<&'static str> {
     codes::TABLE.iter().map(|facts| facts.name).filter(|code| takes(code)).collect()
 }
 
-fn fits(pattern: &str, name: &str) -> bool {
+/// Whether a list with this entry names this identifier.
+#[must_use]
+pub fn fits(pattern: &str, name: &str) -> bool {
     match pattern.strip_suffix('*') {
         Some(start) => name.starts_with(start),
         None => name == pattern,

@@ -22,6 +22,8 @@ pub(super) struct Merged {
     pub(super) start: Place,
     /// The folder it was loaded from.
     pub(super) folder: String,
+    /// The folders of the chain, its own first.
+    pub(super) chain: Vec<String>,
     /// The own file has signs.
     pub(super) own_signs: bool,
 }
@@ -43,7 +45,7 @@ pub(super) fn read(files: &dyn Files, folder: &str, check: &Check) -> Option<Mer
         check.set_incomplete();
     }
     let table = tables.into_iter().rev().reduce(|parent, child| merge(heritage(parent), child, row_name))?;
-    Some(Merged { table, start, folder: folder.to_owned(), own_signs })
+    Some(Merged { table, start, folder: folder.to_owned(), chain: folders, own_signs })
 }
 
 fn parent_table(files: &dyn Files, seen: &[String], parent: &str, place: &Place, check: &Check) -> Option<Table> {

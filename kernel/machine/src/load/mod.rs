@@ -14,6 +14,7 @@ mod components;
 mod cycles;
 mod data;
 mod defaults;
+mod definition;
 mod diagnostics;
 mod dialogs;
 mod digits;
@@ -52,6 +53,7 @@ mod word;
 #[cfg(test)]
 mod tests;
 
+pub use definition::{Definition, DefinitionKey, DefinitionRow, definition, without_key};
 pub use signs::candidates;
 
 use std::sync::Arc;

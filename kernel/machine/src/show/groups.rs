@@ -9,8 +9,9 @@ use super::{is_alias, sorted_codes, word, written};
 use crate::model::Machine;
 use crate::rows::CodeRow;
 
-/// Documented subjects of the main groups.
-fn subject(group: u16) -> &'static str {
+/// Documented subjects of the main groups; `-` for the others.
+#[must_use]
+pub fn subject(group: u16) -> &'static str {
     match group {
         1 => "motion",
         2 => "plane",

@@ -26,7 +26,7 @@ pub fn json(machine: &Machine) -> Value {
         "codes": sorted_codes(machine).into_iter().map(|row| code(machine, row)).collect::<Vec<_>>(),
         "groups": super::groups::json(machine),
         "macros": super::macros::json(machine),
-    "refusals": super::refusals::json(machine),
+        "refusals": super::refusals::json(machine),
         "data": machine.data.iter().map(|row| data(machine, row)).collect::<Vec<_>>(),
         "axes": machine.axes.iter().map(|axis| axis_json(machine, axis)).collect::<Vec<_>>(),
         "channels": machine.channels.iter().map(|row| channel(machine, row)).collect::<Vec<_>>(),
@@ -124,7 +124,9 @@ fn number_format(format: &NumberFormat) -> Value {
     })
 }
 
-fn register_json(register: &Register) -> Value {
+/// A register.
+#[must_use]
+pub fn register_json(register: &Register) -> Value {
     json!({
         "index": register.index,
         "name": register.name,
@@ -135,10 +137,14 @@ fn register_json(register: &Register) -> Value {
         "secondary": number_format(&register.secondary),
         "increment": register.increment,
         "signed": register.signed,
+        "pointed": register.pointed,
+        "counts_increments": register.counts,
     })
 }
 
-fn code(machine: &Machine, row: &CodeRow) -> Value {
+/// A row of the code table.
+#[must_use]
+pub fn code(machine: &Machine, row: &CodeRow) -> Value {
     let names = |list: &[RegisterId]| list.iter().map(|index| register(machine, *index)).collect::<Vec<_>>();
     let as_data = match &row.form {
         CodeForm::RegisterAsData { data, .. } => Some(machine.data_name(*data)),
@@ -167,7 +173,9 @@ fn code(machine: &Machine, row: &CodeRow) -> Value {
     })
 }
 
-fn data(machine: &Machine, row: &DataRow) -> Value {
+/// A row of the data table.
+#[must_use]
+pub fn data(machine: &Machine, row: &DataRow) -> Value {
     json!({
         "id": machine.data_name(row.id),
         "register": row.register.map(|index| register(machine, index)),

@@ -51,6 +51,8 @@ pub(super) fn json(machine: &Machine) -> Vec<Value> {
             "active": row.active,
             "inactive": row.inactive,
             "word": row.word,
+            "file": row.rule.file,
+            "line": row.rule.line,
         })
     };
     rows(machine).map(row).collect()
