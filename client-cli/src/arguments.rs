@@ -15,7 +15,7 @@ pub(crate) use calibrate::Calibrate;
 pub(crate) use inputs::{Inputs, Levels, On, ProgramFiles, RaceCheck, Switches, Timing};
 pub(crate) use jobs::{JobFilter, Jobs, Priority, RequestArgs, Rerun, State, Watch, When};
 pub(crate) use lint::Lint;
-pub(crate) use machines::{Machine, Part};
+pub(crate) use machines::{Machine, Part, Rows};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -59,6 +59,15 @@ Examples:
   counterpoint jobs --newest --limit 20
   counterpoint jobs --machine fanuc-mill --label part=17 --state failed --since 24h";
 
+const EXPLAIN_EXAMPLES: &str = "\
+Examples:
+  counterpoint explain G76 --machine haas-lathe
+  counterpoint explain M98 P --machine fanuc-mill
+  counterpoint explain '#5021' --machine ./my-mill
+  counterpoint explain CYCLE83 --machine siemens-mill --json
+  counterpoint explain G76                      which machines have the word
+  counterpoint explain no-feed";
+
 const ANALYSE_EXAMPLES: &str = "\
 Examples:
   counterpoint run upper.nc lower.nc --out out && counterpoint analyse out
@@ -83,7 +92,7 @@ pub(crate) enum Command {
     /// Run programs in this process and print a report
     #[command(after_help = RUN_EXAMPLES)]
     Run(Run),
-    /// Judge the waits, calls and jumps of programs without running them
+    /// Check the waits, calls and jumps of programs without running them
     #[command(after_help = LINT_EXAMPLES)]
     Lint(Lint),
     /// Submit programs to a server and print the id of the job
@@ -119,24 +128,21 @@ pub(crate) enum Command {
     /// Put load on a server and report how it copes
     #[command(after_help = LOAD_EXAMPLES)]
     Load(crate::load::arguments::Load),
-    /// Check, list, show and delete machines
+    /// Check, list, show and compare machines, write one of your own, try its tape editor
     #[command(subcommand)]
     Machine(Machine),
     /// Check, rewrite, run and explain macros
     #[command(subcommand)]
     Macro(crate::macros::arguments::Macro),
-    /// Show what decides the cycle time: the critical path over the channels, slack, what waits cost, what a change saves
+    /// Show what decides the cycle time: critical path over the channels, slack, cost of waits, gain of a change
     #[command(after_help = ANALYSE_EXAMPLES)]
     Analyse(Analyse),
-    /// Fit the times of a machine to measured times of the lines of a program, and say how good the fit is
+    /// Fit the times of a machine to measured times of the lines of a program, and report how good the fit is
     #[command(after_help = CALIBRATE_EXAMPLES)]
     Calibrate(Calibrate),
-    /// Explain a diagnostic by its word or number, an alarm, or a word of the macro language
-    Explain {
-        /// Explain this word or number, such as no-feed, 2019001, PS0160, $FSIN, DECLAR, $TLTAB or CODE_RAPID
-        #[arg(value_name = "WORD|NUMBER")]
-        what: String,
-    },
+    /// Explain a word of a program on a machine, a diagnostic, an alarm, or a word of the macro language
+    #[command(after_help = EXPLAIN_EXAMPLES)]
+    Explain(Explain),
     /// Print a completion script for a shell
     Completions {
         /// Print the script for this shell
@@ -262,6 +268,20 @@ pub(crate) struct ResultArgs {
     pub(crate) output: Option<PathBuf>,
     #[command(flatten)]
     pub(crate) remote: Remote,
+}
+
+/// What to explain.
+#[derive(Debug, Args)]
+pub(crate) struct Explain {
+    /// Explain this word or number, such as G76, 'M98 P', '#5021', no-feed, 2019001, PS0160, $FSIN, DECLAR or CODE_RAPID
+    #[arg(value_name = "WORD|NUMBER", required = true)]
+    pub(crate) words: Vec<String>,
+    /// Explain what it does on this machine: the name of a shipped machine, or a folder with machine.toml
+    #[arg(long, value_name = "NAME|DIR")]
+    pub(crate) machine: Option<String>,
+    /// Print JSON
+    #[arg(long)]
+    pub(crate) json: bool,
 }
 
 /// What to analyse.

@@ -17,7 +17,7 @@ use crate::report::report;
 use crate::step::{Interrupt, Stepper};
 use crate::summary::Summary;
 use crate::text::time;
-use crate::{admin, analyse, calibrate, completions, jobs, lint, load, machines, macros, results, run, say};
+use crate::{admin, analyse, calibrate, completions, explain, jobs, lint, load, machines, macros, results, run, say};
 
 /// Executes a command and returns the exit code.
 pub(crate) async fn dispatch(command: Command) -> Result<u8, Error> {
@@ -45,7 +45,7 @@ pub(crate) async fn dispatch(command: Command) -> Result<u8, Error> {
         Command::Load(arguments) => load::load(arguments).await,
         Command::Machine(arguments) => machines::dispatch(arguments).await,
         Command::Macro(command) => macros::dispatch(&command),
-        Command::Explain { what } => macros::explain(&what),
+        Command::Explain(arguments) => explain::explain(&arguments),
         Command::Completions { shell } => {
             say::data(completions::script(shell).as_bytes())?;
             Ok(0)

@@ -15,16 +15,16 @@ pub(crate) fn script(shell: Shell) -> String {
     // `mut_arg` would move a positional argument to the end.
     let named = |command: Command| {
         command.mut_args(|argument| match argument.get_id().as_str() {
-            "machine" => argument.value_parser(PossibleValuesParser::new(names.clone())),
+            "machine" | "a" | "b" => argument.value_parser(PossibleValuesParser::new(names.clone())),
             _ => argument,
         })
     };
     let mut command = Arguments::command();
-    for name in ["run", "submit"] {
+    for name in ["run", "submit", "lint", "explain", "calibrate"] {
         command = command.mut_subcommand(name, named);
     }
     command = command.mut_subcommand("machine", |machine| {
-        ["check", "show"].into_iter().fold(machine, |machine, name| machine.mut_subcommand(name, named))
+        ["check", "show", "diff", "edit"].into_iter().fold(machine, |machine, name| machine.mut_subcommand(name, named))
     });
     let mut script = Vec::new();
     clap_complete::generate(shell, &mut command, "counterpoint", &mut script);
@@ -59,6 +59,13 @@ mod tests {
         ] {
             let script = script(shell);
             assert!(script.contains(&folders), "{shell}: {script}");
+            // The option of run, submit, lint, explain and calibrate; zsh also completes arguments.
+            let least = match shell {
+                Shell::Bash => 5,
+                Shell::Zsh => 10,
+                _ => 1,
+            };
+            assert!(script.matches(&folders).count() >= least, "{shell}");
         }
     }
 }

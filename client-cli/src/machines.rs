@@ -6,12 +6,13 @@ use counterpoint_kernel::machine::package;
 use counterpoint_lang::ident;
 use counterpoint_proto::v1;
 
-use crate::arguments::{Machine, Part};
+use crate::arguments::{Machine, Part, Rows};
 use crate::client::Client;
 use crate::error::Error;
+use crate::machine_view::View;
 use crate::text::table;
 use crate::tools::Tools;
-use crate::{findings, own_machine, pack, say};
+use crate::{findings, machine_diff, machine_view, own_machine, pack, say, tape_trial};
 
 pub(crate) async fn dispatch(command: Machine) -> Result<u8, Error> {
     match command {
@@ -19,7 +20,13 @@ pub(crate) async fn dispatch(command: Machine) -> Result<u8, Error> {
         Machine::New { folder, from } => own_machine::create(&folder, &from),
         Machine::List { at } => list(at.server.as_deref()).await,
         Machine::Delete { machine, remote } => delete(machine, &remote.server).await,
-        Machine::Show { machine, part, json, at } => show(&machine, part, json, at.server.as_deref()).await,
+        Machine::Show { machine, rows: Rows { changed: true, .. }, json, .. } => machine_diff::changed(&machine, json),
+        Machine::Show { machine, part, rows, json, at } => {
+            let view = View { sort: rows.sort, filter: rows.filter };
+            show(&machine, part, &view, json, at.server.as_deref()).await
+        }
+        Machine::Diff { a, b, json } => machine_diff::diff(&a, &b, json),
+        Machine::Edit { machine, lines, all, json } => tape_trial::edit(&machine, &lines, all, json),
     }
 }
 
@@ -31,7 +38,7 @@ async fn check(machine: &str, server: Option<&str>) -> Result<u8, Error> {
         client.upload(&files.blobs()).await?;
         request = v1::CheckMachineRequest { name, files: machine_files(files) };
     } else {
-        known(&client, machine)?;
+        known(machine, client.is_embedded())?;
     }
     let answer = client.machines().check_machine(request).await?.into_inner();
     findings::print(&answer.findings);
@@ -60,16 +67,16 @@ async fn delete(name: String, server: &str) -> Result<u8, Error> {
     Ok(0)
 }
 
-async fn show(machine: &str, part: Part, json: bool, server: Option<&str>) -> Result<u8, Error> {
+async fn show(machine: &str, part: Part, view: &View, json: bool, server: Option<&str>) -> Result<u8, Error> {
     let client = Client::at(server).await?;
     let name = if pack::is_folder(machine) {
         put_machine(&client, Path::new(machine)).await?
     } else {
-        known(&client, machine)?;
+        known(machine, client.is_embedded())?;
         machine.to_owned()
     };
     let section = match part {
-        Part::All => v1::MachineSection::All,
+        Part::All | Part::Undefined => v1::MachineSection::All,
         Part::Codes => v1::MachineSection::Codes,
         Part::Data => v1::MachineSection::Data,
         Part::Axes => v1::MachineSection::Axes,
@@ -78,15 +85,21 @@ async fn show(machine: &str, part: Part, json: bool, server: Option<&str>) -> Re
         Part::Macros => v1::MachineSection::Macros,
         Part::Refusals => v1::MachineSection::Refusals,
     };
-    let request = v1::GetMachineRequest { name, section: section.into(), json };
-    let text = client.machines().get_machine(request).await?.into_inner().text;
+    let undefined = part == Part::Undefined;
+    let request = v1::GetMachineRequest { name, section: section.into(), json: json || undefined };
+    let mut text = client.machines().get_machine(request).await?.into_inner().text;
+    if undefined {
+        let found = machine_view::undefined(&serde_json::from_str(&text).unwrap_or_default());
+        text = if json { found.to_string() } else { machine_view::undefined_text(&found) };
+    }
+    let text = if json { view.json(&text)? } else { view.text(&text)? };
     say::data(text.as_bytes())?;
     Ok(0)
 }
 
 /// Refuses a machine that is neither a folder with a definition nor a known name. The names on a remote server are not
 /// known here.
-pub(crate) fn known(client: &Client, machine: &str) -> Result<(), Error> {
+pub(crate) fn known(machine: &str, embedded: bool) -> Result<(), Error> {
     let names = package::shipped_names();
     if names.iter().any(|name| name == machine) {
         return Ok(());
@@ -96,7 +109,7 @@ pub(crate) fn known(client: &Client, machine: &str) -> Result<(), Error> {
             "'{machine}' has no machine.toml: give the name of a machine, or a folder with machine.toml"
         )));
     }
-    if client.is_embedded() {
+    if embedded {
         let near = ident::nearest(machine, names.iter().map(String::as_str));
         let near = near.map(|near| format!("did you mean {near}? ")).unwrap_or_default();
         return Err(Error::Usage(format!(

@@ -138,7 +138,7 @@ pub(crate) async fn machine(client: &Client, inputs: &Inputs, pack: &pack::Pack,
         return changed(client, &guess.machine, inputs).await;
     };
     if !pack::is_folder(machine) {
-        machines::known(client, machine)?;
+        machines::known(machine, client.is_embedded())?;
     }
     changed(client, machine, inputs).await
 }

@@ -95,8 +95,9 @@ pub(crate) struct On {
     /// do not show it]
     #[arg(long, value_name = "NAME|DIR")]
     pub(crate) machine: Option<String>,
-    /// Set a datum of the machine for this run: `waits=FIRST-LAST`, the M codes that are waiting codes, or `numbers=increments`:
-    /// coordinates without a decimal point count least increments
+    /// Set a datum of the machine for this run (repeat for several): `waits=900-999`, the M codes that are waiting codes;
+    /// `numbers=increments`, coordinates without a decimal point count least increments; `system=B`, the G codes of a lathe
+    /// (A, B or C); `shared=500-549`, common variables that all channels share
     #[arg(long, value_name = "KEY=VALUE")]
     pub(crate) set: Vec<Setting>,
     /// Take tools, tool offsets and work offsets from this table: TOML rows as in a machine definition, or a CSV file with a

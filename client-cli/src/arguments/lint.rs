@@ -7,7 +7,7 @@ use super::{Inputs, Levels, On, ProgramFiles, Switches};
 
 #[derive(Debug, Args)]
 pub(crate) struct Lint {
-    /// Judge these programs, one per channel from left to right; FILE#2102 is program O2102 of FILE,
+    /// Check these programs, one per channel from left to right; FILE#2102 is program O2102 of FILE,
     /// FILE#NAME the program or section of that name (`PART_1`, `$2`, `G14`); - reads standard input, once
     #[arg(required = true, value_name = "PROGRAM")]
     programs: Vec<String>,

@@ -6,6 +6,23 @@ use clap::{Args, Subcommand, ValueEnum};
 
 use crate::remote::Remote;
 
+const SHOW_EXAMPLES: &str = "\
+Examples:
+  counterpoint machine show fanuc-mill codes --sort file
+  counterpoint machine show fanuc-mill data --filter cycle --json
+  counterpoint machine show ./my-mill --changed
+  counterpoint machine show fanuc-mill undefined --filter tilt";
+
+const DIFF_EXAMPLES: &str = "\
+Examples:
+  counterpoint machine diff fanuc-mill haas-mill
+  counterpoint machine diff ./old-mill ./my-mill --json";
+
+const EDIT_EXAMPLES: &str = "\
+Examples:
+  counterpoint machine edit mitsubishi-mill 'G65P9010L2'
+  counterpoint machine edit ./my-mill - < part.nc";
+
 #[derive(Debug, Subcommand)]
 pub(crate) enum Machine {
     /// Check a machine and print findings with file, line and column
@@ -36,18 +53,62 @@ pub(crate) enum Machine {
         remote: Remote,
     },
     /// Show a machine or a part of it
+    #[command(after_help = SHOW_EXAMPLES)]
     Show {
         /// Name of a machine, or a folder with machine.toml
         machine: String,
         /// Show only this part
         #[arg(value_enum, default_value = "all")]
         part: Part,
+        #[command(flatten)]
+        rows: Rows,
         /// Print JSON
         #[arg(long)]
         json: bool,
         #[command(flatten)]
         at: At,
     },
+    /// Compare the definitions of two machines, section by section and row by row
+    #[command(after_help = DIFF_EXAMPLES)]
+    Diff {
+        /// Name of a shipped machine, or a folder with machine.toml
+        a: String,
+        /// Name of the other one, or its folder
+        b: String,
+        /// Print JSON
+        #[arg(long)]
+        json: bool,
+    },
+    /// Try the tape editor of a machine on lines: the line after every rule that changes it
+    #[command(after_help = EDIT_EXAMPLES)]
+    Edit {
+        /// Name of a shipped machine, or a folder with machine.toml
+        machine: String,
+        /// Lines to edit; - reads lines from standard input
+        #[arg(value_name = "LINE", required = true)]
+        lines: Vec<String>,
+        /// Try rules that are off at the start of a program, too
+        #[arg(long)]
+        all: bool,
+        /// Print JSON
+        #[arg(long)]
+        json: bool,
+    },
+}
+
+/// Which rows of the tables are shown, and in which order.
+#[derive(Debug, Default, Args)]
+pub(crate) struct Rows {
+    /// Sort the rows by a column of the table, such as word, code, order, group, name or file
+    #[arg(long, value_name = "COLUMN")]
+    pub(crate) sort: Option<String>,
+    /// Show only rows that have this text, in capital or small letters
+    #[arg(long, value_name = "TEXT")]
+    pub(crate) filter: Option<String>,
+    /// Show only the keys that differ from the family that the machine extends, with both values; shipped machines and
+    /// folders only
+    #[arg(long, conflicts_with_all = ["sort", "filter", "part"])]
+    pub(crate) changed: bool,
 }
 
 /// A server, or this program itself.
@@ -69,4 +130,6 @@ pub(crate) enum Part {
     Axes,
     Channels,
     Refusals,
+    /// Built-in codes and data, and letters, that the machine does not define
+    Undefined,
 }

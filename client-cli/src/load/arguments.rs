@@ -13,7 +13,7 @@ pub(crate) struct Load {
     /// Read the kinds of jobs from this TOML file: `[[job]]` with name, weight, machine, programs or made, watch
     #[arg(long, value_name = "FILE")]
     pub(crate) mix: PathBuf,
-    /// Submit this many jobs a second, whatever comes of them
+    /// Submit this many jobs per second, regardless of how they end
     #[arg(long, value_name = "N", group = "pace", value_parser = rate)]
     pub(crate) rate: Option<f64>,
     /// Let this many callers submit one job after the other; a caller follows a job that is watched to its end

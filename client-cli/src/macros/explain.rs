@@ -20,18 +20,24 @@ static PAGES: Dir<'_> = include_dir!("$CARGO_MANIFEST_DIR/../docs/diagnostics");
 
 /// Prints the explanation of a number or a name.
 pub(crate) fn explain(what: &str) -> Result<u8, Error> {
+    let text = explanation(what).ok_or_else(|| Error::Usage(unknown(what)))?;
+    say::data(text.as_bytes())?;
+    Ok(0)
+}
+
+/// The explanation of a number or a name.
+pub(crate) fn explanation(what: &str) -> Option<String> {
     // A word such as CYCLE may name a kind of macro, too.
     let names = || match (kind(what), named(what)) {
         (Some(kind), Some(name)) => Some(format!("{kind}\n{name}")),
         (kind, name) => kind.or(name),
     };
-    match page(what).or_else(names).or_else(|| alarm(what)) {
-        Some(text) => {
-            say::data(text.as_bytes())?;
-            Ok(0)
-        }
-        None => Err(Error::Usage(unknown(what))),
-    }
+    page(what).or_else(names).or_else(|| alarm(what))
+}
+
+/// The pages of a diagnostic or of an alarm.
+pub(crate) fn diagnostic(what: &str) -> Option<String> {
+    page(what).or_else(|| alarm(what))
 }
 
 /// The page of a number or of its word.
@@ -79,7 +85,7 @@ pub(crate) fn remedy(number: u32) -> Option<String> {
 }
 
 /// Text of a page with `[text](address)` as `text`.
-fn without_links(text: &str) -> String {
+pub(crate) fn without_links(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     let mut rest = text;
     while let Some((before, link)) = rest.split_once('[') {
@@ -206,7 +212,7 @@ fn word(name: &str) -> Option<String> {
 }
 
 /// The message for an unknown name.
-fn unknown(what: &str) -> String {
+pub(crate) fn unknown(what: &str) -> String {
     let name = what.trim().to_uppercase();
     if let Ok(number) = name.parse::<f64>() {
         return format!("diagnostic {} not found", format::wildcard_text(number));

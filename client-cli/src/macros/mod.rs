@@ -20,7 +20,7 @@ use counterpoint_lang_standalone::File;
 use crate::error::Error;
 use crate::{say, standard_input};
 use arguments::Macro;
-pub(crate) use explain::{explain, remedy};
+pub(crate) use explain::{diagnostic, explain, explanation, remedy, unknown, without_links};
 
 /// Executes a command and returns the exit code.
 pub(crate) fn dispatch(command: &Macro) -> Result<u8, Error> {

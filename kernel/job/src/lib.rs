@@ -16,3 +16,4 @@ mod multi;
 pub mod plans;
 mod prepared;
 mod step;
+pub mod tape;

@@ -12,6 +12,7 @@ mod variables;
 
 pub use groups::subject as group_subject;
 pub use json::{code as code_json, data as data_json, json, part as json_part, register_json};
+pub use text::word_call;
 pub use variables::variable;
 
 use super::model::Machine;

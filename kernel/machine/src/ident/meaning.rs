@@ -25,11 +25,12 @@ const WORDS: &[(&str, &str)] = &[
 /// The meaning of a built-in code or of built-in data; none of other names.
 #[must_use]
 pub fn of(name: &str) -> Option<String> {
-    let (name, own) = match (super::code(name).and_then(super::code_facts), super::data(name).and_then(super::data_facts)) {
-        (Some(code), _) => (code.name, code.meaning),
-        (None, Some(data)) => (data.name, data.meaning),
-        (None, None) => return None,
-    };
+    let (name, own) =
+        match (super::code(name).and_then(super::code_facts), super::data(name).and_then(super::data_facts)) {
+            (Some(code), _) => (code.name, code.meaning),
+            (None, Some(data)) => (data.name, data.meaning),
+            (None, None) => return None,
+        };
     let own = own.trim_start_matches(": ");
     if !own.is_empty() {
         return Some(own.to_owned());
@@ -81,7 +82,10 @@ mod tests {
     #[test]
     fn meanings_come_from_rows_beginnings_and_names() {
         assert_eq!(of("CODE_THREAD_MULTI").as_deref(), Some("threading cycle, all passes"));
-        assert_eq!(of("code_position_preset").as_deref(), Some("preset of the work frame (Fanuc G50/G92 with axis words)"));
+        assert_eq!(
+            of("code_position_preset").as_deref(),
+            Some("preset of the work frame (Fanuc G50/G92 with axis words)")
+        );
         assert_eq!(of("CODE_CLAMP_CT2").as_deref(), Some("clamps the axis CT2"));
         assert_eq!(of("CODE_SPINDLE01_CCLW").as_deref(), Some("spindle01 counter-clockwise"));
         assert_eq!(of("DATA_LCS_TRANS_X").as_deref(), Some("shift along X"));

@@ -126,8 +126,12 @@ fn taken(id: CodeId) -> &'static str {
     match id.kind() {
         CodeKind::Arc(_) => ARC,
         CodeKind::Thread(_) => "REG_INTERP_THREAD_* REG_AXIS_*",
-        CodeKind::ThreadCycle(ThreadCycle { multi: false, .. }) => "REG_THREAD_SINGLE_*",
-        CodeKind::ThreadCycle(ThreadCycle { multi: true, .. }) => "REG_THREAD_MULTI_*",
+        CodeKind::ThreadCycle(ThreadCycle { multi: false, .. }) => {
+            "REG_THREAD_SINGLE_* REG_INTERP_THREAD_PITCH REG_INTERP_THREAD_ANGLE REG_AXIS_*"
+        }
+        CodeKind::ThreadCycle(ThreadCycle { multi: true, .. }) => {
+            "REG_THREAD_MULTI_* REG_THREAD_CHAMFER_* REG_INTERP_THREAD_PITCH REG_INTERP_THREAD_ANGLE REG_AXIS_*"
+        }
         CodeKind::ThreadSetting(Setting::Chamfer(_)) => "REG_THREAD_CHAMFER_*",
         CodeKind::Cycle(_) => CYCLE,
         CodeKind::Turning(_) => "REG_TURN_* REG_FEED_UPM REG_FEED_UPR REG_AXIS_*",

@@ -65,7 +65,8 @@ fn scaling(mul: f64, add: f64) -> String {
 }
 
 /// A word that calls a program: `G101-G103 calls O9010-O9012 as a macro`.
-pub(super) fn word_call(machine: &Machine, call: &WordCall) -> String {
+#[must_use]
+pub fn word_call(machine: &Machine, call: &WordCall) -> String {
     let letter = register(machine, call.register);
     let range = |sign: &str, first: String, last: String| {
         if first == last { format!("{sign}{first}") } else { format!("{sign}{first}-{sign}{last}") }

@@ -14,7 +14,8 @@ const LAST_LOCAL: u32 = 33;
 #[must_use]
 pub fn variable(machine: &Machine, number: u32) -> Option<Value> {
     let variables = &machine.variables;
-    let within = |ranges: &[(u32, u32)]| ranges.iter().find(|(first, last)| (*first..=*last).contains(&number)).copied();
+    let within =
+        |ranges: &[(u32, u32)]| ranges.iter().find(|(first, last)| (*first..=*last).contains(&number)).copied();
     let known = |means: String, range: (u32, u32), write: bool| {
         let range = json!({ "first": range.0, "last": range.1 });
         Some(json!({ "number": number, "means": means, "write": write, "range": range }))
@@ -123,7 +124,8 @@ mod tests {
     #[test]
     fn numbers_are_what_the_manual_says() {
         let machine = load(&package::shipped(), "fanuc-mill").machine.expect("a machine");
-        let means = |number: u32| variable(&machine, number).map(|found| found["means"].as_str().unwrap_or("").to_owned());
+        let means =
+            |number: u32| variable(&machine, number).map(|found| found["means"].as_str().unwrap_or("").to_owned());
         // #5021 and following: machine coordinates; #5221 and following: G54; #4001: group 1; #4109: F; #2001: length of offset 1.
         assert_eq!(means(5021).as_deref(), Some("position in the frame of the machine, axis 1 of the channel"));
         assert_eq!(means(5222).as_deref(), Some("work offset 1 (G54), axis 2 of the channel"));

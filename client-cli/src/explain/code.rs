@@ -1,0 +1,116 @@
+//! A code of a machine: its row, its group, what it reads, which macro runs, and which blocks with it are refused.
+//!
+//! *Invariant:* everything comes from the checked machine, with the file and the line that define it.
+
+use counterpoint_kernel::machine::Machine;
+use counterpoint_kernel::machine::ident::{CodeId, meaning, takes};
+use counterpoint_kernel::machine::index::{CodeRowId, DataRowId, RegisterId};
+use counterpoint_kernel::machine::refusals::{Active, Refusal, Written};
+use counterpoint_kernel::machine::rows::CodeRow;
+use counterpoint_kernel::machine::show::{self, Show};
+use counterpoint_kernel::machine::tables::form_range;
+use serde_json::{Value, json};
+
+use super::register;
+
+/// One row of the code table.
+pub(super) fn code(machine: &Machine, id: CodeRowId) -> Value {
+    let row = &machine.codes[id];
+    let mut value = show::code_json(machine, row);
+    let name = machine.code_name(row.id);
+    let (group, others) = group(machine, row);
+    let more = json!({
+        "meaning": meaning::of(name).unwrap_or_else(|| "a code of the machine's own".to_owned()),
+        "subject": group,
+        "same_group": others,
+        "active_at_start": machine.initial.contains(&row.id),
+        "reads": reads(machine, row.id).into_iter().map(|id| register::data(machine, id)).collect::<Vec<_>>(),
+        "macros": macros(machine, name),
+        "waits": waits(machine, row),
+        "refusals": refusals(machine, |rule| of_code(rule, row)),
+    });
+    if let (Value::Object(value), Value::Object(more)) = (&mut value, more) {
+        value.extend(more);
+    }
+    value
+}
+
+/// The subject of its group, and the words of the other codes in it.
+fn group(machine: &Machine, row: &CodeRow) -> (&'static str, Vec<Value>) {
+    if row.group == 0 {
+        return ("-", Vec::new());
+    }
+    let same = machine.codes.iter().filter(|other| other.group == row.group && other.id != row.id && other.enable);
+    let same = same.map(|other| show::code_json(machine, other)["word"].clone());
+    let mut words: Vec<Value> = Vec::new();
+    same.filter(|word| word != "-").for_each(|word| {
+        if !words.contains(&word) {
+            words.push(word);
+        }
+    });
+    (show::group_subject(row.group), words)
+}
+
+/// Data rows whose values the action of a code takes.
+pub(super) fn reads(machine: &Machine, code: CodeId) -> Vec<DataRowId> {
+    let patterns = takes::data_of(machine.code_name(code));
+    let read = |id: &DataRowId| {
+        let row = &machine.data[*id];
+        row.enable && patterns.iter().any(|pattern| takes::fits(pattern, machine.data_name(row.id)))
+    };
+    machine.data.ids().filter(read).collect()
+}
+
+/// Macros that the identifier triggers.
+pub(super) fn macros(machine: &Machine, identifier: &str) -> Vec<Value> {
+    let all = show::json_part(machine, Show::Macros);
+    let fires = |row: &&Value| {
+        row["match"].as_array().is_some_and(|names| names.iter().any(|name| name.as_str() == Some(identifier)))
+    };
+    all["macros"].as_array().into_iter().flatten().filter(fires).cloned().collect()
+}
+
+/// What a word of `[[waits]]` does.
+fn waits(machine: &Machine, row: &CodeRow) -> Vec<Value> {
+    let rows = show::json_part(machine, Show::All);
+    let rows = rows["sync"]["waits"].as_array().cloned().unwrap_or_default();
+    let own = machine.sync.waits.iter().zip(rows).filter(|(wait, _)| wait.is_of(&row.form));
+    own.map(|(_, value)| value).collect()
+}
+
+/// Refusals that a question of the caller picks.
+pub(super) fn refusals(machine: &Machine, is: impl Fn(&Refusal) -> bool) -> Vec<Value> {
+    let all = show::json_part(machine, Show::Refusals);
+    let rows = all["refusals"].as_array().cloned().unwrap_or_default();
+    let picked = machine.diagnostics.refusals.iter().zip(rows).filter(|(rule, _)| is(rule));
+    picked.map(|(_, value)| value).collect()
+}
+
+/// A refusal names the code: in its block, as active, or as not active.
+fn of_code(rule: &Refusal, row: &CodeRow) -> bool {
+    let written = |code: &Written| match *code {
+        Written::Id(id) => id == row.id,
+        Written::Word { register, min, max } => {
+            form_range(&row.form).is_some_and(|(of, first, last)| of == register && first <= max && min <= last)
+        }
+    };
+    let state = |states: &[Active]| states.iter().any(|state| state.id == row.id);
+    rule.codes.iter().any(written) || state(&rule.active) || state(&rule.inactive)
+}
+
+/// A refusal looks for words of a register.
+pub(super) fn looks_at(rule: &Refusal, register: RegisterId) -> bool {
+    let bit = register.bit();
+    (rule.with | rule.all | rule.without) & bit != 0 || rule.word.is_some_and(|word| word.register == register)
+}
+
+/// Codes that are written with a register.
+pub(super) fn of_register(machine: &Machine, register: RegisterId) -> Vec<Value> {
+    let of = |row: &&CodeRow| form_range(&row.form).is_some_and(|(id, ..)| id == register);
+    let rows = machine.codes.iter().filter(|row| row.enable).filter(of);
+    rows.map(|row| {
+        let name = machine.code_name(row.id);
+        json!({ "word": show::code_json(machine, row)["word"], "id": name, "meaning": meaning::of(name) })
+    })
+    .collect()
+}

@@ -1,0 +1,291 @@
+//! `explain`: what a word of a program does on a machine; without a machine, a diagnostic, an alarm or a word of macros.
+//!
+//! *Invariant:* the text is made from the data that `--json` prints.
+
+mod code;
+mod elsewhere;
+mod pages;
+mod programs;
+mod register;
+mod text;
+mod trial;
+mod words;
+
+use counterpoint_kernel::machine::index::{CodeRowId, DataRowId};
+use counterpoint_kernel::machine::show;
+use counterpoint_kernel::machine::{Definition, DefinitionKey, Machine};
+use counterpoint_kernel::tape;
+use serde_json::{Value, json};
+
+use crate::arguments::Explain;
+use crate::error::Error;
+use crate::local_machine::LocalMachine;
+use crate::{macros, say};
+use words::Found;
+
+/// Explains the words of the command line.
+pub(crate) fn explain(arguments: &Explain) -> Result<u8, Error> {
+    let asked = arguments.words.join(" ");
+    let asked = asked.trim();
+    match &arguments.machine {
+        Some(machine) => on_machine(asked, machine, arguments.json),
+        None => anywhere(asked, arguments.json),
+    }
+}
+
+/// Without a machine: a diagnostic, an alarm, a word of macros, or the machines that have a word.
+fn anywhere(asked: &str, json: bool) -> Result<u8, Error> {
+    if let Some(text) = macros::explanation(asked) {
+        if json {
+            print(&json!({ "word": asked, "text": text }), true)?;
+        } else {
+            say::data(text.as_bytes())?;
+        }
+        return Ok(0);
+    }
+    let machines = elsewhere::machines(asked, None);
+    if machines.is_empty() {
+        return Err(Error::Usage(format!(
+            "{}; for a word of programs give --machine NAME or --machine DIR",
+            macros::unknown(asked)
+        )));
+    }
+    print(&json!({ "word": asked, "machines": machines }), json)?;
+    Ok(0)
+}
+
+/// A machine with what its words are explained from.
+struct Subject {
+    machine: Machine,
+    local: LocalMachine,
+    definition: Definition,
+}
+
+fn on_machine(asked: &str, name: &str, json: bool) -> Result<u8, Error> {
+    let local = LocalMachine::open(name)?;
+    let (machine, definition) = (local.load()?, local.definition()?);
+    let subject = Subject { machine, local, definition };
+    let words = subject.words(asked);
+    let known = words.iter().all(|word| word["known"] == true);
+    let value = json!({ "machine": subject.machine.name, "extends": subject.definition.chain, "words": words });
+    print(&value, json)?;
+    // A word that the machine does not have is like any unknown name.
+    Ok(if known { 0 } else { 2 })
+}
+
+fn print(value: &Value, json: bool) -> Result<(), Error> {
+    if json {
+        let text = serde_json::to_string_pretty(value).unwrap_or_default();
+        return say::line(&text);
+    }
+    say::data(text::text(value).as_bytes())
+}
+
+impl Subject {
+    /// The whole text as one word of the machine, or its words one by one.
+    fn words(&self, asked: &str) -> Vec<Value> {
+        let whole = self.word(asked, &[]);
+        let several = asked.contains(char::is_whitespace);
+        if whole["known"] == true || !several {
+            return vec![whole];
+        }
+        let (mut codes, mut words) = (Vec::new(), Vec::new());
+        for word in asked.split_whitespace() {
+            words.push(self.word(word, &codes));
+            if let Some(found) = words::find(&self.machine, word) {
+                codes.extend(found.codes);
+            }
+        }
+        // A statement of several words is known to the pages of the control only as a whole.
+        if words.iter().any(|word| word["known"] == false) { vec![whole] } else { words }
+    }
+
+    /// A word; `before` are the codes that stand before it.
+    fn word(&self, asked: &str, before: &[CodeRowId]) -> Value {
+        let machine = &self.machine;
+        let mut value = json!({ "word": asked, "known": true });
+        let mut add = |key: &str, found: Value| {
+            let empty = found.as_array().is_some_and(Vec::is_empty) || found.is_null();
+            if let Value::Object(value) = &mut value
+                && !empty
+            {
+                value.insert(key.to_owned(), found);
+            }
+            !empty
+        };
+        let mut known = false;
+        let number = asked.strip_prefix('#').and_then(|digits| digits.parse().ok());
+        known |= add("variable", number.map_or(Value::Null, |number| self.variable(number)));
+        if number.is_none() {
+            if let Some(found) = words::find(machine, asked) {
+                known |= add("codes", self.codes(&found));
+                known |= add("register", self.register(&found, before));
+            }
+            known |= add("called", json!(self.called(asked)));
+            known |= add("programs", json!(programs::stored(machine, asked)));
+            known |= add("rows", json!(self.rows(asked)));
+            known |= add("diagnostic", self.diagnostic(asked));
+            add("edited", self.edited(asked));
+        }
+        // A letter by itself stands everywhere.
+        let pages = if asked.len() > 1 {
+            pages::rows(machine, &self.local, &self.definition.chain, &asked.to_uppercase())
+        } else {
+            Vec::new()
+        };
+        known |= add("pages", json!(pages));
+        if !known && let Some(text) = macros::explanation(asked) {
+            // A word of macros, which no machine defines.
+            known = add("text", json!(text));
+        }
+        if !known {
+            add("unknown", self.unknown(asked));
+        }
+        value["known"] = json!(known);
+        value
+    }
+
+    fn codes(&self, found: &Found) -> Value {
+        let codes = found.codes.iter().map(|id| {
+            let mut value = code::code(&self.machine, *id);
+            self.place_macros(&mut value["macros"]);
+            self.inherited(&mut value);
+            value
+        });
+        codes.collect()
+    }
+
+    /// The register of a word that is no code.
+    fn register(&self, found: &Found, before: &[CodeRowId]) -> Value {
+        if !found.codes.is_empty() && found.register.is_some_and(|(_, value)| value.is_some()) {
+            return Value::Null;
+        }
+        let machine = &self.machine;
+        let read =
+            |id: &DataRowId| before.iter().any(|code| code::reads(machine, machine.codes[*code].id).contains(id));
+        let mut rows = found.data.clone();
+        if rows.iter().any(read) {
+            rows.retain(read);
+        }
+        let rows = rows.into_iter().map(|id| {
+            let mut value = register::data(machine, id);
+            self.place_macros(&mut value["macros"]);
+            self.inherited(&mut value);
+            value
+        });
+        let rows: Vec<Value> = rows.collect();
+        match found.register {
+            Some((id, _)) => {
+                let mut value = register::register(machine, id);
+                value["data"] = json!(rows);
+                value["codes"] = json!(code::of_register(machine, id));
+                value
+            }
+            None if rows.is_empty() => Value::Null,
+            None => json!({ "data": rows }),
+        }
+    }
+
+    /// Through which family a row has come.
+    fn inherited(&self, value: &mut Value) {
+        let folder = value["file"].as_str().and_then(|file| file.split('/').next()).unwrap_or_default().to_owned();
+        let own = self.definition.chain.first().is_some_and(|own| *own == folder);
+        value["inherited_from"] = if own { Value::Null } else { json!(folder) };
+    }
+
+    /// The lines of the machine file at which macros are declared.
+    fn place_macros(&self, found: &mut Value) {
+        for one in found.as_array_mut().into_iter().flatten() {
+            let file = one["file"].as_str().unwrap_or_default().to_owned();
+            let named =
+                |key: &DefinitionKey| key.key == "file" && file.ends_with(&format!("/{}", key.value.trim_matches('"')));
+            let first = one["match"][0].as_str().unwrap_or_default().to_owned();
+            let fires = |key: &DefinitionKey| key.value.contains(&first);
+            let row = self.definition.rows.iter().find(|row| {
+                row.section.starts_with("macros.") && row.keys.iter().any(named) && row.keys.iter().any(fires)
+            });
+            one["defined"] = json!(row.map(|row| row.place.as_str()));
+        }
+    }
+
+    fn variable(&self, number: u32) -> Value {
+        let Some(mut found) = show::variable(&self.machine, number) else { return Value::Null };
+        let first = found["range"]["first"].to_string();
+        let row = self.definition.rows.iter().find(|row| row.section == "system_variables" && row.name == first);
+        found["defined"] = json!(row.map(|row| row.place.as_str()));
+        found
+    }
+
+    /// `[[subprograms.calls]]` that the word is one of.
+    fn called(&self, asked: &str) -> Vec<Value> {
+        let Some(Found { register: Some((register, value)), .. }) = words::register_of(&self.machine, asked) else {
+            return Vec::new();
+        };
+        let calls = self.machine.subprograms.calls.iter().filter(|call| {
+            call.register == register
+                && value.map_or(!call.max.is_finite(), |value| call.program_of(register, value).is_some())
+        });
+        calls
+            .map(|call| {
+                let text = show::word_call(&self.machine, call);
+                json!({ "text": text, "defined": format!("{}:{}", call.file, call.line) })
+            })
+            .collect()
+    }
+
+    /// Rows of the definition that have the word as their name: statements that wait, variables of the PLC, tools.
+    fn rows(&self, asked: &str) -> Vec<Value> {
+        const SECTIONS: [&str; 4] = ["waits", "external", "tool.names", "dialogs"];
+        let rows = self.definition.rows.iter();
+        let own = rows.filter(|row| SECTIONS.contains(&row.section.as_str()) && row.name.eq_ignore_ascii_case(asked));
+        own.map(|row| {
+            let keys = row.keys.iter().map(|key| format!("{} = {}", key.key, key.value)).collect::<Vec<_>>();
+            json!({ "section": row.section, "text": keys.join(", "), "defined": row.place })
+        })
+        .collect()
+    }
+
+    /// A diagnostic or an alarm, and what the machine makes of it.
+    fn diagnostic(&self, asked: &str) -> Value {
+        let page = macros::diagnostic(asked);
+        let refusals = code::refusals(&self.machine, |rule| rule.alarm.eq_ignore_ascii_case(asked));
+        if page.is_none() && refusals.is_empty() {
+            return Value::Null;
+        }
+        let number = page.as_deref().and_then(|page| page.get(2..10)?.parse::<u32>().ok());
+        let rule = self.machine.diagnostics.rules.iter().find(|rule| Some(rule.number) == number);
+        let rule = rule.map(|rule| {
+            let row = self
+                .definition
+                .rows
+                .iter()
+                .find(|row| row.section == "diagnostics" && row.name == rule.number.to_string());
+            json!({
+                "number": rule.number, "severity": rule.severity, "text": rule.text, "enable": rule.enable,
+                "repeat": rule.repeat, "stops": rule.stops, "defined": row.map(|row| row.place.as_str()),
+            })
+        });
+        json!({ "page": page, "rule": rule, "refusals": refusals })
+    }
+
+    /// What the tape editor makes of the word.
+    fn edited(&self, asked: &str) -> Value {
+        let steps = tape::steps(&self.machine, asked.as_bytes(), false);
+        let steps = steps.iter().filter_map(|step| {
+            let rule = self.machine.tape_editor.get(step.rule)?;
+            let text = String::from_utf8_lossy(&step.text);
+            Some(json!({ "text": text, "rule": step.rule + 1, "defined": format!("{}:{}", rule.file, rule.line) }))
+        });
+        steps.collect()
+    }
+
+    /// A word that the machine does not have: what the control says, the nearest word, and machines that have it.
+    fn unknown(&self, asked: &str) -> Value {
+        let machine = &self.machine;
+        json!({
+            "diagnostics": trial::diagnostics(machine.clone(), asked),
+            "near": elsewhere::nearest(machine, asked),
+            "machines": elsewhere::machines(asked, Some(&machine.name)),
+        })
+    }
+}

@@ -1,0 +1,95 @@
+//! What the pages of the controls say of a word.
+//!
+//! *Invariant:* only whole words are found: G76 is not G76.1, and SETMS is not SETMSX.
+
+use counterpoint_kernel::files::Files as _;
+use counterpoint_kernel::machine::Machine;
+use include_dir::{Dir, include_dir};
+use serde_json::{Value, json};
+
+use crate::local_machine::LocalMachine;
+
+static COVERAGE: Dir<'_> = include_dir!("$CARGO_MANIFEST_DIR/../docs/coverage");
+
+const PREPROCESSORS: &str = include_str!("../../../docs/preprocessors.md");
+
+/// Most rows of a page.
+const MOST: usize = 4;
+
+/// Most characters of a row.
+const LONGEST: usize = 400;
+
+/// Rows of the pages of the machine's control that name the word.
+pub(super) fn rows(machine: &Machine, local: &LocalMachine, chain: &[String], word: &str) -> Vec<Value> {
+    let mut found = Vec::new();
+    let section = section(machine.preprocessor.row().name);
+    add(&mut found, "docs/preprocessors.md", section, word);
+    let mut controls: Vec<&str> = chain.iter().filter_map(|name| name.split('-').next()).collect();
+    controls.dedup();
+    for control in controls {
+        let page = format!("{control}.md");
+        if let Some(text) = COVERAGE.get_file(&page).and_then(|file| file.contents_utf8()) {
+            add(&mut found, &format!("docs/coverage/{page}"), text, word);
+        }
+    }
+    for folder in chain {
+        let text = local.files.read(&format!("{folder}/README.md")).unwrap_or_default();
+        add(&mut found, &format!("machines/{folder}/README.md"), &String::from_utf8_lossy(&text), word);
+    }
+    found
+}
+
+/// The part of the page about a pre-processor.
+fn section(preprocessor: &str) -> &'static str {
+    let part = |part: &&str| part.lines().next().is_some_and(|title| title.eq_ignore_ascii_case(preprocessor));
+    PREPROCESSORS.split("\n## ").find(part).unwrap_or_default()
+}
+
+fn add(found: &mut Vec<Value>, page: &str, text: &str, word: &str) {
+    let lines = text.lines().filter(|line| (line.starts_with('|') || line.starts_with("* ")) && names(line, word));
+    found.extend(lines.take(MOST).map(|line| json!({ "page": page, "text": plain(line) })));
+}
+
+/// The line has the word as a whole word.
+fn names(line: &str, word: &str) -> bool {
+    let part = |c: char| c.is_ascii_alphanumeric() || c == '_';
+    line.match_indices(word).any(|(at, _)| {
+        let before = line.get(..at).and_then(|text| text.chars().next_back());
+        let mut after = line.get(at + word.len()..).unwrap_or_default().chars();
+        let (next, second) = (after.next(), after.next());
+        let decimal = next == Some('.') && second.is_some_and(|c| c.is_ascii_digit());
+        !before.is_some_and(|c| part(c) || matches!(c, '$' | '.')) && !next.is_some_and(part) && !decimal
+    })
+}
+
+/// A row of a table as a sentence.
+fn plain(line: &str) -> String {
+    let cells = line.trim_start_matches("* ").trim().trim_matches('|').split('|').map(str::trim);
+    let text = cells.filter(|cell| !cell.is_empty()).collect::<Vec<_>>().join(": ").replace('`', "");
+    let text = crate::macros::without_links(&text);
+    match text.char_indices().nth(LONGEST) {
+        Some((end, _)) => format!("{} …", text.get(..end).unwrap_or_default()),
+        None => text,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_whole_words_count() {
+        for (line, word, is) in [
+            ("| `G76`, G77 | works |", "G76", true),
+            ("| G76.1 | works |", "G76", false),
+            ("| G760 | works |", "G76", false),
+            ("| $P_SETMS | works |", "SETMS", false),
+            ("| `SETMS(1)` | works |", "SETMS", true),
+            ("| see G76. | works |", "G76", true),
+        ] {
+            assert_eq!(names(line, word), is, "{line}");
+        }
+        assert_eq!(plain("| `SETMS`, `SETMS(n)` | [of](a.md) a spindle |"), "SETMS, SETMS(n): of a spindle");
+        assert!(section("siemens").contains("SETMS") && section("none").is_empty());
+    }
+}

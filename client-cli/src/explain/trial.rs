@@ -1,0 +1,51 @@
+//! What the control says to a block of one word.
+//!
+//! *Invariant:* the block is run as in any job, so the answer is the one that a program gets.
+
+use std::sync::Arc;
+
+use counterpoint_kernel::control::Control;
+use counterpoint_kernel::event::event::{Event, Kind};
+use counterpoint_kernel::files::Memory;
+use counterpoint_kernel::job::{Job, Program, Sink, Spec};
+use counterpoint_kernel::machine::Machine;
+use counterpoint_kernel::options::Options;
+use serde_json::{Value, json};
+
+/// Most blocks of the run.
+const BLOCKS: u64 = 100;
+
+/// Diagnostics of the first line.
+#[derive(Default)]
+struct OfFirstLine(Vec<Value>);
+
+impl Sink for OfFirstLine {
+    fn events(&mut self, _first_seq: u64, batch: &[Event]) -> bool {
+        for event in batch.iter().filter(|event| event.line == 1) {
+            if let Kind::Diagnostic(told) = &event.kind {
+                self.0.push(json!({ "number": told.number, "severity": told.severity, "text": told.text }));
+            }
+        }
+        true
+    }
+}
+
+/// The diagnostics of a block, or why it cannot be run.
+pub(super) fn diagnostics(machine: Machine, block: &str) -> Vec<Value> {
+    let name = "block.nc";
+    let mut files = Memory::default();
+    files.insert(name, format!("{block}\nM30\n"));
+    let control = Control::new(machine.channels.len());
+    let mut options = Options { threads: 1, ..Options::default() };
+    options.limits.blocks = BLOCKS;
+    let program = Program { file: name.to_owned(), number: None, section: None, channel: None };
+    let spec = Spec { machine: Arc::new(machine), programs: vec![program], options };
+    match Job::prepare(spec, &files) {
+        Ok(job) => {
+            let mut sink = OfFirstLine::default();
+            job.run(&files, &control, &mut sink);
+            sink.0
+        }
+        Err(error) => vec![json!({ "number": 0, "severity": 8, "text": error.to_string() })],
+    }
+}

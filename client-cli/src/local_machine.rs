@@ -1,0 +1,74 @@
+//! A machine that this program reads itself: a shipped one, or a folder with the families beside it.
+//!
+//! *Invariant:* a name that is no machine is refused as the other commands refuse it.
+
+use std::path::Path;
+
+use counterpoint_kernel::files::Memory;
+use counterpoint_kernel::machine::finding::Finding;
+use counterpoint_kernel::machine::package::{self, Overlay};
+use counterpoint_kernel::machine::{Definition, Machine, definition, load};
+
+use crate::error::Error;
+use crate::pack::{self, Files};
+use crate::{machines, say};
+
+/// The files of a machine.
+pub(crate) struct LocalMachine {
+    /// Name of its folder.
+    pub(crate) name: String,
+    pub(crate) files: Overlay<Memory, Memory>,
+}
+
+impl LocalMachine {
+    /// A shipped machine by name, or a folder with `machine.toml`.
+    pub(crate) fn open(machine: &str) -> Result<Self, Error> {
+        let mut own = Memory::default();
+        let name = if pack::is_folder(machine) {
+            let (name, Files(files)) = pack::machine(Path::new(machine))?;
+            for (path, blob) in files {
+                own.insert(path, blob.content());
+            }
+            name
+        } else {
+            machines::known(machine, true)?;
+            machine.to_owned()
+        };
+        Ok(Self { name, files: Overlay::over_shipped(own) })
+    }
+
+    /// A shipped machine.
+    pub(crate) fn shipped(name: &str) -> Self {
+        Self { name: name.to_owned(), files: Overlay::over_shipped(Memory::default()) }
+    }
+
+    /// The machine as the kernel uses it.
+    pub(crate) fn load(&self) -> Result<Machine, Error> {
+        let loaded = load(&self.files, &self.name);
+        loaded.machine.ok_or_else(|| self.unusable(&loaded.findings))
+    }
+
+    /// The definition as it is written, families included.
+    pub(crate) fn definition(&self) -> Result<Definition, Error> {
+        definition(&self.files, &self.name).map_err(|findings| self.unusable(&findings))
+    }
+
+    /// The definition of the family that the machine extends; none if it extends none.
+    pub(crate) fn family(&self, own: &Definition) -> Result<Option<Definition>, Error> {
+        let Some(family) = own.chain.get(1) else { return Ok(None) };
+        definition(&self.files, family).map(Some).map_err(|findings| self.unusable(&findings))
+    }
+
+    fn unusable(&self, findings: &[Finding]) -> Error {
+        findings.iter().for_each(|finding| say::status_line(format_args!("{finding}")));
+        Error::Usage(format!("machine '{}' cannot be used", self.name))
+    }
+}
+
+/// Every shipped machine with its name.
+pub(crate) fn all_shipped() -> impl Iterator<Item = (String, Machine)> {
+    package::shipped_names().into_iter().filter_map(|name| {
+        let machine = LocalMachine::shipped(&name).load().ok()?;
+        Some((name, machine))
+    })
+}

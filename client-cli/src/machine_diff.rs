@@ -1,0 +1,258 @@
+//! `machine diff` and `machine show --changed`: two definitions row by row.
+//!
+//! *Invariant:* every key that differs is shown once, with both values; a key that one definition does not have has none there.
+
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+
+use counterpoint_kernel::machine::{Definition, DefinitionKey, DefinitionRow, show, without_key};
+use serde::Serialize;
+use serde_json::Value;
+
+use crate::error::Error;
+use crate::local_machine::LocalMachine;
+use crate::say;
+
+/// Where a key is the name of the definition itself, so that it differs always.
+const NAMES: [&str; 6] = ["name", "number", "revision", "created", "author", "description"];
+
+/// What differs.
+#[derive(Debug, Serialize)]
+struct Difference {
+    a: String,
+    b: String,
+    rows: Vec<Changed>,
+}
+
+/// A row that differs.
+#[derive(Debug, Serialize, PartialEq)]
+struct Changed {
+    section: String,
+    row: String,
+    /// Only one of both has the row.
+    only: Option<char>,
+    keys: Vec<ChangedKey>,
+}
+
+/// A key that differs.
+#[derive(Debug, Serialize, PartialEq)]
+struct ChangedKey {
+    key: String,
+    a: Option<String>,
+    b: Option<String>,
+    /// Where the values are written.
+    a_place: Option<String>,
+    b_place: Option<String>,
+}
+
+/// Compares two machines.
+pub(crate) fn diff(a: &str, b: &str, json: bool) -> Result<u8, Error> {
+    let (one, other) = (LocalMachine::open(a)?, LocalMachine::open(b)?);
+    let rows = changes(&one.definition()?, &other.definition()?);
+    print(&Difference { a: one.name, b: other.name, rows }, json)?;
+    Ok(0)
+}
+
+/// What a machine has otherwise than the family that it extends. Without a family the defaults count.
+pub(crate) fn changed(machine: &str, json: bool) -> Result<u8, Error> {
+    let local = LocalMachine::open(machine)?;
+    let own = local.definition()?;
+    let family = local.family(&own)?;
+    let name = own.chain.get(1).map_or("the defaults", String::as_str).to_owned();
+    let mut rows = changes(&family.unwrap_or_default(), &own);
+    for row in rows.iter_mut().filter(|row| row.row.is_empty()) {
+        for key in row.keys.iter_mut().filter(|key| key.a.is_none()) {
+            key.a = default_of(&local, &row.section, &key.key).map(|value| format!("{value} (default)"));
+        }
+    }
+    print(&Difference { a: name, b: local.name, rows }, json)?;
+    Ok(0)
+}
+
+/// What the machine does without the key, where its data show that.
+fn default_of(local: &LocalMachine, section: &str, key: &str) -> Option<Value> {
+    let machine = without_key(&local.files, &local.name, section, key)?;
+    let all = show::json(&machine);
+    let part = section.split('.').filter(|part| !part.is_empty()).try_fold(&all, |value, part| value.get(part))?;
+    part.get(key).filter(|value| !value.is_null()).cloned()
+}
+
+/// Rows by section and name.
+type Rows<'d> = BTreeMap<(&'d str, &'d str), Vec<&'d DefinitionRow>>;
+
+fn changes(a: &Definition, b: &Definition) -> Vec<Changed> {
+    let (mut rows, before, after) = (Vec::new(), by_name(a), by_name(b));
+    // Sections in the order of the first definition, then those of the second one alone.
+    let mut order: Vec<(&str, &str)> = Vec::new();
+    let mut seen = std::collections::BTreeSet::new();
+    for row in a.rows.iter().chain(&b.rows) {
+        let name = (row.section.as_str(), row.name.as_str());
+        if seen.insert(name) {
+            order.push(name);
+        }
+    }
+    let mut sections: Vec<&str> = Vec::new();
+    for (section, _) in &order {
+        if !sections.contains(section) {
+            sections.push(section);
+        }
+    }
+    let place = |section: &str| sections.iter().position(|known| *known == section);
+    order.sort_by_key(|(section, _)| place(section));
+    for name in order {
+        let of = |rows: &Rows<'_>| rows.get(&name).map(|rows| rows.iter().map(|row| (*row).clone()).collect());
+        let (mut a, mut b): (Vec<DefinitionRow>, Vec<DefinitionRow>) =
+            (of(&before).unwrap_or_default(), of(&after).unwrap_or_default());
+        // Equal rows cancel out; the others of one name are compared in their order.
+        a.retain(|row| match b.iter().position(|other| same(row, other)) {
+            Some(at) => {
+                b.remove(at);
+                false
+            }
+            None => true,
+        });
+        let mut others = b.into_iter();
+        for row in a {
+            rows.extend(pair(Some(&row), others.next().as_ref()));
+        }
+        for row in others {
+            rows.extend(pair(None, Some(&row)));
+        }
+    }
+    rows
+}
+
+fn by_name(definition: &Definition) -> Rows<'_> {
+    let mut rows = Rows::new();
+    for row in &definition.rows {
+        rows.entry((row.section.as_str(), row.name.as_str())).or_default().push(row);
+    }
+    rows
+}
+
+fn same(a: &DefinitionRow, b: &DefinitionRow) -> bool {
+    differing(Some(a), Some(b)).is_empty()
+}
+
+fn pair(a: Option<&DefinitionRow>, b: Option<&DefinitionRow>) -> Option<Changed> {
+    let row = a.or(b)?;
+    let keys = differing(a, b);
+    let only = match (a, b) {
+        (Some(_), None) => Some('a'),
+        (None, Some(_)) => Some('b'),
+        _ => None,
+    };
+    (!keys.is_empty()).then(|| Changed { section: row.section.clone(), row: row.name.clone(), only, keys })
+}
+
+/// Keys with other values; those that only name a definition are left out.
+fn differing(a: Option<&DefinitionRow>, b: Option<&DefinitionRow>) -> Vec<ChangedKey> {
+    let keys = |row: Option<&DefinitionRow>| row.map_or_else(Vec::new, |row| row.keys.clone());
+    let (a_keys, b_keys) = (keys(a), keys(b));
+    let find = |keys: &[DefinitionKey], key: &str| keys.iter().find(|known| known.key == key).cloned();
+    let mut names: Vec<&str> = a_keys.iter().map(|key| key.key.as_str()).collect();
+    names.extend(b_keys.iter().map(|key| key.key.as_str()).filter(|key| find(&a_keys, key).is_none()));
+    let section = a.or(b).map_or("", |row| row.section.as_str());
+    let names_it = |key: &str| {
+        section == "ce" && NAMES.contains(&key) || section.is_empty() && ["extends", "abstract"].contains(&key)
+    };
+    let differs = names.into_iter().filter(|key| !names_it(key)).filter_map(|key| {
+        let (one, other) = (find(&a_keys, key), find(&b_keys, key));
+        let value = |key: &Option<DefinitionKey>| key.as_ref().map(|key| key.value.clone());
+        let place = |key: &Option<DefinitionKey>| key.as_ref().map(|key| key.place.clone());
+        (value(&one) != value(&other)).then(|| ChangedKey {
+            key: key.to_owned(),
+            a: value(&one),
+            b: value(&other),
+            a_place: place(&one),
+            b_place: place(&other),
+        })
+    });
+    differs.collect()
+}
+
+fn print(difference: &Difference, json: bool) -> Result<(), Error> {
+    if json {
+        return say::line(&serde_json::to_string_pretty(difference).unwrap_or_default());
+    }
+    say::data(text(difference).as_bytes())
+}
+
+fn text(difference: &Difference) -> String {
+    let Difference { a, b, rows } = difference;
+    if rows.is_empty() {
+        return format!("{a} and {b} are the same\n");
+    }
+    let (mut out, mut section) = (format!("- {a}\n+ {b}\n"), None);
+    for row in rows {
+        if section != Some(&row.section) {
+            let title = if row.section.is_empty() { "above all sections" } else { &row.section };
+            let _ = writeln!(out, "\n{title}");
+            section = Some(&row.section);
+        }
+        if let Some(only) = row.only.filter(|_| !row.row.is_empty()) {
+            let (sign, value, place): (_, fn(&ChangedKey) -> &Option<String>, fn(&ChangedKey) -> &Option<String>) =
+                if only == 'a' {
+                    ('-', |key| &key.a, |key| &key.a_place)
+                } else {
+                    ('+', |key| &key.b, |key| &key.b_place)
+                };
+            let keys = row.keys.iter().filter_map(|key| Some(format!("{} = {}", key.key, value(key).as_ref()?)));
+            let at = row.keys.first().and_then(|key| place(key).clone()).unwrap_or_default();
+            let _ = writeln!(out, "  {sign} {}  [{at}]", keys.collect::<Vec<_>>().join(", "));
+            continue;
+        }
+        if !row.row.is_empty() {
+            let _ = writeln!(out, "  {}", row.row);
+        }
+        for key in &row.keys {
+            let indent = if row.row.is_empty() { "  " } else { "    " };
+            let side = |value: &Option<String>, place: &Option<String>| {
+                let place = place.as_ref().map(|place| format!("  [{place}]")).unwrap_or_default();
+                format!("{}{place}", value.as_deref().unwrap_or("not given"))
+            };
+            let _ = writeln!(out, "{indent}{}", key.key);
+            let _ = writeln!(out, "{indent}  - {}", side(&key.a, &key.a_place));
+            let _ = writeln!(out, "{indent}  + {}", side(&key.b, &key.b_place));
+        }
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn row(section: &str, name: &str, keys: &[(&str, &str)]) -> DefinitionRow {
+        let key = |(key, value): &(&str, &str)| DefinitionKey {
+            key: (*key).to_owned(),
+            value: (*value).to_owned(),
+            place: "m/machine.toml:1".to_owned(),
+        };
+        let keys = keys.iter().map(key).collect();
+        DefinitionRow { section: section.to_owned(), name: name.to_owned(), place: String::new(), keys }
+    }
+
+    #[test]
+    fn equal_rows_cancel_out_and_others_are_compared() {
+        let definition = |rows| Definition { chain: Vec::new(), rows };
+        let a = definition(vec![
+            row("ce", "", &[("name", "a")]),
+            row("refusals", "PS1", &[("text", "one")]),
+            row("refusals", "PS1", &[("text", "two")]),
+            row("time", "", &[("stations", "12"), ("rapid", "x")]),
+        ]);
+        let b = definition(vec![
+            row("ce", "", &[("name", "b")]),
+            row("time", "", &[("stations", "8"), ("rapid", "x")]),
+            row("refusals", "PS1", &[("text", "two")]),
+            row("refusals", "PS2", &[("text", "one")]),
+        ]);
+        let found = changes(&a, &b);
+        let shown: Vec<_> = found.iter().map(|row| (row.section.as_str(), row.row.as_str(), row.only)).collect();
+        assert_eq!(shown, [("refusals", "PS1", Some('a')), ("refusals", "PS2", Some('b')), ("time", "", None)]);
+        let stations = found.last().and_then(|row| row.keys.first());
+        assert_eq!(stations.map(|key| (key.a.as_deref(), key.b.as_deref())), Some((Some("12"), Some("8"))));
+        assert!(changes(&a, &a).is_empty());
+    }
+}

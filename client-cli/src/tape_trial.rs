@@ -1,0 +1,80 @@
+//! `machine edit`: the rules of the tape editor tried on lines.
+//!
+//! *Invariant:* the last text of a line is the one that a run gets with the rules that are on at the start of a program.
+
+use std::fmt::Write as _;
+use std::io::Read as _;
+
+use counterpoint_kernel::machine::Machine;
+use counterpoint_kernel::tape;
+use serde_json::{Value, json};
+
+use crate::error::Error;
+use crate::local_machine::LocalMachine;
+use crate::say;
+
+/// Tries the rules on each line; a line `-` is all lines of standard input.
+pub(crate) fn edit(machine: &str, lines: &[String], all: bool, json: bool) -> Result<u8, Error> {
+    let machine = LocalMachine::open(machine)?.load()?;
+    if machine.tape_editor.is_empty() {
+        return Err(Error::Usage(format!(
+            "machine '{}' has no rules of the tape editor ([[tape_editor]])",
+            machine.name
+        )));
+    }
+    let mut texts: Vec<Vec<u8>> = Vec::new();
+    for line in lines {
+        if line == "-" {
+            let mut read = Vec::new();
+            std::io::stdin().read_to_end(&mut read).map_err(Error::file("standard input"))?;
+            let lines = read.split(|byte| *byte == b'\n').map(|line| line.strip_suffix(b"\r").unwrap_or(line).to_vec());
+            texts.extend(lines);
+            // What follows the last line feed is a line only if it has text.
+            texts.pop_if(|line| line.is_empty());
+        } else {
+            texts.push(line.clone().into_bytes());
+        }
+    }
+    let tried: Vec<Value> = texts.iter().map(|line| steps(&machine, line, all)).collect();
+    if json {
+        say::line(&serde_json::to_string_pretty(&tried).unwrap_or_default())?;
+    } else {
+        say::data(tried.iter().map(text).collect::<String>().as_bytes())?;
+    }
+    Ok(0)
+}
+
+fn steps(machine: &Machine, line: &[u8], all: bool) -> Value {
+    let steps = tape::steps(machine, line, all);
+    let steps = steps.iter().filter_map(|step| {
+        let rule = machine.tape_editor.get(step.rule)?;
+        Some(json!({
+            "rule": step.rule + 1,
+            "find": rule.find,
+            "replace": rule.replace,
+            "on": rule.on,
+            "file": rule.file,
+            "line": rule.line,
+            "text": String::from_utf8_lossy(&step.text),
+        }))
+    });
+    json!({ "line": String::from_utf8_lossy(line), "steps": steps.collect::<Vec<_>>() })
+}
+
+/// The line, and behind it the text after each rule that acts.
+fn text(tried: &Value) -> String {
+    let of = |value: &Value| value.as_str().unwrap_or_default().to_owned();
+    let mut out = format!("{}\n", of(&tried["line"]));
+    let steps = tried["steps"].as_array();
+    for step in steps.into_iter().flatten() {
+        let off = if step["on"] == true { "" } else { ", off at the start of a program" };
+        let place = format!("{}:{}", of(&step["file"]), step["line"]);
+        let (find, replace) = (of(&step["find"]), of(&step["replace"]));
+        let _ = writeln!(out, "  rule {} \"{find}\" -> \"{replace}\"  [{place}{off}]", step["rule"]);
+        let _ = writeln!(out, "{}", of(&step["text"]));
+    }
+    if steps.is_none_or(Vec::is_empty) {
+        out.push_str("  no rule changes it\n");
+    }
+    out
+}

@@ -1,0 +1,187 @@
+//! `explain` on a machine, and the views of machines: sorted, filtered, compared, tried.
+
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::indexing_slicing)]
+
+use std::io::Write as _;
+use std::process::{Command, Output, Stdio};
+
+use serde_json::Value;
+
+fn command(arguments: &[&str]) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_counterpoint"));
+    command.args(arguments).env_remove("COUNTERPOINT_SERVER");
+    command
+}
+
+fn counterpoint(arguments: &[&str]) -> (i32, String, String) {
+    told(command(arguments).stdin(Stdio::null()).output().unwrap())
+}
+
+fn told(output: Output) -> (i32, String, String) {
+    let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
+    (output.status.code().unwrap(), text(&output.stdout), text(&output.stderr))
+}
+
+fn explained(word: &str, machine: &str) -> (i32, Value) {
+    let (code, out, err) = counterpoint(&["explain", word, "--machine", machine, "--json"]);
+    (code, serde_json::from_str(&out).unwrap_or_else(|error| panic!("{word}: {error}: {out}{err}")))
+}
+
+#[test]
+fn a_code_is_explained_with_all_that_the_machine_says_of_it() {
+    let (code, value) = explained("G76", "haas-lathe");
+    let row = &value["words"][0]["codes"][0];
+    assert_eq!((code, row["id"].as_str()), (0, Some("CODE_THREAD_MULTI")), "{value}");
+    assert_eq!(value["extends"][0], "haas-lathe");
+    assert_eq!(row["meaning"], "threading cycle, all passes");
+    // Haas lathe: X and Z are the end, K the height, D the first cut, F the lead.
+    let reads: Vec<_> = row["reads"].as_array().unwrap().iter().map(|row| row["register"].as_str().unwrap()).collect();
+    for letter in ["X", "Z", "K", "D", "F"] {
+        assert!(reads.contains(&letter), "{letter} in {reads:?}");
+    }
+    let family = row["file"].as_str().unwrap().split('/').next().unwrap();
+    assert!(row["line"].as_u64() > Some(0) && value["extends"].as_array().unwrap().iter().any(|one| one == family));
+    let (_, text, _) = counterpoint(&["explain", "G76", "--machine", "haas-lathe"]);
+    for part in ["CODE_THREAD_MULTI: threading cycle", "words that it reads", "machine.toml:", "refuses"] {
+        assert!(text.contains(part), "{part} in {text}");
+    }
+}
+
+#[test]
+fn words_behind_a_code_are_those_that_it_reads() {
+    let (code, out, _) = counterpoint(&["explain", "M98", "P", "--machine", "fanuc-mill"]);
+    assert_eq!(code, 0, "{out}");
+    let p = out.split("\nP on fanuc-mill").nth(1).expect("P");
+    assert!(p.contains("REG_CALSUB_ID") && !p.contains("REG_DELAY"), "{out}");
+    let (_, alone, _) = counterpoint(&["explain", "P", "--machine", "fanuc-mill"]);
+    assert!(alone.contains("REG_CALSUB_ID") && alone.contains("REG_DELAY"), "{alone}");
+}
+
+#[test]
+fn variables_programs_statements_and_macros_are_explained() {
+    let (code, value) = explained("#5021", "haas-lathe");
+    let variable = &value["words"][0]["variable"];
+    assert_eq!((code, variable["write"].as_bool()), (0, Some(false)), "{value}");
+    assert!(variable["means"].as_str().unwrap().contains("frame of the machine, axis 1"), "{value}");
+    let (_, value) = explained("CYCLE83", "siemens-mill");
+    let program = &value["words"][0]["programs"][0];
+    assert!(program["path"].as_str().unwrap().ends_with("cycle83.spf"), "{value}");
+    assert!(program["head"].as_str().unwrap().starts_with("PROC CYCLE83(REAL RTP"), "{value}");
+    for (word, machine, page) in [
+        ("SETMS", "siemens-mill", "docs/preprocessors.md"),
+        ("VDIN", "okuma-lathe", "docs/coverage/okuma.md"),
+        ("CYCL DEF 200", "heidenhain-mill", "docs/preprocessors.md"),
+    ] {
+        let (code, value) = explained(word, machine);
+        let pages = value["words"][0]["pages"].as_array().unwrap_or_else(|| panic!("{value}"));
+        assert!(code == 0 && pages.iter().any(|row| row["page"] == page), "{word}: {value}");
+    }
+    // T of the Okuma lathe is a macro.
+    let (_, value) = explained("T", "okuma-lathe");
+    let text = value.to_string();
+    assert!(text.contains("CODE_OKUMA_TOOL") || text.contains("REG_"), "{value}");
+}
+
+#[test]
+fn a_diagnostic_and_an_alarm_are_explained_for_the_machine() {
+    let (code, value) = explained("PS0217", "fanuc-lathe");
+    let found = &value["words"][0]["diagnostic"];
+    assert_eq!(code, 0);
+    assert_eq!(found["refusals"][0]["codes"][0], "CODE_POLYGON_ON", "{value}");
+    let (_, value) = explained("no-feed", "fanuc-mill");
+    assert_eq!(value["words"][0]["diagnostic"]["rule"]["number"], 2_019_001, "{value}");
+}
+
+#[test]
+fn an_unknown_word_says_what_happens_and_who_has_it() {
+    let (code, value) = explained("G411", "fanuc-mill");
+    let unknown = &value["words"][0]["unknown"];
+    assert_eq!(code, 2, "{value}");
+    assert!(unknown["diagnostics"][0]["text"].as_str().unwrap().contains("PS0010"), "{value}");
+    let (code, out, _) = counterpoint(&["explain", "G154", "--machine", "fanuc-mill"]);
+    assert_eq!(code, 2);
+    assert!(out.contains("machines that have it") && out.contains("haas-mill"), "{out}");
+    let (code, out, _) = counterpoint(&["explain", "PLANE RESET STAI", "--machine", "heidenhain-mill"]);
+    assert!(code == 2 && out.contains("did you mean PLANE RESET STAY?"), "{out}");
+    let (code, out, _) = counterpoint(&["explain", "G76"]);
+    assert!(code == 0 && out.contains("CODE_THREAD_MULTI") && out.contains("haas-lathe"), "{out}");
+    let (code, _, err) = counterpoint(&["explain", "G76", "--machine", "haas-lath"]);
+    assert!(code == 2 && err.contains("did you mean haas-lathe?"), "{err}");
+    assert_eq!(counterpoint(&["explain", "QWERTZUIOP"]).0, 2);
+}
+
+#[test]
+fn rows_are_sorted_and_filtered() {
+    let (code, out, _) = counterpoint(&["machine", "show", "fanuc-mill", "codes", "--sort", "order"]);
+    assert_eq!(code, 0);
+    let order = |line: &str| line.split_whitespace().nth(2).and_then(|cell| cell.parse::<u32>().ok());
+    let orders: Vec<u32> = out.lines().skip(1).filter_map(order).collect();
+    assert!(orders.len() > 50 && orders.is_sorted(), "{orders:?}");
+    let (_, out, _) = counterpoint(&["machine", "show", "fanuc-mill", "codes", "--filter", "code_cycle_deep"]);
+    assert!(out.lines().count() > 1 && out.lines().skip(1).all(|line| line.contains("CODE_CYCLE_DEEP")), "{out}");
+    let (_, out, _) = counterpoint(&["machine", "show", "fanuc-mill", "codes", "--filter", "G83", "--json"]);
+    let value: Value = serde_json::from_str(&out).unwrap();
+    assert!(value["codes"].as_array().unwrap().iter().all(|row| row.to_string().contains("G83")), "{out}");
+    let (code, _, err) = counterpoint(&["machine", "show", "fanuc-mill", "codes", "--sort", "ordre"]);
+    assert!(code == 2 && err.contains("did you mean order?"), "{err}");
+    let (_, out, _) = counterpoint(&["machine", "show", "fanuc-mill", "undefined"]);
+    let listed = |id: &str| out.lines().any(|line| line.split(' ').next() == Some(id));
+    assert!(listed("CODE_TURN_ROUGH") && listed("REG_TURN_TYPE"), "{out}");
+    assert!(!listed("CODE_RAPID") && !listed("REG_AXIS_X"), "{out}");
+}
+
+#[test]
+fn what_a_machine_changes_is_shown_with_both_values() {
+    let folder = tempfile::tempdir().unwrap();
+    let mine = folder.path().join("mine");
+    std::fs::create_dir(&mine).unwrap();
+    let text = "extends = \"fanuc-lathe\"\n[ce]\nname = \"mine\"\n[time]\nstations = 8\nblock_time = 0.004\n\
+                [[codes]]\nid = \"CODE_IGNORE\"\nword = \"M77\"\n";
+    std::fs::write(mine.join("machine.toml"), text).unwrap();
+    let mine = mine.display().to_string();
+    let (code, out, err) = counterpoint(&["machine", "show", &mine, "--changed"]);
+    assert_eq!(code, 0, "{err}");
+    for part in [
+        "- 12  [fanuc-lathe/machine.toml:",
+        "+ 8  [mine/machine.toml:5]",
+        "(default)",
+        "+ id = \"CODE_IGNORE\", word = \"M77\"",
+    ] {
+        assert!(out.contains(part), "{part} in {out}");
+    }
+    assert!(!out.contains("tool_change"), "{out}");
+    let (_, json, _) = counterpoint(&["machine", "diff", "fanuc-lathe", &mine, "--json"]);
+    let value: Value = serde_json::from_str(&json).unwrap();
+    assert_eq!((value["a"].as_str(), value["b"].as_str()), (Some("fanuc-lathe"), Some("mine")));
+    let time = value["rows"].as_array().unwrap().iter().find(|row| row["section"] == "time").unwrap();
+    assert_eq!((time["keys"][0]["a"].as_str(), time["keys"][0]["b"].as_str()), (Some("12"), Some("8")), "{json}");
+    let (code, out, _) = counterpoint(&["machine", "diff", "fanuc-mill", "fanuc-mill"]);
+    assert_eq!((code, out.as_str()), (0, "fanuc-mill and fanuc-mill are the same\n"));
+    assert_eq!(counterpoint(&["machine", "diff", "fanuc-mill", "nothing"]).0, 2);
+}
+
+#[test]
+fn the_tape_editor_is_tried_on_lines() {
+    let folder = tempfile::tempdir().unwrap();
+    let mine = folder.path().join("mine");
+    std::fs::create_dir(&mine).unwrap();
+    let text = "extends = \"fanuc-mill\"\n[ce]\nname = \"mine\"\n[[tape_editor]]\nfind = \"M66\"\nreplace = \"M6\"\n\
+                [[tape_editor]]\nfind = \"M6\"\nreplace = \"M06\"\n";
+    std::fs::write(mine.join("machine.toml"), text).unwrap();
+    let mine = mine.display().to_string();
+    let (code, out, _) = counterpoint(&["machine", "edit", &mine, "T1 M66"]);
+    let expected = "T1 M66\n  rule 1 \"M66\" -> \"M6\"  [mine/machine.toml:4]\nT1 M6\n\
+                    \u{20} rule 2 \"M6\" -> \"M06\"  [mine/machine.toml:7]\nT1 M06\n";
+    assert_eq!((code, out.as_str()), (0, expected));
+    let mut child = command(&["machine", "edit", &mine, "-", "--json"])
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .spawn()
+        .unwrap();
+    child.stdin.take().unwrap().write_all(b"G0 X1\r\nM6\n").unwrap();
+    let value: Value = serde_json::from_slice(&child.wait_with_output().unwrap().stdout).unwrap();
+    assert_eq!((value[0]["line"].as_str(), value[1]["steps"][0]["rule"].as_u64()), (Some("G0 X1"), Some(2)), "{value}");
+    assert_eq!(value.as_array().map(Vec::len), Some(2));
+    let (code, _, err) = counterpoint(&["machine", "edit", "fanuc-mill", "M6"]);
+    assert!(code == 2 && err.contains("no rules of the tape editor"), "{err}");
+}
