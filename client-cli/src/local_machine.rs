@@ -11,7 +11,7 @@ use counterpoint_kernel::machine::{Definition, Machine, definition, load};
 
 use crate::error::Error;
 use crate::pack::{self, Files};
-use crate::{machines, say};
+use crate::{known, say};
 
 /// The files of a machine.
 pub(crate) struct LocalMachine {
@@ -31,7 +31,7 @@ impl LocalMachine {
             }
             name
         } else {
-            machines::known(machine, true)?;
+            known::machine(machine, true)?;
             machine.to_owned()
         };
         Ok(Self { name, files: Overlay::over_shipped(own) })

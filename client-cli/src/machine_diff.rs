@@ -191,15 +191,15 @@ fn text(difference: &Difference) -> String {
             section = Some(&row.section);
         }
         if let Some(only) = row.only.filter(|_| !row.row.is_empty()) {
-            let (sign, value, place): (_, fn(&ChangedKey) -> &Option<String>, fn(&ChangedKey) -> &Option<String>) =
-                if only == 'a' {
-                    ('-', |key| &key.a, |key| &key.a_place)
-                } else {
-                    ('+', |key| &key.b, |key| &key.b_place)
-                };
-            let keys = row.keys.iter().filter_map(|key| Some(format!("{} = {}", key.key, value(key).as_ref()?)));
-            let at = row.keys.first().and_then(|key| place(key).clone()).unwrap_or_default();
-            let _ = writeln!(out, "  {sign} {}  [{at}]", keys.collect::<Vec<_>>().join(", "));
+            let sign = if only == 'a' { '-' } else { '+' };
+            let own = |key: &ChangedKey| match only {
+                'a' => (key.a.clone(), key.a_place.clone()),
+                _ => (key.b.clone(), key.b_place.clone()),
+            };
+            let keys: Vec<String> =
+                row.keys.iter().filter_map(|key| Some(format!("{} = {}", key.key, own(key).0?))).collect();
+            let at = row.keys.first().and_then(|key| own(key).1).unwrap_or_default();
+            let _ = writeln!(out, "  {sign} {}  [{at}]", keys.join(", "));
             continue;
         }
         if !row.row.is_empty() {

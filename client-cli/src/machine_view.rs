@@ -9,6 +9,7 @@ use counterpoint_lang::ident;
 use serde_json::{Value, json};
 
 use crate::error::Error;
+use crate::fields::Fields as _;
 use crate::text::table;
 
 /// How to show the rows of tables.
@@ -115,9 +116,9 @@ fn key_of<'k>(rows: &[Value], sort: &'k str) -> Option<&'k str> {
 fn plain(row: &Value, key: &str) -> String {
     let text = |value: &Value| value.as_str().map_or_else(|| value.to_string(), str::to_owned);
     if key == "file" {
-        return format!("{}:{}", text(&row["file"]), text(&row["line"]));
+        return format!("{}:{}", text(row.at("file")), text(row.at("line")));
     }
-    text(&row[key])
+    text(row.at(key))
 }
 
 fn has(row: &str, filter: &str) -> bool {
@@ -184,7 +185,7 @@ fn parts(text: &str) -> Vec<(String, u64)> {
 
 /// Identifiers of the built-in tables that a machine, as JSON, has no row for.
 pub(crate) fn undefined(machine: &Value) -> Value {
-    let rows = |key: &str| machine[key].as_array().into_iter().flatten().filter_map(|row| row["id"].as_str());
+    let rows = |key: &str| machine.at(key).as_array().into_iter().flatten().filter_map(|row| row.at("id").as_str());
     let (has_codes, has_data): (Vec<&str>, Vec<&str>) = (rows("codes").collect(), rows("data").collect());
     let own = codes::TABLE.iter().filter(|facts| !has_codes.contains(&facts.name)).map(|facts| {
         json!({
@@ -199,8 +200,9 @@ pub(crate) fn undefined(machine: &Value) -> Value {
             "id": facts.name, "meaning": meaning::of(facts.name), "built_in": facts.built_in, "with": readers,
         })
     });
-    let registers = machine["registers"].as_array().into_iter().flatten();
-    let names: Vec<&str> = registers.flat_map(|row| [&row["name"], &row["second"]]).filter_map(Value::as_str).collect();
+    let registers = machine.at("registers").as_array().into_iter().flatten();
+    let names: Vec<&str> =
+        registers.flat_map(|row| [row.at("name"), row.at("second")]).filter_map(Value::as_str).collect();
     let letters: Vec<String> =
         ('A'..='Z').map(String::from).filter(|letter| !names.contains(&letter.as_str())).collect();
     json!({ "codes": own.collect::<Vec<_>>(), "data": read.collect::<Vec<_>>(), "letters": letters })
@@ -214,18 +216,20 @@ pub(crate) fn undefined_text(undefined: &Value) -> String {
         .iter()
         .map(|(key, heading)| {
             let mut rows = vec![heading.map(str::to_owned).to_vec()];
-            rows.extend(undefined[*key].as_array().into_iter().flatten().map(|row| {
-                let text = |key: &str| row[key].as_str().unwrap_or_default().to_owned();
-                let with = row["with"].as_array().into_iter().flatten().filter_map(Value::as_str).collect::<Vec<_>>();
+            rows.extend(undefined.at(key).as_array().into_iter().flatten().map(|row| {
+                let text = |key: &str| row.at(key).as_str().unwrap_or_default().to_owned();
+                let with =
+                    row.at("with").as_array().into_iter().flatten().filter_map(Value::as_str).collect::<Vec<_>>();
                 let with = if with.is_empty() { "-".to_owned() } else { with.join(" ") };
-                let action = if row["built_in"] == true { "built-in" } else { "none" };
+                let action = if row.at("built_in") == true { "built-in" } else { "none" };
                 vec![text("id"), action.to_owned(), text("meaning"), with]
             }));
             let table = table(&rows, heading.len());
             table.lines().map(|line| format!("{}\n", line.strip_prefix("  ").unwrap_or(line))).collect()
         })
         .collect();
-    let letters: Vec<&str> = undefined["letters"].as_array().into_iter().flatten().filter_map(Value::as_str).collect();
+    let letters: Vec<&str> =
+        undefined.at("letters").as_array().into_iter().flatten().filter_map(Value::as_str).collect();
     let letters = if letters.is_empty() { "-".to_owned() } else { letters.join(" ") };
     out.push(format!("letters without a register\n{letters}\n"));
     out.join("\n")

@@ -2,8 +2,6 @@
 
 use std::path::Path;
 
-use counterpoint_kernel::machine::package;
-use counterpoint_lang::ident;
 use counterpoint_proto::v1;
 
 use crate::arguments::{Machine, Part, Rows};
@@ -12,7 +10,7 @@ use crate::error::Error;
 use crate::machine_view::View;
 use crate::text::table;
 use crate::tools::Tools;
-use crate::{findings, machine_diff, machine_view, own_machine, pack, say, tape_trial};
+use crate::{findings, known, machine_diff, machine_view, own_machine, pack, say, tape_trial};
 
 pub(crate) async fn dispatch(command: Machine) -> Result<u8, Error> {
     match command {
@@ -38,7 +36,7 @@ async fn check(machine: &str, server: Option<&str>) -> Result<u8, Error> {
         client.upload(&files.blobs()).await?;
         request = v1::CheckMachineRequest { name, files: machine_files(files) };
     } else {
-        known(machine, client.is_embedded())?;
+        known::machine(machine, client.is_embedded())?;
     }
     let answer = client.machines().check_machine(request).await?.into_inner();
     findings::print(&answer.findings);
@@ -72,7 +70,7 @@ async fn show(machine: &str, part: Part, view: &View, json: bool, server: Option
     let name = if pack::is_folder(machine) {
         put_machine(&client, Path::new(machine)).await?
     } else {
-        known(machine, client.is_embedded())?;
+        known::machine(machine, client.is_embedded())?;
         machine.to_owned()
     };
     let section = match part {
@@ -95,30 +93,6 @@ async fn show(machine: &str, part: Part, view: &View, json: bool, server: Option
     let text = if json { view.json(&text)? } else { view.text(&text)? };
     say::data(text.as_bytes())?;
     Ok(0)
-}
-
-/// Refuses a machine that is neither a folder with a definition nor a known name. The names on a remote server are not
-/// known here.
-pub(crate) fn known(machine: &str, embedded: bool) -> Result<(), Error> {
-    let names = package::shipped_names();
-    if names.iter().any(|name| name == machine) {
-        return Ok(());
-    }
-    if Path::new(machine).is_dir() || machine.contains(['/', '\\']) {
-        return Err(Error::Usage(format!(
-            "'{machine}' has no machine.toml: give the name of a machine, or a folder with machine.toml"
-        )));
-    }
-    if embedded {
-        let near = ident::nearest(machine, names.iter().map(String::as_str));
-        let near = near.map(|near| format!("did you mean {near}? ")).unwrap_or_default();
-        return Err(Error::Usage(format!(
-            "machine '{machine}' not found: {near}shipped machines are {}; for your own machine give a folder with \
-             machine.toml",
-            names.join(", ")
-        )));
-    }
-    Ok(())
 }
 
 /// Uploads a machine folder to the server; returns `name@revision`.

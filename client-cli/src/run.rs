@@ -21,7 +21,7 @@ use crate::say::{self, DIM, styled};
 use crate::settings;
 use crate::step::{Interrupt, Stepper};
 use crate::summary::Summary;
-use crate::{changed_machine, guess, jobs, machines, pack, results};
+use crate::{changed_machine, guess, jobs, known, machines, pack, results};
 
 /// Runs programs on a server in this process.
 pub(crate) async fn run(arguments: Run) -> Result<u8, Error> {
@@ -138,7 +138,7 @@ pub(crate) async fn machine(client: &Client, inputs: &Inputs, pack: &pack::Pack,
         return changed(client, &guess.machine, inputs).await;
     };
     if !pack::is_folder(machine) {
-        machines::known(machine, client.is_embedded())?;
+        known::machine(machine, client.is_embedded())?;
     }
     changed(client, machine, inputs).await
 }

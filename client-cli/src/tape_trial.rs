@@ -10,6 +10,7 @@ use counterpoint_kernel::tape;
 use serde_json::{Value, json};
 
 use crate::error::Error;
+use crate::fields::Fields as _;
 use crate::local_machine::LocalMachine;
 use crate::say;
 
@@ -64,14 +65,14 @@ fn steps(machine: &Machine, line: &[u8], all: bool) -> Value {
 /// The line, and behind it the text after each rule that acts.
 fn text(tried: &Value) -> String {
     let of = |value: &Value| value.as_str().unwrap_or_default().to_owned();
-    let mut out = format!("{}\n", of(&tried["line"]));
-    let steps = tried["steps"].as_array();
+    let mut out = format!("{}\n", of(tried.at("line")));
+    let steps = tried.at("steps").as_array();
     for step in steps.into_iter().flatten() {
-        let off = if step["on"] == true { "" } else { ", off at the start of a program" };
-        let place = format!("{}:{}", of(&step["file"]), step["line"]);
-        let (find, replace) = (of(&step["find"]), of(&step["replace"]));
-        let _ = writeln!(out, "  rule {} \"{find}\" -> \"{replace}\"  [{place}{off}]", step["rule"]);
-        let _ = writeln!(out, "{}", of(&step["text"]));
+        let off = if step.at("on") == true { "" } else { ", off at the start of a program" };
+        let place = format!("{}:{}", of(step.at("file")), step.at("line"));
+        let (find, replace) = (of(step.at("find")), of(step.at("replace")));
+        let _ = writeln!(out, "  rule {} \"{find}\" -> \"{replace}\"  [{place}{off}]", step.at("rule"));
+        let _ = writeln!(out, "{}", of(step.at("text")));
     }
     if steps.is_none_or(Vec::is_empty) {
         out.push_str("  no rule changes it\n");

@@ -11,6 +11,8 @@ use counterpoint_kernel::machine::show::{self, Show};
 use counterpoint_kernel::machine::tables::form_range;
 use serde_json::{Value, json};
 
+use crate::fields::Fields as _;
+
 use super::register;
 
 /// One row of the code table.
@@ -41,7 +43,7 @@ fn group(machine: &Machine, row: &CodeRow) -> (&'static str, Vec<Value>) {
         return ("-", Vec::new());
     }
     let same = machine.codes.iter().filter(|other| other.group == row.group && other.id != row.id && other.enable);
-    let same = same.map(|other| show::code_json(machine, other)["word"].clone());
+    let same = same.map(|other| show::code_json(machine, other).at("word").clone());
     let mut words: Vec<Value> = Vec::new();
     same.filter(|word| word != "-").for_each(|word| {
         if !words.contains(&word) {
@@ -65,15 +67,15 @@ pub(super) fn reads(machine: &Machine, code: CodeId) -> Vec<DataRowId> {
 pub(super) fn macros(machine: &Machine, identifier: &str) -> Vec<Value> {
     let all = show::json_part(machine, Show::Macros);
     let fires = |row: &&Value| {
-        row["match"].as_array().is_some_and(|names| names.iter().any(|name| name.as_str() == Some(identifier)))
+        row.at("match").as_array().is_some_and(|names| names.iter().any(|name| name.as_str() == Some(identifier)))
     };
-    all["macros"].as_array().into_iter().flatten().filter(fires).cloned().collect()
+    all.at("macros").as_array().into_iter().flatten().filter(fires).cloned().collect()
 }
 
 /// What a word of `[[waits]]` does.
 fn waits(machine: &Machine, row: &CodeRow) -> Vec<Value> {
     let rows = show::json_part(machine, Show::All);
-    let rows = rows["sync"]["waits"].as_array().cloned().unwrap_or_default();
+    let rows = rows.at("sync").at("waits").as_array().cloned().unwrap_or_default();
     let own = machine.sync.waits.iter().zip(rows).filter(|(wait, _)| wait.is_of(&row.form));
     own.map(|(_, value)| value).collect()
 }
@@ -81,7 +83,7 @@ fn waits(machine: &Machine, row: &CodeRow) -> Vec<Value> {
 /// Refusals that a question of the caller picks.
 pub(super) fn refusals(machine: &Machine, is: impl Fn(&Refusal) -> bool) -> Vec<Value> {
     let all = show::json_part(machine, Show::Refusals);
-    let rows = all["refusals"].as_array().cloned().unwrap_or_default();
+    let rows = all.at("refusals").as_array().cloned().unwrap_or_default();
     let picked = machine.diagnostics.refusals.iter().zip(rows).filter(|(rule, _)| is(rule));
     picked.map(|(_, value)| value).collect()
 }
@@ -110,7 +112,7 @@ pub(super) fn of_register(machine: &Machine, register: RegisterId) -> Vec<Value>
     let rows = machine.codes.iter().filter(|row| row.enable).filter(of);
     rows.map(|row| {
         let name = machine.code_name(row.id);
-        json!({ "word": show::code_json(machine, row)["word"], "id": name, "meaning": meaning::of(name) })
+        json!({ "word": show::code_json(machine, row).at("word"), "id": name, "meaning": meaning::of(name) })
     })
     .collect()
 }

@@ -9,6 +9,7 @@ use counterpoint_lang::ident;
 use serde_json::{Value, json};
 
 use super::{programs, words};
+use crate::fields::Fields as _;
 use crate::local_machine;
 
 /// Shipped machines that have the word, by what it is there; `not` is the machine that has been asked.
@@ -42,7 +43,7 @@ fn identifiers(machine: &Machine, word: &str) -> Vec<String> {
     }
     if names.is_empty() {
         let programs = programs::stored(machine, word);
-        names.extend(programs.iter().filter_map(|program| program["path"].as_str().map(str::to_owned)));
+        names.extend(programs.iter().filter_map(|program| program.at("path").as_str().map(str::to_owned)));
     }
     let mut seen: Vec<String> = Vec::new();
     names.retain(|name| {
@@ -56,7 +57,7 @@ fn identifiers(machine: &Machine, word: &str) -> Vec<String> {
 /// The word of the machine that is written most like it.
 pub(super) fn nearest(machine: &Machine, word: &str) -> Option<String> {
     let written =
-        machine.codes.iter().filter(|row| row.enable).map(|row| show::code_json(machine, row)["word"].clone());
+        machine.codes.iter().filter(|row| row.enable).map(|row| show::code_json(machine, row).at("word").clone());
     let written = written.filter_map(|word| word.as_str().map(|word| word.trim_matches('"').to_owned()));
     let mut names: Vec<String> = written.filter(|word| word != "-").collect();
     names.extend(machine.storage.iter().filter_map(|file| programs::stem(&file.path).map(str::to_uppercase)));

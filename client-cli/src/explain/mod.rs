@@ -19,6 +19,7 @@ use serde_json::{Value, json};
 
 use crate::arguments::Explain;
 use crate::error::Error;
+use crate::fields::Fields as _;
 use crate::local_machine::LocalMachine;
 use crate::{macros, say};
 use words::Found;
@@ -66,7 +67,7 @@ fn on_machine(asked: &str, name: &str, json: bool) -> Result<u8, Error> {
     let (machine, definition) = (local.load()?, local.definition()?);
     let subject = Subject { machine, local, definition };
     let words = subject.words(asked);
-    let known = words.iter().all(|word| word["known"] == true);
+    let known = words.iter().all(|word| word.at("known") == true);
     let value = json!({ "machine": subject.machine.name, "extends": subject.definition.chain, "words": words });
     print(&value, json)?;
     // A word that the machine does not have is like any unknown name.
@@ -86,7 +87,7 @@ impl Subject {
     fn words(&self, asked: &str) -> Vec<Value> {
         let whole = self.word(asked, &[]);
         let several = asked.contains(char::is_whitespace);
-        if whole["known"] == true || !several {
+        if whole.at("known") == true || !several {
             return vec![whole];
         }
         let (mut codes, mut words) = (Vec::new(), Vec::new());
@@ -97,7 +98,7 @@ impl Subject {
             }
         }
         // A statement of several words is known to the pages of the control only as a whole.
-        if words.iter().any(|word| word["known"] == false) { vec![whole] } else { words }
+        if words.iter().any(|word| word.at("known") == false) { vec![whole] } else { words }
     }
 
     /// A word; `before` are the codes that stand before it.
@@ -141,14 +142,14 @@ impl Subject {
         if !known {
             add("unknown", self.unknown(asked));
         }
-        value["known"] = json!(known);
+        value.set("known", json!(known));
         value
     }
 
     fn codes(&self, found: &Found) -> Value {
         let codes = found.codes.iter().map(|id| {
             let mut value = code::code(&self.machine, *id);
-            self.place_macros(&mut value["macros"]);
+            self.place_macros(&mut value);
             self.inherited(&mut value);
             value
         });
@@ -169,7 +170,7 @@ impl Subject {
         }
         let rows = rows.into_iter().map(|id| {
             let mut value = register::data(machine, id);
-            self.place_macros(&mut value["macros"]);
+            self.place_macros(&mut value);
             self.inherited(&mut value);
             value
         });
@@ -177,8 +178,8 @@ impl Subject {
         match found.register {
             Some((id, _)) => {
                 let mut value = register::register(machine, id);
-                value["data"] = json!(rows);
-                value["codes"] = json!(code::of_register(machine, id));
+                value.set("data", json!(rows));
+                value.set("codes", json!(code::of_register(machine, id)));
                 value
             }
             None if rows.is_empty() => Value::Null,
@@ -188,31 +189,31 @@ impl Subject {
 
     /// Through which family a row has come.
     fn inherited(&self, value: &mut Value) {
-        let folder = value["file"].as_str().and_then(|file| file.split('/').next()).unwrap_or_default().to_owned();
+        let folder = value.at("file").as_str().and_then(|file| file.split('/').next()).unwrap_or_default().to_owned();
         let own = self.definition.chain.first().is_some_and(|own| *own == folder);
-        value["inherited_from"] = if own { Value::Null } else { json!(folder) };
+        value.set("inherited_from", if own { Value::Null } else { json!(folder) });
     }
 
     /// The lines of the machine file at which macros are declared.
     fn place_macros(&self, found: &mut Value) {
-        for one in found.as_array_mut().into_iter().flatten() {
-            let file = one["file"].as_str().unwrap_or_default().to_owned();
+        for one in found.get_mut("macros").and_then(Value::as_array_mut).into_iter().flatten() {
+            let file = one.at("file").as_str().unwrap_or_default().to_owned();
             let named =
                 |key: &DefinitionKey| key.key == "file" && file.ends_with(&format!("/{}", key.value.trim_matches('"')));
-            let first = one["match"][0].as_str().unwrap_or_default().to_owned();
+            let first = one.at("match").get(0).and_then(Value::as_str).unwrap_or_default().to_owned();
             let fires = |key: &DefinitionKey| key.value.contains(&first);
             let row = self.definition.rows.iter().find(|row| {
                 row.section.starts_with("macros.") && row.keys.iter().any(named) && row.keys.iter().any(fires)
             });
-            one["defined"] = json!(row.map(|row| row.place.as_str()));
+            one.set("defined", json!(row.map(|row| row.place.as_str())));
         }
     }
 
     fn variable(&self, number: u32) -> Value {
         let Some(mut found) = show::variable(&self.machine, number) else { return Value::Null };
-        let first = found["range"]["first"].to_string();
+        let first = found.at("range").at("first").to_string();
         let row = self.definition.rows.iter().find(|row| row.section == "system_variables" && row.name == first);
-        found["defined"] = json!(row.map(|row| row.place.as_str()));
+        found.set("defined", json!(row.map(|row| row.place.as_str())));
         found
     }
 

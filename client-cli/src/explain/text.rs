@@ -6,6 +6,7 @@ use std::fmt::Write as _;
 
 use serde_json::Value;
 
+use crate::fields::Fields as _;
 use crate::text::table;
 
 /// Most codes and words that a line lists.
@@ -14,16 +15,16 @@ const LISTED: usize = 12;
 /// The whole explanation.
 pub(super) fn text(value: &Value) -> String {
     let mut out = String::new();
-    let Some(words) = value["words"].as_array() else {
-        let _ = writeln!(out, "{}", of(&value["word"]));
-        machines(&mut out, &value["machines"]);
+    let Some(words) = value.at("words").as_array() else {
+        let _ = writeln!(out, "{}", of(value.at("word")));
+        machines(&mut out, value.at("machines"));
         return out;
     };
-    let families: Vec<String> = rows(&value["extends"]).skip(1).map(of).collect();
+    let families: Vec<String> = rows(value.at("extends")).skip(1).map(of).collect();
     let families = if families.is_empty() { String::new() } else { format!(" (extends {})", families.join(", ")) };
-    let chain = format!("{}{families}", of(&value["machine"]));
+    let chain = format!("{}{families}", of(value.at("machine")));
     for (at, word) in words.iter().enumerate() {
-        let _ = writeln!(out, "{}{} on {chain}", if at > 0 { "\n" } else { "" }, of(&word["word"]));
+        let _ = writeln!(out, "{}{} on {chain}", if at > 0 { "\n" } else { "" }, of(word.at("word")));
         one(&mut out, word);
     }
     out
@@ -31,49 +32,54 @@ pub(super) fn text(value: &Value) -> String {
 
 /// One word.
 fn one(out: &mut String, word: &Value) {
-    rows(&word["codes"]).for_each(|row| code(out, row));
-    if !word["register"].is_null() {
-        register(out, &word["register"]);
+    rows(word.at("codes")).for_each(|row| code(out, row));
+    if !word.at("register").is_null() {
+        register(out, word.at("register"));
     }
-    if let variable @ Value::Object(_) = &word["variable"] {
-        let write = if variable["write"] == true { "" } else { ", read only" };
-        let range = &variable["range"];
-        let _ = writeln!(out, "\nvariable: {}{write}", of(&variable["means"]));
-        let _ = writeln!(out, "  of #{} to #{}{}", range["first"], range["last"], defined(variable));
+    if let variable @ Value::Object(_) = word.at("variable") {
+        let write = if variable.at("write") == true { "" } else { ", read only" };
+        let range = variable.at("range");
+        let _ = writeln!(out, "\nvariable: {}{write}", of(variable.at("means")));
+        let _ = writeln!(out, "  of #{} to #{}{}", range.at("first"), range.at("last"), defined(variable));
     }
-    rows(&word["called"]).for_each(|call| line(out, &format!("\ncall: {}{}", of(&call["text"]), defined(call))));
-    for program in rows(&word["programs"]) {
-        let _ = writeln!(out, "\nprogram stored with the machine: {}:{}", of(&program["path"]), program["line"]);
-        [&program["about"], &program["head"]].into_iter().filter(|text| text.is_string()).for_each(|text| {
+    rows(word.at("called")).for_each(|call| line(out, &format!("\ncall: {}{}", of(call.at("text")), defined(call))));
+    for program in rows(word.at("programs")) {
+        let _ = writeln!(out, "\nprogram stored with the machine: {}:{}", of(program.at("path")), program.at("line"));
+        [program.at("about"), program.at("head")].into_iter().filter(|text| text.is_string()).for_each(|text| {
             line(out, &format!("  {}", of(text)));
         });
     }
-    for row in rows(&word["rows"]) {
-        line(out, &format!("\nrow of {}: {}{}", of(&row["section"]), of(&row["text"]), defined(row)));
+    for row in rows(word.at("rows")) {
+        line(out, &format!("\nrow of {}: {}{}", of(row.at("section")), of(row.at("text")), defined(row)));
     }
-    for step in rows(&word["edited"]) {
+    for step in rows(word.at("edited")) {
         line(
             out,
-            &format!("\nrule {} of the tape editor makes '{}' of it{}", step["rule"], of(&step["text"]), defined(step)),
+            &format!(
+                "\nrule {} of the tape editor makes '{}' of it{}",
+                step.at("rule"),
+                of(step.at("text")),
+                defined(step)
+            ),
         );
     }
-    if let diagnostic @ Value::Object(_) = &word["diagnostic"] {
+    if let diagnostic @ Value::Object(_) = word.at("diagnostic") {
         self::diagnostic(out, diagnostic);
     }
-    pages(out, &word["pages"]);
-    if let Some(text) = word["text"].as_str() {
+    pages(out, word.at("pages"));
+    if let Some(text) = word.at("text").as_str() {
         let _ = write!(out, "\nno word of a program, but a word of macros:\n\n{text}");
     }
-    if !word["unknown"].is_null() {
-        unknown(out, &word["unknown"]);
+    if !word.at("unknown").is_null() {
+        unknown(out, word.at("unknown"));
     }
 }
 
 /// A code row.
 fn code(out: &mut String, row: &Value) {
-    let _ = writeln!(out, "\ncode {}: {}", of(&row["id"]), of(&row["meaning"]));
+    let _ = writeln!(out, "\ncode {}: {}", of(row.at("id")), of(row.at("meaning")));
     let conditions = [("with", "with"), ("without", "without")].into_iter().filter_map(|(key, word)| {
-        let registers = list(&row[key], " ", usize::MAX);
+        let registers = list(row.at(key), " ", usize::MAX);
         (!registers.is_empty()).then(|| format!(" {word} {registers}"))
     });
     let conditions: String = conditions.collect();
@@ -82,68 +88,68 @@ fn code(out: &mut String, row: &Value) {
             let _ = writeln!(out, "  {name:<10}{text}");
         }
     };
-    line("written", format!("{}{conditions}", of(&row["word"])));
-    if row["as_data"].is_string() {
-        line("value", format!("becomes {}", of(&row["as_data"])));
+    line("written", format!("{}{conditions}", of(row.at("word"))));
+    if row.at("as_data").is_string() {
+        line("value", format!("becomes {}", of(row.at("as_data"))));
     }
     let off = [("enable", "the row is switched off"), ("process", "the word is ignored")];
-    let off: Vec<&str> = off.into_iter().filter(|(key, _)| row[*key] == false).map(|(_, text)| text).collect();
+    let off: Vec<&str> = off.into_iter().filter(|(key, _)| row.at(key) == false).map(|(_, text)| text).collect();
     line("note", off.join(", "));
     line("group", group(row));
-    line("order", of(&row["order"]));
-    if row["seconds"].as_f64().is_some_and(|seconds| seconds > 0.0) {
-        line("time", format!("{} s", row["seconds"]));
+    line("order", of(row.at("order")));
+    if row.at("seconds").as_f64().is_some_and(|seconds| seconds > 0.0) {
+        line("time", format!("{} s", row.at("seconds")));
     }
     line("defined", place(row));
-    for wait in rows(&row["waits"]) {
-        line("wait", format!("{} ({})", of(&wait["primitive"]), of(&wait["act"])));
+    for wait in rows(row.at("waits")) {
+        line("wait", format!("{} ({})", of(wait.at("primitive")), of(wait.at("act"))));
     }
-    macros(out, &row["macros"]);
-    let reads: Vec<&Value> = rows(&row["reads"]).collect();
+    macros(out, row.at("macros"));
+    let reads: Vec<&Value> = rows(row.at("reads")).collect();
     if !reads.is_empty() {
         out.push_str("\nwords that it reads\n");
         out.push_str(&data(&reads));
     }
-    refusals(out, &row["refusals"]);
+    refusals(out, row.at("refusals"));
 }
 
 fn group(row: &Value) -> String {
-    let modality = of(&row["modality"]);
-    if row["group"] == 0 {
+    let modality = of(row.at("modality"));
+    if row.at("group") == 0 {
         return format!("none, {modality}");
     }
-    let subject = match of(&row["subject"]) {
+    let subject = match of(row.at("subject")) {
         subject if subject == "-" => String::new(),
         subject => format!(" {subject}"),
     };
-    let start = if row["active_at_start"] == true { ", active at the start" } else { "" };
-    let others = list(&row["same_group"], " ", LISTED);
+    let start = if row.at("active_at_start") == true { ", active at the start" } else { "" };
+    let others = list(row.at("same_group"), " ", LISTED);
     let others = if others.is_empty() { String::new() } else { format!("; also in it: {others}") };
-    format!("{}{subject}, {modality}{start}{others}", row["group"])
+    format!("{}{subject}, {modality}{start}{others}", row.at("group"))
 }
 
 /// A register with its data.
 fn register(out: &mut String, register: &Value) {
-    if register["name"].is_string() {
-        let second = register["second"].as_str().map(|name| format!(", {name} for increments")).unwrap_or_default();
-        let _ = writeln!(out, "\nregister {}: {}{second}", of(&register["name"]), of(&register["number"]));
-        let codes: Vec<&Value> = rows(&register["codes"]).collect();
+    if register.at("name").is_string() {
+        let second = register.at("second").as_str().map(|name| format!(", {name} for increments")).unwrap_or_default();
+        let _ = writeln!(out, "\nregister {}: {}{second}", of(register.at("name")), of(register.at("number")));
+        let codes: Vec<&Value> = rows(register.at("codes")).collect();
         for code in codes.iter().take(LISTED) {
-            let meaning = code["meaning"].as_str().map(|meaning| format!(": {meaning}")).unwrap_or_default();
-            let _ = writeln!(out, "  {:<10}{}{meaning}", of(&code["word"]), of(&code["id"]));
+            let meaning = code.at("meaning").as_str().map(|meaning| format!(": {meaning}")).unwrap_or_default();
+            let _ = writeln!(out, "  {:<10}{}{meaning}", of(code.at("word")), of(code.at("id")));
         }
         if codes.len() > LISTED {
             let more = codes.len() - LISTED;
             let _ = writeln!(out, "  and {more} more codes: `counterpoint machine show NAME codes` lists them");
         }
     }
-    let rows: Vec<&Value> = self::rows(&register["data"]).collect();
+    let rows: Vec<&Value> = self::rows(register.at("data")).collect();
     if !rows.is_empty() {
         out.push_str("\ndata\n");
         out.push_str(&data(&rows));
     }
-    rows.iter().for_each(|row| macros(out, &row["macros"]));
-    refusals(out, &register["refusals"]);
+    rows.iter().for_each(|row| macros(out, row.at("macros")));
+    refusals(out, register.at("refusals"));
 }
 
 /// Data rows as a table.
@@ -151,19 +157,19 @@ fn data(rows: &[&Value]) -> String {
     let head = ["word", "data", "meaning", "number", "unit", "limits", "scaling", "defined"];
     let mut cells = vec![head.map(str::to_owned).to_vec()];
     cells.extend(rows.iter().map(|row| {
-        let limits = match (&row["min"], &row["max"]) {
+        let limits = match (row.at("min"), row.at("max")) {
             (Value::Null, Value::Null) => "-".to_owned(),
             (min, max) => format!("{} to {}", number(min), number(max)),
         };
-        let mul = row["mul"].as_f64().filter(|mul| *mul != 1.0).map(|mul| format!("*{mul}")).unwrap_or_default();
-        let add = row["add"].as_f64().filter(|add| *add != 0.0).map(|add| format!("{add:+}")).unwrap_or_default();
+        let mul = row.at("mul").as_f64().filter(|mul| *mul != 1.0).map(|mul| format!("*{mul}")).unwrap_or_default();
+        let add = row.at("add").as_f64().filter(|add| *add != 0.0).map(|add| format!("{add:+}")).unwrap_or_default();
         let scaling = format!("{mul}{add}");
         vec![
-            dash(&of(&row["register"])),
-            of(&row["id"]),
-            of(&row["meaning"]),
-            dash(&of(&row["number"])),
-            of(&row["dimension"]),
+            dash(&of(row.at("register"))),
+            of(row.at("id")),
+            of(row.at("meaning")),
+            dash(&of(row.at("number"))),
+            of(row.at("dimension")),
             limits,
             dash(&scaling),
             place(row),
@@ -174,10 +180,10 @@ fn data(rows: &[&Value]) -> String {
 
 fn macros(out: &mut String, macros: &Value) {
     for one in rows(macros) {
-        let condition = of(&one["condition"]);
+        let condition = of(one.at("condition"));
         let condition = if condition.is_empty() { condition } else { format!(", if {condition}") };
-        let off = if one["enabled"] == false { ", switched off" } else { "" };
-        let (name, file) = (of(&one["name"]), of(&one["file"]));
+        let off = if one.at("enabled") == false { ", switched off" } else { "" };
+        let (name, file) = (of(one.at("name")), of(one.at("file")));
         let _ = writeln!(out, "  {:<10}{name}: {file}{condition}{off}{}", "macro", defined(one));
     }
 }
@@ -191,10 +197,10 @@ fn refusals(out: &mut String, refusals: &Value) {
     let mut cells = Vec::new();
     for rule in rules {
         let part = |key: &str, word: &str| {
-            let list = list(&rule[key], " ", LISTED);
+            let list = list(rule.at(key), " ", LISTED);
             (!list.is_empty()).then(|| format!("{word} {list}"))
         };
-        let word = of(&rule["word"]);
+        let word = of(rule.at("word"));
         let word = (!word.is_empty()).then(|| format!("unless {word}"));
         let parts = [
             part("with", "with"),
@@ -204,26 +210,26 @@ fn refusals(out: &mut String, refusals: &Value) {
             word,
         ];
         let when: Vec<String> = parts.into_iter().flatten().collect();
-        cells.push(vec![of(&rule["alarm"]), of(&rule["text"]), dash(&when.join(", ")), place(rule)]);
+        cells.push(vec![of(rule.at("alarm")), of(rule.at("text")), dash(&when.join(", ")), place(rule)]);
     }
     out.push_str(&table(&cells, 4));
 }
 
 fn diagnostic(out: &mut String, diagnostic: &Value) {
-    let rule = &diagnostic["rule"];
+    let rule = diagnostic.at("rule");
     if !rule.is_null() {
-        let _ = writeln!(out, "\nthe machine changes {}{}", rule["number"], defined(rule));
+        let _ = writeln!(out, "\nthe machine changes {}{}", rule.at("number"), defined(rule));
         for (key, name) in [("severity", "severity"), ("text", "text"), ("repeat", "repeat"), ("stops", "stops")] {
-            if !rule[key].is_null() {
-                let _ = writeln!(out, "  {name:<10}{}", of(&rule[key]));
+            if !rule.at(key).is_null() {
+                let _ = writeln!(out, "  {name:<10}{}", of(rule.at(key)));
             }
         }
-        if rule["enable"] == false {
+        if rule.at("enable") == false {
             out.push_str("  never shown\n");
         }
     }
-    refusals(out, &diagnostic["refusals"]);
-    if let Some(page) = diagnostic["page"].as_str() {
+    refusals(out, diagnostic.at("refusals"));
+    if let Some(page) = diagnostic.at("page").as_str() {
         let _ = write!(out, "\n{page}");
     }
 }
@@ -231,63 +237,63 @@ fn diagnostic(out: &mut String, diagnostic: &Value) {
 fn pages(out: &mut String, pages: &Value) {
     let mut last = String::new();
     for row in rows(pages) {
-        let page = of(&row["page"]);
+        let page = of(row.at("page"));
         if page != last {
             let _ = writeln!(out, "\n{page}");
             last = page;
         }
-        let _ = writeln!(out, "  {}", of(&row["text"]));
+        let _ = writeln!(out, "  {}", of(row.at("text")));
     }
 }
 
 fn unknown(out: &mut String, unknown: &Value) {
     out.push_str("\nthe machine does not have it\n");
     let mut told = false;
-    for diagnostic in rows(&unknown["diagnostics"]) {
+    for diagnostic in rows(unknown.at("diagnostics")) {
         told = true;
-        let kind = match diagnostic["severity"].as_u64() {
+        let kind = match diagnostic.at("severity").as_u64() {
             Some(0..=3) => "note",
             Some(4..=7) => "warning",
             _ => "error",
         };
-        let number = diagnostic["number"].as_u64().filter(|number| *number > 0);
+        let number = diagnostic.at("number").as_u64().filter(|number| *number > 0);
         let number = number.map(|number| format!(" {number}")).unwrap_or_default();
-        let _ = writeln!(out, "  in a block: {kind}{number}: {}", of(&diagnostic["text"]));
+        let _ = writeln!(out, "  in a block: {kind}{number}: {}", of(diagnostic.at("text")));
     }
     if !told {
         out.push_str("  in a block: nothing is reported\n");
     }
-    if let Some(near) = unknown["near"].as_str() {
+    if let Some(near) = unknown.at("near").as_str() {
         let _ = writeln!(out, "  did you mean {near}?");
     }
-    if rows(&unknown["machines"]).next().is_some() {
+    if rows(unknown.at("machines")).next().is_some() {
         out.push_str("\nmachines that have it\n");
-        machines(out, &unknown["machines"]);
+        machines(out, unknown.at("machines"));
     }
 }
 
 fn machines(out: &mut String, machines: &Value) {
     for row in rows(machines) {
-        let meaning = row["meaning"].as_str().map(|meaning| format!(": {meaning}")).unwrap_or_default();
-        let _ = writeln!(out, "  {}{meaning}", of(&row["id"]));
-        let _ = writeln!(out, "    {}", list(&row["machines"], " ", usize::MAX));
+        let meaning = row.at("meaning").as_str().map(|meaning| format!(": {meaning}")).unwrap_or_default();
+        let _ = writeln!(out, "  {}{meaning}", of(row.at("id")));
+        let _ = writeln!(out, "    {}", list(row.at("machines"), " ", usize::MAX));
     }
 }
 
 /// `haas-lathe/machine.toml:12`, with the family that a row comes from.
 fn place(row: &Value) -> String {
-    let Some(file) = row["file"].as_str() else { return "-".to_owned() };
-    let from = row["inherited_from"].as_str().map(|family| format!(" (inherited from {family})"));
+    let Some(file) = row.at("file").as_str() else { return "-".to_owned() };
+    let from = row.at("inherited_from").as_str().map(|family| format!(" (inherited from {family})"));
     format!(
         "{file}:{}{}",
-        row["line"],
-        from.filter(|_| row["id"].is_string() && row["word"].is_string()).unwrap_or_default()
+        row.at("line"),
+        from.filter(|_| row.at("id").is_string() && row.at("word").is_string()).unwrap_or_default()
     )
 }
 
 /// `, defined in …`.
 fn defined(row: &Value) -> String {
-    row["defined"].as_str().map(|place| format!(", defined in {place}")).unwrap_or_default()
+    row.at("defined").as_str().map(|place| format!(", defined in {place}")).unwrap_or_default()
 }
 
 fn rows(value: &Value) -> impl Iterator<Item = &Value> {

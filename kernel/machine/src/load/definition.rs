@@ -150,7 +150,7 @@ fn written(node: &Node) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::package::{Overlay, shipped};
+    use crate::package::Overlay;
     use counterpoint_ports::files::Memory;
 
     fn own(text: &str) -> Overlay<Memory, Memory> {

@@ -1,0 +1,27 @@
+//! Fields of JSON objects by name.
+//!
+//! *Invariant:* a field that is not there is null.
+
+use serde_json::Value;
+
+static NULL: Value = Value::Null;
+
+/// Reading and setting of fields.
+pub(crate) trait Fields {
+    /// The value of a field.
+    fn at(&self, key: &str) -> &Value;
+    /// Sets a field of an object.
+    fn set(&mut self, key: &str, value: Value);
+}
+
+impl Fields for Value {
+    fn at(&self, key: &str) -> &Value {
+        self.get(key).unwrap_or(&NULL)
+    }
+
+    fn set(&mut self, key: &str, value: Value) {
+        if let Value::Object(fields) = self {
+            fields.insert(key.to_owned(), value);
+        }
+    }
+}
