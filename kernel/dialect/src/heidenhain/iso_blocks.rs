@@ -13,7 +13,7 @@ use super::lex::Cursor;
 use super::path::{Shape, axis};
 use super::statement::{Call, Statement};
 use super::words::{Operand, Seen, Word, shown};
-use super::{Heidenhain, Line};
+use super::{Heidenhain, Line, iso_cycles};
 use crate::host::{Host, Place};
 use counterpoint_event::FileId;
 
@@ -292,7 +292,7 @@ impl Heidenhain {
                 let values = self.values_of(host, &others)?;
                 (14, values.into_iter().map(|(_, label)| valued("LABEL", label)).collect())
             }
-            83..=86 => return self.old_iso_cycle(host, function, &others),
+            56..=59 | 74..=78 | 83..=86 => return self.old_iso_cycle(host, function, &others),
             38 => return self.stop(host, &others),
             79 => return self.call_cycle(host, (Call::Here, &others), place),
             51 | 99 => {
@@ -312,22 +312,14 @@ impl Heidenhain {
         Ok(numbered(&super::eval::Evaluator::new(&mut self.variables, host).seen(words)?))
     }
 
-    /// G83 to G86: cycles 1, 2, 17 and 18, whose values have numbers; the last of G83 and G84 is the feed.
+    /// A cycle whose values have numbers.
     fn old_iso_cycle(&mut self, host: &mut dyn Host, function: u32, others: &[Word]) -> Result<Option<String>, Halt> {
-        let (cycle, feed) = match function {
-            83 => (1, 5),
-            84 => (2, 4),
-            85 => (17, 0),
-            _ => (18, 0),
-        };
+        let Some((cycle, lines)) = iso_cycles::lines(function) else { return Err(self.not_understood(host)) };
         if !self.settings.cycles.contains(&cycle) {
             return Err(self.not_understood(host));
         }
-        let values = self.values_of(host, others)?;
-        let lines: Vec<(u32, [Seen; 1])> = values
-            .into_iter()
-            .map(|(number, value)| (number, [Seen::made(if number == feed { "F" } else { "" }, value)]))
-            .collect();
+        let seen = super::eval::Evaluator::new(&mut self.variables, host).seen(others)?;
+        let lines: Vec<(u32, Vec<Seen>)> = iso_cycles::filled(lines, &seen);
         self.define_old(cycle, lines.iter().map(|(number, words)| (*number, words.as_slice())));
         Ok(None)
     }

@@ -27,6 +27,7 @@ mod free;
 mod functions;
 mod iso;
 mod iso_blocks;
+mod iso_cycles;
 mod lex;
 mod m_words;
 mod models;
