@@ -215,9 +215,11 @@ fn g_number(word: &Word) -> Option<f64> {
 }
 
 /// A block between a line and its corner that neither moves nor calls: speed, feed, switching M functions, or motion
-/// words and G90 and G91 without a position.
+/// words and G90 and G91 without a position, or the radius of a soft approach or departure.
 fn is_still(words: &[Word]) -> bool {
-    !words.is_empty()
+    let soft = words.iter().any(|word| matches!(g_number(word), Some(26.0 | 27.0)));
+    let soft = soft && words.iter().all(|word| matches!(&*word.name, "G" | "R"));
+    soft || !words.is_empty()
         && words.iter().all(|word| match (&*word.name, &word.operand) {
             ("S" | "F", _) => true,
             ("M", Operand::Number(_, number)) => *number < 89.0 && !matches!(*number, 2.0 | 6.0 | 30.0),

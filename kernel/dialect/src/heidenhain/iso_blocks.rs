@@ -23,6 +23,10 @@ pub(super) struct Modes {
     motion: Option<u32>,
     increments: bool,
     clockwise: bool,
+    /// The block before took the G26 that follows it.
+    pub(super) softened: bool,
+    /// Radius of G27, until the block that leaves the contour.
+    pub(super) leaves: Option<f64>,
     /// Whether a file is an ISO program, for the one in process.
     file: Option<(FileId, bool)>,
 }
@@ -244,7 +248,7 @@ impl Heidenhain {
         if let Some(axis) = tool_axis {
             blocks.extend(self.call_tool(host, None, &[bare(axis)])?);
         }
-        for (shape, words) in elements {
+        for (shape, words) in self.softened(host, elements, line, place)? {
             blocks.extend(match shape {
                 Shape::Iso => self.plain(host, &words)?,
                 shape => self.path(host, (shape, false, &words), line, place)?,
@@ -293,6 +297,7 @@ impl Heidenhain {
                 (14, values.into_iter().map(|(_, label)| valued("LABEL", label)).collect())
             }
             56..=59 | 74..=78 | 83..=86 => return self.old_iso_cycle(host, function, &others),
+            26 | 27 => return self.soft_end(host, function, &others),
             38 => return self.stop(host, &others),
             79 => return self.call_cycle(host, (Call::Here, &others), place),
             51 | 99 => {

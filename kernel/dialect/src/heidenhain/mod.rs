@@ -28,6 +28,7 @@ mod functions;
 mod iso;
 mod iso_blocks;
 mod iso_cycles;
+mod iso_ends;
 mod lex;
 mod m_words;
 mod models;

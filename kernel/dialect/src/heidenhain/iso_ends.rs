@@ -1,0 +1,93 @@
+//! Soft approach and departure of ISO programs: G26 behind the first block with G41 or G42, G27 before the block with G40.
+//!
+//! Facts: programming manual (DIN/ISO), tangential approach and departure. Decision: the ways are those of APPR LCT and DEP LCT, a
+//! line and an arc that touch each other and the contour. Invariant: a G26 or G27 without such a block is an alarm.
+
+use counterpoint_fault::Halt;
+
+use super::iso_blocks::Element;
+use super::path::Shape;
+use super::statement::Statement;
+use super::words::{Operand, Word, shown};
+use super::{Heidenhain, Line};
+use crate::contour::PathShape;
+use crate::host::{Host, Place};
+
+fn is_g(word: &Word, number: f64) -> bool {
+    matches!(word.operand, Operand::Number(_, value) if &*word.name == "G" && value == number)
+}
+
+fn is_radius(word: &Word) -> bool {
+    &*word.name == "R"
+}
+
+fn is_compensation_off(word: &Word) -> bool {
+    matches!(word.operand, Operand::Number(_, value) if is_radius(word) && value == 0.0)
+}
+
+impl Heidenhain {
+    /// The path blocks of a block, the line to the first or from the last point of a contour with its arc.
+    pub(super) fn softened(
+        &mut self,
+        host: &mut dyn Host,
+        mut elements: Vec<Element>,
+        line: &Line,
+        place: Place,
+    ) -> Result<Vec<Element>, Halt> {
+        let [(shape, words)] = elements.as_mut_slice() else { return Ok(elements) };
+        if *shape != Shape::Line {
+            return Ok(elements);
+        }
+        if let Some(radius) = self.modes.leaves.take() {
+            let Some(off) = words.iter_mut().find(|word| is_compensation_off(word)) else {
+                return Err(self.not_understood(host));
+            };
+            off.operand = Operand::Number(shown(radius).into(), radius);
+            *shape = Shape::Depart(PathShape::LineAndCircle);
+        } else if words.iter().any(|word| matches!(&*word.name, "RL" | "RR"))
+            && let Some(radius) = self.approach_radius(host, line.next, place)
+        {
+            words.push(radius);
+            *shape = Shape::Approach(PathShape::LineAndCircle);
+            self.modes.softened = true;
+        }
+        Ok(elements)
+    }
+
+    /// The radius of a G26 in the next block.
+    fn approach_radius(&mut self, host: &mut dyn Host, next: u32, place: Place) -> Option<Word> {
+        let mut at = next;
+        while at <= place.range.last {
+            let read = self.line(host, at).ok()?;
+            match &read.statement {
+                Statement::Nothing if read.next > at => at = read.next,
+                Statement::Path { words, .. } | Statement::Words(words)
+                    if words.iter().any(|word| is_g(word, 26.0)) =>
+                {
+                    return words.iter().find(|word| is_radius(word)).cloned();
+                }
+                _ => return None,
+            }
+        }
+        None
+    }
+
+    /// G26 and G27 themselves.
+    pub(super) fn soft_end(
+        &mut self,
+        host: &mut dyn Host,
+        function: u32,
+        others: &[Word],
+    ) -> Result<Option<String>, Halt> {
+        let [word] = others else { return Err(self.not_understood(host)) };
+        let softened = std::mem::take(&mut self.modes.softened);
+        if !is_radius(word) || function == 26 && !softened {
+            return Err(self.not_understood(host));
+        }
+        if function == 27 {
+            let seen = super::eval::Evaluator::new(&mut self.variables, host).seen(others)?;
+            self.modes.leaves = seen.iter().find(|word| word.is("R")).and_then(|word| word.value);
+        }
+        Ok(None)
+    }
+}
