@@ -35,7 +35,9 @@ pub(super) fn load(act: &mut Act<'_, '_>) -> Acted {
             return Ok(());
         }
     };
-    let changes = tool != 0 && tool != act.state.place.tools.current;
+    // Tool 0 empties the spindle. Where the word has an offset number, T0000 takes the offset away and the turret stays.
+    let empties = act.env.machine.tool.offset_digits == 0;
+    let changes = tool != act.state.place.tools.current && (tool != 0 || empties);
     let seconds = if changes { change_seconds(act, tool) } else { 0.0 };
     let action = if changes { ToolAction::Load } else { ToolAction::Offset };
     let ns = crate::state::channel::nanoseconds(seconds);

@@ -267,7 +267,7 @@ impl Kernel<'_> {
             return Ok(());
         }
         let before = self.channel.state.place.tools.current;
-        if tool != 0 {
+        if tool != 0 || action == ToolAction::Load {
             self.channel.state.place.tools.current = tool;
         }
         if action == ToolAction::Load && self.plan.hooks.is_some() {
