@@ -187,6 +187,7 @@ diagnostics! {
     CONTOUR_REPEATS 2900413 "contour-repeats" 8 true "number of repetitions of a contour zero or negative";
     CONTOUR_APPROACH 2900414 "contour-approach" 12 true "approach to a contour or retraction from it not possible";
     THREAD_AMOUNTS 2900480 "thread-amounts" 8 true "allowance or smallest cut greater than the height of the thread";
+    PROGRAM_TWICE 2900590 "program-twice" 4 false "program number twice in one file";
     SEPARATE_VARIABLE 2900481 "separate-variable" 4 false "variable that only another channel writes";
     STORED_LIMIT 2900482 "stored-limit" 8 true "move into a forbidden area, or out of the allowed one";
     COUNT_WITHOUT_PARTNER 2900420 "count-without-partner" 4 false "counted wait without a partner";

@@ -76,6 +76,24 @@ impl Kernel<'_> {
         }
     }
 
+    /// Reports another program of the file with the number of one that is called: it never runs.
+    pub(crate) fn report_twice(&mut self, file: FileId, called: Range) {
+        let Some(source) = self.channel.env.sources.get(file).filter(|_| called.number.is_some()) else { return };
+        let same = |range: &&Range| range.number == called.number && range.first != called.first;
+        let Some(number) = called.number else { return };
+        let Some(other) = source.programs().iter().find(same).map(|range| range.first) else { return };
+        if !self.first_time(file, called.first) {
+            return;
+        }
+        let name = self.channel.env.info.file_name(file);
+        let text = format!(
+            "program {number} is in line {} and again in line {other} of {name}: the one in line {} runs; give one of them \
+             another number, since the control loads a number once",
+            called.first, called.first
+        );
+        self.diagnose(&diag::PROGRAM_TWICE, text);
+    }
+
     fn report_unowned(&mut self, file: FileId, source: &Source, (first, last): (u32, u32)) {
         let mut lines = source.walk(first, last).filter(|&line| source.has_text(line));
         let Some(from) = lines.next() else { return };

@@ -93,6 +93,7 @@ impl Kernel<'_> {
             return Err(self.alarm(&diag::SUBPROGRAM_MISSING, text));
         };
         self.report_heading(file, range);
+        self.report_twice(file, range);
         if let Some(by) = &by {
             self.hand_over(by)?;
         }
