@@ -15,7 +15,7 @@ use crate::index::{Id, Table};
 use crate::macros::condition::{self, Condition, Item, Step};
 use crate::macros::environment::{MachineEnvironment, beside};
 use crate::macros::model::{FIRST_HOOK_ID, Hook, Macros, Named};
-use crate::rows::{CodeRow, DataRow};
+use crate::rows::{CodeForm, CodeRow, DataRow};
 use crate::stored::StoredFile;
 use crate::toml::node::Place;
 use crate::toml::section::Section;
@@ -230,7 +230,8 @@ impl Compiler<'_, '_> {
     fn condition(&self, row: &mut Section<'_>, of_codes: bool) -> (Condition, Vec<Item>) {
         let list = |row: &mut Section<'_>, key: &'static str| -> Vec<Item> {
             let texts = row.texts(key).unwrap_or_default();
-            texts.into_iter().filter_map(|(name, place)| self.item(name, place)).collect()
+            let fires = key == "match";
+            texts.into_iter().filter_map(|(name, place)| self.item(name, place, fires)).collect()
         };
         let present = list(row, "present");
         let absent = list(row, "absent");
@@ -257,7 +258,7 @@ impl Compiler<'_, '_> {
             row.error("condition", "`condition` replaces `match`, `present` and `absent`; remove one or the other");
         }
         let place = row.place_of("condition").clone();
-        let steps = condition::parse(text, |name| self.item(name, &place));
+        let steps = condition::parse(text, |name| self.item(name, &place, false));
         let steps = steps.unwrap_or_else(|error| {
             row.error("condition", format!("the condition cannot be read: {error}"));
             Vec::new()
@@ -277,11 +278,15 @@ impl Compiler<'_, '_> {
         (Condition { steps, ..Condition::default() }, triggers)
     }
 
-    /// An identifier, known to the machine in some row.
-    fn item(&self, name: &str, place: &Place) -> Option<Item> {
+    /// An identifier, known to the machine in some row. What fires a macro may also be the value of a code.
+    fn item(&self, name: &str, place: &Place, fires: bool) -> Option<Item> {
         let upper = name.to_ascii_uppercase();
         if upper.starts_with("REG_") || upper.starts_with("DATA_") {
             let id = self.names.data(name, place)?;
+            let of_code = |row: &CodeRow| matches!(row.form, CodeForm::RegisterAsData { data, .. } if data == id);
+            if fires && self.codes.iter().any(|row| row.enable && row.process && of_code(row)) {
+                return Some(Item::Data(id));
+            }
             if !self.data.iter().any(|row| row.id == id && row.enable) {
                 let text = format!("no row of this machine's data table has {upper}, so it is never on a block");
                 self.names.check.warning(place, text);
