@@ -235,6 +235,8 @@ diagnostics! {
     NOT_UTF8 2900540 "not-utf-text" 4 false "program text is not valid UTF-8";
     NO_FEED_PER_TURN 2900368 "no-feed-per-revolution" 12 true "feed per revolution on a machine without M136";
 
+    LONG_DWELL 2900570 "long-dwell" 4 false "dwell longer than an hour";
+    THREAD_RATE 2900571 "thread-above-rate" 4 false "thread faster than its axis";
     VALUE_WITHHELD 2900530 "value-withheld" 4 false "value removed by a data macro";
 }
 

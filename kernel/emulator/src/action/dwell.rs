@@ -5,6 +5,7 @@ use counterpoint_lang::format::wildcard_text;
 
 use crate::act::Act;
 use crate::action::entry::{Contour, Entry};
+use crate::state::plausible::{LONGEST_DWELL, hours};
 use crate::state::spindle::Turning;
 use counterpoint_event::event::{Dwell, Kind};
 use counterpoint_fault as diag;
@@ -94,6 +95,10 @@ fn dwell(act: &mut Act<'_, '_>, seconds: f64) -> Acted {
         let text = format!("a dwell of {seconds} s in '{}' takes no time", act.block_text());
         act.diagnose(&diag::DWELL_NOT_POSITIVE, text);
         return Ok(());
+    }
+    if seconds > LONGEST_DWELL && !std::mem::replace(&mut act.reports.plausible.dwell, true) {
+        let text = format!("a dwell of {} in '{}': check the unit of its time", hours(seconds), act.block_text());
+        act.diagnose(&diag::LONG_DWELL, text);
     }
     let ns = crate::state::channel::nanoseconds(seconds);
     act.emit(ns, Kind::Dwell(Dwell));

@@ -8,6 +8,7 @@ use rustc_hash::FxHashMap;
 
 use super::State;
 use super::alarms::Alarms;
+use crate::state::plausible::Plausible;
 use counterpoint_ports::Shares;
 use counterpoint_program::block::Block;
 
@@ -149,6 +150,8 @@ pub(crate) struct Reports {
     pub(crate) race: Option<Box<RaceWith>>,
     /// The operator has reset the channel.
     pub(crate) reset: bool,
+    /// Improbable things reported in this program.
+    pub(crate) plausible: Plausible,
 }
 
 impl Reports {
@@ -168,7 +171,8 @@ impl Reports {
     pub(crate) fn new(rules: Rules) -> Self {
         let (diagnostics, alarms, raised) = (0, Alarms::default(), FxHashMap::default());
         let (waits, unrecognised, race, reset) = (KnownWaits::new(rules), None, None, false);
-        Self { diagnostics, alarms, raised, waits, unrecognised, race, reset }
+        let plausible = Plausible::default();
+        Self { diagnostics, alarms, raised, waits, unrecognised, race, reset, plausible }
     }
 }
 

@@ -20,6 +20,7 @@ pub(crate) mod figure;
 pub(crate) mod frames;
 pub(crate) mod modal;
 pub(crate) mod pace;
+pub(crate) mod plausible;
 pub(crate) mod position;
 pub(crate) mod probing;
 pub(crate) mod remembered;

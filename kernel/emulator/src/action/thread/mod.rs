@@ -24,6 +24,9 @@ use counterpoint_machine::ident::{DataId, data};
 use counterpoint_machine::index::{AxisSlot, BySlot};
 use counterpoint_program::block::PendingCode;
 
+/// Rates that differ by less are the same: a rapid move has the rate itself.
+const EVEN: f64 = 1.0 + 1e-6;
+
 /// Codes and what they do.
 pub(crate) const ENTRIES: &[Entry] = &[
     entry_of_kind!(CodeKind::Thread(change) => |act, _row, code| thread(act, change, code))
@@ -194,7 +197,9 @@ impl Act<'_, '_> {
     fn thread_seconds(&mut self, target: &Position, changes: &Position, screw: &Screw) -> Result<f64, Halt> {
         let longest = || changes.iter().fold(0.0_f64, |most, change| most.max(change.abs()));
         let way = screw.along.map_or_else(longest, |axis| changes.at(axis).abs());
-        self.lead_seconds(target, way, screw)
+        let seconds = self.lead_seconds(target, way, screw)?;
+        self.check_rates(changes, seconds);
+        Ok(seconds)
     }
 
     /// The same for a way along the axis of the lead, geometry units.
@@ -227,5 +232,20 @@ impl Act<'_, '_> {
         );
         self.diagnose(&diag::THREAD_LEAD, text);
         Ok(steady)
+    }
+
+    /// Reports a thread along which an axis would be faster than it can be.
+    fn check_rates(&mut self, changes: &Position, seconds: f64) {
+        let axes = self.state.place.layout.axes.iter().zip(changes);
+        let over =
+            axes.map(|(axis, change)| (change.abs(), axis.rapid)).find(|(way, most)| *way > most * seconds * EVEN);
+        let Some((way, most)) = over.filter(|_| !self.reports.plausible.thread) else { return };
+        self.reports.plausible.thread = true;
+        let [asked, most] = [way / seconds, most].map(|rate| format!("{:.0}", rate * 60.0));
+        let text = format!(
+            "the thread in '{}' needs a rate of {asked} where its axis reaches {most}: reduce the spindle speed",
+            self.block_text()
+        );
+        self.diagnose(&diag::THREAD_RATE, text);
     }
 }

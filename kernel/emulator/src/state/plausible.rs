@@ -1,0 +1,29 @@
+//! What a channel has reported as possible and improbable: each cause once in a program.
+//!
+//! *Invariant:* nothing here changes what a block does.
+
+/// A dwell longer than this is improbable, seconds.
+pub(crate) const LONGEST_DWELL: f64 = 3600.0;
+
+/// Causes that have been reported.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Plausible {
+    pub(crate) dwell: bool,
+    pub(crate) thread: bool,
+}
+
+/// Hours and minutes of a time in seconds, for messages.
+pub(crate) fn hours(seconds: f64) -> String {
+    let minutes = (seconds / 60.0).floor();
+    let hours = (minutes / 60.0).floor();
+    format!("{hours} h {} min", minutes - hours * 60.0)
+}
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn times_in_hours_and_minutes() {
+        assert_eq!(super::hours(3600.0), "1 h 0 min");
+        assert_eq!(super::hours(90_061.0), "25 h 1 min");
+    }
+}
