@@ -12,7 +12,7 @@ use crate::client::Client;
 use crate::error::Error;
 use crate::say::{self, DIM, styled};
 use crate::text::{more, table, time};
-use crate::{results, standard_input, text};
+use crate::{job_names, results, standard_input, text};
 
 /// Rows of a table at most.
 const ROWS: usize = 20;
@@ -90,7 +90,8 @@ async fn summary(arguments: &Analyse) -> Result<Vec<u8>, Error> {
         other => other,
     };
     let client = Client::connect(&arguments.remote.server).await.map_err(about)?;
-    results::whole(&client, &arguments.of, ResultKind::Summary, 0, Format::Json.into()).await.map_err(about)
+    let job = job_names::whole(&client, &arguments.of).await.map_err(about)?;
+    results::whole(&client, &job, ResultKind::Summary, 0, Format::Json.into()).await.map_err(about)
 }
 
 /// `2:2.5s`: channel, and how much faster it works. A minus sign means the same, a plus sign slower.

@@ -13,7 +13,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use crate::remote::Remote;
 pub(crate) use calibrate::Calibrate;
 pub(crate) use inputs::{Inputs, Levels, On, ProgramFiles, RaceCheck, Switches, Timing};
-pub(crate) use jobs::{JobFilter, Jobs, Priority, RequestArgs, Rerun, State, Watch, When};
+pub(crate) use jobs::{JobFilter, Jobs, NAME, Priority, RequestArgs, Rerun, State, Status, Watch, When};
 pub(crate) use lint::Lint;
 pub(crate) use machines::{Machine, Part, Rows};
 
@@ -47,17 +47,19 @@ const SUBMIT_EXAMPLES: &str = "\
 Examples:
   counterpoint submit --machine fanuc-2path-lathe upper.nc lower.nc
   counterpoint watch $(counterpoint submit --machine fanuc-mill part.nc)
-  counterpoint submit --machine fanuc-mill part.nc --label part=17 --priority high --deadline 30m";
+  counterpoint submit --machine fanuc-mill part.nc --label 'bracket 17' --label order=4711
+  counterpoint submit --machine fanuc-mill part.nc --priority high --deadline 30m";
 
 const WATCH_EXAMPLES: &str = "\
 Examples:
-  counterpoint watch 01938f2c-5d1e-7c4a-9b1e-3f8d2a6b7c90
+  counterpoint watch 01938f2c
   counterpoint watch --all --label part=17 --state failed";
 
 const JOBS_EXAMPLES: &str = "\
 Examples:
-  counterpoint jobs --newest --limit 20
-  counterpoint jobs --machine fanuc-mill --label part=17 --state failed --since 24h";
+  counterpoint jobs --limit 20
+  counterpoint jobs --machine fanuc-mill --label part=17 --state failed --since 24h
+  counterpoint status 01938f2c";
 
 const EXPLAIN_EXAMPLES: &str = "\
 Examples:
@@ -110,6 +112,8 @@ pub(crate) enum Command {
     /// List the jobs of a server
     #[command(after_help = JOBS_EXAMPLES)]
     Jobs(Jobs),
+    /// Show what is known about a job: state, machine, labels, times, verdict
+    Status(Status),
     /// Run a job again with its files, options and machine revision; print the new job's id
     Rerun(Rerun),
     /// Ask a job to stop
@@ -143,6 +147,12 @@ pub(crate) enum Command {
     /// Explain a word of a program on a machine, a diagnostic, an alarm, or a word of the macro language
     #[command(after_help = EXPLAIN_EXAMPLES)]
     Explain(Explain),
+    /// Write man pages of all commands into a folder
+    Man {
+        /// Folder to write, such as /usr/local/share/man/man1
+        #[arg(value_name = "DIR")]
+        folder: PathBuf,
+    },
     /// Print a completion script for a shell
     Completions {
         /// Print the script for this shell
@@ -228,7 +238,7 @@ pub(crate) struct Submit {
 
 #[derive(Debug, Args)]
 pub(crate) struct JobArgs {
-    /// Id of the job
+    /// The job: its id, or the beginning of it
     pub(crate) job: String,
     #[command(flatten)]
     pub(crate) remote: Remote,
@@ -249,7 +259,7 @@ pub(crate) struct Follow {
 
 #[derive(Debug, Args)]
 pub(crate) struct ResultArgs {
-    /// Id of the job
+    /// The job: its id, or the beginning of it
     pub(crate) job: String,
     /// Read this result
     #[arg(value_enum)]

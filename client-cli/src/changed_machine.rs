@@ -12,7 +12,8 @@ use counterpoint_kernel::files::Files as _;
 use counterpoint_kernel::machine::package;
 
 use crate::error::Error;
-use crate::pack::{self, Files};
+use crate::machine_folder;
+use crate::pack::Files;
 use crate::settings::Setting;
 use crate::tools::Tools;
 
@@ -27,10 +28,11 @@ const TOOLS: &str = "-tools";
 
 /// A shipped machine or a folder, with all families, and the settings in it; returns the name of the machine, too.
 pub(crate) fn machine(machine: &str, settings: &[Setting]) -> Result<(String, Files), Error> {
-    let own = pack::is_folder(machine);
+    let own = machine_folder::is_folder(machine);
     let (name, mut files) =
-        if own { pack::machine(Path::new(machine))? } else { (machine.to_owned(), Files::default()) };
-    let chain = chain(&mut files, &name);
+        if own { machine_folder::machine(Path::new(machine))? } else { (machine.to_owned(), Files::default()) };
+    let chain = chain(&mut files, &name, &[]);
+    let components = components(&mut files, &chain);
     for setting in settings {
         let Setting::Waits(range) = setting else { continue };
         let mut changed = false;
@@ -51,13 +53,17 @@ pub(crate) fn machine(machine: &str, settings: &[Setting]) -> Result<(String, Fi
             )));
         }
     }
-    if settings.iter().any(|setting| matches!(setting, Setting::System(_))) && !has_systems(&files, &chain) {
+    let lathes: Vec<String> =
+        components.iter().filter(|(_, chain)| has_systems(&files, chain)).map(|(name, _)| name.clone()).collect();
+    let has_systems = !lathes.is_empty() || components.is_empty() && has_systems(&files, &chain);
+    if settings.iter().any(|setting| matches!(setting, Setting::System(_))) && !has_systems {
         return Err(Error::Usage(format!(
             "--set system: machine '{machine}' has one system of G codes (it is not a lathe, or no row of [[codes]] has `systems`)"
         )));
     }
+    let components: Vec<String> = components.into_iter().map(|(name, _)| name).collect();
     if own {
-        return Ok(extended(name, files, settings));
+        return Ok(extended(name, files, settings, (&components, &lathes)));
     }
     let (changed, inside) = (format!("{name}{CHANGED}"), format!("{name}/"));
     let renamed = |path: String| match path.strip_prefix(&inside) {
@@ -65,7 +71,7 @@ pub(crate) fn machine(machine: &str, settings: &[Setting]) -> Result<(String, Fi
         None => path,
     };
     let files = Files(files.0.into_iter().map(|(path, blob)| (renamed(path), blob)).collect());
-    Ok(extended(changed, files, settings))
+    Ok(extended(changed, files, settings, (&components, &lathes)))
 }
 
 /// A lathe has codes that only some systems of G codes have.
@@ -80,8 +86,14 @@ fn has_systems(files: &Files, chain: &[String]) -> bool {
 }
 
 /// The machine, or one that extends it by the settings: what they say about its control, where the last one of a key counts, and
-/// the variables that its channels share.
-fn extended(name: String, mut files: Files, settings: &[Setting]) -> (String, Files) {
+/// the variables that its channels share. The control of a composite is that of its components, which get definitions inside
+/// the folder of the machine; the lathes among them have systems of G codes.
+fn extended(
+    name: String,
+    mut files: Files,
+    settings: &[Setting],
+    (components, lathes): (&[String], &[String]),
+) -> (String, Files) {
     let said = |of: fn(&Setting) -> bool| settings.iter().rev().find(|setting| of(setting));
     let numbers = said(|setting| matches!(setting, Setting::Increments));
     let system = said(|setting| matches!(setting, Setting::System(_)));
@@ -96,13 +108,23 @@ fn extended(name: String, mut files: Files, settings: &[Setting]) -> (String, Fi
     }
     let mut changed = control.iter().fold(name.clone(), |name, (_, end)| name + end);
     let mut text = String::new();
-    if !control.is_empty() {
+    let lines = |setting: &Option<&Setting>| setting.and_then(Setting::of_control).map(|(line, _)| line + "\n");
+    let of_control =
+        |system: &Option<&Setting>| [lines(&numbers), lines(system)].into_iter().flatten().collect::<String>();
+    if !control.is_empty() && components.is_empty() {
         text.push_str("[control]\n");
-        text.extend(control.iter().map(|(line, _)| format!("{line}\n")));
+        text.push_str(&of_control(&system));
     }
     if !shares.is_empty() {
         changed.push_str(SHARES);
         text.push_str(&sharing(&files, &name, &shares));
+    }
+    for component in components {
+        let own = of_control(&system.filter(|_| lathes.contains(component)));
+        if !own.is_empty() {
+            let text = format!("extends = \"{component}\"\n[control]\n{own}");
+            files.0.insert(definition(&format!("{changed}/{component}")), Blob::new(text.into_bytes()));
+        }
     }
     let text = format!("extends = \"{name}\"\n[ce]\nname = \"{changed}\"\n{text}");
     files.0.insert(definition(&changed), Blob::new(text.into_bytes()));
@@ -112,7 +134,7 @@ fn extended(name: String, mut files: Files, settings: &[Setting]) -> (String, Fi
 /// `[variables]` of a machine that shares these variables besides its own shared ones; those that remain are separate.
 fn sharing(files: &Files, name: &str, shares: &[(u32, u32)]) -> String {
     let mut known = Files(files.0.clone());
-    let chain = chain(&mut known, name);
+    let chain = chain(&mut known, name, &[]);
     let texts = chain.iter().filter_map(|folder| known.0.get(&definition(folder)));
     let tables: Vec<toml::Table> =
         texts.filter_map(|blob| toml::from_str(&String::from_utf8_lossy(blob.content())).ok()).collect();
@@ -151,7 +173,7 @@ fn without(ranges: Vec<(u32, u32)>, others: &[(u32, u32)]) -> Vec<(u32, u32)> {
 /// A machine that extends this one by the tools of a file; its files and the tools are given, too.
 pub(crate) fn with_tools(machine: &str, mut files: Files, path: &Path) -> Result<(String, Files, Tools), Error> {
     let mut known = Files(files.0.clone());
-    let chain = chain(&mut known, machine);
+    let chain = chain(&mut known, machine, &[]);
     let texts = chain.iter().filter_map(|folder| known.0.get(&definition(folder)));
     let axis = texts.into_iter().find_map(|blob| tool_axis(&String::from_utf8_lossy(blob.content())));
     let mut tools = Tools::read(path, axis.as_deref())?;
@@ -172,11 +194,40 @@ fn definition(folder: &str) -> String {
     format!("{folder}/machine.toml")
 }
 
-/// The folders of a machine and its families; those that are shipped are added to the files.
-fn chain(files: &mut Files, name: &str) -> Vec<String> {
+/// The definitions that a composite machine is made of, by name with their chains; those that are shipped are added to the files.
+fn components(files: &mut Files, chain_of_machine: &[String]) -> Vec<(String, Vec<String>)> {
+    let mut designators: Vec<String> = Vec::new();
+    let mut names: Vec<String> = Vec::new();
+    for folder in chain_of_machine {
+        let Some(blob) = files.0.get(&definition(folder)) else { continue };
+        let table = toml::from_str::<toml::Table>(&String::from_utf8_lossy(blob.content())).unwrap_or_default();
+        for row in table.get("components").and_then(toml::Value::as_array).into_iter().flatten() {
+            let text = |key: &str| row.get(key).and_then(toml::Value::as_str).unwrap_or_default().to_owned();
+            let (designator, name) = (text("designator"), text("machine"));
+            // A row of the machine takes the place of that of a family.
+            if designators.contains(&designator) {
+                continue;
+            }
+            designators.push(designator);
+            if !names.contains(&name) {
+                names.push(name);
+            }
+        }
+    }
+    names.into_iter().map(|name| (name.clone(), chain(files, &name, chain_of_machine))).collect()
+}
+
+/// The folders of a machine and its families; those that are shipped are added to the files. Folders inside those of `within`
+/// come before others.
+fn chain(files: &mut Files, name: &str, within: &[String]) -> Vec<String> {
     let shipped = package::shipped();
     let mut chain: Vec<String> = Vec::new();
-    let mut next = Some(name.to_owned());
+    let found = |files: &Files, chain: &[String], name: String| {
+        let mut inside = within.iter().map(|outer| format!("{outer}/{name}"));
+        let inside = inside.find(|folder| !chain.contains(folder) && files.0.contains_key(&definition(folder)));
+        inside.unwrap_or(name)
+    };
+    let mut next = Some(found(files, &chain, name.to_owned()));
     while let Some(folder) = next.take().filter(|folder| !chain.contains(folder)) {
         if !files.0.contains_key(&definition(&folder)) {
             let inside = format!("{folder}/");
@@ -188,8 +239,9 @@ fn chain(files: &mut Files, name: &str) -> Vec<String> {
         }
         let Some(blob) = files.0.get(&definition(&folder)) else { break };
         let table = toml::from_str::<toml::Table>(&String::from_utf8_lossy(blob.content())).ok();
-        next = table.and_then(|table| table.get("extends")?.as_str().map(str::to_owned));
+        let parent = table.and_then(|table| table.get("extends")?.as_str().map(str::to_owned));
         chain.push(folder);
+        next = parent.map(|parent| found(files, &chain, parent));
     }
     chain
 }
@@ -252,6 +304,23 @@ mod tests {
             memory.insert(path.clone(), blob.content());
         }
         memory
+    }
+
+    /// The control of a composite is that of its components; only its lathes have systems of G codes.
+    #[test]
+    fn settings_of_a_composite_are_those_of_its_components() {
+        let settings = [Setting::Increments, Setting::System('B')];
+        let (name, files) = machine("composite-millturn", &settings).unwrap();
+        assert_eq!(name, "composite-millturn-set-inc-b");
+        let loaded = counterpoint_kernel::machine::load(&package::Overlay::over_shipped(memory(&files)), &name);
+        assert_eq!(loaded.findings, []);
+        let text = |component: &str| {
+            let path = definition(&format!("{name}/{component}"));
+            String::from_utf8_lossy(files.0.get(&path).unwrap().content()).into_owned()
+        };
+        let numbers = "[control]\nnumbers = \"increments\"\n";
+        assert_eq!(text("fanuc-turning"), format!("extends = \"fanuc-turning\"\n{numbers}system = \"B\"\n"));
+        assert_eq!(text("fanuc-milling"), format!("extends = \"fanuc-milling\"\n{numbers}"));
     }
 
     #[test]

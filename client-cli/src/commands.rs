@@ -17,7 +17,10 @@ use crate::report::report;
 use crate::step::{Interrupt, Stepper};
 use crate::summary::Summary;
 use crate::text::time;
-use crate::{admin, analyse, calibrate, completions, explain, jobs, lint, load, machines, macros, results, run, say};
+use crate::{
+    admin, analyse, calibrate, completions, explain, job_names, jobs, lint, load, machines, macros, man, results, run,
+    say, status,
+};
 
 /// Executes a command and returns the exit code.
 pub(crate) async fn dispatch(command: Command) -> Result<u8, Error> {
@@ -34,6 +37,7 @@ pub(crate) async fn dispatch(command: Command) -> Result<u8, Error> {
         Command::Step(arguments) => step(arguments).await,
         Command::Wait(arguments) => wait(arguments).await,
         Command::Jobs(arguments) => jobs::list(arguments).await,
+        Command::Status(arguments) => status::status(arguments).await,
         Command::Rerun(arguments) => jobs::rerun(arguments).await,
         Command::Cancel(arguments) => cancel(arguments).await,
         Command::Pause(arguments) => pause(arguments).await,
@@ -46,6 +50,7 @@ pub(crate) async fn dispatch(command: Command) -> Result<u8, Error> {
         Command::Machine(arguments) => machines::dispatch(arguments).await,
         Command::Macro(command) => macros::dispatch(&command),
         Command::Explain(arguments) => explain::explain(&arguments),
+        Command::Man { folder } => man::write(&folder),
         Command::Completions { shell } => {
             say::data(completions::script(shell).as_bytes())?;
             Ok(0)
@@ -53,11 +58,18 @@ pub(crate) async fn dispatch(command: Command) -> Result<u8, Error> {
     }
 }
 
+/// A client of the server of a job, and the whole id of the job.
+async fn connected(arguments: &JobArgs) -> Result<(Client, String), Error> {
+    let client = Client::connect(&arguments.remote.server).await?;
+    let job = job_names::whole(&client, &arguments.job).await?;
+    Ok((client, job))
+}
+
 /// Follows a job, reconnecting if necessary; prints diagnostics and waits to standard output.
 async fn watch(Follow { of: arguments, strict }: Follow) -> Result<u8, Error> {
-    let client = Client::connect(&arguments.remote.server).await?;
+    let (client, job) = connected(&arguments).await?;
     let mut progress = Progress::new(arguments.quiet);
-    let mut watch = client.watch(&arguments.job, v1::WatchLevel::Diagnostics);
+    let mut watch = client.watch(&job, v1::WatchLevel::Diagnostics);
     loop {
         match watch.next().await? {
             Update::Events(batch) => {
@@ -96,8 +108,8 @@ fn line(event: &v1::Event) -> Option<String> {
 
 /// Answers the questions of a job until it ends.
 async fn attend(Follow { of: arguments, strict }: Follow) -> Result<u8, Error> {
-    let client = Client::connect(&arguments.remote.server).await?;
-    let mut attendant = Attendant::start(&client, &arguments.job).await?;
+    let (client, job) = connected(&arguments).await?;
+    let mut attendant = Attendant::start(&client, &job).await?;
     loop {
         match attendant.next().await? {
             Next::Question(question) => attendant.answer(question).await?,
@@ -108,8 +120,8 @@ async fn attend(Follow { of: arguments, strict }: Follow) -> Result<u8, Error> {
 
 /// Steps through a job until it ends; an interrupt pauses a job that runs, and ends the command if it stands.
 async fn step(Follow { of: arguments, strict }: Follow) -> Result<u8, Error> {
-    let client = Client::connect(&arguments.remote.server).await?;
-    let (stepper, interrupt) = (Stepper::start(&client, &arguments.job).await?, Interrupt::default());
+    let (client, job) = connected(&arguments).await?;
+    let (stepper, interrupt) = (Stepper::start(&client, &job).await?, Interrupt::default());
     let mut driven = std::pin::pin!(stepper.drive(&interrupt));
     loop {
         tokio::select! {
@@ -122,8 +134,8 @@ async fn step(Follow { of: arguments, strict }: Follow) -> Result<u8, Error> {
 }
 
 async fn wait(Follow { of: arguments, strict }: Follow) -> Result<u8, Error> {
-    let client = Client::connect(&arguments.remote.server).await?;
-    Ok(ended(&client.wait(&arguments.job).await?, strict))
+    let (client, job) = connected(&arguments).await?;
+    Ok(ended(&client.wait(&job).await?, strict))
 }
 
 /// Says that a command comes after the end of a job: the server accepts it, and nothing changes.
@@ -139,29 +151,29 @@ async fn say_ended(client: &Client, job: &str) -> Result<(), Error> {
 }
 
 async fn cancel(arguments: JobArgs) -> Result<u8, Error> {
-    let client = Client::connect(&arguments.remote.server).await?;
-    say_ended(&client, &arguments.job).await?;
-    client.jobs().cancel_job(v1::CancelJobRequest { job_id: arguments.job }).await?;
+    let (client, job_id) = connected(&arguments).await?;
+    say_ended(&client, &job_id).await?;
+    client.jobs().cancel_job(v1::CancelJobRequest { job_id }).await?;
     Ok(0)
 }
 
 async fn pause(arguments: JobArgs) -> Result<u8, Error> {
-    let client = Client::connect(&arguments.remote.server).await?;
-    say_ended(&client, &arguments.job).await?;
-    client.jobs().pause_job(v1::PauseJobRequest { job_id: arguments.job }).await?;
+    let (client, job_id) = connected(&arguments).await?;
+    say_ended(&client, &job_id).await?;
+    client.jobs().pause_job(v1::PauseJobRequest { job_id }).await?;
     Ok(0)
 }
 
 async fn resume(arguments: JobArgs) -> Result<u8, Error> {
-    let client = Client::connect(&arguments.remote.server).await?;
-    say_ended(&client, &arguments.job).await?;
-    client.jobs().resume_job(v1::ResumeJobRequest { job_id: arguments.job }).await?;
+    let (client, job_id) = connected(&arguments).await?;
+    say_ended(&client, &job_id).await?;
+    client.jobs().resume_job(v1::ResumeJobRequest { job_id }).await?;
     Ok(0)
 }
 
 async fn delete(arguments: JobArgs) -> Result<u8, Error> {
-    let client = Client::connect(&arguments.remote.server).await?;
-    client.jobs().delete_job(v1::DeleteJobRequest { job_id: arguments.job }).await?;
+    let (client, job_id) = connected(&arguments).await?;
+    client.jobs().delete_job(v1::DeleteJobRequest { job_id }).await?;
     Ok(0)
 }
 
@@ -173,10 +185,17 @@ async fn summary(client: &Client, job: &str) -> Result<(Vec<u8>, Summary), Error
     Ok((text, summary))
 }
 
+/// The line about a job that its report begins with.
+async fn heading(client: &Client, job: &str) -> Result<String, Error> {
+    let request = v1::GetJobRequest { job_id: job.to_owned() };
+    let status = client.jobs().get_job(request).await?.into_inner().status.unwrap_or_default();
+    Ok(status::heading(&status))
+}
+
 /// The report that `run` prints.
 async fn reported(client: &Client, job: &str) -> Result<String, Error> {
     let (_, summary) = summary(client, job).await?;
-    Ok(report(&summary, false) + &drawn_timeline(client, job, run::width()).await?)
+    Ok(heading(client, job).await? + &report(&summary, false) + &drawn_timeline(client, job, run::width()).await?)
 }
 
 /// Writes all results into a folder, as `run --out` does, and the report.
@@ -185,13 +204,15 @@ async fn all(client: &Client, job: &str, folder: &Path, crlf: bool) -> Result<()
     let program = summary.channels.iter().map(|channel| channel.program.as_str()).find(|name| !name.is_empty());
     let file = program.unwrap_or("job").split('#').next().unwrap_or("job");
     let wanted = |what| what != ResultKind::Trace;
-    let target = OutputFolder { folder, program: file, wanted: &wanted, crlf };
+    let heading = heading(client, job).await?;
+    let target = OutputFolder { folder, program: file, heading, wanted: &wanted, crlf };
     target.write(client, job, (&summary, &text), false).await
 }
 
 async fn result(arguments: ResultArgs) -> Result<u8, Error> {
     let client = Client::connect(&arguments.remote.server).await?;
-    let ResultArgs { job, what, channel, format, crlf, .. } = &arguments;
+    let ResultArgs { what, channel, format, crlf, .. } = &arguments;
+    let job = &job_names::whole(&client, &arguments.job).await?;
     let form = results::Form { format: *format, crlf: *crlf };
     match (what, &arguments.output) {
         (ResultKind::Report, output) => {

@@ -8,14 +8,16 @@ use counterpoint_proto::v1;
 use crate::arguments::{JobFilter, Jobs, Priority, RequestArgs, Rerun, State, Watch, When};
 use crate::client::Client;
 use crate::error::Error;
-use crate::say;
+use crate::instant::date_and_time;
+use crate::job_status::{as_json, labels, programs, ran_ms, state_name};
 use crate::text::{table, time};
+use crate::{job_names, say};
 
 /// Jobs of a page.
 const PAGE: usize = 500;
 
 /// Milliseconds since 1970.
-fn now_ms() -> i64 {
+pub(crate) fn now_ms() -> i64 {
     let since = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
     i64::try_from(since.as_millis()).unwrap_or(i64::MAX)
 }
@@ -41,7 +43,7 @@ fn filter(arguments: &JobFilter) -> v1::JobFilter {
             Some(When::At(ms)) => ms,
             Some(When::Span(ms)) => now_ms().saturating_sub(ms).max(1),
         },
-        until_ms: 0,
+        ..v1::JobFilter::default()
     }
 }
 
@@ -69,8 +71,9 @@ pub(crate) fn request(arguments: &RequestArgs) -> v1::SubmitJobRequest {
 /// Runs a job again.
 pub(crate) async fn rerun(arguments: Rerun) -> Result<u8, Error> {
     let client = Client::connect(&arguments.remote.server).await?;
+    let job_id = job_names::whole(&client, &arguments.job).await?;
     let v1::SubmitJobRequest { request_id, labels, priority, deadline_ms, .. } = request(&arguments.request);
-    let request = v1::RerunJobRequest { job_id: arguments.job, request_id, labels, priority, deadline_ms };
+    let request = v1::RerunJobRequest { job_id, request_id, labels, priority, deadline_ms };
     let status = client.jobs().rerun_job(request).await?.into_inner().status;
     say::data(format!("{}\n", status.unwrap_or_default().job_id).as_bytes())?;
     Ok(0)
@@ -82,7 +85,8 @@ pub(crate) async fn list(arguments: Jobs) -> Result<u8, Error> {
     let most = arguments.limit.unwrap_or(usize::MAX);
     let mut request = v1::ListJobsRequest {
         filter: Some(filter(&arguments.filter)),
-        newest_first: arguments.newest,
+        newest_first: !arguments.oldest,
+        short_ids: true,
         ..Default::default()
     };
     let mut rows = Vec::new();
@@ -100,12 +104,28 @@ pub(crate) async fn list(arguments: Jobs) -> Result<u8, Error> {
         say::data(lines.as_bytes())?;
         return Ok(0);
     }
-    let mut lines = vec![["job", "state", "machine", "cycle time", "programs"].map(str::to_owned).to_vec()];
-    lines.extend(rows.iter().map(|job| {
-        vec![job.job_id.clone(), state_name(job), job.machine.clone(), time(job.makespan_ns), programs(job)]
-    }));
-    say::data(table(&lines, 3).as_bytes())?;
+    let head = ["job", "state", "submitted UTC", "started", "ran", "cycle time", "machine", "labels", "programs"];
+    let mut lines = vec![head.map(str::to_owned).to_vec()];
+    let now = now_ms();
+    lines.extend(rows.iter().map(|job| row(job, arguments.long, now)));
+    say::data(table(&lines, head.len()).as_bytes())?;
     Ok(0)
+}
+
+/// A job of the list.
+fn row(job: &v1::JobStatus, long: bool, now_ms: i64) -> Vec<String> {
+    // An earlier server has no short ids.
+    let id = if long || job.short_id.is_empty() { &job.job_id } else { &job.short_id };
+    let ((day, submitted), (started_day, started)) = (date_and_time(job.submitted_ms), date_and_time(job.started_ms));
+    let started = match job.started_ms {
+        0 => "-".to_owned(),
+        _ if started_day == day => started,
+        _ => format!("{started_day} {started}"),
+    };
+    let ran = ran_ms(job, now_ms).map_or_else(|| "-".to_owned(), |ms| time(ms.saturating_mul(1_000_000)));
+    let cycle = if job.ended_ms > 0 { time(job.makespan_ns) } else { "-".to_owned() };
+    let (labels, submitted) = (labels(job), format!("{day} {submitted}"));
+    vec![id.clone(), state_name(job), submitted, started, ran, cycle, job.machine.clone(), labels, programs(job)]
 }
 
 /// Follows the states of jobs, reconnecting if necessary, until it is interrupted.
@@ -131,50 +151,4 @@ pub(crate) async fn watch(arguments: Watch) -> Result<u8, Error> {
         };
         say::data(format!("{line}\n").as_bytes())?;
     }
-}
-
-fn state_name(job: &v1::JobStatus) -> String {
-    let state = if job.paused { "PAUSED" } else { job.state().as_str_name().trim_start_matches("JOB_STATE_") };
-    state.to_owned()
-}
-
-fn programs(job: &v1::JobStatus) -> String {
-    job.programs.iter().map(|p| p.path.as_str()).collect::<Vec<_>>().join(" ")
-}
-
-fn as_json(job: &v1::JobStatus) -> serde_json::Value {
-    let mut json = serde_json::json!({
-        "job": job.job_id,
-        "request_id": job.request_id,
-        "state": job.state().as_str_name().trim_start_matches("JOB_STATE_"),
-        "machine": job.machine,
-        "programs": job.programs.iter().map(|p| p.path.as_str()).collect::<Vec<_>>(),
-        "makespan_ns": job.makespan_ns,
-        "events": job.events,
-        "highest_severity": job.highest_severity,
-        "verdict": job.verdict,
-        "error": job.error,
-        "log_digest": job.log_digest,
-        "tenant": job.tenant,
-        "labels": job.labels,
-        "priority": job.priority().as_str_name().trim_start_matches("JOB_PRIORITY_"),
-        "submitted_ms": job.submitted_ms,
-        "ended_ms": job.ended_ms,
-    });
-    let mut add = |key: &str, value: serde_json::Value| {
-        json.as_object_mut().map(|object| object.insert(key.to_owned(), value));
-    };
-    if job.cause() != v1::JobCause::Unspecified {
-        add("cause", job.cause().as_str_name().trim_start_matches("JOB_CAUSE_").into());
-    }
-    if job.deadline_ms > 0 {
-        add("deadline_ms", job.deadline_ms.into());
-    }
-    if job.paused {
-        add("paused", true.into());
-    }
-    if !job.rerun_of.is_empty() {
-        add("rerun_of", job.rerun_of.clone().into());
-    }
-    json
 }

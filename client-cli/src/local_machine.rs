@@ -10,8 +10,8 @@ use counterpoint_kernel::machine::package::{self, Overlay};
 use counterpoint_kernel::machine::{Definition, Machine, definition, load};
 
 use crate::error::Error;
-use crate::pack::{self, Files};
-use crate::{known, say};
+use crate::pack::Files;
+use crate::{known, machine_folder, say};
 
 /// The files of a machine.
 pub(crate) struct LocalMachine {
@@ -24,8 +24,8 @@ impl LocalMachine {
     /// A shipped machine by name, or a folder with `machine.toml`.
     pub(crate) fn open(machine: &str) -> Result<Self, Error> {
         let mut own = Memory::default();
-        let name = if pack::is_folder(machine) {
-            let (name, Files(files)) = pack::machine(Path::new(machine))?;
+        let name = if machine_folder::is_folder(machine) {
+            let (name, Files(files)) = machine_folder::machine(Path::new(machine))?;
             for (path, blob) in files {
                 own.insert(path, blob.content());
             }

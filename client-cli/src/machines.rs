@@ -10,7 +10,7 @@ use crate::error::Error;
 use crate::machine_view::View;
 use crate::text::table;
 use crate::tools::Tools;
-use crate::{findings, known, machine_diff, machine_view, own_machine, pack, say, tape_trial};
+use crate::{findings, known, machine_diff, machine_folder, machine_view, own_machine, pack, say, tape_trial};
 
 pub(crate) async fn dispatch(command: Machine) -> Result<u8, Error> {
     match command {
@@ -31,8 +31,8 @@ pub(crate) async fn dispatch(command: Machine) -> Result<u8, Error> {
 async fn check(machine: &str, server: Option<&str>) -> Result<u8, Error> {
     let client = Client::at(server).await?;
     let mut request = v1::CheckMachineRequest { name: machine.to_owned(), files: Vec::new() };
-    if pack::is_folder(machine) {
-        let (name, files) = pack::machine(Path::new(machine))?;
+    if machine_folder::is_folder(machine) {
+        let (name, files) = machine_folder::machine(Path::new(machine))?;
         client.upload(&files.blobs()).await?;
         request = v1::CheckMachineRequest { name, files: machine_files(files) };
     } else {
@@ -67,7 +67,7 @@ async fn delete(name: String, server: &str) -> Result<u8, Error> {
 
 async fn show(machine: &str, part: Part, view: &View, json: bool, server: Option<&str>) -> Result<u8, Error> {
     let client = Client::at(server).await?;
-    let name = if pack::is_folder(machine) {
+    let name = if machine_folder::is_folder(machine) {
         put_machine(&client, Path::new(machine)).await?
     } else {
         known::machine(machine, client.is_embedded())?;
@@ -97,7 +97,7 @@ async fn show(machine: &str, part: Part, view: &View, json: bool, server: Option
 
 /// Uploads a machine folder to the server; returns `name@revision`.
 pub(crate) async fn put_machine(client: &Client, folder: &Path) -> Result<String, Error> {
-    let (name, files) = pack::machine(folder)?;
+    let (name, files) = machine_folder::machine(folder)?;
     put_files(client, name, files, None).await
 }
 

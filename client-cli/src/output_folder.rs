@@ -23,6 +23,8 @@ pub(crate) struct OutputFolder<'a> {
     pub(crate) folder: &'a Path,
     /// First program: names the listings.
     pub(crate) program: &'a str,
+    /// What the report begins with.
+    pub(crate) heading: String,
     /// Whether a result is to be written.
     pub(crate) wanted: &'a (dyn Fn(ResultKind) -> bool + Sync),
     /// Lines of listings, logs and consoles end with CR and LF.
@@ -79,7 +81,8 @@ impl OutputFolder<'_> {
         }
         if wanted(ResultKind::Report) {
             let path = folder.join("report.txt");
-            let text = report(summary, true) + &drawn_timeline(client, job, REPORT_WIDTH).await?;
+            let text =
+                self.heading.clone() + &report(summary, true) + &drawn_timeline(client, job, REPORT_WIDTH).await?;
             std::fs::write(&path, text).map_err(Error::file(&path))?;
         }
         if wanted(ResultKind::Console) {

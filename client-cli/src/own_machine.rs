@@ -57,9 +57,16 @@ pub(crate) fn create_with(
     }
     let definition = change(definition(name, from))?;
     fs::create_dir_all(folder).map_err(Error::file(folder))?;
-    for (file, text) in [("machine.toml", definition), ("README.md", readme(name, from))] {
+    let components = components(from);
+    for (file, text) in [("machine.toml", definition), ("README.md", readme(name, from, &components))] {
         let path = folder.join(file);
         fs::write(&path, text).map_err(Error::file(&path))?;
+    }
+    for (machine, of) in &components {
+        let inside = folder.join(machine);
+        fs::create_dir_all(&inside).map_err(Error::file(&inside))?;
+        let path = inside.join("machine.toml");
+        fs::write(&path, component(machine, of)).map_err(Error::file(&path))?;
     }
     let shown = folder.display();
     say::data(
@@ -134,11 +141,41 @@ fn sections(machine: &str, header: &str) -> Vec<String> {
     }
 }
 
-fn readme(name: &str, from: &str) -> String {
+/// The definitions that a shipped composite machine is made of, each with the components that it is for.
+fn components(from: &str) -> Vec<(String, Vec<String>)> {
+    let text = package::shipped().read(&format!("{from}/machine.toml")).unwrap_or_default();
+    let table = toml::from_str::<toml::Table>(&String::from_utf8_lossy(&text)).unwrap_or_default();
+    let mut found: Vec<(String, Vec<String>)> = Vec::new();
+    for row in table.get("components").and_then(toml::Value::as_array).into_iter().flatten() {
+        let text = |key: &str| row.get(key).and_then(toml::Value::as_str).unwrap_or_default().to_owned();
+        let (machine, designator) = (text("machine"), text("designator"));
+        match found.iter_mut().find(|(known, _)| *known == machine) {
+            Some((_, designators)) => designators.push(designator),
+            None => found.push((machine, vec![designator])),
+        }
+    }
+    found
+}
+
+/// The definition of a component, in a folder inside that of the machine: it takes the place of the shipped one.
+fn component(machine: &str, designators: &[String]) -> String {
+    let of = designators.join(", ");
+    format!(
+        "# Component {of}: codes, data and [control] of its own. What is not written here is as in {machine}; axes, spindles,\n\
+         # channels and waits are those of the machine.\n\
+         extends = \"{machine}\"\n"
+    )
+}
+
+fn readme(name: &str, from: &str, components: &[(String, Vec<String>)]) -> String {
+    let component = |(machine, designators): &(String, Vec<String>)| {
+        format!("* `{machine}/machine.toml` is the control of component {}.\n", designators.join(", "))
+    };
+    let inside: String = components.iter().map(component).collect();
     format!(
         "# {name}\n\nBased on `{from}` of Counterpoint. Write down here what control the machine has, which options, and what \
          differs from the real one.\n\n\
-         * `counterpoint machine check {name}` finds mistakes in `machine.toml`.\n\
+         * `counterpoint machine check {name}` finds mistakes in `machine.toml`.\n{inside}\
          * `counterpoint run --machine {name} part.nc` runs a program.\n\
          * `counterpoint machine show {name} codes` lists the words and what they mean.\n"
     )

@@ -21,7 +21,7 @@ use crate::say::{self, DIM, styled};
 use crate::settings;
 use crate::step::{Interrupt, Stepper};
 use crate::summary::Summary;
-use crate::{changed_machine, guess, jobs, known, machines, pack, results};
+use crate::{changed_machine, guess, jobs, known, machine_folder, machines, pack, results};
 
 /// Runs programs on a server in this process.
 pub(crate) async fn run(arguments: Run) -> Result<u8, Error> {
@@ -86,7 +86,8 @@ async fn show(arguments: &Run, client: &Client, job: &str, (first, draws): (&str
     if let Some(folder) = &arguments.out {
         let traced = !arguments.inputs.trace.is_empty();
         let wanted = |what| arguments.wants(what) && (what != ResultKind::Trace || traced);
-        let target = OutputFolder { folder, program: first, wanted: &wanted, crlf: arguments.crlf };
+        let heading = String::new();
+        let target = OutputFolder { folder, program: first, heading, wanted: &wanted, crlf: arguments.crlf };
         target.write(client, job, (&summary, &text), arguments.quiet).await?;
     }
     if arguments.json {
@@ -137,7 +138,7 @@ pub(crate) async fn machine(client: &Client, inputs: &Inputs, pack: &pack::Pack,
         }
         return changed(client, &guess.machine, inputs).await;
     };
-    if !pack::is_folder(machine) {
+    if !machine_folder::is_folder(machine) {
         known::machine(machine, client.is_embedded())?;
     }
     changed(client, machine, inputs).await
@@ -145,10 +146,10 @@ pub(crate) async fn machine(client: &Client, inputs: &Inputs, pack: &pack::Pack,
 
 /// The machine itself, or, with settings or a table of tools, a revision of it that has them.
 async fn changed(client: &Client, machine: &str, inputs: &Inputs) -> Result<String, Error> {
-    let folder = pack::is_folder(machine);
+    let folder = machine_folder::is_folder(machine);
     let (name, files) = match (inputs.on.set.as_slice(), folder) {
         ([], false) => (machine.to_owned(), pack::Files::default()),
-        ([], true) => pack::machine(Path::new(machine))?,
+        ([], true) => machine_folder::machine(Path::new(machine))?,
         (set, _) => changed_machine::machine(machine, set)?,
     };
     match &inputs.on.tools {

@@ -431,12 +431,7 @@ fn the_token_and_the_authorities_come_from_the_environment() {
 #[test]
 fn jobs_on_a_server_are_labelled_found_followed_and_run_again() {
     let folder = tempfile::tempdir().unwrap();
-    let runtime = tokio::runtime::Builder::new_multi_thread().enable_all().build().unwrap();
-    let options =
-        Options { listen: "127.0.0.1:0".parse().unwrap(), data: folder.path().join("data"), ..Options::default() };
-    let service = runtime.block_on(service::build(options)).unwrap();
-    let url = service.handle().url();
-    runtime.spawn(service.run(std::future::pending()));
+    let (_runtime, url) = server(folder.path());
     let call = |arguments: &[&str]| {
         let output = counterpoint(&[arguments, &["--server", &url]].concat());
         let text = String::from_utf8_lossy(&output.stdout).trim_end().to_owned();
@@ -453,6 +448,7 @@ fn jobs_on_a_server_are_labelled_found_followed_and_run_again() {
     done(&["wait", &first]);
     let report = done(&["result", &first, "report"]);
     assert!(report.contains("cycle time") && report.contains("channel  program"), "{report}");
+    assert!(report.starts_with(&format!("job {first}  part=17 shift=early  submitted 2")), "{report}");
     let fetched = folder.path().join("fetched");
     done(&["result", &first, "all", "-o", &fetched.display().to_string()]);
     for name in ["summary.json", "report.txt", "part.lce", "part.log", "console.txt", "events.jsonl", "timeline.svg"] {
@@ -476,8 +472,8 @@ fn jobs_on_a_server_are_labelled_found_followed_and_run_again() {
     assert_eq!((&labelled[0]["priority"], labelled[0]["deadline_ms"].is_i64()), (&"HIGH".into(), true));
     assert_eq!(names(&listed(&["--newest", "--limit", "2", "--machine", "fanuc-mill"])), [again.clone(), second]);
     assert_eq!(listed(&["--label", "part=18"])[0]["rerun_of"], first.as_str());
-    let (status, _, talk) = call(&["jobs", "--label", "part"]);
-    assert!(status == 2 && talk.contains("expected KEY=VALUE"), "{talk}");
+    let (status, _, talk) = call(&["jobs", "--label", ""]);
+    assert!(status == 2 && talk.contains("expected NAME or KEY=VALUE"), "{talk}");
 
     let machine = folder.path().join("mine");
     std::fs::create_dir(&machine).unwrap();
@@ -505,6 +501,150 @@ fn jobs_on_a_server_are_labelled_found_followed_and_run_again() {
     assert!(watched.iter().any(|job| line.contains(job)) && line.contains("SUCCEEDED"), "{line}");
     watch.kill().unwrap();
     watch.wait().unwrap();
+}
+
+/// A server in this process until the test ends, and its address.
+fn server(folder: &Path) -> (tokio::runtime::Runtime, String) {
+    let runtime = tokio::runtime::Builder::new_multi_thread().enable_all().build().unwrap();
+    let options = Options { listen: "127.0.0.1:0".parse().unwrap(), data: folder.join("data"), ..Options::default() };
+    let service = runtime.block_on(service::build(options)).unwrap();
+    let url = service.handle().url();
+    runtime.spawn(service.run(std::future::pending()));
+    (runtime, url)
+}
+
+/// Each command that takes a job takes the beginning of its id, and none acts on a job that is not told from others.
+#[test]
+fn jobs_are_named_by_the_beginning_of_their_ids() {
+    let folder = tempfile::tempdir().unwrap();
+    let (_runtime, url) = server(folder.path());
+    let call = |arguments: &[&str]| {
+        let output = counterpoint(&[arguments, &["--server", &url]].concat());
+        let text = String::from_utf8_lossy(&output.stdout).trim_end().to_owned();
+        (code(&output), text, String::from_utf8_lossy(&output.stderr).into_owned())
+    };
+    let done = |arguments: &[&str]| {
+        let (status, out, talk) = call(arguments);
+        assert_eq!(status, 0, "{arguments:?}: {out} {talk}");
+        out
+    };
+    let part = program(folder.path(), "part.nc", "O1\nG0 X1.\nM30\n");
+    let submit = |label: &str| done(&["submit", &part, "--machine", "fanuc-mill", "--label", label]);
+    let jobs: Vec<String> = ["bracket 17", "flange", "order=4711"].iter().map(|label| submit(label)).collect();
+    jobs.iter().for_each(|job| drop(done(&["wait", job])));
+    // The newest first, with labels; the short id of each names it and nothing else.
+    let list = done(&["jobs"]);
+    let rows: Vec<&str> = list.lines().collect();
+    assert!(rows[0].contains("job") && rows[0].contains("submitted UTC") && rows[0].contains("labels"), "{list}");
+    assert!(rows[1].contains("order=4711") && rows[3].contains("bracket 17"), "{list}");
+    assert!(done(&["jobs", "--oldest", "--long"]).lines().nth(1).unwrap().contains(&jobs[0]));
+    assert!(done(&["jobs", "--label", "flange"]).lines().count() == 2);
+    let short = |row: &str| row.split_whitespace().next().unwrap().to_owned();
+    for (row, job) in rows[1..].iter().zip(jobs.iter().rev()) {
+        let short = short(row);
+        assert!(short.len() >= 8 && short.len() < job.len() && job.starts_with(&short), "{short} {job}");
+        assert!(done(&["status", &short]).contains(job), "{short}");
+        assert!(done(&["status", &short.to_uppercase().replace('-', "")]).contains("SUCCEEDED"));
+        for command in [&["wait", &short][..], &["watch", &short], &["result", &short, "summary"], &["analyse", &short]]
+        {
+            done(command);
+        }
+        for command in ["cancel", "pause", "resume"] {
+            let (status, _, talk) = call(&[command, &short]);
+            assert!(status == 0 && talk.contains(&format!("{job} has already ended: SUCCEEDED")), "{command}: {talk}");
+        }
+    }
+    assert_eq!(done(&["status", &jobs[0], "--json"]).matches("bracket 17").count(), 1);
+    // Four hexadecimal digits are those of a year.
+    let (status, _, talk) = call(&["delete", &jobs[0][..4]]);
+    assert!(status == 2 && talk.contains("several jobs begin with"), "{talk}");
+    assert!(jobs.iter().all(|job| talk.contains(job.as_str())) && talk.contains("bracket 17"), "{talk}");
+    for (name, words) in
+        [(&jobs[0][..3], "too short"), ("ffffffff", "no job begins with 'ffffffff'"), ("", "UNKNOWN_JOB")]
+    {
+        let (status, _, talk) = call(&["status", name]);
+        assert!(status == 2 && talk.contains(words), "{name}: {talk}");
+    }
+    let again = done(&["rerun", &short(rows[1])]);
+    done(&["wait", &again]);
+    done(&["delete", &short(rows[1])]);
+    let (status, _, talk) = call(&["status", &jobs[2]]);
+    assert!(status == 2 && talk.contains("UNKNOWN_JOB"), "{talk}");
+    assert!(
+        done(&["jobs", "--label", "order=4711"])
+            .contains(&short(&done(&["jobs", "--limit", "1"]).lines().nth(1).unwrap()))
+    );
+}
+
+/// Components in folders inside that of a composite machine, and beside it, here and on a server.
+#[test]
+fn a_composite_machine_has_components_of_its_own() {
+    let folder = tempfile::tempdir().unwrap();
+    let own = folder.path().join("own");
+    let at = own.display().to_string();
+    assert_eq!(code(&counterpoint(&["machine", "new", &at, "--from", "composite-millturn"])), 0);
+    let check = || {
+        let output = counterpoint(&["machine", "check", &at]);
+        (code(&output), String::from_utf8_lossy(&[output.stdout, output.stderr].concat()).into_owned())
+    };
+    assert_eq!(check().0, 0, "{}", check().1);
+    let turning = own.join("fanuc-turning/machine.toml");
+    let text = std::fs::read_to_string(&turning).unwrap();
+    assert!(text.contains("Component TURN"), "{text}");
+    // A word of the turning component alone.
+    std::fs::write(&turning, format!("{text}\n[[codes]]\nid = \"CODE_DELAY\"\nword = \"G704\"\n")).unwrap();
+    assert_eq!(check().0, 0, "{}", check().1);
+    let upper = program(folder.path(), "upper.nc", "O1\nG704 U2.5\nM30\n");
+    let ends = |output: Output| {
+        let text = String::from_utf8_lossy(&[output.stdout.as_slice(), &output.stderr].concat()).into_owned();
+        (code(&output), text.contains("2900320"), text)
+    };
+    let (shipped, unknown, text) = ends(counterpoint(&["run", "--machine", "composite-millturn", &upper]));
+    assert!(shipped == 1 && unknown, "{text}");
+    let (mine, unknown, text) = ends(counterpoint(&["run", "--machine", &at, &upper]));
+    assert!(mine == 0 && !unknown && text.contains("00:02.500"), "{text}");
+    let (_runtime, url) = server(folder.path());
+    let job = counterpoint(&["submit", "--machine", &at, &upper, "--server", &url]);
+    let job = String::from_utf8_lossy(&job.stdout).trim().to_owned();
+    assert_eq!(code(&counterpoint(&["wait", &job, "--server", &url])), 0);
+    // Settings of a run reach the component.
+    let counted = program(folder.path(), "counted.nc", "O1\nG704 U2.5\nG0 X100 Z1000\nM30\n");
+    let (ended, _, text) =
+        ends(counterpoint(&["run", "--json", "--set", "numbers=increments", "--machine", &at, &counted]));
+    let summary: serde_json::Value = serde_json::from_str(text.split("machine own").next().unwrap()).unwrap();
+    let time = summary["makespan_ns"].as_i64().unwrap();
+    // Z from 600 mm to 1 mm, not to 1000 mm: 599 mm at 500 mm/s and 5000 mm/s² take 1.298 s.
+    assert_eq!((ended, time), (0, 3_798_000_000), "{text}");
+    // Mistakes are reported with file and line.
+    std::fs::write(&turning, "extends = \"fanuc-turning\"\n[control]\nnumbers = \"bananas\"\n").unwrap();
+    let (status, told) = check();
+    assert!(status == 2 && told.contains("own/fanuc-turning/machine.toml:3:"), "{told}");
+    std::fs::write(&turning, "extends = \"fanuc-turnip\"\n").unwrap();
+    let (status, told) = check();
+    assert!(
+        status == 2 && told.contains("own/fanuc-turning/machine.toml:1:") && told.contains("fanuc-turnip"),
+        "{told}"
+    );
+    std::fs::remove_file(&turning).unwrap();
+    // A component beside the machine, and names that are none.
+    let definition = std::fs::read_to_string(own.join("machine.toml")).unwrap();
+    let with = |machine: &str| {
+        let row = format!("\n[[components]]\ndesignator = \"TURN\"\nmachine = \"{machine}\"\nchannels = [1, 2]\n");
+        std::fs::write(own.join("machine.toml"), format!("{definition}{row}")).unwrap();
+        check()
+    };
+    let beside = folder.path().join("our-turning");
+    std::fs::create_dir(&beside).unwrap();
+    std::fs::write(beside.join("machine.toml"), "extends = \"fanuc-turning\"\n").unwrap();
+    let (status, told) = with("our-turning");
+    assert_eq!(status, 0, "{told}");
+    let line = std::fs::read_to_string(own.join("machine.toml")).unwrap().lines().count() - 1;
+    let (status, told) = with("../our-turning");
+    assert!(status == 2 && told.contains(&format!("own/machine.toml:{line}:")), "{line}: {told}");
+    assert!(told.contains("is not the name of a folder"), "{told}");
+    let (status, told) = with("our-turnings");
+    assert!(status == 2 && told.contains(&format!("own/machine.toml:{line}:")), "{told}");
+    assert!(told.contains("no machine of the name \"our-turnings\""), "{told}");
 }
 
 #[test]

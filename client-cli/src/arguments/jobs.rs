@@ -10,8 +10,8 @@ pub(crate) struct RequestArgs {
     /// Identify the request: a repeated id returns the same job instead of creating a new one
     #[arg(long, value_name = "ID")]
     pub(crate) request_id: Option<String>,
-    /// Label the job; can be repeated
-    #[arg(long = "label", value_name = "KEY=VALUE", value_parser = label)]
+    /// Label the job; NAME alone is the label `name`; can be repeated
+    #[arg(long = "label", value_name = "NAME|KEY=VALUE", value_parser = label)]
     pub(crate) labels: Vec<(String, String)>,
     /// Say how urgent the job is among your own
     #[arg(long, value_enum)]
@@ -38,9 +38,15 @@ pub(crate) enum When {
     At(i64),
 }
 
+/// Key of the label that a name alone means.
+pub(crate) const NAME: &str = "name";
+
 fn label(text: &str) -> Result<(String, String), String> {
-    let pair = text.split_once('=').map(|(key, value)| (key.to_owned(), value.to_owned()));
-    pair.ok_or_else(|| "expected KEY=VALUE".to_owned())
+    if text.is_empty() {
+        return Err("expected NAME or KEY=VALUE".to_owned());
+    }
+    let (key, value) = text.split_once('=').unwrap_or((NAME, text));
+    Ok((key.to_owned(), value.to_owned()))
 }
 
 fn span_or_time(text: &str) -> Result<When, String> {
@@ -60,7 +66,7 @@ fn span_or_time(text: &str) -> Result<When, String> {
 
 #[derive(Debug, Args)]
 pub(crate) struct Rerun {
-    /// The job to run again
+    /// The job to run again: its id, or the beginning of it
     pub(crate) job: String,
     #[command(flatten)]
     pub(crate) remote: Remote,
@@ -77,8 +83,8 @@ pub(crate) struct JobFilter {
     /// Choose only jobs for this machine, a name or NAME@REVISION
     #[arg(long, value_name = "NAME")]
     pub(crate) machine: Option<String>,
-    /// Choose only jobs with this label; can be repeated
-    #[arg(long = "label", value_name = "KEY=VALUE", value_parser = label)]
+    /// Choose only jobs with this label; NAME alone is the label `name`; can be repeated
+    #[arg(long = "label", value_name = "NAME|KEY=VALUE", value_parser = label)]
     pub(crate) labels: Vec<(String, String)>,
     /// Choose only jobs accepted since then: a time before now (90s, 30m, 2h, 7d) or @ and seconds since 1970
     #[arg(long, value_name = "TIME", value_parser = span_or_time)]
@@ -87,7 +93,7 @@ pub(crate) struct JobFilter {
 
 #[derive(Debug, Args)]
 pub(crate) struct Watch {
-    /// The job
+    /// The job: its id, or the beginning of it
     #[arg(required_unless_present = "all")]
     pub(crate) job: Option<String>,
     /// Follow the states of all jobs that the filter chooses, a line for each change, until interrupted
@@ -114,15 +120,32 @@ pub(crate) struct Jobs {
     pub(crate) remote: Remote,
     #[command(flatten)]
     pub(crate) filter: JobFilter,
-    /// List the newest jobs first
-    #[arg(long)]
+    /// List the oldest jobs first
+    #[arg(long, overrides_with = "newest")]
+    pub(crate) oldest: bool,
+    /// List the newest jobs first (the default)
+    #[arg(long, overrides_with = "oldest")]
     pub(crate) newest: bool,
+    /// Show whole ids
+    #[arg(long)]
+    pub(crate) long: bool,
     /// List at most this many jobs
     #[arg(long, value_name = "N")]
     pub(crate) limit: Option<usize>,
     /// Print JSON, one object per line
     #[arg(long)]
     pub(crate) json: bool,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct Status {
+    /// The job: its id, or the beginning of it
+    pub(crate) job: String,
+    /// Print JSON
+    #[arg(long)]
+    pub(crate) json: bool,
+    #[command(flatten)]
+    pub(crate) remote: Remote,
 }
 
 /// States to filter by.
@@ -148,6 +171,7 @@ mod tests {
             assert!(span_or_time(wrong).is_err(), "{wrong}");
         }
         assert_eq!(label("a=b=c"), Ok(("a".to_owned(), "b=c".to_owned())));
-        assert!(label("a").is_err());
+        assert_eq!(label("bracket 17"), Ok(("name".to_owned(), "bracket 17".to_owned())));
+        assert!(label("").is_err());
     }
 }

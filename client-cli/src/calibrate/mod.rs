@@ -26,7 +26,7 @@ use nalgebra::DVector;
 use crate::arguments::Calibrate;
 use crate::error::Error;
 use crate::pack::{self, Files};
-use crate::{changed_machine, own_machine, say};
+use crate::{changed_machine, machine_folder, own_machine, say};
 use data::Datum;
 use measured::Lines;
 
@@ -82,7 +82,7 @@ pub(crate) fn calibrate(arguments: &Calibrate) -> Result<u8, Error> {
 
 /// Writes a folder for a machine with the fitted data, based on a shipped one.
 fn write(folder: &Path, from: &str, machine: &Machine, calibration: &Calibration) -> Result<(), Error> {
-    if pack::is_folder(from) {
+    if machine_folder::is_folder(from) {
         let text = format!("--out needs a shipped machine to base on: put the values into {from}/machine.toml");
         return Err(Error::Usage(text));
     }

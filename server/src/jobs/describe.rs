@@ -101,6 +101,8 @@ pub(crate) fn status(record: Record) -> v1::JobStatus {
         paused: record.paused,
         limit: limit(record.runs.reached).into(),
         cpu_us: record.runs.cpu_us,
+        // Known to lists only.
+        short_id: String::new(),
     }
 }
 

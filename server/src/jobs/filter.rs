@@ -8,6 +8,7 @@ use counterpoint_proto::v1;
 use uuid::Uuid;
 
 use super::feed::Removed;
+use crate::ledger::prefix::IdPrefix;
 use crate::ledger::record::{Record, State};
 use crate::ledger::{Query, time_of};
 use crate::machines::Definition;
@@ -22,6 +23,7 @@ pub(crate) struct Filter {
     labels: BTreeMap<String, String>,
     from_ms: i64,
     until_ms: i64,
+    prefix: IdPrefix,
 }
 
 /// A state from the wire.
@@ -63,6 +65,8 @@ impl Filter {
             labels: filter.labels,
             from_ms: filter.from_ms,
             until_ms: filter.until_ms,
+            prefix: IdPrefix::read(&filter.id_prefix)
+                .ok_or_else(|| Refusal::field("filter.id_prefix", "is not the beginning of a job_id"))?,
         })
     }
 
@@ -76,6 +80,7 @@ impl Filter {
             labels: self.labels.clone(),
             from_ms: self.from_ms,
             until_ms: self.until_ms,
+            prefix: self.prefix.clone(),
             count,
             ..Query::default()
         }
@@ -92,6 +97,7 @@ impl Filter {
         let accepted_ms = Uuid::try_parse(&record.id).map_or(record.submitted_ms, time_of);
         (self.states.is_empty() || self.states.contains(&record.state))
             && self.found_by(&pinned(&record.machine), &record.asked.labels)
+            && self.prefix.begins(&record.id)
             && accepted_ms >= self.from_ms
             && (self.until_ms == 0 || accepted_ms < self.until_ms)
     }

@@ -4,6 +4,7 @@
 //! stable storage; jobs are ordered as they were accepted, whatever the clock says; a row that cannot be read is
 //! reported to whoever asks for it and hidden from all others.
 
+pub(crate) mod prefix;
 pub(crate) mod record;
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -16,6 +17,7 @@ use uuid::Uuid;
 
 use crate::machines::Definition;
 use crate::reason::Refusal;
+use prefix::IdPrefix;
 use record::{Record, State};
 
 /// Asked before something is stored, while no blob can be collected.
@@ -98,16 +100,22 @@ pub(crate) struct Query {
     /// Accepted from here on, and before there, by the time in the identity, ms; 0 = any time.
     pub(crate) from_ms: i64,
     pub(crate) until_ms: i64,
+    /// Identities that begin so; empty = all.
+    pub(crate) prefix: IdPrefix,
     pub(crate) newest_first: bool,
     /// After this job in the order asked for; empty = from the start.
     pub(crate) after: String,
     pub(crate) count: usize,
+    /// The page has the short identities of its jobs.
+    pub(crate) short_ids: bool,
 }
 
 /// A page of jobs.
 #[derive(Debug, Default)]
 pub(crate) struct Page {
     pub(crate) jobs: Vec<Record>,
+    /// Of the same jobs, if they were asked for.
+    pub(crate) short_ids: Vec<String>,
     /// Where the next page begins; none if there is none.
     pub(crate) next: Option<String>,
 }

@@ -82,11 +82,15 @@ impl Service for Jobs {
         let answer = blocking(move || {
             let query = Query {
                 newest_first: request.newest_first,
+                short_ids: request.short_ids,
                 after: request.page_token,
                 ..filter.query(&tenant, core.busy(), size)
             };
             let page = core.ledger.jobs(&query)?;
-            let jobs = page.jobs.into_iter().map(|record| status(core.current(record))).collect();
+            let mut jobs: Vec<_> = page.jobs.into_iter().map(|record| status(core.current(record))).collect();
+            for (job, short_id) in jobs.iter_mut().zip(page.short_ids) {
+                job.short_id = short_id;
+            }
             Ok(v1::ListJobsResponse { jobs, next_page_token: page.next.unwrap_or_default() })
         });
         Ok(Response::new(answer.await?))

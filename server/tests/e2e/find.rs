@@ -68,9 +68,19 @@ async fn jobs_are_found_by_what_they_are_also_after_a_restart() {
         (filter(&[], "", &[("part", "1")]), ""),
         (v1::JobFilter { from_ms: running.submitted_ms, ..Default::default() }, "c"),
         (v1::JobFilter { until_ms: running.submitted_ms, ..filter(&[], lathe, &[]) }, "a"),
+        (v1::JobFilter { id_prefix: second.job_id.clone(), ..Default::default() }, "b"),
+        (v1::JobFilter { id_prefix: second.job_id.to_uppercase().replace('-', ""), ..filter(&[], lathe, &[]) }, ""),
+        (v1::JobFilter { id_prefix: first.job_id[..3].to_owned(), ..filter(&[], lathe, &[]) }, "a c"),
+        (v1::JobFilter { id_prefix: "ffff".into(), ..Default::default() }, ""),
     ];
     for (filter, expected) in &cases {
         assert_eq!(names(&server, by(filter.clone())).await, *expected, "{filter:?}");
+    }
+    let short = v1::ListJobsRequest { short_ids: true, ..Default::default() };
+    for job in server.jobs().list_jobs(short).await.unwrap().into_inner().jobs {
+        assert!(job.short_id.len() >= 8 && job.job_id.starts_with(&job.short_id), "{job:?}");
+        let found = by(v1::JobFilter { id_prefix: job.short_id, ..Default::default() });
+        assert_eq!(names(&server, found).await, job.request_id);
     }
     let newest = v1::ListJobsRequest { newest_first: true, page_size: 2, ..Default::default() };
     assert_eq!(names(&server, newest.clone()).await, "c b a");
@@ -115,6 +125,8 @@ async fn labels_priorities_deadlines_and_times_that_are_none_are_refused() {
     }
     let list = by(v1::JobFilter { from_ms: -1, ..Default::default() });
     assert_eq!(field(server.jobs().list_jobs(list).await.unwrap_err()), "filter.from_ms");
+    let list = by(v1::JobFilter { id_prefix: "part".into(), ..Default::default() });
+    assert_eq!(field(server.jobs().list_jobs(list).await.unwrap_err()), "filter.id_prefix");
     let list = by(v1::JobFilter { states: vec![1, 77], ..Default::default() });
     assert_eq!(field(server.jobs().list_jobs(list).await.unwrap_err()), "filter.states[1]");
     server.stop().await;

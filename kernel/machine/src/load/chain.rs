@@ -1,6 +1,7 @@
 //! The chain of `extends`: a machine, its family, the family's family.
 //!
-//! Invariant: identity (name, description, being a family) is never inherited.
+//! A component of a composite machine may lie in a folder of its own inside that of the composite; such folders come before
+//! those beside the composite. Invariant: identity (name, description, being a family) is never inherited.
 
 use std::sync::Arc;
 
@@ -28,33 +29,53 @@ pub(super) struct Merged {
     pub(super) own_signs: bool,
 }
 
-/// Reads and merges the chain; `None` when the machine's own file is not there.
-pub(super) fn read(files: &dyn Files, folder: &str, check: &Check) -> Option<Merged> {
-    let start = place_of(folder);
-    let own = read_file(files, folder, &start, None, check)?;
+/// Reads and merges the chain; `None` when the machine's own file is not there. Folders inside those of `within` come before
+/// folders beside them.
+pub(super) fn read(files: &dyn Files, name: &str, within: &[String], check: &Check) -> Option<Merged> {
+    let folder = resolved(files, name, within, &[]);
+    let start = place_of(&folder);
+    let own = read_file(files, (name, &folder), &start, None, check)?;
     let own_signs = own.get("signs").is_some();
     let mut tables = vec![own];
-    let mut folders = vec![folder.to_owned()];
+    let mut folders = vec![folder.clone()];
     while let Some((parent, place)) = tables.last().and_then(extends) {
-        let next = parent_table(files, &folders, &parent, &place, check);
-        let Some(table) = next else { break };
-        folders.push(parent);
+        let next = resolved(files, &parent, within, &folders);
+        let Some(table) = parent_table(files, &folders, (&parent, &next), &place, check) else { break };
+        folders.push(next);
         tables.push(table);
     }
     if tables.last().is_some_and(|table| table.get("extends").is_some()) {
         check.set_incomplete();
     }
     let table = tables.into_iter().rev().reduce(|parent, child| merge(heritage(parent), child, row_name))?;
-    Some(Merged { table, start, folder: folder.to_owned(), chain: folders, own_signs })
+    Some(Merged { table, start, folder, chain: folders, own_signs })
 }
 
-fn parent_table(files: &dyn Files, seen: &[String], parent: &str, place: &Place, check: &Check) -> Option<Table> {
-    if seen.iter().any(|folder| folder == parent) {
-        let circle = seen.iter().map(String::as_str).chain([parent]).collect::<Vec<_>>().join(" -> ");
+/// The folder that a name means: the first one inside those of `within`, but for those that were seen, or else one beside them.
+fn resolved(files: &dyn Files, name: &str, within: &[String], seen: &[String]) -> String {
+    let mut inside = within.iter().filter(|_| is_plain(name)).map(|outer| format!("{outer}/{name}"));
+    let found = inside.find(|folder| !seen.contains(folder) && files.read(&format!("{folder}/{FILE}")).is_ok());
+    found.unwrap_or_else(|| name.to_owned())
+}
+
+/// Whether a name is that of a folder, without a path.
+pub(super) fn is_plain(name: &str) -> bool {
+    !name.is_empty() && !name.contains(['/', '\\']) && !name.starts_with('.')
+}
+
+fn parent_table(
+    files: &dyn Files,
+    seen: &[String],
+    (parent, folder): (&str, &str),
+    place: &Place,
+    check: &Check,
+) -> Option<Table> {
+    if seen.iter().any(|seen| seen == folder) {
+        let circle = seen.iter().map(String::as_str).chain([folder]).collect::<Vec<_>>().join(" -> ");
         check.error(place, format!("`extends` runs in a circle: {circle}"));
         return None;
     }
-    read_file(files, parent, place, Some(parent), check)
+    read_file(files, (parent, folder), place, Some(parent), check)
 }
 
 fn extends(table: &Table) -> Option<(String, Place)> {
@@ -65,15 +86,20 @@ fn extends(table: &Table) -> Option<(String, Place)> {
     }
 }
 
-fn read_file(files: &dyn Files, folder: &str, place: &Place, parent: Option<&str>, check: &Check) -> Option<Table> {
-    let plain = !folder.is_empty() && !folder.contains(['/', '\\']) && !folder.starts_with('.');
+fn read_file(
+    files: &dyn Files,
+    (name, folder): (&str, &str),
+    place: &Place,
+    parent: Option<&str>,
+    check: &Check,
+) -> Option<Table> {
     let path = format!("{folder}/{FILE}");
-    let content = if plain { files.read(&path) } else { Err(Error::Missing(path)) };
+    let content = if is_plain(name) { files.read(&path) } else { Err(Error::Missing(path)) };
     match content {
         Ok(bytes) => Some(parse(&place_of(folder).file, &bytes, check)),
         Err(Error::Missing(_)) => {
             let what = if parent.is_some() { "no machine to extend" } else { "no machine" };
-            check.error(place, format!("{what} of the name \"{}\"{}", folder.escape_debug(), known(files, folder)));
+            check.error(place, format!("{what} of the name \"{}\"{}", name.escape_debug(), known(files, name)));
             None
         }
         Err(Error::Unreadable { reason, .. }) => {

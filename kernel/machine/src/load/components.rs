@@ -13,7 +13,7 @@ use crate::toml::node::{Entry, Node, Place, Table, Value};
 use crate::toml::section::Section;
 use counterpoint_lang::ident::minor_code;
 
-use super::chain::{Merged, row_name};
+use super::chain::{Merged, is_plain, row_name};
 
 /// Most components of a machine.
 const MOST: usize = 99;
@@ -72,6 +72,14 @@ fn read_row(row: &mut Section<'_>, channels: &[Channel], check: &Check) -> Optio
     let name = row.name("name", 32).map(str::to_owned);
     row.require("machine", "the folder of the definition");
     let folder = row.text("machine").map(str::to_owned);
+    if let Some(folder) = folder.as_deref().filter(|folder| !is_plain(folder)) {
+        let text = format!(
+            "\"{}\" is not the name of a folder: give it without a path; it lies inside the folder of this machine or beside \
+             it, or is shipped",
+            folder.escape_debug()
+        );
+        row.error("machine", text);
+    }
     let mut own = Vec::new();
     for node in row.list("channels").unwrap_or_default() {
         let channel = channels.iter().find(|channel| match node.value {

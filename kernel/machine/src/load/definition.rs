@@ -73,7 +73,7 @@ pub fn without_key(files: &dyn Files, folder: &str, section: &str, key: &str) ->
 
 fn merged(files: &dyn Files, folder: &str) -> Result<Merged, Vec<Finding>> {
     let check = Check::default();
-    let merged = chain::read(files, folder, &check);
+    let merged = chain::read(files, folder, &[], &check);
     let findings = check.into_findings();
     match merged {
         Some(merged) if findings.iter().all(|finding| !finding.error) => Ok(merged),

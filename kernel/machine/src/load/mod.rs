@@ -78,7 +78,7 @@ pub struct Loaded {
 #[must_use]
 pub fn load(files: &dyn Files, folder: &str) -> Loaded {
     let check = Check::default();
-    let machine = chain::read(files, folder, &check).map(|mut merged| {
+    let machine = chain::read(files, folder, &[], &check).map(|mut merged| {
         questionnaire::expand(&mut merged.table, &check);
         let plain = merged.table.clone();
         waits::expand(&mut merged.table);
@@ -86,7 +86,7 @@ pub fn load(files: &dyn Files, folder: &str) -> Loaded {
         if !rows.is_empty() {
             components::check_macros(&plain, &check);
             components::check_sections(&plain, &machine.file, &check);
-            machine.components = made_of(&machine, &plain, &rows, files, &check);
+            machine.components = made_of(&machine, (&plain, &merged.chain), &rows, files, &check);
         }
         machine
     });
@@ -98,7 +98,7 @@ pub fn load(files: &dyn Files, folder: &str) -> Loaded {
 /// The components of a composite machine. What is wrong in a section that they have from it is reported once, as its own.
 fn made_of(
     composite: &Machine,
-    table: &Table,
+    (table, folders): (&Table, &[String]),
     rows: &[components::Row],
     files: &dyn Files,
     check: &Check,
@@ -106,7 +106,7 @@ fn made_of(
     let mut made = Vec::new();
     for row in rows {
         let own = Check::default();
-        let Some(merged) = chain::read(files, &row.folder, &own) else {
+        let Some(merged) = chain::read(files, &row.folder, folders, &own) else {
             own.into_findings().into_iter().for_each(|finding| check.error(&row.place, finding.text));
             continue;
         };

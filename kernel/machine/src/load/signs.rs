@@ -82,7 +82,7 @@ fn candidate(files: &dyn Files, name: &str) -> Option<Candidate> {
         return None;
     }
     let check = Check::default();
-    let merged = chain::read(files, name, &check).filter(|merged| merged.own_signs)?;
+    let merged = chain::read(files, name, &[], &check).filter(|merged| merged.own_signs)?;
     let mut top = Section::new(&merged.table, merged.start.clone(), "the machine file", &check);
     let signs = read(&mut top, &check).filter(|_| !check.has_errors())?;
     let channels = match merged.table.get("channels").map(|node| &node.value) {

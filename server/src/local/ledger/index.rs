@@ -6,12 +6,13 @@
 //! the place to continue from.
 
 use std::collections::BTreeSet;
-use std::ops::Bound::{Included, Unbounded};
+use std::ops::Bound::{Excluded, Included, Unbounded};
 
 use redb::{ReadOnlyTable, ReadTransaction, ReadableTable, TableDefinition, WriteTransaction};
 use uuid::Uuid;
 
 use super::{JOB, readable, storage};
+use crate::ledger::prefix::shortest;
 use crate::ledger::record::{Record, State};
 use crate::ledger::{Page, Query};
 use crate::reason::Refusal;
@@ -241,12 +242,48 @@ fn conditions(query: &Query) -> Vec<Condition<'_>> {
     conditions
 }
 
+/// The first identity that a query may find, and the end of those that it may find.
+fn ends(query: &Query) -> (String, String) {
+    let (first, last) = query.prefix.range().into_inner();
+    let beyond = |id: &str| Uuid::parse_str(id).ok().and_then(|id| id.as_u128().checked_add(1)).map(Uuid::from_u128);
+    let end = beyond(&last).map_or_else(|| "g".to_owned(), |end| end.to_string());
+    let until = if query.until_ms > 0 { at(query.until_ms) } else { "g".to_owned() };
+    (at(query.from_ms).max(first), until.min(end))
+}
+
+/// The short identities of jobs of a tenant.
+fn short_ids(index: &ReadOnlyTable<(&'static str, &'static str), ()>, jobs: &[Record]) -> Result<Vec<String>, Refusal> {
+    let mut short = Vec::with_capacity(jobs.len());
+    for Record { id, tenant, .. } in jobs {
+        let mut neighbours = Vec::with_capacity(2 * STATES.len());
+        for state in STATES {
+            let term = state_term(tenant, state);
+            let (term, id) = (term.as_str(), id.as_str());
+            let before = index.range((term, "")..(term, id)).map_err(storage)?.next_back();
+            let after = index.range((Excluded((term, id)), Included((term, "\u{10ffff}")))).map_err(storage)?.next();
+            for row in [before, after].into_iter().flatten() {
+                neighbours.push(row.map_err(storage)?.0.value().1.to_owned());
+            }
+        }
+        short.push(shortest(id, neighbours.iter().map(String::as_str)));
+    }
+    Ok(short)
+}
+
 /// A page of jobs.
 pub(super) fn page(txn: &ReadTransaction, query: &Query) -> Result<Page, Refusal> {
+    let mut page = jobs(txn, query)?;
+    if query.short_ids {
+        page.short_ids = short_ids(&txn.open_table(INDEX).map_err(storage)?, &page.jobs)?;
+    }
+    Ok(page)
+}
+
+fn jobs(txn: &ReadTransaction, query: &Query) -> Result<Page, Refusal> {
     let jobs = txn.open_table(JOB).map_err(storage)?;
     let mut walk = Walk { index: txn.open_table(INDEX).map_err(storage)?, query, left: STEPS };
     let mut conditions = conditions(query);
-    let (first, last) = (at(query.from_ms), if query.until_ms > 0 { at(query.until_ms) } else { "g".to_owned() });
+    let (first, last) = ends(query);
     let mut bound = match (query.after.as_str(), query.newest_first) {
         ("", true) => last.clone(),
         ("", false) => first.clone(),

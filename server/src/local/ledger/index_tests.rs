@@ -1,6 +1,7 @@
 use redb::{Database, ReadableDatabase};
 
 use super::*;
+use crate::ledger::prefix::IdPrefix;
 use crate::ledger::record::tests::record;
 use crate::machines::Definition;
 
@@ -58,6 +59,7 @@ impl Jobs {
                 && query.labels.iter().all(|(key, value)| job.asked.labels.get(key) == Some(value))
                 && job.submitted_ms >= query.from_ms
                 && (query.until_ms == 0 || job.submitted_ms < query.until_ms)
+                && query.prefix.begins(&job.id)
         };
         let mut found: Vec<_> = self.1.iter().filter(wanted).map(|job| job.id.clone()).collect();
         if query.newest_first {
@@ -101,7 +103,7 @@ fn pages_hold_what_a_look_at_every_job_finds() {
     let pinned = jobs.1.iter().find(|job| !job.machine.files.is_empty()).unwrap().machine.clone();
     let pinned = format!("{}@{}", pinned.name, pinned.revision());
     let mut seen = 0;
-    for round in 0..600 {
+    for round in 0..1000 {
         let r = &mut seed;
         let query = Query {
             tenant: ["default", "other", "third"][random(r) % 3].to_owned(),
@@ -117,14 +119,39 @@ fn pages_hold_what_a_look_at_every_job_finds() {
             from_ms: [0, 0, 1100, 1250][random(r) % 4],
             until_ms: [0, 0, 1200, 1299][random(r) % 4],
             newest_first: random(r).is_multiple_of(2),
+            prefix: IdPrefix::read(["", "", "", "00000000-04", "0000000004b", "000000000400700", "01"][random(r) % 7])
+                .unwrap(),
             after: String::new(),
             count: 1 + random(r) % 40,
+            short_ids: false,
         };
         let expected = jobs.scanned(&query);
         seen += expected.len();
         assert_eq!(jobs.all(query.clone()), expected, "{round}: {query:?}");
     }
     assert!(seen > 4000, "the queries find something: {seen}");
+}
+
+/// A short identity finds its job and no other one of the tenant, whatever the state of the others.
+#[test]
+fn short_identities_find_their_jobs() {
+    let mut seed = 9;
+    let mut some = some_jobs(&mut seed, 300);
+    // Of the same millisecond.
+    let twin = Record { id: format!("{}1", &some[5].id[..35]), state: State::Failed, ..some[5].clone() };
+    some.insert(6, twin);
+    let jobs = Jobs::new(some);
+    for tenant in ["default", "other"] {
+        let query = Query { tenant: tenant.to_owned(), count: 500, short_ids: true, ..Query::default() };
+        let page = jobs.page(&query);
+        assert!(page.jobs.len() > 100 && page.jobs.len() == page.short_ids.len());
+        for (job, short) in page.jobs.iter().zip(&page.short_ids) {
+            let query = Query { prefix: IdPrefix::read(short).unwrap(), newest_first: true, ..query.clone() };
+            assert_eq!(jobs.all(query), std::slice::from_ref(&job.id), "{short}");
+        }
+        let longest = page.short_ids.iter().map(String::len).max().unwrap();
+        assert!(page.short_ids.iter().filter(|short| short.len() > 13).count() <= 2 && longest <= 36, "{longest}");
+    }
 }
 
 /// Without a bound on its steps the first page would look at all jobs.

@@ -1,0 +1,220 @@
+//! Packs the folder of a machine: its files, the machines that it extends, and the components of a composite.
+//!
+//! *Invariant:* nothing outside of the folder, and of the folders beside it that definitions name, is packed.
+
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use crate::error::Error;
+use crate::pack::{DEFINITION, Files, file_name, files_of};
+
+/// Whether a machine argument means a folder.
+pub(crate) fn is_folder(machine: &str) -> bool {
+    Path::new(machine).join(DEFINITION).is_file() || is_definition(Path::new(machine))
+}
+
+/// A machine argument is the definition in a folder, which means the folder.
+fn is_definition(path: &Path) -> bool {
+    path.file_name().is_some_and(|name| name == DEFINITION) && path.is_file()
+}
+
+/// Packs a machine folder and the folders beside it that it needs; returns the name of the machine, too.
+pub(crate) fn machine(folder: &Path) -> Result<(String, Files), Error> {
+    let folder = fs::canonicalize(folder).map_err(Error::file(folder))?;
+    let folder = if is_definition(&folder) { folder.parent().map(Path::to_owned).unwrap_or_default() } else { folder };
+    let name = file_name(&folder)?;
+    let mut files = Files::default();
+    let mut seen: BTreeSet<String> = BTreeSet::new();
+    let mut left: Vec<(String, PathBuf)> = vec![(name.clone(), folder)];
+    while let Some((name, folder)) = left.pop() {
+        let definition = folder.join(DEFINITION);
+        if !seen.insert(name.clone()) || !definition.is_file() {
+            continue;
+        }
+        let root = fs::canonicalize(&folder).map_err(Error::file(&folder))?;
+        if !stays_in(&root, &definition) {
+            continue;
+        }
+        whole_folder(&mut files, &root, &folder, &name, 0)?;
+        let inside = format!("{name}/");
+        let definitions = files.0.iter().filter(|(path, _)| is_own_definition(path, &inside));
+        let texts: Vec<String> =
+            definitions.map(|(_, blob)| String::from_utf8_lossy(blob.content()).into_owned()).collect();
+        let others = texts.iter().flat_map(|text| named(text)).filter(|name| is_plain(name));
+        left.extend(others.filter_map(|other| Some((other.clone(), folder.parent()?.join(other)))));
+    }
+    Ok((name, files))
+}
+
+/// A path is the definition of a machine, or of a component in its folder.
+fn is_own_definition(path: &str, inside: &str) -> bool {
+    path.strip_prefix(inside)
+        .is_some_and(|rest| rest == DEFINITION || rest.split_once('/').is_some_and(|(_, file)| file == DEFINITION))
+}
+
+/// The machines that a definition names: the one that it extends, and those of its components.
+fn named(text: &str) -> Vec<String> {
+    let table = toml::from_str::<toml::Table>(text).unwrap_or_default();
+    let rows = table.get("components").and_then(toml::Value::as_array).into_iter().flatten();
+    let components = rows.filter_map(|row| Some(row.get("machine")?.as_str()?.to_owned()));
+    extends(text).into_iter().chain(components).collect()
+}
+
+/// The machine that a definition extends. Only what stands before the first table is read, unless that is no whole text by itself.
+fn extends(text: &str) -> Option<String> {
+    let first_table =
+        text.split_inclusive('\n').take_while(|line| !line.trim_start().starts_with('[')).map(str::len).sum();
+    let read = |text| toml::from_str::<toml::Table>(text).ok();
+    let table = text.get(..first_table).and_then(read).or_else(|| read(text))?;
+    table.get("extends")?.as_str().map(str::to_owned)
+}
+
+/// Whether a name is a plain folder name, without a path.
+fn is_plain(name: &str) -> bool {
+    let mut parts = Path::new(name).components();
+    matches!((parts.next(), parts.next()), (Some(std::path::Component::Normal(_)), None))
+}
+
+/// A file is in a folder, also when links are followed.
+fn stays_in(root: &Path, path: &Path) -> bool {
+    fs::canonicalize(path).is_ok_and(|path| path.starts_with(root))
+}
+
+/// Adds a folder and its subfolders. Hidden entries, links to folders and links to files outside `root` are skipped.
+fn whole_folder(files: &mut Files, root: &Path, folder: &Path, name: &str, depth: usize) -> Result<(), Error> {
+    const DEEPEST: usize = 8;
+    for path in files_of(folder)? {
+        let file = file_name(&path)?;
+        if !file.starts_with('.') && stays_in(root, &path) {
+            files.add(format!("{name}/{file}"), &path)?;
+        }
+    }
+    let entries = fs::read_dir(folder).map_err(Error::file(folder))?;
+    let folders = entries.filter_map(Result::ok).filter(|entry| entry.file_type().is_ok_and(|kind| kind.is_dir()));
+    let mut folders: Vec<_> = folders.map(|entry| entry.path()).collect();
+    folders.sort();
+    for path in folders {
+        let inner = file_name(&path)?;
+        if !inner.starts_with('.') && depth < DEEPEST {
+            whole_folder(files, root, &path, &format!("{name}/{inner}"), depth + 1)?;
+        }
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_definition_extends_what_stands_before_its_tables() {
+        assert_eq!(extends("# A machine\nextends = \"mill\"\n\n[ce]\nname = \"own\""), Some("mill".to_owned()));
+        assert_eq!(extends("[ce]\nextends = \"mill\""), None);
+        assert_eq!(extends("limits = [\n[0, 1],\n]\nextends = \"mill\"\n[ce]\n"), Some("mill".to_owned()));
+        assert_eq!(extends("extends = \"mill\"\r\n[ce]\r\n"), Some("mill".to_owned()));
+        assert_eq!((extends("extends = 3"), extends("extends = ")), (None, None));
+    }
+
+    #[test]
+    fn a_machine_has_its_folders_and_those_it_extends() {
+        let folder = tempfile::tempdir().unwrap();
+        let write = |name: &str, text: &str| {
+            let path = folder.path().join(name);
+            fs::create_dir_all(path.parent().unwrap()).unwrap();
+            fs::write(path, text).unwrap();
+        };
+        write("own/machine.toml", "extends = \"family\"\nfiles = \"storage\"\n");
+        write("own/macros/start.mac", "OUTPUT\n");
+        write("own/storage/O9001", "M99\n");
+        write("own/storage/resident/deep/park.nc", "G0 Z0\nM99\n");
+        write("own/.git/config", "hidden");
+        write("own/storage/.hidden", "hidden");
+        write("family/machine.toml", "extends = \"shipped\"\n");
+        write("family/macros/block.mac", "");
+        write("other/machine.toml", "");
+        let (name, files) = machine(&folder.path().join("own")).unwrap();
+        let names: Vec<_> = files.0.keys().map(String::as_str).collect();
+        assert_eq!(name, "own");
+        assert_eq!(
+            names,
+            [
+                "family/machine.toml",
+                "family/macros/block.mac",
+                "own/machine.toml",
+                "own/macros/start.mac",
+                "own/storage/O9001",
+                "own/storage/resident/deep/park.nc",
+            ]
+        );
+        assert_eq!(&files.0["own/storage/resident/deep/park.nc"].content()[..], b"G0 Z0\nM99\n");
+    }
+
+    #[test]
+    fn a_composite_comes_with_its_components() {
+        let folder = tempfile::tempdir().unwrap();
+        let write = |name: &str, text: &str| {
+            let path = folder.path().join(name).join("machine.toml");
+            fs::create_dir_all(path.parent().unwrap()).unwrap();
+            fs::write(path, text).unwrap();
+        };
+        let row = |machine: &str| format!("[[components]]\nmachine = {machine:?}\n");
+        let rows = ["inside", "beside", "shipped", "../outside", "outside/deep"].map(row).concat();
+        write("own", &format!("extends = \"family\"\n[ce]\nname = \"own\"\n{rows}"));
+        write("own/inside", "extends = \"base\"\n");
+        write("base", "");
+        write("beside", "extends = \"turning\"\n");
+        write("turning", "extends = \"own\"\n");
+        write("family", &row("mill"));
+        write("mill", "");
+        write("outside/deep", "");
+        let (_, files) = machine(&folder.path().join("own")).unwrap();
+        let names: Vec<_> = files.0.keys().map(|path| path.trim_end_matches("/machine.toml")).collect();
+        assert_eq!(names, ["base", "beside", "family", "mill", "own/inside", "own", "turning"]);
+    }
+
+    #[test]
+    fn folders_are_packed_eight_levels_deep_and_links_to_folders_left_out() {
+        let folder = tempfile::tempdir().unwrap();
+        let own = folder.path().join("own");
+        let deep = (0..10).fold(own.clone(), |path, level| path.join(level.to_string()));
+        fs::create_dir_all(&deep).unwrap();
+        fs::write(own.join("machine.toml"), "").unwrap();
+        fs::write(own.join("0/1/2/3/4/5/6/7/last.nc"), "").unwrap();
+        fs::write(own.join("0/1/2/3/4/5/6/7/8/beyond.nc"), "").unwrap();
+        #[cfg(unix)]
+        std::os::unix::fs::symlink(&own, own.join("loop")).unwrap();
+        let (_, files) = machine(&own).unwrap();
+        let names: Vec<_> = files.0.keys().map(String::as_str).collect();
+        assert_eq!(names, ["own/0/1/2/3/4/5/6/7/last.nc", "own/machine.toml"]);
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn nothing_outside_of_a_machine_folder_is_packed() {
+        use std::os::unix::fs::symlink;
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| folder.path().join(name);
+        for name in ["machines/own/macros", "secret", "machines/linked"] {
+            fs::create_dir_all(at(name)).unwrap();
+        }
+        fs::write(at("secret/machine.toml"), "").unwrap();
+        fs::write(at("secret/key"), "").unwrap();
+        fs::write(at("machines/own/macros/real.mac"), "OUTPUT").unwrap();
+        symlink("real.mac", at("machines/own/macros/same.mac")).unwrap();
+        symlink(at("secret/key"), at("machines/own/macros/key.mac")).unwrap();
+        symlink("../../secret/key", at("machines/own/key")).unwrap();
+        let names = |machine: &str, definition: &str| {
+            fs::write(at("machines/own/machine.toml"), definition).unwrap();
+            let (_, files) = super::machine(&at(machine)).unwrap();
+            files.0.keys().cloned().collect::<Vec<_>>()
+        };
+        let own = ["own/machine.toml", "own/macros/real.mac", "own/macros/same.mac"];
+        assert_eq!(names("machines/own", ""), own);
+        assert_eq!(names("machines/own", "extends = \"../../secret\""), own);
+        let absolute = format!("extends = {:?}", at("secret"));
+        assert_eq!(names("machines/own", &absolute), own);
+        symlink(at("secret/machine.toml"), at("machines/linked/machine.toml")).unwrap();
+        assert_eq!(names("machines/linked", ""), [""; 0]);
+    }
+}

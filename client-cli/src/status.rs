@@ -1,0 +1,102 @@
+//! `counterpoint status`: what a server knows about one job.
+
+use counterpoint_proto::v1;
+
+use crate::arguments::Status;
+use crate::client::Client;
+use crate::error::Error;
+use crate::instant::instant;
+use crate::job_status::{as_json, labels, programs, ran_ms, state_name};
+use crate::jobs::now_ms;
+use crate::text::time;
+use crate::{job_names, say};
+
+/// Executes the command.
+pub(crate) async fn status(arguments: Status) -> Result<u8, Error> {
+    let client = Client::connect(&arguments.remote.server).await?;
+    let job_id = job_names::whole(&client, &arguments.job).await?;
+    let answer = client.jobs().get_job(v1::GetJobRequest { job_id }).await?.into_inner();
+    let status = answer.status.unwrap_or_default();
+    if arguments.json {
+        say::data(format!("{}\n", as_json(&status)).as_bytes())?;
+    } else {
+        say::data(shown(&status, &answer.pinned_machine, now_ms()).as_bytes())?;
+    }
+    Ok(0)
+}
+
+/// One line about a job, for the head of its report.
+pub(crate) fn heading(status: &v1::JobStatus) -> String {
+    let labels = labels(status);
+    let labelled = if labels.is_empty() { String::new() } else { format!("  {labels}") };
+    format!("job {}{labelled}  submitted {} UTC\n", status.job_id, instant(status.submitted_ms))
+}
+
+/// A line for each thing that is known.
+fn shown(job: &v1::JobStatus, pinned: &str, now_ms: i64) -> String {
+    let machine = if job.machine_guess.is_empty() {
+        pinned.to_owned()
+    } else {
+        format!("{pinned}, guessed from {}", job.machine_guess)
+    };
+    let utc = |ms: i64| if ms > 0 { format!("{} UTC", instant(ms)) } else { String::new() };
+    let count = |number: u32| if number > 1 { number.to_string() } else { String::new() };
+    let cause = job.cause().as_str_name().trim_start_matches("JOB_CAUSE_").to_lowercase();
+    let priority = job.priority().as_str_name().trim_start_matches("JOB_PRIORITY_").to_lowercase();
+    let rows = [
+        ("job", job.job_id.clone()),
+        ("labels", labels(job)),
+        ("state", state_name(job)),
+        ("machine", machine),
+        ("programs", programs(job)),
+        ("priority", if priority == "normal" { String::new() } else { priority }),
+        ("submitted", utc(job.submitted_ms)),
+        ("started", utc(job.started_ms)),
+        ("ended", utc(job.ended_ms)),
+        ("ran", ran_ms(job, now_ms).map(|ms| time(ms.saturating_mul(1_000_000))).unwrap_or_default()),
+        ("deadline", utc(job.deadline_ms)),
+        ("attempts", count(job.attempt)),
+        ("rerun of", job.rerun_of.clone()),
+        ("cycle time", if job.ended_ms > 0 { time(job.makespan_ns) } else { String::new() }),
+        ("cause", if cause == "unspecified" { String::new() } else { cause }),
+        ("verdict", job.verdict.clone()),
+        ("error", job.error.clone()),
+        ("host", job.host_failure.clone()),
+    ];
+    let line = |(key, value): &(&str, String)| format!("{key:<11} {value}\n");
+    rows.iter().filter(|(_, value)| !value.is_empty()).map(line).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_not_known_is_left_out() {
+        let job = v1::JobStatus {
+            job_id: "01938f2c".to_owned(),
+            state: v1::JobState::Running.into(),
+            submitted_ms: 1000,
+            started_ms: 3000,
+            attempt: 1,
+            labels: [("name".to_owned(), "bracket 17".to_owned()), ("shift".to_owned(), "early".to_owned())].into(),
+            machine_guess: "T1 M6 (line 2)".to_owned(),
+            priority: v1::JobPriority::Normal.into(),
+            ..Default::default()
+        };
+        let text = shown(&job, "fanuc-mill", 4500);
+        assert_eq!(
+            text.lines().collect::<Vec<_>>(),
+            [
+                "job         01938f2c",
+                "labels      bracket 17 shift=early",
+                "state       RUNNING",
+                "machine     fanuc-mill, guessed from T1 M6 (line 2)",
+                "submitted   1970-01-01 00:00:01 UTC",
+                "started     1970-01-01 00:00:03 UTC",
+                "ran         00:01.500",
+            ]
+        );
+        assert_eq!(heading(&job), "job 01938f2c  bracket 17 shift=early  submitted 1970-01-01 00:00:01 UTC\n");
+    }
+}
