@@ -74,7 +74,7 @@ fn macros_that_never_run_and_what_they_use() {
             &["2:10: warning: no row of this machine's data table has REG_TOOL, so it is never on a block"],
         ),
         (
-            "[[codes]]\nid = \"CODE_TOOL_SELECT\"\nword = \"T1-T9\"\nas_data = \"REG_TOOL\"\n[[macros.data]]\nmatch = [\"REG_TOOL\"]\n\
+            "[[codes]]\nid = \"CODE_TOOL_SELECT\"\nword = \"M61-M69\"\nas_data = \"REG_TOOL\"\n[[macros.data]]\nmatch = [\"REG_TOOL\"]\n\
              file = \"a.mac\"",
             &[],
         ),
