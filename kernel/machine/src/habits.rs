@@ -46,6 +46,12 @@ pub struct Habits {
     /// What is an alarm of a real control stops the channel; otherwise the rest of the block is dropped and the program
     /// goes on.
     pub stops: bool,
+    /// A position of the machine frame is reached at rapid, whatever the motion code.
+    pub machine_frame_rapid: bool,
+    /// The centre of a rotation is scaled by the scale in force.
+    pub scaled_center: bool,
+    /// A preset ends the local shift of its axes.
+    pub preset_ends_shift: bool,
     /// Limits of the working area count in all directions of all axes unless the program says otherwise.
     pub work_area: bool,
     /// Areas that the program sets.
@@ -156,6 +162,9 @@ impl Default for Habits {
             dwell: Dwell::default(),
             unknown_alarms: false,
             stops: false,
+            machine_frame_rapid: false,
+            scaled_center: false,
+            preset_ends_shift: false,
             work_area: false,
             stored_limits: StoredLimits::default(),
             texts: Vec::new(),

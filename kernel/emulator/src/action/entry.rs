@@ -32,6 +32,8 @@ pub(crate) enum Contour {
     Follows,
     /// Nothing: the move may wait longer.
     Waits,
+    /// A command to the spindle: the move may wait longer, unless another channel can see the command.
+    Commands,
     /// The action goes without compensation, which begins again behind it.
     Leaves,
     /// The move is finished.

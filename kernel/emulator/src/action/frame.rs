@@ -19,9 +19,10 @@ pub(crate) const ENTRIES: &[Entry] = &[
     Entry::of(&[codes::POSITION_MACHINE], |act, _, _| machine_frame(act)).contour(Contour::Leaves),
     Entry::of(&[codes::POSITION_PRESET], |act, _, _| preset(act)),
     Entry::of(&[codes::POSITION_PRESET_OFF], |act, _, _| preset_off(act)),
-    Entry::of(&[codes::COMP_WORKP_ON], |act, _, _| work_offset(act)),
-    Entry::of(&[codes::COMP_WORKP_OFF], |act, _, _| work_offset_off(act)),
-    entry_of_kind!(CodeKind::Length { sign, set } => |act, _row, _code| length(act, sign.into(), set)),
+    Entry::of(&[codes::COMP_WORKP_ON], |act, _, _| work_offset(act)).contour(Contour::Waits),
+    Entry::of(&[codes::COMP_WORKP_OFF], |act, _, _| work_offset_off(act)).contour(Contour::Waits),
+    entry_of_kind!(CodeKind::Length { sign, set } => |act, _row, _code| length(act, sign.into(), set))
+        .contour(Contour::Waits),
 ];
 
 /// This block's positions are in the machine frame. In incremental mode the word is ignored: distances are distances in
@@ -53,6 +54,12 @@ pub(super) fn preset(act: &mut Act<'_, '_>) -> Acted {
     if act.tilted().is_some() {
         let text = format!("a preset is not possible in a tilted plane, '{}' sets nothing", act.block_text());
         return Err(act.alarm(&diag::FRAME_REFUSED, text));
+    }
+    if act.env.machine.habits.preset_ends_shift && act.state.place.frames.is_some() {
+        let axes = act.state.place.layout.axes.entries();
+        let named = axes.filter(|(_, axis)| act.has_any(act.registers_of(axis.data)));
+        let named = named.fold(0, |slots, (slot, _)| slots | slot.bit());
+        super::local::end_shift(act, named);
     }
     // Nothing turns: words are positions, also of axes whose words are angles.
     let angles = std::mem::take(&mut act.state.place.layout.angles);

@@ -216,6 +216,9 @@ fn rotation(act: &mut Act<'_, '_>, change: Change) -> Option<Programmed> {
     let angle = act.take(data::LCS_ROT_ANGLE).map(|datum| datum.value);
     let (about, turns) = (numbers(act, ABOUT), numbers(act, TURNS));
     let center = center(act, ROTATION_CENTER, Part::Rotate, change);
+    let scale = act.state.place.frames.as_deref().filter(|_| act.env.machine.habits.scaled_center);
+    let scale = scale.and_then(|frames| frames.local.part(Part::Scale));
+    let center = scale.map_or(center, |scale| scale.map.point(center));
     let given = |words: [Option<f64>; 3]| words.iter().any(Option::is_some).then(|| words.map(|w| w.unwrap_or(0.0)));
     let chain = |axes: [usize; 3], angles: Point| {
         let mut map = Affine::SAME;

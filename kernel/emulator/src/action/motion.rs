@@ -49,6 +49,9 @@ fn one_way(act: &mut Act<'_, '_>) -> Acted {
 
 /// Straight feed.
 pub(super) fn linear(act: &mut Act<'_, '_>) -> Acted {
+    if act.block.flags.machine_frame && act.env.machine.habits.machine_frame_rapid {
+        return rapid(act);
+    }
     let (feed, unit) = act.feed();
     if act.state.place.frames.is_none() {
         let (coded, target) = act.plain_targets();
@@ -306,11 +309,13 @@ impl Act<'_, '_> {
             return Ok(());
         }
         let changes = self.changes(&from, target);
-        let feed_length = changes.iter().map(|c| c * c).sum::<f64>().sqrt();
+        let rotary = self.state.place.layout.rotary;
+        let ways = if rotary { self.feed_ways(&changes) } else { changes };
+        let feed_length = ways.iter().map(|c| c * c).sum::<f64>().sqrt();
         let path = Path { from: &from, to: target, length: feed_length, arc: None };
         let seconds = self.feed_seconds(&path, feed, unit)?;
-        let length = if self.state.place.layout.rotary { self.tool_path(&changes) } else { feed_length };
-        let feed = (feed.unwrap_or(0.0), unit);
+        let length = if rotary { self.tool_path(&changes) } else { feed_length };
+        let feed = (if rotary { self.feed_of_axes(feed, unit, &changes) } else { feed.unwrap_or(0.0) }, unit);
         self.travel(seconds, &Motion::straight(MotionKind::Linear, coded, [from, *target], feed, length))
     }
 
@@ -326,14 +331,15 @@ impl Act<'_, '_> {
             return Ok(());
         }
         let changes = self.feed_changes(&from, &target);
-        let feed_length = changes.iter().map(|c| c * c).sum::<f64>().sqrt();
-        let feed = self.feed_down(feed, unit, &changes, feed_length);
+        let ways = self.feed_ways(&changes);
+        let feed_length = ways.iter().map(|c| c * c).sum::<f64>().sqrt();
+        let feed = self.feed_down(feed, unit, &ways, feed_length);
         let path = Path { from: &from, to: &target, length: feed_length, arc: None };
         let seconds = self.feed_seconds(&path, feed, unit)?;
         let seconds = self.at_rates(seconds, &from, &target, None);
         let length = self.feed_path(&changes, feed_length);
         let moving = self.moving(coded, &self.changes(&from, &target));
-        let feed = (feed.unwrap_or(0.0), unit);
+        let feed = (self.feed_of_axes(feed, unit, &changes), unit);
         self.travel(seconds, &Motion::straight(MotionKind::Linear, moving, [from, target], feed, length))
     }
 
@@ -354,7 +360,7 @@ impl Act<'_, '_> {
             _ => self.feed(),
         };
         let changes = self.feed_changes(&from, &to);
-        let feed_length = changes.iter().map(|c| c * c).sum::<f64>().sqrt();
+        let feed_length = self.feed_ways(&changes).iter().map(|c| c * c).sum::<f64>().sqrt();
         let path = Path { from: &from, to: &to, length: feed_length, arc: None };
         let mut seconds = self.feed_seconds(&path, feed, unit)?;
         if self.state.place.frames.is_some() {

@@ -6,7 +6,7 @@
 use std::borrow::Cow;
 
 use crate::act::Act;
-use crate::action::entry::Entry;
+use crate::action::entry::{Contour, Entry};
 use crate::state::frames::offsets::{EXTENDED, Radii, Table};
 use crate::state::modal::group;
 use counterpoint_event::event::Kind;
@@ -16,7 +16,7 @@ use counterpoint_machine::ident::{codes, data};
 use counterpoint_machine::index::BySlot;
 
 /// Codes and what they do.
-pub(crate) const ENTRIES: &[Entry] = &[Entry::of(&[codes::OFFSET_SET], |act, _, _| set(act))];
+pub(crate) const ENTRIES: &[Entry] = &[Entry::of(&[codes::OFFSET_SET], |act, _, _| set(act)).contour(Contour::Waits)];
 
 /// What is set.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

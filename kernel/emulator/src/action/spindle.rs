@@ -8,7 +8,8 @@ use counterpoint_fault::{Acted, Halt};
 
 use super::spindles::{commanded, no_head};
 use crate::act::Act;
-use crate::action::entry::{Entry, entry_of_kind};
+use crate::action::cutter;
+use crate::action::entry::{Contour, Entry, entry_of_kind};
 use crate::state::spindle::Turning;
 use counterpoint_event::event::Direction;
 use counterpoint_fault as diag;
@@ -19,10 +20,11 @@ use counterpoint_sync::shared::Command;
 
 /// Codes and what they do.
 pub(crate) const ENTRIES: &[Entry] = &[
-    entry_of_kind!(CodeKind::Spindle { number, direction, coolant } => |act, _row, _code| turn(act, number, direction, coolant)),
-    Entry::of(&[codes::SPINDLE_CSS], |act, _, _| css(act)),
-    Entry::of(&[codes::SPINDLE_RPM], |act, _, _| rpm(act)),
-    Entry::of(&[codes::SPINDLE_MAXRPM], |act, _, _| limit(act)),
+    entry_of_kind!(CodeKind::Spindle { number, direction, coolant } => |act, _row, _code| turn(act, number, direction, coolant))
+    .contour(Contour::Commands),
+    Entry::of(&[codes::SPINDLE_CSS], |act, _, _| css(act)).contour(Contour::Commands),
+    Entry::of(&[codes::SPINDLE_RPM], |act, _, _| rpm(act)).contour(Contour::Commands),
+    Entry::of(&[codes::SPINDLE_MAXRPM], |act, _, _| limit(act)).contour(Contour::Commands),
     Entry::of(&[codes::SPINDLE_CSS_MAIN], |act, _, _| driver(act, 1)),
     Entry::of(&[codes::SPINDLE_CSS_SIDE], |act, _, _| driver(act, 2)),
     Entry::of(&[codes::SPINDLE_CSS_RADIAL], |act, _, _| radial(act)),
@@ -120,7 +122,9 @@ pub(super) fn turn_inside(act: &mut Act<'_, '_>, direction: Direction) -> Acted 
 
 /// An S word that no code took: changes the speed (reference control-emulator.md 3.3).
 pub(crate) fn speed_word(act: &mut Act<'_, '_>) -> Acted {
-    act.flush_lookahead()?;
+    if act.state.place.frames.is_some() {
+        cutter::before(act, Contour::Commands)?;
+    }
     let css = act.spindle_command()?.css;
     match take_speed(act, css) {
         Some(speed) if !act.env.machine.habits.speed_word => {
@@ -162,7 +166,7 @@ fn set_speed(command: &mut Command, css: bool, speed: Option<f64>) {
 
 /// Speed that turns now, rev/min.
 fn held_speed(act: &mut Act<'_, '_>) -> Result<f64, Halt> {
-    let position = act.state.place.position;
+    let position = act.contour();
     let radius = act.radius(&position);
     Ok(match act.spindle_speed()? {
         Some(Turning::Fixed(rpm)) => rpm,

@@ -29,8 +29,8 @@ pub(super) fn stop(act: &mut Act<'_, '_>, stop: Stop) -> Acted {
             }
             Ok(())
         }
-        // Inside a subprogram an end code returns (reference control-emulator.md 5.4, Fanuc row).
-        Stop::End | Stop::Rewind if act.call_depth() > 1 => {
+        // Inside a subprogram an end code returns, or ends the program: as the control has it.
+        Stop::End | Stop::Rewind if act.call_depth() > 1 && !act.env.machine.subprograms.end_ends => {
             act.return_from(None);
             Ok(())
         }

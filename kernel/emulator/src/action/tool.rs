@@ -3,7 +3,7 @@
 //! Facts: reference control-emulator.md 6.3; time of a turret by its steps, channel-synchronisation.md 3.
 
 use crate::act::Act;
-use crate::action::entry::Entry;
+use crate::action::entry::{Contour, Entry};
 use crate::state::modal::group;
 use counterpoint_event::event::ToolAction;
 use counterpoint_fault::Acted;
@@ -11,8 +11,10 @@ use counterpoint_fault::{self as diag, Facts};
 use counterpoint_machine::ident::{codes, data};
 
 /// Codes and what they do.
-pub(crate) const ENTRIES: &[Entry] =
-    &[Entry::of(&[codes::TOOL_SELECT], |act, _, _| select(act)), Entry::of(&[codes::TOOL_LOAD], |act, _, _| load(act))];
+pub(crate) const ENTRIES: &[Entry] = &[
+    Entry::of(&[codes::TOOL_SELECT], |act, _, _| select(act)).contour(Contour::Waits),
+    Entry::of(&[codes::TOOL_LOAD], |act, _, _| load(act)),
+];
 
 /// Preselects a tool.
 pub(super) fn select(act: &mut Act<'_, '_>) -> Acted {

@@ -28,6 +28,7 @@ impl Kernel<'_> {
         };
         self.flow.pass.effects = true;
         if self.channel.state.spindle.shared {
+            self.flush_lookahead()?;
             self.come_to_rest();
         }
         let before = self.turning_speed()?;

@@ -11,6 +11,7 @@ use counterpoint_motion::contour::element::{Element, Spot};
 
 use super::corner::{Asked, Corner, Open};
 use super::smooth::Smooth;
+use super::spindle::SpindleState;
 use counterpoint_program::block::ContourEnd;
 use counterpoint_sync::tag::Tag;
 
@@ -82,6 +83,8 @@ pub(crate) struct Waiting {
     pub(crate) text: Option<Arc<[u8]>>,
     /// Events that were held back before it.
     pub(crate) events: usize,
+    /// The spindle at its beginning.
+    pub(crate) spindle: SpindleState,
 }
 
 /// Events that are held back until the move before them is known.
@@ -110,6 +113,8 @@ pub(crate) struct Cutter {
     pub(crate) idle: u32,
     /// Last block that was counted.
     pub(crate) seen: u64,
+    /// Line of the move that ended without knowing the next one.
+    pub(crate) ended: u32,
     /// An action goes without compensation.
     pub(crate) suspended: bool,
     /// The tool stays on the contour: only corners make moves wait.

@@ -14,6 +14,8 @@ pub(super) fn read(top: &mut Section<'_>) -> Compensation {
         corner: OutsideCorner::Angle,
         corner_angle: 90.0,
         numbers_alone: false,
+        looked_through: 2,
+        zero_move: 1,
         length: LengthRules::default(),
     };
     let Some(mut section) = top.table("compensation", "[compensation]") else { return made };
@@ -29,6 +31,12 @@ pub(super) fn read(top: &mut Section<'_>) -> Compensation {
     }
     let numbers = [("with-code", false), ("alone", true)];
     made.numbers_alone = section.choice("numbers", &numbers).unwrap_or(made.numbers_alone);
+    if let Some(blocks) = section.integer("looked_through", 0..=100) {
+        made.looked_through = blocks as u32;
+    }
+    if let Some(blocks) = section.integer("zero_move", 1..=100) {
+        made.zero_move = blocks as u32;
+    }
     made.length = length(&mut section);
     section.finish();
     made

@@ -60,6 +60,12 @@ pub(super) fn read(top: &mut Section<'_>, preprocessor: Preprocessor) -> (Habits
     habits.dwell.bare = section.choice("dwell_without_time", &dwells).unwrap_or(habits.dwell.bare);
     let unknown = [("warn", false), ("alarm", true)];
     habits.unknown_alarms = section.choice("unknown_code", &unknown).unwrap_or(habits.unknown_alarms);
+    let moves = [("by-mode", false), ("rapid", true)];
+    habits.machine_frame_rapid = section.choice("machine_frame", &moves).unwrap_or(habits.machine_frame_rapid);
+    let centers = [("as-programmed", false), ("scaled", true)];
+    habits.scaled_center = section.choice("rotation_center", &centers).unwrap_or(habits.scaled_center);
+    let presets = [("stays", false), ("ends", true)];
+    habits.preset_ends_shift = section.choice("shift_at_preset", &presets).unwrap_or(habits.preset_ends_shift);
     habits.work_area = section.flag("work_area").unwrap_or(habits.work_area);
     let sides = [("inside", Forbidden::Inside), ("outside", Forbidden::Outside)];
     if let Some(mut limits) = section.table("stored_limits", "[control.stored_limits]") {

@@ -14,6 +14,7 @@ pub(super) fn read(top: &mut Section<'_>, around: &Around<'_>) -> Subprograms {
         call: CallForm::Number,
         repeat_is_executions: true,
         main_return: MainReturn::End,
+        end_ends: false,
         calls: Vec::new(),
         nested: NestedCalls::OtherKind,
         levels: CallLevels::default(),
@@ -35,6 +36,8 @@ pub(super) fn read(top: &mut Section<'_>, around: &Around<'_>) -> Subprograms {
     subprograms.repeat_is_executions = section.flag("repeat_is_executions").unwrap_or(true);
     let returns = [("end", MainReturn::End), ("restart", MainReturn::Restart)];
     subprograms.main_return = section.choice("main_return", &returns).unwrap_or(MainReturn::End);
+    let ends = [("returns", false), ("ends", true)];
+    subprograms.end_ends = section.choice("end", &ends).unwrap_or(false);
     let nested = [("other-kind", NestedCalls::OtherKind), ("never", NestedCalls::Never)];
     subprograms.nested = section.choice("nested_calls", &nested).unwrap_or(NestedCalls::OtherKind);
     if let Some(mut levels) = section.table("levels", "levels of [subprograms]") {

@@ -15,6 +15,8 @@ pub struct Subprograms {
     pub repeat_is_executions: bool,
     /// What a return in the main program does.
     pub main_return: MainReturn,
+    /// An end code in a subprogram ends the program; otherwise it returns.
+    pub end_ends: bool,
     /// Words that call programs, in file order.
     pub calls: Vec<WordCall>,
     /// Which words still call in a program that a word has called.
@@ -269,6 +271,10 @@ pub struct Compensation {
     pub corner_angle: f64,
     /// The word of an offset number alone selects the offset while its compensation is active.
     pub numbers_alone: bool,
+    /// Blocks without a move in the plane that are looked through to the next move.
+    pub looked_through: u32,
+    /// For how many of these a move of length zero counts.
+    pub zero_move: u32,
     /// Length compensation.
     pub length: LengthRules,
 }

@@ -43,6 +43,8 @@ pub fn json(machine: &Machine) -> Value {
             "arcs": machine.compensation.arcs,
             "corner": word(machine.compensation.corner),
             "corner_angle": machine.compensation.corner_angle,
+            "looked_through": machine.compensation.looked_through,
+            "zero_move": machine.compensation.zero_move,
         },
         "corners": {
             "between": machine.corners.between,
@@ -246,6 +248,7 @@ fn subprograms(machine: &Machine) -> Value {
         "call": word(subprograms.call),
         "repeat_is_executions": subprograms.repeat_is_executions,
         "main_return": word(subprograms.main_return),
+        "end": if subprograms.end_ends { "ends" } else { "returns" },
         "nested_calls": word(subprograms.nested),
         "levels": {
             "subprograms": subprograms.levels.subprograms,

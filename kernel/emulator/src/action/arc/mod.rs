@@ -80,6 +80,9 @@ pub(super) fn threaded(act: &mut Act<'_, '_>, clockwise: bool, code: &PendingCod
 
 /// An arc in the active plane, helical when a further axis is coded.
 pub(super) fn arc(act: &mut Act<'_, '_>, form: Form, code: &PendingCode) -> Acted {
+    if act.block.flags.machine_frame && act.env.machine.habits.machine_frame_rapid {
+        return super::motion::rapid(act);
+    }
     if let Some(polar) = act.polar()
         && let Some(clockwise) = define::direction(act, form)
     {

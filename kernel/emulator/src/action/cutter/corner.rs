@@ -35,6 +35,7 @@ pub(super) fn take_part(act: &mut Act<'_, '_>) -> bool {
         waiting: Vec::new(),
         idle: 0,
         seen: act.at.blocks,
+        ended: act.at.line,
         suspended: false,
         plain: true,
         asked: Asked::default(),
@@ -55,7 +56,7 @@ pub(super) fn follow(act: &mut Act<'_, '_>, contour: Contour) -> Acted {
             Contour::Follows => {
                 !act.block.flags.machine_frame && compensated_plane(act).is_some_and(|(_, active)| active == axes)
             }
-            Contour::Leaves | Contour::Ends => false,
+            Contour::Commands | Contour::Leaves | Contour::Ends => false,
         };
         if !stays {
             act.flush_lookahead()?;
@@ -239,8 +240,9 @@ impl Act<'_, '_> {
             let text = format!("the corner of '{}' has no line left before it", self.block_text());
             self.diagnose(&diag::CORNER_TOO_LONG, text);
         }
+        let ended = self.at.line;
         if let Some(cutter) = self.cutter() {
-            cutter.contour = step.to;
+            (cutter.contour, cutter.ended) = (step.to, ended);
             cutter.stage = if cutter.plain { Stage::On } else { Stage::Settled { corner: element.to, along } };
         }
         end(self);

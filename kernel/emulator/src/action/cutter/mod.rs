@@ -7,6 +7,7 @@
 
 mod angle;
 mod around;
+mod between;
 mod corner;
 mod held;
 pub(super) mod mirror;
@@ -15,10 +16,10 @@ mod resized;
 pub(super) mod smooth;
 mod words;
 
+pub(in crate::action) use between::before;
 pub(super) use resized::resized;
 pub(super) use words::{code as corner_code, has_words, with_words};
 
-use super::entry::Contour;
 use crate::act::Act;
 use crate::state::modal::{group, plane};
 use counterpoint_event::event::{FeedUnit, Position};
@@ -31,9 +32,6 @@ use crate::state::arc::LastMove;
 use crate::state::corner::{Asked, Corner};
 use crate::state::cutter::{Cutter, Shape, Stage, Step, Waiting};
 use counterpoint_motion::contour::element::{Element, NOISE, distance};
-
-/// Blocks without motion in the plane that are looked through.
-const LOOKED_THROUGH: u32 = 2;
 
 /// Blocks after which a waiting move is finished whatever comes.
 const LONGEST_WAIT: u64 = 1000;
@@ -106,6 +104,7 @@ pub(super) fn switched(act: &mut Act<'_, '_>, code: CodeId) -> Acted {
         waiting: Vec::new(),
         idle: 0,
         seen: act.at.blocks,
+        ended: act.at.line,
         suspended: false,
         plain: false,
         asked: Asked::default(),
@@ -199,34 +198,6 @@ pub(super) fn to_contour(act: &mut Act<'_, '_>, feed: Option<f64>, unit: FeedUni
     let feed = (feed.filter(|_| unit != FeedUnit::InverseTime), unit);
     let shape = if feed.0.is_some() { Shape::Linear } else { Shape::Rapid };
     act.straight(&Step { shape, coded: 0, to, feed: feed.0, unit }, to)
-}
-
-/// What an action means for a move that waits.
-pub(super) fn before(act: &mut Act<'_, '_>, contour: Contour) -> Acted {
-    corner::follow(act, contour)?;
-    let (blocks, in_machine) = (act.at.blocks, act.block.flags.machine_frame);
-    let most = act.env.machine.corners.between;
-    let Some(cutter) = act.cutter() else { return Ok(()) };
-    if cutter.seen != blocks {
-        cutter.idle += u32::from(cutter.waiting.first().is_some_and(|first| first.block != cutter.seen));
-        cutter.seen = blocks;
-    }
-    let smooth = cutter.waiting.first().is_some_and(|first| first.smooth.is_some());
-    let most = if smooth { most.max(smooth::LOOKED_THROUGH) } else { most };
-    let long = cutter.idle > if smooth || cutter.is_due() { most } else { LOOKED_THROUGH };
-    match contour {
-        Contour::Follows if !in_machine => cutter.suspended = false,
-        Contour::Follows | Contour::Waits => {}
-        Contour::Leaves => {
-            act.flush_lookahead()?;
-            if let Some(cutter) = act.cutter() {
-                cutter.suspended = true;
-            }
-            return Ok(());
-        }
-        Contour::Ends => return act.flush_lookahead(),
-    }
-    if long { act.flush_lookahead() } else { Ok(()) }
 }
 
 /// A thread goes without compensation: what follows comes to the contour again.
@@ -380,11 +351,12 @@ impl Act<'_, '_> {
     fn out_of_plane(&mut self, step: Step) -> Acted {
         let stands = self.state.place.position;
         let Some(cutter) = self.cutter() else { return Ok(()) };
-        cutter.contour = step.to;
         if !cutter.waiting.is_empty() {
+            self.count_zero_move(&step);
             self.wait(step, None, None);
             return Ok(());
         }
+        cutter.contour = step.to;
         let to = cutter.lifted(&step.to, &stands);
         self.straight(&step, to)?;
         corner::end(self);
@@ -473,15 +445,29 @@ impl Act<'_, '_> {
         if first {
             self.buffer_events();
         }
-        let events = self.buffered_events();
+        let (events, spindle) = (self.buffered_events(), self.state.spindle);
         let Some(cutter) = self.cutter() else { return };
         cutter.contour = step.to;
         if first {
             cutter.idle = 0;
         }
-        let waiting =
-            Waiting { step, element, corner, open, smooth, file, line, block, clock, micro, exact, end, text, events };
-        cutter.waiting.push(waiting);
+        cutter.waiting.push(Waiting {
+            step,
+            element,
+            corner,
+            open,
+            smooth,
+            file,
+            line,
+            block,
+            clock,
+            micro,
+            exact,
+            end,
+            text,
+            events,
+            spindle,
+        });
         self.block.flags.moved = true;
         self.note_effect();
     }

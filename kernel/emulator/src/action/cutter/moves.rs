@@ -108,6 +108,7 @@ impl Act<'_, '_> {
                 if distance(self.spot_of(&cutter), start) < NOISE {
                     Vec::new()
                 } else if turn > 0.0 {
+                    self.report_overcut(cutter.ended);
                     vec![Link::Line(start)]
                 } else {
                     offset.outside(corner, along, element)
@@ -129,7 +130,7 @@ impl Act<'_, '_> {
         cutter.idle = 0;
         let mut begun = cutter.stage;
         let now = (self.at.clock, self.at.micro, self.at.file, self.at.line, self.block.flags.exact_stop);
-        let edited = self.text.edited.clone();
+        let (edited, spindle) = (self.text.edited.clone(), self.state.spindle);
         let mut events = self.release_events().into_iter();
         let (mut late, mut out) = (0_i64, 0_usize);
         let (mut result, mut missing) = (Ok(()), None);
@@ -139,6 +140,7 @@ impl Act<'_, '_> {
             out = out.max(waits.events);
             self.go_to(waits, late);
             let before = self.at.clock;
+            self.state.spindle = waits.spindle;
             if result.is_ok() {
                 missing = missing.or_else(|| self.missing(waits));
                 result = self.make(waits, begun, next);
@@ -147,6 +149,7 @@ impl Act<'_, '_> {
             late = late.saturating_add(self.at.clock.saturating_sub(before));
         }
         self.put_back_events(&mut events, usize::MAX, late);
+        self.state.spindle = spindle;
         (self.at.clock, self.at.micro, self.at.file, self.at.line, self.block.flags.exact_stop) = now;
         self.text.edited = edited;
         self.at.clock = self.at.clock.saturating_add(late);
@@ -175,8 +178,9 @@ impl Act<'_, '_> {
             Some(_) => Stage::On,
             None => Stage::Settled { corner: element.to, along: element.end() },
         };
+        let ended = self.at.line;
         if let Some(cutter) = self.cutter() {
-            cutter.stage = stage;
+            (cutter.stage, cutter.ended) = (stage, ended);
         }
         if begun == Stage::Start && !matches!(step.shape, Shape::Circle { .. }) {
             if let Some(next) = next

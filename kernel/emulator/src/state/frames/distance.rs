@@ -1,7 +1,9 @@
 //! Distances between positions, in geometry units.
 
+use super::Frames;
 use crate::state::channel::Channel;
-use counterpoint_event::event::{MAX_AXES, Position};
+use counterpoint_event::event::{FeedUnit, MAX_AXES, Position};
+use counterpoint_machine::ident::dimension::Dimension;
 use counterpoint_machine::index::BySlot;
 
 impl Channel<'_> {
@@ -12,6 +14,32 @@ impl Channel<'_> {
             *slot = (b - a) * axis.scale;
         }
         out
+    }
+
+    /// The changes that a feed counts: a degree as a unit of length of the program (Fanuc B-63174EN/03 4.2), unless degrees are
+    /// ways along the part or its tip.
+    pub(crate) fn feed_ways(&self, changes: &Position) -> Position {
+        let mut out = *changes;
+        let unit = self.unit_factor(Dimension::Feed);
+        let frames = self.state.place.frames.as_deref();
+        let on_part = |frames: &Frames| frames.tip.is_some() || frames.polar.is_some() || frames.feeds.rotary_length;
+        if unit != 1.0 && !frames.is_some_and(on_part) {
+            for (slot, _) in out.iter_mut().zip(&self.state.place.layout.axes).filter(|(_, axis)| axis.rotary) {
+                *slot *= unit;
+            }
+        }
+        out
+    }
+
+    /// Feed of a move by the unit of its axes: degrees where nothing but rotary axes moves.
+    pub(crate) fn feed_of_axes(&self, feed: Option<f64>, unit: FeedUnit, changes: &Position) -> f64 {
+        let feed = feed.unwrap_or(0.0);
+        if !self.state.place.layout.rotary || unit == FeedUnit::InverseTime {
+            return feed;
+        }
+        let moves = self.state.place.layout.axes.iter().zip(changes).filter(|(_, change)| **change != 0.0);
+        let turns = moves.fold(None, |turns, (axis, _)| Some(turns.unwrap_or(true) && axis.rotary));
+        if turns == Some(true) { feed / self.unit_factor(Dimension::Feed) } else { feed }
     }
 
     /// Distance from the spindle axis at a position.

@@ -1,0 +1,63 @@
+//! Blocks between two moves of a contour: which ones the control looks through.
+//!
+//! Facts: Fanuc B-63664EN/02 and Mitsubishi M700V, blocks without movement in the offset mode: few of them in a row change
+//! nothing; more of them, and blocks that keep the control from reading ahead, let the move end beside its own end.
+//! *Invariant:* an inside corner that is cut into for this reason is reported.
+
+use super::{corner, smooth};
+use crate::act::Act;
+use crate::action::entry::Contour;
+use crate::state::cutter::Step;
+use counterpoint_fault as diag;
+use counterpoint_fault::Acted;
+
+/// What an action means for a move that waits.
+pub(in crate::action) fn before(act: &mut Act<'_, '_>, contour: Contour) -> Acted {
+    corner::follow(act, contour)?;
+    let (blocks, in_machine) = (act.at.blocks, act.block.flags.machine_frame);
+    let (most, of_machine) = (act.env.machine.corners.between, act.env.machine.compensation.looked_through);
+    let shared = act.state.spindle.shared;
+    let Some(cutter) = act.cutter() else { return Ok(()) };
+    if cutter.seen != blocks {
+        cutter.idle += u32::from(cutter.waiting.first().is_some_and(|first| first.block != cutter.seen));
+        cutter.seen = blocks;
+    }
+    let smooth = cutter.waiting.first().is_some_and(|first| first.smooth.is_some());
+    let most = if smooth { most.max(smooth::LOOKED_THROUGH) } else { most };
+    let long = cutter.idle > if smooth || cutter.is_due() { most } else { of_machine };
+    match contour {
+        Contour::Follows if !in_machine => cutter.suspended = false,
+        Contour::Follows | Contour::Waits => {}
+        Contour::Leaves => {
+            act.flush_lookahead()?;
+            if let Some(cutter) = act.cutter() {
+                cutter.suspended = true;
+            }
+            return Ok(());
+        }
+        Contour::Commands if !shared => {}
+        Contour::Commands | Contour::Ends => return act.flush_lookahead(),
+    }
+    if long { act.flush_lookahead() } else { Ok(()) }
+}
+
+impl Act<'_, '_> {
+    /// A move of length zero counts for several blocks without a move.
+    pub(super) fn count_zero_move(&mut self, step: &Step) {
+        let counts = self.env.machine.compensation.zero_move;
+        let stays = self.contour() == step.to;
+        if let Some(cutter) = self.cutter().filter(|_| stays) {
+            cutter.idle = cutter.idle.saturating_add(counts.saturating_sub(1));
+        }
+    }
+
+    /// Tells of an inside corner whose first move did not know the second one.
+    pub(super) fn report_overcut(&mut self, ended: u32) {
+        let text = format!(
+            "the tool has cut into the inside corner before '{}': the move of line {ended} ended at right angles to its \
+             end, because the control did not read ahead to this block",
+            self.block_text()
+        );
+        self.diagnose(&diag::CORNER_OVERCUT, text);
+    }
+}
