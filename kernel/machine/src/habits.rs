@@ -52,6 +52,8 @@ pub struct Habits {
     pub scaled_center: bool,
     /// A preset ends the local shift of its axes.
     pub preset_ends_shift: bool,
+    /// A code of extended work offsets without a number means the first one.
+    pub first_extended: bool,
     /// Limits of the working area count in all directions of all axes unless the program says otherwise.
     pub work_area: bool,
     /// Areas that the program sets.
@@ -165,6 +167,7 @@ impl Default for Habits {
             machine_frame_rapid: false,
             scaled_center: false,
             preset_ends_shift: false,
+            first_extended: false,
             work_area: false,
             stored_limits: StoredLimits::default(),
             texts: Vec::new(),

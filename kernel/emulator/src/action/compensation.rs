@@ -26,7 +26,8 @@ pub(crate) const ENTRIES: &[Entry] = &[
 /// An extended work offset: its register, in a range if the control has several.
 pub(super) fn extended(act: &mut Act<'_, '_>) -> Acted {
     let range = whole(act, data::COMP_EXTFIXT_RANGE);
-    let Some(register) = whole(act, data::COMP_EXTFIXT_REG) else {
+    let first = act.env.machine.habits.first_extended.then_some(1);
+    let Some(register) = whole(act, data::COMP_EXTFIXT_REG).or(first) else {
         let text = format!("an extended work offset needs its number in '{}'", act.block_text());
         act.diagnose(&counterpoint_fault::DATA_MISSING, text);
         return Ok(());

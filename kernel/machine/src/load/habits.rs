@@ -64,6 +64,8 @@ pub(super) fn read(top: &mut Section<'_>, preprocessor: Preprocessor) -> (Habits
     habits.machine_frame_rapid = section.choice("machine_frame", &moves).unwrap_or(habits.machine_frame_rapid);
     let centers = [("as-programmed", false), ("scaled", true)];
     habits.scaled_center = section.choice("rotation_center", &centers).unwrap_or(habits.scaled_center);
+    let numbers = [("missing", false), ("first", true)];
+    habits.first_extended = section.choice("extended_without_number", &numbers).unwrap_or(habits.first_extended);
     let presets = [("stays", false), ("ends", true)];
     habits.preset_ends_shift = section.choice("shift_at_preset", &presets).unwrap_or(habits.preset_ends_shift);
     habits.work_area = section.flag("work_area").unwrap_or(habits.work_area);
