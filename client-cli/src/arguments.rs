@@ -167,7 +167,7 @@ pub(crate) struct Run {
     /// Write listings, events, summary, timeline, toolpath and the files of macros into this folder
     #[arg(long, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
-    /// Write only these results to --out [default: all but log and console]
+    /// Write only these results to --out [default: all but log, console and report]
     #[arg(long, value_delimiter = ',', value_name = "RESULTS", requires = "out")]
     pub(crate) write: Vec<ResultKind>,
     /// Write the log file (identification, diagnostics, summaries) instead of the listing
@@ -327,7 +327,7 @@ pub(crate) enum ResultKind {
     Files,
     /// The report that `run` prints
     Report,
-    /// All results, into the folder of --output
+    /// All results, written to the folder of --output
     All,
 }
 

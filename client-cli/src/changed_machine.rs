@@ -58,7 +58,7 @@ pub(crate) fn machine(machine: &str, settings: &[Setting]) -> Result<(String, Fi
     let has_systems = !lathes.is_empty() || components.is_empty() && has_systems(&files, &chain);
     if settings.iter().any(|setting| matches!(setting, Setting::System(_))) && !has_systems {
         return Err(Error::Usage(format!(
-            "--set system: machine '{machine}' has one system of G codes (it is not a lathe, or no row of [[codes]] has `systems`)"
+            "--set system: machine '{machine}' has only one G-code system (it is not a lathe, or no row of [[codes]] has `systems`)"
         )));
     }
     let components: Vec<String> = components.into_iter().map(|(name, _)| name).collect();
@@ -344,7 +344,7 @@ mod tests {
         assert!(text.contains("numbers = \"increments\"\nsystem = \"B\"\n"), "{text}");
         for other in ["okuma-lathe", "fanuc-mill"] {
             let error = machine(other, &[Setting::System('B')]).unwrap_err().to_string();
-            assert!(error.contains(&format!("machine '{other}' has one system of G codes")), "{error}");
+            assert!(error.contains(&format!("machine '{other}' has only one G-code system")), "{error}");
         }
         let (name, files) =
             machine("fanuc-2path-lathe", &[Setting::Increments, Setting::Shared(150, 199), Setting::Shared(180, 520)])

@@ -37,7 +37,7 @@ fn read_in(path: &Path, encoding: Option<Encoding>) -> Result<Blob, Error> {
 fn decoded(path: &Path, bytes: Vec<u8>, encoding: Option<Encoding>) -> Result<Blob, Error> {
     let Some(encoding) = encoding else { return Ok(Blob::new(bytes)) };
     let text = encoding.decode(&bytes).ok_or_else(|| {
-        Error::Usage(format!("'{}' has bytes that are no characters of the code page of --encoding", path.display()))
+        Error::Usage(format!("'{}' has bytes that are not characters of the code page of --encoding", path.display()))
     })?;
     Ok(Blob::new(text.into_bytes()))
 }

@@ -1,11 +1,11 @@
-//! `--set KEY=VALUE`: which data of the machine a run may set, and to what.
+//! `--set KEY=VALUE`: the data of the machine that a run may set, with their values.
 
 use std::ops::RangeInclusive;
 use std::str::FromStr;
 
 /// The keys with their values.
 const KEYS: &str = "waits=FIRST-LAST (M codes that are waiting codes, for example waits=900-999), numbers=increments (coordinates \
-                    without a decimal point count least increments), system=A, B or C (system of G codes of a lathe) and \
+                    without a decimal point count least increments), system=A, B or C (G-code system of a lathe) and \
                     shared=FIRST-LAST (common variables that all channels share, for example shared=500-549)";
 
 /// Highest number of a common variable.
@@ -21,14 +21,14 @@ pub(crate) enum Setting {
     Waits(RangeInclusive<u32>),
     /// Coordinates without a decimal point count least increments.
     Increments,
-    /// System of G codes of a lathe: A, B or C.
+    /// G-code system of a lathe: A, B or C.
     System(char),
     /// Common variables that all channels share.
     Shared(u32, u32),
 }
 
 impl Setting {
-    /// The line of `[control]` that says it, and what the name of a machine with it ends with.
+    /// The line of `[control]` for this setting, and the suffix of the machine's name.
     pub(crate) fn of_control(&self) -> Option<(String, String)> {
         match self {
             Self::Waits(_) | Self::Shared(..) => None,
@@ -47,7 +47,8 @@ impl FromStr for Setting {
         let (key, value) = text.split_once('=').ok_or_else(|| format!("a value is missing: give {KEYS}"))?;
         match key.trim() {
             "waits" => {
-                let (first, last) = value.split_once('-').ok_or_else(|| format!("no range: give {KEYS}"))?;
+                let (first, last) =
+                    value.split_once('-').ok_or_else(|| format!("'{value}' is not a range: give {KEYS}"))?;
                 let number = |text: &str| text.trim().trim_start_matches(['M', 'm']).parse::<u32>().ok();
                 match (number(first), number(last)) {
                     (Some(first), Some(last)) if 1 <= first && first < last && last <= HIGHEST => {
@@ -79,14 +80,14 @@ impl FromStr for Setting {
                 "A" | "a" => Ok(Self::System('A')),
                 "B" | "b" => Ok(Self::System('B')),
                 "C" | "c" => Ok(Self::System('C')),
-                other => Err(format!("'{other}' is not a system of G codes: give {KEYS}")),
+                other => Err(format!("'{other}' is not a G-code system: give {KEYS}")),
             },
             other => Err(format!("no such key '{other}': the keys are {KEYS}")),
         }
     }
 }
 
-/// The waiting codes that a guess looks for, if they are others than those of the machines.
+/// The waiting codes that a guess looks for, if they differ from those of the machines.
 pub(crate) fn waits(settings: &[Setting]) -> Option<RangeInclusive<u32>> {
     let range = |setting: &Setting| match setting {
         Setting::Waits(range) => Some(range.clone()),
@@ -110,14 +111,14 @@ mod tests {
         assert_eq!(waits(&[Setting::Waits(900..=999), Setting::Increments]), Some(900..=999));
         for (text, with) in [
             ("waits", "a value is missing"),
-            ("waits=900", "no range"),
+            ("waits=900", "'900' is not a range"),
             ("waits=999-900", "is not a range"),
             ("waits=0-9", "is not a range"),
             ("shared=33-120", "is not a range of common variables"),
             ("shared=500", "is not a range of common variables"),
             ("shared=600-500", "is not a range of common variables"),
             ("numbers=inches", "'inches' is not a way to count numbers"),
-            ("system=D", "'D' is not a system of G codes"),
+            ("system=D", "'D' is not a G-code system"),
             ("rapids=1", "no such key 'rapids': the keys are waits="),
         ] {
             let error = text.parse::<Setting>().unwrap_err();

@@ -171,7 +171,7 @@ fn of_csv(file: String, text: &str, tool_axis: Option<&str>) -> Result<Tools, Er
             };
             let value = || {
                 read().ok_or_else(|| match column {
-                    // A column that is no known one is taken for an axis; a text in it shows that it is none.
+                    // An unknown column is read as an axis; a text in it shows that it is something else.
                     Column::Axis(title) | Column::Wear(title) => wrong(
                         line,
                         format!("unknown column '{title}': columns are {COLUMNS}, and the names of axes; an axis would need a number, not '{cell}'"),

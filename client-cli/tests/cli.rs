@@ -83,7 +83,7 @@ fn waits_are_judged_without_a_run() {
     let (status, text) = lint(&[&lower]);
     assert_eq!(status, 1, "{text}");
     assert!(text.contains("cannot run like this") && text.contains("'M102': different codes without P; "), "{text}");
-    assert!(text.contains("channel 1 has 'M103' in line 4; channel 2 has 'M102' behind it, in line 3"), "{text}");
+    assert!(text.contains("channel 1 has 'M103' in line 4; channel 2 has 'M102' earlier, in line 3"), "{text}");
     let (status, text) = lint(&[&right, "--strict"]);
     assert_eq!(status, 0, "{text}");
     assert!(text.starts_with("no mistake found\n") && text.contains("M102        1: 2, 2: 2"), "{text}");
@@ -938,7 +938,7 @@ fn programs_are_read_in_their_encoding() {
     let (ended, told) = run(&["--encoding", "windows-1252"]);
     assert!(ended == 0 && !told.contains("2900540"), "{told}");
     let (ended, told) = run(&["--encoding", "utf-8"]);
-    assert!(ended == 2 && told.contains("no characters of the code page"), "{told}");
+    assert!(ended == 2 && told.contains("not characters of the code page"), "{told}");
     let (ended, told) = run(&["--encoding", "ebcdic"]);
     assert!(ended == 2 && told.contains("unknown code page 'ebcdic'"), "{told}");
 }

@@ -84,9 +84,9 @@ stop: step
             "step",
             "step",
             "step",
-            "channel 2 comes to M101 (breakpoint 1)",
+            "channel 2 reaches M101 (breakpoint 1)",
             "channel 1 has written #500=7 (breakpoint 2)",
-            "no channel can go on; on feed hold: 2",
+            "no channel can continue; on feed hold: 2",
         ]
     );
     assert!(said.contains("shared variables: #500=7\n") && said.contains("breakpoint 3: time 2.5\n"), "{said}");

@@ -64,7 +64,7 @@ pub(crate) struct Inputs {
     pub(crate) max_memory: Option<u64>,
 }
 
-/// The files of a job besides its programs, and how all are read.
+/// The files of a job besides its programs, and the encoding of the programs.
 #[derive(Debug, Clone, Default, Args)]
 pub(crate) struct ProgramFiles {
     /// Add files that the programs may call (a folder adds all its files)

@@ -255,7 +255,7 @@ fn feed_hold_lets_the_others_run_and_takes_no_simulated_time() {
     let commands = vec![Command::Hold(1), Command::Continue, Command::Resume(0), Command::Continue];
     let (summary, said) = stepped("fanuc-2path-lathe", &TWO, commands, false);
     let free = free("fanuc-2path-lathe", &TWO);
-    assert_eq!(stops(&said)[1..], [("no channel can go on; on feed hold: 1".to_owned(), vec![1, 2])]);
+    assert_eq!(stops(&said)[1..], [("no channel can continue; on feed hold: 1".to_owned(), vec![1, 2])]);
     let held = &reports(&said)[2].channels;
     assert_eq!((held[0].held, held[0].t_ns, held[1].held, held[1].state), (true, 0, false, State::Waiting));
     assert_eq!((summary.log_digest, summary.makespan_ns), (free.log_digest, 5 * S));
@@ -327,7 +327,7 @@ fn the_only_channel_of_a_job_is_stepped_through_as_well() {
         [
             ("step".into(), vec![1]),
             ("step".into(), vec![4]),
-            ("no channel can go on; on feed hold: 1".into(), vec![4]),
+            ("no channel can continue; on feed hold: 1".into(), vec![4]),
             ("channel 1 has written #500=4 (breakpoint 1)".into(), vec![6]),
         ]
     );

@@ -230,7 +230,7 @@ fn candidates<'a>(
         }
         let is_stop = |n: u32| source.line(n).trim_ascii() == format.rws.as_bytes();
         if source.walk(1, source.lines()).all(|n| is_blank(n) || is_stop(n)) {
-            let text = format!("the file has nothing but '{}': a program needs at least one block", format.rws);
+            let text = format!("the file contains only '{}': a program needs at least one block", format.rws);
             findings.push(Finding::error(wish.file.clone(), 0, 0, text));
             continue;
         }

@@ -85,7 +85,7 @@ pub(crate) fn decide<'c>(candidates: &'c [Candidate], evidence: &'c Evidence) ->
     if !equal.is_empty() && !first.shown.is_empty() {
         let titles = std::iter::once(first.title).chain(equal).take(NAMED).collect::<Vec<_>>().join(", ");
         let marks = evidence.named(&first.shown);
-        return Err(format!("the program may be for each of several controls, judging by {marks}: {titles}"));
+        return Err(format!("the program may be for any of several controls, judging by {marks}: {titles}"));
     }
     if first.against() * 2 > first.own {
         return Err(disagree(&first, &all, evidence));

@@ -86,7 +86,7 @@ impl Pattern {
         let empty = |part: &Part| matches!(part, Part::Words(words) if words.with.is_empty());
         parts.retain(|part| !empty(part));
         if parts.is_empty() {
-            return Err("names no word that a program must have".to_owned());
+            return Err("must name a word that is in the program".to_owned());
         }
         Ok(Self { text: text.to_owned(), parts, nowhere })
     }
@@ -128,14 +128,14 @@ fn words(text: &str, nowhere: &mut Vec<Alternatives>) -> Result<Words, String> {
     }
     words.letters = words.with.first().map_or(0, |first| first.0.iter().fold(0, |bits, (l, _)| bits | bit(*l)));
     if words.with.is_empty() && (words.alone || !words.without.is_empty()) {
-        return Err("names no word that the block must have".to_owned());
+        return Err("must name a word that is in the block".to_owned());
     }
     Ok(words)
 }
 
 fn alternatives(term: &str) -> Result<Alternatives, String> {
     let one = |word: &str| {
-        let wrong = || format!("'{word}' is no word: give a letter and, if it matters, its value");
+        let wrong = || format!("has '{word}', which is not a word: give a letter and, if it matters, its value");
         let (letter, spec) = word.split_at_checked(1).ok_or_else(wrong)?;
         let letter = letter.bytes().next().filter(u8::is_ascii_uppercase).ok_or_else(wrong)?;
         let number = |text: &str| text.parse::<f64>().ok().filter(|n| n.is_finite()).ok_or_else(wrong);

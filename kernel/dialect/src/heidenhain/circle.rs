@@ -85,7 +85,7 @@ impl Walk<'_> {
             let element = contour::arc(self.flat(&self.actual), to, center, clockwise);
             let shortened = if self.step.iso {
                 if self.corner_follows() {
-                    self.refuse("corners beside circles of ISO programs are not made");
+                    self.refuse("corners next to circles of ISO programs are not supported");
                 }
                 None
             } else {

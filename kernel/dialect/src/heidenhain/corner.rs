@@ -37,7 +37,7 @@ impl Walk<'_> {
             .find(|word| (word.is("R") || word.is("") || word.is("RND") || word.is("CHF")) && word.value.is_some());
         let size = size.and_then(|word| word.value).unwrap_or(0.0);
         let Some(after) = self.element_behind(end) else {
-            self.refuse("corners are made before lines and circles whose blocks say where they end");
+            self.refuse("a corner needs a line or circle after it whose block gives the end point");
             return None;
         };
         match contour::corner(own, after, chamfer, size) {
@@ -161,7 +161,7 @@ impl Walk<'_> {
         let next = self.ahead.first().cloned();
         let heading = next.as_ref().and_then(|step| self.heading_of(step, &end, to));
         let Some(heading) = heading else {
-            self.refuse("an approach needs a path block after it for its direction");
+            self.refuse("the approach needs a path block after it for its direction");
             let others = self.others(&USED);
             return vec![self.straight(&end, &others)];
         };
@@ -169,7 +169,7 @@ impl Walk<'_> {
         let made = contour::approach(way, from, (to, heading), side);
         let others = self.others(&USED);
         let Some(Approach { begin, radius, heading }) = made else {
-            self.refuse("an approach has no length or radius that fits");
+            self.refuse("the approach has no length or radius that fits");
             return vec![self.straight(&end, &others)];
         };
         let mut first = self.actual;

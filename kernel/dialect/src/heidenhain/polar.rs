@@ -16,7 +16,7 @@ impl Walk<'_> {
     /// End of a block in polar coordinates, and the angle that the tool goes round the pole if that is said.
     pub(super) fn polar_end(&mut self) -> Option<(Position, Option<f64>)> {
         if self.path.poles.upright.is_some() {
-            self.refuse("polar coordinates are in the working plane, but the pole (CC) is in another one");
+            self.refuse("polar coordinates are in the working plane, but the pole (CC) is in another plane");
             return None;
         }
         self.polar_end_about(self.path.poles.flat)
@@ -87,7 +87,7 @@ impl Walk<'_> {
             }
         };
         if sweep.is_some_and(|sweep| sweep != 0.0 && (sweep < 0.0) != clockwise) {
-            self.refuse("the angle about the pole and the direction do not agree");
+            self.refuse("the polar angle and the direction of rotation contradict each other");
         }
         let Polar { radius, angle: from } = Polar::of(pole, start);
         let turned = match sweep {

@@ -81,7 +81,7 @@ pub(super) fn filled(text: &str, values: &[f64]) -> Outcome<String> {
             return wrong(format!("#MSG has fewer values than formats: write a value for each of them in '{text}'"));
         };
         let Some(piece) = format.piece(letter, *value) else {
-            return wrong(format!("#MSG shows no number as %{letter}: write %d, %u, %f, %e, %g or %x in '{text}'"));
+            return wrong(format!("#MSG cannot show a number as %{letter}: use %d, %u, %f, %e, %g or %x in '{text}'"));
         };
         out.push_str(&piece);
     }

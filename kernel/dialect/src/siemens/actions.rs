@@ -157,7 +157,8 @@ impl Siemens {
         Err(Fault::Alarm(
             &diag::SIEMENS_STATE,
             format!(
-                "synchronised actions set variables, outputs and marks, M codes and SETAL here; '{text}' does something else"
+                "'{text}' is not supported in a synchronised action: it may set variables, outputs, marks and alarms (SETAL) and \
+                 execute M and H codes"
             ),
         ))
     }

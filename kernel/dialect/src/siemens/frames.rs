@@ -281,7 +281,9 @@ fn fits(host: &dyn Host, frame: &Frame) -> Result<(), String> {
     let only = Parts { shift: parts.shift, fine: parts.fine, angles: parts.angles, ..Parts::default() };
     let same = |only: Frame| only.numbers().iter().zip(frame.numbers()).all(|(a, b)| (a - b).abs() < 1e-9);
     if !only.frame().is_some_and(same) || !parts.beside.is_shift() {
-        return Err("a work offset of this machine is translated and rotated, not scaled or mirrored".to_owned());
+        return Err(
+            "a work offset of this machine can be translated and rotated, but not scaled or mirrored".to_owned()
+        );
     }
     let axes = host.axes();
     let missing = (0..3).zip(GEOMETRY).any(|(at, name)| {
@@ -306,7 +308,7 @@ fn offset(host: &mut dyn Host, number: u32, frame: &Frame) -> Result<(), String>
         };
     }
     if number == 0 && turned {
-        return Err("the base frame of this machine is a translation only".to_owned());
+        return Err("the base frame of this machine can only be a translation".to_owned());
     }
     if turned || host.offset_turn(number).is_some() {
         host.turn_offset(number, turned.then(|| frame.linear()));

@@ -130,7 +130,7 @@ impl Siemens {
                 let oriented =
                     spindle == master && host.modes().0.iter().any(|(_, code, _)| *code == codes::SPINDLE_ORIENT);
                 let Some(last) = self.held.spindle.filter(|_| oriented) else {
-                    return syntax("SPOS=IC( ) needs an SPOS before it, and no M3, M4 or M5 between");
+                    return syntax("SPOS=IC( ) needs an SPOS before it, without M3, M4 or M5 in between");
                 };
                 (last + value).rem_euclid(360.0)
             }
@@ -147,7 +147,7 @@ impl Siemens {
         } else {
             let stop = format!("M{spindle}=19");
             if !host.is_code_text(&stop) {
-                return wrong_type(format!("the channel has no spindle {spindle} that SPOS could turn"));
+                return wrong_type(format!("the channel has no spindle {spindle} for SPOS"));
             }
             stop
         };

@@ -238,7 +238,7 @@ fn across(
     };
     let Some(axis) = axis.filter(|axis| axis.letter.eq_ignore_ascii_case("X") && host.is_code_text("DIAMON")) else {
         return super::wrong_type(format!(
-            "{address} is not a transverse axis, diameters and radii are not possible (alarm 16510)"
+            "{address} is not a transverse axis: it takes no diameter or radius values (alarm 16510)"
         ));
     };
     let value = match (width, axis.diameter) {

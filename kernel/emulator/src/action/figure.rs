@@ -48,7 +48,7 @@ fn lengths(act: &mut Act<'_, '_>, ids: [DataId; 3]) -> Point {
 }
 
 fn missing(act: &mut Act<'_, '_>, what: &str) -> Acted {
-    let text = format!("a copy of a figure needs {what} in '{}'; it is not made", act.block_text());
+    let text = format!("a figure copy needs {what} in '{}'; nothing is copied", act.block_text());
     act.diagnose(&diag::DATA_MISSING, text);
     act.take(data::CALSUB_ID);
     act.take(data::CALSUB_REPEAT);
@@ -59,7 +59,7 @@ fn call(act: &mut Act<'_, '_>, copy: Copy) -> Acted {
     let id = act.take(data::CALSUB_ID).map(|datum| datum.value);
     let repeat = act.take(data::CALSUB_REPEAT).map(|datum| datum.value);
     let Some(program) = id.filter(|v| *v >= 1.0 && *v <= f64::from(u32::MAX) && v.fract() == 0.0) else {
-        let text = format!("a copy of a figure needs a program number in '{}'", act.block_text());
+        let text = format!("a figure copy needs a program number in '{}'", act.block_text());
         return Err(act.alarm(&diag::SUBPROGRAM_MISSING, text));
     };
     act.flush_lookahead()?;

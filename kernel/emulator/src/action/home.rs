@@ -143,7 +143,7 @@ fn check(act: &mut Act<'_, '_>) -> Acted {
     let Some((slot, home)) = off.map(|(slot, axis)| (slot, axis.home)) else { return Ok(()) };
     let (name, stands) = (act.axis_name(slot), wildcard_text(machine.at(slot)));
     let home = wildcard_text(home);
-    let text = format!("{name} is at {stands} after '{}', its reference point is at {home}", act.block_text());
+    let text = format!("{name} is at {stands} after '{}', but its reference point is at {home}", act.block_text());
     Err(act.alarm(&diag::NOT_AT_REFERENCE, text))
 }
 

@@ -249,10 +249,10 @@ impl std::fmt::Display for Callee {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
             Callee::Program(number) => write!(f, "subprogram {number}"),
-            Callee::ProgramFrom(number, first) => write!(f, "subprogram {number} from N{first} on"),
+            Callee::ProgramFrom(number, first) => write!(f, "subprogram {number} from N{first}"),
             Callee::Named(name) => write!(f, "subprogram <{name}>"),
             Callee::Blocks(first, last) => write!(f, "the range N{first} to N{last}"),
-            Callee::From(first) => write!(f, "the blocks from N{first} on"),
+            Callee::From(first) => write!(f, "the blocks from N{first}"),
             Callee::Labels(first, last) => write!(f, "the range from label {first} to label {last}"),
         }
     }

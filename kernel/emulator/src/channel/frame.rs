@@ -58,7 +58,7 @@ impl Kernel<'_> {
             self.channel.keep_levels(levels);
             if refused.is_some() {
                 let text = format!(
-                    "the rotation of work offset {} is not possible on the axes of the channel in '{}'; it is left out",
+                    "the axes of the channel cannot rotate work offset {} in '{}'; the rotation is ignored",
                     self.channel.state.place.in_force.work_offset,
                     self.block_text()
                 );

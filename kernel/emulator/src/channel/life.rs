@@ -306,7 +306,7 @@ impl Kernel<'_> {
         }
     }
 
-    /// A loop that only reads shared variables is hopeless once nobody is left to change them.
+    /// A loop that only reads shared variables is hopeless once no other channel can change them.
     pub(crate) fn spinning(&mut self, line: u32, names: &str) -> Halt {
         let place = verdict::place(self.channel.env.info, self.channel.at.file, line);
         let reason = format!("polls {names} at {place}, and no channel is left to change that");

@@ -107,7 +107,7 @@ impl Kernel<'_> {
         };
         let Some(role) = broken else { return };
         let name = ["X", "Y", "Z"].get(role).copied().unwrap_or_default();
-        let does = if area.keep_out { "enters the area that is forbidden" } else { "leaves the area that is allowed" };
+        let does = if area.keep_out { "enters the forbidden area" } else { "leaves the allowed area" };
         let text = format!("the tool {does} along {name} in '{}'", self.block_text());
         self.diagnose(&diag::STORED_LIMIT, text);
     }

@@ -148,7 +148,7 @@ impl Kernel<'_> {
         }
         if !std::mem::replace(&mut self.channel.reports.waits.order_noted, true) {
             let text = format!(
-                "what follows depends on which channel comes first; waits that never end because of it are not reported, at '{}'",
+                "the outcome depends on which channel comes first at '{}'; endless waits after it are not reported",
                 self.block_text()
             );
             self.diagnose(&diag::LINT_ORDER, text);

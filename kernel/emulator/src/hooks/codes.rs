@@ -152,7 +152,7 @@ impl Kernel<'_> {
         let machine = self.channel.env.machine;
         let name = machine.macros.as_deref().and_then(|macros| macros.name_of(code)).unwrap_or_default();
         let text = format!(
-            "the data macro '{name}' leaves no value of {} in '{}': the action goes on without one",
+            "the data macro '{name}' removes the value of {} in '{}'; the action continues without it",
             machine.data_name(id),
             self.block_text()
         );

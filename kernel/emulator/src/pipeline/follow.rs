@@ -113,7 +113,7 @@ impl Kernel<'_> {
         let same = |frame: &Frame| frame.figure.as_deref().is_some_and(|outer| outer.copy.is_like(figure.copy));
         if self.flow.frames.iter().any(same) {
             let text = format!(
-                "{} a figure is copied within a copy of its kind in '{}'",
+                "{} a figure copy is nested in a copy of the same kind in '{}'",
                 figure.copy.alarm(),
                 self.block_text()
             );

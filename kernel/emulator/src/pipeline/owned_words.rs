@@ -28,8 +28,10 @@ impl Kernel<'_> {
                 CodeForm::NotApplicable => kernel.channel.env.machine.code_name(row.id).to_lowercase(),
             };
             let word = kernel.span_text((word.start, word.end));
-            let text =
-                format!("{code} takes no {word} in '{}'; the word is ignored and moves nothing", kernel.block_text());
+            let text = format!(
+                "{code} does not take {word} in '{}'; the word is ignored and moves nothing",
+                kernel.block_text()
+            );
             kernel.diagnose(&diag::AXIS_WORD_OWNED, text);
         });
     }

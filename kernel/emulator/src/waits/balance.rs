@@ -43,7 +43,7 @@ pub(crate) fn wait(machine: &Machine, said: Said) -> Result<Wait, String> {
         None => everybody.iter().take(2).collect(),
     };
     if !parts.has(said.channel) {
-        return Err(format!("channel {} takes no part: give the channels by P", said.channel));
+        return Err(format!("channel {} does not take part: name the channels with P", said.channel));
     }
     if parts.count() != 2 {
         return Err(format!("two channels cut in balance, not {}", parts.count()));

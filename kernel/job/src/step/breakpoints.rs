@@ -88,7 +88,7 @@ impl Breakpoints {
             _ => false,
         })?;
         Some(match event {
-            Event::Wait(wait, _) => format!("comes to {} (breakpoint {id})", wait.key),
+            Event::Wait(wait, _) => format!("reaches {} (breakpoint {id})", wait.key),
             Event::Write(name, Some(value)) => format!("has written {name}={value} (breakpoint {id})"),
             Event::Write(name, None) => format!("has written {name} (breakpoint {id})"),
         })
@@ -119,11 +119,11 @@ impl Breakpoints {
             Spot::Time(ns) => seen.t_ns >= *ns,
             Spot::Wait(_) | Spot::Write(_) => false,
         })?;
-        Some(format!("comes to {file}:{} (breakpoint {id})", seen.line))
+        Some(format!("reaches {file}:{} (breakpoint {id})", seen.line))
     }
 }
 
-/// Something may come to a breakpoint. `shared`: ranges of the numbered variables that channels share, if all of them are known.
+/// Whether a channel can reach a breakpoint. `shared`: ranges of the shared numbered variables, if all of them are known.
 pub(super) fn may_hit(spot: &Spot, info: &Info, shared: Option<&[(u32, u32)]>) -> Result<(), String> {
     match spot {
         Spot::Line { file, line } => may_come(file, *line, info),
@@ -136,14 +136,14 @@ pub(super) fn may_hit(spot: &Spot, info: &Info, shared: Option<&[(u32, u32)]>) -
             let ranges: Vec<String> = shared.iter().map(|(first, last)| format!("#{first} to #{last}")).collect();
             let has = if ranges.is_empty() { "none".to_owned() } else { ranges.join(", ") };
             Err(format!(
-                "#{number} is a channel's own: a run stops at variables that channels share, and this machine has {has}"
+                "#{number} belongs to each channel: a run stops only at shared variables, and this machine shares {has}"
             ))
         }
         Spot::Wait(_) | Spot::Time(_) => Ok(()),
     }
 }
 
-/// A block may begin in this line of some file of the job. Files that no channel has read yet may have any lines.
+/// Whether a block may begin in this line of a file of the job. A file that no channel has read yet may have any lines.
 fn may_come(wanted: &str, line: u32, info: &Info) -> Result<(), String> {
     let mut most = 0;
     for file in info.files.iter().filter(|file| is_file(wanted, &file.name)) {

@@ -83,16 +83,16 @@ impl State {
         let mut chosen = None;
         if let Goal::One { channel, stood, .. } = self.goal {
             let Some(at) = kernels.iter().position(|kernel| kernel.channel == channel) else {
-                return Decision::Stop(channel, format!("channel {channel} has come to its end"));
+                return Decision::Stop(channel, format!("channel {channel} has ended"));
             };
             let kernel = kernels.get(at).filter(|kernel| kernel.ready && !kernel.far_ahead);
             if kernel.is_none() && !stood && (standing.waits)(channel) {
-                return Decision::Stop(channel, format!("channel {channel} stands at a wait"));
+                return Decision::Stop(channel, format!("channel {channel} is waiting"));
             }
             chosen = kernel.filter(|kernel| self.may(kernel.channel)).map(|_| at);
         }
         let Some(at) = chosen.or_else(|| furthest_behind(kernels, |channel| self.may(channel))) else {
-            let reason = if self.goal == Goal::All { "step" } else { "no channel can go on" };
+            let reason = if self.goal == Goal::All { "step" } else { "no channel can continue" };
             return Decision::Stop(0, self.with_holds(reason));
         };
         let Some(kernel) = kernels.get(at) else { return Decision::Run(at) };

@@ -206,7 +206,7 @@ impl<'a> Director<'a> {
                 self.runs(channel)?;
                 if self.doing(channel) == Doing::Waiting {
                     return Err(format!(
-                        "channel {channel} stands at a wait; it can be reset before its next block, once its partner has come"
+                        "channel {channel} is waiting; reset it after its partner has arrived, before its next block"
                     ));
                 }
                 state.these(channel).for_each(|channel| channel.reset = true);
@@ -263,7 +263,7 @@ impl<'a> Director<'a> {
             Doing::NotStarted => Err(format!("channel {channel} has no program that runs")),
             Doing::Ready | Doing::Running | Doing::Waiting => Ok(()),
             Doing::Ended | Doing::Alarmed | Doing::Stopped | Doing::Blocked => {
-                Err(format!("channel {channel} has come to its end"))
+                Err(format!("channel {channel} has ended"))
             }
         }
     }

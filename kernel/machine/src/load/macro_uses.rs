@@ -132,7 +132,7 @@ impl Uses<'_> {
             && let Some(number) = argument(target).filter(|number| self.given.read_only.contains(number))
             && read & 1_u128.wrapping_shl(u32::from(number)) == 0
         {
-            let text = format!("$P{number} of the {title} is read-only, this changes nothing");
+            let text = format!("$P{number} of the {title} is read-only; the assignment has no effect");
             self.check.warning(&self.place(target.span), text);
         }
         let command = match statement {
@@ -145,7 +145,7 @@ impl Uses<'_> {
             _ => return,
         };
         if self.given.is_master {
-            let text = format!("{command} does nothing in the {title}: its kernel runs no program");
+            let text = format!("{command} has no effect in the {title}: its kernel runs no program");
             self.check.warning(&self.place(span), text);
         }
     }

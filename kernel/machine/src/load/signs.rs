@@ -36,7 +36,12 @@ fn tables(table: &Table, check: &Check) -> Vec<(String, Rows)> {
     for entry in &table.entries {
         let length = entry.key.chars().count();
         if length == 0 || length > LONGEST || entry.key.chars().any(char::is_control) {
-            check.error(&entry.place, format!("a name of signs must have 1 to {LONGEST} characters"));
+            check.error(
+                &entry.place,
+                format!(
+                    "the name of a table of signs must have 1 to {LONGEST} characters, none of them a control character"
+                ),
+            );
         }
         match &entry.node.value {
             Value::Table(table) => all.push((entry.key.clone(), rows(table, check))),

@@ -47,7 +47,7 @@ pub(super) fn read(
                 let place = Place { file: row.file.as_str().into(), line: row.line, column: 1 };
                 check.idle(
                     &place,
-                    "the word of this synchronisation does nothing: the machine has no [sync] with `dialect`",
+                    "the word of this synchronisation has no effect: the machine has no [sync] with `dialect`",
                 );
             }
         }

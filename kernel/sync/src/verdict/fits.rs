@@ -98,7 +98,7 @@ fn written_from(
     }
     let passed = here.saturating_add(u32::from(!is_waiting));
     let behind = || (first.max(here.saturating_sub(MOST))..passed).rev().find(has);
-    let found = ahead.map(|line| (line, "ahead of it")).or_else(|| behind().map(|line| (line, "behind it")));
+    let found = ahead.map(|line| (line, "later")).or_else(|| behind().map(|line| (line, "earlier")));
     let Some((line, side)) = found else {
         let code = if let Some(word) = &rule.signals.sent_by {
             format!("{word} [ID{}]", own.wait.key.number)

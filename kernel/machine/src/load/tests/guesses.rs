@@ -204,7 +204,7 @@ fn what_cannot_be_guessed_is_refused() {
     refused(&[("p.nc", "P1 = 5\n$FOR P1=1,3,1\nG1 X1 Y2\n#TIME 2\n")], "an ISG control");
     // Marks of several controls.
     refused(&[("p.nc", "O1\nG65 P9810 Z1.\n; rough\nG1 X1. Y2.\n")], "a LinuxCNC control");
-    refused(&[("p.nc", "; rough\nG1 X1. Y2.\n")], "each of several controls");
+    refused(&[("p.nc", "; rough\nG1 X1. Y2.\n")], "any of several controls");
     refused(&[("p.mpf", "O1\nG65 P9810 Z1.\nT1 M6\n")], "as well as");
 }
 
@@ -273,7 +273,7 @@ fn signs_are_checked_with_their_places() {
     let texts: Vec<String> = load(&files, "own").findings.iter().map(ToString::to_string).collect();
     assert_eq!(texts.len(), 3, "{texts:?}");
     assert!(
-        texts.iter().any(|text| text.contains("own/machine.toml:7") && text.contains("names no word")),
+        texts.iter().any(|text| text.contains("own/machine.toml:7") && text.contains("must name a word")),
         "{texts:?}"
     );
     assert!(texts.iter().any(|text| text.contains("own/machine.toml:8") && text.contains("from 0 to 9")), "{texts:?}");

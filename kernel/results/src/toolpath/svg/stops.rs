@@ -28,7 +28,7 @@ pub(super) fn sentence(toolpath: &Toolpath) -> Option<String> {
 fn phrase(stop: &StopPlace) -> String {
     let what = match stop.state {
         ChannelState::Alarmed => "alarm",
-        ChannelState::Blocked => "waits in vain",
+        ChannelState::Blocked => "endless wait",
         _ => "stopped",
     };
     if stop.line == 0 { what.to_owned() } else { format!("{what} at {} line {}", stop.file, stop.line) }

@@ -160,8 +160,8 @@ fn plan(act: &mut Act<'_, '_>) -> Result<Plan, Halt> {
     if let Some((name, amount)) = amounts.into_iter().find(|(_, amount)| *amount > plan.depth + 1e-9) {
         let height = plan.depth;
         let text = format!(
-            "the {name} {amount:.4} of the thread is above its height {height:.4} in '{}'; check whether its word counts least \
-             increments or needs a decimal point",
+            "the {name} {amount:.4} is greater than the thread height {height:.4} in '{}'; check whether its word counts \
+             least increments or needs a decimal point",
             act.block_text()
         );
         return Err(act.alarm(&diag::THREAD_AMOUNTS, text));
