@@ -20,7 +20,7 @@ use crate::tools::Tools;
 /// What the name of a shipped machine ends with after a setting; the server keeps the names of shipped machines to itself.
 const CHANGED: &str = "-set";
 
-/// What the name of a machine ends with whose channels share the variables of a setting.
+/// Suffix of the name of a machine whose channels share the variables of a setting.
 const SHARES: &str = "-shared";
 
 /// What the name of a machine ends with that has the tools of a run.
@@ -158,7 +158,7 @@ fn sharing(files: &Files, name: &str, shares: &[(u32, u32)]) -> String {
     format!("[variables]\nshared = [{}]\nchannel = [{}]\n", list(shared), list(separate))
 }
 
-/// What is left of ranges without others.
+/// The parts of ranges that are not in other ranges.
 fn without(ranges: Vec<(u32, u32)>, others: &[(u32, u32)]) -> Vec<(u32, u32)> {
     others.iter().fold(ranges, |ranges, &(first, last)| {
         let cut = |(low, high): (u32, u32)| {

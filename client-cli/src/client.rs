@@ -24,7 +24,7 @@ pub(crate) struct Asked {
     pub(crate) toolpath: bool,
 }
 
-/// The cause of a failed connection is one of encryption.
+/// Whether encryption is the cause of a failed connection.
 fn is_encryption(cause: &str) -> bool {
     const WORDS: [&str; 7] =
         ["certificate", "tls", "handshake", "alert", "issuer", "corrupt message", "invalidcontenttype"];

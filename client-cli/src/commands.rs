@@ -138,7 +138,7 @@ async fn wait(Follow { of: arguments, strict }: Follow) -> Result<u8, Error> {
     Ok(ended(&client.wait(&job).await?, strict))
 }
 
-/// Says that a command comes after the end of a job: the server accepts it, and nothing changes.
+/// Reports that the job had ended before the command: the server accepts it, and nothing changes.
 async fn say_ended(client: &Client, job: &str) -> Result<(), Error> {
     use v1::JobState::{Cancelled, Failed, Succeeded};
     let request = v1::GetJobRequest { job_id: job.to_owned() };

@@ -8,10 +8,10 @@ use counterpoint_kernel::machine::{candidates, package};
 use crate::error::Error;
 use crate::pack::Pack;
 
-/// What to do when nothing can be guessed.
+/// The remedy when no machine can be guessed.
 const ASK: &str = "use --machine NAME (`counterpoint machine list` shows the names) or --machine DIR";
 
-/// The machine for the programs of a job. `waits` are the M codes that are waiting codes, if they are others than those of the
+/// The machine for the programs of a job. `waits` are the M codes that are waiting codes, if they differ from those of the
 /// machines.
 pub(crate) fn machine(pack: &Pack, waits: Option<&RangeInclusive<u32>>) -> Result<Guess, Error> {
     let mut programs = Vec::new();

@@ -33,7 +33,7 @@ pub trait Interpreter: Send {
         Ok(None)
     }
 
-    /// Plain words of the program that starts are for the interpreter, too.
+    /// The interpreter also processes plain words of the program that starts.
     fn watches(&self) -> bool {
         false
     }

@@ -387,7 +387,7 @@ impl Act<'_, '_> {
         self.kernel.couple_alone(pair, parking)
     }
 
-    /// Ends such a coupling.
+    /// Ends a coupling that this channel alone has commanded.
     pub(crate) fn end_alone(&mut self, pair: Pair) -> Acted {
         self.kernel.end_alone(pair)
     }

@@ -44,7 +44,7 @@ pub enum CommandCode {
     MatchOn,
     /// MATCH/OFF
     MatchOff,
-    /// A user function begins, or has ended: MATCH is on.
+    /// At the start and after the end of a user function: MATCH is on.
     MatchAgain,
     /// OUTPUT
     Output,

@@ -47,7 +47,7 @@ pub struct Options {
     pub trace: bool,
     /// Kind of macro.
     pub place: Place,
-    /// GLOBAL variables that are declared belong to the object: the macros are those of a component.
+    /// Declared GLOBAL variables belong to the object, because the macros are those of a component.
     pub globals_are_objects: bool,
 }
 

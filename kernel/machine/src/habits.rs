@@ -81,9 +81,9 @@ pub enum FileLayout {
 /// Areas that the program sets and that the tool must not enter or leave.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct StoredLimits {
-    /// Which side the tool must not be on.
+    /// The side that is forbidden for the tool.
     pub forbidden: Forbidden,
-    /// Their ends are in the work frame where they are set; otherwise in the machine frame.
+    /// Whether their limits are in the work frame active when they are set; otherwise in the machine frame.
     pub in_work_frame: bool,
 }
 

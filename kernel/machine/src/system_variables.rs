@@ -8,7 +8,7 @@ use crate::ident::CodeId;
 /// First number of a system variable.
 pub const FIRST: u32 = 1000;
 
-/// Stands for the modal macro calls among the groups of a row.
+/// Marks the modal macro calls among the groups of a row.
 pub const MODAL_CALLS: u16 = 1000;
 
 /// Numbers up to this one are looked up directly.

@@ -319,7 +319,7 @@ impl Scanner {
         Some(read.value(number))
     }
 
-    /// Value of a word's text after its letter, if that is nothing but a number.
+    /// Value of a word's text after its letter, if that text is only a number.
     #[must_use]
     pub fn read_again(&self, register: RegisterId, text: &[u8], secondary: bool) -> Option<f64> {
         let text = text.trim_ascii();

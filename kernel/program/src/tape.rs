@@ -42,7 +42,7 @@ pub struct Tape {
     every: Rules,
     /// Rules that are on at program start.
     pub start: Rules,
-    /// What rules of words do not see.
+    /// The text that rules of words do not see.
     marks: Marks,
 }
 
@@ -223,7 +223,7 @@ impl Tape {
         (text.filter(|text| text != line), edited)
     }
 
-    /// The first match of a rule; of a rule of words the first one that is made of words.
+    /// The first match of a rule; for a rule of words, the first match that consists of words.
     fn find(&self, rule: &Rule, text: &str, budget: &mut u64, memory: &mut Memory) -> Outcome<Option<Match>> {
         if !rule.words {
             return rule.pattern.find_with(text, budget, memory);

@@ -9,7 +9,7 @@ use std::borrow::Cow;
 use super::syntax::Syntax;
 use counterpoint_machine::model::Format;
 
-/// Stands for each byte of a comment, a message or a quoted text.
+/// Placeholder for each byte of a comment, a message or a quoted text.
 const HIDDEN: u8 = 1;
 
 /// What hides text on a machine.
@@ -82,7 +82,7 @@ impl Marks {
         Visible { text, rest }
     }
 
-    /// A match is one of words: it begins outside of hidden text, and at neither end it cuts a name in two.
+    /// Whether a match consists of words: it begins outside hidden text, and neither end is inside a name.
     pub(super) fn is_of_words(&self, text: &str, (start, end): (usize, usize)) -> bool {
         let bytes = text.as_bytes();
         let letter =
@@ -99,7 +99,7 @@ fn length(rest: &[u8], close: &[u8]) -> Option<usize> {
     if close.is_empty() { None } else { memchr::memmem::find(rest, close).map(|at| at + close.len()) }
 }
 
-/// A name of two letters or more has begun before this place and goes on there.
+/// Whether a name of two or more letters begins before this place and continues there.
 fn within_name(bytes: &[u8], place: usize) -> bool {
     let letter = |byte: u8| byte.is_ascii_alphabetic() || matches!(byte, b'_' | b'$');
     let mut at = 0;

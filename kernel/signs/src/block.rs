@@ -44,7 +44,7 @@ pub(crate) fn bit(letter: u8) -> u32 {
     1_u32.checked_shl(u32::from(letter.wrapping_sub(b'A'))).unwrap_or(0)
 }
 
-/// A line without comments and texts, and whether a text stands after a semicolon.
+/// A line without comments and texts, and whether a semicolon is followed by a text.
 fn plain(raw: &str) -> (String, bool) {
     let mut out = String::with_capacity(raw.len());
     let (mut depth, mut quoted) = (0_u32, false);
@@ -78,7 +78,7 @@ fn ends_with_name(text: &str) -> bool {
     name.bytes().take(2).filter(u8::is_ascii_alphabetic).count() == 2
 }
 
-/// What follows a semicolon is a text, not the end of the line or another block.
+/// Whether a text follows the semicolon, not the end of the line or another block.
 fn is_remark(tail: &str) -> bool {
     let tail = tail.trim();
     if tail.ends_with(';') {

@@ -1,6 +1,6 @@
-//! Which control the programs are for.
+//! Decides for which control the programs were written.
 //!
-//! *Invariant:* a mark of one control counts against every control that does not have it, also if no machine has that control.
+//! *Invariant:* a mark of one control counts against every control that does not have it, even if no machine has that control.
 
 use std::collections::BTreeMap;
 
@@ -13,11 +13,11 @@ const NAMED: usize = 4;
 /// A control with its marks in the programs.
 #[derive(Debug)]
 pub(crate) struct Control<'c> {
-    /// As messages name it.
+    /// Name of the control in messages.
     pub(crate) title: &'c str,
-    /// Some machine has it.
+    /// Whether a machine has this control.
     here: bool,
-    /// Programs without marks are for it.
+    /// Whether programs without marks are for this control.
     plain: bool,
     /// Its marks, those that the programs show.
     pub(crate) shown: Vec<Shown<'c>>,
@@ -42,7 +42,7 @@ impl Control<'_> {
     }
 }
 
-/// All controls, those of no machine included, the likeliest first.
+/// All controls, including those without a machine, the most likely first.
 fn controls<'c>(candidates: &'c [Candidate], evidence: &'c Evidence) -> Vec<Control<'c>> {
     let mut rows: BTreeMap<(bool, &str), (bool, Vec<&Rows>)> = BTreeMap::new();
     for Candidate { signs, .. } in candidates {
@@ -74,7 +74,7 @@ fn controls<'c>(candidates: &'c [Candidate], evidence: &'c Evidence) -> Vec<Cont
     all
 }
 
-/// The control that the programs are for; or why none can be told.
+/// The control of the programs, or the reason why it cannot be decided.
 pub(crate) fn decide<'c>(candidates: &'c [Candidate], evidence: &'c Evidence) -> Result<Control<'c>, String> {
     let mut all = controls(candidates, evidence);
     if all.is_empty() {

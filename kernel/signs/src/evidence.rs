@@ -14,7 +14,7 @@ use super::prose::Lines;
 /// Signs named in an answer.
 const NAMED: usize = 3;
 
-/// Bytes of a program that are looked at.
+/// Bytes of a program that are searched.
 const LOOKED_AT: usize = 4 << 20;
 
 /// A program of a job.
@@ -52,13 +52,13 @@ pub(crate) struct Shown<'e> {
 }
 
 impl Shown<'_> {
-    /// The name of the file shows it, not its text.
+    /// Whether the name of the file shows the sign, not its text.
     pub(crate) fn is_name(&self) -> bool {
         self.found.line == 0
     }
 }
 
-/// What the programs show.
+/// The signs found in the programs.
 #[derive(Debug, Default)]
 pub(crate) struct Evidence {
     found: BTreeMap<String, Found>,
@@ -112,7 +112,7 @@ impl Evidence {
         all
     }
 
-    /// The heaviest signs with their places, first those that stand first.
+    /// The heaviest signs with their places; signs of equal weight in the order of their places.
     pub(crate) fn named(&self, shown: &[Shown<'_>]) -> String {
         let mut shown: Vec<_> = shown.iter().collect();
         shown.sort_by_key(|one| (std::cmp::Reverse(one.weight), Self::order(one.found)));
@@ -175,7 +175,7 @@ struct Sought<'p> {
     pattern: &'p Pattern,
     /// First places of its parts, as far as they are found.
     parts: Vec<Option<Found>>,
-    /// A word is there that must be nowhere.
+    /// Whether a word was found that must not be in any block.
     refuted: bool,
 }
 

@@ -1,4 +1,4 @@
-//! Which machine of a control the programs are for.
+//! Decides for which machine of a control the programs were written.
 //!
 //! Every trait of the machines (milling, turning, five axes) has a weight: that of its signs in the programs. It counts for the
 //! machines that have the trait, and against those that do not.
@@ -16,11 +16,11 @@ const ENOUGH: u32 = 2;
 
 /// Guesses the machine for programs, left to right, among `candidates`.
 ///
-/// `waits` are the M codes that are waiting codes, if they are others than those of the machines.
+/// `waits` are the M codes that are waiting codes, if they differ from those of the machines.
 ///
 /// # Errors
 ///
-/// Why no machine can be told, as the rest of a sentence.
+/// The reason why no machine can be decided, as the rest of a sentence.
 pub fn guess(
     candidates: &[Candidate],
     programs: &[Program],
@@ -53,7 +53,7 @@ fn with_waits(candidates: &[Candidate], waits: Option<&RangeInclusive<u32>>) -> 
     candidates
 }
 
-/// A candidate and what the programs show of it.
+/// A candidate with its signs in the programs.
 struct Machine<'c> {
     candidate: &'c Candidate,
     /// Its traits with their signs.
@@ -172,7 +172,7 @@ impl<'c> Judge<'c> {
         self.accept(best, channels, (sole, together.is_empty()))
     }
 
-    /// A sign counts for a machine with the weight that it has there; with what it weighs more for another one, against it.
+    /// A sign counts for a machine with its weight there. If it weighs more for another machine, the difference counts against.
     fn verdict<'j>(&self, machine: &'j Machine<'c>, channels: usize) -> Verdict<'j, 'c> {
         let mut against: Vec<(&'c str, Vec<Shown<'c>>)> = Vec::new();
         for (name, shown) in self.machines.iter().flat_map(|other| &other.traits) {
@@ -201,7 +201,7 @@ impl<'c> Judge<'c> {
         Verdict { machine, by, against }
     }
 
-    /// The best machine, unless too much speaks against it.
+    /// The best machine, unless the weight against it is too large.
     fn accept(
         &self,
         best: &Verdict<'_, 'c>,
@@ -284,7 +284,7 @@ impl<'c> Judge<'c> {
         format!("nothing in {} shows which machine it is for", names.join(" "))
     }
 
-    /// A reason with the marks by which the control was told.
+    /// A reason with the marks that decided the control.
     fn for_control(&self, why: &str) -> String {
         if !self.control.is_marked() {
             return why.to_owned();

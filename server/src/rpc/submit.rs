@@ -290,7 +290,7 @@ fn or_default(asked: &Limits) -> Limits {
     .capped()
 }
 
-/// The machine that the programs of a job show, and why.
+/// The machine guessed from the programs of a job, and the signs.
 fn guessed(
     core: &Core,
     tenant: &str,

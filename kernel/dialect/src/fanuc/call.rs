@@ -115,7 +115,7 @@ pub(super) fn arguments(
     Ok(read)
 }
 
-/// Register whose numbers an argument is read like: that of its letter, or of the axis that it goes on along.
+/// Register that defines the number format of an argument: that of its letter, or of the axis that the letter continues.
 fn reads_like(host: &dyn Host, letter: u8) -> Option<RegisterId> {
     let axis = match letter {
         b'U'..=b'W' => letter - b'U' + b'X',

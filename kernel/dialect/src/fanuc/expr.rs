@@ -75,7 +75,7 @@ pub(super) enum Own {
     Unknown(u32, u32),
     /// ROUND, which depends on where the expression is.
     Round,
-    /// Minus sign after an address, which belongs to the reference: without a value there is no word.
+    /// Minus sign after an address. It belongs to the reference: if the variable has no value, the word is ignored.
     Minus,
 }
 

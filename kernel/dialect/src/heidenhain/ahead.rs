@@ -105,7 +105,7 @@ impl Heidenhain {
         }
     }
 
-    /// The path blocks of a block, which are several in an ISO program on a machine of conversational words.
+    /// The path blocks of a block. In an ISO program on a machine with conversational words there may be several.
     fn elements_ahead(
         &mut self,
         host: &dyn Host,

@@ -129,7 +129,7 @@ impl Heidenhain {
         }
     }
 
-    /// A statement that is not emulated: an alarm, because the blocks after it count on what it does.
+    /// A statement that is not emulated is an alarm, because the following blocks depend on its effect.
     pub(super) fn not_understood(&mut self, host: &mut dyn Host) -> Halt {
         let text = format!("'{}' is not supported on this machine", host.block_text());
         host.alarm(&diag::STATEMENT_UNKNOWN, text)

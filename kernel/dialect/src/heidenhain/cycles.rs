@@ -344,7 +344,7 @@ impl Heidenhain {
         Ok(Some(before.join("\n")))
     }
 
-    /// A cycle of several lines that is a program, with what its lines say.
+    /// A cycle of several lines that is a program, with the values of its lines.
     pub(super) fn define_old<'s>(&mut self, cycle: u32, lines: impl Iterator<Item = (u32, &'s [Seen])>) {
         self.cycles.old = old::data(cycle, lines, self.path.plane);
         self.cycles.defined = State { program: Some(cycle.to_string().into()), stored: true, modal: false };

@@ -170,7 +170,7 @@ impl Heidenhain {
         Ok(())
     }
 
-    /// Whether the program in process is an ISO program: by setting, first block, name of its file.
+    /// Whether the current program is an ISO program: by setting, first block, or file name.
     pub(super) fn is_iso(&self, host: &dyn Host) -> bool {
         if let Some(iso) = self.settings.iso {
             return iso;

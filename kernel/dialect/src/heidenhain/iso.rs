@@ -38,7 +38,7 @@ pub(super) fn read(cursor: &mut Cursor<'_>) -> Result<Option<Statement>, Wrong> 
     call(cursor)
 }
 
-/// `L5`, `L5,0`, `L5,2`, `L5.2`, `L"NAME"`: nothing else stands on such a block.
+/// `L5`, `L5,0`, `L5,2`, `L5.2`, `L"NAME"`: such a block has no other words.
 fn call(cursor: &mut Cursor<'_>) -> Result<Option<Statement>, Wrong> {
     let mut ahead = cursor.clone();
     if !ahead.take(b'L') {

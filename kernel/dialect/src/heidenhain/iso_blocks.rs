@@ -1,5 +1,5 @@
-//! ISO programs on machines that have conversational words alone: a block becomes the conversational blocks that
-//! mean the same.
+//! ISO programs on machines that have only conversational words: a block is converted to the equivalent
+//! conversational blocks.
 //!
 //! Facts: programming manuals of the control (DIN/ISO): G words of the path with their modes, G90 and G91, T with
 //! the tool axis, and the G words of cycles, labels and programs, each with its conversational form. Decisions: a
@@ -163,14 +163,14 @@ impl Modes {
 }
 
 impl Modes {
-    /// The path blocks of a block as it was read; none where it is no block of the path.
+    /// The path blocks of a block as it was read; none if it is not a path block.
     pub(super) fn read(&mut self, words: &[Word]) -> Option<Vec<Element>> {
         let (numbers, others) = split(words)?;
         Some(self.elements(&numbers, &others))
     }
 }
 
-/// The values behind P01, P02 and so on.
+/// The values after P01, P02 and so on.
 fn numbered(seen: &[Seen]) -> Vec<(u32, f64)> {
     let mut out = Vec::new();
     for pair in seen.windows(2) {
@@ -186,7 +186,7 @@ fn numbered(seen: &[Seen]) -> Vec<(u32, f64)> {
 }
 
 impl Heidenhain {
-    /// The program in process is an ISO program, and the machine has no G words for it.
+    /// Whether the current program is an ISO program and the machine has no G words for it.
     pub(super) fn is_translated(&mut self, host: &dyn Host) -> bool {
         if host.is_register("G") {
             return false;
@@ -257,7 +257,7 @@ impl Heidenhain {
         Ok(if blocks.is_empty() { None } else { Some(blocks.join("\n")) })
     }
 
-    /// A block with a G word that is no mode of the path.
+    /// A block with a G word that is not a path mode.
     fn iso_function(
         &mut self,
         host: &mut dyn Host,
@@ -329,7 +329,7 @@ impl Heidenhain {
         Ok(None)
     }
 
-    /// What a cycle definition of an ISO program is called: G200 is cycle 200, G120 is cycle 20.
+    /// Number of the cycle that a G word of an ISO program defines: G200 is cycle 200, G120 is cycle 20.
     pub(super) fn iso_definition(words: &[Word]) -> Option<Vec<Word>> {
         let (first, parameters) = words.split_first()?;
         let number = match first.operand {

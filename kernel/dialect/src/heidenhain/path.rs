@@ -246,7 +246,7 @@ pub(super) fn walk(path: &mut Path, host: &mut dyn Host, step: &Step, ahead: &[S
 }
 
 impl Walk<'_> {
-    /// Refuses the block: the control has an alarm where a path block cannot be made.
+    /// Refuses the block: the control raises an alarm if a path block cannot be made.
     pub(super) fn refuse(&mut self, why: &str) {
         if self.refused.is_none() {
             let text = format!("{why}, in '{}'", self.host.block_text());

@@ -9,7 +9,7 @@ use super::path::{AXES, axis};
 use super::words::{Seen, joined, shown};
 use crate::host::Host;
 
-/// X, Y and Z come first; other axes are shifted, mirrored and scaled each by itself, whatever plane is active.
+/// X, Y and Z come first; every other axis has its own shift, mirror and scale, in any active plane.
 pub(super) const SPACE: usize = 3;
 
 /// What ends a mirror, in words of the tables.
@@ -44,7 +44,7 @@ impl Shifts {
         self.datum.get_mut(axis).is_some_and(|datum| std::mem::take(datum) != 0.0)
     }
 
-    /// Takes over what another one says of axes beside X, Y and Z.
+    /// Copies the shifts, mirrors and scales of the axes other than X, Y and Z.
     pub(super) fn take_beside(&mut self, other: &Self) {
         let beside = |at: &usize| *at >= SPACE;
         for at in (0..AXES.len()).filter(beside) {

@@ -1,10 +1,10 @@
 //! TOOL CALL and TOOL DEF.
 //!
 //! Facts: programming manuals of the control: TOOL CALL with a tool changes it, without one it changes S, F and the
-//! allowances of the tool in the spindle; `5.1` is a tool of the table of its own, which is the same tool in the
+//! allowances of the tool in the spindle; `5.1` has its own row in the tool table, but is the same tool of the
 //! magazine; L and R of TOOL DEF are those of the tool. Decisions: an allowance that a TOOL CALL without a tool
-//! does not name stays; L and R of TOOL DEF replace those of the table. Invariant: a length or radius acts from the
-//! next TOOL CALL on.
+//! does not name keeps its value; L and R of TOOL DEF replace those of the table. Invariant: a length or radius takes
+//! effect at the next TOOL CALL.
 
 use counterpoint_fault as diag;
 use counterpoint_fault::Halt;
@@ -21,11 +21,11 @@ use crate::host::Host;
 /// Register for the row of an indexed tool.
 const ROW: &str = "TOOLROW";
 
-/// What a TOOL CALL without a tool leaves where it has allowances.
+/// Text that a TOOL CALL without a tool leaves if it has allowances.
 const SIZES: &str = "TOOL SIZES";
 
 impl Heidenhain {
-    /// Number of a tool; none for a name that nobody knows.
+    /// Number of a tool; none for an unknown name.
     fn tool(&mut self, host: &mut dyn Host, tool: &Formula) -> Result<Option<String>, Halt> {
         let mut evaluator = Evaluator::new(&mut self.variables, host);
         let name = match evaluator.value(tool)? {
@@ -95,7 +95,7 @@ impl Heidenhain {
         }))
     }
 
-    /// The allowances of the block, with those of the tool table; without a tool the ones that it does not name
+    /// The allowances of the block, with those of the tool table; without a tool, allowances that it does not name
     /// stay. An indexed tool gets its row.
     fn take_allowances(&mut self, host: &mut dyn Host, called: Option<f64>, seen: &mut Vec<Seen>) {
         let tool = called.or(self.variables.control.tool).unwrap_or_else(|| f64::from(host.tool()));
@@ -150,8 +150,8 @@ impl Heidenhain {
         Ok(Some(joined(&format!("TOOL DEF {number}"), &others)))
     }
 
-    /// PRESET SELECT: a row of the preset table by its number, as cycle 247; transformations end unless KEEP TRANS
-    /// stands there.
+    /// PRESET SELECT: a row of the preset table by its number, as cycle 247; transformations end unless the block
+    /// has KEEP TRANS.
     pub(super) fn select_preset(&mut self, host: &mut dyn Host, words: &[Word]) -> Result<Option<String>, Halt> {
         let seen = Evaluator::new(&mut self.variables, host).seen(words)?;
         let is_known = |word: &Seen| matches!(&*word.name, "#" | "KEEP" | "TRANS" | "WP");

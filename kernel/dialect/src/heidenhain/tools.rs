@@ -22,7 +22,7 @@ const TEETH: u32 = 15;
 /// Lengths: L, R, R2, DL, DR, DR2, LCUTS, the tolerances and limits of measuring and the offsets for it.
 const LENGTHS: [u32; 13] = [1, 2, 3, 4, 5, 6, 13, 16, 17, 19, 20, 21, 22];
 
-/// Rows of indexed tools: ten times the number of the tool and its index behind this.
+/// Base of the rows of indexed tools: this plus ten times the tool number plus the index.
 const INDEXED: u32 = 100_000;
 
 /// The last row.

@@ -18,7 +18,7 @@ pub struct AxisPlace {
     pub from: f64,
     /// Where it is in the machine frame, as the program counts now.
     pub machine: f64,
-    /// Factor and shift of an axis beside X, Y and Z in the programmable frame; 1 and 0 for these.
+    /// Factor and shift in the programmable frame of an axis other than X, Y and Z; 1 and 0 for X, Y and Z.
     pub line: [f64; 2],
 }
 
@@ -88,17 +88,17 @@ pub trait Frames {
     /// Rotation of a work offset, row by row; none without one.
     fn offset_turn(&self, number: u32) -> Option<[f64; 9]>;
 
-    /// Sets it, and it acts at once; whether it was set.
+    /// Sets the rotation, which takes effect at once; returns whether it was set.
     fn turn_offset(&mut self, number: u32, turn: Option<[f64; 9]>) -> bool;
 
-    /// An axis goes to a position beside the next move of the block, or alone at its end: its letter, where as the program counts,
-    /// and its feed per minute; none is rapid.
+    /// Moves an axis to a position together with the next move of the block, or alone at the end of the block: its letter, the
+    /// position in program units, and its feed per minute (none is rapid).
     fn go_beside(&mut self, letter: &str, to: f64, feed: Option<f64>);
 
-    /// A side of the working area by the letter of an axis: its limit as the program counts, and whether it counts.
+    /// A side of the working area by the letter of an axis: its limit in program units, and whether it is enabled.
     fn area_side(&self, letter: &str, high: bool) -> Option<(Option<f64>, bool)>;
 
-    /// Sets the limit of a side, or whether it counts; false without such an axis.
+    /// Sets the limit of a side, or enables or disables it; false without such an axis.
     fn set_area_side(&mut self, letter: &str, high: bool, limit: Option<f64>, counts: Option<bool>) -> bool;
 
     /// Number of the tool that is loaded.

@@ -1,9 +1,9 @@
 //! `#MSG`: texts with values.
 //!
 //! Facts: ISG programming manual, messages from the program (`#MSG [SYN] [receiver] ["text", values]`, `#MSG INFO`;
-//! formats as those of printf). Decisions: a value of %d is cut off to a whole number; a text without values is
-//! shown as it stands, but for `%%`; %s needs a text, of which there are none. Invariant: each format has its
-//! value.
+//! formats as those of printf). Decisions: a value of %d is truncated to a whole number; a text without values is
+//! shown unchanged, except for `%%`; %s needs a text value, which this language does not have. Invariant: each
+//! format has its value.
 
 use counterpoint_fault as diag;
 
@@ -18,7 +18,7 @@ const WIDEST: usize = 60;
 /// Words between `#MSG` and its text: the modes, and who gets the message.
 const BEFORE: [&str; 8] = ["SYN", "ASYN", "INFO", "SAVE", "HMI", "DIAG", "PLC", "DISK"];
 
-/// Behind `#MSG`; `text` is the block as it was written.
+/// Reads the text after `#MSG`; `text` is the block as it was written.
 pub(super) fn read(cursor: &mut Cursor<'_>, text: &[u8]) -> Result<Item, Mistake> {
     while BEFORE.iter().any(|word| cursor.word(word)) {}
     let bracket = cursor.take(b'[');

@@ -82,7 +82,7 @@ pub(crate) struct Okuma {
 struct KnownNames {
     /// Names and whether a register of the machine has them.
     words: FxHashMap<Box<str>, bool>,
-    /// Local variables set beside words, and whether their file reads them; others have been reported.
+    /// Local variables set next to words, and whether their file reads them; the others have been reported.
     read: FxHashMap<(FileId, names::Local), bool>,
 }
 

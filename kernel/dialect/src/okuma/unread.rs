@@ -1,8 +1,8 @@
-//! Local variables that a block sets beside words, and that no block reads.
+//! Local variables that a block sets next to other words, and that no block reads.
 //!
-//! Facts: the control takes a name that is no word of the machine for a local variable. Decisions: a name that its
-//! file reads anywhere is a variable; of the others a word of the control is an alarm, a name beside words a
-//! warning, once for each name of a file. Invariant: a name is looked for once.
+//! Facts: the control treats a name that is not a word of the machine as a local variable. Decisions: a name that its
+//! file reads anywhere is a variable; otherwise a word of the control is an alarm, and a name next to other words is a
+//! warning, once per name and file. Invariant: a name is searched for once.
 
 use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
@@ -27,7 +27,7 @@ fn is_word(item: &Item) -> bool {
 }
 
 impl Okuma {
-    /// Reports names of a block that are taken for local variables by mistake.
+    /// Reports names of a block that are local variables by mistake.
     pub(super) fn check_names(&mut self, host: &mut dyn Host, items: &[Item]) -> Acted {
         let mut beside = None;
         for item in items {
@@ -98,7 +98,7 @@ fn may_name(line: &[u8], name: &str) -> bool {
     line.windows(name.len()).any(|part| part.eq_ignore_ascii_case(name.as_bytes()))
 }
 
-/// The name stands somewhere without an equal sign behind it.
+/// Whether the line has the name without an equal sign after it.
 fn reads(line: &[u8], name: &[u8]) -> bool {
     let is_name = |byte: &u8| byte.is_ascii_alphanumeric();
     let mut from = 0;

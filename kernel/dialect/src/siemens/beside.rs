@@ -1,4 +1,4 @@
-//! Parts of a frame along axes beside X, Y and Z, rotary ones above all: each axis has a line of its own.
+//! Parts of a frame for axes other than X, Y and Z, mainly rotary axes: each axis has its own linear map.
 //!
 //! Facts: the control's frames have translation, scale and mirror for every axis of the channel, rotations for geometry axes only.
 //! Invariant: all numbers are finite and no scale is 0.

@@ -1,7 +1,7 @@
 //! Expressions, read.
 //!
 //! Facts: the control's priorities, strongest first: NOT B_NOT; * / DIV MOD and the chain `:`; + −; B_AND; B_XOR; B_OR;
-//! AND; XOR; OR; `<<`, which may stand before its first value too; comparisons. Since comparisons bind weakest, a second one without parentheses is a mistake.
+//! AND; XOR; OR; `<<`, which may also be before its first value; comparisons. Since comparisons bind weakest, a second one without parentheses is a mistake.
 //! Invariant: what was read is bounded in depth, so that evaluating it is too.
 
 use super::cursor::{Cursor, split_list};

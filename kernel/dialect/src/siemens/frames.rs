@@ -14,7 +14,7 @@ use super::{Outcome, Siemens, syntax, wrong_type};
 use crate::host::Host;
 use counterpoint_fault as diag;
 
-/// Frames that were assigned and do not act, or not yet.
+/// Frames that were assigned but are not active, or not yet active.
 #[derive(Debug, Default)]
 pub(super) struct Assigned {
     program: Frame,
@@ -172,7 +172,7 @@ impl Siemens {
         part_of(&frame, axis, part).map(|value| Some(Data::Real(value)))
     }
 
-    /// The settable frames of the block's G functions act from now on as they were assigned.
+    /// Activates the settable frames of the block's G functions as they were assigned.
     pub(super) fn activate_frames(&mut self, host: &mut dyn Host, words: &str) -> Outcome<()> {
         if !self.frames.wait() || !self.settings.applies_frames {
             return Ok(());
@@ -194,7 +194,7 @@ impl Siemens {
         }
     }
 
-    /// The frame that holds; `$P_UIFR` is what was assigned last, `$P_IFRAME` what is in force.
+    /// The value of a frame: for `$P_UIFR` the frame assigned last, for `$P_IFRAME` the active frame.
     fn current(&self, host: &dyn Host, number: u32, active: bool) -> Frame {
         if number == u32::MAX {
             return if self.settings.applies_frames {
@@ -275,7 +275,7 @@ impl Siemens {
     }
 }
 
-/// Why a work offset cannot be this frame, if it cannot.
+/// The reason if a work offset cannot be this frame.
 fn fits(host: &dyn Host, frame: &Frame) -> Result<(), String> {
     let parts = frame.parts().unwrap_or_default();
     let only = Parts { shift: parts.shift, fine: parts.fine, angles: parts.angles, ..Parts::default() };

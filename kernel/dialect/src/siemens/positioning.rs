@@ -1,11 +1,11 @@
 //! POS, POSA, FA and WAITP: axes that go to a position by themselves. ACC, VELOLIM, JERKLIM, ATOL, FL, FGREF: data of single axes. FGROUP: axes of the feed.
 //!
-//! Facts: programming manual, fundamentals, chapter "traversing positioning axes": positioning axes move beside the path, each with a
-//! feed of its own; POS[axis] waits at the end of its block, POSA[axis] does not, WAITP waits for such an axis; FA[axis] is its feed
-//! per minute, without it the axis moves at the rate of the machine. Decisions: the block waits with POSA, too, so that WAITP has
-//! nothing to wait for; without FA an axis is rapid; all axes go along with the first move of the block. Limits of single axes and
-//! radii of FGREF change nothing, which is told of those that change times; FGROUP of the geometry axes, or of none, is what is in
-//! force anyway, of others it is ignored with a warning. *Invariant:* group 1, the type of the feed and F of the path stay as they are.
+//! Facts: programming manual, fundamentals, chapter "traversing positioning axes": positioning axes move independently of the path,
+//! each with its own feed; POS[axis] waits at the end of its block, POSA[axis] does not, WAITP waits for such an axis; FA[axis] is
+//! its feed per minute, without it the axis moves at the rate of the machine. Decisions: the block also waits with POSA, so WAITP
+//! never waits; without FA an axis is rapid; all axes move together with the first move of the block. Limits of single axes and
+//! radii of FGREF have no effect, with a warning if they would change times. FGROUP of the geometry axes, or without axes, is the
+//! default; FGROUP of other axes is ignored with a warning. *Invariant:* group 1, the type of the feed and F of the path do not change.
 
 use super::expression::{Argument, Name, as_name};
 use super::line::Assigned;
@@ -78,7 +78,7 @@ impl Siemens {
         Ok(true)
     }
 
-    /// The positioning axes of the block go; FA counts wherever it stands in the block. Moves that compensation keeps back are
+    /// Moves the positioning axes of the block; FA may be anywhere in the block. Moves that compensation holds back are
     /// made without them.
     pub(super) fn go_to_positions(&self, host: &mut dyn Host, left: &mut Left) -> Outcome<()> {
         if left.beside.is_empty() {

@@ -102,7 +102,7 @@ fn row_of(name: &str) -> Option<Row> {
     ROWS.iter().find(|row| row.name == name).copied().or_else(setting)
 }
 
-/// Where an axis without a limit of the working area ends.
+/// Value of a working area limit that is not set.
 const UNLIMITED: f64 = 1e8;
 
 /// A setting of the working area: which side, and whether it is the limit or enables it.

@@ -1,4 +1,4 @@
-//! Positioning axes that no move of their block has taken along arrive.
+//! Moves the positioning axes that no move of their block has taken along.
 
 use crate::act::Act;
 use crate::action::entry::Entry;

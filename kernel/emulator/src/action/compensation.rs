@@ -60,7 +60,7 @@ pub(super) fn corner(act: &mut Act<'_, '_>, arc: bool) -> Acted {
     super::mode::mode(act, if arc { "comp corner arc" } else { "comp corner linear" })
 }
 
-/// The corner after the move that waits is an arc outside.
+/// The outside corner after the pending move is an arc.
 fn round(act: &mut Act<'_, '_>) -> Acted {
     let last = act.cutter().and_then(|cutter| cutter.waiting.iter_mut().rev().find(|waits| waits.element.is_some()));
     if let Some(waits) = last {

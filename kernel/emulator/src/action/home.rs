@@ -25,10 +25,10 @@ pub(crate) const ENTRIES: &[Entry] = &[
     Entry::of(&[codes::GOHOME_RETURN], |act, _, _| come_back(act)).contour(Contour::Leaves),
 ];
 
-/// Stands for the floating reference point.
+/// Marks the floating reference point.
 const FLOATING: usize = 5;
 
-/// How far from its reference point an axis counts as at it.
+/// Distance within which an axis counts as being at its reference point.
 const AT_REFERENCE: f64 = 0.001;
 
 /// To reference point `number` (1 = home) via the programmed point; only coded axes move.

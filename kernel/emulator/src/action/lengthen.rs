@@ -1,9 +1,9 @@
 //! Tool offsets by which the moves of a block are longer or shorter (Fanuc G45 to G48).
 //!
-//! Facts: Mitsubishi M700V programming manual 12.6: the offset acts along each axis of the block, in the direction of its way; a
-//! way of 0 has the direction of its sign in G91 and none in G90; canned cycles ignore the code. Centres of circles are longer
-//! as their ends are (examples of the same section). *Invariant:* words change before the motion of their block takes them,
-//! nothing else does.
+//! Facts: Mitsubishi M700V programming manual 12.6: the offset acts along each axis of the block, in the direction of its move; a
+//! distance of 0 has the direction of its sign in G91 and none in G90; canned cycles ignore the code. The distances to circle
+//! centres change like those to their ends (examples of the same section). *Invariant:* only the words of the block change,
+//! before its motion takes them.
 
 use crate::act::Act;
 use crate::action::entry::{Contour, Entry};
@@ -24,7 +24,7 @@ pub(crate) const ENTRIES: &[Entry] = &[
 
 const CENTERS: [DataId; 3] = [data::ARC_CENTER_X, data::ARC_CENTER_Y, data::ARC_CENTER_Z];
 
-/// Lengthens the ways of the block by so many times the offset.
+/// Lengthens the distances of the block by a multiple of the offset.
 fn lengthen(act: &mut Act<'_, '_>, times: f64) -> Acted {
     super::compensation::take_diameter(act);
     if act.state.cycle.running {
@@ -60,18 +60,18 @@ fn is_circle(act: &Act<'_, '_>) -> bool {
     }
 }
 
-/// What a word says about a way.
+/// The part of a move that a word describes.
 #[derive(Clone, Copy)]
 enum Way {
-    /// The way itself; 0 has the direction of its sign.
+    /// The distance itself; 0 has the direction of its sign.
     Distance,
-    /// Its end, from this position on; no way has no direction.
+    /// The end of the move that starts at this position; a zero distance has no direction.
     From(f64),
-    /// From its start to a centre.
+    /// The distance from the start to a centre.
     Center,
 }
 
-/// Lengthens the way of one word.
+/// Lengthens the distance of one word.
 fn change(act: &mut Act<'_, '_>, id: DataId, said: Way, by: f64) {
     let registers = act.registers_of(id);
     let factor = act.unit_factor(Dimension::Length);

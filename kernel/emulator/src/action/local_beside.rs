@@ -1,4 +1,4 @@
-//! Words of rotary and parallel axes in codes of the local frame: shifts, factors and mirrors of axes beside X, Y and Z.
+//! Words of rotary and parallel axes in codes of the local frame: shifts, factors and mirrors of axes other than X, Y and Z.
 //!
 //! Decisions: docs/emulation.md, "Local coordinate system". *Invariant:* a word of the axis that such a code takes never
 //! moves it.
@@ -12,14 +12,14 @@ use counterpoint_motion::frame::beside::{Line, Lines, SAME};
 use counterpoint_motion::frame::local::Part;
 use counterpoint_program::block::Datum;
 
-/// Axes of a channel beside its X, Y and Z, with the data of their words.
+/// Axes of a channel other than its X, Y and Z, with the data of their words.
 fn axes(act: &Act<'_, '_>) -> Vec<(AxisSlot, DataId)> {
     let layout = &act.state.place.layout;
     let beside = layout.axes.entries().filter(|(slot, _)| layout.is_beside(*slot));
     beside.map(|(slot, axis)| (slot, axis.data)).collect()
 }
 
-/// Takes the words of these axes: what they make of the lines before; none without words.
+/// Takes the words of these axes and returns the new linear maps; none without words.
 fn taken(act: &mut Act<'_, '_>, before: Lines, line: impl Fn(Datum) -> Line) -> Option<Lines> {
     let mut lines = before;
     let mut any = false;

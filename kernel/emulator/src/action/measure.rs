@@ -1,7 +1,7 @@
 //! Automatic measuring of a tool (Fanuc G37, G36 of lathes; Mitsubishi G37).
 //!
-//! The tool goes to where the program expects it to reach the measuring device. *Invariant:* there is no device here, so its
-//! signal comes where the program expects it: offsets stay as they are, and a warning says so.
+//! The tool moves to the position at which the program expects the measuring device. *Invariant:* there is no device here, so its
+//! signal comes at the expected position: offsets do not change, and a warning says so.
 
 use crate::act::Act;
 use crate::action::entry::{Contour, Entry};
@@ -15,7 +15,7 @@ use counterpoint_machine::index::BySlot;
 pub(crate) const ENTRIES: &[Entry] =
     &[Entry::of(&[codes::TOOL_MEASURE], |act, _, _| measure(act)).contour(Contour::Leaves)];
 
-/// Rapid up to a distance from the point, the rest at a feed, both where the block says them.
+/// Moves at rapid up to a distance from the point and at a feed from there, if the block gives both.
 fn measure(act: &mut Act<'_, '_>) -> Acted {
     let distance = act.take(data::OFFSET_VALUE).map(|datum| datum.value.abs());
     let feed = act.take(data::FEED_UPM).map(|datum| datum.value).filter(|feed| *feed > 0.0);

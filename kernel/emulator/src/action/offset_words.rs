@@ -11,7 +11,7 @@ use counterpoint_fault::Acted;
 use counterpoint_machine::ident::{codes, data};
 use counterpoint_machine::model::{LengthInMachineFrame, LengthThere};
 
-/// Selects the offsets whose numbers stand on the block; `free`: registers whose words are for no code of it, bit by register.
+/// Selects the offsets whose numbers are in the block; `free`: registers whose words no code of the block takes, one bit each.
 pub(crate) fn select(act: &mut Act<'_, '_>, free: u128) -> Acted {
     let has = |act: &Act<'_, '_>, id| act.has_any(act.registers_of(id) & free);
     if has(act, data::COMP_LENGTH) && act.state.place.in_force.length_sign != 0.0 {
@@ -40,7 +40,7 @@ pub(crate) fn select(act: &mut Act<'_, '_>, free: u128) -> Acted {
     Ok(())
 }
 
-/// Puts a length offset into force; the frame is to be made again.
+/// Activates a length offset; the caller must then rebuild the frame.
 pub(super) fn put_length(act: &mut Act<'_, '_>, sign: f64, number: u32) {
     act.state.place.in_force.set_length(sign, number);
 }

@@ -1,7 +1,7 @@
 //! Areas that the program sets and that the tool must not enter, or must not leave.
 //!
 //! Facts: Fanuc operator's manuals, stored stroke check 2 (G22 X Y Z I J K, G23); Okuma programmable stroke limits.
-//! *Invariant:* the code moves nothing; words that it does not have leave the ends that were set before.
+//! *Invariant:* the code moves nothing; limits without a word keep their previous values.
 
 use counterpoint_fault::Acted;
 use counterpoint_machine::habits::Forbidden;

@@ -71,7 +71,7 @@ impl Act<'_, '_> {
         }
     }
 
-    /// A point of an axis whose turns do not count, next to where it stands; of another axis the point itself.
+    /// The point of a roll-over axis that is nearest to its position; for another axis the point itself.
     pub(super) fn next_to(&self, axis: AxisSlot, stands: f64, point: f64) -> f64 {
         match self.env.machine.axes[self.state.place.layout.axes[axis].machine].turn {
             Turn::Position => point,

@@ -1,8 +1,9 @@
-//! What the channel remembers of each address: system variables and stepping ask here, and nowhere else.
+//! The last value of each address: the only source for system variables and stepping.
 //!
-//! The words themselves are in [`Remembered`](crate::state::remembered::Remembered); here they get the units of the program, and
-//! what belongs to the running program is added. Program numbers are those of the words that define the programs, and of calls by number;
-//! the name of a file is none. *Invariant:* asking changes nothing. Facts: reference fanuc-variables-and-alarms.md 1.5.
+//! The words themselves are in [`Remembered`](crate::state::remembered::Remembered); this module converts them to the units of the
+//! program and adds the values of the running program. Program numbers come from the words that define the programs, and from
+//! calls by number, never from a file name. *Invariant:* reading changes nothing. Facts: reference
+//! fanuc-variables-and-alarms.md 1.5.
 
 use super::Kernel;
 use super::flow::{Callee, Frame};
@@ -46,7 +47,7 @@ impl Kernel<'_> {
         }
     }
 
-    /// Addresses with a value other than 0, for whoever steps through the program.
+    /// Addresses with a value other than 0, for stepping.
     pub(super) fn shown_words(&self) -> Vec<(char, f64)> {
         let words = SHOWN.iter().map(|&letter| (char::from(letter), self.address(letter)));
         words.filter(|(_, value)| *value != 0.0).collect()
@@ -71,7 +72,7 @@ impl Kernel<'_> {
         }
     }
 
-    /// The number that the text of a frame says: that of its first definition, or of the program in which it begins.
+    /// The program number in the text of a frame: that of its first definition, or of the program in which it begins.
     fn defined(&self, frame: &Frame) -> u32 {
         let range = &frame.range;
         let programs = self.channel.env.sources.get(frame.file).map_or(&[][..], |source| source.programs());

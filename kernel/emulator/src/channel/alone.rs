@@ -1,7 +1,7 @@
-//! Synchronous control that one channel commands alone: the other channel learns of it at the next barrier of both.
+//! Synchronous control commanded by one channel alone: it takes effect in the other channel at the next barrier of both.
 //!
-//! Facts: Fanuc programs command G51.4 and G50.4 in one path, between waiting codes of both. *Invariant:* what a channel learns
-//! depends on the order of shared operations, so on simulated time alone.
+//! Facts: Fanuc programs command G51.4 and G50.4 in one path, between waiting codes of both. *Invariant:* the news that a channel
+//! receives depends only on the order of shared operations, and so on simulated time.
 
 use counterpoint_fault::{Acted, Halt};
 use counterpoint_sync::shared::Alone;
@@ -17,7 +17,7 @@ impl Kernel<'_> {
         self.words_of_couplings() == [true, false]
     }
 
-    /// Only programs of other channels have it.
+    /// Only programs of other channels have the code.
     pub(super) fn hears_of_couplings(&mut self) -> bool {
         let machine = self.channel.env.machine;
         machine.axes.iter().any(|axis| axis.coupling.number.is_some()) && self.words_of_couplings() == [false, true]
@@ -35,7 +35,7 @@ impl Kernel<'_> {
         words
     }
 
-    /// Couples an axis of this channel with one of another channel, which learns of it. The same pair again changes what is parked.
+    /// Couples an axis of this channel with an axis of another channel and notifies that channel. For a coupled pair, changes parking.
     pub(crate) fn couple_alone(&mut self, pair: Pair, parking: Parking) -> Acted {
         self.flush_lookahead()?;
         self.end_own(&pair);
@@ -47,7 +47,7 @@ impl Kernel<'_> {
         Ok(())
     }
 
-    /// Ends such a coupling.
+    /// Ends a coupling that this channel has commanded.
     pub(crate) fn end_alone(&mut self, pair: Pair) -> Acted {
         self.flush_lookahead()?;
         self.say(&pair, Parking::Neither, false)?;
@@ -63,7 +63,7 @@ impl Kernel<'_> {
         self.shared(|order| order.shared.coupled.remove(&key)).map(|_| ())
     }
 
-    /// Tells the other channel.
+    /// Notifies the other channel.
     fn say(&mut self, pair: &Pair, parking: Parking, on: bool) -> Acted {
         let Some((own, _)) = pair.of(self.channel.at.channel) else { return Ok(()) };
         let alone = Alone {
@@ -96,7 +96,7 @@ impl Kernel<'_> {
         self.uncouple(pair, theirs)
     }
 
-    /// Takes part in what another channel has commanded alone.
+    /// Applies the couplings that another channel has commanded alone.
     #[cold]
     #[inline(never)]
     pub(super) fn learn_couplings(&mut self) -> Acted {

@@ -46,7 +46,7 @@ impl Kernel<'_> {
         Some(Datum { value, incremental: false, absolute: false, raw: handed.raw })
     }
 
-    /// What a value handed over is by its row: value, factor of its unit, whether it is remembered. Reports one outside the row's
+    /// A value handed over by its row: value, factor of its unit, whether it is remembered. Reports a value outside the row's
     /// range.
     #[cold]
     pub(crate) fn accept(&mut self, handed: Handed) -> (f64, f64, bool) {
@@ -125,7 +125,7 @@ impl Kernel<'_> {
         written * source.one.unwrap_or(1.0)
     }
 
-    /// Reads the numbers of the block again, as the formats of the units that hold now say; values of expressions stay.
+    /// Reads the numbers of the block again in the formats of the current units; values of expressions do not change.
     #[cold]
     pub(crate) fn read_words_again(&mut self) {
         let plan = self.plan;

@@ -34,7 +34,7 @@ impl Kernel<'_> {
         self.move_to(seconds, motion)
     }
 
-    /// A motion at which something looks: axes go along, the working area bounds it, another channel begins together.
+    /// A motion that needs checks: axes move with it, the working area bounds it, or another channel begins at the same time.
     #[cold]
     #[inline(never)]
     fn travel_attended(&mut self, seconds: f64, motion: &Motion) -> Acted {

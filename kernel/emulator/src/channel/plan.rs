@@ -308,7 +308,7 @@ fn offsets(machine: &Machine) -> u128 {
     registers.fold(0, |bits, register| bits | register.bit())
 }
 
-/// Registers of offset numbers whose words the action of a code may take. What a code of the machine's own takes is not known: all.
+/// Registers of offset numbers whose words the action of a code may take; all for custom codes, whose words are not known.
 fn number_takers(machine: &Machine) -> Table<CodeRowId, u128> {
     let offsets = if machine.compensation.numbers_alone { offsets(machine) } else { 0 };
     let rows = machine.data.iter().filter(|row| row.enable);
@@ -342,7 +342,7 @@ pub(crate) struct Source {
     pub(crate) min: f64,
     pub(crate) max: f64,
     pub(crate) dimension: Dimension,
-    /// What one of a number without a point is, where that is not one in the last digit of the register.
+    /// Value of one increment of a number without a point, if it is not one in the last digit of the register.
     pub(crate) one: Option<f64>,
     /// A position of X, which may be programmed as a diameter or as a radius.
     pub(crate) diameter_x: bool,

@@ -1,4 +1,4 @@
-//! Limits of travel and of the working area: where moves end, and how far circles swing out between their ends.
+//! Limits of travel and of the working area: checks the ends of moves, and the extent of circles between their ends.
 //!
 //! *Invariant:* a block is reported once; a straight move is within the limits where both its ends are. Circles in the face plane of
 //! polar interpolation are checked at their ends only, those on a cylinder along its axis too.
@@ -36,8 +36,8 @@ impl Kernel<'_> {
         }
     }
 
-    /// Where it is an alarm, a motion beyond the limits stops the channel before it begins; one that breaks the limit of the
-    /// program always does.
+    /// If the limit is an alarm, a motion beyond it stops the channel before it begins; a motion beyond a limit of the program
+    /// always stops the channel.
     #[inline(always)]
     pub(super) fn check_travel_before(&mut self, motion: &Motion) -> Acted {
         if self.channel.state.place.layout.bounds.limited {

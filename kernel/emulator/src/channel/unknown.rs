@@ -70,7 +70,7 @@ impl Kernel<'_> {
         Ok(())
     }
 
-    /// The parts of the block that nothing recognises, in the order of the block.
+    /// The unrecognised parts of the block, in their order.
     fn unknown_parts(&mut self) -> Vec<String> {
         self.left_name();
         let name = self.channel.block.name().filter(|_| self.calls_by_name());
@@ -83,7 +83,7 @@ impl Kernel<'_> {
         spans.map(text).collect()
     }
 
-    /// Reports the parts of the block that nothing recognises and that `known` has not seen, without stopping the channel.
+    /// Reports the unrecognised parts of the block that are not in `known`, without stopping the channel.
     #[cold]
     pub(crate) fn report_unknown_parts(&mut self, known: &mut FxHashSet<String>) {
         let stopping = self.channel.reports.alarms.stopping;
@@ -143,7 +143,7 @@ impl Kernel<'_> {
         (&diag::UNKNOWN_TEXT, dialect.unknown_text(&text, kind))
     }
 
-    /// The words one of which a code needs, if the machine has the code with others only.
+    /// The words of which a code needs one, if the machine has the code only with another word.
     fn needs(&self, text: &str) -> Option<String> {
         let machine = self.channel.env.machine;
         let (register, _) = self.plan.scanner.register(*text.as_bytes().first()?)?;

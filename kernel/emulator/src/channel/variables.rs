@@ -25,7 +25,7 @@ pub(crate) struct ChannelVariables {
     print: u64,
     /// Writes, calls and returns so far.
     writes: u64,
-    /// Those of the channel's own that have been read without a value, and written; kept where other channels run, too.
+    /// Separate variables that the channel has read without a value, and written; kept if other channels also run.
     pub(super) uses: Uses,
     /// What has no value, and what does not exist, is 0.
     pub(super) reads_zero: bool,

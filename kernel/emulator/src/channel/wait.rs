@@ -136,8 +136,8 @@ impl Kernel<'_> {
 }
 
 impl Kernel<'_> {
-    /// Says once, where nothing is executed, that what follows from a wait depends on `first`: who comes first. What such
-    /// channels wait for later is not judged, unless they are at one barrier with lists that never fit.
+    /// Reports once in a lint that the outcome of a wait depends on which channel comes first (`first`). Later waits of such
+    /// channels are not checked, unless they are at one barrier with lists that never match.
     fn note_order(&mut self, first: bool, primitive: Option<Primitive>) -> Acted {
         if !first || !self.channel.env.options.lint {
             return Ok(());

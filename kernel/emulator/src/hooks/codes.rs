@@ -143,7 +143,7 @@ impl Kernel<'_> {
         done
     }
 
-    /// Reports that a data macro has left no value of data that an action needed, unless the action has said so.
+    /// Reports that a data macro has removed a value that an action needed, unless the action has reported it.
     fn report_withheld(&mut self) {
         let Some(Withheld { id, code, diagnostics }) = self.macros.block.withheld.take() else { return };
         if self.channel.reports.diagnostics != diagnostics {
@@ -231,7 +231,7 @@ impl Kernel<'_> {
         Some(Datum { value, incremental: taken.incremental, absolute, raw: taken.raw })
     }
 
-    /// Takes the value of data off the block for a macro, in the unit of the program; never one that is remembered.
+    /// Takes the value of data off the block for a macro, in the unit of the program; never a remembered value.
     pub(crate) fn take_for_macro(&mut self, id: DataId, runs: bool) -> Option<f64> {
         let mut taken = self.taken(id)?;
         let list = self.channel.env.machine.macros.as_deref().map_or(&[][..], |macros| macros.of_data(id));

@@ -90,7 +90,7 @@ impl Kernel<'_> {
         Ok(0)
     }
 
-    /// Whether macros match what the running one issues from here on.
+    /// Whether macros match the blocks and codes that the running macro issues from here on.
     fn match_macros(&mut self, on: bool) {
         if let Some(call) = self.macros.calls.innermost() {
             call.matching = on;

@@ -21,11 +21,11 @@ pub(crate) struct BlockContext {
     pub(crate) mark: Option<u8>,
     /// `$CECODE`
     pub(crate) code: Option<CodeId>,
-    /// A data macro has taken a needed value away.
+    /// A data macro has removed a needed value.
     pub(crate) withheld: Option<Withheld>,
 }
 
-/// A value that a data macro has taken away.
+/// A value that a data macro has removed.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Withheld {
     /// Its data.

@@ -107,7 +107,7 @@ impl Kernel<'_> {
         Ok(())
     }
 
-    /// Calls a program whose passes are copies of a figure. Figures of one kind are not within each other.
+    /// Calls a program whose passes are copies of a figure. Figures of the same kind cannot be nested.
     fn call_figure(&mut self, program: u32, passes: u32, figure: Box<Figure>) -> Acted {
         let depth = self.flow.frames.len();
         let same = |frame: &Frame| frame.figure.as_deref().is_some_and(|outer| outer.copy.is_like(figure.copy));

@@ -1,6 +1,6 @@
-//! Axis words that belong to a code of their block: those that it leaves are reported, and no motion code gets them.
+//! Axis words that belong to a code of their block: words that the code does not take are reported, and no motion code gets them.
 //!
-//! *Invariant:* after a code that owns the axis words of its block no word of an axis of the channel is left.
+//! *Invariant:* after a code that owns the axis words of its block, the block has no word of an axis of the channel.
 
 use counterpoint_fault as diag;
 use counterpoint_machine::number::written;

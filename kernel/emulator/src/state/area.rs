@@ -2,7 +2,7 @@
 //!
 //! Facts: programming manual of the 840D, "Working area limitation (G25/G26, WALIMON, WALIMOF)": limits are positions in the
 //! basic coordinate system, that is without frames, and hold for the tip of the tool; setting data enable them for each axis
-//! and direction. *Invariant:* without a limit that is enabled there is none of this.
+//! and direction. *Invariant:* without an enabled limit there is no working area.
 
 use counterpoint_event::event::{MAX_AXES, Position};
 use counterpoint_machine::index::AxisSlot;
@@ -12,9 +12,9 @@ use super::channel::Channel;
 /// A side of an axis.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Side {
-    /// Where it ends, in the basic coordinate system; none that was never said.
+    /// The limit in the basic coordinate system; none before the program sets it.
     pub(crate) limit: Option<f64>,
-    /// Whether it counts, where the program has said so.
+    /// Whether it is enabled, if the program has set this.
     pub(crate) enabled: Option<bool>,
 }
 
@@ -40,7 +40,7 @@ impl Channel<'_> {
         self.state.others.area.get_or_insert_default()
     }
 
-    /// A side of the area: where it ends, and whether it counts.
+    /// A side of the area: its limit, and whether it is enabled.
     pub(crate) fn area_side(&self, axis: AxisSlot, high: bool) -> (Option<f64>, bool) {
         let area = self.state.others.area.as_deref();
         let side = area.and_then(|area| area.sides.get(axis.index())?.get(usize::from(high))).copied();
@@ -48,7 +48,7 @@ impl Channel<'_> {
         (limit, enabled.unwrap_or(self.env.machine.habits.work_area))
     }
 
-    /// Limits of an axis that count now.
+    /// The enabled limits of an axis.
     pub(crate) fn area_of(&self, axis: AxisSlot) -> Option<(f64, f64)> {
         self.state.others.area.as_deref().filter(|area| !area.off)?;
         let [low, high] = [false, true].map(|high| match self.area_side(axis, high) {

@@ -1,8 +1,8 @@
-//! Axes that go to a position beside the path of their block, each at a rate of its own (Siemens POS).
+//! Axes that move to a position independently of the path of their block, each at its own rate (Siemens POS).
 //!
 //! Facts: programming manual of the 840D, "Positioning axes (POS, POSA, FA)": every positioning axis has an interpolator and a
 //! feed of its own; a block with POS ends when all axes, those of the path too, have arrived. Decision: the path stops at the
-//! end of such a block. *Invariant:* nothing of this is left when the next block begins.
+//! end of such a block. *Invariant:* this state is empty when the next block begins.
 
 use counterpoint_event::event::{FeedUnit, Motion, MotionKind, Position};
 use counterpoint_machine::index::{AxisSlot, BySlot};
@@ -15,7 +15,7 @@ use super::channel::Channel;
 pub(crate) struct Beside {
     /// Where they go, in the work frame.
     targets: Vec<(AxisSlot, f64)>,
-    /// Seconds of the one that arrives last.
+    /// Seconds of the axis that arrives last.
     pub(crate) seconds: f64,
     /// Its feed per minute; none at rapid.
     feed: Option<f64>,

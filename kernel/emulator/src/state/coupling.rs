@@ -58,10 +58,10 @@ pub(crate) struct Coupling {
     pub(crate) own: Option<(Axis, (f64, f64, f64))>,
 }
 
-/// What a channel knows of couplings that one channel commands alone.
+/// The state of couplings that one channel commands alone, as one channel sees them.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Alone {
-    /// Whether the program of the channel, and programs of other channels, have the code; unknown until that matters.
+    /// Whether the program of the channel, and programs of other channels, have the code; none until first needed.
     pub(crate) words: Option<[bool; 2]>,
     /// How many of them the channel has learned of.
     pub(crate) learned: usize,

@@ -123,7 +123,7 @@ pub(crate) struct Cutter {
     pub(crate) asked: Asked,
     /// A way to the contour or from it that no move has made yet.
     pub(crate) smooth: Option<Box<Smooth>>,
-    /// Another radius, which counts from the end of the next move in the plane: it, and from the tip to the centre of the nose.
+    /// A new radius that takes effect at the end of the next move in the plane, with the vector from the tip to the nose centre.
     pub(crate) resized: Option<(f64, Spot)>,
 }
 

@@ -5,7 +5,7 @@
 use counterpoint_motion::frame::affine::Point;
 use counterpoint_motion::frame::local::Local;
 
-/// How a copy lies to the one before it.
+/// The position of a copy relative to the previous copy.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Copy {
     /// Turned by an angle in degrees about a point, in the active plane.
@@ -15,12 +15,12 @@ pub(crate) enum Copy {
 }
 
 impl Copy {
-    /// Both are of one kind.
+    /// Whether both are of the same kind.
     pub(crate) fn is_like(self, other: Self) -> bool {
         matches!((self, other), (Self::Turned(..), Self::Turned(..)) | (Self::Shifted(_), Self::Shifted(_)))
     }
 
-    /// The alarm for one within another of its kind.
+    /// The alarm for a copy nested in a copy of the same kind.
     pub(crate) fn alarm(self) -> &'static str {
         match self {
             Self::Turned(..) => "PS0900",

@@ -87,7 +87,7 @@ impl State {
         }
     }
 
-    /// Modal codes and remembered words are those of a channel that has been reset.
+    /// Resets modal codes and remembered words.
     pub(crate) fn forget_words(&mut self, machine: &Machine) {
         (self.modal, self.remembered) = (Modal::new(), Remembered::new(machine));
     }
@@ -116,7 +116,7 @@ pub(crate) struct Others {
     pub(crate) running: [Option<Running>; 2],
     /// Where the channel waits before its cuts, while two channels begin them together.
     pub(crate) balance: Option<Wait>,
-    /// Axes that go to a position beside the path of the block.
+    /// Axes that move to a position independently of the path of the block.
     pub(crate) beside: Option<Box<beside::Beside>>,
     /// The working area of the program.
     pub(crate) area: Option<Box<area::WorkArea>>,
@@ -161,7 +161,7 @@ impl Others {
         }
     }
 
-    /// Something looks at each move.
+    /// Whether each move must be checked.
     #[inline(always)]
     pub(crate) fn attends(&self) -> bool {
         self.balance.is_some() | self.beside.is_some() | self.area.is_some()

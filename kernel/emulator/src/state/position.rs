@@ -58,7 +58,7 @@ pub(crate) struct Layout {
 }
 
 impl Layout {
-    /// The axis is none of X, Y and Z: a rotary or a parallel one.
+    /// Whether the axis is not X, Y or Z: a rotary or parallel axis.
     pub(crate) fn is_beside(&self, axis: AxisSlot) -> bool {
         !self.cartesian.contains(&Some(axis))
     }
@@ -75,14 +75,14 @@ pub(crate) struct InForce {
     pub(crate) length_sign: f64,
     /// Its number.
     pub(crate) length_number: u32,
-    /// Axes that it has been taken off, bit by axis.
+    /// Axes for which length compensation is suspended, one bit each.
     pub(crate) length_off: u8,
-    /// Its values, where the offset has got other ones since.
+    /// The active values, if the offset has received new values since.
     pub(crate) length_held: Option<Position>,
 }
 
 impl InForce {
-    /// Puts a length offset into force, with a sign; 0 ends length compensation.
+    /// Activates a length offset with a sign; 0 ends length compensation.
     pub(crate) fn set_length(&mut self, sign: f64, number: u32) {
         (self.length_sign, self.length_number) = (sign, number);
         (self.length_off, self.length_held) = (0, None);

@@ -3,8 +3,7 @@
 //! A control keeps the last number of a word whether or not a code of the block used it: an offset number that is alone in
 //! its block is the one that a later code takes. Codes, system variables, the tools of the summary and stepping all read this
 //! table, so they cannot disagree. *Invariant:* a value is that of the last word of the program, in the units of the machine,
-//! until another word replaces it or the channel is reset. Which offsets are in force is another question; `Place::in_force`
-//! answers it.
+//! until another word replaces it or the channel is reset. The active offsets are not here but in `Place::in_force`.
 
 use counterpoint_machine::Machine;
 use counterpoint_machine::ident::{DataId, data};
@@ -32,7 +31,7 @@ impl Remembered {
         Self { data: machine.data_names.map(|_, _| None), function: None, speed: None, sequence: None }
     }
 
-    /// The same words on another component, which has identifiers of its own.
+    /// The same words on another component, which has its own identifiers.
     pub(crate) fn fitted(&self, before: &Machine, machine: &Machine) -> Self {
         let mut fitted =
             Self { function: self.function, speed: self.speed, sequence: self.sequence, ..Self::new(machine) };
@@ -89,7 +88,7 @@ impl Remembered {
         self.speed
     }
 
-    /// Remembers a speed word, whatever it is the speed of.
+    /// Remembers a speed word of any meaning.
     pub(crate) fn remember_speed(&mut self, value: f64) {
         self.speed = Some(value);
     }

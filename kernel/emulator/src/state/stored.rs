@@ -1,18 +1,18 @@
 //! An area that the program sets and that the tool must not enter, or must not leave.
 //!
 //! Facts: Fanuc operator's manuals, stored stroke check 2 (G22, G23; parameter 1300#0 says which side is forbidden); Okuma
-//! programmable stroke limits. *Invariant:* a point on the border breaks no limit.
+//! programmable stroke limits. *Invariant:* a point on the border violates no limit.
 
-/// What a place may be beyond the border by rounding.
+/// Rounding tolerance at the border.
 const NOISE: f64 = 1e-6;
 
-/// Pieces that a circle is looked at in.
+/// Number of segments in which a circle is checked.
 const PIECES: u32 = 180;
 
 /// The area, in the machine frame, by the axes X, Y and Z as programmed.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(crate) struct StoredArea {
-    /// It holds.
+    /// Whether the area is switched on.
     pub(crate) on: bool,
     /// Its lower and its upper end along each axis, as far as they are set.
     pub(crate) ends: [[Option<f64>; 2]; 3],
@@ -24,7 +24,7 @@ pub(crate) struct StoredArea {
 pub(crate) type At = [Option<f64>; 3];
 
 impl StoredArea {
-    /// The axis, 0 to 2, along which a straight move breaks the limit.
+    /// The axis, 0 to 2, along which a straight move violates the limit.
     pub(crate) fn breaks(&self, from: &At, to: &At) -> Option<usize> {
         if self.keep_out { self.enters(from, to) } else { self.leaves(to) }
     }

@@ -39,7 +39,7 @@ pub(crate) struct Director<'a> {
     console: &'a dyn Console,
     control: &'a Control,
     info: &'a Info,
-    /// Numbered variables that channels share; none where components have their own.
+    /// Ranges of shared numbered variables; none if the components have their own.
     shared: Option<&'a [(u32, u32)]>,
     state: Mutex<State>,
 }

@@ -10,7 +10,7 @@ use crate::value::Value;
 pub enum Command<'a> {
     /// MATCH/ON, OFF
     Match(bool),
-    /// MATCH is on again: a user function begins, or has ended.
+    /// Switches MATCH on, at the start and after the end of a user function.
     MatchAgain,
     /// OUTPUT, with the arguments of the macro as they are now: number and value.
     Output(&'a [(u8, Value)]),

@@ -182,7 +182,7 @@ fn execute<'p>(
     }
 }
 
-/// Trace instructions that a jump back goes over: they cost nothing, so that a trace changes nothing.
+/// Trace instructions that a backward jump crosses: they cost no steps, so a trace does not change the run.
 fn traces(code: &Code, target: Target, at: usize) -> u64 {
     if code.statements.is_empty() {
         return 0;

@@ -2,7 +2,7 @@
 //! never moves an axis.
 //!
 //! Facts: programming manuals of the controls, which give these codes a block or a list of axis words of their own.
-//! *Invariant:* a code that leaves axis words to the motion code of its block is not among them.
+//! *Invariant:* a code that leaves axis words to the motion code of its block is not in this list.
 
 use counterpoint_motion::frame::local::Part;
 
@@ -34,7 +34,7 @@ const OWN: &[CodeId] = &[
     codes::WORK_AREA_LOW,
 ];
 
-/// All axis words of a block with this code are the code's, unless its row says otherwise.
+/// Whether all axis words of a block with this code belong to the code, unless its row says otherwise.
 #[must_use]
 pub fn owns_axes(id: CodeId) -> bool {
     match id.kind() {

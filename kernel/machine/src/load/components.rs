@@ -171,7 +171,7 @@ const OWN_SECTIONS: [&str; 10] = [
     "kinematics",
 ];
 
-/// Reports sections that the file of a composite has and nothing reads. Those of its family are not its own.
+/// Reports sections of the file of a composite that are never read, except those inherited from its family.
 pub(super) fn check_sections(composite: &Table, file: &str, check: &Check) {
     let own = |entry: &&Entry| OWN_SECTIONS.contains(&entry.key.as_str()) && &*entry.place.file == file;
     for entry in composite.entries.iter().filter(own) {

@@ -1,6 +1,6 @@
-//! What a macro uses and its place does not have: arguments, values of EXEC, dialogs.
+//! Findings about uses that the place of a macro does not support: arguments, values of EXEC, dialogs.
 //!
-//! Invariant: only what the text itself shows is a finding; what depends on a value is left to the run. Facts: reference
+//! Invariant: a finding follows from the text alone; a use that depends on a value is left to the run. Facts: reference
 //! control-emulator.md 4, macro-language.md 7.
 
 use counterpoint_lang::ast::{Expr, ExprKind, Macro, StatementKind, Variable, When};
@@ -11,16 +11,16 @@ use crate::macros::model::Hook;
 use crate::toml::check::Check;
 use crate::toml::node::Place;
 
-/// What a place gives to its macro.
+/// The inputs that a place gives to its macro.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Available {
-    /// The place, for people.
+    /// Name of the place in messages.
     pub(super) title: &'static str,
     /// Arguments `$P1` to this one.
     pub(super) arguments: u8,
-    /// Those that a macro may read and never sets.
+    /// Arguments that a macro may read but not set.
     pub(super) read_only: &'static [u8],
-    /// Nothing reads a program here.
+    /// Whether the kernel runs no program (the master).
     pub(super) is_master: bool,
 }
 

@@ -29,7 +29,7 @@ type OfComposite<'a> = Option<Option<(&'a str, &'a Place)>>;
 
 /// Reads the section; none if the machine has no macros. Dialogs that macros show by name are added to `shown`.
 ///
-/// Of a component `composite` has the declaration macro of its composite, if there is one.
+/// For a component, `composite` has the declaration macro of its composite, if there is one.
 pub(super) fn read(
     top: &mut Section<'_>,
     names: &Names<'_>,

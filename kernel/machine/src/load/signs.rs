@@ -1,7 +1,7 @@
-//! `[signs]`: by which signs programs show that they are for the machine.
+//! `[signs]`: the signs by which the machine of a program is guessed.
 //!
-//! Invariant: every pattern can be read. A machine is guessed only if its own file has the section; families hand on what
-//! stands in it.
+//! Invariant: every pattern can be read. A machine is guessed only if its own file has the section; signs of its families
+//! also count.
 
 use counterpoint_ports::files::Files;
 use counterpoint_signs::{Candidate, HEAVIEST, Pattern, Rows, Signs};
@@ -53,7 +53,7 @@ fn tables(table: &Table, check: &Check) -> Vec<(String, Rows)> {
     all
 }
 
-/// Patterns with their weights; weight 0 takes away what a family has.
+/// Patterns with their weights; weight 0 removes a sign of the family.
 fn rows(table: &Table, check: &Check) -> Rows {
     let mut rows = Rows::new();
     for entry in &table.entries {

@@ -1,7 +1,7 @@
-//! The local frame of axes beside X, Y and Z: rotary and parallel axes have a scale, a mirror and a translation of their own.
+//! The local frame of axes other than X, Y and Z: rotary and parallel axes have their own scale, mirror and translation.
 //!
-//! Parts and additive parts act in the order of the frame of X, Y and Z (`local`); a rotation leaves these axes alone.
-//! *Invariant:* the line of each axis has a way back.
+//! Parts and additive parts act in the order of the frame of X, Y and Z (`local`); a rotation does not change these axes.
+//! *Invariant:* the linear map of each axis has an inverse.
 
 use super::local::{Part, Refused};
 
@@ -11,10 +11,10 @@ pub const AXES: usize = 8;
 /// Most additive parts.
 const MOST: usize = 200;
 
-/// Largest number of a line and of its way back.
+/// Largest number of a line and of its inverse.
 const BOUND: f64 = 1e12;
 
-/// What becomes of the values of one axis: `value · factor + shift`.
+/// The linear map of one axis: `value · factor + shift`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Line {
     /// Factor.
@@ -39,7 +39,7 @@ impl Line {
         Self { shift, ..Self::SAME }
     }
 
-    /// A factor about a place that stays where it is.
+    /// A factor about a fixed point.
     #[must_use]
     pub fn scale(factor: f64, about: f64) -> Self {
         Self { factor, shift: about - factor * about }
@@ -51,13 +51,13 @@ impl Line {
         programmed * self.factor + self.shift
     }
 
-    /// The way back.
+    /// The inverse.
     #[must_use]
     pub fn to_program(self, work: f64) -> f64 {
         (work - self.shift) / self.factor
     }
 
-    /// This line after another one.
+    /// This line after another line.
     fn after(self, first: Self) -> Self {
         Self { factor: self.factor * first.factor, shift: self.to_work(first.shift) }
     }
@@ -68,7 +68,7 @@ impl Line {
     }
 }
 
-/// The local frame of the axes beside X, Y and Z.
+/// The local frame of the axes other than X, Y and Z.
 #[derive(Debug, Clone)]
 pub struct Beside {
     /// The part of each kind.

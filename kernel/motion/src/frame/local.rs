@@ -110,7 +110,7 @@ impl Local {
         &self.map
     }
 
-    /// What the program itself has made of it: without the rotation of the work offset.
+    /// The programmed part of the frame: without the rotation of the work offset.
     pub fn programmed(&self) -> Affine {
         match self.outer {
             None => self.map,

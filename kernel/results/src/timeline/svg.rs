@@ -1,6 +1,6 @@
 //! The timeline as a picture: a row for each channel with its tools above, the time below, lines where channels met.
 //!
-//! Where more sync points than [`READABLE`] meet, details follow below the whole: the same rows for a part of the time each.
+//! With more sync points than [`READABLE`], detail plots follow below the whole: the same rows, each for a part of the time.
 //! *Invariant:* the size of the picture depends on its width in pixels, not on the length of the log.
 
 mod critical;

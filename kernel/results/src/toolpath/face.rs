@@ -1,4 +1,4 @@
-//! The path of live tools as seen on the face of the part: what a C axis or a Y axis adds to a turning view.
+//! The path of live tools as seen on the face of the part: the view of moves of a C axis or a Y axis.
 //!
 //! Points are those of the part, not of the machine: the tool at radius X and height Y, turned by the angle of C. Moves of
 //! polar interpolation, whose axes follow a straight line on the face, are straight here as well. *Invariant:* only tools
@@ -14,7 +14,7 @@ use crate::geometry::{Loop, Sweep, scale};
 /// A move counts as straight if its length is that of the straight way, within this, mm or inch.
 const STRAIGHT: f64 = 1e-3;
 
-/// The path on the face in the making.
+/// Builder of the path on the face.
 #[derive(Debug)]
 pub(super) struct Face {
     x: (usize, f64),
@@ -30,7 +30,7 @@ pub(super) struct Face {
 }
 
 impl Face {
-    /// For a channel with X and one of C and Y; its path may take so many bytes.
+    /// A builder for a channel with X and one of C and Y; its path may take this many bytes.
     pub(super) fn new(channel: &info::Channel, room: u64) -> Option<Self> {
         let find = |name: &str| channel.axes.iter().position(|axis| axis.name == name);
         let x = find("X")?;

@@ -224,7 +224,7 @@ impl Path {
         }
     }
 
-    /// Where the path is now, to come back to with [`rewind`](Self::rewind).
+    /// The current place of the path, for [`rewind`](Self::rewind).
     pub(super) fn here(&self) -> Here {
         Here { moves: self.moves.len(), curves: self.curves.len(), marks: self.marks.len(), tolerance: self.tolerance }
     }

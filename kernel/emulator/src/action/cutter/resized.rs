@@ -1,7 +1,7 @@
-//! Another offset on the same side, beside the contour.
+//! A change of the offset value while compensation is active on the same side.
 //!
-//! The move of the block goes from where the old radius has led the tool to the end that the new one gives (B-63844EN/02 14.4.4,
-//! change of the offset amount). *Invariant:* the move that waits is not touched: its end still is that of the old radius.
+//! The move of the block starts at the end point of the old radius and ends at the end point of the new radius (B-63844EN/02
+//! 14.4.4, change of the offset amount). *Invariant:* the pending move does not change: its end is that of the old radius.
 
 use super::{before, compensated_plane, contour_allowance, no_radius, switched};
 use crate::act::Act;
@@ -13,7 +13,7 @@ use counterpoint_machine::ident::{CodeId, codes};
 use counterpoint_motion::contour::corner::Link;
 use counterpoint_motion::contour::element::Element;
 
-/// The number in force has changed under this code.
+/// The active number has changed while this code is active.
 pub(in crate::action) fn resized(act: &mut Act<'_, '_>, code: CodeId) -> Acted {
     before(act, Contour::Waits)?;
     let number = act.diameter_in_force().unwrap_or(0);

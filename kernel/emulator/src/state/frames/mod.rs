@@ -51,7 +51,7 @@ const FINE: f64 = 1e6;
 pub(crate) struct Frames {
     /// The local frame.
     pub(crate) local: Local,
-    /// The same of axes beside X, Y and Z.
+    /// The same for axes other than X, Y and Z.
     pub(crate) beside: Option<Box<Beside>>,
     /// Polar or cylindrical interpolation.
     pub(crate) polar: Option<polar::Polar>,
@@ -159,7 +159,7 @@ impl Frames {
         point
     }
 
-    /// Leads the axes beside X, Y and Z by their lines. Polar and cylindrical interpolation count the rotary axis in the
+    /// Transforms the axes other than X, Y and Z. Polar and cylindrical interpolation count the rotary axis in the
     /// work frame (Siemens MD24905 and MD24805 = 0).
     fn beside(&self, place: &Place, position: &mut Position, lead: impl Fn(Line, f64) -> f64) {
         let Some(beside) = &self.beside else { return };

@@ -106,7 +106,7 @@ impl Channel<'_> {
         self.state.place.offsets.as_deref().and_then(|offsets| offsets.turned.get(&number)).copied()
     }
 
-    /// Stores the rotation of a work offset, which is not in force before the frame is made again; `false` when there is no
+    /// Stores the rotation of a work offset, which takes effect when the frame is rebuilt; `false` when there is no
     /// room for it.
     pub(crate) fn store_turn(&mut self, number: u32, turn: Option<Affine>) -> bool {
         let turned = &mut self.state.place.offsets.get_or_insert_default().turned;

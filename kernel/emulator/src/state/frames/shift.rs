@@ -47,13 +47,13 @@ impl Channel<'_> {
         shift
     }
 
-    /// Values of the length offset in force.
+    /// Values of the active length offset.
     fn length_values(&self) -> Position {
         let in_force = &self.state.place.in_force;
         in_force.length_held.unwrap_or_else(|| self.directed(self.worn_length(in_force.length_number)))
     }
 
-    /// An offset is about to get other values: those in force stay where the control changes them by a word only.
+    /// Called before an offset gets new values: if the control changes the active values only by a word, keeps the old ones.
     pub(crate) fn hold_length(&mut self, table: Table, number: u32) {
         let in_force = &self.state.place.in_force;
         let concerns = table != Table::Work && number == in_force.length_number && in_force.length_sign != 0.0;
@@ -62,7 +62,7 @@ impl Channel<'_> {
         }
     }
 
-    /// Takes length compensation off axes, bit by axis; `false` where it shifts none of them.
+    /// Suspends length compensation for axes, one bit each; `false` if it shifts none of them.
     pub(crate) fn take_length_off(&mut self, axes: u8) -> bool {
         let shift = self.length_shift();
         let shifted = self.state.place.layout.axes.ids().filter(|slot| shift.at(*slot) != 0.0);

@@ -221,7 +221,7 @@ impl Channel<'_> {
         self.line_of(axis).map_or(word, |line| line.to_work(word)) + self.state.place.shift.at(axis)
     }
 
-    /// The line of an axis beside X, Y and Z in the local frame.
+    /// The linear map of an axis other than X, Y and Z in the local frame.
     pub(crate) fn line_of(&self, axis: AxisSlot) -> Option<Line> {
         let beside = self.state.place.frames.as_deref()?.beside.as_deref()?;
         Some(beside.map().at(axis))

@@ -21,7 +21,7 @@ pub(crate) struct FrameValues {
 }
 
 impl Channel<'_> {
-    /// All translations of axes beside X, Y and Z taken together.
+    /// The sum of all translations of axes other than X, Y and Z.
     pub(crate) fn beside_shift(&self) -> Position {
         let mut shift = [0.0; MAX_AXES];
         let frames = self.state.place.frames.as_deref().and_then(|frames| frames.beside.as_deref());
@@ -33,7 +33,7 @@ impl Channel<'_> {
         shift
     }
 
-    /// Axes beside X, Y and Z that are mirrored, bit by axis.
+    /// Mirrored axes other than X, Y and Z, one bit each.
     pub(crate) fn beside_mirrors(&self) -> u8 {
         let frames = self.state.place.frames.as_deref().and_then(|frames| frames.beside.as_deref());
         let mirrors = frames.into_iter().flat_map(|beside| beside.parts(Part::Mirror));

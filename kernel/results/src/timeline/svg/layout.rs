@@ -1,4 +1,4 @@
-//! Where the rows of a plot are: as far apart as the marks between them need.
+//! Positions of the rows of a plot: as far apart as the marks between them need.
 //!
 //! *Invariant:* plots of details follow each other without a gap in time, and there are [`MOST`] at most.
 

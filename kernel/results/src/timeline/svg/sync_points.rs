@@ -56,7 +56,7 @@ pub(super) fn draw(out: &mut String, timeline: &Timeline, layout: &Layout) {
     }
 }
 
-/// What is shown of a line: for each sync point its mark, when it was, and who arrived from where.
+/// The hint of a line: for each sync point its mark, its time, and the place of each arrival.
 fn hint(timeline: &Timeline, line: &Line) -> String {
     let mut hint = String::new();
     for point in line.points.iter().take(NAMED).filter_map(|index| timeline.waits.get(*index)) {

@@ -1,6 +1,6 @@
 //! Colours for tools: the first ones chosen by hand, further ones as far from all others as possible.
 //!
-//! *Invariant:* the same number of tools gives the same colours; none is a grey, which is for rapids and moves without a tool.
+//! *Invariant:* the same number of tools gives the same colours; none is grey, which marks rapids and moves without a tool.
 
 /// Colours that differ well on white.
 const CHOSEN: [[u8; 3]; 12] = [
@@ -18,10 +18,10 @@ const CHOSEN: [[u8; 3]; 12] = [
     [0x15, 0x3e, 0x75],
 ];
 
-/// Colours that are told apart at most; further tools begin again.
+/// Maximum number of different colours; further tools repeat them.
 const MOST: usize = 96;
 
-/// So many colours, `#rrggbb`.
+/// This many colours, `#rrggbb`.
 pub(super) fn colors(count: usize) -> Vec<String> {
     let mut all: Vec<[u8; 3]> = CHOSEN.into_iter().take(count.max(1)).collect();
     let candidates = candidates();

@@ -8,7 +8,7 @@ use super::{INK, LEFT, RIGHT, SOFT};
 use crate::svg::{round_step, text};
 use crate::toolpath::store::{Curve, Path, Stroke};
 
-/// Extent of what is to be seen, by coordinate; of a view to the right and up.
+/// Visible extent by coordinate; for a view, to the right and up.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Bounds {
     low: [f64; 3],

@@ -1,4 +1,4 @@
-//! The views of a picture: what each shows, and how points become places on paper.
+//! The views of a picture: the content of each view, and the projection of points.
 //!
 //! *Invariant:* a projection is linear, so that straight moves are straight in every view.
 
