@@ -125,7 +125,7 @@ pub(crate) fn reads_standard_input(programs: &[String]) -> bool {
     programs.iter().any(|text| program(text).is_ok_and(|(path, _)| standard_input::is(&path)))
 }
 
-/// The file that standard input becomes inside the job; none if no program is `-`. It has to be the first of its name.
+/// The file of standard input inside the job; none if no program is `-`. It must be the first file of its name.
 fn piped(inputs: &Inputs) -> Result<Option<String>, Error> {
     let name = inputs.files.name.as_deref();
     let programs = inputs.programs.iter().map(|text| program(text)).collect::<Result<Vec<_>, _>>()?;

@@ -1,6 +1,6 @@
 //! `-`: standard input in place of a file.
 //!
-//! *Invariant:* a command reads it at most once, to its end, and no more than the largest file that a server takes.
+//! *Invariant:* a command reads standard input at most once, to its end, and no more than the largest file that a server takes.
 
 use std::io::{IsTerminal as _, Read as _};
 use std::path::Path;
@@ -8,7 +8,7 @@ use std::path::Path;
 use crate::error::Error;
 use crate::say::{self, DIM, styled};
 
-/// Its name in messages.
+/// Name of standard input in messages.
 pub(crate) const NAME: &str = "<standard input>";
 
 /// Most bytes that are read: those of the largest file that a server takes by default.
@@ -22,12 +22,12 @@ pub(crate) fn is(path: &Path) -> bool {
 /// Refuses `-` for an option whose file has to have a name.
 pub(crate) fn refuse(option: &str, path: &Path) -> Result<(), Error> {
     if is(path) {
-        return Err(Error::Usage(format!("{option} needs a file: - (standard input) stands for a program only")));
+        return Err(Error::Usage(format!("{option} needs a file: only a program can be standard input (-)")));
     }
     Ok(())
 }
 
-/// All of it.
+/// Reads all of standard input.
 pub(crate) fn read() -> Result<Vec<u8>, Error> {
     if std::io::stdin().is_terminal() {
         say::status_line(styled(DIM, "reading from standard input; Ctrl-D (Windows: Ctrl-Z and Enter) ends it"));

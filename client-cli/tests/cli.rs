@@ -364,7 +364,7 @@ fn waiting_codes_are_set_for_one_run() {
         let (status, _, text) = run(more);
         assert!(status == 2 && text.contains(with), "{text}");
     };
-    refused(&["--set", "waits=9"], "no range");
+    refused(&["--set", "waits=9"], "is not a range");
     refused(&["--set", "rapid=9"], "no such key 'rapid': the keys are waits=FIRST-LAST");
     refused(&["--machine", "siemens-2channel", "--set", "waits=900-999"], "has no range of M codes that wait");
 }
@@ -810,7 +810,7 @@ fn a_program_comes_from_standard_input() {
     assert!(ended == 2 && text.contains("the file ending .mpf (a.mpf)"), "{text}");
     let (ended, text) =
         told(&["run", "-", "--encoding", "shift_jis", "--machine", "fanuc-mill"], "O1\n(\u{fffd})\nM30\n");
-    assert!(ended == 2 && text.contains("'<standard input>' has bytes that are no characters"), "{text}");
+    assert!(ended == 2 && text.contains("'<standard input>' has bytes that are not characters"), "{text}");
     let measured = program(folder.path(), "lines.csv", "line,seconds\n2,1.5\n");
     let calibrate = ["calibrate", "--machine", "fanuc-mill", "--measured", &measured, "-"];
     let (ended, text) = told(&calibrate, "O1\nG0 X100.\nM30\n");

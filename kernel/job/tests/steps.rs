@@ -161,7 +161,7 @@ fn blocks_of_one_channel_and_of_all() {
             ("step".into(), vec![1, 1]),
             // The dwell of channel 1 is over, channel 2 has not begun.
             ("step".into(), vec![2, 1]),
-            ("channel 1 stands at a wait".into(), vec![2, 1]),
+            ("channel 1 is waiting".into(), vec![2, 1]),
             // Channel 1 is within its block and channel 2 does one.
             ("step".into(), vec![2, 2]),
             // The meeting: both are at their third block.
@@ -185,10 +185,10 @@ fn a_block_under_way_is_the_first_of_a_step() {
     assert_eq!(
         stops(&said)[1..],
         [
-            ("channel 2 comes to M101 (breakpoint 1)".into(), vec![2, 2]),
-            ("channel 2 stands at a wait".into(), vec![2, 2]),
+            ("channel 2 reaches M101 (breakpoint 1)".into(), vec![2, 2]),
+            ("channel 2 is waiting".into(), vec![2, 2]),
             // Channel 1 is needed, and stopped where it comes to the wait.
-            ("channel 1 comes to M101 (breakpoint 1)".into(), vec![2, 2]),
+            ("channel 1 reaches M101 (breakpoint 1)".into(), vec![2, 2]),
         ]
     );
     let commands = vec![
@@ -228,11 +228,11 @@ fn breakpoints_at_waits_lines_times_and_writes() {
         reasons,
         [
             // The first block that begins at 0.4 s or later, in the order of simulated time.
-            "channel 2 comes to jobs/p2.nc:4 (breakpoint 1)",
-            "channel 2 comes to M101 (breakpoint 3)",
-            "channel 1 comes to jobs/p1.nc:2 (breakpoint 2)",
+            "channel 2 reaches jobs/p2.nc:4 (breakpoint 1)",
+            "channel 2 reaches M101 (breakpoint 3)",
+            "channel 1 reaches jobs/p1.nc:2 (breakpoint 2)",
             "channel 1 has written #500=7 (breakpoint 4)",
-            "channel 1 comes to M101 (breakpoint 3)",
+            "channel 1 reaches M101 (breakpoint 3)",
             "channel 1 has written #500=8 (breakpoint 4)",
         ]
     );
@@ -304,7 +304,7 @@ fn what_cannot_be_done_is_refused() {
             "a reset is for one channel: reset 1",
             "there is no breakpoint 1",
             "channel 2 is on feed hold: resume it first",
-            "channel 2 stands at a wait; it can be reset before its next block, once its partner has come",
+            "channel 2 is waiting; reset it after its partner has arrived, before its next block",
         ]
     );
     assert_eq!(summary.state, summary::State::Succeeded);
