@@ -572,7 +572,7 @@ fn jobs_are_named_by_the_beginning_of_their_ids() {
     assert!(status == 2 && talk.contains("UNKNOWN_JOB"), "{talk}");
     assert!(
         done(&["jobs", "--label", "order=4711"])
-            .contains(&short(&done(&["jobs", "--limit", "1"]).lines().nth(1).unwrap()))
+            .contains(&short(done(&["jobs", "--limit", "1"]).lines().nth(1).unwrap()))
     );
 }
 

@@ -73,7 +73,7 @@ pub(crate) struct ProgramFiles {
     /// Read the programs in this code page: windows-1252, iso-8859-2, cp850, shift_jis, utf-16le, … [default: UTF-8, or UTF-16]
     #[arg(long, value_name = "NAME")]
     pub(crate) encoding: Option<Encoding>,
-    /// Name the program from standard input (-), for messages, results and the guess of the machine [default: <standard input>]
+    /// Name the program from standard input (-), for messages, results and the guess of the machine (default: standard input)
     #[arg(long, value_name = "FILE", value_parser = file_name)]
     pub(crate) name: Option<String>,
 }
