@@ -264,3 +264,21 @@ fn a_channel_with_many_tools_and_meetings_is_a_small_picture() {
     assert!(svg.len() < 400_000, "{}", svg.len());
     assert!(timeline.channels[0].tools.len() <= 10_000);
 }
+
+#[test]
+fn plots_of_details_show_the_critical_path_and_the_marks_of_their_own_time() {
+    let mut events = Vec::new();
+    for n in 0..60_u32 {
+        let t = i64::from(n) * S;
+        for channel in [1, 2] {
+            events.push(wait(channel, n, t + S, "M159", &[1, 2]));
+            events.push(release(channel, n, t + S, t + S, "M159", u64::from(n) + 1));
+        }
+    }
+    events.extend([life(1, 60 * S, Phase::ProgramEnd), life(2, 60 * S, Phase::ProgramEnd)]);
+    let svg = timeline(&lathe(&["x", "y"]), &events).svg();
+    assert!(svg.matches("<clipPath").count() > 1, "{svg}");
+    let starts = svg.split(r#"stroke-width="2.5" d="M"#).skip(1).filter_map(|path| path.split(' ').next());
+    let starts: Vec<f64> = starts.map(|x| x.parse().unwrap()).collect();
+    assert!(starts.len() > 1 && starts.iter().all(|x| *x >= 150.0), "{starts:?}");
+}

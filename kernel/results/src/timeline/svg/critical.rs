@@ -44,7 +44,9 @@ pub(super) fn draw(out: &mut String, timeline: &Timeline, layout: &Layout) {
         if !scale.sees(from, to) {
             continue;
         }
-        let (from, to) = (scale.x(from), scale.x(to));
+        // A plot of details shows a part of the time only.
+        let (first, last) = scale.window();
+        let (from, to) = (scale.x(from.max(first)), scale.x(to.min(last)));
         if to - from < SHORTEST {
             continue;
         }

@@ -4,7 +4,7 @@
 //! row do not lie over each other; a mark that finds no place is still named by the hint of its line.
 
 use super::scale::Scale;
-use super::{LEFT, WIDTH};
+use super::{LEFT, RIGHT};
 use crate::summary::SyncPoint;
 use crate::svg::{fit, width};
 use crate::timeline::Timeline;
@@ -101,7 +101,7 @@ fn place(timeline: &Timeline, lines: &[Line], levels: usize) -> Vec<Mark> {
         let Some((&row, ends)) = line.rows.first().and_then(|row| Some((row, ends.get_mut(*row)?))) else { continue };
         for text in texts(timeline, line) {
             let wide = width(&text, 11) + 6.0;
-            let left = (line.x - wide / 2.0).clamp(LEFT - 10.0, WIDTH - 4.0 - wide);
+            let left = (line.x - wide / 2.0).clamp(LEFT - 10.0, RIGHT - wide);
             let free = ends.iter_mut().take(levels).enumerate().find(|(_, end)| left >= **end + 3.0);
             if let Some((level, end)) = free {
                 *end = left + wide;
