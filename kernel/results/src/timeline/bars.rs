@@ -35,10 +35,23 @@ pub struct Bar {
     pub label: Option<Arc<str>>,
     /// The axis that another channel moved meanwhile: `Z2 with Z1`.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub carried: Option<Box<str>>,
+    pub carried: Option<Box<CarriedAxes>>,
     /// Time of the kind, when shorter ones of other kinds are inside.
     #[serde(skip)]
     pub(super) own_ns: i64,
+}
+
+/// Names of axes that another channel moves. Few bars have them, so that the name is kept outside of the bar.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[serde(transparent)]
+pub struct CarriedAxes(Box<str>);
+
+impl CarriedAxes {
+    /// The text: the own axis and the one that it follows.
+    #[must_use]
+    pub fn text(&self) -> &str {
+        &self.0
+    }
 }
 
 impl Bar {
@@ -126,7 +139,7 @@ impl Bars {
             && last.kind == Work::Wait
             && last.end_ns() == t_ns
         {
-            last.carried = Some(axes.into());
+            last.carried = Some(Box::new(CarriedAxes(axes.into())));
         }
     }
 
