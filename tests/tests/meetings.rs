@@ -113,7 +113,7 @@ fn the_most_channels_poll_in_a_ring() {
         let done = work.run(None).unwrap();
         let verdict = done.summary.verdict.clone().unwrap();
         assert_eq!((verdict.kind, verdict.at_ns, verdict.members.len()), (VerdictKind::PartnerSpinning, 2_000_000, 32));
-        assert!(verdict.text.contains("channel 7: polls #507 at "), "{}", verdict.text);
+        assert!(verdict.text.contains("channel 7 polls #507 at "), "{}", verdict.text);
         found.push(done.events);
     }
     assert!(found.windows(2).all(|pair| pair[0] == pair[1]));
