@@ -22,7 +22,7 @@ impl Numbers {
     }
 }
 
-/// What a channel does, with the line of its jump back.
+/// What a channel does, with the line at which its loop begins.
 #[derive(Debug, Clone, Copy)]
 enum Step {
     Write(u64),
@@ -48,6 +48,7 @@ fn program(own: u16, numbers: &mut Numbers) -> (String, Vec<Step>) {
             steps.push(Step::Write(variable));
             continue;
         }
+        let begins = lines.len() as u32 + 1;
         match numbers.below(6) {
             0 | 1 => lines.extend([format!("WHILE[{name}EQ0]DO1"), "END1".to_owned()]),
             2 => lines.extend([format!("N{label}G4P{}", 1 + numbers.below(50)), format!("IF[{name}EQ0]GOTO{label}")]),
@@ -60,13 +61,13 @@ fn program(own: u16, numbers: &mut Numbers) -> (String, Vec<Step>) {
             4 => lines.extend([format!("N{label}M98P9"), format!("IF[{name}EQ0]GOTO{label}")]),
             _ => lines.extend([format!("N{label}#2={name}"), format!("IF[#2EQ0]GOTO{label}")]),
         }
-        steps.push(Step::Poll(variable, lines.len() as u32));
+        steps.push(Step::Poll(variable, begins));
     }
     lines.push("M30\nO9\n#3=0\nN80#3=#3+1\nIF[#3LT2]GOTO80\nM98P8L2\nM99\nO8\nG4P1\nM99\n".to_owned());
     (lines.join("\n"), steps)
 }
 
-/// The channels that never leave a loop, with the lines of their jumps back: whoever can go on does, in any order.
+/// The channels that never leave a loop, with the lines at which the loops begin: whoever can go on does, in any order.
 fn stuck(programs: &[Vec<Step>]) -> BTreeSet<(u16, u32)> {
     let mut written = BTreeSet::new();
     let mut at = vec![0; programs.len()];

@@ -10,6 +10,7 @@ mod aims;
 mod along;
 mod archive;
 mod beside;
+mod beside_words;
 mod branches;
 mod calls;
 mod contours;

@@ -143,6 +143,7 @@ impl Siemens {
         self.rewrite(host, &mut left)?;
         super::spindles::stop_once(&mut left);
         self.go_to_positions(host, &mut left)?;
+        super::beside_words::check(&left.words, || super::system::plane(host))?;
         self.activate_frames(host, &left.words)?;
         self.finish(host, line, left)
     }

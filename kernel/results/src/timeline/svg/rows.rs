@@ -102,7 +102,10 @@ fn run(kind: Work, bars: &[&Bar]) -> Run {
         end_ns: last.map_or(0, |b| b.end_ns()),
         lines: (first.map_or(0, |b| b.line), last.map_or(0, |b| b.end_line)),
         label: first.filter(|_| bars.len() == 1).and_then(|b| b.label.as_deref()).map(str::to_owned),
-        carried: first.filter(|_| bars.len() == 1).and_then(|b| b.carried.as_deref()).map(|axes| axes.text().to_owned()),
+        carried: first
+            .filter(|_| bars.len() == 1)
+            .and_then(|b| b.carried.as_deref())
+            .map(|axes| axes.text().to_owned()),
     }
 }
 

@@ -1,0 +1,73 @@
+//! Words that a block must not have beside each other.
+//!
+//! Facts: reference siemens-cycles.md 6: frames and poles stand in blocks of their own (12120), RP is not negative (14200), a block
+//! has polar or Cartesian words of its plane (14280). *Invariant:* a block that is refused moves nothing.
+
+use super::{Fault, Outcome};
+use counterpoint_fault as diag;
+
+/// Statements whose axis words are data.
+const OWN_BLOCK: [&str; 13] =
+    ["TRANS", "ATRANS", "ROT", "AROT", "ROTS", "AROTS", "SCALE", "ASCALE", "MIRROR", "AMIRROR", "G110", "G111", "G112"];
+
+/// Refuses such words; `plane`: 1 for G17 to 3 for G19.
+pub(super) fn check(words: &str, plane: impl FnOnce() -> Option<i64>) -> Outcome<()> {
+    let mut before = words.split(' ').take_while(|word| !OWN_BLOCK.contains(word));
+    let own = words.split(' ').find(|word| OWN_BLOCK.contains(word));
+    if let Some(own) = own {
+        let moves = before.find(|word| is_axis(word) || is_motion(word));
+        if let Some(word) = moves.or_else(|| words.split(' ').find(|word| is_motion(word))) {
+            let text = format!("{own} stands in a block of its own, here it has {word} beside it (alarm 12120)");
+            return Err(Fault::Alarm(&diag::SIEMENS_STATE, text));
+        }
+    }
+    if !words.split(' ').any(|word| word.starts_with("RP=") || word.starts_with("AP=")) {
+        return Ok(());
+    }
+    if words.split(' ').any(|word| word.starts_with("RP=-") && word != "RP=-0") {
+        let text = "the polar radius RP is negative (alarm 14200)".to_owned();
+        return Err(Fault::Alarm(&diag::SIEMENS_STATE, text));
+    }
+    let axes = match plane() {
+        Some(2) => ['Z', 'X'],
+        Some(3) => ['Y', 'Z'],
+        _ => ['X', 'Y'],
+    };
+    match words.split(' ').find(|word| is_axis(word) && word.starts_with(axes)) {
+        Some(word) => {
+            let text =
+                format!("{word} is a word of the plane beside polar words; program one kind of them (alarm 14280)");
+            Err(Fault::Alarm(&diag::SIEMENS_STATE, text))
+        }
+        None => Ok(()),
+    }
+}
+
+/// A word of X, Y or Z.
+fn is_axis(word: &str) -> bool {
+    let value = word.strip_prefix(['X', 'Y', 'Z']);
+    value.is_some_and(|value| value.starts_with(|next: char| next.is_ascii_digit() || "+-.=".contains(next)))
+}
+
+/// G0 to G3, with leading zeros or without.
+fn is_motion(word: &str) -> bool {
+    let digits = word.strip_prefix('G').filter(|digits| !digits.is_empty());
+    digits.is_some_and(|digits| matches!(digits.trim_start_matches('0'), "" | "1" | "2" | "3"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::check;
+
+    #[test]
+    fn frames_and_polar_words_beside_moves() {
+        for words in ["TRANS X5", "ROT RPL=30", "G110 X5 Y5", "G0 RP=10 AP=45", "G1 RP=10 AP=45 Z5", "G111 RP=5 AP=0"] {
+            assert!(check(words, || Some(1)).is_ok(), "{words}");
+        }
+        for words in ["G0 X5 ROT Z45", "X5 MIRROR Y0", "G00 Y5 TRANS X1", "TRANS X5 G1", "G0 G110 X5 Y5", "RP=-5 AP=0"]
+        {
+            assert!(check(words, || Some(1)).is_err(), "{words}");
+        }
+        assert!(check("G0 X3 RP=5 AP=45", || Some(1)).is_err() && check("G0 X3 RP=5 AP=45", || Some(3)).is_ok());
+    }
+}
