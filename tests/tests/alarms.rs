@@ -152,6 +152,8 @@ const CASES: &[Case] = &[
     Case("PS0145", 2_900_380, LATHE, "", "G41\nG12.1"),
     Case("PS0146", 2_900_380, LATHE, "", "G12.1\nG28 U0."),
     Case("PS0161", 2_900_051, "fanuc-3path-lathe-exact", "", "M101 P19"),
+    Case("PS0175", 2_900_380, LATHE, "", "G41\nG7.1 C10."),
+    Case("PS0176", 2_900_380, LATHE, "", "G7.1 C10.\nG28 U0."),
     Case("PS0190", 2_900_380, LATHE, "", "G96 S100 P7"),
     Case("PS0217", 2_900_380, LATHE, "", "G51.2 P1 Q2\nG51.2 P1 Q2"),
     Case("PS0218", 2_900_380, LATHE, "", "G51.2 P1"),

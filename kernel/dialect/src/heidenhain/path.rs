@@ -258,7 +258,7 @@ impl Walk<'_> {
         self.note_words();
         let step = self.step;
         if step.seen.iter().any(|word| word.is("G") && matches!(word.value, Some(26.0 | 27.0))) {
-            self.refuse("G26 and G27 are not supported");
+            self.refuse("G26 and G27 stand in a block of their own, with R alone");
             return Ok(Vec::new());
         }
         if step.shape == Shape::FreeSelect {
