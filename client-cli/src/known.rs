@@ -1,6 +1,6 @@
 //! Names of machines that this program knows.
 //!
-//! *Invariant:* every command refuses a name that is no machine with the same words.
+//! *Invariant:* all commands refuse an unknown machine name in the same words.
 
 use std::path::Path;
 

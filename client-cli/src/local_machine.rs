@@ -1,6 +1,6 @@
 //! A machine that this program reads itself: a shipped one, or a folder with the families beside it.
 //!
-//! *Invariant:* a name that is no machine is refused as the other commands refuse it.
+//! *Invariant:* an unknown machine name is refused as in the other commands.
 
 use std::path::Path;
 

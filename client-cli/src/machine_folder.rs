@@ -61,7 +61,7 @@ fn named(text: &str) -> Vec<String> {
     extends(text).into_iter().chain(components).collect()
 }
 
-/// The machine that a definition extends. Only what stands before the first table is read, unless that is no whole text by itself.
+/// The machine that a definition extends. Only the lines before the first table are read if they are valid TOML alone.
 fn extends(text: &str) -> Option<String> {
     let first_table =
         text.split_inclusive('\n').take_while(|line| !line.trim_start().starts_with('[')).map(str::len).sum();

@@ -1,4 +1,4 @@
-//! `machine show --sort`, `--filter` and the part `undefined`: views of what a server tells about a machine.
+//! `machine show --sort`, `--filter` and the part `undefined`: views of the data of a machine.
 //!
 //! *Invariant:* rows are left out or take another place, and nothing in them changes.
 

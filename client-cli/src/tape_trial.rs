@@ -62,7 +62,7 @@ fn steps(machine: &Machine, line: &[u8], all: bool) -> Value {
     json!({ "line": String::from_utf8_lossy(line), "steps": steps.collect::<Vec<_>>() })
 }
 
-/// The line, and behind it the text after each rule that acts.
+/// The line, then its text after each rule that acts.
 fn text(tried: &Value) -> String {
     let of = |value: &Value| value.as_str().unwrap_or_default().to_owned();
     let mut out = format!("{}\n", of(tried.at("line")));

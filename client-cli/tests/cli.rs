@@ -513,7 +513,7 @@ fn server(folder: &Path) -> (tokio::runtime::Runtime, String) {
     (runtime, url)
 }
 
-/// Each command that takes a job takes the beginning of its id, and none acts on a job that is not told from others.
+/// Each command that takes a job takes the beginning of its id, and none acts on an ambiguous one.
 #[test]
 fn jobs_are_named_by_the_beginning_of_their_ids() {
     let folder = tempfile::tempdir().unwrap();

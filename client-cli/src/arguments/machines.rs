@@ -73,7 +73,7 @@ pub(crate) enum Machine {
     Diff {
         /// Name of a shipped machine, or a folder with machine.toml
         a: String,
-        /// Name of the other one, or its folder
+        /// Name or folder of the second machine
         b: String,
         /// Print JSON
         #[arg(long)]

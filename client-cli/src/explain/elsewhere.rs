@@ -12,7 +12,7 @@ use super::{programs, words};
 use crate::fields::Fields as _;
 use crate::local_machine;
 
-/// Shipped machines that have the word, by what it is there; `not` is the machine that has been asked.
+/// Shipped machines that have the word, by the kind of word; `not` is the machine of the question.
 pub(super) fn machines(word: &str, not: Option<&str>) -> Vec<Value> {
     let mut found: Vec<(String, Vec<String>)> = Vec::new();
     for (name, machine) in local_machine::all_shipped().filter(|(name, _)| Some(name.as_str()) != not) {

@@ -55,7 +55,7 @@ fn anywhere(asked: &str, json: bool) -> Result<u8, Error> {
     Ok(0)
 }
 
-/// A machine with what its words are explained from.
+/// A machine with the pages and tables that explain its words.
 struct Subject {
     machine: Machine,
     local: LocalMachine,
@@ -156,7 +156,7 @@ impl Subject {
         codes.collect()
     }
 
-    /// The register of a word that is no code.
+    /// The register of a word other than a code.
     fn register(&self, found: &Found, before: &[CodeRowId]) -> Value {
         if !found.codes.is_empty() && found.register.is_some_and(|(_, value)| value.is_some()) {
             return Value::Null;
@@ -246,7 +246,7 @@ impl Subject {
         .collect()
     }
 
-    /// A diagnostic or an alarm, and what the machine makes of it.
+    /// A diagnostic or an alarm, with the changes of the machine.
     fn diagnostic(&self, asked: &str) -> Value {
         let page = macros::diagnostic(asked);
         let refusals = code::refusals(&self.machine, |rule| rule.alarm.eq_ignore_ascii_case(asked));

@@ -11,7 +11,7 @@ use serde_json::{Value, json};
 
 use super::code;
 
-/// A row of the data table with its meaning, how its number is written, and what reads it.
+/// A row of the data table with its meaning, the format of its number, and the codes that read it.
 pub(super) fn data(machine: &Machine, id: DataRowId) -> Value {
     let row = &machine.data[id];
     let name = machine.data_name(row.id);
