@@ -14,6 +14,8 @@ pub struct Habits {
     pub rotations: Rotations,
     /// Feed per minute that counts where none is programmed, or zero; without one such moves are timed as rapid ones.
     pub least_feed: Option<f64>,
+    /// The feed of the path counts for X, Y and Z only; other axes go along, unless the program says otherwise.
+    pub feed_of_geometry: bool,
     /// Incremental words travel changes of frames, offsets and tool lengths too.
     pub frame_increments: bool,
     /// How the programs of channels stand in one file.
@@ -149,6 +151,7 @@ impl Default for Habits {
             home: Home::Workpiece,
             rotations: Rotations { name: "CAC", axes: [2, 0, 2] },
             least_feed: None,
+            feed_of_geometry: false,
             frame_increments: false,
             programs: FileLayout::Numbers,
             last_of_group: false,

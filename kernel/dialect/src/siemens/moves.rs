@@ -1,11 +1,11 @@
-//! Statements about how moves are made: G functions by their numbers, axes that F counts for, dynamics of axes.
+//! Statements about how moves are made: G functions by their numbers, axes that F counts for and their radii, dynamics of axes.
 //!
-//! Facts: programming manual of the control (G groups, FGROUP, ACC, VELOLIM, JERKLIM). *Invariant:* what is ignored is told.
+//! Facts: programming manual of the control (G groups, FGROUP, FGREF, ACC, VELOLIM, JERKLIM). *Invariant:* what is ignored is told.
 
-use super::expression::{Argument, Expression};
+use super::expression::{Argument, Expression, Name};
 use super::line::Assigned;
 use super::run::Left;
-use super::{Outcome, Siemens, syntax};
+use super::{Outcome, Siemens, syntax, wrong_type};
 use crate::host::Host;
 use counterpoint_fault as diag;
 
@@ -39,18 +39,35 @@ impl Siemens {
         Ok(())
     }
 
-    /// FGROUP: the axes that F counts for. The geometry axes, or none, are those that it counts for anyway.
+    /// FGROUP: the axes that F counts for, all others go along; without axes the geometry axes.
     pub(super) fn feed_group(&mut self, host: &mut dyn Host, arguments: &[Argument]) -> Outcome<()> {
-        if Self::groups_of_feed(host, arguments) {
-            return Ok(());
+        let mut letters = Vec::new();
+        for argument in arguments.iter().filter(|argument| !argument.text.trim().is_empty()) {
+            let axis = self.axis_argument(host, argument)?;
+            let Some(letter) = host.axis_letter(axis.trim()) else {
+                return syntax(format!("FGROUP takes names of axes of the channel, not '{}'", argument.text.trim()));
+            };
+            letters.push(letter.to_owned());
         }
-        for argument in arguments {
-            if !host.is_register(&argument.text.trim().to_ascii_uppercase()) {
-                return syntax(format!("FGROUP takes names of axes, not '{}'", argument.text.trim()));
-            }
-        }
-        let text = format!("FGROUP is ignored in '{}': F counts as without it", host.block_text());
-        host.diagnose(&diag::SIEMENS_IGNORED, text);
+        host.count_feed(&letters);
         Ok(())
+    }
+
+    /// FGREF[axis]: the radius at which F counts the way of a rotary axis.
+    pub(super) fn feed_radius(&mut self, host: &mut dyn Host, name: &Name, value: &Assigned) -> Outcome<bool> {
+        let axis = self.axis_of(host, name)?.text();
+        let Some(letter) = host.axis_letter(&axis).map(str::to_owned) else {
+            return wrong_type(format!("the channel has no axis {axis}"));
+        };
+        let Assigned::One(value, _) = value else { return syntax("FGREF takes a radius") };
+        let radius = super::evaluate::number(&self.evaluate(host, value)?)?;
+        if radius.is_nan() || radius <= 0.0 {
+            return wrong_type(format!("the radius {radius} of FGREF is not above 0"));
+        }
+        if !host.set_feed_radius(&letter, radius) {
+            let text = format!("FGREF is ignored in '{}': axis {axis} does not turn", host.block_text());
+            host.diagnose(&diag::SIEMENS_IGNORED, text);
+        }
+        Ok(true)
     }
 }

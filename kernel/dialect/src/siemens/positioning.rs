@@ -1,11 +1,10 @@
-//! POS, POSA, FA and WAITP: axes that go to a position by themselves. ACC, VELOLIM, JERKLIM, ATOL, FL, FGREF: data of single axes. FGROUP: axes of the feed.
+//! POS, POSA, FA and WAITP: axes that go to a position by themselves. ACC, VELOLIM, JERKLIM, ATOL, FL: data of single axes.
 //!
 //! Facts: programming manual, fundamentals, chapter "traversing positioning axes": positioning axes move independently of the path,
 //! each with its own feed; POS[axis] waits at the end of its block, POSA[axis] does not, WAITP waits for such an axis; FA[axis] is
 //! its feed per minute, without it the axis moves at the rate of the machine. Decisions: the block also waits with POSA, so WAITP
-//! never waits; without FA an axis is rapid; all axes move together with the first move of the block. Limits of single axes and
-//! radii of FGREF have no effect, with a warning if they would change times. FGROUP of the geometry axes, or without axes, is the
-//! default; FGROUP of other axes is ignored with a warning. *Invariant:* group 1, the type of the feed and F of the path do not change.
+//! never waits; without FA an axis is rapid; all axes move together with the first move of the block. Limits of single axes
+//! have no effect, with a warning if they would change times. *Invariant:* group 1, the type of the feed and F of the path do not change.
 
 use super::expression::{Argument, Name, as_name};
 use super::line::Assigned;
@@ -17,9 +16,7 @@ use counterpoint_fault as diag;
 /// The word for the machine's tables that ends blocks with POS.
 const ARRIVE: &str = "SC_POS";
 /// Data of an axis or spindle that change nothing here.
-const LIMITS: [&str; 6] = ["ACC", "VELOLIM", "JERKLIM", "ATOL", "FL", "FGREF"];
-/// Axes of the path.
-const GEOMETRY: [&str; 3] = ["X", "Y", "Z"];
+const LIMITS: [&str; 5] = ["ACC", "VELOLIM", "JERKLIM", "ATOL", "FL"];
 
 /// A word of an axis, as `X5`, `X-1` or `X=5`.
 fn is_word_of(word: &str, letter: &str) -> bool {
@@ -37,6 +34,9 @@ impl Siemens {
         left: &mut Left,
     ) -> Outcome<bool> {
         let [_] = name.index.as_slice() else { return Ok(false) };
+        if name.name == "FGREF" {
+            return self.feed_radius(host, name, value);
+        }
         if LIMITS.contains(&name.name.as_str()) && host.is_code_text(ARRIVE) {
             return self.limit(host, name, value);
         }
@@ -123,30 +123,13 @@ impl Siemens {
         Ok(true)
     }
 
-    /// FGROUP of the geometry axes, or of none.
-    pub(super) fn groups_of_feed(host: &dyn Host, arguments: &[Argument]) -> bool {
-        let mut left: Vec<&str> = GEOMETRY.into_iter().filter(|name| host.axis_letter(name).is_some()).collect();
-        for argument in arguments {
-            let Some(letter) = host.axis_letter(argument.text.trim()) else { return false };
-            let Some(at) = left.iter().position(|name| name.eq_ignore_ascii_case(letter)) else { return false };
-            left.remove(at);
-        }
-        arguments.is_empty() || left.is_empty()
-    }
-
     /// WAITP(axis, …): the axes are where they were to go. Whether it is one.
     pub(super) fn waits_for_axes(&mut self, host: &mut dyn Host, name: &str, arguments: &[Argument]) -> Outcome<bool> {
         if name != "WAITP" || !host.is_code_text(ARRIVE) {
             return Ok(false);
         }
         for argument in arguments {
-            let axis = match &argument.value {
-                Ok(Some(expression)) => match as_name(expression) {
-                    Some(name) if name.index.is_empty() && !self.variables.knows(&name.name) => name.name.clone(),
-                    _ => self.evaluate(host, expression)?.text(),
-                },
-                _ => argument.text.clone(),
-            };
+            let axis = self.axis_argument(host, argument)?;
             if host.axis_letter(&axis).is_none() {
                 return wrong_type(format!("WAITP waits for axes of the channel, not for {axis}"));
             }
@@ -155,6 +138,17 @@ impl Siemens {
             return syntax("WAITP needs an axis");
         }
         Ok(true)
+    }
+
+    /// The name of the axis that an argument gives, by itself or as a value.
+    pub(super) fn axis_argument(&mut self, host: &mut dyn Host, argument: &Argument) -> Outcome<String> {
+        Ok(match &argument.value {
+            Ok(Some(expression)) => match as_name(expression) {
+                Some(name) if name.index.is_empty() && !self.variables.knows(&name.name) => name.name.clone(),
+                _ => self.evaluate(host, expression)?.text(),
+            },
+            _ => argument.text.clone(),
+        })
     }
 }
 

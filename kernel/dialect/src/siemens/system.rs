@@ -72,6 +72,7 @@ impl Siemens {
                     None => return Ok(None),
                 },
             },
+            "$PI" => Data::Real(std::f64::consts::PI),
             "$AC_TIME" => Data::Real(0.0),
             "$AC_CYCLE_TIME" | "$AC_OPERATING_TIME" | "$AC_PROG_NET_TIME" => Data::Real(seconds(host.clock())),
             "$AC_TIMER" => {

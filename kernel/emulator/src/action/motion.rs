@@ -309,13 +309,16 @@ impl Act<'_, '_> {
             return Ok(());
         }
         let changes = self.changes(&from, target);
-        let rotary = self.state.place.layout.rotary;
-        let ways = if rotary { self.feed_ways(&changes) } else { changes };
+        let weighs = self.state.place.weighs;
+        let ways = if weighs { self.feed_ways(&changes) } else { changes };
         let feed_length = ways.iter().map(|c| c * c).sum::<f64>().sqrt();
         let path = Path { from: &from, to: target, length: feed_length, arc: None };
-        let seconds = self.feed_seconds(&path, feed, unit)?;
-        let length = if rotary { self.tool_path(&changes) } else { feed_length };
-        let feed = (if rotary { self.feed_of_axes(feed, unit, &changes) } else { feed.unwrap_or(0.0) }, unit);
+        let mut seconds = self.feed_seconds(&path, feed, unit)?;
+        if weighs {
+            seconds = self.seconds_of_group(seconds, &changes);
+        }
+        let length = if weighs { self.tool_path(&changes) } else { feed_length };
+        let feed = (if weighs { self.feed_of_axes(feed, unit, &changes) } else { feed.unwrap_or(0.0) }, unit);
         self.travel(seconds, &Motion::straight(MotionKind::Linear, coded, [from, *target], feed, length))
     }
 
@@ -336,7 +339,7 @@ impl Act<'_, '_> {
         let feed = self.feed_down(feed, unit, &ways, feed_length);
         let path = Path { from: &from, to: &target, length: feed_length, arc: None };
         let seconds = self.feed_seconds(&path, feed, unit)?;
-        let seconds = self.at_rates(seconds, &from, &target, None);
+        let seconds = self.seconds_of_group(self.at_rates(seconds, &from, &target, None), &changes);
         let length = self.feed_path(&changes, feed_length);
         let moving = self.moving(coded, &self.changes(&from, &target));
         let feed = (self.feed_of_axes(feed, unit, &changes), unit);
@@ -366,6 +369,7 @@ impl Act<'_, '_> {
         if self.state.place.frames.is_some() {
             seconds = self.at_rates(seconds, &from, &to, None);
         }
+        seconds = self.seconds_of_group(seconds, &changes);
         let length = self.feed_path(&changes, feed_length);
         let feed = (feed.unwrap_or(0.0), unit);
         self.move_to(seconds, &Motion::straight(MotionKind::Linear, coded, [from, to], feed, length))

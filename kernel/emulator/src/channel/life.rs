@@ -101,6 +101,7 @@ impl Kernel<'_> {
                 self.channel.state.remembered.remember(data::COMP_DIAM, number);
             }
             (self.channel.state.place.frames, self.channel.state.place.clamped) = (None, 0);
+            self.channel.reset_feed_group();
             self.initial_codes();
         }
         let range = Range { number: None, first: program.lines.0, last: program.lines.1 };

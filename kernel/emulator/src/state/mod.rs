@@ -16,6 +16,7 @@ pub(crate) mod corner;
 pub(crate) mod coupling;
 pub(crate) mod cutter;
 pub(crate) mod cycle;
+pub(crate) mod feed_group;
 pub(crate) mod figure;
 pub(crate) mod frames;
 pub(crate) mod modal;

@@ -7,6 +7,8 @@ use counterpoint_machine::ident::kind::data::DataKind;
 use counterpoint_machine::index::{AxisId, AxisSlot, Table};
 use counterpoint_machine::model::{AxisRole, Dynamics, Machine, Turn};
 
+use super::feed_group::FeedGroup;
+
 /// An axis of the channel as the motion actions use it.
 #[derive(Debug, Clone)]
 pub(crate) struct Axis {
@@ -127,6 +129,10 @@ pub(crate) struct Place {
     pub(crate) tools: Tools,
     /// Clamped axes, bit by axis.
     pub(crate) clamped: u8,
+    /// The axes that the feed counts for; all without it.
+    pub(crate) feed_group: Option<Box<FeedGroup>>,
+    /// The feed does not count the changes of all axes as they are.
+    pub(crate) weighs: bool,
     /// The area that the program has set; none until it does.
     pub(crate) stored: Option<Box<super::stored::StoredArea>>,
     /// What lies between the program and the work frame; none while nothing of it is active.
@@ -165,8 +171,11 @@ impl Place {
             stop: machine.stops_at(&diag::OVER_TRAVEL),
             foreign: foreign(machine, &axes),
         };
+        let feed_group = FeedGroup::of(machine, &axes);
         Self {
             position: machine.home(channel),
+            weighs: FeedGroup::weighs(feed_group.as_deref(), &axes),
+            feed_group,
             layout: Layout {
                 rotary: axes.iter().any(|axis| axis.rotary),
                 bounds,

@@ -31,6 +31,8 @@ pub(super) fn read(top: &mut Section<'_>, preprocessor: Preprocessor) -> (Habits
     let orders = Rotations::ALL.map(|order| (order.name, order));
     habits.rotations = section.choice("rotations", &orders).unwrap_or(habits.rotations);
     habits.least_feed = section.above_zero("least_feed");
+    let axes = [("all", false), ("geometry", true)];
+    habits.feed_of_geometry = section.choice("feed_axes", &axes).unwrap_or(habits.feed_of_geometry);
     let increments = [("stay", false), ("travel", true)];
     habits.frame_increments = section.choice("frame_increments", &increments).unwrap_or(habits.frame_increments);
     let files = [("numbers", FileLayout::Numbers), ("heads", FileLayout::Heads), ("sections", FileLayout::Sections)];

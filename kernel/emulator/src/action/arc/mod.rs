@@ -348,13 +348,20 @@ impl Act<'_, '_> {
             Some(_) => self.feed_down(feed, unit, &changes, made.length()),
             None => feed,
         };
-        let path = Path { from: &from, to: &to, length: made.length(), arc: Some((&made, radial)) };
+        let along = match self.state.place.feed_group {
+            Some(_) => (made.length() * made.length() + self.rise_that_counts(&changes, [first, second])).sqrt(),
+            None => made.length(),
+        };
+        let path = Path { from: &from, to: &to, length: along, arc: Some((&made, radial)) };
         let mut seconds = match &screw {
             Some(screw) => self.arc_thread_seconds(&to, (&made, [first, second]), screw)?,
             None => self.feed_seconds(&path, feed, unit)?,
         };
         if screw.is_none() && self.state.place.frames.is_some() {
             seconds = self.at_rates(seconds, &from, &to, None);
+        }
+        if screw.is_none() && self.state.place.weighs {
+            seconds = self.seconds_of_group(seconds, &changes);
         }
         let moving = self.moving(coded, &changes) | first.bit() | second.bit();
         self.state.threads.rounds = screw.is_some();

@@ -179,6 +179,19 @@ impl Frames for Kernel<'_> {
         self.channel.go_beside(axis, to, feed.map(|feed| feed * factor));
     }
 
+    fn count_feed(&mut self, letters: &[String]) {
+        let axes: Vec<AxisSlot> = letters.iter().filter_map(|letter| self.slot_of(letter)).collect();
+        self.channel.set_feed_group(&axes);
+    }
+
+    fn set_feed_radius(&mut self, letter: &str, radius: f64) -> bool {
+        let Some(axis) = self.slot_of(letter).filter(|axis| self.channel.state.place.layout.axes[*axis].rotary) else {
+            return false;
+        };
+        self.channel.set_feed_radius(axis, radius * self.channel.unit_factor(Dimension::Length));
+        true
+    }
+
     fn area_side(&self, letter: &str, high: bool) -> Option<(Option<f64>, bool)> {
         let axis = self.slot_of(letter)?;
         let (limit, counts) = self.channel.area_side(axis, high);

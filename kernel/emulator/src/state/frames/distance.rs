@@ -17,8 +17,11 @@ impl Channel<'_> {
     }
 
     /// The changes that a feed counts: a degree as a unit of length of the program (Fanuc B-63174EN/03 4.2), unless degrees are
-    /// ways along the part or its tip.
+    /// ways along the part or its tip, or the control counts certain axes only.
     pub(crate) fn feed_ways(&self, changes: &Position) -> Position {
+        if let Some(group) = self.state.place.feed_group.as_deref() {
+            return self.ways_of_group(group, changes);
+        }
         let mut out = *changes;
         let unit = self.unit_factor(Dimension::Feed);
         let frames = self.state.place.frames.as_deref();
@@ -39,7 +42,7 @@ impl Channel<'_> {
         }
         let moves = self.state.place.layout.axes.iter().zip(changes).filter(|(_, change)| **change != 0.0);
         let turns = moves.fold(None, |turns, (axis, _)| Some(turns.unwrap_or(true) && axis.rotary));
-        if turns == Some(true) { feed / self.unit_factor(Dimension::Feed) } else { feed }
+        if turns == Some(true) && !self.turns_by_length() { feed / self.unit_factor(Dimension::Feed) } else { feed }
     }
 
     /// Distance from the spindle axis at a position.
