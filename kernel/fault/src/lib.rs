@@ -128,6 +128,7 @@ diagnostics! {
     FRAME_AXIS 2900131 "frame-axis-not-in-channel" 8 false "local coordinate system moves an axis that is not in this channel";
     ARC_SCALED 2900132 "arc-with-unequal-scales" 8 false "arc under unequal scale factors";
     CUTTER_INTERFERENCE 2900133 "cutter-interference" 8 false "tool interferes with the contour";
+    CYCLE_BESIDE_MOTION 2900640 "cycle-beside-motion" 4 false "canned cycle and motion code in one block";
     CORNER_OVERCUT 2900630 "inside-corner-overcut" 4 false "inside corner cut into because the next move was not known";
     CUTTER_PLANE 2900134 "compensation-without-plane" 8 false "cutter compensation without an active plane";
     OFFSET_NOT_KEPT 2900135 "offset-not-kept" 8 false "offset set by the program not kept";

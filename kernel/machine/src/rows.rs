@@ -230,6 +230,8 @@ pub struct DataRow {
     pub add: f64,
     /// Dimension, for the change of units.
     pub dimension: Dimension,
+    /// Value of one of a number without a point in primary and in secondary units, where such numbers count increments.
+    pub increment: Option<[f64; 2]>,
     /// Line where the row is defined.
     pub line: u32,
     /// File where the row is defined.

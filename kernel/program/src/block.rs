@@ -107,6 +107,8 @@ pub struct BlockFlags {
     pub swallows: bool,
     /// The axis moves by what the block changes of the length of the tool.
     pub travels: bool,
+    /// A later motion code has taken a cycle off it.
+    pub cycle_dropped: bool,
 }
 
 /// The block being processed.

@@ -118,11 +118,15 @@ impl Kernel<'_> {
         let number = text.get(register.before.len()..).unwrap_or_default().trim_ascii_start();
         let number = number.strip_prefix(b"-").or(number.strip_prefix(b"+")).unwrap_or(number).trim_ascii();
         // An expression has a value, not digits.
-        if format.point != Point::Omit || number.is_empty() || !number.iter().all(u8::is_ascii_digit) {
+        if number.is_empty() || !number.iter().all(u8::is_ascii_digit) {
             return word.value;
         }
-        let written = (word.value * 10_f64.powi(i32::from(format.frac))).round();
-        written * source.one.unwrap_or(1.0)
+        let written = match format.point {
+            Point::Omit => (word.value * 10_f64.powi(i32::from(format.frac))).round(),
+            _ => word.value,
+        };
+        let [primary, secondary] = source.one.unwrap_or([1.0; 2]);
+        written * if self.channel.state.secondary { secondary } else { primary }
     }
 
     /// Reads the numbers of the block again in the formats of the current units; values of expressions do not change.

@@ -342,8 +342,9 @@ pub(crate) struct Source {
     pub(crate) min: f64,
     pub(crate) max: f64,
     pub(crate) dimension: Dimension,
-    /// Value of one increment of a number without a point, if it is not one in the last digit of the register.
-    pub(crate) one: Option<f64>,
+    /// Value of one increment of a number without a point in primary and secondary units, if it is not one in the last digit of
+    /// the register.
+    pub(crate) one: Option<[f64; 2]>,
     /// A position of X, which may be programmed as a diameter or as a radius.
     pub(crate) diameter_x: bool,
     /// Row of the data table.
@@ -391,17 +392,20 @@ fn sources(machine: &Machine, diameter_x: &[DataId]) -> Table<DataId, Vec<Source
 
 /// One of a number without a point for a row whose register counts least increments: words with a factor of their own and
 /// plain numbers are as written, and the unit of angles and times does not change with that of lengths.
-fn one(machine: &Machine, row: &DataRow) -> Option<f64> {
+fn one(machine: &Machine, row: &DataRow) -> Option<[f64; 2]> {
+    if row.increment.is_some() {
+        return row.increment;
+    }
     let register = &machine.registers[row.register?];
     if !register.counts {
         return None;
     }
     match row.dimension {
-        Dimension::Increments => Some(1.0),
-        _ if row.mul != 1.0 => Some(1.0),
-        Dimension::None if data_facts(row.id).is_some() => Some(1.0),
+        Dimension::Increments => Some([1.0; 2]),
+        _ if row.mul != 1.0 => Some([1.0; 2]),
+        Dimension::None if data_facts(row.id).is_some() => Some([1.0; 2]),
         Dimension::Angle | Dimension::Time if register.format.frac != register.secondary.frac => {
-            Some(10_f64.powi(-i32::from(register.format.frac)))
+            Some([10_f64.powi(-i32::from(register.format.frac)); 2])
         }
         _ => None,
     }

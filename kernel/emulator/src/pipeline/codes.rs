@@ -133,6 +133,9 @@ impl Kernel<'_> {
         if self.channel.block.pending.len() > 1 && self.plan.rules.exclusive.is_some() {
             self.last_of_groups();
         }
+        if self.channel.block.pending.len() > 1 && machine.cycles.last_of_block {
+            self.cycle_or_motion();
+        }
         call
     }
 
@@ -178,7 +181,7 @@ impl Kernel<'_> {
     }
 
     /// A word as its register writes it.
-    fn word_text(&self, word: Word) -> String {
+    pub(super) fn word_text(&self, word: Word) -> String {
         let register = &self.channel.env.machine.registers[word.register];
         format!("{}{}", register.before, written(word.value, &register.format))
     }

@@ -75,7 +75,7 @@ impl Kernel<'_> {
     fn leftover_word(&mut self, (position, register): (usize, RegisterId), value: f64, span: (u32, u32)) {
         let machine = self.channel.env.machine;
         let mut rows = self.channel.block.pending.iter().map(|pending| &machine.codes[pending.row]);
-        if rows.any(|row| row.ignores.contains(&register)) {
+        if rows.any(|row| row.ignores.contains(&register)) || self.belongs_to_dropped_cycle(register) {
             return;
         }
         if let Some(last) = self.again(register, position) {
@@ -97,6 +97,10 @@ impl Kernel<'_> {
             direction |= row.id.kind() == DataKind::Orientation;
             let other_feed = matches!(row.id, data::FEED_UPM | data::FEED_UPR | data::FEED_1T) && row.id != feed;
             if row.modal && !is_axis && !other_feed {
+                let sources = self.plan.sources_of(row.id).iter();
+                let counting = sources.filter(|source| source.row == index && source.one.is_some()).next();
+                let word = self.channel.block.words.get(position).filter(|_| counting.is_some());
+                let value = counting.zip(word).map_or(value, |(source, word)| self.raw(source, word));
                 let value = (value * row.mul + row.add) * self.channel.unit_factor(row.dimension);
                 self.channel.state.remembered.remember(row.id, value);
                 known = true;

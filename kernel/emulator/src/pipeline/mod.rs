@@ -4,6 +4,7 @@
 //! machine without macros has none of them and goes the same way. *Invariant:* there is one way of a block, whoever made
 //! its text or its words. Facts: reference control-emulator.md 2.2, 2.3.
 
+mod beside_motion;
 mod codes;
 mod contour;
 mod data_blocks;

@@ -42,7 +42,7 @@ pub(super) fn machine(
     let format = format::read(&mut top, check, head.preprocessor);
     let registers = registers::read(&mut top, check);
     let mut names = Names { check, registers, codes: ident::code_names(), data: ident::data_names() };
-    let data = data::read(&mut top, &mut names, head.unit);
+    let mut data = data::read(&mut top, &mut names, head.unit);
     let axes = axes::read(&mut top, &names, &data);
     let spindles = spindles::read(&mut top, check);
     let channels = channels::read(&mut top, &axes, &spindles, check);
@@ -56,6 +56,9 @@ pub(super) fn machine(
     let pump = pump::read(&mut top);
     let (habits, coordinates) = habits::read(&mut top, head.preprocessor);
     registers::change_coordinates(&mut names.registers, coordinates);
+    if !coordinates.increments {
+        data::as_written(&mut data);
+    }
     let output = output::read(&mut top);
     let kinematics = kinematics::read(&mut top, &axes, &channels, &codes, check);
     let corners = compensation::corners(&mut top);

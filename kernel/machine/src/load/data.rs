@@ -30,6 +30,13 @@ pub(super) fn read(top: &mut Section<'_>, names: &mut Names<'_>, unit: Unit) -> 
     rows
 }
 
+/// Numbers of all words are as written: no row counts increments.
+pub(super) fn as_written(rows: &mut [DataRow]) {
+    for row in rows {
+        row.increment = None;
+    }
+}
+
 fn read_row(section: &mut Section<'_>, names: &mut Names<'_>, unit: Unit) -> Option<DataRow> {
     let id = names.data_of_row(section);
     let register = section.text("register").map(|name| names.register(name, section.place_of("register")));
@@ -57,6 +64,10 @@ fn read_row(section: &mut Section<'_>, names: &mut Names<'_>, unit: Unit) -> Opt
     if dimension == Some(Dimension::Increments) {
         mul *= if unit == Unit::Inch { 0.0001 } else { 0.001 };
     }
+    let increment = section.numbers("increment", 2..=2).and_then(|units| <[f64; 2]>::try_from(units).ok());
+    if increment.is_some_and(|units| units.iter().any(|unit| *unit <= 0.0)) {
+        section.error("increment", "`increment` must be two numbers above zero");
+    }
     let (id, swallow) = id?;
     let register = match register {
         None => None,
@@ -73,6 +84,7 @@ fn read_row(section: &mut Section<'_>, names: &mut Names<'_>, unit: Unit) -> Opt
         mul,
         add,
         dimension: dimension.unwrap_or_else(|| id.dimension()),
+        increment,
         line: section.place().line,
         file: section.place().file.to_string(),
     })

@@ -247,6 +247,8 @@ pub struct Cycles {
     pub cancel_required: bool,
     /// A motion code of the program cancels the cycle.
     pub motion_cancels: bool,
+    /// Of a cycle and a motion code in one block only the later one acts.
+    pub last_of_block: bool,
 }
 
 /// Pump of the coolant.

@@ -189,6 +189,7 @@ pub fn data(machine: &Machine, row: &DataRow) -> Value {
         "mul": row.mul,
         "add": row.add,
         "dimension": word(row.dimension),
+        "increment": row.increment,
         "file": row.file,
         "line": row.line,
     })
@@ -335,6 +336,7 @@ fn cycles(machine: &Machine) -> Value {
         "min_step": cycles.min_step,
         "cancel": if cycles.cancel_required { "required" } else { "optional" },
         "motion_cancels": cycles.motion_cancels,
+        "beside_motion": if cycles.last_of_block { "last" } else { "cycle" },
     })
 }
 

@@ -167,6 +167,9 @@ fn cycles(cycles: &Cycles) -> String {
     if cycles.motion_cancels {
         text.push_str(", motion cancels");
     }
+    if cycles.last_of_block {
+        text.push_str(", motion beside: last counts");
+    }
     if cycles.cancel_required {
         text.push_str(", cancel required");
     }

@@ -68,6 +68,7 @@ fn data(id: DataId, register: Option<usize>, enable: bool) -> DataRow {
         mul: 1.0,
         add: 0.0,
         dimension: Dimension::None,
+        increment: None,
         line: 0,
         file: String::new(),
     }

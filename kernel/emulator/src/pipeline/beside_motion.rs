@@ -1,0 +1,83 @@
+//! Stage *codes*: a canned cycle and a motion code in one block, where only the later one acts.
+//!
+//! Facts: `[cycles] beside_motion`; docs/emulation.md, "Canned cycles". Invariant: the code that is taken off was written
+//! on the block; codes that words fire are not touched.
+
+use crate::channel::Kernel;
+use crate::state::modal::group;
+use counterpoint_fault as diag;
+use counterpoint_machine::ident::kind::CodeKind;
+use counterpoint_machine::ident::{DataId, data};
+use counterpoint_machine::index::RegisterId;
+
+/// Data of cycles that a motion code does not take.
+const CYCLE_DATA: [DataId; 7] = [
+    data::CYCLE_CLEAR,
+    data::CYCLE_BOTTOM,
+    data::CYCLE_STEP,
+    data::CYCLE_DWELL,
+    data::CYCLE_REPEAT,
+    data::CYCLE_BORE_JOG_X,
+    data::CYCLE_BORE_JOG_Y,
+];
+
+impl Kernel<'_> {
+    /// Takes the earlier one of a cycle and a motion code off the block.
+    #[inline(never)]
+    pub(crate) fn cycle_or_motion(&mut self) {
+        let (Some(cycle), Some(motion)) = (self.last_written(is_cycle), self.last_written(is_motion)) else { return };
+        let Some([cycle_word, motion_word]) = self.words_at([cycle, motion]) else { return };
+        let (wins, loses, at) =
+            if motion > cycle { (motion_word, cycle_word, cycle) } else { (cycle_word, motion_word, motion) };
+        if motion > cycle {
+            self.drop_code(at);
+            self.channel.block.flags.cycle_dropped = true;
+        }
+        let rest = if motion > cycle { "; the cycle is not executed" } else { "; the cycle is executed" };
+        let text = format!("{loses} and then {wins} in '{}'{rest}", self.block_text());
+        self.diagnose(&diag::CYCLE_BESIDE_MOTION, text);
+    }
+
+    /// A word that only the cycle that was taken off the block would have used.
+    pub(crate) fn belongs_to_dropped_cycle(&self, register: RegisterId) -> bool {
+        let machine = self.channel.env.machine;
+        let of = |id: DataId| machine.tables.data(id).iter().any(|&row| machine.data[row].register == Some(register));
+        self.channel.block.flags.cycle_dropped && CYCLE_DATA.into_iter().any(of)
+    }
+
+    /// Where the last word stands that fired a code of this kind.
+    fn last_written(&self, of: fn(u16, CodeKind) -> bool) -> Option<usize> {
+        (0..self.channel.block.words.len()).rev().find(|&at| {
+            self.fired_by(at).is_some_and(|pending| {
+                let row = self.channel.block.pending.get(pending).map(|code| &self.channel.env.machine.codes[code.row]);
+                row.is_some_and(|row| of(row.group, row.id.kind()))
+            })
+        })
+    }
+
+    fn words_at(&self, places: [usize; 2]) -> Option<[String; 2]> {
+        let word = |at: usize| self.channel.block.words.get(at).map(|&word| self.word_text(word));
+        Some([word(places[0])?, word(places[1])?])
+    }
+
+    fn drop_code(&mut self, at: usize) {
+        if let Some(pending) = self.fired_by(at) {
+            self.channel.block.pending.remove(pending);
+        }
+    }
+
+    /// The place of the code that the word fired.
+    fn fired_by(&self, at: usize) -> Option<usize> {
+        let word = self.channel.block.words.get(at).filter(|word| word.used)?;
+        let rows = self.channel.env.machine.tables.code(word.register, word.value);
+        self.channel.block.pending.iter().position(|code| code.value == word.value && rows.contains(&code.row))
+    }
+}
+
+fn is_cycle(_: u16, kind: CodeKind) -> bool {
+    matches!(kind, CodeKind::Cycle(_))
+}
+
+fn is_motion(of: u16, _: CodeKind) -> bool {
+    of == group::MOTION
+}
