@@ -49,6 +49,7 @@ mod settings;
 mod standard_input;
 mod status;
 mod step;
+mod subprograms;
 mod summary;
 mod tape_trial;
 mod text;

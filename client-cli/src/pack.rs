@@ -15,6 +15,7 @@ use crate::arguments::Inputs;
 use crate::encoding::Encoding;
 use crate::error::Error;
 use crate::standard_input;
+use crate::subprograms::{Mentionable, is_taken_by_name};
 
 /// The file that makes a folder a machine.
 pub(crate) const DEFINITION: &str = "machine.toml";
@@ -70,11 +71,20 @@ pub(crate) struct Pack {
     pub(crate) files: Files,
 }
 
+/// A program whose folder may have files that it calls.
+struct Beside {
+    folder: PathBuf,
+    /// Name of the program's file without its ending.
+    stem: String,
+    /// Name of the program inside the job.
+    name: String,
+}
+
 /// Gathers the programs and all files they may call.
 pub(crate) fn job(inputs: &Inputs) -> Result<Pack, Error> {
     let mut pack = Pack::default();
     let mut used: BTreeMap<PathBuf, String> = BTreeMap::new();
-    let mut folders: Vec<(PathBuf, String)> = Vec::new();
+    let mut folders: Vec<Beside> = Vec::new();
     let piped = piped(inputs)?;
     for text in &inputs.programs {
         let (path, inside) = program(text)?;
@@ -100,12 +110,12 @@ pub(crate) fn job(inputs: &Inputs) -> Result<Pack, Error> {
             is_program(&path, blob.content())?;
         }
         used.insert(path.clone(), name.clone());
-        pack.programs.push(in_job(name, inside));
+        pack.programs.push(in_job(name.clone(), inside));
         let stem = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-        folders.push((path.parent().map(Path::to_owned).unwrap_or_default(), stem));
+        folders.push(Beside { folder: path.parent().map(Path::to_owned).unwrap_or_default(), stem, name });
     }
-    for (folder, stem) in folders {
-        neighbours(&mut pack.files, &folder, &stem, inputs.files.encoding)?;
+    for program in folders {
+        neighbours(&mut pack.files, &program, inputs.files.encoding)?;
     }
     for with in &inputs.files.with {
         standard_input::refuse("--with", with)?;
@@ -233,39 +243,41 @@ pub(crate) fn files_of(folder: &Path) -> Result<Vec<PathBuf>, Error> {
     Ok(paths)
 }
 
-/// Adds the files beside a program that look like subprograms.
-fn neighbours(files: &mut Files, folder: &Path, stem: &str, encoding: Option<Encoding>) -> Result<(), Error> {
-    for path in files_of(folder)? {
+/// Adds the files beside a program that it may call: those known by their names, and those that the program or an added
+/// file mentions.
+fn neighbours(files: &mut Files, program: &Beside, encoding: Option<Encoding>) -> Result<(), Error> {
+    let mut paths = BTreeMap::new();
+    let mut mentionable = Mentionable::default();
+    let mut unread = vec![program.name.clone()];
+    for path in files_of(&program.folder)? {
         let name = file_name(&path)?;
-        let small = || fs::metadata(&path).is_ok_and(|meta| meta.len() <= NEIGHBOUR_MAX);
-        if is_subprogram(&name, stem) && small() {
-            files.add_in(name, &path, encoding)?;
+        if files.0.contains_key(&name) || fs::metadata(&path).map_or(true, |meta| meta.len() > NEIGHBOUR_MAX) {
+            continue;
+        }
+        if is_taken_by_name(&name, &program.stem) {
+            files.add_in(name.clone(), &path, encoding)?;
+            unread.push(name);
+        } else {
+            mentionable.add(&name);
+            paths.insert(name, path);
+        }
+    }
+    while let Some(name) = unread.pop() {
+        let mentioned = files.0.get(&name).map(|blob| mentionable.take_mentioned(blob.content())).unwrap_or_default();
+        for name in mentioned {
+            if let Some(path) = paths.remove(&name) {
+                files.add_in(name.clone(), &path, encoding)?;
+                unread.push(name);
+            }
         }
     }
     Ok(())
-}
-
-/// `O` and digits with any ending, `<stem>.tps`, `<stem>_*.tps`.
-fn is_subprogram(name: &str, stem: &str) -> bool {
-    let o_number = name.strip_prefix(['O', 'o']).is_some_and(|rest| rest.starts_with(|c: char| c.is_ascii_digit()));
-    let own = || name.strip_suffix(".tps").and_then(|rest| rest.strip_prefix(stem));
-    o_number || own().is_some_and(|rest| rest.is_empty() || rest.starts_with('_'))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::arguments::ProgramFiles;
-
-    #[test]
-    fn neighbours_are_known_by_their_names() {
-        for name in ["O9001", "o1.nc", "part.tps", "part_2.tps"] {
-            assert!(is_subprogram(name, "part"), "{name}");
-        }
-        for name in ["Other.nc", "part.nc", "partner.tps", "readme.md"] {
-            assert!(!is_subprogram(name, "part"), "{name}");
-        }
-    }
 
     #[test]
     fn a_number_behind_the_file_picks_a_program() {
@@ -298,10 +310,20 @@ mod tests {
     #[test]
     fn a_job_has_programs_neighbours_and_extra_files() {
         let folder = tempfile::tempdir().unwrap();
-        for name in ["part.nc", "part_1.tps", "O9001", "notes.txt", "other/part.nc", "lib/macro.nc"] {
+        for (name, text) in [
+            ("part.nc", "L20"),
+            ("L20.SPF", "CALL L30"),
+            ("L30.spf", "M17"),
+            ("L40.SPF", "M17"),
+            ("part_1.tps", ""),
+            ("O9001", ""),
+            ("notes.txt", ""),
+            ("other/part.nc", "M30"),
+            ("lib/macro.nc", ""),
+        ] {
             let path = folder.path().join(name);
             fs::create_dir_all(path.parent().unwrap()).unwrap();
-            fs::write(path, name).unwrap();
+            fs::write(path, text).unwrap();
         }
         let at = |name: &str| folder.path().join(name).display().to_string();
         let inputs = Inputs {
@@ -311,7 +333,7 @@ mod tests {
         };
         let pack = job(&inputs).unwrap();
         let names: Vec<_> = pack.files.0.keys().map(String::as_str).collect();
-        assert_eq!(names, ["O9001", "macro.nc", "other/part.nc", "part.nc", "part_1.tps"]);
+        assert_eq!(names, ["L20.SPF", "L30.spf", "O9001", "macro.nc", "other/part.nc", "part.nc", "part_1.tps"]);
         let programs: Vec<_> = pack.programs.iter().map(|p| (p.path.as_str(), p.number)).collect();
         assert_eq!(programs, [("part.nc", None), ("other/part.nc", None), ("part.nc", Some(2))]);
     }

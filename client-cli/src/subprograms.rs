@@ -1,0 +1,100 @@
+//! Files beside a program that it may call: by their names, or because a taken file mentions them.
+//!
+//! *Invariant:* the files taken depend on the names in the folder and on the texts of the taken files only.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+/// Endings of program files that calls name without the ending: `L20`, `CALL PGM SUB`, `CALL OSUB`.
+const CALLED_WITHOUT_ENDING: [&str; 6] = ["spf", "mpf", "h", "i", "sub", "ssb"];
+
+/// Ending of libraries, which hold programs of any name.
+const LIBRARY: &str = "lib";
+
+/// Whether a file is taken without being mentioned: `O` and digits with any ending, `<stem>.tps`, `<stem>_*.tps`, and
+/// libraries.
+pub(crate) fn is_taken_by_name(name: &str, stem: &str) -> bool {
+    let o_number = name.strip_prefix(['O', 'o']).is_some_and(|rest| rest.starts_with(|c: char| c.is_ascii_digit()));
+    let own = || name.strip_suffix(".tps").and_then(|rest| rest.strip_prefix(stem));
+    let library = || name.rsplit_once('.').is_some_and(|(_, ending)| ending.eq_ignore_ascii_case(LIBRARY));
+    o_number || own().is_some_and(|rest| rest.is_empty() || rest.starts_with('_')) || library()
+}
+
+/// Files of a folder that texts may mention, by the lowercase words that mention them.
+#[derive(Debug, Default)]
+pub(crate) struct Mentionable(BTreeMap<Vec<u8>, BTreeSet<String>>);
+
+impl Mentionable {
+    /// Adds a file of the folder: its whole name is a word that mentions it, and for program files the name without the
+    /// ending.
+    pub(crate) fn add(&mut self, name: &str) {
+        let mut word = |word: &str| {
+            let word = word.to_ascii_lowercase().into_bytes();
+            self.0.entry(word).or_default().insert(name.to_owned());
+        };
+        let Some((stem, ending)) = name.rsplit_once('.') else { return };
+        word(name);
+        if CALLED_WITHOUT_ENDING.iter().any(|known| ending.eq_ignore_ascii_case(known)) {
+            word(stem);
+        }
+    }
+
+    /// Takes out the files that a text mentions.
+    pub(crate) fn take_mentioned(&mut self, text: &[u8]) -> BTreeSet<String> {
+        let mut mentioned = BTreeSet::new();
+        if self.0.is_empty() {
+            return mentioned;
+        }
+        let text = text.to_ascii_lowercase();
+        let is_part = |byte: &u8| byte.is_ascii_alphanumeric() || matches!(byte, b'_' | b'-' | b'$' | b'.' | 128..);
+        for word in text.split(|byte| !is_part(byte)) {
+            let without_ending = word.iter().position(|&byte| byte == b'.').and_then(|at| word.get(..at));
+            for word in [Some(word), without_ending].into_iter().flatten() {
+                if let Some(names) = self.0.remove(word) {
+                    mentioned.extend(names);
+                }
+            }
+        }
+        mentioned
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn files_are_taken_by_their_names() {
+        for name in ["O9001", "o1.nc", "part.tps", "part_2.tps", "TOOLS.LIB"] {
+            assert!(is_taken_by_name(name, "part"), "{name}");
+        }
+        for name in ["Other.nc", "part.nc", "partner.tps", "readme.md", "L20.SPF"] {
+            assert!(!is_taken_by_name(name, "part"), "{name}");
+        }
+    }
+
+    #[test]
+    fn files_are_taken_if_a_text_mentions_them() {
+        let mentioned = |text: &str| {
+            let mut files = Mentionable::default();
+            for name in ["L20.SPF", "SUB.h", "my-sub.H", "OPOCK.SUB", "pocket.nc", "X1.MPF", "notes", "L2.spf"] {
+                files.add(name);
+            }
+            files.take_mentioned(text.as_bytes()).into_iter().collect::<Vec<_>>().join(" ")
+        };
+        let cases = [
+            ("N10 L20 P2", "L20.SPF"),
+            ("l20", "L20.SPF"),
+            ("L200 L2.5", "L2.spf"),
+            ("CALL PGM TNC:\\parts\\SUB.H", "SUB.h"),
+            ("CALL PGM MY-SUB", "my-sub.H"),
+            ("CALL OPOCK Q2", "OPOCK.SUB"),
+            ("L pocket.nc", "pocket.nc"),
+            ("pocket", ""),
+            ("notes", ""),
+            ("EXTCALL \"X1\"", "X1.MPF"),
+        ];
+        for (text, names) in cases {
+            assert_eq!(mentioned(text), names, "{text}");
+        }
+    }
+}
