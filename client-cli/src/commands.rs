@@ -4,19 +4,18 @@ use std::path::Path;
 
 use counterpoint_client::Update;
 use counterpoint_proto::v1;
-use counterpoint_proto::v1::event::Kind;
 
 use crate::arguments::{Command, Follow, Format, JobArgs, ResultArgs, ResultKind, Watch};
 use crate::attend::{Attendant, Next};
 use crate::client::Client;
 use crate::error::Error;
+use crate::event_line::event_line;
 use crate::outcome::ended;
 use crate::output_folder::{OutputFolder, drawn_timeline};
 use crate::progress::Progress;
 use crate::report::report;
 use crate::step::{Interrupt, Stepper};
 use crate::summary::Summary;
-use crate::text::time;
 use crate::{
     admin, analyse, calibrate, completions, explain, job_names, jobs, lint, load, machines, macros, man, results, run,
     say, status,
@@ -73,7 +72,7 @@ async fn watch(Follow { of: arguments, strict }: Follow) -> Result<u8, Error> {
     loop {
         match watch.next().await? {
             Update::Events(batch) => {
-                for line in batch.events.iter().filter_map(line) {
+                for line in batch.events.iter().filter_map(event_line) {
                     say::data(line.as_bytes())?;
                 }
             }
@@ -85,25 +84,6 @@ async fn watch(Follow { of: arguments, strict }: Follow) -> Result<u8, Error> {
             Update::Description(_) => {}
         }
     }
-}
-
-/// An event as a line; `None` for events that are not printed.
-fn line(event: &v1::Event) -> Option<String> {
-    let text = match event.kind.as_ref()? {
-        Kind::Diagnostic(d) => {
-            let origin = d.origin.as_ref().map(|o| format!(" ({}:{})", o.file, o.line)).unwrap_or_default();
-            format!("{} {} {}{origin}", d.number, d.severity, d.text)
-        }
-        Kind::Verdict(v) => format!("verdict {}", v.text),
-        Kind::Message(m) => format!("message {}", m.text),
-        Kind::Wait(w) => format!("waits for {}", w.key),
-        Kind::Release(r) => format!("continues after {}, waited {}", r.key, time(event.t_ns - r.since_ns)),
-        Kind::Lifecycle(l) => l.phase().as_str_name().trim_start_matches("PHASE_").to_lowercase(),
-        _ => return None,
-    };
-    let channel = if event.channel > 0 { format!(" channel {}", event.channel) } else { String::new() };
-    let line = if event.line > 0 { format!(" line {}", event.line) } else { String::new() };
-    Some(format!("{}{channel}{line}: {text}\n", time(event.t_ns)))
 }
 
 /// Answers the questions of a job until it ends.

@@ -5,10 +5,8 @@ use counterpoint_proto::v1;
 use crate::error::Error;
 use crate::findings;
 use crate::say;
+use crate::severity::WARNING;
 use crate::text::time;
-
-/// Lowest severity of a warning.
-const WARNING: u32 = 4;
 
 /// Prints how a job ended and returns the exit code.
 pub(crate) fn ended(status: &v1::JobStatus, strict: bool) -> u8 {

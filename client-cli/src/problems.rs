@@ -7,18 +7,14 @@
 use std::fmt::Write as _;
 
 use crate::macros::remedy;
-use crate::say::{BAD, DIM, WARN, styled};
+use crate::say::{BAD, DIM, styled};
+use crate::severity::{self, ERROR, WARNING};
 use crate::summary::{Diagnostic, Member, Summary, Verdict};
 use crate::text::more;
 
-/// Lowest severity of an error.
-const ERROR: u8 = 8;
-/// Lowest severity of a warning.
-const WARNING: u8 = 4;
-
 /// `2 errors, 1 warning`, empty without any.
 pub(crate) fn counts(summary: &Summary) -> String {
-    let count = |of: &dyn Fn(u8) -> bool| own(summary).filter(|d| of(d.severity)).count();
+    let count = |of: &dyn Fn(u32) -> bool| own(summary).filter(|d| of(d.severity)).count();
     let errors = count(&|severity| severity >= ERROR) + usize::from(summary.verdict.is_some());
     let warnings = count(&|severity| (WARNING..ERROR).contains(&severity));
     let some = |count: usize, word: &str| match count {
@@ -89,7 +85,7 @@ fn before_verdict(summary: &Summary, errors: &[(&Diagnostic, usize)]) -> usize {
 }
 
 /// Errors, warnings, notes.
-fn class(severity: u8) -> u8 {
+fn class(severity: u32) -> u8 {
     match severity {
         0..WARNING => 0,
         WARNING..ERROR => 1,
@@ -98,12 +94,7 @@ fn class(severity: u8) -> u8 {
 }
 
 fn one(d: &Diagnostic, count: usize, several: bool, explained: &mut Vec<u32>) -> String {
-    let (word, style) = match d.severity {
-        0..WARNING => ("note", DIM),
-        WARNING..ERROR => ("warning", WARN),
-        ERROR..16 => ("error", BAD),
-        _ => ("fatal", BAD),
-    };
+    let (word, style) = severity::word(d.severity);
     let channel = if several && d.channel > 0 { format!("channel {} ", d.channel) } else { String::new() };
     let place = if d.line == 0 { String::new() } else { format!("{}:{}: ", d.file, d.line) };
     let times = if count > 1 { format!(" ({count} times)") } else { String::new() };

@@ -8,7 +8,7 @@ use serde::Deserialize;
 pub(crate) struct Summary {
     pub(crate) state: String,
     pub(crate) unit: String,
-    pub(crate) highest_severity: u8,
+    pub(crate) highest_severity: u32,
     pub(crate) makespan_ns: i64,
     pub(crate) channels: Vec<Channel>,
     pub(crate) waits: Vec<Wait>,
@@ -92,7 +92,7 @@ pub(crate) struct Member {
 #[serde(default)]
 pub(crate) struct Diagnostic {
     pub(crate) number: u32,
-    pub(crate) severity: u8,
+    pub(crate) severity: u32,
     pub(crate) channel: u32,
     pub(crate) file: String,
     pub(crate) line: u32,

@@ -7,6 +7,7 @@ use std::fmt::Write as _;
 use serde_json::Value;
 
 use crate::fields::Fields as _;
+use crate::severity;
 use crate::text::table;
 
 /// Most codes and words that a line lists.
@@ -251,11 +252,8 @@ fn unknown(out: &mut String, unknown: &Value) {
     let mut told = false;
     for diagnostic in rows(unknown.at("diagnostics")) {
         told = true;
-        let kind = match diagnostic.at("severity").as_u64() {
-            Some(0..=3) => "note",
-            Some(4..=7) => "warning",
-            _ => "error",
-        };
+        let severity = diagnostic.at("severity").as_u64().and_then(|severity| u32::try_from(severity).ok());
+        let (kind, _) = severity::word(severity.unwrap_or(severity::ERROR));
         let number = diagnostic.at("number").as_u64().filter(|number| *number > 0);
         let number = number.map(|number| format!(" {number}")).unwrap_or_default();
         let _ = writeln!(out, "  in a block: {kind}{number}: {}", of(diagnostic.at("text")));
