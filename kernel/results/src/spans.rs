@@ -1,8 +1,8 @@
 //! When which tool of a channel was in work, and on what.
 //!
 //! The operation is the comment of the block that loads the tool, or of a line of comment next to it: that is where
-//! people and CAM systems write it; a tool with a name of its own goes by that. *Invariant:* spans of a channel ascend and
-//! do not overlap; there are at most `MOST`.
+//! people and CAM systems write it. A tool with a name goes by that: its name in the machine's table, else the name by
+//! which the block calls it. *Invariant:* spans of a channel ascend and do not overlap; there are at most `MOST`.
 
 use std::sync::Arc;
 
@@ -71,31 +71,73 @@ impl Spans {
     }
 }
 
-/// The comment of a block, of the line after it, or of the two lines before it.
+/// The name of the tool in its block; the comment of the block, of the line after it, or of the two lines before it.
 fn operation(info: &Info, file: FileId, line: u32) -> String {
     if line == 0 {
         return String::new();
     }
     let text = |line: u32| info.line_text(file, line).trim().to_owned();
     let alone = |text: String| comment(&text).filter(|_| text.starts_with(['(', ';']));
-    let found = comment(&text(line))
+    let block = text(line);
+    let found = called_name(&block)
+        .or_else(|| comment(&block))
         .or_else(|| alone(text(line.saturating_add(1))))
         .or_else(|| alone(text(line - 1)))
         .or_else(|| alone(text(line.saturating_sub(2))));
     cut(&found.unwrap_or_default(), LONGEST)
 }
 
-/// The text in brackets or after a semicolon.
+/// The name in `T="DRILL 8"` or `TOOL CALL "DRILL 8"`.
+fn called_name(text: &str) -> Option<String> {
+    let (before, rest) = text.split_once('"')?;
+    let before = before.trim_end().to_ascii_uppercase();
+    let word = before.strip_suffix('=').unwrap_or(&before).trim_end();
+    let word = word.rsplit(|c: char| !c.is_ascii_alphanumeric()).next().unwrap_or_default();
+    let calls = before.ends_with("TOOL CALL") || word.trim_end_matches(|c: char| c.is_ascii_digit()) == "T";
+    let (name, _) = rest.split_once('"')?;
+    (calls && !name.trim().is_empty()).then(|| name.trim().to_owned())
+}
+
+/// The text in brackets or after a semicolon, whichever comes first.
 fn comment(text: &str) -> Option<String> {
-    let bracket = text.split_once('(').map(|(_, rest)| rest.split_once(')').map_or(rest, |(inside, _)| inside));
-    let found = bracket.or_else(|| text.split_once(';').map(|(_, rest)| rest))?;
+    let before = |at: usize| text.get(..at).unwrap_or_default();
+    let (at, mark) = text.match_indices(['(', ';']).find(|(at, mark)| *mark == ";" || !ends_with_name(before(*at)))?;
+    let rest = text.get(at + 1..)?;
+    let found = if mark == "(" { rest.split_once(')').map_or(rest, |(inside, _)| inside) } else { rest };
     let found = found.split_whitespace().collect::<Vec<_>>().join(" ");
     (!found.is_empty()).then_some(found)
+}
+
+/// Whether a text ends with a name of several letters, so that brackets behind it have arguments: `CYCLE81(`, not `T01(`.
+fn ends_with_name(text: &str) -> bool {
+    let word = text.rsplit(|c: char| !c.is_ascii_alphanumeric() && c != '_').next().unwrap_or_default();
+    word.chars().take(2).filter(char::is_ascii_alphabetic).count() == 2
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn operations_are_names_and_comments_of_their_blocks() {
+        let cases = [
+            ("T0101(OD ROUGH)", "OD ROUGH"),
+            ("T1 M6 ; FACE (50 MM)", "FACE (50 MM)"),
+            ("T1 M6 (FACE; ROUGH)", "FACE; ROUGH"),
+            ("T=\"FINISH 35\" D1 ; AFTER", "FINISH 35"),
+            ("T2 = \"DRILL\" M6", "DRILL"),
+            ("TOOL CALL \"MILL D20\" Z S2000 ; ROUGH", "MILL D20"),
+            ("T3 M6 MSG(\"change\")", ""),
+            ("T3 MSG(\"change\") ; BORE", "BORE"),
+            ("TC(1) T4 (TAP)", "TAP"),
+        ];
+        for (line, expected) in cases {
+            let info = lathe(&[&format!("O1\nG0 X1.\nG0 X2.\n{line}\nG0 X3.\n")]);
+            assert_eq!(operation(&info, 0, 4), expected, "{line}");
+        }
+        let info = lathe(&["; WAITM(98,1,2) STANDS IN BOTH\nT1\n"]);
+        assert_eq!(operation(&info, 0, 2), "WAITM(98,1,2) STANDS IN BOTH");
+    }
     use crate::testing::{at, lathe};
 
     fn load(line: u32, t_ns: i64, tool: u32) -> Event {
