@@ -64,7 +64,7 @@ pub(crate) async fn analyse(arguments: Analyse) -> Result<u8, Error> {
     Ok(0)
 }
 
-/// The argument as messages name it.
+/// The name of the argument in messages.
 fn name(of: &str) -> &str {
     if standard_input::is(Path::new(of)) { standard_input::NAME } else { of }
 }

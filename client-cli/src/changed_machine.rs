@@ -158,7 +158,7 @@ fn sharing(files: &Files, name: &str, shares: &[(u32, u32)]) -> String {
     format!("[variables]\nshared = [{}]\nchannel = [{}]\n", list(shared), list(separate))
 }
 
-/// The parts of ranges that are not in other ranges.
+/// The parts of ranges outside other ranges.
 fn without(ranges: Vec<(u32, u32)>, others: &[(u32, u32)]) -> Vec<(u32, u32)> {
     others.iter().fold(ranges, |ranges, &(first, last)| {
         let cut = |(low, high): (u32, u32)| {
@@ -194,7 +194,8 @@ fn definition(folder: &str) -> String {
     format!("{folder}/machine.toml")
 }
 
-/// The definitions that a composite machine is made of, by name with their chains; those that are shipped are added to the files.
+/// The component definitions of a composite machine, by name with their chains; shipped definitions are added to the
+/// files.
 fn components(files: &mut Files, chain_of_machine: &[String]) -> Vec<(String, Vec<String>)> {
     let mut designators: Vec<String> = Vec::new();
     let mut names: Vec<String> = Vec::new();
@@ -217,7 +218,7 @@ fn components(files: &mut Files, chain_of_machine: &[String]) -> Vec<(String, Ve
     names.into_iter().map(|name| (name.clone(), chain(files, &name, chain_of_machine))).collect()
 }
 
-/// The folders of a machine and its families; those that are shipped are added to the files. Folders inside those of `within`
+/// The folders of a machine and its families; shipped folders are added to the files. Folders inside those of `within`
 /// come before others.
 fn chain(files: &mut Files, name: &str, within: &[String]) -> Vec<String> {
     let shipped = package::shipped();

@@ -165,7 +165,7 @@ async fn summary(client: &Client, job: &str) -> Result<(Vec<u8>, Summary), Error
     Ok((text, summary))
 }
 
-/// The line about a job that its report begins with.
+/// The line about a job at the start of its report.
 async fn heading(client: &Client, job: &str) -> Result<String, Error> {
     let request = v1::GetJobRequest { job_id: job.to_owned() };
     let status = client.jobs().get_job(request).await?.into_inner().status.unwrap_or_default();

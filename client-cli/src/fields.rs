@@ -1,6 +1,6 @@
 //! Fields of JSON objects by name.
 //!
-//! *Invariant:* a field that is not there is null.
+//! *Invariant:* a missing field is null.
 
 use serde_json::Value;
 

@@ -7,7 +7,7 @@ const DAY: i64 = 86_400;
 pub(crate) fn date_and_time(ms: i64) -> (String, String) {
     let seconds = ms.div_euclid(1000);
     let (day, rest) = (seconds.div_euclid(DAY), seconds.rem_euclid(DAY));
-    // Days of eras of 400 years that begin in March, so that the leap day is the last day of a year.
+    // Count days in eras of 400 years that begin in March, so that the leap day is the last day of a year.
     let shifted = day + 719_468;
     let (era, of_era) = (shifted.div_euclid(146_097), shifted.rem_euclid(146_097));
     let year_of_era = (of_era - of_era / 1460 + of_era / 36_524 - of_era / 146_096) / 365;

@@ -1,6 +1,6 @@
 //! Jobs by the beginning of their ids, as `jobs` shows them.
 //!
-//! *Invariant:* a job is never chosen among several: what more than one id begins with is refused.
+//! *Invariant:* a job is never chosen among several: the common beginning of more than one id is refused.
 
 use std::fmt::Write as _;
 
@@ -11,11 +11,11 @@ use crate::error::Error;
 use crate::instant::instant;
 use crate::job_status::{labels, programs, state_name};
 
-/// Fewest characters of the beginning of an id.
+/// Minimum number of characters of the beginning of an id.
 const FEWEST: usize = 4;
 /// Digits of a whole id.
 const DIGITS: usize = 32;
-/// Candidates that a refusal lists.
+/// Maximum number of candidates that a refusal lists.
 const LISTED: usize = 10;
 
 /// Hexadecimal digits of an id or of its beginning; none if the text is neither.
@@ -42,7 +42,7 @@ pub(crate) async fn whole(client: &Client, text: &str) -> Result<String, Error> 
     }
 }
 
-/// The newest jobs whose ids begin so, at most one more than are listed.
+/// The newest jobs whose ids have this beginning, at most one more than a refusal lists.
 async fn beginning(client: &Client, digits: &str) -> Result<Vec<v1::JobStatus>, Error> {
     let filter = v1::JobFilter { id_prefix: digits.to_owned(), ..Default::default() };
     let page_size = u32::try_from(LISTED + 1).unwrap_or(u32::MAX);
@@ -59,7 +59,7 @@ async fn beginning(client: &Client, digits: &str) -> Result<Vec<v1::JobStatus>, 
     }
 }
 
-/// Why the beginning of an id names no job, with the jobs that it could mean.
+/// The reason why the beginning of an id selects no job, with the candidates.
 fn ambiguous(text: &str, jobs: &[v1::JobStatus]) -> String {
     let mut out = format!("several jobs begin with '{text}': give more of the id");
     for job in jobs.iter().take(LISTED) {

@@ -4,7 +4,7 @@ use counterpoint_proto::v1;
 
 use crate::arguments::NAME;
 
-/// How long the last run of a job took, or has taken so far, ms; none of a job that waits.
+/// Duration of the last run of a job, or of the current run so far, ms; none for a waiting job.
 pub(crate) fn ran_ms(job: &v1::JobStatus, now_ms: i64) -> Option<i64> {
     let end = match (job.ended_ms, job.state()) {
         (0, v1::JobState::Running) => now_ms,

@@ -48,7 +48,7 @@ impl LocalMachine {
         loaded.machine.ok_or_else(|| self.unusable(&loaded.findings))
     }
 
-    /// The definition as it is written, families included.
+    /// The definition as written, including its families.
     pub(crate) fn definition(&self) -> Result<Definition, Error> {
         definition(&self.files, &self.name).map_err(|findings| self.unusable(&findings))
     }

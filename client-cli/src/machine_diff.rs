@@ -1,6 +1,6 @@
 //! `machine diff` and `machine show --changed`: two definitions row by row.
 //!
-//! *Invariant:* every key that differs is shown once, with both values; a key that one definition does not have has none there.
+//! *Invariant:* every key that differs is shown once, with both values; if a definition lacks the key, its value is absent.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -13,10 +13,10 @@ use crate::error::Error;
 use crate::local_machine::LocalMachine;
 use crate::say;
 
-/// Where a key is the name of the definition itself, so that it differs always.
+/// Keys that name the definition itself and therefore always differ.
 const NAMES: [&str; 6] = ["name", "number", "revision", "created", "author", "description"];
 
-/// What differs.
+/// The differences.
 #[derive(Debug, Serialize)]
 struct Difference {
     a: String,
@@ -29,7 +29,7 @@ struct Difference {
 struct Changed {
     section: String,
     row: String,
-    /// Only one of both has the row.
+    /// The sign of the definition that has the row, if the other definition lacks it.
     only: Option<char>,
     keys: Vec<ChangedKey>,
 }
@@ -40,7 +40,7 @@ struct ChangedKey {
     key: String,
     a: Option<String>,
     b: Option<String>,
-    /// Where the values are written.
+    /// The places of the values.
     a_place: Option<String>,
     b_place: Option<String>,
 }
@@ -53,7 +53,7 @@ pub(crate) fn diff(a: &str, b: &str, json: bool) -> Result<u8, Error> {
     Ok(0)
 }
 
-/// What a machine has otherwise than the family that it extends. Without a family the defaults count.
+/// The differences of a machine from the family that it extends, or from the defaults without a family.
 pub(crate) fn changed(machine: &str, json: bool) -> Result<u8, Error> {
     let local = LocalMachine::open(machine)?;
     let own = local.definition()?;
@@ -69,7 +69,7 @@ pub(crate) fn changed(machine: &str, json: bool) -> Result<u8, Error> {
     Ok(0)
 }
 
-/// What the machine does without the key, where its data show that.
+/// The default for a missing key, if the data of the machine show it.
 fn default_of(local: &LocalMachine, section: &str, key: &str) -> Option<Value> {
     let machine = without_key(&local.files, &local.name, section, key)?;
     let all = show::json(&machine);
@@ -145,7 +145,7 @@ fn pair(a: Option<&DefinitionRow>, b: Option<&DefinitionRow>) -> Option<Changed>
     (!keys.is_empty()).then(|| Changed { section: row.section.clone(), row: row.name.clone(), only, keys })
 }
 
-/// Keys with other values; those that only name a definition are left out.
+/// Keys with different values, without those that only name a definition.
 fn differing(a: Option<&DefinitionRow>, b: Option<&DefinitionRow>) -> Vec<ChangedKey> {
     let keys = |row: Option<&DefinitionRow>| row.map_or_else(Vec::new, |row| row.keys.clone());
     let (a_keys, b_keys) = (keys(a), keys(b));

@@ -1,6 +1,6 @@
 //! Packs the folder of a machine: its files, the machines that it extends, and the components of a composite.
 //!
-//! *Invariant:* nothing outside of the folder, and of the folders beside it that definitions name, is packed.
+//! *Invariant:* only the folder and the folders beside it that definitions name are packed.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -14,7 +14,7 @@ pub(crate) fn is_folder(machine: &str) -> bool {
     Path::new(machine).join(DEFINITION).is_file() || is_definition(Path::new(machine))
 }
 
-/// A machine argument is the definition in a folder, which means the folder.
+/// Whether a machine argument is the definition in a folder, which then stands for the folder.
 fn is_definition(path: &Path) -> bool {
     path.file_name().is_some_and(|name| name == DEFINITION) && path.is_file()
 }
@@ -47,7 +47,7 @@ pub(crate) fn machine(folder: &Path) -> Result<(String, Files), Error> {
     Ok((name, files))
 }
 
-/// A path is the definition of a machine, or of a component in its folder.
+/// Whether a path is the definition of a machine, or of a component in its folder.
 fn is_own_definition(path: &str, inside: &str) -> bool {
     path.strip_prefix(inside)
         .is_some_and(|rest| rest == DEFINITION || rest.split_once('/').is_some_and(|(_, file)| file == DEFINITION))
@@ -76,7 +76,7 @@ fn is_plain(name: &str) -> bool {
     matches!((parts.next(), parts.next()), (Some(std::path::Component::Normal(_)), None))
 }
 
-/// A file is in a folder, also when links are followed.
+/// Whether a file is in a folder, even if links are followed.
 fn stays_in(root: &Path, path: &Path) -> bool {
     fs::canonicalize(path).is_ok_and(|path| path.starts_with(root))
 }

@@ -1,6 +1,6 @@
 //! `machine show --sort`, `--filter` and the part `undefined`: views of the data of a machine.
 //!
-//! *Invariant:* rows are left out or take another place, and nothing in them changes.
+//! *Invariant:* rows are omitted or reordered, but never changed.
 
 use std::cmp::Ordering;
 
@@ -17,11 +17,11 @@ use crate::text::table;
 pub(crate) struct View {
     /// Heading of the column by which rows are sorted.
     pub(crate) sort: Option<String>,
-    /// Text that a row has, whatever its letter case.
+    /// Text that a row must contain, in any letter case.
     pub(crate) filter: Option<String>,
 }
 
-/// Keys of the JSON form where they are not the headings of the tables.
+/// Keys of the JSON form that differ from the headings of the tables.
 const KEYS: [(&str, &str); 6] =
     [("code", "id"), ("data", "id"), ("axis", "name"), ("macro", "id"), ("channel", "number"), ("register", "name")];
 
@@ -151,7 +151,7 @@ fn headings(line: &str) -> Vec<(String, usize)> {
     found
 }
 
-/// Where a column begins and where the next one does.
+/// The start of a column and of the next one.
 fn span(head: &str, column: &str) -> Option<(usize, usize)> {
     let headings = headings(head);
     let at = headings.iter().position(|(name, _)| name == column)?;
@@ -163,12 +163,12 @@ fn cell(row: &str, start: usize, end: usize) -> String {
     row.chars().skip(start).take(end.saturating_sub(start)).collect::<String>().trim().to_owned()
 }
 
-/// Numbers inside of texts by their value: G9 before G17, and line 9 before line 17.
+/// Compares numbers inside texts by value: G9 before G17, line 9 before line 17.
 fn natural(a: &str, b: &str) -> Ordering {
     parts(a).cmp(&parts(b))
 }
 
-/// Text and number in turns.
+/// Alternating texts and numbers.
 fn parts(text: &str) -> Vec<(String, u64)> {
     let mut parts = Vec::new();
     let mut rest = text;

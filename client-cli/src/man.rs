@@ -24,7 +24,7 @@ pub(crate) fn write(folder: &Path) -> Result<u8, Error> {
 mod tests {
     use super::*;
 
-    /// The pages of a command and of those below it.
+    /// The pages of a command and its subcommands.
     fn pages(command: &clap::Command, before: &str) -> Vec<(String, String)> {
         let name = format!("{before}{}", command.get_name());
         let about = command.get_about().map(ToString::to_string).unwrap_or_default();

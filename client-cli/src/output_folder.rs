@@ -23,7 +23,7 @@ pub(crate) struct OutputFolder<'a> {
     pub(crate) folder: &'a Path,
     /// First program: names the listings.
     pub(crate) program: &'a str,
-    /// What the report begins with.
+    /// The start of the report.
     pub(crate) heading: String,
     /// Whether a result is to be written.
     pub(crate) wanted: &'a (dyn Fn(ResultKind) -> bool + Sync),

@@ -141,7 +141,7 @@ fn sections(machine: &str, header: &str) -> Vec<String> {
     }
 }
 
-/// The definitions that a shipped composite machine is made of, each with the components that it is for.
+/// The component definitions of a shipped composite machine, each with its components.
 fn components(from: &str) -> Vec<(String, Vec<String>)> {
     let text = package::shipped().read(&format!("{from}/machine.toml")).unwrap_or_default();
     let table = toml::from_str::<toml::Table>(&String::from_utf8_lossy(&text)).unwrap_or_default();
@@ -157,7 +157,7 @@ fn components(from: &str) -> Vec<(String, Vec<String>)> {
     found
 }
 
-/// The definition of a component, in a folder inside that of the machine: it takes the place of the shipped one.
+/// The definition of a component in a folder inside that of the machine; it replaces the shipped definition.
 fn component(machine: &str, designators: &[String]) -> String {
     let of = designators.join(", ");
     format!(

@@ -11,7 +11,7 @@ use crate::say::{self, DIM, styled};
 /// Name of standard input in messages.
 pub(crate) const NAME: &str = "<standard input>";
 
-/// Most bytes that are read: those of the largest file that a server takes by default.
+/// Maximum number of bytes that are read: the default size limit of a server for one file.
 const MOST: u64 = 256 << 20;
 
 /// Whether a path means standard input; a file of this name is `./-`.
@@ -19,7 +19,7 @@ pub(crate) fn is(path: &Path) -> bool {
     path.as_os_str() == "-"
 }
 
-/// Refuses `-` for an option whose file has to have a name.
+/// Refuses `-` for an option whose file must have a name.
 pub(crate) fn refuse(option: &str, path: &Path) -> Result<(), Error> {
     if is(path) {
         return Err(Error::Usage(format!("{option} needs a file: only a program can be standard input (-)")));

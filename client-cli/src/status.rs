@@ -1,4 +1,4 @@
-//! `counterpoint status`: what a server knows about one job.
+//! `counterpoint status`: the data of a server about one job.
 
 use counterpoint_proto::v1;
 
@@ -32,7 +32,7 @@ pub(crate) fn heading(status: &v1::JobStatus) -> String {
     format!("job {}{labelled}  submitted {} UTC\n", status.job_id, instant(status.submitted_ms))
 }
 
-/// A line for each thing that is known.
+/// One line for each known fact.
 fn shown(job: &v1::JobStatus, pinned: &str, now_ms: i64) -> String {
     let machine = if job.machine_guess.is_empty() {
         pinned.to_owned()

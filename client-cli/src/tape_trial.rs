@@ -1,6 +1,6 @@
 //! `machine edit`: the rules of the tape editor tried on lines.
 //!
-//! *Invariant:* the last text of a line is the one that a run gets with the rules that are on at the start of a program.
+//! *Invariant:* the last text of a line is the text of a run with the rules that are on at the start of a program.
 
 use std::fmt::Write as _;
 use std::io::Read as _;
@@ -30,7 +30,7 @@ pub(crate) fn edit(machine: &str, lines: &[String], all: bool, json: bool) -> Re
             std::io::stdin().read_to_end(&mut read).map_err(Error::file("standard input"))?;
             let lines = read.split(|byte| *byte == b'\n').map(|line| line.strip_suffix(b"\r").unwrap_or(line).to_vec());
             texts.extend(lines);
-            // What follows the last line feed is a line only if it has text.
+            // Text after the last line feed is a line unless it is empty.
             texts.pop_if(|line| line.is_empty());
         } else {
             texts.push(line.clone().into_bytes());
@@ -62,7 +62,7 @@ fn steps(machine: &Machine, line: &[u8], all: bool) -> Value {
     json!({ "line": String::from_utf8_lossy(line), "steps": steps.collect::<Vec<_>>() })
 }
 
-/// The line, then its text after each rule that acts.
+/// The line, then its text after each rule that changes it.
 fn text(tried: &Value) -> String {
     let of = |value: &Value| value.as_str().unwrap_or_default().to_owned();
     let mut out = format!("{}\n", of(tried.at("line")));

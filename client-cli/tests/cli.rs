@@ -591,7 +591,7 @@ fn a_composite_machine_has_components_of_its_own() {
     let turning = own.join("fanuc-turning/machine.toml");
     let text = std::fs::read_to_string(&turning).unwrap();
     assert!(text.contains("Component TURN"), "{text}");
-    // A word of the turning component alone.
+    // A word that only the turning component has.
     std::fs::write(&turning, format!("{text}\n[[codes]]\nid = \"CODE_DELAY\"\nword = \"G704\"\n")).unwrap();
     assert_eq!(check().0, 0, "{}", check().1);
     let upper = program(folder.path(), "upper.nc", "O1\nG704 U2.5\nM30\n");
@@ -626,7 +626,7 @@ fn a_composite_machine_has_components_of_its_own() {
         "{told}"
     );
     std::fs::remove_file(&turning).unwrap();
-    // A component beside the machine, and names that are none.
+    // A component beside the machine, and invalid names.
     let definition = std::fs::read_to_string(own.join("machine.toml")).unwrap();
     let with = |machine: &str| {
         let row = format!("\n[[components]]\ndesignator = \"TURN\"\nmachine = \"{machine}\"\nchannels = [1, 2]\n");

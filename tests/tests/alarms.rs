@@ -269,7 +269,7 @@ fn each_alarm_stops_the_channel_before_its_block() {
 /// Alarms that other tests raise, since they need several channels or files.
 const ELSEWHERE: &[&str] = &["PS0122", "PS0160"];
 
-/// Alarms after the move of their block: the control checks where it ends.
+/// Alarms after the move of their block: the control checks its end.
 const AFTER_ITS_MOVE: &[&str] = &["PS0092"];
 
 /// The alarms of a row: `PS0217 to PS0219`, `PS0900, PS0901`.

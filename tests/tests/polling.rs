@@ -22,7 +22,7 @@ impl Numbers {
     }
 }
 
-/// What a channel does, with the line at which its loop begins.
+/// The activity of a channel, with the line at which its loop begins.
 #[derive(Debug, Clone, Copy)]
 enum Step {
     Write(u64),
@@ -67,7 +67,7 @@ fn program(own: u16, numbers: &mut Numbers) -> (String, Vec<Step>) {
     (lines.join("\n"), steps)
 }
 
-/// The channels that never leave a loop, with the lines at which the loops begin: whoever can go on does, in any order.
+/// The channels that never leave a loop, with the lines at which the loops begin: each channel continues if it can, in any order.
 fn stuck(programs: &[Vec<Step>]) -> BTreeSet<(u16, u32)> {
     let mut written = BTreeSet::new();
     let mut at = vec![0; programs.len()];

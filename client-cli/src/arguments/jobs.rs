@@ -38,7 +38,7 @@ pub(crate) enum When {
     At(i64),
 }
 
-/// Key of the label that a name alone means.
+/// Key of a label given by a name alone.
 pub(crate) const NAME: &str = "name";
 
 fn label(text: &str) -> Result<(String, String), String> {

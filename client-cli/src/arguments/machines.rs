@@ -96,7 +96,7 @@ pub(crate) enum Machine {
     },
 }
 
-/// Which rows of the tables are shown, and in which order.
+/// Choice and order of the table rows.
 #[derive(Debug, Default, Args)]
 pub(crate) struct Rows {
     /// Sort the rows by a column of the table, such as word, code, order, group, name or file

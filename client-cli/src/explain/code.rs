@@ -1,4 +1,4 @@
-//! A code of a machine: its row, its group, what it reads, which macro runs, and which blocks with it are refused.
+//! A code of a machine: its row, its group, its data, its macro, and the refusals of blocks with it.
 //!
 //! *Invariant:* everything comes from the checked machine, with the file and the line that define it.
 
@@ -72,7 +72,7 @@ pub(super) fn macros(machine: &Machine, identifier: &str) -> Vec<Value> {
     all.at("macros").as_array().into_iter().flatten().filter(fires).cloned().collect()
 }
 
-/// What a word of `[[waits]]` does.
+/// The effect of a word of `[[waits]]`.
 fn waits(machine: &Machine, row: &CodeRow) -> Vec<Value> {
     let rows = show::json_part(machine, Show::All);
     let rows = rows.at("sync").at("waits").as_array().cloned().unwrap_or_default();
@@ -80,7 +80,7 @@ fn waits(machine: &Machine, row: &CodeRow) -> Vec<Value> {
     own.map(|(_, value)| value).collect()
 }
 
-/// Refusals that a question of the caller picks.
+/// The refusals that the caller selects.
 pub(super) fn refusals(machine: &Machine, is: impl Fn(&Refusal) -> bool) -> Vec<Value> {
     let all = show::json_part(machine, Show::Refusals);
     let rows = all.at("refusals").as_array().cloned().unwrap_or_default();
@@ -88,7 +88,7 @@ pub(super) fn refusals(machine: &Machine, is: impl Fn(&Refusal) -> bool) -> Vec<
     picked.map(|(_, value)| value).collect()
 }
 
-/// A refusal names the code: in its block, as active, or as not active.
+/// Whether a refusal names the code: in its block, as active, or as not active.
 fn of_code(rule: &Refusal, row: &CodeRow) -> bool {
     let written = |code: &Written| match *code {
         Written::Id(id) => id == row.id,
@@ -100,7 +100,7 @@ fn of_code(rule: &Refusal, row: &CodeRow) -> bool {
     rule.codes.iter().any(written) || state(&rule.active) || state(&rule.inactive)
 }
 
-/// A refusal looks for words of a register.
+/// Whether a refusal tests words of a register.
 pub(super) fn looks_at(rule: &Refusal, register: RegisterId) -> bool {
     let bit = register.bit();
     (rule.with | rule.all | rule.without) & bit != 0 || rule.word.is_some_and(|word| word.register == register)

@@ -1,4 +1,4 @@
-//! A word that a machine does not have: the nearest one that it has, and the machines that have it.
+//! A word that a machine does not have: the most similar word of the machine, and the machines that have the word.
 //!
 //! *Invariant:* machines are the shipped ones, in the order of their names.
 
@@ -12,7 +12,7 @@ use super::{programs, words};
 use crate::fields::Fields as _;
 use crate::local_machine;
 
-/// Shipped machines that have the word, by the kind of word; `not` is the machine of the question.
+/// Shipped machines that have the word, by the kind of word, without the machine `not`.
 pub(super) fn machines(word: &str, not: Option<&str>) -> Vec<Value> {
     let mut found: Vec<(String, Vec<String>)> = Vec::new();
     for (name, machine) in local_machine::all_shipped().filter(|(name, _)| Some(name.as_str()) != not) {
@@ -54,7 +54,7 @@ fn identifiers(machine: &Machine, word: &str) -> Vec<String> {
     names
 }
 
-/// The word of the machine that is written most like it.
+/// The most similar word of the machine.
 pub(super) fn nearest(machine: &Machine, word: &str) -> Option<String> {
     let written =
         machine.codes.iter().filter(|row| row.enable).map(|row| show::code_json(machine, row).at("word").clone());
@@ -62,7 +62,7 @@ pub(super) fn nearest(machine: &Machine, word: &str) -> Option<String> {
     let mut names: Vec<String> = written.filter(|word| word != "-").collect();
     names.extend(machine.storage.iter().filter_map(|file| programs::stem(&file.path).map(str::to_uppercase)));
     let word = word.to_uppercase();
-    // Numbers that are near are no slips of the fingers.
+    // A nearby number is not a typing error.
     let plain = word.chars().skip(1).all(|c| c.is_ascii_digit() || c == '.');
     if plain {
         return None;

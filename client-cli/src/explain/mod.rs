@@ -1,4 +1,4 @@
-//! `explain`: what a word of a program does on a machine; without a machine, a diagnostic, an alarm or a word of macros.
+//! `explain`: the effect of a program word on a machine; without a machine, a diagnostic, an alarm or a word of macros.
 //!
 //! *Invariant:* the text is made from the data that `--json` prints.
 
@@ -70,7 +70,7 @@ fn on_machine(asked: &str, name: &str, json: bool) -> Result<u8, Error> {
     let known = words.iter().all(|word| word.at("known") == true);
     let value = json!({ "machine": subject.machine.name, "extends": subject.definition.chain, "words": words });
     print(&value, json)?;
-    // A word that the machine does not have is like any unknown name.
+    // Treat a word that the machine does not have like any unknown name.
     Ok(if known { 0 } else { 2 })
 }
 
@@ -97,11 +97,11 @@ impl Subject {
                 codes.extend(found.codes);
             }
         }
-        // A statement of several words is known to the pages of the control only as a whole.
+        // The pages of the control list a statement of several words only as a whole.
         if words.iter().any(|word| word.at("known") == false) { vec![whole] } else { words }
     }
 
-    /// A word; `before` are the codes that stand before it.
+    /// A word; `before` are the codes before it.
     fn word(&self, asked: &str, before: &[CodeRowId]) -> Value {
         let machine = &self.machine;
         let mut value = json!({ "word": asked, "known": true });
@@ -128,7 +128,7 @@ impl Subject {
             known |= add("diagnostic", self.diagnostic(asked));
             add("edited", self.edited(asked));
         }
-        // A letter by itself stands everywhere.
+        // A letter alone occurs on every page.
         let pages = if asked.len() > 1 {
             pages::rows(machine, &self.local, &self.definition.chain, &asked.to_uppercase())
         } else {
@@ -187,7 +187,7 @@ impl Subject {
         }
     }
 
-    /// Through which family a row has come.
+    /// The family that defines a row.
     fn inherited(&self, value: &mut Value) {
         let folder = value.at("file").as_str().and_then(|file| file.split('/').next()).unwrap_or_default().to_owned();
         let own = self.definition.chain.first().is_some_and(|own| *own == folder);
@@ -217,7 +217,7 @@ impl Subject {
         found
     }
 
-    /// `[[subprograms.calls]]` that the word is one of.
+    /// Rows of `[[subprograms.calls]]` that contain the word.
     fn called(&self, asked: &str) -> Vec<Value> {
         let Some(Found { register: Some((register, value)), .. }) = words::register_of(&self.machine, asked) else {
             return Vec::new();
@@ -269,7 +269,7 @@ impl Subject {
         json!({ "page": page, "rule": rule, "refusals": refusals })
     }
 
-    /// What the tape editor makes of the word.
+    /// The word as the tape editor changes it.
     fn edited(&self, asked: &str) -> Value {
         let steps = tape::steps(&self.machine, asked.as_bytes(), false);
         let steps = steps.iter().filter_map(|step| {
@@ -280,7 +280,8 @@ impl Subject {
         steps.collect()
     }
 
-    /// A word that the machine does not have: what the control says, the nearest word, and machines that have it.
+    /// A word that the machine does not have: the response of the control, the most similar word, and the machines that
+    /// have the word.
     fn unknown(&self, asked: &str) -> Value {
         let machine = &self.machine;
         json!({

@@ -1,4 +1,4 @@
-//! What the pages of the controls say of a word.
+//! Rows about a word on the pages of the controls.
 //!
 //! *Invariant:* only whole words are found: G76 is not G76.1, and SETMS is not SETMSX.
 
@@ -13,10 +13,10 @@ static COVERAGE: Dir<'_> = include_dir!("$CARGO_MANIFEST_DIR/../docs/coverage");
 
 const PREPROCESSORS: &str = include_str!("../../../docs/preprocessors.md");
 
-/// Most rows of a page.
+/// Maximum number of rows of a page.
 const MOST: usize = 4;
 
-/// Most characters of a row.
+/// Maximum number of characters of a row.
 const LONGEST: usize = 400;
 
 /// Rows of the pages of the machine's control that name the word.
@@ -50,7 +50,7 @@ fn add(found: &mut Vec<Value>, page: &str, text: &str, word: &str) {
     found.extend(lines.take(MOST).map(|line| json!({ "page": page, "text": plain(line) })));
 }
 
-/// The line has the word as a whole word.
+/// Whether the line has the word as a whole word.
 fn names(line: &str, word: &str) -> bool {
     let part = |c: char| c.is_ascii_alphanumeric() || c == '_';
     line.match_indices(word).any(|(at, _)| {

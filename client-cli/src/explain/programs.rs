@@ -1,6 +1,6 @@
 //! Programs that are stored with a machine, such as the cycles of a control.
 //!
-//! *Invariant:* a program is found by the name of its file, whatever its letter case and its ending.
+//! *Invariant:* a program is found by the name of its file, regardless of letter case and extension.
 
 use counterpoint_kernel::machine::Machine;
 use counterpoint_kernel::machine::stored::StoredFile;
@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 /// Beginning of the line with the parameters of a program.
 const HEAD: &str = "PROC ";
 
-/// Stored programs of this name; what follows a bracket are arguments.
+/// Stored programs of this name; text after a bracket is arguments.
 pub(super) fn stored(machine: &Machine, word: &str) -> Vec<Value> {
     let name = word.split('(').next().unwrap_or_default().trim();
     let own =

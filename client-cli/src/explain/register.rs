@@ -1,4 +1,4 @@
-//! A register of a machine: how its number is written, and which data it supplies.
+//! A register of a machine: its number format, and the data that it supplies.
 //!
 //! *Invariant:* everything comes from the checked machine, with the file and the line that define it.
 

@@ -1,6 +1,6 @@
 //! The data of an explanation as short text.
 //!
-//! *Invariant:* nothing is shown that the data do not have.
+//! *Invariant:* the text shows only the data.
 
 use std::fmt::Write as _;
 
@@ -10,7 +10,7 @@ use crate::fields::Fields as _;
 use crate::severity;
 use crate::text::table;
 
-/// Most codes and words that a line lists.
+/// Maximum number of codes and words in a line.
 const LISTED: usize = 12;
 
 /// The whole explanation.

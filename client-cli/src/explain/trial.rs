@@ -1,6 +1,6 @@
-//! What the control says to a block of one word.
+//! The response of the control to a block of one word.
 //!
-//! *Invariant:* the block is run as in any job, so the answer is the one that a program gets.
+//! *Invariant:* the block runs as in any job, so a program gets the same response.
 
 use std::sync::Arc;
 
@@ -12,7 +12,7 @@ use counterpoint_kernel::machine::Machine;
 use counterpoint_kernel::options::Options;
 use serde_json::{Value, json};
 
-/// Most blocks of the run.
+/// Maximum number of blocks of the run.
 const BLOCKS: u64 = 100;
 
 /// Diagnostics of the first line.
@@ -30,7 +30,7 @@ impl Sink for OfFirstLine {
     }
 }
 
-/// The diagnostics of a block, or why it cannot be run.
+/// The diagnostics of a block, or the reason why it cannot be run.
 pub(super) fn diagnostics(machine: Machine, block: &str) -> Vec<Value> {
     let name = "block.nc";
     let mut files = Memory::default();

@@ -1,6 +1,6 @@
-//! Which rows of a machine a word of a program means.
+//! The rows of a machine that a program word selects.
 //!
-//! *Invariant:* the rows are those that the scanner finds for the word alone; conditions on other words are left to the reader.
+//! *Invariant:* the rows are those that the scanner finds for the word alone; conditions on other words are shown but not tested.
 
 use counterpoint_kernel::machine::Machine;
 use counterpoint_kernel::machine::ident;
@@ -8,7 +8,7 @@ use counterpoint_kernel::machine::index::{CodeRowId, DataRowId, RegisterId};
 use counterpoint_kernel::machine::rows::{CodeForm, Register};
 use counterpoint_kernel::machine::tables::form_range;
 
-/// What a word is on a machine.
+/// The meaning of a word on a machine.
 #[derive(Debug, Default, PartialEq)]
 pub(super) struct Found {
     pub(super) word: String,
@@ -22,7 +22,7 @@ pub(super) struct Found {
 pub(super) fn find(machine: &Machine, word: &str) -> Option<Found> {
     let found = identifier(machine, word).or_else(|| text(machine, word)).or_else(|| registered(machine, word))?;
     let rows = !found.codes.is_empty() || !found.data.is_empty();
-    // A letter by itself has codes without a row of its own.
+    // A letter alone has codes without a separate row.
     let letter = found.register.is_some_and(|(register, value)| value.is_none() && machine.tables.has_codes(register));
     (rows || letter).then_some(found)
 }
@@ -67,7 +67,7 @@ fn registered(machine: &Machine, word: &str) -> Option<Found> {
     };
     let mut codes = machine.tables.code(id, number).to_vec();
     if codes.is_empty() {
-        // Rows that are switched off are shown where no other one is.
+        // Disabled rows are shown if there are no others.
         let covers =
             |form: &CodeForm| form_range(form).is_some_and(|(of, min, max)| of == id && (min..=max).contains(&number));
         codes = machine.codes.entries().filter(|(_, row)| covers(&row.form)).map(|(id, _)| id).collect();

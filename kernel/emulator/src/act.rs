@@ -387,7 +387,7 @@ impl Act<'_, '_> {
         self.kernel.couple_alone(pair, parking)
     }
 
-    /// Ends a coupling that this channel alone has commanded.
+    /// Ends a coupling that only this channel has commanded.
     pub(crate) fn end_alone(&mut self, pair: Pair) -> Acted {
         self.kernel.end_alone(pair)
     }

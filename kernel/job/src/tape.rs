@@ -1,6 +1,6 @@
 //! The tape editor of a machine on one line, rule by rule.
 //!
-//! *Invariant:* the last text is what a run makes of the line with the rules that are on at the start of a program.
+//! *Invariant:* the last text is the line of a run with the rules that are on at the start of a program.
 
 use counterpoint_lang::pattern::Memory;
 use counterpoint_machine::Machine;
@@ -14,7 +14,7 @@ use counterpoint_program::visible::Marks;
 pub struct Step {
     /// Its place in `Machine::tape_editor`.
     pub rule: usize,
-    /// The line behind it.
+    /// The line after it.
     pub text: Vec<u8>,
 }
 

@@ -14,7 +14,7 @@ pub struct Habits {
     pub rotations: Rotations,
     /// Feed per minute that counts where none is programmed, or zero; without one such moves are timed as rapid ones.
     pub least_feed: Option<f64>,
-    /// The feed of the path counts for X, Y and Z only; other axes go along, unless the program says otherwise.
+    /// Whether the feed of the path counts only for X, Y and Z unless the program selects axes; other axes move along.
     pub feed_of_geometry: bool,
     /// Incremental words travel changes of frames, offsets and tool lengths too.
     pub frame_increments: bool,
@@ -48,13 +48,13 @@ pub struct Habits {
     /// What is an alarm of a real control stops the channel; otherwise the rest of the block is dropped and the program
     /// goes on.
     pub stops: bool,
-    /// A position of the machine frame is reached at rapid, whatever the motion code.
+    /// Whether a position of the machine frame is reached at rapid under any motion code.
     pub machine_frame_rapid: bool,
-    /// The centre of a rotation is scaled by the scale in force.
+    /// Whether the active scale also applies to the centre of a rotation.
     pub scaled_center: bool,
-    /// A preset ends the local shift of its axes.
+    /// Whether a preset ends the local shift of its axes.
     pub preset_ends_shift: bool,
-    /// A code of extended work offsets without a number means the first one.
+    /// Whether a code of extended work offsets without a number selects the first offset.
     pub first_extended: bool,
     /// Limits of the working area count in all directions of all axes unless the program says otherwise.
     pub work_area: bool,

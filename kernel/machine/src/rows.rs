@@ -230,7 +230,7 @@ pub struct DataRow {
     pub add: f64,
     /// Dimension, for the change of units.
     pub dimension: Dimension,
-    /// Value of one of a number without a point in primary and in secondary units, where such numbers count increments.
+    /// Value of one unit of a number without a point, in primary and in secondary units, if such numbers count increments.
     pub increment: Option<[f64; 2]>,
     /// Line where the row is defined.
     pub line: u32,

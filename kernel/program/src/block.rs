@@ -107,7 +107,7 @@ pub struct BlockFlags {
     pub swallows: bool,
     /// The axis moves by what the block changes of the length of the tool.
     pub travels: bool,
-    /// A later motion code has taken a cycle off it.
+    /// Whether a later motion code has removed its cycle.
     pub cycle_dropped: bool,
 }
 

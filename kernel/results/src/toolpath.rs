@@ -250,7 +250,7 @@ impl Track {
         }
     }
 
-    /// Another channel has brought an axis along, straight as far as the channel knows.
+    /// Another channel has moved an axis, in a straight line as far as the channel knows.
     #[cold]
     pub fn carried(&mut self, carried: &Carried, place: (FileId, u32)) {
         let ends = [*carried.from, *carried.to];

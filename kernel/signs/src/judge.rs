@@ -20,7 +20,7 @@ const ENOUGH: u32 = 2;
 ///
 /// # Errors
 ///
-/// The reason why no machine can be decided, as the rest of a sentence.
+/// The reason why no machine can be chosen, as the rest of a sentence.
 pub fn guess(
     candidates: &[Candidate],
     programs: &[Program],

@@ -1,7 +1,7 @@
 //! Whether a line is a block of words, as controls without marks of their own write it, or some other text.
 //!
-//! Letters, tables, pictures, programs of robots and of computers have letters with numbers, too, but most of their lines are no
-//! blocks. *Invariant:* a block of words or a statement of custom macros is never other text.
+//! Letters, tables, pictures, and programs of robots and computers also have letters with numbers, but most of their lines are
+//! not blocks. *Invariant:* a block of words or a statement of custom macros is never other text.
 
 /// Statements that begin with a name.
 const STATEMENTS: &[&str] = &[
@@ -33,13 +33,13 @@ impl Lines {
         }
     }
 
-    /// At least a third of the lines is other text.
+    /// Whether at least a third of the lines is other text.
     pub(crate) fn are_no_program(&self) -> bool {
         self.others > 0 && self.others * 2 >= self.blocks
     }
 }
 
-/// A line is neither words nor a statement of custom macros.
+/// Whether a line is neither words nor a statement of custom macros.
 fn is_other(line: &str) -> bool {
     let strange = |c: char| !(c.is_ascii_alphanumeric() || " \t.-+#[]=*/,;:_\"<>".contains(c));
     if line.contains(strange) || line.ends_with('*') {

@@ -154,7 +154,7 @@ pub struct Rule {
     pub signals: Signals,
     /// Names of the marks, by their numbers; empty: marks are numbers.
     pub names: Arc<[Box<str>]>,
-    /// The code does more than wait.
+    /// Whether the code does more than wait.
     pub acts: bool,
 }
 
@@ -235,7 +235,7 @@ impl Rules {
         self.0.get(usize::from(wait.rule))
     }
 
-    /// The code of a wait does more than wait.
+    /// Whether the code of a wait does more than wait.
     pub fn acts(&self, wait: &Wait) -> bool {
         self.of(wait).is_some_and(|rule| rule.acts)
     }

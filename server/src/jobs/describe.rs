@@ -101,7 +101,7 @@ pub(crate) fn status(record: Record) -> v1::JobStatus {
         paused: record.paused,
         limit: limit(record.runs.reached).into(),
         cpu_us: record.runs.cpu_us,
-        // Known to lists only.
+        // Only lists fill this field.
         short_id: String::new(),
     }
 }

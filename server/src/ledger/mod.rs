@@ -100,7 +100,7 @@ pub(crate) struct Query {
     /// Accepted from here on, and before there, by the time in the identity, ms; 0 = any time.
     pub(crate) from_ms: i64,
     pub(crate) until_ms: i64,
-    /// Identities that begin so; empty = all.
+    /// Prefix of the identities; empty = all.
     pub(crate) prefix: IdPrefix,
     pub(crate) newest_first: bool,
     /// After this job in the order asked for; empty = from the start.
@@ -114,7 +114,7 @@ pub(crate) struct Query {
 #[derive(Debug, Default)]
 pub(crate) struct Page {
     pub(crate) jobs: Vec<Record>,
-    /// Of the same jobs, if they were asked for.
+    /// Of the same jobs, if requested.
     pub(crate) short_ids: Vec<String>,
     /// Where the next page begins; none if there is none.
     pub(crate) next: Option<String>,

@@ -1,6 +1,6 @@
 //! Beginnings of identities of jobs: to find a job by one, and the shortest one that names a job.
 //!
-//! *Invariant:* a prefix has the form of an identity: small hexadecimal digits, hyphens at their places.
+//! *Invariant:* a prefix has the form of an identity: lower-case hexadecimal digits, hyphens at their places.
 
 use std::ops::RangeInclusive;
 
@@ -8,7 +8,7 @@ use std::ops::RangeInclusive;
 const DIGITS: usize = 32;
 /// Digits before each hyphen.
 const HYPHENS: [usize; 4] = [8, 12, 16, 20];
-/// Characters of the shortest prefix that is given for a job.
+/// Minimum number of characters of the prefix that is returned for a job.
 const SHORTEST: usize = 8;
 
 /// The beginning of an identity: its digits, without hyphens.
@@ -16,7 +16,7 @@ const SHORTEST: usize = 8;
 pub(crate) struct IdPrefix(String);
 
 impl IdPrefix {
-    /// A prefix with or without hyphens, in small letters or capital ones; none if no identity begins so.
+    /// A prefix with or without hyphens, in any letter case; none if no identity can have it.
     pub(crate) fn read(text: &str) -> Option<Self> {
         let digits: String = text.chars().filter(|c| *c != '-').map(|c| c.to_ascii_lowercase()).collect();
         let all_hexadecimal = digits.bytes().all(|byte| byte.is_ascii_hexdigit());
@@ -25,12 +25,12 @@ impl IdPrefix {
         (all_hexadecimal && fits && !hyphens_only).then_some(Self(digits))
     }
 
-    /// Whether an identity begins so.
+    /// Whether an identity has this prefix.
     pub(crate) fn begins(&self, id: &str) -> bool {
         id.starts_with(&hyphenated(&self.0))
     }
 
-    /// The first and the last identity that begin so.
+    /// The first and the last identity with this prefix.
     pub(crate) fn range(&self) -> RangeInclusive<String> {
         let filled = |with: &str| hyphenated(&(self.0.clone() + &with.repeat(DIGITS.saturating_sub(self.0.len()))));
         filled("0")..=filled("f")
@@ -52,7 +52,7 @@ fn hyphenated(digits: &str) -> String {
 pub(crate) fn shortest<'i>(id: &str, neighbours: impl IntoIterator<Item = &'i str>) -> String {
     let same = |other: &str| id.bytes().zip(other.bytes()).take_while(|(a, b)| a == b).count();
     let length = neighbours.into_iter().map(|other| same(other) + 1).max().unwrap_or(0).max(SHORTEST);
-    // An identity is ASCII. A hyphen at the end says nothing.
+    // An identity is ASCII. A hyphen at the end has no meaning.
     let length = if id.as_bytes().get(length.saturating_sub(1)) == Some(&b'-') { length + 1 } else { length };
     id.get(..length).unwrap_or(id).to_owned()
 }

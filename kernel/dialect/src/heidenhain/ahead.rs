@@ -57,7 +57,7 @@ impl Heidenhain {
         steps
     }
 
-    /// The next path block, and where `more` the one after it, with a pole between them.
+    /// The next path block, and with `more` the path block after it, with a pole between them.
     fn steps_from(
         &mut self,
         host: &mut dyn Host,
@@ -119,7 +119,7 @@ impl Heidenhain {
         }
     }
 
-    /// The path blocks of the next block with motion, as the program comes to it, with the line after it.
+    /// The path blocks of the next block with motion in program order, with the line after it.
     fn run_to_steps(
         &mut self,
         host: &mut dyn Host,
@@ -149,7 +149,7 @@ impl Heidenhain {
                 }
                 Statement::Branch(..) => read.next,
                 Statement::Words(words) | Statement::Path { shape: Shape::Iso, words, .. } if is_still(words) => {
-                    // The modes that it sets hold for the blocks after it.
+                    // Its modes apply to the following blocks.
                     if self.is_translated(host) {
                         run.modes.read(words);
                     } else {
@@ -164,7 +164,7 @@ impl Heidenhain {
                         let mut seen = run.said.clone();
                         seen.extend(Evaluator::new(&mut self.variables, host).seen(&words)?);
                         self.cycles.contours.unroll(&mut seen);
-                        // The line of a corner follows from where it was read.
+                        // The line of a corner follows the place where the corner was read.
                         let line = read.next.saturating_sub(1);
                         steps.push(Step { shape, iso, seen, line, number: read.number, rapid: None });
                     }
@@ -200,9 +200,9 @@ impl Heidenhain {
 /// The state of a look ahead.
 struct Run {
     modes: Modes,
-    /// G words of blocks without motion, where they are not turned into modes.
+    /// G words of blocks without motion that are not converted to modes.
     said: Vec<Seen>,
-    /// Parameters that assignments on the way have changed, with the values from before.
+    /// Parameters changed by assignments in between, with their previous values.
     before: Vec<(Name, Option<Value>)>,
 }
 

@@ -23,7 +23,7 @@ pub(super) struct Modes {
     motion: Option<u32>,
     increments: bool,
     clockwise: bool,
-    /// The block before took the G26 that follows it.
+    /// Whether the previous block has used the G26 after it.
     pub(super) softened: bool,
     /// Radius of G27, until the block that leaves the contour.
     pub(super) leaves: Option<f64>,

@@ -1,14 +1,14 @@
 //! Cycles of ISO programs whose values have numbers (`G83 P01 2 P02 -20 …`), as the lines of their conversational definitions.
 //!
 //! Facts: programming manual (DIN/ISO). Decision: the numbers of G56 to G59 and G74 to G78 follow the order of the lines.
-//! Invariant: a value without a place in the cycle says nothing.
+//! Invariant: a value without a place in the cycle has no effect.
 
 use super::words::Seen;
 
-/// A word of a line: the number of its value, or how the cycle turns.
+/// A word of a line: the number of its value, or the direction of the cycle.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Item {
-    /// A value that its place in the line tells, or the letter of its axis.
+    /// A value identified by its place in the line, or by the letter of its axis.
     Value(u32),
     Feed(u32),
     Radius(u32),
@@ -68,7 +68,7 @@ pub(super) fn filled(lines: Lines, seen: &[Seen]) -> Vec<(u32, Vec<Seen>)> {
     (1..).zip(lines.iter().map(line)).collect()
 }
 
-/// The letter and the value behind a number: P05 X+80.
+/// The letter and the value after a number: P05 X+80.
 fn numbered(seen: &[Seen], number: u32) -> Option<(&str, f64)> {
     let mut pairs = seen.iter().zip(seen.iter().skip(1));
     let (_, word) = pairs.find(|(place, _)| place.is("P") && place.value == Some(f64::from(number)))?;
@@ -85,7 +85,7 @@ mod tests {
     use super::super::old;
     use super::*;
 
-    /// What the words of a block are seen as: `P05`, then `X+80` or `-20`.
+    /// The items of a block: `P05`, then `X+80` or `-20`.
     fn seen(text: &str) -> Vec<Seen> {
         let word = |word: &str| {
             let (name, value) = match word.strip_prefix(['P', 'X', 'Y']) {

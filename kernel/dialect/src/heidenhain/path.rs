@@ -1,7 +1,7 @@
 //! Path blocks: what the tables of a machine cannot say by themselves is reduced to straight lines and circles.
 //!
-//! Facts: programming manuals of the control (path functions, polar coordinates, corners). Decisions: a block whose words say everything is
-//! left as it is; others become blocks with positions. Invariant: positions are in the units of the program, in its frame.
+//! Facts: programming manuals of the control (path functions, polar coordinates, corners). Decisions: a block that is completely defined by its
+//! words is not changed; others become blocks with positions. Invariant: positions are in the units of the program, in its frame.
 
 use super::free::Free;
 use super::upright::Poles;
@@ -266,7 +266,7 @@ impl Walk<'_> {
             return Ok(Vec::new());
         }
         let shape = if step.shape == Shape::Iso { self.iso_shape() } else { step.shape };
-        // A corner is made by the next block with motion or not at all.
+        // Only the next block with motion can make a corner.
         let corner = if shape == Shape::Iso { None } else { self.path.corner.take() };
         Ok(match shape {
             Shape::Line | Shape::Space => self.line(),
@@ -362,7 +362,7 @@ impl Walk<'_> {
     /// Where the words of a block lead to from a point.
     pub(super) fn target_of(&self, seen: &[Seen], start: &Position) -> Position {
         let mut end = *start;
-        // A block ahead says by words of its own whether it counts in increments.
+        // The words of a later block decide whether it counts in increments.
         let own = seen.iter().rfind(|word| word.is("G") && matches!(word.value, Some(90.0 | 91.0)));
         let increments = own.map_or(self.path.increments, |word| word.value == Some(91.0));
         for word in seen {

@@ -95,11 +95,12 @@ pub trait Frames {
     /// position in program units, and its feed per minute (none is rapid).
     fn go_beside(&mut self, letter: &str, to: f64, feed: Option<f64>);
 
-    /// The feed of the path counts for these axes only, given by their letters; without any for those that the control begins with.
+    /// Makes the feed of the path count only for these axes, given by their letters; without letters, for the initial axes of the
+    /// control.
     fn count_feed(&mut self, letters: &[String]);
 
-    /// A degree of a rotary axis counts in the feed of the path as the way at this radius, in lengths of the program; false where
-    /// the axis does not turn.
+    /// Makes a degree of a rotary axis count in the feed of the path as the travel at this radius, in lengths of the program;
+    /// false if the axis is not rotary.
     fn set_feed_radius(&mut self, letter: &str, radius: f64) -> bool;
 
     /// A side of the working area by the letter of an axis: its limit in program units, and whether it is enabled.

@@ -21,7 +21,7 @@ fn loop_fault<T>(text: &str) -> Outcome<T> {
     Err(Fault::Alarm(&diag::MACRO_LOOP, text.to_owned()))
 }
 
-/// A condition is fulfilled from this absolute value on (TwinCAT programming manual, "Control blocks: IF branching").
+/// A condition is true from this absolute value on (TwinCAT programming manual, "Control blocks: IF branching").
 const FULFILLED: f64 = 0.5;
 
 impl Isg {

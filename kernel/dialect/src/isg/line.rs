@@ -68,7 +68,7 @@ pub(super) enum Control {
     Continue,
     EndWhile,
     EndFor,
-    /// With a condition the loop goes on while it is fulfilled.
+    /// With a condition the loop repeats while the condition is true.
     EndDo(Option<Expr>),
     /// Nothing happens at it: ENDIF, DO, REPEAT, DEFAULT, ENDSWITCH.
     Mark,

@@ -1,6 +1,6 @@
-//! Words that a block must not have beside each other.
+//! Words that a block must not combine.
 //!
-//! Facts: reference siemens-cycles.md 6: frames and poles stand in blocks of their own (12120), RP is not negative (14200), a block
+//! Facts: reference siemens-cycles.md 6: frames and poles need separate blocks (12120), RP is not negative (14200), a block
 //! has polar or Cartesian words of its plane (14280). *Invariant:* a block that is refused moves nothing.
 
 use super::{Fault, Outcome};

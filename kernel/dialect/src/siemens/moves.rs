@@ -1,6 +1,6 @@
 //! Statements about how moves are made: G functions by their numbers, axes that F counts for and their radii, dynamics of axes.
 //!
-//! Facts: programming manual of the control (G groups, FGROUP, FGREF, ACC, VELOLIM, JERKLIM). *Invariant:* what is ignored is told.
+//! Facts: programming manual of the control (G groups, FGROUP, FGREF, ACC, VELOLIM, JERKLIM). *Invariant:* every ignored statement is reported.
 
 use super::expression::{Argument, Expression, Name};
 use super::line::Assigned;
@@ -39,7 +39,7 @@ impl Siemens {
         Ok(())
     }
 
-    /// FGROUP: the axes that F counts for, all others go along; without axes the geometry axes.
+    /// FGROUP: the axes that F counts for, by default the geometry axes; all others move along.
     pub(super) fn feed_group(&mut self, host: &mut dyn Host, arguments: &[Argument]) -> Outcome<()> {
         let mut letters = Vec::new();
         for argument in arguments.iter().filter(|argument| !argument.text.trim().is_empty()) {
@@ -53,7 +53,7 @@ impl Siemens {
         Ok(())
     }
 
-    /// FGREF[axis]: the radius at which F counts the way of a rotary axis.
+    /// FGREF[axis]: the radius at which F counts the travel of a rotary axis.
     pub(super) fn feed_radius(&mut self, host: &mut dyn Host, name: &Name, value: &Assigned) -> Outcome<bool> {
         let axis = self.axis_of(host, name)?.text();
         let Some(letter) = host.axis_letter(&axis).map(str::to_owned) else {

@@ -1,4 +1,4 @@
-//! POS, POSA, FA and WAITP: axes that go to a position by themselves. ACC, VELOLIM, JERKLIM, ATOL, FL: data of single axes.
+//! POS, POSA, FA and WAITP: axes that move to a position independently. ACC, VELOLIM, JERKLIM, ATOL, FL: data of single axes.
 //!
 //! Facts: programming manual, fundamentals, chapter "traversing positioning axes": positioning axes move independently of the path,
 //! each with its own feed; POS[axis] waits at the end of its block, POSA[axis] does not, WAITP waits for such an axis; FA[axis] is

@@ -36,7 +36,7 @@ pub(super) struct Left {
     pub(super) relative: Option<bool>,
     /// S of the block is a limit or a cutting speed.
     pub(super) speed_is_other: bool,
-    /// The block has SPOS.
+    /// Whether the block has SPOS.
     pub(super) oriented: bool,
     /// Axes that POS of the block moves, with their positions as the program counts.
     pub(super) beside: Vec<(String, f64)>,

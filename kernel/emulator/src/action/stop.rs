@@ -29,7 +29,7 @@ pub(super) fn stop(act: &mut Act<'_, '_>, stop: Stop) -> Acted {
             }
             Ok(())
         }
-        // Inside a subprogram an end code returns, or ends the program: as the control has it.
+        // Inside a subprogram an end code returns or ends the program, depending on the control.
         Stop::End | Stop::Rewind if act.call_depth() > 1 && !act.env.machine.subprograms.end_ends => {
             act.return_from(None);
             Ok(())

@@ -37,7 +37,7 @@ pub(super) fn load(act: &mut Act<'_, '_>) -> Acted {
             return Ok(());
         }
     };
-    // Tool 0 empties the spindle. Where the word has an offset number, T0000 takes the offset away and the turret stays.
+    // Tool 0 empties the spindle. If the word has an offset number, T0000 cancels the offset and the turret does not turn.
     let empties = act.env.machine.tool.offset_digits == 0;
     let changes = tool != act.state.place.tools.current && (tool != 0 || empties);
     let seconds = if changes { change_seconds(act, tool) } else { 0.0 };

@@ -27,7 +27,7 @@ pub(crate) trait Action: Debug + Sync {
 pub(crate) enum CompensationChange {
     /// Another code is active.
     Code,
-    /// Another offset is in force on the same side.
+    /// Another offset is active on the same side.
     Number,
 }
 

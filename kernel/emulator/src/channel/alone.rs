@@ -96,7 +96,7 @@ impl Kernel<'_> {
         self.uncouple(pair, theirs)
     }
 
-    /// Applies the couplings that another channel has commanded alone.
+    /// Applies the couplings that only another channel has commanded.
     #[cold]
     #[inline(never)]
     pub(super) fn learn_couplings(&mut self) -> Acted {

@@ -30,7 +30,7 @@ pub(super) enum Meeting {
     Between,
 }
 
-/// An axis that a coupling has brought to another place, and where its channel was before.
+/// An axis that a coupling has moved to another position, and the previous position of its channel.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Moved {
     slot: AxisSlot,
@@ -151,7 +151,7 @@ impl Kernel<'_> {
         self.channel.machine_point(&place.position).at(slot) * place.layout.axes[slot].scale
     }
 
-    /// An axis stands at a place of the machine frame, geometry units. Gives it if that is another place.
+    /// Sets an axis to a position of the machine frame, geometry units. Returns it if the position has changed.
     pub(super) fn put(&mut self, slot: AxisSlot, place: f64) -> Option<Moved> {
         let from = self.channel.state.place.position;
         let mut machine = self.channel.machine_point(&self.channel.state.place.position);
@@ -215,7 +215,7 @@ impl Kernel<'_> {
         let place = moved.map_or_else(String::new, |moved| {
             format!(" {}={}", self.channel.axis_name(moved.slot), wildcard_text(position.at(moved.slot)))
         });
-        // Composite control changes what the program counts; nothing has moved.
+        // Composite control changes the coordinates of the program; nothing has moved.
         let carried = moved.filter(|_| pair.kind != Kind::Composite).map(|moved| Carried {
             from: Box::new(moved.from),
             to: Box::new(*position),

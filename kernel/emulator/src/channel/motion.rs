@@ -34,7 +34,8 @@ impl Kernel<'_> {
         self.move_to(seconds, motion)
     }
 
-    /// A motion that needs checks: axes move with it, the working area bounds it, or another channel begins at the same time.
+    /// A motion that needs checks: other axes move with it, the working area limits it, or another channel begins at the same
+    /// time.
     #[cold]
     #[inline(never)]
     fn travel_attended(&mut self, seconds: f64, motion: &Motion) -> Acted {

@@ -1,20 +1,20 @@
-//! Common variables that each channel has of its own: those that a channel reads or polls in vain while another one writes them.
+//! Separate common variables of channels: those that a channel reads or polls in vain while another channel writes them.
 //!
-//! *Invariant:* what is reported changes nothing; programs are looked through only when a channel has come to an end or a limit.
+//! *Invariant:* a report changes nothing; programs are searched only when a channel has reached its end or a limit.
 
 use super::Kernel;
 use super::variables::within;
 use counterpoint_fault as diag;
 use counterpoint_sync::verdict;
 
-/// Variables that a channel reports at its end as read in vain, at most.
+/// Maximum number of variables that a channel reports at its end as read in vain.
 const MOST_IN_VAIN: usize = 20;
 
-/// Most lines of a loop in which variables are looked for.
+/// Maximum number of lines of a loop that are searched for variables.
 const MOST_LINES: u32 = 200;
 
 impl Kernel<'_> {
-    /// The channel ends: reports variables that one channel has read in vain and only another one has written.
+    /// Reports at the end of the channel the variables that one channel has read in vain and only another channel has written.
     pub(super) fn report_separate(&mut self) {
         let uses = std::mem::take(&mut self.dialect.variables.uses);
         if uses.is_empty() {
@@ -37,7 +37,7 @@ impl Kernel<'_> {
         }
     }
 
-    /// A loop has come to a limit: reports variables that it reads, that it never writes, and that another program writes.
+    /// Reports at a limit the variables that a loop reads, that it never writes, and that another program writes.
     #[cold]
     pub(super) fn report_polled(&mut self) {
         let pass = self.flow.pass.last();
@@ -87,7 +87,7 @@ impl Kernel<'_> {
 struct Use {
     number: u32,
     line: u32,
-    /// The line gives it a value.
+    /// Whether the line gives it a value.
     writes: bool,
 }
 
@@ -96,7 +96,7 @@ fn uses_line(uses: &[Use], number: u32) -> u32 {
     uses.iter().find(|one| one.number == number).map_or(0, |one| one.line)
 }
 
-/// A line gives a variable a value.
+/// Whether a line gives a variable a value.
 fn uses_of(text: &[u8], number: u32) -> bool {
     uses(text, 0).iter().any(|one| one.number == number && one.writes)
 }

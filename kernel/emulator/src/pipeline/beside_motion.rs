@@ -1,7 +1,7 @@
 //! Stage *codes*: a canned cycle and a motion code in one block, where only the later one acts.
 //!
-//! Facts: `[cycles] beside_motion`; docs/emulation.md, "Canned cycles". Invariant: the code that is taken off was written
-//! on the block; codes that words fire are not touched.
+//! Facts: `[cycles] beside_motion`; docs/emulation.md, "Canned cycles". Invariant: the removed code was written in the
+//! block; codes that words trigger are not changed.
 
 use crate::channel::Kernel;
 use crate::state::modal::group;
@@ -22,7 +22,7 @@ const CYCLE_DATA: [DataId; 7] = [
 ];
 
 impl Kernel<'_> {
-    /// Takes the earlier one of a cycle and a motion code off the block.
+    /// Removes the earlier of a cycle and a motion code from the block.
     #[inline(never)]
     pub(crate) fn cycle_or_motion(&mut self) {
         let (Some(cycle), Some(motion)) = (self.last_written(is_cycle), self.last_written(is_motion)) else { return };
@@ -38,14 +38,14 @@ impl Kernel<'_> {
         self.diagnose(&diag::CYCLE_BESIDE_MOTION, text);
     }
 
-    /// A word that only the cycle that was taken off the block would have used.
+    /// Whether only the removed cycle would have used a word.
     pub(crate) fn belongs_to_dropped_cycle(&self, register: RegisterId) -> bool {
         let machine = self.channel.env.machine;
         let of = |id: DataId| machine.tables.data(id).iter().any(|&row| machine.data[row].register == Some(register));
         self.channel.block.flags.cycle_dropped && CYCLE_DATA.into_iter().any(of)
     }
 
-    /// Where the last word stands that fired a code of this kind.
+    /// The place of the last word that triggered a code of this kind.
     fn last_written(&self, of: fn(u16, CodeKind) -> bool) -> Option<usize> {
         (0..self.channel.block.words.len()).rev().find(|&at| {
             self.fired_by(at).is_some_and(|pending| {
@@ -66,7 +66,7 @@ impl Kernel<'_> {
         }
     }
 
-    /// The place of the code that the word fired.
+    /// The place of the code that the word triggered.
     fn fired_by(&self, at: usize) -> Option<usize> {
         let word = self.channel.block.words.get(at).filter(|word| word.used)?;
         let rows = self.channel.env.machine.tables.code(word.register, word.value);

@@ -70,7 +70,7 @@ impl Kernel<'_> {
         if self.channel.has_any(free) { (self.plan.actions.offset_words)(self, free) } else { Ok(()) }
     }
 
-    /// A speed that no code of the block takes comes before the move of the block.
+    /// Puts a speed that no code of the block takes before the move of the block.
     #[inline(never)]
     fn speed_first(&mut self) -> Acted {
         let mut moves = false;

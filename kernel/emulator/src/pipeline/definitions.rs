@@ -79,7 +79,7 @@ impl Kernel<'_> {
     /// Reports another program of the file with the number of one that is called: it never runs.
     pub(crate) fn report_twice(&mut self, file: FileId, called: Range) {
         let Some(source) = self.channel.env.sources.get(file).filter(|_| called.number.is_some()) else { return };
-        // A call from a sequence number begins inside of its program.
+        // A call from a sequence number begins inside its program.
         let is_called = |range: &Range| (range.first..=range.last).contains(&called.first);
         let same = |range: &&Range| range.number == called.number && !is_called(range);
         let Some(number) = called.number else { return };

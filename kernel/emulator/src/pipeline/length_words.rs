@@ -1,8 +1,8 @@
 //! Stage *codes*, on machines where an axis moves by a change of the length: adds the move of that axis.
 //!
 //! Facts: parameter 5006#6 of Fanuc controls; B-63844EN/02 14.1.1 (a block without the axis moves it by the offset). *Invariant:*
-//! a word of the program for the axis does not change; without one the block gets a word for the same point, or for a distance
-//! of 0 in incremental mode.
+//! a programmed word for the axis does not change; without such a word the block gets a word for the same point, or for a
+//! distance of 0 in incremental mode.
 
 use counterpoint_machine::ident::kind::CodeKind;
 use counterpoint_machine::ident::{codes, data};

@@ -150,7 +150,7 @@ pub(crate) struct Reports {
     pub(crate) race: Option<Box<RaceWith>>,
     /// The operator has reset the channel.
     pub(crate) reset: bool,
-    /// Improbable things reported in this program.
+    /// Improbable blocks reported in this program.
     pub(crate) plausible: Plausible,
 }
 

@@ -1,8 +1,8 @@
-//! Axes that the feed of the path counts for; other axes of a move go along and arrive with them.
+//! Axes that the feed of the path counts for; other axes of a move arrive at the same time.
 //!
 //! Facts: Siemens programming manual, fundamentals, "Feedrate (G93, G94, G95, F, FGROUP, FL, FGREF)", whose example of FGROUP is
 //! worked in tests/spec/emulator/siemens-points.md; function manual K2, "Synchronized axes". A degree counts as a millimetre, or
-//! as the way at the radius of its axis. *Decision:* where only axes move that go along, the feed counts for all of them.
+//! as the travel at the radius of its axis. *Decision:* if only other axes move, the feed counts for all of them.
 //! *Invariant:* a channel without a group counts all axes.
 
 use counterpoint_event::event::{MAX_AXES, Position};
@@ -15,17 +15,17 @@ use counterpoint_machine::model::AxisRole;
 use super::channel::Channel;
 use super::position::Axis;
 
-/// Changes below this are none.
+/// Smaller changes count as zero.
 const NOISE: f64 = 1e-9;
 
-/// The axes, and what a unit of each counts.
+/// The axes, and the length that a unit of each counts as.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct FeedGroup {
     /// Axes of the group, bit by axis.
     axes: u8,
-    /// What a unit of an axis counts, geometry units.
+    /// The length that a unit of an axis counts as, geometry units.
     units: Position,
-    /// A degree of some axis counts other than as a millimetre.
+    /// Whether a degree of some axis does not count as a millimetre.
     has_radii: bool,
 }
 
@@ -77,7 +77,7 @@ impl Channel<'_> {
         self.put_feed_group(group);
     }
 
-    /// A degree of a rotary axis counts as the way at this radius, geometry units.
+    /// Makes a degree of a rotary axis count as the travel at this radius, geometry units.
     pub(crate) fn set_feed_radius(&mut self, axis: AxisSlot, radius: f64) {
         let axes = &self.state.place.layout.axes;
         let all = || Box::new(FeedGroup::made(self.env.machine, axes, u8::MAX));
@@ -87,7 +87,7 @@ impl Channel<'_> {
         self.put_feed_group(Some(group));
     }
 
-    /// The group of the control again, as at the start of a program.
+    /// Restores the group of the control, as at the start of a program.
     pub(crate) fn reset_feed_group(&mut self) {
         let group = FeedGroup::of(self.env.machine, &self.state.place.layout.axes);
         self.put_feed_group(group);
@@ -99,7 +99,7 @@ impl Channel<'_> {
         place.feed_group = group;
     }
 
-    /// The ways of the axes that the feed counts.
+    /// The travel of the axes that the feed counts for.
     pub(super) fn ways_of_group(&self, group: &FeedGroup, changes: &Position) -> Position {
         let axes = &self.state.place.layout.axes;
         // Coordinates of the part count, whatever axes they are named by.
@@ -121,7 +121,7 @@ impl Channel<'_> {
         out
     }
 
-    /// Square of the way beside a circle that the feed counts: along axes that are not those of the circle.
+    /// Square of the travel outside the circle that the feed counts: along axes other than those of the circle.
     pub(crate) fn rise_that_counts(&self, changes: &Position, circle: [AxisSlot; 2]) -> f64 {
         let Some(group) = self.state.place.feed_group.as_deref() else { return 0.0 };
         let beside =
@@ -129,7 +129,7 @@ impl Channel<'_> {
         beside.map(|axis| (changes.at(axis) * group.units.at(axis)).powi(2)).sum()
     }
 
-    /// Seconds of a move at feed: no axis that goes along exceeds its rate.
+    /// Seconds of a move at feed; no axis that moves along exceeds its rate.
     pub(crate) fn seconds_of_group(&self, seconds: f64, changes: &Position) -> f64 {
         let Some(group) = self.state.place.feed_group.as_deref() else { return seconds };
         let along = self.state.place.layout.axes.entries().filter(|(axis, _)| group.axes & axis.bit() == 0);

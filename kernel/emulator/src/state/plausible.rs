@@ -1,6 +1,6 @@
-//! What a channel has reported as possible and improbable: each cause once in a program.
+//! Blocks that a channel has reported as possible but improbable: each cause once in a program.
 //!
-//! *Invariant:* nothing here changes what a block does.
+//! *Invariant:* nothing here changes the effect of a block.
 
 /// A dwell longer than this is improbable, seconds.
 pub(crate) const LONGEST_DWELL: f64 = 3600.0;

@@ -28,14 +28,14 @@ record! {
 }
 
 record! {
-    /// An axis of the channel that another one has brought along.
+    /// An axis of the channel that another channel has moved.
     #[derive(Debug, Clone, PartialEq)]
     pub struct Carried {
-        /// Where the channel was, in the work frame.
+        /// The previous position of the channel, in the work frame.
         pub from: Box<Position> = 1,
-        /// Where it is.
+        /// The current position.
         pub to: Box<Position> = 2,
-        /// The axis and the one that it follows: `Z2 with Z1`.
+        /// The axis and its master: `Z2 with Z1`.
         pub axes: Box<str> = 3,
     }
 }
@@ -48,7 +48,7 @@ record! {
         pub text: Cow<'static, str> = 1,
         /// The tool offset that comes with it.
         pub offset: Option<ToolOffset> = 2 [wire],
-        /// The axis that a coupling has moved meanwhile.
+        /// The axis that a coupling has moved in the meantime.
         pub carried: Option<Box<Carried>> = 3 [wire],
     }
 

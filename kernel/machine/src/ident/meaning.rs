@@ -1,4 +1,4 @@
-//! What identifiers mean, in a few words.
+//! Short meanings of identifiers.
 //!
 //! An own identifier has its meaning in its row, the others in `meanings.tsv`, where a star is the rest of a name and `{}` that
 //! rest. *Invariant:* every built-in identifier has a meaning; without a row it is its name in plain words.
@@ -6,7 +6,7 @@
 /// Identifier and meaning, a line each.
 const MEANINGS: &str = include_str!("meanings.tsv");
 
-/// Parts of names that are no words.
+/// Parts of names that are not words.
 const WORDS: &[(&str, &str)] = &[
     ("CALSUB", "call of a subprogram"),
     ("CCLW", "counter-clockwise"),

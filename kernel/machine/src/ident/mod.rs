@@ -46,7 +46,7 @@ pub struct CodeFacts {
     pub own: bool,
     /// What it is about.
     pub kind: kind::CodeKind,
-    /// What an own one means, behind a colon; empty for the others.
+    /// The meaning of an own identifier, after a colon; empty for the others.
     meaning: &'static str,
 }
 
@@ -91,7 +91,7 @@ pub struct DataFacts {
     pub kind: kind::data::DataKind,
     /// Dimension of its values where the machine does not say.
     pub dimension: dimension::Dimension,
-    /// What an own one means; empty for the others.
+    /// The meaning of an own identifier; empty for the others.
     meaning: &'static str,
 }
 

@@ -1,4 +1,4 @@
-//! A definition as it is written, the families that it extends included: sections, rows and keys, each with its place.
+//! A definition as written, including the families that it extends: sections, rows and keys, each with its place.
 //!
 //! Invariant: nothing is interpreted but the questionnaire, whose answers are shown as the rows that they make; so every key of a
 //! file is there, also one that the machine as loaded no longer has.
@@ -26,7 +26,7 @@ pub struct Definition {
 pub struct DefinitionRow {
     /// Section: `codes`, `time.m_codes`; empty for the keys above all sections.
     pub section: String,
-    /// By what another file's row replaces it (`CODE_RAPID word G0`); empty for a section without rows.
+    /// The key by which a row of another file replaces it (`CODE_RAPID word G0`); empty for a section without rows.
     pub name: String,
     /// File and line.
     pub place: String,
@@ -55,7 +55,7 @@ pub fn definition(files: &dyn Files, folder: &str) -> Result<Definition, Vec<Fin
     Ok(definition)
 }
 
-/// The machine without a key of a section without rows: what it does then is the default.
+/// The machine without a key of a section without rows; its behaviour is then the default.
 #[must_use]
 pub fn without_key(files: &dyn Files, folder: &str, section: &str, key: &str) -> Option<Machine> {
     let mut merged = merged(files, folder).ok()?;

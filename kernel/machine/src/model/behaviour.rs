@@ -15,7 +15,7 @@ pub struct Subprograms {
     pub repeat_is_executions: bool,
     /// What a return in the main program does.
     pub main_return: MainReturn,
-    /// An end code in a subprogram ends the program; otherwise it returns.
+    /// Whether an end code in a subprogram ends the program; otherwise it returns.
     pub end_ends: bool,
     /// Words that call programs, in file order.
     pub calls: Vec<WordCall>,
@@ -247,7 +247,7 @@ pub struct Cycles {
     pub cancel_required: bool,
     /// A motion code of the program cancels the cycle.
     pub motion_cancels: bool,
-    /// Of a cycle and a motion code in one block only the later one acts.
+    /// Whether only the later of a cycle and a motion code in one block acts.
     pub last_of_block: bool,
 }
 
@@ -275,7 +275,7 @@ pub struct Compensation {
     pub numbers_alone: bool,
     /// Blocks without a move in the plane that are looked through to the next move.
     pub looked_through: u32,
-    /// For how many of these a move of length zero counts.
+    /// The number of such blocks that a move of length zero counts as.
     pub zero_move: u32,
     /// Length compensation.
     pub length: LengthRules,
@@ -309,10 +309,10 @@ pub enum LengthThere {
 /// Role of length compensation in a move to positions of the machine frame.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum LengthInMachineFrame {
-    /// The positions are those of the axes without it; it is in force again in the next block.
+    /// The positions are those of the axes without it; it is active again in the next block.
     #[default]
     Stays,
-    /// The same, and it is taken off the axes that move until the code or a number brings it back.
+    /// The same, and it is suspended for the axes that move until the next length code or number.
     Off,
     /// The positions are those of the tip of the tool: it is added to them.
     Added,

@@ -1,6 +1,6 @@
 //! A numbered variable of the pre-processor in words.
 //!
-//! Invariant: the words are made from the row that the kernel reads, so they name what the number shows and sets.
+//! Invariant: the words are made from the row that the kernel reads, so they name the value that the number shows and sets.
 
 use serde_json::{Value, json};
 
@@ -10,7 +10,7 @@ use crate::system_variables::{Column, FIRST, Frame, MODAL_CALLS, Means};
 /// Last number of a local variable.
 const LAST_LOCAL: u32 = 33;
 
-/// What the variable of a number is on this machine; none if there is none.
+/// The variable with this number on this machine, if any.
 #[must_use]
 pub fn variable(machine: &Machine, number: u32) -> Option<Value> {
     let variables = &machine.variables;
@@ -41,7 +41,7 @@ pub fn variable(machine: &Machine, number: u32) -> Option<Value> {
     }
 }
 
-/// What the number at this place of its row shows.
+/// The value that the number at this place of its row shows.
 fn means(machine: &Machine, means: &Means, at: u32) -> String {
     let axis = |at: u32| format!("axis {} of the channel", at + 1);
     match means {

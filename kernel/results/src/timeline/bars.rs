@@ -41,13 +41,13 @@ pub struct Bar {
     pub(super) own_ns: i64,
 }
 
-/// Names of axes that another channel moves. Few bars have them, so that the name is kept outside of the bar.
+/// Names of axes that another channel moves. Few bars have them, so the name is kept outside the bar.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 #[serde(transparent)]
 pub struct CarriedAxes(Box<str>);
 
 impl CarriedAxes {
-    /// The text: the own axis and the one that it follows.
+    /// The text: the own axis and its master.
     #[must_use]
     pub fn text(&self) -> &str {
         &self.0

@@ -132,7 +132,7 @@ fn pages_hold_what_a_look_at_every_job_finds() {
     assert!(seen > 4000, "the queries find something: {seen}");
 }
 
-/// A short identity finds its job and no other one of the tenant, whatever the state of the others.
+/// A short identity finds its job and no other job of the tenant, regardless of the state of the others.
 #[test]
 fn short_identities_find_their_jobs() {
     let mut seed = 9;

@@ -11,7 +11,7 @@ use crate::state::cutter::Step;
 use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
 
-/// What an action means for a move that waits.
+/// The effect of an action on a waiting move.
 pub(in crate::action) fn before(act: &mut Act<'_, '_>, contour: Contour) -> Acted {
     corner::follow(act, contour)?;
     let (blocks, in_machine) = (act.at.blocks, act.block.flags.machine_frame);
@@ -51,7 +51,7 @@ impl Act<'_, '_> {
         }
     }
 
-    /// Tells of an inside corner whose first move did not know the second one.
+    /// Reports an inside corner whose first move did not know the second move.
     pub(super) fn report_overcut(&mut self, ended: u32) {
         let text = format!(
             "the tool has cut into the inside corner before '{}': the move of line {ended} ended at right angles to its \

@@ -38,7 +38,7 @@ pub(in crate::action) fn resized(act: &mut Act<'_, '_>, code: CodeId) -> Acted {
 }
 
 impl Act<'_, '_> {
-    /// Another number is in force, with or without compensation.
+    /// Another number is active, with or without compensation.
     pub(in crate::action) fn resize_compensation(&mut self) -> Acted {
         match self.state.modal.code(group::DIAMETER) {
             Some(code @ (codes::COMP_DIAM_LEFT | codes::COMP_DIAM_RIGHT)) => resized(self, code),

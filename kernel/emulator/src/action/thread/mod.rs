@@ -24,7 +24,7 @@ use counterpoint_machine::ident::{DataId, data};
 use counterpoint_machine::index::{AxisSlot, BySlot};
 use counterpoint_program::block::PendingCode;
 
-/// Rates that differ by less are the same: a rapid move has the rate itself.
+/// Rates with a smaller difference are equal: a rapid move has exactly the rate.
 const EVEN: f64 = 1.0 + 1e-6;
 
 /// Codes and what they do.
@@ -234,7 +234,7 @@ impl Act<'_, '_> {
         Ok(steady)
     }
 
-    /// Reports a thread along which an axis would be faster than it can be.
+    /// Reports a thread that needs a higher rate than an axis has.
     fn check_rates(&mut self, changes: &Position, seconds: f64) {
         let axes = self.state.place.layout.axes.iter().zip(changes);
         let over =

@@ -34,7 +34,7 @@ impl Channel<'_> {
         out
     }
 
-    /// Feed of a move by the unit of its axes: degrees where nothing but rotary axes moves.
+    /// Feed of a move by the unit of its axes: degrees if only rotary axes move.
     pub(crate) fn feed_of_axes(&self, feed: Option<f64>, unit: FeedUnit, changes: &Position) -> f64 {
         let feed = feed.unwrap_or(0.0);
         if !self.state.place.layout.rotary || unit == FeedUnit::InverseTime {

@@ -71,13 +71,13 @@ impl Channel<'_> {
         axes != 0
     }
 
-    /// What the tool adds to positions of the machine frame; under tool centre point control these are places of the machine.
+    /// The offset that the tool adds to positions of the machine frame; under tool centre point control these are axis positions.
     pub(crate) fn tool_in_machine_frame(&self) -> Position {
         let added = self.env.machine.compensation.length.in_machine_frame == LengthInMachineFrame::Added;
         if added && self.tip().is_none() { self.tool_shift() } else { [0.0; MAX_AXES] }
     }
 
-    /// How far the work frame lies from the frame in which positions of the machine frame are programmed.
+    /// Distance of the work frame from the frame in which positions of the machine frame are programmed.
     pub(crate) fn shift_in_machine_frame(&self, axis: AxisSlot) -> f64 {
         self.state.place.shift.at(axis) - self.tool_in_machine_frame().at(axis)
     }
