@@ -29,7 +29,7 @@ struct Difference {
 struct Changed {
     section: String,
     row: String,
-    /// The sign of the definition that has the row, if the other definition lacks it.
+    /// The letter of the definition that has the row, if the other definition lacks it.
     only: Option<char>,
     keys: Vec<ChangedKey>,
 }
