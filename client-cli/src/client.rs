@@ -16,7 +16,7 @@ use crate::error::Error;
 /// Ten years, s.
 const LONG: u64 = 315_360_000;
 
-/// What somebody may ask an embedded server for after a job, besides what it always has.
+/// Results that a caller may request from an embedded server after a job, besides those it always has.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Asked {
     /// What is made from the event log.
@@ -42,7 +42,7 @@ pub(crate) struct Client {
 }
 
 impl Client {
-    /// Connects to a server, with token and certificates from the environment: on a command line everybody on the
+    /// Connects to a server, with token and certificates from the environment: on a command line every user of the
     /// machine could read them.
     pub(crate) async fn connect(address: &str) -> Result<Self, Error> {
         let settings = Settings::from_environment(address)?;
@@ -70,7 +70,7 @@ impl Client {
         let embedded = Embedded { log, toolpath, ..own.embedded };
         let usual = System { allow_system, ..System::default() };
         let system = if patient { System { operator_wait_s: LONG, ..usual } } else { usual };
-        // Nobody asks this server for the contract, and to make it readable takes longer than a small program does.
+        // No client asks this server for the contract, and preparing it takes longer than a small program.
         let guard = Guard { reflection: false, ..own.guard };
         let options = Options { embedded, system, guard, ..own };
         let service = service::build(options).await.map_err(|error| Error::Connection(error.to_string()))?;

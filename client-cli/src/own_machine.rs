@@ -1,6 +1,7 @@
 //! `machine new`: a folder of one's own for a machine, thin over a shipped one.
 //!
-//! Invariants: what is written loads without a finding and is the shipped machine until somebody edits it; nothing that exists is
+//! Invariants: the written files load without a finding and are the shipped machine until they are edited; nothing
+//! that exists is
 //! overwritten.
 
 use std::fmt::Write as _;

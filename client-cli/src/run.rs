@@ -165,7 +165,7 @@ async fn changed(client: &Client, machine: &str, inputs: &Inputs) -> Result<Stri
 /// How a job is submitted.
 pub(crate) struct Submission {
     pub(crate) request: v1::SubmitJobRequest,
-    /// Somebody answers its dialogs.
+    /// Whether an operator answers its dialogs.
     pub(crate) attended: bool,
     /// It is judged without being run.
     pub(crate) lint: bool,
@@ -256,7 +256,7 @@ pub(crate) async fn follow(
     }
 }
 
-/// Carries out the commands of whoever steps through the job; the watch reports its end.
+/// Executes the commands of the operator who steps through the job; the watch reports its end.
 async fn step(stepper: Option<Stepper>, interrupt: &Interrupt) -> Result<std::convert::Infallible, Error> {
     if let Some(stepper) = stepper {
         stepper.drive(interrupt).await?;

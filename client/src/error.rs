@@ -45,7 +45,7 @@ impl Error {
         }
     }
 
-    /// Whether the same call may succeed later without anybody doing something about it: the connection was lost, or the
+    /// Whether the same call may succeed later without intervention: the connection was lost, or the
     /// server says UNAVAILABLE.
     #[must_use]
     pub fn is_passing(&self) -> bool {

@@ -1,7 +1,7 @@
 //! A client of a Counterpoint server: [`Client::connect`], [`Client::submit`], [`Client::watch`], [`Client::document`].
 //!
 //! *Invariants:* a call is repeated only if repeating it cannot change what it does; a watch delivers every event of its
-//! level exactly once and in order, whatever happens to connections.
+//! level exactly once and in order, even if connections break.
 #![doc = include_str!("../README.md")]
 
 mod backoff;

@@ -1,6 +1,6 @@
 //! Lines over an axis, as SVG.
 //!
-//! *Invariant:* whatever the points are, every number in the drawing is finite and inside it.
+//! *Invariant:* for any points, every number in the drawing is finite and inside it.
 
 use std::fmt::Write as _;
 

@@ -43,7 +43,7 @@ pub(crate) struct Interrupt {
 }
 
 impl Interrupt {
-    /// Pauses a job that runs; `false` if it stands or nobody steps through it any more.
+    /// Pauses a running job; `false` if it is stopped or no longer stepped through.
     pub(crate) fn pause(&self) -> bool {
         let runs = self.running.get();
         if runs {

@@ -79,7 +79,7 @@ impl<T> CallStack<T> {
         self.called.len()
     }
 
-    /// Depth of the program that runs, whatever part of it does.
+    /// Depth of the running program, regardless of its part.
     pub fn program_depth(&self) -> usize {
         self.called.iter().rposition(|called| !called.part).map_or(0, |at| at + 1)
     }

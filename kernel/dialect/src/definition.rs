@@ -1,6 +1,7 @@
 //! What a dialect is to the rest of the kernel.
 //!
-//! Facts: reference control-emulator.md 5.4. *Invariant:* whatever differs between controls because of their pre-processors
+//! Facts: reference control-emulator.md 5.4. *Invariant:* every difference between controls that comes from their
+//! pre-processors
 //! is asked here or done by the [`Interpreter`]; nothing outside this module compares pre-processors.
 
 use super::interpreter::{Interpreter, MacroCall};
@@ -54,7 +55,7 @@ pub trait Dialect: Sync {
         None
     }
 
-    /// What reads its blocks without executing them; none if it has no interpreter, or nobody can tell what its blocks do.
+    /// Reads its blocks without executing them; none if it has no interpreter, or if the effect of its blocks is unknown.
     fn reader(&self, _machine: &Machine) -> Option<Box<dyn Reader>> {
         None
     }

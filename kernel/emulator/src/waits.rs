@@ -215,7 +215,7 @@ fn by_row(machine: &Machine, (index, row): (u16, &WaitRow), said: Said) -> Resul
     };
     let number = if matches!(row.form, Some(CodeForm::Text(_))) { row.mark } else { said.number };
     let space = match (row.primitive, row.form.as_ref().and_then(register)) {
-        // Words that wait for each other have one letter; the others belong together whatever they are called.
+        // Words that wait for each other have one letter; the others belong together under any name.
         (Primitive::Barrier | Primitive::Count, Some(_)) => BY_REGISTER + first_of_word(machine, row),
         (Primitive::Barrier | Primitive::Count, None) => BY_ROW + index,
         _ => 0,

@@ -1,4 +1,4 @@
-//! What a block costs while somebody steps through the job: free runs, runs that continue under a console, and steps of many
+//! Cost of a block while the job is stepped through: free runs, runs that continue under a console, and steps of many
 //! blocks and of one. Figures and their meaning: docs/performance.md.
 
 #![allow(clippy::expect_used, clippy::print_stdout, missing_docs, reason = "a bench stops on what cannot happen")]

@@ -1,4 +1,4 @@
-//! Jobs that somebody steps through.
+//! Jobs with stepping.
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::indexing_slicing, missing_docs)]
 

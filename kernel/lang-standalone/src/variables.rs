@@ -17,7 +17,7 @@ pub struct Domain {
     pub indices: Vec<Option<u32>>,
     /// Smallest and largest number.
     pub values: Option<(f64, f64)>,
-    /// `$NULL` is a value, whatever the type.
+    /// `$NULL` is a value of every type.
     pub nullable: bool,
 }
 

@@ -1,7 +1,7 @@
 //! Values of the macro language: what a variable holds and an expression yields.
 //!
 //! *Invariant:* a value is two machine words; numbers, truth values and names never allocate, texts and sequences are
-//! shared until somebody changes them. Facts: reference macro-language.md 1.2 and 1.4.
+//! shared until one of them is changed. Facts: reference macro-language.md 1.2 and 1.4.
 
 use std::sync::Arc;
 

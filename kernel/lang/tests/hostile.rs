@@ -38,7 +38,7 @@ fn peak() -> Option<u64> {
     Some(line.split_whitespace().nth(1)?.parse::<u64>().ok()? << 10)
 }
 
-/// Macros that go on for ever: what they do before, what in each turn, and how many bytes a turn touches.
+/// Macros that never end: their statements before the loop and in each turn, and the bytes that a turn touches.
 const ENDLESS: &[(&str, &str, &str, u32)] = &[
     ("push of a shared sequence", SEQUENCE, "B=C\nC=B\nC+=1", 80000),
     ("append of a shared text", TEXT, "B=T\nT=B\nT+='x'\nT=B", 81920),

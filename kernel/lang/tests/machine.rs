@@ -1,4 +1,4 @@
-//! What the machine that runs macros must do whatever way it takes.
+//! Required behaviour of the machine that runs macros, on every path.
 
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 use counterpoint_lang::compile::{self, Options, Program};

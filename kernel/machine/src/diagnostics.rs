@@ -64,7 +64,7 @@ impl Diagnostics {
         Some((severity, text))
     }
 
-    /// The same for a number that is shown, whatever its rule says about that.
+    /// The same for a number that is shown, regardless of its rule.
     #[must_use]
     pub fn shown(&self, rule: &DiagnosticRule, severity: u8, text: String) -> Option<(u8, String)> {
         let severity = severity_of(Some(rule), severity);

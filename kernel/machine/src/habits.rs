@@ -36,7 +36,7 @@ pub struct Habits {
     pub bare_sums: bool,
     /// A statement may follow a condition without THEN: `IF[#1EQ1.]G65P2`.
     pub bare_conditions: bool,
-    /// A factor with a decimal point is the factor itself, whatever its unit.
+    /// A factor with a decimal point is the factor itself, for any unit.
     pub pointed_factors: bool,
     /// Of several words with one address in a block the last one counts; otherwise the others are unused words.
     pub last_of_address: bool,

@@ -12,7 +12,7 @@ pub fn written(value: f64, format: &NumberFormat) -> String {
     let plain = format!("{:.places$}", value.abs());
     let (whole, fraction) = plain.split_once('.').unwrap_or((&plain, ""));
     let implied = format.point == Point::Omit && format.frac > 0;
-    // An implied point has one end where all digits stand, otherwise nobody could tell where it is.
+    // An implied point needs all digits on one side, otherwise its place would be ambiguous.
     let left_justified = implied && format.trail == Zeros::Omit && format.lead != Zeros::Omit;
     let whole = if left_justified {
         format!("{whole:0>width$}", width = usize::from(format.whole))

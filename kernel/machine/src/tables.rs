@@ -1,4 +1,4 @@
-//! Dense lookups compiled from the rows when a machine is loaded: what the block loop asks for every word.
+//! Dense lookups compiled from the rows when a machine is loaded; the block loop uses them for every word.
 //!
 //! Invariant: rows that are switched off are in none of these tables, and candidates are in matching order: lowest
 //! order first, equal orders as in the file. Facts: reference control-emulator.md 1.2, 1.3.

@@ -61,7 +61,8 @@ impl Cone {
         Some(Self { start, axis, turn })
     }
 
-    /// With a full opening angle: the way below half a turn if `short`, else the other one. None if the cone is too narrow
+    /// With a full opening angle: the way below half a turn if `short`, otherwise the other way. None if the cone is
+    /// too narrow
     /// for its ends, or they are the same or opposite.
     pub fn opened(opening: f64, [start, end]: [[f64; 3]; 2], clockwise: bool, short: bool) -> Option<Self> {
         let (first, last) = (unit(start)?, unit(end)?);

@@ -70,7 +70,7 @@ impl Control {
         Self { progress: (0..channels).map(|_| Progress::default()).collect(), ..Self::default() }
     }
 
-    /// Whoever has `stop` can cancel the job, too.
+    /// The holder of `stop` can also cancel the job.
     #[must_use]
     pub fn with_stop(mut self, stop: Stop) -> Self {
         self.stop = stop;
@@ -85,7 +85,7 @@ impl Control {
         self
     }
 
-    /// Somebody answers the dialogs that the job brings no answer for.
+    /// Adds an operator who answers dialogs without a prepared answer.
     #[must_use]
     pub fn with_operator(mut self, operator: Arc<dyn Operator>) -> Self {
         self.operator = Some(operator);
@@ -105,13 +105,13 @@ impl Control {
         self
     }
 
-    /// Who starts commands for macros; nobody unless the owner of the server allows it.
+    /// The starter of commands for macros; none unless the owner of the server allows it.
     #[must_use]
     pub fn system(&self) -> Option<&dyn System> {
         self.system.as_deref()
     }
 
-    /// Somebody steps through the job. It runs in the sequential mode and stops before its first block.
+    /// Starts stepping through the job. It runs in the sequential mode and stops before its first block.
     #[must_use]
     pub fn with_console(mut self, console: Arc<dyn Console>) -> Self {
         self.console = Some(console);
@@ -125,7 +125,7 @@ impl Control {
         self.console.as_deref()
     }
 
-    /// Nobody steps through the job any more.
+    /// Ends stepping through the job.
     pub fn end_steps(&self) {
         self.stop.set_stepped(false);
     }
@@ -136,7 +136,7 @@ impl Control {
         self.stop.wait_while_suspended();
     }
 
-    /// The job is to end, is suspended, or somebody steps through it: one look for all.
+    /// Whether the job is to end, is suspended, or is stepped through: one test for all.
     #[must_use]
     #[inline(always)]
     pub fn interferes(&self) -> bool {
@@ -197,7 +197,7 @@ impl Control {
         &self.progress
     }
 
-    /// Progress that nobody looks at.
+    /// Progress without a reader.
     pub fn spare(&self) -> &Progress {
         &self.spare
     }

@@ -1,4 +1,4 @@
-//! The files a job may read. The kernel knows no file system: whoever runs a job hands in this view of it.
+//! The files a job may read. The kernel knows no file system: the caller of a job passes this view of it.
 
 pub use bytes::Bytes;
 

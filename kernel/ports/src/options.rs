@@ -26,10 +26,10 @@ pub struct Options {
     /// Answers to the dialogs of the machine; without one a dialog fails.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub answers: Vec<Answer>,
-    /// Somebody attends the job: dialogs without an answer are put to the operator.
+    /// Whether an operator attends the job: dialogs without an answer are put to the operator.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub attended: bool,
-    /// Somebody steps through the job: it stops before its first block.
+    /// Whether the job is stepped through: it stops before its first block.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub stepped: bool,
     /// Nothing is executed: the programs are only judged by their waits, calls and jumps.
@@ -68,7 +68,7 @@ impl TimeModel {
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Races {
-    /// Nobody looks for them.
+    /// No check.
     #[default]
     Off,
     /// A warning.
@@ -78,7 +78,7 @@ pub enum Races {
 }
 
 impl Races {
-    /// Nobody looks for races.
+    /// Whether races are not checked.
     #[must_use]
     pub fn is_off(&self) -> bool {
         *self == Self::Off

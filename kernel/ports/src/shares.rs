@@ -6,7 +6,7 @@ use crate::options::Limits;
 
 /// How the memory of a job is divided: a quarter is for what all kernels share, the rest for the kernels in equal
 /// parts; of such a part, two thirds are for the values of macros. Results are made coarser so that they take no more
-/// than their part of the rest, whatever a program does.
+/// than their part of the rest, for any program.
 #[derive(Debug, Clone, Copy)]
 pub struct Shares {
     /// Variables and files that all kernels share.

@@ -1,4 +1,4 @@
-//! Stepping through a job: what its operator may command, and what the operator is told.
+//! Stepping through a job: the commands of its operator, and the answers.
 //!
 //! Two sides: a [`Console`] is where commands come from (a terminal, a stream of the server); a [`Stepper`] is what a kernel asks
 //! before a block, at a wait and after a write. Invariant: neither changes what a kernel does next, only when; a reset is the only
@@ -92,7 +92,7 @@ pub enum Spot {
     Time(i64),
 }
 
-/// What the operator is told. Every command has one answer; that of a command that runs is the next stop.
+/// Answers to the operator. Every command has one answer; that of a command that runs is the next stop.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Said {
     /// The run has stopped.
@@ -186,10 +186,10 @@ pub enum Go {
     Reset,
 }
 
-/// What all channels share, when somebody asks.
+/// Shared data, on request.
 pub type Common<'c> = dyn FnMut() -> Vec<(String, Value)> + 'c;
 
-/// What the kernels of a job ask that somebody steps through.
+/// Requests of the kernels of a job with stepping.
 pub trait Stepper: Sync {
     /// A kernel stands before a block; `true`: it begins the block at once without giving the run away, since nothing stops the run
     /// there. `first`: no other kernel is further behind. Variables are asked for if they may be others than the last time.
@@ -215,13 +215,13 @@ pub enum Heard {
     Command(Command),
     /// Nothing yet.
     Nothing,
-    /// Nobody will command anything any more: the job runs to its end.
+    /// No more commands will come: the job runs to its end.
     Gone,
 }
 
 /// Where the commands for a job come from.
 pub trait Console: Send + Sync {
-    /// A command is there, or nobody will command anything any more. Cheap, since it is asked before every block.
+    /// Whether a command is there, or no more commands will come. Cheap, since it is tested before every block.
     fn has_news(&self) -> bool;
 
     /// The next command, if one is there.

@@ -6,7 +6,7 @@ use std::sync::{Arc, Condvar, Mutex, PoisonError};
 /// The job is to end.
 const END: u8 = 1;
 
-/// Somebody steps through the job.
+/// The job is stepped through.
 const STEPPED: u8 = 2;
 
 /// The job lets others have the processor.
@@ -21,7 +21,7 @@ pub struct Stop(Arc<Wishes>);
 #[derive(Debug, Default)]
 struct Wishes {
     bits: AtomicU8,
-    /// Held while the end is asked for and while a suspension ends, so that nobody who begins to wait misses it.
+    /// Held while the end is requested and while a suspension ends, so that no new waiter misses it.
     changing: Mutex<()>,
     changed: Condvar,
 }
@@ -78,7 +78,7 @@ impl Stop {
         self.0.bits.load(Ordering::Relaxed)
     }
 
-    /// Somebody steps through the job, or no longer does.
+    /// Starts or ends stepping through the job.
     pub(crate) fn set_stepped(&self, stepped: bool) {
         if stepped {
             self.0.bits.fetch_or(STEPPED, Ordering::Relaxed);
@@ -87,7 +87,7 @@ impl Stop {
         }
     }
 
-    /// The end was asked for, the job is suspended, or somebody steps through it.
+    /// Whether the end was requested, the job is suspended, or is stepped through.
     #[inline(always)]
     pub(crate) fn interferes(&self) -> bool {
         self.bits() != 0

@@ -33,6 +33,6 @@ pub struct Answer {
 
 /// Who starts commands.
 pub trait System: Send + Sync {
-    /// Runs a command to its end, or until `cancelled` says that nobody wants it any more.
+    /// Runs a command to its end, or until `cancelled` is true.
     fn run(&self, call: &Call<'_>, cancelled: &dyn Fn() -> bool) -> Answer;
 }

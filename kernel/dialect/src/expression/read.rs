@@ -1,4 +1,4 @@
-//! How expressions are read, whatever their words are.
+//! How expressions are read, for any words.
 //!
 //! *Invariant:* operators of one level bind from left to right; reading recurses once a level and operand, so what bounds the
 //! nesting of operands bounds the stack.

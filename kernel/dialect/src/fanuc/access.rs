@@ -89,7 +89,7 @@ impl<'h> Access<'h> {
         }
     }
 
-    /// Value of an expression that the macro gave in place of something that nobody knows.
+    /// Value of an expression that the macro gave in place of an unknown name.
     fn value_of(&mut self, text: &str, unknown: Fault) -> Result<f64, Fault> {
         let Ok(line) = compile(format!("#1=[{text}]").as_bytes(), Names::default()) else { return Err(unknown) };
         let Statement::Assign(list) = line.statement else { return Err(unknown) };
@@ -156,7 +156,7 @@ impl Variables for Access<'_> {
 pub(super) enum Abandoned {
     /// The kernel leaves its program.
     Halt(Halt),
-    /// The identification macro wants the text with a variable that nobody knows to remain on the block.
+    /// The identification macro keeps the text with an unknown variable in the block.
     Text,
 }
 

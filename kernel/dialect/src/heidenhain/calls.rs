@@ -69,7 +69,7 @@ impl Way {
         self.feed.is_some()
     }
 
-    /// A block to some positions; `rapid` whatever the feed.
+    /// A block to some positions; `rapid` overrides the feed.
     pub(super) fn block(&self, words: &str, rapid: bool) -> String {
         let feed = self.feed.as_deref().filter(|_| !rapid);
         let line = if feed.is_some() { self.line[0] } else { self.line[1] };

@@ -366,7 +366,7 @@ impl Heidenhain {
             let starts =
                 of_rows.chain(outlines.iter().filter_map(|way| way.elements().first()).map(|element| element.from));
             let depth = task.surface - ground;
-            // In millimetres, whatever the program counts in.
+            // In millimetres, for any unit of the program.
             let depth = depth * factor;
             let ahead = if depth > 30.0 { (depth / 50.0).min(7.0) } else { 0.6 } / factor;
             for start in starts {

@@ -349,7 +349,7 @@ impl Heidenhain {
         Ok(Passes { start, ways, rises: true, again: Vec::new() })
     }
 
-    /// Cycle 28: one wall along the middle, the other one back.
+    /// Cycle 28: one wall forward along the middle, the other wall back.
     fn slot_walls(
         &self,
         way: &[Element],

@@ -19,7 +19,7 @@ pub(super) struct Clean {
     pub(super) continues: bool,
     /// It has nothing to do because it is a comment or is skipped.
     pub(super) silent: bool,
-    /// It has a mark of optional skip, so what is made of it does not hold for ever.
+    /// Whether it has a mark of optional skip, so that its compiled form may become invalid.
     pub(super) marked: bool,
 }
 

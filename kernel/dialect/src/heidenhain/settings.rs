@@ -21,7 +21,7 @@ pub(super) struct Settings {
     pub(super) cycles: Vec<u32>,
     /// Where programs are looked for in the end.
     pub(super) root: String,
-    /// ISO or conversational, whatever the program looks like.
+    /// ISO or conversational, regardless of the text of the program.
     pub(super) iso: Option<bool>,
 }
 

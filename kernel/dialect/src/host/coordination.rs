@@ -28,7 +28,7 @@ pub struct Signal {
     pub number: f64,
     /// The last number of a range.
     pub last: Option<f64>,
-    /// Channels that get it, or that send it; none: everybody, anybody.
+    /// Channels that get it, or that send it; none: all channels, any channel.
     pub channels: Vec<f64>,
     /// How many waits can use it.
     pub uses: Option<f64>,
@@ -62,7 +62,7 @@ pub trait Coordination {
     /// Its number or its channels are not possible, the control can keep no more signals, or the job was stopped.
     fn send(&mut self, statement: &str, signal: &Signal) -> Acted;
 
-    /// Removes signals that nobody has used.
+    /// Removes unused signals.
     ///
     /// # Errors
     /// Those of [`Coordination::send`].
@@ -71,7 +71,7 @@ pub trait Coordination {
     /// Waits for a signal, or takes it if it is there: the values that came with it; none if it is not there.
     ///
     /// # Errors
-    /// Those of [`Coordination::send`], and nobody is left to send it.
+    /// Those of [`Coordination::send`], and no channel is left to send it.
     fn receive(&mut self, statement: &str, signal: &Signal, waits: bool) -> Result<Option<Vec<(u8, f64)>>, Halt>;
 
     /// Selects the program that a channel runs when it is started; none if there is no such program.

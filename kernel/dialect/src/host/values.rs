@@ -4,7 +4,7 @@
 use counterpoint_fault::{Acted, Halt};
 use counterpoint_lang::value::Value;
 
-/// What the identification macro says about a variable, function or text that nobody knows.
+/// Answer of the identification macro about an unknown variable, function or text.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Answer {
     /// There is no macro, or it leaves the matter to the control, which reports it.

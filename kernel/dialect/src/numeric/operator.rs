@@ -48,7 +48,7 @@ pub(crate) enum Operator {
 }
 
 impl Operator {
-    /// Whether its value is a truth, whatever the operands are.
+    /// Whether its value is a truth value for any operands.
     pub(crate) fn compares(self) -> bool {
         matches!(self, Self::Eq | Self::Ne | Self::Gt | Self::Ge | Self::Lt | Self::Le)
     }

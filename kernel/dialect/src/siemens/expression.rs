@@ -148,7 +148,7 @@ impl Grammar for Reader<'_, '_> {
         }
         let from = self.cursor.at();
         let mut takes = self.cursor.takes(word);
-        // `<` of `<<` belongs to the other one.
+        // `<` of `<<` belongs to the other operator.
         if takes && matches!((word, self.cursor.byte(0)), ("<", b'<') | (">", b'>')) {
             self.cursor.back_to(from);
             takes = false;

@@ -2,7 +2,7 @@
 //!
 //! Facts: reference control-emulator.md 5.4. A name has two letters or underscores at its beginning; a single letter is
 //! an address. What a name means — variable, word, subprogram, literal code — is decided when the block runs. Invariant:
-//! whatever is not understood as a statement is kept as text.
+//! text that is not a statement is kept as it is.
 
 use super::actions;
 use super::cursor::{Cursor, begins_name, in_name};
@@ -125,7 +125,7 @@ pub(super) enum Positioning {
     PerMinute,
     /// `PR(…)`: a feed per revolution.
     PerRevolution,
-    /// `DAC(…)`, `RAC(…)`: a position as a diameter or a radius, whatever the program counts in.
+    /// `DAC(…)`, `RAC(…)`: a position as a diameter or a radius, in any mode of the program.
     AbsoluteAs(Width),
     /// `DIC(…)`, `RIC(…)`: a distance likewise.
     IncrementalAs(Width),
@@ -144,7 +144,7 @@ pub(super) enum Direction {
     Forward,
     Back,
     Either,
-    /// GOTOC: a missing target is passed over.
+    /// GOTOC: a missing target is ignored.
     Silent,
     /// GOTOS: the beginning of the program.
     Start,

@@ -186,7 +186,7 @@ impl Outlines {
             Label::Name(name) if self.declared.contains(name) => Goal::Computed,
             label => match places.find(label, search, place.line, around) {
                 Some(line) => Goal::At(Spot::line(line)),
-                // A target that GOTOC does not find is passed over.
+                // A target that GOTOC does not find is ignored.
                 None if jump.direction == Direction::Silent => Goal::At(Spot::line(place.line)),
                 None => Goal::Missing(shown(label)),
             },

@@ -92,7 +92,7 @@ fn axes(act: &Act<'_, '_>) -> Option<(AxisSlot, AxisSlot)> {
     Some((act.state.place.layout.cartesian.first().copied().flatten()?, rotary))
 }
 
-/// A circle on the part. Its plane is that of the part, whatever plane is active.
+/// A circle on the part. Its plane is that of the part, regardless of the active plane.
 pub(super) fn arc(act: &mut Act<'_, '_>, polar: Polar, clockwise: bool) -> Acted {
     let (feed, unit) = act.feed();
     let (coded, target) = act.programmed_targets();

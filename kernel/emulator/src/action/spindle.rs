@@ -102,7 +102,7 @@ pub(super) fn driver(act: &mut Act<'_, '_>, channel: u16) -> Acted {
     act.command_spindle(|c| c.driver = channel)
 }
 
-/// The radius at which the surface speed counts, whatever X is; zero or less = at X again.
+/// The radius at which the surface speed counts, regardless of X; zero or less = at X again.
 pub(super) fn radial(act: &mut Act<'_, '_>) -> Acted {
     let Some(radius) = act.take(data::SPINDLE_CSS_RADIAL).map(|d| d.value) else {
         let text = format!("a radius of constant surface speed needs its value in '{}'", act.block_text());

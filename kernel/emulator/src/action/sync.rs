@@ -30,7 +30,7 @@ pub(crate) const ENTRIES: &[Entry] = &[
     Entry::of(&[codes::SYNC_START_SIDE], |act, _, _| start(act, 2)),
 ];
 
-/// A mark of the main and the side head: both wait for equal numbers, whatever their words.
+/// A mark of the main and the side head: both wait for equal numbers, for any words.
 fn by_heads(act: &mut Act<'_, '_>, id: DataId, letter: char) -> Acted {
     let number = act.take(id).map_or(0.0, |d| d.value) as u32;
     let heads = waits::heads(act.env.machine);
@@ -98,7 +98,7 @@ fn balance(act: &mut Act<'_, '_>, on: bool) -> Acted {
     Ok(())
 }
 
-/// A start by one of the heads: the head that the code names lets the other one continue, which waits for that.
+/// A start by one of the heads: the head that the code names lets the other head continue, which waits for it.
 fn start(act: &mut Act<'_, '_>, by: u16) -> Acted {
     let heads = waits::heads(act.env.machine);
     // The code names a head by its place: the first or the second channel.

@@ -173,7 +173,7 @@ fn read(act: &mut Act<'_, '_>, of_code: Form, add: bool) -> Result<Option<Define
         Form::Euler if part.is_some() => None,
         Form::Euler => plane::turned([2, 0, 2], of(0)),
         Form::Turned => order(part).and_then(|order| plane::turned(order, of(0))),
-        // Angles by axis, whatever the order.
+        // Angles by axis, in any order.
         Form::Fixed => order(part).and_then(|order| {
             let [a, b, c] = order.map(|axis| of(0).get(axis).copied().unwrap_or(0.0));
             plane::turned_about_fixed(order, [a, b, c])

@@ -1,6 +1,7 @@
 //! The door to everything that channels share besides waits: common and named variables, GLOBALs, spindles, files.
 //!
-//! *Invariant:* every access of a channel passes here, with what it reaches and whether it writes, so whatever concerns all
+//! *Invariant:* every access of a channel passes here, with what it reaches and whether it writes, so everything that
+//! concerns all
 //! accesses hangs here. Facts: reference channel-synchronisation.md 2.4.
 
 use counterpoint_event::event::RaceWith;
@@ -60,7 +61,7 @@ impl Door<'_> {
 }
 
 impl Kernel<'_> {
-    /// Reaches what all channels share, in tag order. Whoever steps through the job may stop it after a write.
+    /// Accesses shared data in tag order. An operator who steps through the job may stop it after a write.
     ///
     /// # Errors
     /// The job was stopped before, or a race is an alarm.

@@ -30,7 +30,7 @@ impl Kernel<'_> {
         };
         let alone = self.channel.env.options.ignore_waits.contains(&channel);
         match (leased, meaning) {
-            // Nobody else can have it.
+            // No other channel can have it.
             (Leased::Own, _) => return Ok(()),
             (_, Meaning::Wait(wait)) if alone => self.take_lease(wait)?,
             (_, Meaning::Wait(wait)) => self.wait(wait)?,

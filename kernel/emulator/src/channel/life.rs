@@ -38,7 +38,8 @@ fn terminal(halt: Halt) -> (Terminal, Phase, State) {
 }
 
 impl Kernel<'_> {
-    /// Runs the channel until its program has ended and nobody can start it any more. `again` restarts it with another file,
+    /// Runs the channel until its program has ended and no channel can start it any more. `again` restarts it with
+    /// another file,
     /// with (`true`) or without resetting modal state. Without a program it waits for a start.
     pub fn live(mut self, start: Option<(FileId, Range, Arc<str>)>, again: Option<bool>) -> Lived {
         self.ports.coordinator.begin(self.channel.at.channel);
@@ -81,7 +82,7 @@ impl Kernel<'_> {
         self.finish(halt)
     }
 
-    /// Waits until another channel starts a program here; none if nobody can any more.
+    /// Waits until another channel starts a program here; none if no channel can any more.
     fn wait_for_start(&mut self) -> Option<(FileId, Range, Arc<str>)> {
         let (coordinator, channel) = (self.ports.coordinator, self.channel.at.channel);
         let wake = coordinator.wait(channel, self, |kernel| kernel.flush());
@@ -93,7 +94,7 @@ impl Kernel<'_> {
         }
         (self.channel.at.clock, self.channel.at.micro) = (tag.t, tag.micro);
         if !self.flow.frames.is_empty() {
-            // A start begins with the codes of a reset and without local frames, whatever was active at the end of the
+            // A start begins with the codes of a reset and without local frames, regardless of the state at the end of the
             // program before; the tool and its offsets stay.
             let number = self.channel.state.remembered.value(data::COMP_DIAM);
             self.channel.state.forget_words(self.channel.env.machine);
@@ -142,7 +143,7 @@ impl Kernel<'_> {
             ended = Some(self.tag());
             let finish = Finish { how, file: self.channel.at.file, line: self.channel.at.line };
             let (tag, info) = (self.tag(), self.channel.env.info);
-            // A reset ends one channel, whatever an alarm would do.
+            // A reset ends one channel, even where an alarm would end all.
             let stop_all = halt == Halt::Alarm
                 && !self.channel.reports.reset
                 && self.channel.env.machine.sync.alarm_scope == counterpoint_machine::model::AlarmScope::All;

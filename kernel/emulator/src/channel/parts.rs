@@ -11,17 +11,17 @@ use counterpoint_ports::control::{Control, Progress};
 use counterpoint_ports::step::Stepper;
 use counterpoint_sync::coordinator::switch::Port;
 
-/// The ways out of a kernel: to the other kernels, to whoever started the job, to the log.
+/// The outputs of a kernel: to the other kernels, to the caller of the job, to the log.
 pub struct Ports<'a> {
     /// To the other kernels.
     pub coordinator: Port<'a>,
-    /// To whoever started the job.
+    /// To the caller of the job.
     pub control: &'a Control,
     /// Live progress of the channel.
     pub progress: &'a Progress,
     /// To the log.
     pub emitter: Emitter<'a>,
-    /// To whoever steps through the job.
+    /// To the operator who steps through the job.
     pub stepper: Option<&'a dyn Stepper>,
 }
 

@@ -1,6 +1,7 @@
 //! Passes of loops: a pass that takes no time costs a tick, and one that only polls may be hopeless.
 //!
-//! A loop is known by its jump back. *Invariant:* time passes in every loop that takes none, whatever loops, calls or jumps
+//! A loop is known by its jump back. *Invariant:* time passes in every loop that takes none, regardless of the loops,
+//! calls or jumps
 //! lie inside it. A kernel whose passes are all alike rests; what it leaves out would have had no effect but time. Facts:
 //! reference channel-synchronisation.md (polling), control-emulator.md 5.7.
 
@@ -167,7 +168,7 @@ impl Passes {
 
 impl Kernel<'_> {
     /// Counts a pass of the loop from `target` to `from` in the current program. A pass that took no time costs a tick, and
-    /// one that only polls is hopeless once nobody is left to change what it reads.
+    /// a loop that only polls is hopeless once no channel is left to change the variables that it reads.
     ///
     /// # Errors
     /// When the loop is hopeless.

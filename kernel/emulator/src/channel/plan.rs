@@ -62,7 +62,7 @@ pub(crate) struct Registers {
     pub(crate) motion: u128,
     /// Those whose words make corners and directions of lines, bit by register; in blocks with an arc those of arcs do not.
     pub(crate) contour: Contour,
-    /// Those whose words are data whatever their value, bit by register.
+    /// Those whose words are data for any value, one bit per register.
     pub(crate) only_data: u128,
     /// Those that carry the spindle speed, bit by register.
     pub(crate) speed: u128,
@@ -234,7 +234,7 @@ fn recall(machine: &Machine) -> Option<Table<DataId, bool>> {
     recall.iter().any(|recalled| *recalled).then_some(recall)
 }
 
-/// Data that whoever asks for them needs; others have a second form or a value of their own without the word.
+/// Data that every request needs; others have a second form or a default without the word.
 pub(crate) const NEEDED: [DataId; 24] = [
     data::SPINDLE_RPM,
     data::SPINDLE_CSS,
@@ -270,7 +270,7 @@ fn refused(machine: &Machine) -> Table<DataId, u128> {
         registers.fold(0, |bits, register| bits | register.bit())
     };
     let mut refused = machine.tables.rows_of_data.map(of);
-    // Data that actions need and whose rows are all off: whoever asks for them is refused, whatever is on the block.
+    // Data that actions need and whose rows are all off: every request is refused, regardless of the block.
     for row in machine.data.iter().filter(|row| !row.enable && NEEDED.contains(&row.id)) {
         if machine.tables.rows_of_data[row.id].is_empty() {
             refused[row.id] = RECALLED;

@@ -165,7 +165,7 @@ impl Kernel<'_> {
         Err(self.alarm(&diag::AXIS_NOT_IN_CHANNEL, text))
     }
 
-    /// No rule can refuse the block, whatever is active.
+    /// No rule can refuse the block, for any active codes.
     pub(crate) fn is_never_refused(&self) -> bool {
         let Some(refusals) = self.plan.rules.refusals.as_deref() else { return true };
         let block = &self.channel.block;

@@ -2,8 +2,8 @@
 //!
 //! Facts: reference control-emulator.md 7.5 (the emulated system continues in all cases until an end code). Decision: a real
 //! control stops at its alarms; which of the two a machine does is data of its own (`[control] stops`, `stops` of a number).
-//! Invariants: what stops the channel is in the log whatever macros have switched off; a job with an alarm never counts as
-//! succeeded, however low the severity of the alarm is.
+//! Invariants: a diagnostic that stops the channel is in the log even if macros have switched it off; a job with an
+//! alarm never counts as succeeded, however low the severity of the alarm is.
 
 use super::Kernel;
 use crate::state::alarms::Alarms;

@@ -214,7 +214,7 @@ impl Kernel<'_> {
         words.chain(&block.texts).any(|&row| self.id_of_row(row) == codes::CALSUB_RANGE)
     }
 
-    /// A program of a file by name; `whole` takes the file from its top whatever it defines.
+    /// A program of a file by name; `whole` takes the file from its top, regardless of its definitions.
     fn named(&mut self, name: &str, what: &Callee, whole: bool) -> Result<Option<(FileId, Range)>, Halt> {
         let Some(file) = self.channel.env.info.files.iter().position(|f| f.name.eq_ignore_ascii_case(name)) else {
             return Ok(None);

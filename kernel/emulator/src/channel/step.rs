@@ -1,7 +1,7 @@
-//! Where whoever steps through the job may stop a kernel: before a block, where it comes to a wait, after a write of a variable
+//! Places where an operator may stop a kernel: before a block, at a wait, after a write of a variable
 //! that channels share.
 //!
-//! *Invariant:* nothing here changes what the kernel does next, a reset excepted; a kernel that nobody steps through never gets
+//! *Invariant:* nothing here changes the next action of the kernel, except a reset; a kernel without stepping never gets
 //! here.
 
 use counterpoint_fault::{self as diag, Acted, Halt};
@@ -18,7 +18,7 @@ use super::access::Door;
 const MOST: usize = 1000;
 
 impl Kernel<'_> {
-    /// The job is to end, is suspended, or somebody steps through it. `goes_on`: nobody has stopped the job before this block.
+    /// The job is to end, is suspended, or is stepped through. `goes_on`: the job has not been stopped before this block.
     #[cold]
     #[inline(never)]
     pub(crate) fn interfered(&mut self, goes_on: bool) -> Acted {
@@ -81,7 +81,7 @@ impl Kernel<'_> {
         }
     }
 
-    /// Waits until whoever steps lets this kernel go on.
+    /// Waits until the operator lets this kernel continue.
     fn hold(&self, stepper: &dyn Stepper) {
         let coordinator = self.ports.coordinator;
         if !coordinator.pause_for_step() {

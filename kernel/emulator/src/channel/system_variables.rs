@@ -60,7 +60,7 @@ impl Kernel<'_> {
         let Some((row, at)) = variables.find(number) else { return Err(NotThere::Missing) };
         match &row.means {
             Means::Alias(of) if *of + at < 1000 => self.numbered(of + at),
-            // A loop that looks at a clock ends without anybody's help.
+            // A loop that reads a clock ends without other channels.
             means @ (Means::Milliseconds | Means::Hours | Means::Date | Means::TimeOfDay) => {
                 self.flow.pass.effects = true;
                 self.come_to_rest();

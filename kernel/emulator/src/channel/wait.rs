@@ -47,7 +47,7 @@ impl Kernel<'_> {
         Ok(())
     }
 
-    /// The wait itself, whatever is coupled.
+    /// The wait itself, regardless of couplings.
     pub(super) fn wait_plainly(&mut self, wait: wait::Wait) -> Acted {
         self.flow.pass.effects = true;
         if self.channel.pace.is_some()

@@ -1,7 +1,7 @@
 //! Hooks around the text of a block: embedded code, macros of the pre-processor and of the block.
 //!
 //! Facts: reference control-emulator.md 2.2, 2.3, 4.1, 5.3. Invariants: the text of a block is made only for a macro that
-//! asks for it; it is split into words again only when somebody has changed it.
+//! asks for it; it is split into words again only if a macro has changed it.
 
 use counterpoint_fault::{Acted, Halt};
 use std::sync::Arc;

@@ -275,7 +275,7 @@ impl Kernel<'_> {
     }
 
     /// Runs the data macros of an identifier, in list order; none if one of them takes the value away. True if a macro
-    /// says that the value is absolute whatever the mode.
+    /// says that the value is absolute in any mode.
     fn data_macros(&mut self, id: DataId, list: &[DataMacroId], taken: &mut Taken) -> Option<bool> {
         let relative =
             taken.incremental || self.channel.state.modal.code(group::POSITION) == Some(codes::POSITION_RELATIVE);

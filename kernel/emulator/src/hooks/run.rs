@@ -149,7 +149,7 @@ impl Kernel<'_> {
         self.out_of_memory(&format!("macros of this kernel keep more than {share} bytes, most of them in {largest}"))
     }
 
-    /// Keeps a reason to leave the program until whoever runs the block can act on it.
+    /// Keeps a reason to leave the program until the caller of the block can act on it.
     pub(crate) fn keep_halt(&mut self, halt: Halt) {
         self.macros.calls.stop(halt);
     }

@@ -88,7 +88,7 @@ impl Kernel<'_> {
                 let text = format!("{} not found, as the startup macro reports", called.what);
                 Err(self.alarm(&diag::SUBPROGRAM_MISSING, text))
             }
-            // Passed over, and the passes after it with it: a macro asked billions of times would never end.
+            // Skip this pass and all later ones: a macro called billions of times would never end.
             None => {
                 if let Some(frame) = self.flow.frames.last_mut() {
                     frame.repeats = 0;
@@ -128,7 +128,7 @@ impl Kernel<'_> {
 
     /// The program around a line of a file of the job.
     pub(crate) fn place_in_file(&mut self, name: &str, line: u32) -> Result<Found, Halt> {
-        // Files stored with the machine are found whatever the letter case.
+        // Files stored with the machine are found in any letter case.
         let stored =
             name.get(..StoredFile::ROOT.len()).is_some_and(|start| start.eq_ignore_ascii_case(StoredFile::ROOT));
         let is = |file: &File| file.name == name || stored && file.name.eq_ignore_ascii_case(name);

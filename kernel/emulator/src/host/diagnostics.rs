@@ -83,7 +83,8 @@ impl Kernel<'_> {
         }))
     }
 
-    /// A diagnostic on its way to the log, through everything macros may have changed about it. What `stops` the channel stays in the log whatever they have switched off.
+    /// Sends a diagnostic to the log, with all changes of macros. A diagnostic that `stops` the channel stays in the
+    /// log even if macros have switched it off.
     pub(crate) fn issue(
         &mut self,
         (number, severity): (u32, u8),

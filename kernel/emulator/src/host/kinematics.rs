@@ -158,7 +158,7 @@ impl Kernel<'_> {
     }
 
     /// The solution that a number asks for: 0 the first one within the limits, 1 the one with the least turning, of
-    /// equals the one with the shortest way of the linear axes, 2 the other one.
+    /// equal solutions the one with the shortest travel of the linear axes, 2 the other solution.
     fn chosen(&self, all: &[Angles<AxisSlot>], reached: &[Six], number: f64) -> Option<usize> {
         if number != 1.0 && number != 2.0 {
             return all.iter().position(|one| self.channel.within(one)).or((!all.is_empty()).then_some(0));

@@ -49,7 +49,7 @@ impl Kernel<'_> {
                 }
                 self.trace('H', |kernel| trace::leaving(code.name, "", kernel.running_name()));
             }
-            // Whoever runs a macro of the machine shows it with the name that the machine gave it.
+            // The caller of a macro of the machine shows it with its name in the machine.
             Step::Entering(_) | Step::Leaving(..) => {}
         }
     }

@@ -37,7 +37,7 @@ type Standing = Vec<(FileId, Spot, u32)>;
 /// The way through the program of one channel.
 struct Walk<'w, 'k> {
     kernel: &'w mut Kernel<'k>,
-    /// Reads blocks that are more than plain words; none if nobody can.
+    /// Reads blocks that are more than plain words; none if the dialect has no reader.
     reader: Option<Box<dyn Reader>>,
     /// Blocks read, those of parts that were only looked through included.
     read: u64,

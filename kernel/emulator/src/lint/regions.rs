@@ -1,6 +1,6 @@
 //! Parts of a program that a condition passes or repeats: whether something stands in them that others could notice.
 //!
-//! *Invariant:* a part is looked through line by line, whatever jumps are in it; where they lead beyond it, the part grows. What
+//! *Invariant:* a part is searched line by line, regardless of its jumps; if they lead beyond it, the part grows. What
 //! cannot be known counts as something that others notice.
 
 use std::sync::Arc;
@@ -30,7 +30,7 @@ pub(super) struct Part {
 /// What a block of a part means for it.
 enum Found {
     Nothing,
-    /// Others could notice it, or nobody knows.
+    /// Other channels could notice it, or this is unknown.
     Meets,
     /// It ends the program that it stands in.
     Ends,
@@ -131,7 +131,7 @@ impl Walk<'_, '_> {
         }
     }
 
-    /// Others could notice one of these steps, or nobody knows.
+    /// Whether other channels could notice one of these steps, or this is unknown.
     pub(super) fn meets_among(&mut self, steps: &[Step]) -> Result<bool, Halt> {
         Ok(!matches!(self.found_among(steps)?, Found::Nothing))
     }

@@ -79,7 +79,7 @@ impl Walk<'_, '_> {
         }
     }
 
-    /// The first line that may be passed over from here: the own one if blocks follow in it.
+    /// The first line that may be skipped from here: the same line if blocks follow in it.
     fn behind(&self) -> u32 {
         let more = self.kernel.flow.frames.last().is_some_and(|frame| frame.offset > 0);
         self.kernel.channel.at.line + u32::from(!more)

@@ -1,7 +1,7 @@
 //! Running macros: the state of the machine that runs them, which ones run, and what they do at OUTPUT.
 //!
 //! *Invariant:* a macro that runs cannot be selected again until it has ended. While a macro runs, its state lies with the
-//! machine that runs it, and whoever calls back into the kernel puts it here first. Facts: reference
+//! machine that runs it, and a call back into the kernel puts it here first. Facts: reference
 //! control-emulator.md 4, macro-language.md 7.
 
 use std::sync::Arc;

@@ -1,6 +1,6 @@
 //! Values handed to macros again and again without allocating.
 //!
-//! *Invariant:* a value that somebody still holds is never changed. A macro's frame keeps what it got until its next call,
+//! *Invariant:* a value that is still referenced is never changed. A macro's frame keeps what it got until its next call,
 //! so of two values that take turns one is always free.
 
 use std::sync::Arc;
@@ -13,7 +13,7 @@ pub(crate) trait Held: Clone + Default {
     type Content: Default;
     /// A pointer to new content.
     fn new(content: Self::Content) -> Self;
-    /// The content, if nobody else holds it.
+    /// The content, if there is no other reference to it.
     fn own(&mut self) -> Option<&mut Self::Content>;
 }
 

@@ -122,7 +122,7 @@ impl Kernel<'_> {
         self.diagnose(&diag::NOT_UTF8, &text);
     }
 
-    /// Lines of the file are blocks as they stand, and nobody wants to see what becomes of them.
+    /// Whether lines of the file are blocks without changes, and no macro or trace needs their text.
     #[inline(always)]
     fn is_as_read(&mut self, source: &Source) -> bool {
         let reshapes = self.plan.edits.reshapes && (self.plan.edits.long_comments || self.is_reshaped(source));

@@ -68,7 +68,7 @@ pub(crate) struct Alone {
 }
 
 impl Coupling {
-    /// The own axis follows the other one: its words are no commands.
+    /// Whether the own axis follows the other axis, so that its words are not commands.
     pub(crate) fn follows(&self) -> bool {
         self.slave && self.pair.kind == Kind::Synchronous
     }

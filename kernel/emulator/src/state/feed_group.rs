@@ -102,7 +102,7 @@ impl Channel<'_> {
     /// The travel of the axes that the feed counts for.
     pub(super) fn ways_of_group(&self, group: &FeedGroup, changes: &Position) -> Position {
         let axes = &self.state.place.layout.axes;
-        // Coordinates of the part count, whatever axes they are named by.
+        // Coordinates of the part count, for any names of the axes.
         let part = self.polar().map_or(0, |polar| polar.axes().into_iter().fold(0, |bits, axis| bits | axis.bit()));
         let counts = group.axes | part;
         let moves = |axis: AxisSlot| changes.at(axis).abs() > NOISE;
@@ -114,7 +114,7 @@ impl Channel<'_> {
             if leads && counts & axis.bit() == 0 {
                 *out.at_mut(axis) = 0.0;
             } else if turns(axis) {
-                // Degrees alone have the feed as written, whatever the unit of lengths.
+                // Degrees alone have the feed as written, for any unit of length.
                 *out.at_mut(axis) *= if alone { self.unit_factor(Dimension::Feed) } else { group.units.at(axis) };
             }
         }

@@ -20,7 +20,7 @@ use super::{COUPLING, extra_rule};
 pub(crate) enum Kind {
     /// The slave does what the master does.
     Synchronous,
-    /// The words of each channel move the axis of the other one.
+    /// The words of each channel move the axis of the other channel.
     Composite,
     /// The moves of the master are added to those of the slave.
     Superimposed,
@@ -171,7 +171,7 @@ impl Pair {
         Wait { primitive: Primitive::Barrier, key, named: None, parts, need: 0, rule }
     }
 
-    /// The axis of a channel, and the other one.
+    /// The axis of a channel, and the other axis.
     pub(crate) fn of(&self, channel: u16) -> Option<(End, End)> {
         if channel == self.master.channel {
             Some((self.master, self.slave))
@@ -182,7 +182,7 @@ impl Pair {
         }
     }
 
-    /// −1 if one of both axes points against the other one.
+    /// −1 if the two axes point in opposite directions.
     pub(crate) fn sign(&self, machine: &Machine) -> f64 {
         let mirrored = |end: End| machine.axes[end.axis].coupling.mirrored;
         if mirrored(self.master) == mirrored(self.slave) { 1.0 } else { -1.0 }

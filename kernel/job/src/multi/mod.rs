@@ -1,7 +1,8 @@
 //! Several kernels under a master.
 //!
 //! The thread that runs the job is the master kernel (#0): it starts the kernels, one thread each, puts their results
-//! together, merges their events into the ordered log if somebody wants one, and closes the job. Facts: reference control-emulator.md 2.1, 2.4, 8.
+//! together, merges their events into the ordered log if it is requested, and closes the job. Facts: reference
+//! control-emulator.md 2.1, 2.4, 8.
 
 mod master;
 mod one_thread;
@@ -84,7 +85,7 @@ pub(crate) fn run(job: &Job, files: &dyn Files, control: &Control, sink: &mut dy
 /// Results and log between the runs of the kernels.
 struct Log<'s> {
     sink: &'s mut dyn Sink,
-    /// Somebody wants the ordered log.
+    /// Whether the ordered log is requested.
     logged: bool,
     /// Number of the last event that the sink has received.
     seq: u64,
@@ -164,7 +165,7 @@ struct Assembly<'a> {
     coordinator: &'a Coordinator,
     files: &'a dyn Files,
     control: &'a Control,
-    /// Chooses who goes on in a job that somebody steps through.
+    /// Chooses the next kernel in a job with stepping.
     director: Option<&'a Director<'a>>,
     /// Programs and channels of the kernels as Machine Startup left them, by kernel; nothing without a master.
     given: &'a OnceLock<Vec<master::KernelInput>>,
@@ -193,7 +194,7 @@ impl<'a> Assembly<'a> {
             }
             starting.push(Start { channel, progress, at, before: None, reset: None });
         }
-        // Others start those that have no program, if the control can do so and somebody runs.
+        // Other channels start those without a program, if the control can do so and a channel runs.
         let can_start = job.spec().machine.sync.starts_channels() && starting.iter().any(|start| start.at.is_some());
         starting.retain(|start| {
             match &start.at {
@@ -312,7 +313,7 @@ impl<'a> Assembly<'a> {
     }
 }
 
-/// Runs a kernel; if it panics, all others are stopped and the panic goes on to whoever joins.
+/// Runs a kernel; if it panics, all others are stopped and the panic continues in the joining thread.
 fn guarded(kernel: Kernel<'_>, at: Option<At>, reset: Option<bool>, coordinator: &Coordinator) -> Lived {
     let channel = kernel.channel.at.channel;
     std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| kernel.live(at, reset))).unwrap_or_else(|panic| {

@@ -1,7 +1,7 @@
 //! All kernels of a job on the thread of its master, in turns.
 //!
 //! A kernel runs until it has to wait for another one; then the one that is furthest behind in simulated time goes on. So a
-//! wait costs a change of stacks, whatever else the processors do, and a job never needs more than one of them.
+//! wait costs a change of stacks, regardless of the load of the processors, and a job never needs more than one of them.
 //! Invariant: one kernel runs at a time, and one that waits for a signal does not run before it has it.
 
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
@@ -51,7 +51,7 @@ fn scoped<'k>(
 /// Gives the thread to one kernel after the other.
 struct Scheduler<'s> {
     coordinator: &'s Coordinator,
-    /// Chooses who goes on in a job that somebody steps through; and the names of GLOBALs.
+    /// Chooses the next kernel in a job with stepping; and the names of GLOBALs.
     director: Option<(&'s Director<'s>, &'s [String])>,
     /// What is done whenever no kernel runs.
     between: &'s mut dyn FnMut(),
@@ -75,7 +75,7 @@ impl Scheduler<'_> {
         ends
     }
 
-    /// The kernel that goes on: of those with something to do the one that is furthest behind, or whoever the operator wants.
+    /// The next kernel: of those with work the one that is furthest behind, or the kernel that the operator selects.
     /// One that needs an empty chunk comes last: the others bring the merger on. `None`: all have come to their end.
     fn next_turn(&self, turns: &[Turn<'_>]) -> Option<usize> {
         let coordinator = self.coordinator;

@@ -51,7 +51,7 @@ pub(super) struct Again {
 }
 
 impl Round {
-    /// The coordinator of its kernels; those of a job that somebody steps through share one thread.
+    /// The coordinator of its kernels; those of a job with stepping share one thread.
     pub(super) fn coordinator(
         &mut self,
         job: &Job,

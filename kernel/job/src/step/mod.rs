@@ -146,7 +146,7 @@ impl<'a> Director<'a> {
         }
     }
 
-    /// The run stands until a command lets it go on, nobody commands any more, or the job is to end.
+    /// Stops the run until a command lets it continue, the operator has left, or the job is to end.
     fn stand(&self, state: &mut State, (channel, reason): (u16, String), common: &mut Common<'_>) {
         state.goal = Goal::Stand;
         self.console.say(Said::Stopped(self.report(state, (channel, &reason), common)));

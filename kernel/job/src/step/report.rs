@@ -1,4 +1,4 @@
-//! What the operator is told about where everything is.
+//! Reports the positions of everything to the operator.
 
 use counterpoint_event::info::{self, BLOCK_TEXT};
 use counterpoint_ports::control::State as Doing;

@@ -32,7 +32,7 @@ impl MacroCompiler<'_> {
         }
     }
 
-    /// Refuses what the kind of macro does not allow; functions may do whatever their callers may.
+    /// Refuses statements that the kind of macro does not allow; functions have the rights of their callers.
     fn allowed(&mut self, kind: &StatementKind) {
         use StatementKind as K;
         if self.code.signature.is_function {

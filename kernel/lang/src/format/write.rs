@@ -6,7 +6,7 @@ use crate::fault::{Fault, Outcome};
 use crate::ident;
 use crate::value::{Record, Value};
 
-/// Bytes after which no text is made longer; whoever wants one may allow less.
+/// Maximum bytes of a text; callers may allow less.
 const LONGEST: usize = 2 << 20;
 
 /// Appends `arguments` in `format` to `out`.

@@ -115,7 +115,7 @@ fn as_long(result: &[f64], length: usize) -> Value {
     Value::numbers(if rest.iter().all(|part| *part == 0.0) { kept } else { result })
 }
 
-/// The fraction 1 or −1 gives the direction of the second vector, whatever the angle; a negative fraction goes the other
+/// The fraction 1 or −1 gives the direction of the second vector, for any angle; a negative fraction goes the other
 /// way round.
 pub(super) fn turn_toward(context: &mut Context<'_>, arguments: &[Value]) -> Outcome<Value> {
     let (Some((a, length)), Some((b, _))) = (three(numbers(arguments, 0)?), three(numbers(arguments, 1)?)) else {

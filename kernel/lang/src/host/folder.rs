@@ -62,7 +62,7 @@ impl Facts {
 }
 
 /// Files by name. A name has `/` between its parts and stays inside; one that begins with `//ICAMFS/` is a file stored
-/// with the machine, found whatever its letter case, and never written. A failure is a status for `$ERRNO`.
+/// with the machine, found in any letter case, and never written. A failure is a status for `$ERRNO`.
 pub trait Shelf {
     /// Text of a file.
     ///

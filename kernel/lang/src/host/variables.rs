@@ -26,7 +26,7 @@ pub trait Variables {
         let _ = scale;
     }
 
-    /// Place of a global variable that nobody else reaches while this macro runs; none if there may be others, who are
+    /// Place of a global variable that only this macro accesses while it runs; none if there may be other users, which are
     /// kept away by [`global`](Self::global). Between two calls of the host it is always the same place.
     fn own_global(&mut self, index: u32) -> Option<&mut Value> {
         let _ = index;

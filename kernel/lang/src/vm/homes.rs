@@ -10,7 +10,7 @@ use crate::host::Host;
 use crate::state::State;
 use crate::value::Value;
 
-/// Place of a shared variable while nobody else runs.
+/// Place of a shared variable while no other kernel runs.
 fn shared_place<'a>(state: &'a mut State, host: &'a mut dyn Host, shared: Shared) -> Option<&'a mut Value> {
     match shared {
         Shared::Object(index) => state.object(index),

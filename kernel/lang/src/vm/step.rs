@@ -1,4 +1,4 @@
-//! One instruction, whatever its operands are.
+//! One instruction, for any operands.
 //!
 //! *Invariant:* this is the meaning of every instruction; [`super::run`] only takes short ways to the same results.
 

@@ -32,7 +32,7 @@ pub(super) mod families {
 pub enum CodeKind {
     /// A code that is a family of its own, or one that nothing handles.
     Plain,
-    /// A modal state with its listing words; whoever needs it reads it from the group.
+    /// A modal state with its listing words; users read it from the group.
     Mode(&'static str),
     /// A circle.
     Arc(arc::Form),

@@ -82,7 +82,7 @@ pub(super) fn check_custom(codes: &[CodeRow], names: &Table<CodeId, Name>, macro
     }
 }
 
-/// Whether the first row is taken whenever the other one could be.
+/// Whether the first row is taken whenever the other row could be.
 fn hides(first: &CodeRow, other: &CodeRow) -> bool {
     if first.is_twin_of(other) {
         return false; // the same row twice is an error of its own

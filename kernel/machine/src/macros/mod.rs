@@ -1,6 +1,6 @@
 //! Macros of a machine: what they see of the control (system variables, identifiers), and what a machine declares.
 //!
-//! Invariant: the language knows none of these names; whoever compiles or runs macros hands them over from here.
+//! Invariant: the language knows none of these names; the compiler and the runner of macros pass them from here.
 
 pub mod condition;
 pub mod environment;

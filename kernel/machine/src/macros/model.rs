@@ -1,6 +1,6 @@
 //! The macros of a machine as the kernel runs them: compiled, named, with what they match.
 //!
-//! Invariant: whatever is looked up while a program runs is an index found when the machine was loaded: a hook is a
+//! Invariant: every lookup while a program runs uses an index found when the machine was loaded: a hook is a
 //! place in an array, the macros of a code or of data are a list by identifier. Facts: reference control-emulator.md 4.
 
 use std::sync::Arc;

@@ -16,7 +16,7 @@ use super::pattern::expand;
 /// Who may write a variable.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Access {
-    /// Nobody.
+    /// Not assignable.
     Read,
     /// Every macro.
     Write,

@@ -42,7 +42,7 @@ pub struct WaitRow {
 pub struct SignalRow {
     /// The statement has key words in brackets, and a channel may send to itself.
     pub keys: bool,
-    /// A signal to everybody stays until it is removed; otherwise each receiver uses up its own.
+    /// A signal to all channels stays until it is removed; otherwise each receiver uses up its own.
     pub stays: bool,
     /// A wait while an older signal of the sender has not been used is a warning.
     pub in_order: bool,

@@ -1,6 +1,6 @@
 //! Text of a machine file to a tree with places; mistakes of syntax become findings and the rest is kept.
 //!
-//! Invariant: whatever the bytes, the answer is a tree (possibly empty) and findings.
+//! Invariant: for any bytes, the result is a tree (possibly empty) and findings.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -14,7 +14,7 @@ use super::node::{Entry, Node, Place, Table, Value};
 /// Largest machine file in bytes.
 const MAX_FILE: usize = 1 << 20;
 
-/// Most keys of a table and items of a list: keeps merging and checking quick whatever the file.
+/// Most keys of a table and items of a list: keeps merging and checking quick for any file.
 const MAX_ITEMS: usize = 5000;
 
 /// Parses a file.

@@ -235,7 +235,7 @@ impl<'a> Section<'a> {
         rows
     }
 
-    /// Reports the keys nobody asked for.
+    /// Reports the keys that were not read.
     pub(crate) fn finish(self) {
         for entry in &self.table.entries {
             if !self.asked.contains(&entry.key.as_str()) {

@@ -49,7 +49,7 @@ pub enum Way {
 pub enum Side {
     /// Its angle is not below zero, or not above; there is no other way.
     Sign(bool),
-    /// The larger one of its angles, or the smaller one; the other one where that is out of reach.
+    /// The larger or smaller of its angles; the other angle if that one is out of reach.
     Larger(bool),
 }
 
@@ -95,7 +95,7 @@ pub struct Pair<A> {
     pub inside: bool,
 }
 
-/// Nearest whole number of turns; between two of them the smaller one, whatever the noise.
+/// Nearest whole number of turns; halfway between two the smaller, regardless of noise.
 fn whole_turns(of: f64) -> f64 {
     (of.abs() - 0.5 - 1e-9).ceil().max(0.0).copysign(of)
 }

@@ -1,4 +1,4 @@
-//! Pecks along one axis, column by column along the other one: deep drilling in a face and grooving.
+//! Pecks along one axis, column by column along the other axis: deep drilling in a face and grooving.
 //!
 //! *Invariant:* the last peck ends at the depth and the last column at the end; both counts are finite.
 

@@ -1,4 +1,4 @@
-//! Dialogs with somebody who answers while the job runs.
+//! Dialogs with an operator who answers while the job runs.
 //!
 //! Invariants: a conversation ends after `MOST` answers; an answer that is refused changes nothing and is asked for
 //! again with the reason; what the operator answers is all that a run takes from outside, so the same answers give the
@@ -30,7 +30,7 @@ pub struct Question<'a> {
 
 /// Who answers dialogs.
 pub trait Operator: Send + Sync {
-    /// Puts a question and waits for the answer; `None` when nobody will give one, or the job is cancelled.
+    /// Puts a question and waits for the answer; `None` if no operator will answer, or the job is cancelled.
     fn ask(&self, question: &Question<'_>) -> Option<Answer>;
 }
 
@@ -40,7 +40,7 @@ pub type Ask<'a> = dyn FnMut(&Dialog, &[(String, Value)], Option<&str>) -> Optio
 /// Shows a dialog until a button ends it.
 ///
 /// # Errors
-/// There is no such dialog, nobody answers, or the answers stay wrong.
+/// The dialog does not exist, no operator answers, or the answers remain wrong.
 pub fn converse(
     dialogs: &[Dialog],
     name: &str,

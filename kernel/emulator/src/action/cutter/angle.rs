@@ -81,7 +81,8 @@ impl Act<'_, '_> {
         (coded, target)
     }
 
-    /// The end of the block's move is told by its distance and angle from the pole, which is the centre of a circle that has no other.
+    /// The end of the block's move is given by its distance and angle from the pole, which is the centre of a circle
+    /// without another centre.
     pub(in crate::action) fn ends_by_pole(&mut self) -> bool {
         self.cutter().is_some_and(|cutter| cutter.asked.polar.is_some())
     }

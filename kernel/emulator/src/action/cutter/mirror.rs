@@ -1,6 +1,6 @@
 //! The side of compensation in a frame that mirrors the plane.
 //!
-//! Invariant: the tool stays on the side of the contour that the program says, whatever the frame.
+//! Invariant: the tool stays on the side of the contour given by the program, in any frame.
 
 use crate::act::Act;
 use crate::state::modal::{group, plane};

@@ -33,7 +33,7 @@ use crate::state::corner::{Asked, Corner};
 use crate::state::cutter::{Cutter, Shape, Stage, Step, Waiting};
 use counterpoint_motion::contour::element::{Element, NOISE, distance};
 
-/// Blocks after which a waiting move is finished whatever comes.
+/// Number of blocks after which a waiting move is completed in any case.
 const LONGEST_WAIT: u64 = 1000;
 
 /// Imaginary tips: from the tip to the centre of the nose, along Z and X.

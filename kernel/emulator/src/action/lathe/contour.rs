@@ -111,7 +111,7 @@ const ALLOWED: [CodeId; 15] = [
     codes::PLANE_ZX,
 ];
 
-/// Codes of calls and ends, whatever their letter.
+/// Codes of calls and ends, for any letter.
 const FLOW: [CodeId; 4] = [codes::CALSUB_ID, codes::CALSUB_RETURN, codes::END, codes::REWIND];
 
 /// Frames, which no contour may change.

@@ -1,4 +1,4 @@
-//! The level where a cycle began is a place of the machine, whatever happens to the frames while it is active.
+//! The level where a cycle began is a position of the machine, even if frames change while it is active.
 //!
 //! *Invariant:* without an active cycle nothing is done.
 

@@ -1,6 +1,6 @@
 //! Offsets of the control while it runs: those of the machine definition, and what macros have set since.
 //!
-//! Values are by channel axis, as programmed. Base values are added whatever the number, of fixtures even when none is
+//! Values are by channel axis, as programmed. Base values are added for every number, of fixtures even when none is
 //! active. *Invariant:* an offset that has not been set is that of the definition; one that does not exist is zero. Facts:
 //! reference functions.md 12.
 

@@ -1,7 +1,7 @@
 //! Polar and cylindrical interpolation: points of the part that one linear and one rotary axis reach together.
 //!
 //! The part has coordinates of its own. On its face (polar) the first one is along the linear axis when the interpolation
-//! begins, the second one across, both as geometry (radii). On a cylinder one is along its axis, the other one the way
+//! begins, the second one across, both as geometry (radii). On a cylinder one is along its axis, the other is the travel
 //! round its surface. Positions stay those of the real axes; the program says coordinates (Cartesian), or the words of the
 //! axes, and moves are straight or round on the part. Facts: reference control-emulator.md 6.8, turning-cycles.md 10.
 //! *Invariant:* on the face the rotary axis never turns further than the move goes round the centre.

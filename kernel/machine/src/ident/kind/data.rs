@@ -3,7 +3,7 @@
 /// The kind of a data identifier: the family that it belongs to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum DataKind {
-    /// Data that belong to no family anybody asks for; those of a machine's own are of this kind.
+    /// Data without a family; custom data of a machine are of this kind.
     Plain,
     /// Position of an axis, with the letter that `$AXES` gives it: a small one for a table and for the second attachable
     /// axis.

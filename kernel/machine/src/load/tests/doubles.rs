@@ -44,7 +44,7 @@ fn macros_have_names_of_their_own() {
         with_macro(&format!("{one}{two}")),
         ["6:8: error: another macro of [[macros.data]] has the name \"watch\"; names must differ"]
     );
-    // A code macro and a data macro are in lists of their own, and names that nobody gave may be equal.
+    // A code macro and a data macro are in separate lists, and default names may be equal.
     assert_eq!(with_macro(&format!("{rapid}{}", row("data", "guard", "REG_AXIS_X"))), [""; 0]);
     let unnamed = "[[macros.code]]\nmatch = [\"CODE_RAPID\"]\nfile = \"a.mac\"\n";
     assert_eq!(with_macro(&format!("{unnamed}{unnamed}")), [""; 0]);

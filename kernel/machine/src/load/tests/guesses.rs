@@ -119,7 +119,7 @@ fn programs_show_what_they_are_for() {
     }
 }
 
-/// A comment in the form of the control, whatever its text, a file in capitals or with other ends of lines, block skip and
+/// A comment in the form of the control, with any text, a file in capitals or with other ends of lines, block skip and
 /// numbers of blocks change no guess.
 #[test]
 fn comments_and_numbers_never_change_a_guess() {

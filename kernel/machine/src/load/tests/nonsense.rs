@@ -1,4 +1,4 @@
-//! Whatever the bytes, loading answers with findings or a machine.
+//! For any bytes, loading returns findings or a machine.
 
 use super::*;
 use crate::package;
