@@ -1,6 +1,6 @@
 //! Copies of a data folder: made while a server runs or not, and put back.
 //!
-//! A running server is asked with a file in its folder for a copy of its ledger; whoever may write there may ask. What
+//! A file in the folder of a running server requests a copy of its ledger; everyone who may write there may request it. What
 //! the rows of that copy need never changes once it is there, so it is copied without the server. Invariant: a backup
 //! is a data folder of its own, whole at the end of the call or not used.
 

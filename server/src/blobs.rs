@@ -44,7 +44,7 @@ pub(crate) trait Blobs: Send + Sync + Debug {
         if missing.is_empty() { Ok(()) } else { Err(Refusal::MissingBlobs(missing)) }
     }
 
-    /// Same as [`has`](Self::has) for somebody who relies on it: the blob is as good as uploaded now.
+    /// Same as [`has`](Self::has) for a caller who relies on it: the blob counts as uploaded now.
     fn offers(&self, digest: &str) -> bool;
 
     /// Bytes of a blob, 0 if there is none.

@@ -22,7 +22,7 @@ struct Counts {
     shared: AtomicBool,
     open: AtomicUsize,
     all: AtomicU64,
-    /// Calls begun since the last time somebody asked.
+    /// Calls begun since the last request.
     served: AtomicUsize,
 }
 
@@ -116,7 +116,7 @@ impl Drop for Connection {
 pub(crate) struct Call(Arc<Counts>);
 
 impl Call {
-    /// Notes who calls; gives whether nobody else has called on the connection.
+    /// Notes the caller; returns whether no other identity has called on the connection.
     pub(crate) fn by(&self, identity: &Arc<Identity>) -> bool {
         let mut last = self.0.identity.lock().unwrap_or_else(PoisonError::into_inner);
         if !last.as_ref().is_some_and(|last| Arc::ptr_eq(last, identity)) {

@@ -1,6 +1,6 @@
 //! Examines a data folder without a server: every damage with its place and what to do.
 //!
-//! Invariant: without `repair` nothing in the folder changes; a repair removes only what nobody can read or use.
+//! Invariant: without `repair` nothing in the folder changes; a repair removes only unreadable or unusable data.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -56,7 +56,7 @@ struct Doctor {
 }
 
 impl Doctor {
-    /// Notes a damage that only somebody else can mend.
+    /// Notes damage that a repair cannot remove.
     fn lasting(&mut self, path: PathBuf, what: impl Into<String>, remedy: impl Into<String>) {
         self.found.push(Damage { path, what: what.into(), remedy: remedy.into(), repaired: false });
     }

@@ -21,7 +21,7 @@ pub(crate) trait Host: Send + Sync + Debug {
     /// Jobs that were running when the server before this one died, with the numbers of their runs.
     fn marks(&self) -> io::Result<Vec<(String, u32)>>;
 
-    /// Folder for files that nobody needs after a restart.
+    /// Folder for files that are not needed after a restart.
     fn scratch(&self) -> PathBuf;
 
     /// Lets another server have everything.

@@ -24,7 +24,7 @@ impl Manager {
         Self::at(&std::env::var("NOTIFY_SOCKET").ok()?, watchdog)
     }
 
-    /// Nobody asks here.
+    /// Not requested here.
     #[cfg(not(unix))]
     #[must_use]
     pub fn from_environment() -> Option<Self> {

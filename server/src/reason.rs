@@ -67,7 +67,7 @@ pub enum Refusal {
     /// The job was submitted to run by itself.
     #[error("job '{0}' was submitted without options.stepped, it runs by itself")]
     NotStepped(String),
-    /// Somebody else steps through the job.
+    /// Another client steps through the job.
     #[error("another client steps through job '{0}'")]
     SteppedAlready(String),
     /// The job has no log, because it could not be run.

@@ -1,6 +1,6 @@
 //! The server as a component: [`build`] it, [`Service::run`] it until it is asked to stop.
 //!
-//! Invariant: [`Service::run`] returns within the grace time plus two seconds of the stop signal, whatever clients
+//! Invariant: [`Service::run`] returns within the grace time plus two seconds of the stop signal, regardless of what clients
 //! do (a client that never answers would hold a graceful shutdown forever).
 
 use std::collections::BTreeMap;
@@ -152,7 +152,7 @@ impl Handle {
         self.core.upgrade().is_none_or(|core| core.ticks_within(ALIVE))
     }
 
-    /// Resolves when the server was asked to stop, by whoever.
+    /// Resolves when the server was asked to stop, by any source.
     pub async fn stopping(&self) {
         reaches(&self.stop, Stop::Drain).await;
     }

@@ -1,6 +1,6 @@
 //! The W3C trace context of a job: the trace of its client, continued.
 //!
-//! *Invariant:* a job has one trace and one span, whatever run it is in and whatever server runs it: both come from what the
+//! *Invariant:* a job has one trace and one span in all its runs and on all servers: both come from what the
 //! client sent and from the id of the job.
 
 use sha2::{Digest as _, Sha256};

@@ -69,7 +69,7 @@ fn pin(_processors: usize) {}
 pub struct Setting {
     /// Where.
     pub place: Place,
-    /// Threads that the kernels of every job get, whatever the test asks for.
+    /// Threads that the kernels of every job get, regardless of the test.
     pub threads: u16,
 }
 
@@ -140,7 +140,7 @@ pub fn everywhere(settings: &[Setting], except: &str, environment: &[(&str, &str
 /// Whether a process came to a good end, and what it printed.
 fn ended(mut command: Command) -> (bool, String) {
     let mut child = command.spawn().expect("the process starts");
-    // Read at once, or a process that prints much would wait for ever.
+    // Read at once, or a process that prints much would wait indefinitely.
     let readers = [
         child.stdout.take().map(|out| std::thread::spawn(|| read(out))),
         child.stderr.take().map(|out| std::thread::spawn(|| read(out))),

@@ -1,7 +1,7 @@
 //! What a pass of a loop asks of the memory allocator, for the statements of each control.
 //!
 //! Motion in the form of the control allocates nothing once the loop runs; what a statement of a pre-processor may allocate is
-//! bounded. Work that a pass repeats although nothing has changed shows here, whatever the machine is busy with.
+//! bounded. Work that a pass repeats although nothing has changed is visible here, regardless of the load.
 
 use std::alloc::System;
 
@@ -17,7 +17,7 @@ use stats_alloc::{INSTRUMENTED_SYSTEM, Region, StatsAlloc};
 #[global_allocator]
 static ALLOCATOR: &StatsAlloc<System> = &INSTRUMENTED_SYSTEM;
 
-/// Passes of a run; the other one has twice as many.
+/// Passes of a run; the other run has twice as many.
 const PASSES: usize = 2_000;
 
 /// A loop: machine, what it extends it by, file, program with `{n}` passes, and most allocations of a pass. Calls have names of

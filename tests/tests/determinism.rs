@@ -1,4 +1,4 @@
-//! The same job gives the same log, whatever the threads do.
+//! The same job gives the same log under any schedule of threads.
 
 use std::cell::Cell;
 use std::time::Duration;
@@ -183,7 +183,7 @@ fn a_panic_in_one_kernel_reaches_the_owner_of_the_job() {
     assert_eq!(panic.downcast_ref::<&str>(), Some(&"on purpose"));
 }
 
-/// One channel runs on by thousands of blocks beyond the time at which the other one ends the job.
+/// One channel runs thousands of blocks beyond the time at which the other channel ends the job.
 fn far_ahead(before: &str, idle_before: &str) {
     let ahead: String = (0..12_000).map(|n| format!("G1 X{}. Z-{}.\n", 20 + n % 7, n % 11)).collect();
     let idle = "G40\n".repeat(6_000);
@@ -243,7 +243,7 @@ fn marks(own: u16, channels: u16, seed: &mut u64) -> String {
     text + "M30\n"
 }
 
-/// The last channel has no program: whoever comes first starts it.
+/// The last channel has no program: the first channel to arrive starts it.
 #[test]
 fn random_programs_with_marks_and_starts_give_one_log() {
     let machine = machine("siemens-4ch", "");

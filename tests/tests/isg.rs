@@ -1,4 +1,4 @@
-//! Random programs for the ISG pre-processor and its signals: whatever is written, the run ends within its limits, and neither
+//! Random programs for the ISG pre-processor and its signals: for any text the run ends within its limits, and neither
 //! scheduling nor the lack of a log changes anything.
 
 use counterpoint_kernel::options::{Limits, Options};

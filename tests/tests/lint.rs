@@ -95,7 +95,8 @@ fn what_only_a_run_can_tell_is_said_with_its_line() {
     }
 }
 
-/// A channel that is judged in part can still come: whoever waits for it is no deadlock. What does not depend on it is judged.
+/// A channel that is checked only in part can still arrive: a wait for it is not a deadlock. Waits that do not depend
+/// on it are checked.
 #[test]
 fn who_waits_for_a_channel_that_is_judged_in_part_is_not_condemned() {
     let lost = "O1\nIF [#500 EQ 1] GOTO 10\nM101 P12\nN10 M30\n";

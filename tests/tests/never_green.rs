@@ -297,7 +297,7 @@ fn a_cancelled_job_does_not_succeed() {
     }
 }
 
-/// A fault of a kernel itself: whatever runs the job sees it, nothing calls it a result.
+/// A fault of a kernel itself: the caller of the job sees it, and it is never a result.
 #[test]
 fn a_kernel_that_panics_leaves_no_result() {
     fn fails(channel: u16) {

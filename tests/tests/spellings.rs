@@ -1,4 +1,4 @@
-//! The same path, spelled in two ways: whatever a control has for saying it, the axes go to the same places in the
+//! The same path, spelled in two ways: in every notation of a control, the axes go to the same places in the
 //! same time. Paths are made at random; each move takes one of the spellings of its control at random.
 
 use std::fmt::Write as _;

@@ -131,7 +131,7 @@ fn heidenhain_planes_by_spatial_angles() {
         let length = chance.next(100.0) + 150.0;
         let overlay = format!("[[tool.offsets]]\nnumber = 1\nvalues = {{ Z = {length} }}\n");
         let [x, y, z] = plane.at;
-        // The same machine, whoever turns the axes.
+        // The same machine, for any source of the turn.
         let turn = match case % 3 {
             0 => ("TURN FMAX", ""),
             1 => ("MOVE DIST50 FMAX", ""),

@@ -1,6 +1,6 @@
 //! From the text of a line to words.
 //!
-//! Facts: reference control-emulator.md 1.2, 1.4. Invariant: one pass over the line, nothing copied; whatever is not a
+//! Facts: reference control-emulator.md 1.2, 1.4. Invariant: one pass over the line, nothing copied; text that is not a
 //! word of a register is kept as unknown text.
 
 mod marks;

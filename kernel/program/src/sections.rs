@@ -2,10 +2,11 @@
 //!
 //! Facts: reference channel-synchronisation.md 1.5 (`G13`, `G14`), 1.6 (`$1`, `$2`, `$0` for data of all); control-emulator.md
 //! 1.5 (Output Format #9, HEAD #10), 8.1. Decisions: with codes of heads the main program of the file is divided, text before
-//! the first head belongs to that head, and subprograms after it are everybody's. With `$n` text before the first section is
-//! everybody's, and so is a program that is defined after the end code of a section, up to the next section.
+//! the first head belongs to that head, and subprograms after it belong to all channels. With `$n` text before the
+//! first section is
+//! shared, and so is a program that is defined after the end code of a section, up to the next section.
 //! *Invariant:* each line belongs to one section or to all channels; a channel sees the lines of others as empty, so that a
-//! line has one number for everybody.
+//! line has one number for all channels.
 
 use std::sync::Arc;
 
@@ -127,7 +128,7 @@ fn by_heads(machine: &Machine, source: &Source) -> Vec<Section> {
         if let Some((channel, name)) = head_of(machine, &block, text)
             && found.last().is_none_or(|last| last.channel != channel)
         {
-            // A definition before the first head is everybody's, so that labels and calls find their program.
+            // A definition before the first head belongs to all channels, so that labels and calls find their program.
             let before = found.is_empty().then(|| range.first + u32::from(source.defines(range.first)));
             found.push(Section { channel, name, lines: (before.unwrap_or(line).min(line), line) });
         } else if let Some(last) = found.last_mut() {

@@ -130,7 +130,7 @@ impl Source {
         (*of == number).then_some(rules)
     }
 
-    /// The numbers of these lines, as long as nobody wants the job to end.
+    /// The numbers of these lines, until the job is to end.
     pub fn walk(&self, first: u32, last: u32) -> impl DoubleEndedIterator<Item = u32> + Clone + '_ {
         Walk { lines: first..=last, stop: &self.stop }
     }
@@ -263,7 +263,7 @@ fn ranges(source: &Source, shape: &Shape) -> Vec<Range> {
     found
 }
 
-/// Lines until somebody wants the job to end.
+/// Lines until the job is to end.
 #[derive(Debug, Clone)]
 struct Walk<'s> {
     lines: RangeInclusive<u32>,

@@ -69,7 +69,7 @@ struct Passed<'a> {
 }
 
 impl Passed<'_> {
-    /// Everybody is needed, so nobody continues before the last arrival.
+    /// All channels are needed, so none continues before the last arrival.
     fn is_mutual(&self) -> bool {
         matches!(self.point.kind, Primitive::Barrier | Primitive::Count)
     }

@@ -54,7 +54,7 @@ impl ResultsBuilder {
         Self { info: info.clone(), channels, master: Digest::new(), reported: Vec::new(), last_ns: 0 }
     }
 
-    /// For a job whose toolpath nobody will ask for: it stays empty, which saves the memory of a long path.
+    /// For a job whose toolpath is not requested: it stays empty, which saves the memory of a long path.
     #[must_use]
     pub fn without_toolpath(mut self) -> Self {
         self.channels.iter_mut().for_each(|channel| channel.track = None);

@@ -24,7 +24,7 @@ pub struct ChannelResults {
     pub(super) digest: Digest,
     pub(super) tally: Tally,
     pub(super) bars: Bars,
-    /// Its path, if somebody may ask for it.
+    /// Its path, if it may be requested.
     pub(super) track: Option<Track>,
     /// The wait that blocks it.
     pub(super) wait: Option<Stay>,

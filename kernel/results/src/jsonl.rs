@@ -2,7 +2,7 @@
 //!
 //! Every object begins with `seq, t_ns, dur_ns, channel, kind, file, line`; the kind's own fields follow, and the word
 //! of a diagnostic after its fields. `file` is
-//! empty when `line` is 0 and belongs to no block. *Invariants:* each line is valid JSON whatever the texts and numbers
+//! empty when `line` is 0 and belongs to no block. *Invariants:* each line is valid JSON for any texts and numbers
 //! of the event are; a number that JSON cannot hold is `null`; positions are objects with every axis of the channel, in
 //! channel order.
 

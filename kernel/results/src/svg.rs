@@ -1,6 +1,6 @@
 //! Small helpers of the pictures: escaped text, short numbers, round ticks.
 //!
-//! *Invariant:* whatever goes through here is well-formed XML and the same on every platform.
+//! *Invariant:* all output of this module is well-formed XML and the same on every platform.
 
 use std::fmt::Write as _;
 

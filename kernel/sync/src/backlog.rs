@@ -35,7 +35,7 @@ pub fn blank() -> Event {
 pub struct Backlog {
     /// Number of the channel.
     pub channel: u16,
-    /// None: nobody wants results, the events are only counted.
+    /// None: no results are requested, the events are only counted.
     results: Option<ChannelResults>,
     /// Chunks, each with its bytes.
     waiting: VecDeque<(Chunk, u64)>,
@@ -47,7 +47,7 @@ pub struct Backlog {
     room: u64,
     /// Bytes that wait.
     bytes: u64,
-    /// Chunks that nobody reads any more.
+    /// Chunks that are no longer read.
     spare: Vec<Chunk>,
     /// Empty ones with little room.
     small: Vec<Chunk>,
@@ -62,7 +62,7 @@ pub struct Backlog {
 }
 
 impl Backlog {
-    /// Feeds the results of a channel, if somebody wants results. `room`: bytes that may wait for other kernels.
+    /// Feeds the results of a channel, if results are requested. `room`: bytes that may wait for other kernels.
     pub fn new(channel: u16, results: Option<ChannelResults>, room: u64) -> Self {
         let (waiting, spare, small) = (VecDeque::new(), Vec::new(), Vec::new());
         Self {
@@ -221,7 +221,7 @@ impl Backlog {
 
 /// What the events of a channel came to.
 pub struct Closed {
-    /// Its results, if somebody wants results.
+    /// Its results, if results are requested.
     pub results: Option<ChannelResults>,
     /// Events up to the stop of the job.
     pub events: u64,

@@ -80,7 +80,7 @@ pub struct Coordinator {
     resumes: AtomicU64,
     /// Kernels waiting for a permit.
     waiting_permits: AtomicU32,
-    /// One kernel is all there is: nobody looks at its bound.
+    /// There is only one kernel: its bound is not read.
     single: AtomicBool,
     /// Fewer permits than kernels.
     limited: bool,
@@ -122,7 +122,7 @@ impl Coordinator {
         let kernels = channels.count();
         let permits = if threads == 0 { kernels } else { threads.min(kernels) };
         let one_thread = permits <= 1 || cores() == 1;
-        // On one thread a kernel runs until it has to wait, so nobody needs a permit.
+        // On one thread a kernel runs until it has to wait, so no kernel needs a permit.
         let permits = if one_thread { kernels } else { permits };
         let spin = match () {
             () if one_thread => 0,
@@ -200,7 +200,7 @@ impl Coordinator {
 
     fn publish_to_others(&self, channel: u16, t: i64) -> bool {
         if let Some(slot) = self.slot(channel) {
-            // Whoever asks at this very moment may see the time before this one, and is answered with the next block.
+            // A kernel that asks at this very moment may see the previous time, and is answered with the next block.
             slot.bound.store(t, Release);
             if t > slot.need.load(Acquire) {
                 let mut inner = self.lock();
@@ -276,7 +276,8 @@ impl Coordinator {
         let waiting = inner.order.settle();
         self.apply(inner);
         let Some(tag) = waiting else { return };
-        // Whoever passes the tag at this very moment sees the need with its next block, or settles when it waits or ends.
+        // A kernel that passes the tag at this very moment sees the need with its next block, or settles when it waits
+        // or ends.
         for slot in inner.order.earlier(tag).filter_map(|index| self.slots.get(index)) {
             if self.one_thread {
                 slot.need.store(tag.t.min(slot.need.load(Relaxed)), Relaxed);
@@ -320,12 +321,13 @@ impl Coordinator {
         inner.order.recycle(effects);
     }
 
-    /// Sets the bounds of those that continue before the bounds of those that stand or end: otherwise whoever looks at this very
-    /// moment would see nobody that can still act.
+    /// Sets the bounds of those that continue before the bounds of those that stand or end: otherwise a kernel that
+    /// looks at this very
+    /// moment would see no kernel that can still act.
     fn set_bounds(&self, effects: &[Effect]) {
         let bound = |effect: &Effect| if let Effect::Bound(channel, t) = *effect { Some((channel, t)) } else { None };
         if self.one_thread {
-            // Nobody looks meanwhile.
+            // No kernel looks in the meantime.
             effects.iter().filter_map(bound).for_each(|(channel, t)| self.set_bound(channel, t));
             return;
         }

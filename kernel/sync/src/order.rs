@@ -38,7 +38,7 @@ pub enum Status {
     Away(Tag),
     /// Waits for a partner.
     Blocked,
-    /// Finished in whatever way.
+    /// Finished in any way.
     Done,
 }
 
@@ -55,7 +55,7 @@ pub enum Wake {
         sync_point: u64,
         /// The channel whose operation ended the wait.
         by: u16,
-        /// Every kernel that is not done took part, so nobody acts before the tag.
+        /// Every kernel that is not done took part, so none acts before the tag.
         all: bool,
         /// A partner of a count has ended without coming.
         short: bool,
@@ -258,7 +258,8 @@ impl Order {
         self.seat(channel)?.wake.take()
     }
 
-    /// The next turn in order, or the end of all waits that nobody is left to end. Gives the tag that cannot have its turn
+    /// The next turn in order, or the end of all waits that no kernel is left to end. Gives the tag that cannot have
+    /// its turn
     /// yet because running kernels may still act before it.
     pub fn settle(&mut self) -> Option<Tag> {
         while self.acting.is_none() {
@@ -452,7 +453,7 @@ impl Order {
         self.release_all(released);
     }
 
-    /// Ends the wait at once if nobody is missing, without a release.
+    /// Ends the wait at once if no channel is missing, without a release.
     pub fn pass(&mut self, waiting: &Waiting) -> bool {
         let passes = self.waits.pass(waiting);
         if let Some(races) = self.races.as_mut().filter(|_| passes) {

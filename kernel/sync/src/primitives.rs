@@ -2,7 +2,7 @@
 //!
 //! Each says what an arrival means for others (`arrive`), who is still missing (`missing`), who continues together
 //! (`together`), what those who continue use up (`depart`), and what a channel does for others without waiting (`act`).
-//! *Invariant:* `missing` changes nothing; a wait is over exactly when nobody is missing. Facts: reference
+//! *Invariant:* `missing` changes nothing; a wait is over exactly when no channel is missing. Facts: reference
 //! channel-synchronisation.md 0, 1.1.
 
 mod barrier;
@@ -46,7 +46,7 @@ pub(crate) struct Memory {
 }
 
 impl Memory {
-    /// Why a channel cannot arrive here whatever the others do.
+    /// Why a channel cannot arrive here, regardless of the others.
     pub(crate) fn illegal(&self, waiting: &Waiting) -> Option<String> {
         let channel = waiting.tag.channel;
         match waiting.wait.primitive {
@@ -167,7 +167,7 @@ impl Memory {
     /// A channel moves an axis that channels exchange.
     ///
     /// # Errors
-    /// Another channel holds it, or nobody does.
+    /// Another channel holds it, or no channel does.
     pub(crate) fn moves(&mut self, channel: u16, key: Key, moved: Moved) -> Result<(), Option<u16>> {
         self.leases.moves(channel, key, moved)
     }

@@ -88,7 +88,7 @@ pub struct Races {
     reported: BTreeSet<(Variable, Access, Access)>,
 }
 
-/// The mark under which arrivals at a wait are published. Whoever stands at a barrier has done nothing since; of the other
+/// The mark under which arrivals at a wait are published. A channel at a barrier has done nothing since; of the other
 /// primitives each mark counts for itself.
 fn place(primitive: Primitive, key: Key) -> Key {
     match primitive {

@@ -43,7 +43,7 @@ pub struct Coupled {
     pub at: u8,
 }
 
-/// A coupling that one channel commands alone: the other one learns of it where both meet.
+/// A coupling that only one channel commands: the other channel learns of it at their next barrier.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Alone {
     /// Channel that commands it.

@@ -1,4 +1,4 @@
-//! The way of a kernel's events: into the results of its channel, and into the log if somebody wants one.
+//! The way of a kernel's events: into the results of its channel, and into the log if one is requested.
 //!
 //! *Invariant:* the log is the merge of the chunks that results are made of; whether there is a log changes no result.
 

@@ -1,6 +1,6 @@
 //! The order of everything that channels share: superdense time and channel.
 
-/// `(time, microstep, channel channel)`: shared operations are executed in this order, whatever the threads do.
+/// `(time, microstep, channel)`: shared operations are executed in this order, for any schedule of threads.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct Tag {
     /// Simulated time, ns.

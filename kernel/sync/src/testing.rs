@@ -47,7 +47,7 @@ pub(crate) fn wait(primitive: Primitive, number: u32, channels: u16) -> Wait {
     Wait { primitive, key: key(number), named: None, parts: Set::up_to(channels), need, rule: 0 }
 }
 
-/// A wait for a signal that any of channels 1 to `channels` sends to everybody.
+/// A wait for a signal that any of channels 1 to `channels` sends to all channels.
 pub(crate) fn listening(number: u32, channels: u16) -> Wait {
     Wait { need: 1, ..wait(Primitive::Signal, number, channels) }
 }
@@ -66,11 +66,11 @@ pub(crate) enum Deed {
     Clear,
     /// Sends a signal of its own to all.
     Send,
-    /// Sends a signal to everybody, of which each receiver gets one.
+    /// Sends a signal to all channels, of which each receiver gets one.
     Call,
-    /// Sends a signal to everybody that one wait can use.
+    /// Sends a signal to all channels that one wait can use.
     Share,
-    /// Removes a signal to everybody.
+    /// Removes a signal to all channels.
     Remove,
     /// Gives a lease back.
     Free,

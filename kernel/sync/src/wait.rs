@@ -47,7 +47,7 @@ pub struct Send {
     pub key: Key,
     /// Who gets one.
     pub to: Set,
-    /// It is for everybody: waits for any sender take it, those for named senders do not.
+    /// It is for all channels: waits for any sender use it, those for named senders do not.
     pub broadcast: bool,
     /// When it is used up.
     pub lasts: Lasts,
@@ -58,9 +58,9 @@ pub struct Send {
 pub enum Lasts {
     /// One of each receiver.
     Each,
-    /// So many: of each receiver, or of all of them together if it is for everybody.
+    /// This many: of each receiver, or of all of them together if it is for all channels.
     Times(u32),
-    /// All, until it is removed; for everybody only.
+    /// All, until it is removed; only for all channels.
     Always,
 }
 
@@ -84,11 +84,11 @@ pub enum Act {
     Clear(Key),
     /// Sends a signal.
     Signal(Send),
-    /// Removes signals that nobody has used: of a single number the oldest one, of several numbers all.
+    /// Removes unused signals: of a single number the oldest one, of several numbers all.
     Remove {
         /// Their marks.
         range: Marks,
-        /// Whose signals; none: those that were sent to everybody.
+        /// Senders of the signals; none: those that were sent to all channels.
         to: Option<Set>,
     },
     /// Gives back what the channel holds.
@@ -372,7 +372,7 @@ impl Missing {
         Self { channels, need: 1 }
     }
 
-    /// Nobody is missing.
+    /// No channel is missing.
     #[must_use]
     pub fn is_none(self) -> bool {
         self.need == 0

@@ -40,7 +40,7 @@ pub enum Arrival {
     Blocked,
     /// The control refuses: all of these channels alarm.
     Mismatch(RefusedPairs),
-    /// The channel cannot arrive here whatever the others do.
+    /// The channel cannot arrive here, regardless of the others.
     Illegal {
         /// Why.
         text: String,
@@ -130,7 +130,7 @@ impl Waits {
         self.give_up(channel);
     }
 
-    /// A channel waits no longer, though nobody came.
+    /// A channel waits no longer, although no partner arrived.
     fn give_up(&mut self, channel: u16) {
         if let Some(waiting) = self.places.leave(channel) {
             self.memory.abandon(channel, &waiting.wait);
@@ -156,7 +156,8 @@ impl Waits {
         self.rules.of(wait)?.mismatch.and_then(|mismatch| (mismatch.refuses)(wait, other))
     }
 
-    /// Carries out an arrival that raises no alarm and leaves nobody without hope: it ends the wait, or those who are missing
+    /// Carries out an arrival that raises no alarm and leaves no channel hopeless: it ends the wait, or those who are
+    /// missing
     /// can still come by themselves. `None`: it is no such arrival, and nothing has changed.
     pub fn arrive_plainly(&mut self, arriving: Waiting) -> Option<Arrived> {
         let refused = self.places.waiting().any(|other| self.refused(&arriving.wait, &other.wait).is_some());
@@ -172,7 +173,7 @@ impl Waits {
         self.can_come(self.missing(channel))
     }
 
-    /// Ends the wait at once if nobody is missing, without a release.
+    /// Ends the wait at once if no channel is missing, without a release.
     pub fn pass(&mut self, arriving: &Waiting) -> bool {
         let (channel, wait) = (arriving.tag.channel, &arriving.wait);
         let passes = self.missing_at(channel, wait).is_none() && self.memory.illegal(arriving).is_none();
@@ -261,7 +262,7 @@ impl Waits {
 
     /// A channel holds this from the begin of the job on.
     pub fn hold(&mut self, channel: u16, key: Key) {
-        // What nobody holds can be given to anybody.
+        // A free lease can be given to any channel.
         let _ = self.memory.act(channel, (Act::Take(key), None), &self.rules);
     }
 
@@ -317,7 +318,7 @@ impl Waits {
     pub fn dead(&self) -> Set {
         let mut live: Set = self.places.channels().filter(|&channel| self.places.runs(channel)).collect();
         if !live.is_empty() {
-            // Whoever runs may start those that are idle.
+            // A running channel may start idle ones.
             live = Set(live.0 | self.places.idle().0);
         }
         let waiting: Set = self.places.waiting().map(|waiting| waiting.tag.channel).collect();

@@ -1,7 +1,7 @@
 //! What each call of the contract needs.
 //!
 //! Invariant: every call of every service has a row (a test compares them with the descriptors); a call without a row
-//! is let through to nobody who has no identity.
+//! is refused without an identity.
 
 use super::Role;
 
@@ -11,7 +11,7 @@ pub(crate) enum Needs {
     /// Nothing: load balancers ask for the health of the server.
     Nothing,
     Role(Role),
-    /// Nobody knows this call.
+    /// Unknown call.
     Unknown,
 }
 

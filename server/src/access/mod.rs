@@ -118,7 +118,7 @@ const MOST_VERIFIED: usize = 4096;
 #[derive(Debug)]
 pub(crate) struct Access {
     path: Option<PathBuf>,
-    /// `None` = everybody is the administrator.
+    /// `None` = every caller is the administrator.
     known: RwLock<Option<Arc<Known>>>,
     verified: Mutex<Verified>,
     rates: Rates,

@@ -1,6 +1,6 @@
 //! Calls per second of each identity: a bucket that fills at the rate and holds one second's worth.
 //!
-//! A call that finds no token takes the next one that nobody has taken, and waits for it: callers that never pause are
+//! A call that finds no token takes the next free token and waits for it: callers that never pause are
 //! slowed down to the rate, and most of their calls are still answered. *Invariants:* one identity's calls never delay
 //! another's; an identity has no more than [`MOST_HELD`] calls waiting, none of them for longer than [`LONGEST`].
 
@@ -127,7 +127,7 @@ mod tests {
         assert!((0..1000).all(|_| matches!(unlimited.take(&one, begin), Turn::Now)));
     }
 
-    /// A clock that stands for a while, callers that ask all the time: what passes is the rate, whatever they do.
+    /// A clock that stops for a while, callers without pauses: the calls that pass match the rate in any case.
     #[test]
     fn what_passes_in_a_time_is_the_rate_however_often_it_is_asked_for() {
         let (rates, one, begin) = (Rates::new(100), identity("one"), Instant::now());

@@ -1,6 +1,7 @@
 //! A job's sandbox: its files by path, read from the blobs.
 //!
-//! What a file could not be read for is kept: it is no fault of the program. Invariant: a path that is not in the job's list does not exist, whatever lies in the data folder.
+//! The reason why a file could not be read is kept: it is not a fault of the program. Invariant: a path that is not in
+//! the job's list does not exist, regardless of the data folder.
 
 use std::collections::BTreeMap;
 use std::sync::{Arc, OnceLock};

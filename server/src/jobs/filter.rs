@@ -1,4 +1,4 @@
-//! Which jobs somebody wants to see.
+//! Filters of jobs.
 //!
 //! Invariant: a filter takes a job exactly if the index of the ledger finds it with the same conditions.
 

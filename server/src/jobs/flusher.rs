@@ -1,6 +1,6 @@
-//! Makes events readable that come alone: a log is written in large pieces, and somebody may wait for the last few.
+//! Makes single events readable: a log is written in large pieces, and a watcher may wait for the last few.
 //!
-//! Invariant: an event of a watched job is readable [`DELAY`] after it was appended, whatever comes after it; a kernel
+//! Invariant: an event of a watched job is readable [`DELAY`] after it was appended, regardless of later events; a kernel
 //! never waits for that.
 
 use std::io;

@@ -1,7 +1,7 @@
 //! What the server clears away by itself: folders of jobs that have no row, ended jobs beyond what is to be kept, and
 //! blobs that nothing needs.
 //!
-//! Invariant: what a row of the ledger needs is never removed, nor a job that has not ended or that somebody watches.
+//! Invariant: data that a row of the ledger needs are never removed, nor a job that has not ended or that is watched.
 
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -96,7 +96,7 @@ fn remove_expired(core: &Core, keep: &Keep) -> Result<u64, Refusal> {
     loop {
         let mut jobs = core.ledger.expired(keep, now_ms(), GROUP)?;
         let all = jobs.len();
-        // A job that somebody watches goes the next time.
+        // A watched job is removed the next time.
         jobs.retain(|job| !core.watched(&job.id));
         let records: Vec<_> = jobs.iter().map(|job| core.ledger.job(&job.id).ok().flatten()).collect();
         core.ledger.remove_blocking(jobs.clone())?;
@@ -110,7 +110,7 @@ fn remove_expired(core: &Core, keep: &Keep) -> Result<u64, Refusal> {
     }
 }
 
-/// Removes blobs that no row needs and nobody has asked for during the grace time; gives how many.
+/// Removes blobs that no row needs and no client has requested during the grace time; returns their number.
 fn collect_blobs(core: &Core, grace: Duration) -> Result<u64, Refusal> {
     let mut removed = 0;
     for tenant in core.blobs.tenants()? {

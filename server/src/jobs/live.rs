@@ -50,9 +50,9 @@ pub(crate) struct Live {
     record: Mutex<Record>,
     state: watch::Sender<State>,
     cancel: AtomicBool,
-    /// The run is to end, for whatever reason.
+    /// The run is to end, for any reason.
     stop: Mutex<Stop>,
-    /// End of the log; made when somebody asks, as most jobs that wait have no use for it yet.
+    /// End of the log; made on request, since most waiting jobs do not need it yet.
     tail: OnceLock<Arc<Tail>>,
     run: Mutex<Option<Arc<Run>>>,
     finished: OnceLock<Arc<Finished>>,
@@ -62,7 +62,7 @@ pub(crate) struct Live {
     promised: AtomicBool,
     /// Where dialogs wait for the operator.
     desk: OnceLock<Arc<Desk>>,
-    /// Where the commands of whoever steps through the job wait.
+    /// Queue of the commands of the operator who steps through the job.
     stepping: OnceLock<Arc<Stepping>>,
     limits: Mutex<RunLimits>,
     /// Held while the job is paused or resumed, so that ledger and memory agree.
@@ -154,7 +154,7 @@ impl Live {
         self.renew();
     }
 
-    /// Whatever was to end the last run does not end the next one.
+    /// A request that was to end the last run does not end the next one.
     pub(super) fn renew(&self) {
         *lock(&self.stop) = Stop::default();
         self.desk().begin_again(&self.record().answers);

@@ -367,7 +367,7 @@ impl Core {
         &self.board.feed
     }
 
-    /// Whether somebody beside the list of jobs has a job in hand.
+    /// Whether a job is referenced outside the list of jobs.
     fn watched(&self, id: &str) -> bool {
         self.board.live.get(id).is_some_and(|live| Arc::strong_count(&live) > 1)
     }

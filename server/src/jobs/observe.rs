@@ -1,4 +1,4 @@
-//! What is measured when somebody asks for it, and whether the server is ready for jobs.
+//! Measurements on request, and the readiness of the server for jobs.
 //!
 //! Invariant: asking takes no lock for longer than one job's worth.
 

@@ -1,6 +1,6 @@
 //! The desk of a job: dialogs that wait for the operator.
 //!
-//! Invariants: a question is answered once, by whoever comes first; what was answered in a run before this one is
+//! Invariants: a question is answered once, by the first client; answers of an earlier run are
 //! answered again in the same order, so a job that is run again gives the same log; no question outlives the run, and
 //! none waits longer than the patience of the server.
 
@@ -41,7 +41,7 @@ struct Inner {
 struct Open {
     channel: u16,
     question: v1::Question,
-    /// Somebody's answer is being made durable.
+    /// An answer is being made durable.
     claimed: bool,
     /// The answer; `Some(None)` = declined.
     answer: Option<Option<Answer>>,
@@ -86,7 +86,7 @@ impl Desk {
         self.changes.subscribe()
     }
 
-    /// Questions that nobody has taken yet, in the order asked.
+    /// Questions that no client has taken yet, in their order.
     pub(crate) fn questions(&self) -> Vec<v1::Question> {
         let inner = lock(&self.inner);
         inner.open.values().filter(|open| !open.claimed).map(|open| open.question.clone()).collect()
@@ -124,7 +124,7 @@ impl Operator for Desk {
         if let Some(answer) = recorded {
             return answer;
         }
-        // Nobody is to see a question that nothing can answer any more.
+        // Do not publish questions after the desk has closed.
         if inner.closed {
             return None;
         }

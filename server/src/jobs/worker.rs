@@ -1,6 +1,6 @@
 //! Jobs on worker threads.
 //!
-//! Invariant: whatever happens in a run, the place is given back and the server lives on. The job gets an end state,
+//! Invariant: after every run, even a failed one, the place is returned and the server continues. The job gets an end state,
 //! unless the host has failed the run (disk, descriptors, threads): then the run is dropped and the job waits for
 //! another.
 

@@ -1,8 +1,8 @@
 //! The ledger: every accepted job and every machine put there.
 //!
 //! [`Ledger`] is the seam; the one in a file of the data folder is in `local`. Invariants: what was answered is on
-//! stable storage; jobs are ordered as they were accepted, whatever the clock says; a row that cannot be read is
-//! reported to whoever asks for it and hidden from all others.
+//! stable storage; jobs are ordered as they were accepted, regardless of the clock; a row that cannot be read is
+//! reported to callers that request it and hidden from all others.
 
 pub(crate) mod prefix;
 pub(crate) mod record;

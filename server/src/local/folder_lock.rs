@@ -34,7 +34,7 @@ impl FolderLock {
         Ok(Self(file))
     }
 
-    /// Gives the folder free although somebody may still hold this lock.
+    /// Releases the folder although this lock may still be held.
     pub(crate) fn release(&self) {
         let _ = self.0.unlock();
     }

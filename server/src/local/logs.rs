@@ -84,7 +84,7 @@ impl LogFile {
         Ok((packed, bytes))
     }
 
-    /// The compressed form cannot be had. While the plain one is there, nobody reads it.
+    /// The compressed form is not available. While the plain form exists, it is not read.
     fn stay_plain(&mut self, error: &io::Error) {
         tracing::warn!(%error, "the log stays as it is, without compression");
         self.packed = None;

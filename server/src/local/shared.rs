@@ -1,6 +1,6 @@
 //! Work that many ask for at the same time and that is done once for all of them.
 //!
-//! Invariant: whoever asks gets the result of work that began after they asked.
+//! Invariant: every request gets the result of work that began after it.
 
 use std::io;
 use std::sync::{Condvar, Mutex, PoisonError};
@@ -10,7 +10,7 @@ use std::sync::{Condvar, Mutex, PoisonError};
 struct Rounds {
     begun: u64,
     done: u64,
-    /// Somebody is at work.
+    /// Work is in progress.
     under_way: bool,
     /// What the last round failed with.
     failed: Option<(io::ErrorKind, String)>,
@@ -24,7 +24,7 @@ pub(crate) struct Shared {
 }
 
 impl Shared {
-    /// Does `work`, or waits for somebody who begins with it now or later.
+    /// Does `work`, or waits for another task that begins it now or later.
     pub(crate) fn sync(&self, work: impl FnOnce() -> io::Result<()>) -> io::Result<()> {
         let mut rounds = self.rounds.lock().unwrap_or_else(PoisonError::into_inner);
         let needed = rounds.begun + 1;

@@ -51,7 +51,7 @@ pub(crate) fn cut_short(last: u64, expected: u64) -> io::Error {
 }
 
 impl Reader {
-    /// Opens a log whose head has been written; batches up to number `after` are passed over.
+    /// Opens a log whose head has been written; batches up to number `after` are skipped.
     pub(crate) fn open(log: &Kept, after: u64) -> io::Result<Self> {
         let mut file = log.open()?;
         let mut head = [0; MAGIC.len() + FRAME];

@@ -34,7 +34,7 @@ impl Tail {
         self.0.send_modify(|position| *position = Position { dropped: position.dropped + 1, ..Position::default() });
     }
 
-    /// Whether somebody follows.
+    /// Whether there is a follower.
     pub(crate) fn followed(&self) -> bool {
         self.0.receiver_count() > 0
     }

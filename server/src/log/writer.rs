@@ -1,7 +1,8 @@
 //! Writes the log of a running job.
 //!
 //! Records are gathered and written together: after 256 KiB, with the first call later than 10 ms after the last
-//! write (unless the log is small and nobody watches), or a few ms after they came when somebody watches. Invariant: readers learn of bytes only after they are in the
+//! write (unless the log is small and unwatched), or a few ms after they arrived if a client watches. Invariant:
+//! readers learn of bytes only after they are in the
 //! file.
 
 use std::fmt::Debug;
@@ -115,7 +116,7 @@ impl Writer {
         self.bytes + self.buffer.len() as u64
     }
 
-    /// Writes what has been gathered for long enough. A small log that nobody follows may come to need no file.
+    /// Writes what has been gathered for long enough. A small log without followers may not need a file.
     fn flush_old(&mut self) -> io::Result<()> {
         let small = self.buffer.len() <= SMALL && !self.place.used() && !self.tail.followed();
         if !small && self.written.elapsed() >= WRITE_EVERY && !self.buffer.is_empty() { self.flush() } else { Ok(()) }

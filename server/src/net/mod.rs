@@ -264,7 +264,7 @@ fn builder() -> http2::Builder<TokioExecutor> {
     builder
 }
 
-/// Answers one call of somebody who may make it, within its deadline if it has one.
+/// Answers one authorized call, within its deadline if it has one.
 async fn answer(
     routes: Routes,
     mut request: Request<Incoming>,

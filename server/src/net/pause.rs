@@ -1,4 +1,4 @@
-//! Connections from which nothing is read for a while: whoever calls without a pause gets one.
+//! Connections from which nothing is read for a while: callers without a pause get one.
 //!
 //! What the other end sends waits in its own buffers and those of the system; answers are still sent. *Invariant:* reading
 //! continues by itself at the time that was set last, or at once when the pause is ended.
@@ -27,7 +27,7 @@ impl Pause {
         self.set(Some(now + time)).is_none_or(|until| until <= now)
     }
 
-    /// Continues to read; whoever drives the connection polls it afterwards.
+    /// Continues to read; the driver of the connection polls it afterwards.
     pub(super) fn end(&self) {
         self.set(None);
     }
@@ -120,7 +120,7 @@ mod tests {
         assert_eq!(server.read_u8().await.unwrap(), b'c');
     }
 
-    /// A pause that begins while somebody reads.
+    /// A pause that begins during a read.
     #[tokio::test]
     async fn a_pause_also_stops_a_read_under_way() {
         let (mut client, server) = tokio::io::duplex(64);

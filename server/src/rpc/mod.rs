@@ -1,6 +1,6 @@
 //! The services of the wire contract over the core of the server.
 //!
-//! Invariant: nothing here blocks the async threads on files or renderers; whatever may, runs on blocking threads.
+//! Invariant: nothing here blocks the async threads on files or renderers; blocking work runs on blocking threads.
 
 mod admin;
 mod blobs;

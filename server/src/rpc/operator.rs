@@ -132,7 +132,7 @@ impl Attend {
                 (answer.question_id, Some(submit::answer(given)))
             }
         };
-        // A question that somebody else has answered is reported as closed.
+        // A question that another client has answered is reported as closed.
         let Some((channel, dialog)) = self.live.desk().claim(id) else { return Ok(()) };
         let answer = answer.map(|answer| Answer { dialog, ..answer });
         let kept = self.core.ledger.answered(self.live.id.clone(), channel, answer.clone()).await;

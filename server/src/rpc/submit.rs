@@ -389,7 +389,7 @@ mod tests {
         for other in different {
             assert_ne!(content_of(&other), content_of(&request), "{other:?}");
         }
-        // It stays the same for ever: ledgers hold it.
+        // It must never change: ledgers hold it.
         assert_eq!(content_of(&request), "2:76f703040c740938b71112af4cca35c46ac088d608840e68485a61409f2931b7");
     }
 

@@ -132,7 +132,7 @@ impl Watch {
         let mut drain = self.core.drain.follow();
         self.progress(out, true).await?;
         let live = self.live.clone();
-        // Events from before somebody followed; the flusher cares for all later ones.
+        // Events from before the first follower; the flusher handles all later ones.
         let flush = move || {
             live.flush();
             Ok(())

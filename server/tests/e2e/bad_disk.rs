@@ -35,7 +35,7 @@ impl Random {
     }
 }
 
-/// What a file or folder is, whatever its name: numbers alone are given again to new files.
+/// The kind of a file or folder, for any name: plain numbers are reused for new files.
 type Identity = (u64, u128);
 
 fn identity(path: &Path) -> io::Result<Identity> {

@@ -39,9 +39,9 @@ pub enum Flood {
     EmptyData,
     /// Frames with a byte on such a stream.
     TinyData,
-    /// Pings whose answers nobody reads.
+    /// Pings with unread answers.
     Pings,
-    /// Settings whose acknowledgements nobody reads.
+    /// Settings with unread acknowledgements.
     Settings,
 }
 
@@ -161,7 +161,8 @@ pub async fn flood(address: &str, job: &str, flood: Flood) -> Answer {
     let (from, to) = TcpStream::connect(address).await.unwrap().into_split();
     let poured = tokio::spawn(pour(to, job.to_owned(), flood));
     let answer = match flood {
-        // Whoever does not read the answers is not read from either: that holds no more than the buffers of a connection.
+        // A client that does not read the answers is not read from either: that holds no more than the buffers of a
+        // connection.
         Flood::Pings | Flood::Settings => {
             let answer = poured.await.unwrap();
             drop(from);

@@ -18,7 +18,7 @@ use crate::support::{digest, reason};
 /// Most memory of the server.
 const MEMORY: u64 = 1 << 30;
 
-/// Most diagnostics that a job keeps, whatever it asks for.
+/// Maximum number of diagnostics that a job keeps, for any request.
 const MOST_DIAGNOSTICS: usize = 10_000;
 
 /// The most that a client can write into its limits.
@@ -38,7 +38,7 @@ fn most() -> v1::JobLimits {
     }
 }
 
-/// Somebody who calls the server.
+/// A caller of the server.
 struct Caller(Channel);
 
 impl Caller {
@@ -155,7 +155,7 @@ async fn every_hostile_case_is_answered_by_name_and_the_server_stays_small() {
     let refused = client.machines().check_machine(many).await.unwrap_err();
     assert_eq!(reason(&refused), "MACHINE_TOO_LARGE");
 
-    // Cases 4 to 6: limits that nobody may have.
+    // Cases 4 to 6: limits that no job may have.
     let line = [b"O1\n".as_slice(), &b"X1".repeat(8 << 20), b"\nM30\n"].concat();
     let mut jobs = Vec::new();
     for (name, machine, program, limit, named) in [
@@ -193,7 +193,7 @@ async fn every_hostile_case_is_answered_by_name_and_the_server_stays_small() {
         floods.spawn(async move { flood(&address, &job, kind).await });
     }
 
-    // Somebody else's work is done meanwhile.
+    // The work of another client is done in the meantime.
     let other = connect().await;
     let honest = other.submit("honest", "fanuc-mill", b"O1\nG21 G90 G94 F100\nG1 X1.\nM30\n", None).await;
     client.until_running(&cancelled).await;
@@ -210,7 +210,7 @@ async fn every_hostile_case_is_answered_by_name_and_the_server_stays_small() {
     assert_eq!(client.wait(&cancelled).await.state(), v1::JobState::Cancelled);
     assert_eq!(other.wait(&honest).await.state(), v1::JobState::Succeeded);
 
-    // Case 13: nobody replaces what is shipped.
+    // Case 13: shipped machines cannot be replaced.
     let own = v1::PutMachineRequest { name: "fanuc-mill".into(), files: vec![file(1)] };
     assert_eq!(reason(&client.machines().put_machine(own).await.unwrap_err()), "MACHINE_SHIPPED");
     stalled.abort();

@@ -1,4 +1,4 @@
-//! Callers that call too often: their calls wait for their turn, and nobody else's do.
+//! Callers that call too often: only their own calls wait for their turn.
 
 use std::path::Path;
 use std::sync::Arc;

@@ -151,7 +151,7 @@ async fn a_job_has_a_span_in_the_trace_of_its_client() {
 #[cfg(feature = "otlp")]
 #[tokio::test]
 async fn a_collector_that_is_gone_or_takes_nothing_holds_no_job_and_no_stop() {
-    // One does not listen, the other one never answers.
+    // One collector does not listen, the other never answers.
     let silent = tokio::net::TcpListener::bind("127.0.0.1:0").await.unwrap();
     let gone = tokio::net::TcpListener::bind("127.0.0.1:0").await.unwrap().local_addr().unwrap();
     for address in [gone, silent.local_addr().unwrap()] {

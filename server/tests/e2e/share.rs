@@ -111,7 +111,7 @@ async fn neither_of_two_identities_slows_sees_or_stops_the_other_under_load() {
         let (address, job) = (address.clone(), endless[0].clone());
         floods.spawn(async move { flood(&address, &job, kind).await });
     }
-    // No job of the queue takes a turn, and every worker is taken: those of the other one run all the same.
+    // No job of the queue takes a turn, and every worker is taken: those of the other tenant run all the same.
     for number in 0..10 {
         let own = quiet.submit(&format!("q-{number}"), LATHE, "EVENTS 3").await.unwrap().job_id;
         assert_eq!(quiet.wait(&own).await.state(), v1::JobState::Succeeded);
@@ -196,7 +196,7 @@ async fn the_second_job_of_a_tenant_stands_while_another_tenant_needs_its_core()
             until_it(&noisy, &jobs[1], true).await;
         }
     }
-    // A job that stands ends as any other when somebody asks for it.
+    // A stopped job ends like any other on request.
     noisy.jobs().cancel_job(v1::CancelJobRequest { job_id: jobs[1].clone() }).await.unwrap();
     assert_eq!(noisy.wait(&jobs[1]).await.state(), v1::JobState::Cancelled);
 }

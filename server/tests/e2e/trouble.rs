@@ -261,7 +261,7 @@ async fn after_an_unclean_stop_suspects_run_one_at_a_time_and_innocents_are_not_
         jobs.push(job);
     }
     let other = server.submit("other", "EVENTS 3").await;
-    // Killed with three jobs running: nobody knows which one did it.
+    // Killed with three jobs running: the cause is unknown.
     let data = second.path().join("one");
     copy(first.path(), &data);
     server.stop().await;

@@ -113,7 +113,7 @@ async fn a_slow_watcher_gets_everything_and_slows_nobody() {
     server.stop().await;
 }
 
-/// Small messages that nobody reads pile up until the job ends; the connection must survive them.
+/// Unread small messages pile up until the job ends; the connection must survive them.
 #[tokio::test]
 async fn unread_progress_does_not_kill_the_connection() {
     let folder = tempfile::tempdir().unwrap();

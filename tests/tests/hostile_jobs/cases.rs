@@ -42,7 +42,7 @@ impl Case {
         Self { name, machine, programs, files: Vec::new(), operator: None, options: |_| {}, ends_with }
     }
 
-    /// Somebody answers its dialogs.
+    /// Whether an operator answers its dialogs.
     pub fn attended(mut self, operator: Arc<dyn Operator>) -> Self {
         self.operator = Some(operator);
         self.with_options(|options| options.attended = true)

@@ -26,7 +26,7 @@ const WATCHDOG: Duration = Duration::from_secs(10);
 /// Feeds results, keeps no event.
 struct Quiet {
     builder: ResultsBuilder,
-    /// As if somebody kept the log.
+    /// As if the log were kept.
     logged: bool,
 }
 
@@ -56,7 +56,7 @@ fn small() -> Limits {
     }
 }
 
-/// So large that nobody comes to them.
+/// So large that no job reaches them.
 fn large() -> Limits {
     Limits { memory: 128 << 20, block_length: 1 << 20, ..Limits::MOST }
 }
@@ -129,7 +129,7 @@ fn cancelled(case: Case, after: Duration, logged: bool) -> Option<Duration> {
     let (name, job) = (case.name, Arc::clone(&control));
     let thread = std::thread::spawn(move || {
         run(&case, large(), &job, logged);
-        // Nobody listens once the watchdog has given up.
+        // There is no listener once the watchdog has given up.
         let _ = ended.send(());
     });
     let early = end.recv_timeout(after).is_ok();

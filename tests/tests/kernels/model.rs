@@ -13,7 +13,7 @@ pub enum End {
     At(i64),
     /// Stopped by an alarm.
     Alarm,
-    /// It waits or polls for ever.
+    /// It waits or polls indefinitely.
     Never,
 }
 
@@ -35,11 +35,11 @@ struct Model {
     channels: Vec<Channel>,
     flags: BTreeMap<u32, Set>,
     ranks: Vec<u32>,
-    /// Signals of a sender to a receiver with a mark; sender 0: to everybody.
+    /// Signals of a sender to a receiver with a mark; sender 0: to all channels.
     signals: BTreeMap<(usize, usize, u32), u32>,
     leases: BTreeMap<u32, (Option<usize>, Vec<usize>)>,
     variables: Set,
-    /// When somebody did something for others last, and who.
+    /// The last time at which a channel acted for others, and that channel.
     last: Option<(i64, usize)>,
     /// Two channels did something for others at one instant: who came first is not for this model.
     tie: bool,
@@ -85,7 +85,7 @@ pub fn ends(programs: &[Vec<Step>]) -> Option<Vec<End>> {
 }
 
 impl Model {
-    /// The channel that is least far; none when nobody can change anything any more.
+    /// The channel that is furthest behind; none when no channel can change anything any more.
     fn next(&self) -> Option<usize> {
         let runs = |channel: &&Channel| !channel.ended && !channel.waits && !channel.stopped;
         let polls_in_vain = |channel: &Channel| matches!(channel.steps.get(channel.at), Some(Step::Poll(mark, _)) if !has(self.variables, *mark as usize));
@@ -159,13 +159,13 @@ impl Model {
         self.settle(t);
     }
 
-    /// Somebody does something that others may see.
+    /// A channel does something that others may see.
     fn touches(&mut self, own: usize, t: i64) {
         self.tie |= self.last.is_some_and(|(when, who)| when == t && who != own);
         self.last = Some((t, own));
     }
 
-    /// Lets channels go on until nobody can.
+    /// Lets channels continue until none can.
     fn settle(&mut self, t: i64) {
         loop {
             let free: Vec<usize> = (0..self.channels.len()).filter(|&own| self.is_free(own)).collect();

@@ -20,9 +20,9 @@ pub enum Step {
     Lower(u32),
     /// Waits until all others have reached this number.
     Rank(u32),
-    /// A signal to these channels, or to everybody.
+    /// A signal to these channels, or to all channels.
     Send(u32, Option<Set>),
-    /// Waits for a signal of each of these channels, or of anybody.
+    /// Waits for a signal of each of these channels, or of any channel.
     Take(u32, Option<Set>),
     Get(u32),
     Put(u32),

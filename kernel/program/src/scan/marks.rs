@@ -1,4 +1,4 @@
-//! Marks of optional skip, comments and messages of a line, for whoever looks at it as text.
+//! Marks of optional skip, comments and messages of a line, for readers of its text.
 //!
 //! Facts: reference control-emulator.md 5.5, 5.6. Invariant: a mark inside a comment or message has no effect.
 

@@ -39,7 +39,7 @@ fn the_critical_path_changes_the_channel_where_somebody_waited() {
 
 #[test]
 fn slack_is_what_a_channel_may_lose_anywhere() {
-    // Both channels are on the critical path; a third one meets nobody and ends 4 s before the job.
+    // Both channels are on the critical path; a third one meets no channel and ends 4 s before the job.
     let (mut ends, waits) = job();
     ends.push((3, 11 * S));
     assert_eq!(Analysis::of(&ends, &waits).slack, BTreeMap::from([(1, 0), (2, 0), (3, 4 * S)]));
@@ -55,7 +55,7 @@ fn a_flag_holds_up_who_waits_for_it_and_not_who_sets_it() {
     let found = Analysis::of(&[(1, 10 * S), (2, 6 * S)], &waits);
     assert_eq!(found.critical, [(2, 0, 4 * S), (1, 4 * S, 10 * S)]);
     assert_eq!(found.slack, BTreeMap::from([(1, 0), (2, 0)]));
-    // Set before it was waited for: who sets it has as much time as the other one has.
+    // Set before it was waited for: the setter has as much time as the waiting channel.
     let waits = [point("1", Primitive::Flag, (4, 2), &[(1, 4)])];
     let found = Analysis::of(&[(1, 10 * S), (2, 6 * S)], &waits);
     assert_eq!((found.critical, found.slack), (vec![(1, 0, 10 * S)], BTreeMap::from([(1, 0), (2, 0)])));

@@ -28,7 +28,7 @@ impl Coordinator {
         let mut inner = self.lock();
         last(&mut inner.order);
         inner.order.done(channel);
-        // Whoever continues because of this end does so in the log before the merger stops waiting for this channel.
+        // A kernel that continues because of this end does so in the log before the merger stops waiting for this channel.
         self.apply(&mut inner);
         inner.send(Message::Done(channel));
         if self.limited {
@@ -37,7 +37,7 @@ impl Coordinator {
         self.settle(&mut inner);
     }
 
-    /// Stops the job wherever it is (cancel, full log): whoever asked has cut the log.
+    /// Stops the job at any place (cancel, full log): the caller has cut the log.
     pub fn abort(&self) {
         let mut inner = self.lock();
         inner.order.stop(ABORT);

@@ -31,7 +31,7 @@ enum Op {
     At(Primitive, u32),
     /// The same, passed without a stop if all are there by then.
     Pass(Primitive, u32),
-    /// A wait for a signal that anybody sends to everybody.
+    /// A wait for a signal from any channel to all channels.
     Listen(u32),
     /// Something done for others.
     Do(Deed, u32),
@@ -145,7 +145,7 @@ fn kernel(core: &Coordinator, channel: u16, kernels: u16, script: &[Op]) {
                 let Ok(mut turn) = port.enter(tag, &mut (), |()| ()) else { break };
                 let after = turn.arrive_in_motion(waiting, own, &info()).0;
                 drop(turn);
-                // Whoever passes is in motion for a while.
+                // A kernel that passes is in motion for a while.
                 if let After::Go { t: go, .. } = after {
                     (t, micro) = (go + 1, 0);
                     continue;

@@ -14,7 +14,7 @@ use super::{Coordinator, Guard, Slot};
 /// apart now and then, so that its kernels no longer run at the same time.
 pub(super) const TURNS: u32 = if cfg!(all(test, feature = "shuttle")) { 2 } else { 1200 };
 
-/// The same, where there are more kernels than may run at once: whoever spins keeps another one from running.
+/// The same, if there are more kernels than may run at once: a spinning kernel keeps another kernel from running.
 pub(super) const FEW_TURNS: u32 = if cfg!(all(test, feature = "shuttle")) { 2 } else { 150 };
 
 /// Turns of the processor given away before a waiting thread is put to sleep.
@@ -36,7 +36,7 @@ impl Coordinator {
     pub(super) fn signal(&self, channel: u16) {
         let Some(slot) = self.slot(channel) else { return };
         if self.one_thread {
-            // Nobody spins, nor sleeps at the condition: the master runs whoever is awake.
+            // No kernel spins or sleeps at the condition: the master runs the kernels that are awake.
             slot.asleep.store(false, Relaxed);
             return;
         }
@@ -84,7 +84,7 @@ impl Coordinator {
         self.give_way(signalled);
     }
 
-    /// Gives the processor to whoever has work (the merger, most of all) for a while, until `over`, before the thread is put
+    /// Gives the processor to threads with work (most of all the merger) for a while, until `over`, before the thread is put
     /// to sleep. Where others want the processors too, a thread that gives way loses a whole time slice, and one that
     /// sleeps is woken at once: then it sleeps.
     fn give_way(&self, over: impl Fn() -> bool) {

@@ -20,7 +20,7 @@ pub enum Pause {
     Sleep,
     /// It needs an empty chunk, which the merger gives back.
     Chunk,
-    /// Somebody steps through the job and says who goes on.
+    /// An operator steps through the job and chooses the next kernel.
     Step,
 }
 
@@ -73,7 +73,8 @@ impl<'a> Port<'a> {
         self.core.wait(self.waiter(channel, state, flush, no_work::<S>))
     }
 
-    /// Arrives at a wait. `flush` sends the events so far, if nobody comes soon; `work` is done for a moment while this
+    /// Arrives at a wait. `flush` sends the events so far, if no partner arrives soon; `work` is done for a moment
+    /// while this
     /// thread waits.
     pub fn meet<S>(
         self,
@@ -97,7 +98,7 @@ impl<'a> Port<'a> {
         }
     }
 
-    /// Lets whoever steps through the job choose the kernel that goes on. `false`: there is no other one on this thread.
+    /// Lets the operator choose the next kernel. `false`: there is no other kernel on this thread.
     pub fn pause_for_step(self) -> bool {
         match self.switch {
             Switch::Thread => false,

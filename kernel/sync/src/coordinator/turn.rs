@@ -36,7 +36,7 @@ impl DerefMut for Turn<'_> {
 impl Drop for Turn<'_> {
     fn drop(&mut self) {
         self.inner.order.leave(self.channel);
-        // Nobody waits for the turn of the only kernel.
+        // No kernel waits for the turn of the only kernel.
         if !self.coordinator.is_single() || self.inner.order.has_effects() {
             self.coordinator.settle(&mut self.inner);
         }
@@ -165,7 +165,7 @@ impl Coordinator {
     }
 
     /// Does something that waits for what is outside of the job's order, which is the merger giving chunks back. Meanwhile a
-    /// running kernel acts at `tag` at the earliest, and whoever comes before that may continue, which is what lets the
+    /// running kernel acts at `tag` at the earliest, and kernels that come before that may continue, which is what lets the
     /// merger move on. A kernel that is parked or blocked already keeps its place.
     pub(super) fn away<R>(&self, tag: Tag, wait: impl FnOnce() -> R) -> R {
         let mut inner = self.lock();

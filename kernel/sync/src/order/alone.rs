@@ -6,7 +6,7 @@ use super::{Order, Status};
 use crate::tag::Tag;
 
 impl Order {
-    /// The turn of the only kernel that runs: nobody comes before it. `false`: the job was stopped before this tag.
+    /// The turn of the only kernel that runs: none comes before it. `false`: the job was stopped before this tag.
     pub fn take_turn(&mut self, tag: Tag) -> bool {
         if self.stop.is_some_and(|stop| stop < tag) {
             return false;

@@ -24,7 +24,7 @@ pub enum After {
     },
     /// It waits, with the verdict if no wait can end any more.
     Stand(Option<Verdict>),
-    /// The channel cannot arrive here, whatever the others do.
+    /// The channel cannot arrive here, regardless of the others.
     Illegal {
         /// Why.
         text: String,

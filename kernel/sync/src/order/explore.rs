@@ -1,5 +1,5 @@
-//! Every schedule of two and three kernels: whatever the threads do, operations happen in the order of their tags, the
-//! outcome is the same, and nobody sleeps for ever.
+//! Every schedule of two and three kernels: under any schedule operations happen in the order of their tags, the
+//! outcome is the same, and no kernel sleeps indefinitely.
 //!
 //! Kernels are short scripts. Publishing a bound, looking at the need for it, and each access of the coordinator to the
 //! bounds of others are steps of their own, as they are on real threads; what happens under the lock is one step.
@@ -28,7 +28,7 @@ enum Op {
     Pass(Primitive, u32),
     /// A kernel that has arrived in motion stops.
     Halt,
-    /// A wait for a signal with this number that anybody sends to everybody.
+    /// A wait for a signal with this number from any channel to all channels.
     Listen(u32),
     /// Something done for others, with this number.
     Do(Deed, u32),
@@ -143,7 +143,7 @@ impl World {
 
     /// Steps that can be taken now.
     fn choices(&self) -> Vec<usize> {
-        // Whoever holds the lock can always continue; the others only with what needs no lock.
+        // The holder of the lock can always continue; the others only with steps that need no lock.
         let mut choices: Vec<usize> = self.locked.map(|_| self.players.len()).into_iter().collect();
         choices.extend((0..self.players.len()).filter(|&index| {
             let player = &self.players[index];

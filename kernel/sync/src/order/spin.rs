@@ -1,10 +1,13 @@
 //! Channels in loops that only read what all of them share.
 //!
-//! Whoever changes something shared raises a counter. A pass that begins and ends at the same counter, and with the same
-//! state of its own channel, repeats for ever unless another channel changes something. A kernel in such a loop rests until
+//! Every change of shared data raises a counter. A pass that begins and ends at the same counter, and with the same
+//! state of its own channel, repeats indefinitely unless another channel changes something. A kernel in such a loop
+//! rests until
 //! another one changes something, waits or ends, and goes on at the begin of the first pass after that. *Invariants:* passes and
-//! changes come in tag order, so it depends on simulated time alone when a kernel rests, when it goes on, and when nobody is left
-//! to change anything; whoever rests has seen everything before its next pass. Facts: reference channel-synchronisation.md 2.4.
+//! changes come in tag order, so only simulated time decides when a kernel rests, when it continues, and when no
+//! kernel is left
+//! to change anything; a resting kernel has seen everything before its next pass. Facts: reference
+//! channel-synchronisation.md 2.4.
 
 use std::sync::Arc;
 
@@ -71,7 +74,7 @@ pub enum After {
     Pass(u64),
     /// Every pass is like this one until another channel does something: it waits for [`Wake::Roused`].
     Rest,
-    /// Every pass is like this one, and nobody is left to change that.
+    /// Every pass is like this one, and no channel is left to change that.
     Hopeless,
 }
 
@@ -205,7 +208,7 @@ mod tests {
         assert_eq!(roused(change, tag(3, 8 * TICK)), wake(4, 9 * TICK));
         assert_eq!(roused(change, Tag { micro: 1, ..tag(1, 8 * TICK) }), wake(4, 9 * TICK));
         assert_eq!(roused(change, tag(3, 5 * TICK)), wake(1, 6 * TICK));
-        // Whoever waits or ends may have been the last that could change something.
+        // A channel that waits or ends may have been the last that could change something.
         assert_eq!(roused(|order| order.block(3), tag(3, 7 * TICK)), wake(3, 8 * TICK));
         assert_eq!(roused(|order| order.done(1), tag(1, 7 * TICK)), wake(2, 7 * TICK));
         // Others have got beyond the passes before a stop, so none is carried out.

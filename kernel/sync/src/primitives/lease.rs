@@ -1,7 +1,7 @@
 //! Lease: an axis or a spindle belongs to one channel at a time; who asks first gets it first.
 //!
 //! A channel may also take what another one holds, or pass on what it holds itself. With an axis goes the place where its last
-//! holder has moved it. *Invariant:* a queue stands in the order of tags; what nobody holds has no queue once waits are settled.
+//! holder has moved it. *Invariant:* a queue is in the order of tags; a free lease has no queue once waits are settled.
 //! Facts: reference channel-synchronisation.md 1.4, 1.9, scenario M11.
 
 use std::collections::BTreeMap;
@@ -30,7 +30,7 @@ pub struct Moved {
     pub by: u16,
 }
 
-/// Leases that somebody holds or waits for.
+/// Leases that a channel holds or waits for.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Leases(BTreeMap<Key, Lease>);
 
@@ -79,12 +79,12 @@ impl Leases {
         Ok(())
     }
 
-    /// Takes it from whoever holds it, before all who ask for it.
+    /// Takes it from its holder, before all channels that request it.
     pub(super) fn take(&mut self, channel: u16, key: Key) {
         self.0.entry(key).or_default().holder = Some(channel);
     }
 
-    /// Passes on what the channel holds, or what nobody does.
+    /// Passes on a lease that the channel holds, or a free lease.
     pub(super) fn give(&mut self, channel: u16, key: Key, to: u16) -> Result<(), String> {
         let lease = self.0.entry(key).or_default();
         match lease.holder {

@@ -1,7 +1,8 @@
-//! Signal: each wait uses up one signal of each sender that it names, or one that any channel sent to everybody.
+//! Signal: each wait uses up one signal of each sender that it names, or one that any channel sent to all channels.
 //!
 //! A signal that comes before its wait is kept, for each receiver its own, with the values that were sent along. A signal to
-//! everybody may also be one for all: it can be used so many times by whoever comes, or it stays until it is removed. *Invariants:*
+//! all channels may also be one for all: any channels can use it a given number of times, or it stays until it is
+//! removed. *Invariants:*
 //! who waits for a signal that only some can use gets it in the order of arrival; what is kept stays within the limit of the
 //! control. Facts: reference channel-synchronisation.md 1.0 (starts by one head), 1.7.
 
@@ -11,7 +12,7 @@ use std::sync::Arc;
 use super::MOST;
 use crate::wait::{Key, Lasts, Marks, Missing, Send, Set, Wait};
 
-/// Sender of a signal to everybody.
+/// Sender of a signal to all channels.
 const ANYBODY: u16 = 0;
 
 /// Values that come with a signal, by their index.
@@ -35,7 +36,7 @@ struct Open {
     letter: Option<Letter>,
 }
 
-/// By mark, receiver and sender, or by mark alone: signals that nobody has used up yet.
+/// By mark, receiver and sender, or by mark alone: unused signals.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Signals {
     kept: BTreeMap<(Key, u16, u16), VecDeque<Kept>>,
@@ -67,7 +68,8 @@ fn senders(channel: u16, wait: &Wait, to_itself: bool) -> Set {
 }
 
 impl Signals {
-    /// Sends one to each of these channels, or one to everybody; `limit` is how many signals and waits the control can keep.
+    /// Sends one to each of these channels, or one to all channels; `limit` is the number of signals and waits that
+    /// the control can keep.
     pub(super) fn send(
         &mut self,
         channel: u16,
@@ -228,8 +230,8 @@ impl Signals {
         letter
     }
 
-    /// Removes signals that nobody has used: the oldest one, or all of a range of numbers; those of any sender to these channels,
-    /// or those to everybody.
+    /// Removes unused signals: the oldest one, or all of a range of numbers; those of any sender to these channels,
+    /// or those to all channels.
     pub(super) fn remove(&mut self, range: Marks, to: Option<Set>) {
         let Marks { space, first, last } = range;
         let keys = Key { space, number: first }..=Key { space, number: last };
@@ -254,7 +256,7 @@ impl Signals {
         let of_range = |key: &Key| key.space == range.space && (range.first..=range.last).contains(&key.number);
         let places: Vec<_> = self.kept.keys().filter(|place| of_range(&place.0) && wanted(place)).copied().collect();
         let first = |place| self.kept.get(place).and_then(VecDeque::front).map(|kept| kept.sent);
-        // A signal to everybody is one, though each receiver has its own.
+        // A signal to all channels counts as one, although each receiver has its own.
         let oldest = places.iter().filter_map(first).min().filter(|_| range.first == range.last);
         let mut removed = 0;
         for place in places {

@@ -51,7 +51,7 @@ fn standing(own: &Waiting, partner: u16, waits: &Waits) -> Option<String> {
     })
 }
 
-/// Where each of two channels whose waits do not match has the code at which the other one waits.
+/// The places where each of two channels with mismatched waits has the code at which the other channel waits.
 pub(super) fn of_pair(one: &Waiting, other: &Waiting, waits: &Waits, info: &Info) -> Vec<String> {
     if one.wait.key == other.wait.key {
         return Vec::new();
@@ -116,7 +116,7 @@ fn written_from(
     Some(format!("channel {partner} has '{text}'{side} in line {line}"))
 }
 
-/// A line has the mark of a wait, whatever its list of channels.
+/// Whether a line has the mark of a wait, with any list of channels.
 fn mentions(line: &str, rule: &Rule, wait: &Wait) -> bool {
     let text = plain(line, rule.style);
     let word = rule.signals.sent_by.as_ref().unwrap_or(&rule.word).to_ascii_uppercase();

@@ -40,7 +40,7 @@ impl Set {
         self.0.count_ones() as u16
     }
 
-    /// Nobody.
+    /// No channel.
     pub fn is_empty(self) -> bool {
         self.0 == 0
     }

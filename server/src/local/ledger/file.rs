@@ -26,7 +26,7 @@ pub(crate) struct LedgerFile {
 
 impl LedgerFile {
     /// Opens the file or creates an empty one. What is in it is made durable first: a server before this one, or a sync
-    /// that failed, may have left a transaction that nobody has been answered and that a loss of power would take back.
+    /// that failed, may have left an unanswered transaction that a loss of power would undo.
     pub(crate) fn open(disk: &Disk, path: &Path) -> io::Result<Self> {
         disk.step(Step::Create, path)?;
         let file = File::options().read(true).write(true).create(true).truncate(false).open(path)?;

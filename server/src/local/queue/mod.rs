@@ -64,7 +64,7 @@ impl LocalQueue {
         self.lines.entry(tenant.clone()).or_default()
     }
 
-    /// Drops a line that nobody needs.
+    /// Drops an unneeded line.
     fn tidy(&mut self, tenant: &Arc<str>) {
         if self.lines.get(tenant).is_some_and(|line| line.held == 0 && line.running == 0) {
             self.lines.remove(tenant);

@@ -220,7 +220,7 @@ fn a_tenant_beside_ten_thousand_jobs_of_another_has_its_share_of_the_starts() {
     assert!(quiet * 10 >= STARTS / 2 * 9, "{quiet} of {STARTS} starts");
 }
 
-/// Whatever happens, a job is in one place, and lines and the ring hold what the jobs say.
+/// A job is always in one place, and lines and the ring agree with the jobs.
 #[test]
 fn the_books_of_the_queue_agree_after_anything() {
     let begin = Instant::now();
