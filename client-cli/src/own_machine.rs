@@ -1,8 +1,7 @@
 //! `machine new`: a folder of one's own for a machine, thin over a shipped one.
 //!
 //! Invariants: the written files load without a finding and are the shipped machine until they are edited; nothing
-//! that exists is
-//! overwritten.
+//! that exists is overwritten.
 
 use std::fmt::Write as _;
 use std::fs;

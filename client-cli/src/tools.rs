@@ -1,9 +1,8 @@
 //! `--tools FILE`: tools, tool offsets and work offsets of one run.
 //!
-//! The rows become a machine that extends the one of the run. A TOML file has them as a machine definition has; a CSV file, as
-//! tool lists of CAM systems and spreadsheets are, has a line for each tool. Invariant: every error in a row is
-//! reported with
-//! the line of the user's file.
+//! The rows become a machine that extends the one of the run. A TOML file has them as a machine definition has; a CSV
+//! file, as tool lists of CAM systems and spreadsheets are, has a line for each tool. Invariant: every error in a row
+//! is reported with the line of the user's file.
 
 use std::fmt::Write as _;
 use std::fs;

@@ -45,8 +45,8 @@ impl Error {
         }
     }
 
-    /// Whether the same call may succeed later without intervention: the connection was lost, or the
-    /// server says UNAVAILABLE.
+    /// Whether the same call may succeed later without intervention: the connection was lost, or the server says
+    /// UNAVAILABLE.
     #[must_use]
     pub fn is_passing(&self) -> bool {
         match self {

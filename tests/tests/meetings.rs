@@ -1,7 +1,7 @@
 //! Many meetings: all channels of the largest machine, very many waits, and storms of them at one instant.
 //!
-//! *Invariant:* the memory of a run without a log does not grow with its meetings beyond their list,
-//! in which each has a place; scheduling changes nothing.
+//! *Invariant:* the memory of a run without a log does not grow with its meetings beyond their list, in which each has
+//! a place; scheduling changes nothing.
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 

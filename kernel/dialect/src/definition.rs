@@ -1,8 +1,7 @@
 //! What a dialect is to the rest of the kernel.
 //!
 //! Facts: reference control-emulator.md 5.4. *Invariant:* every difference between controls that comes from their
-//! pre-processors
-//! is asked here or done by the [`Interpreter`]; nothing outside this module compares pre-processors.
+//! pre-processors is asked here or done by the [`Interpreter`]; nothing outside this module compares pre-processors.
 
 use super::interpreter::{Interpreter, MacroCall};
 use super::outline::Reader;

@@ -62,8 +62,7 @@ impl Cone {
     }
 
     /// With a full opening angle: the way below half a turn if `short`, otherwise the other way. None if the cone is
-    /// too narrow
-    /// for its ends, or they are the same or opposite.
+    /// too narrow for its ends, or they are the same or opposite.
     pub fn opened(opening: f64, [start, end]: [[f64; 3]; 2], clockwise: bool, short: bool) -> Option<Self> {
         let (first, last) = (unit(start)?, unit(end)?);
         let across = first.cross(&last).try_normalize(NOISE)?;

@@ -1,7 +1,7 @@
 //! The sync points of a job: who arrived where and when, and when all continued.
 //!
-//! Joined from the waits of the channels on request. *Invariant:* satisfied waits
-//! come in order of their number, then those that never were in order of their first arrival; arrivals ascend by channel.
+//! Joined from the waits of the channels on request. *Invariant:* satisfied waits come in order of their number, then
+//! those that never were in order of their first arrival; arrivals ascend by channel.
 
 use std::sync::Arc;
 

@@ -322,8 +322,7 @@ impl Coordinator {
     }
 
     /// Sets the bounds of those that continue before the bounds of those that stand or end: otherwise a kernel that
-    /// looks at this very
-    /// moment would see no kernel that can still act.
+    /// looks at this very moment would see no kernel that can still act.
     fn set_bounds(&self, effects: &[Effect]) {
         let bound = |effect: &Effect| if let Effect::Bound(channel, t) = *effect { Some((channel, t)) } else { None };
         if self.one_thread {

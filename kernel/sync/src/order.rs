@@ -259,8 +259,7 @@ impl Order {
     }
 
     /// The next turn in order, or the end of all waits that no kernel is left to end. Gives the tag that cannot have
-    /// its turn
-    /// yet because running kernels may still act before it.
+    /// its turn yet because running kernels may still act before it.
     pub fn settle(&mut self) -> Option<Tag> {
         while self.acting.is_none() {
             let parked = |seat: &Seat| if let Status::Parked(tag) = seat.status { Some(tag) } else { None };

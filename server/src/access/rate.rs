@@ -1,8 +1,8 @@
 //! Calls per second of each identity: a bucket that fills at the rate and holds one second's worth.
 //!
-//! A call that finds no token takes the next free token and waits for it: callers that never pause are
-//! slowed down to the rate, and most of their calls are still answered. *Invariants:* one identity's calls never delay
-//! another's; an identity has no more than [`MOST_HELD`] calls waiting, none of them for longer than [`LONGEST`].
+//! A call that finds no token takes the next free token and waits for it: callers that never pause are slowed down to
+//! the rate, and most of their calls are still answered. *Invariants:* one identity's calls never delay another's; an
+//! identity has no more than [`MOST_HELD`] calls waiting, none of them for longer than [`LONGEST`].
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};

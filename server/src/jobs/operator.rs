@@ -1,8 +1,8 @@
 //! The desk of a job: dialogs that wait for the operator.
 //!
-//! Invariants: a question is answered once, by the first client; answers of an earlier run are
-//! answered again in the same order, so a job that is run again gives the same log; no question outlives the run, and
-//! none waits longer than the patience of the server.
+//! Invariants: a question is answered once, by the first client; answers of an earlier run are answered again in the
+//! same order, so a job that is run again gives the same log; no question outlives the run, and none waits longer than
+//! the patience of the server.
 
 use std::collections::{BTreeMap, HashMap, VecDeque};
 use std::sync::{Condvar, Mutex, PoisonError};

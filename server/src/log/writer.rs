@@ -1,9 +1,8 @@
 //! Writes the log of a running job.
 //!
-//! Records are gathered and written together: after 256 KiB, with the first call later than 10 ms after the last
-//! write (unless the log is small and unwatched), or a few ms after they arrived if a client watches. Invariant:
-//! readers learn of bytes only after they are in the
-//! file.
+//! Records are gathered and written together: after 256 KiB, with the first call later than 10 ms after the last write
+//! (unless the log is small and unwatched), or a few ms after they arrived if a client watches. Invariant: readers
+//! learn of bytes only after they are in the file.
 
 use std::fmt::Debug;
 use std::io;

@@ -1,8 +1,7 @@
 //! The tool goes back along its axis.
 //!
 //! *Invariant:* the path is that of the axes of the machine, regardless of the active frame. Facts: reference
-//! heidenhain-cycles.md 6
-//! (M140, MB of PLANE). Decisions: machines/heidenhain-milling/README.md.
+//! heidenhain-cycles.md 6 (M140, MB of PLANE). Decisions: machines/heidenhain-milling/README.md.
 
 use crate::act::Act;
 use crate::action::entry::Entry;

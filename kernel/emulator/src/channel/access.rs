@@ -1,8 +1,7 @@
 //! The door to everything that channels share besides waits: common and named variables, GLOBALs, spindles, files.
 //!
 //! *Invariant:* every access of a channel passes here, with what it reaches and whether it writes, so everything that
-//! concerns all
-//! accesses hangs here. Facts: reference channel-synchronisation.md 2.4.
+//! concerns all accesses hangs here. Facts: reference channel-synchronisation.md 2.4.
 
 use counterpoint_event::event::RaceWith;
 use counterpoint_fault::{self as diag, Acted, Facts, Halt};

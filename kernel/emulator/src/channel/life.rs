@@ -39,8 +39,7 @@ fn terminal(halt: Halt) -> (Terminal, Phase, State) {
 
 impl Kernel<'_> {
     /// Runs the channel until its program has ended and no channel can start it any more. `again` restarts it with
-    /// another file,
-    /// with (`true`) or without resetting modal state. Without a program it waits for a start.
+    /// another file, with (`true`) or without resetting modal state. Without a program it waits for a start.
     pub fn live(mut self, start: Option<(FileId, Range, Arc<str>)>, again: Option<bool>) -> Lived {
         self.ports.coordinator.begin(self.channel.at.channel);
         let mut ending = Ending { halt: Halt::ProgramEnd(None), ended: Some(self.tag()), idle: start.is_none() };

@@ -1,9 +1,8 @@
 //! Passes of loops: a pass that takes no time costs a tick, and one that only polls may be hopeless.
 //!
 //! A loop is known by its jump back. *Invariant:* time passes in every loop that takes none, regardless of the loops,
-//! calls or jumps
-//! lie inside it. A kernel whose passes are all alike rests; what it leaves out would have had no effect but time. Facts:
-//! reference channel-synchronisation.md (polling), control-emulator.md 5.7.
+//! calls or jumps lie inside it. A kernel whose passes are all alike rests; what it leaves out would have had no
+//! effect but time. Facts: reference channel-synchronisation.md (polling), control-emulator.md 5.7.
 
 use std::sync::Arc;
 

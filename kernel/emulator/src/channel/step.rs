@@ -1,5 +1,5 @@
-//! Places where an operator may stop a kernel: before a block, at a wait, after a write of a variable
-//! that channels share.
+//! Places where an operator may stop a kernel: before a block, at a wait, after a write of a variable that channels
+//! share.
 //!
 //! *Invariant:* nothing here changes the next action of the kernel, except a reset; a kernel without stepping never gets
 //! here.

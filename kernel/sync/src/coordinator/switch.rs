@@ -74,8 +74,7 @@ impl<'a> Port<'a> {
     }
 
     /// Arrives at a wait. `flush` sends the events so far, if no partner arrives soon; `work` is done for a moment
-    /// while this
-    /// thread waits.
+    /// while this thread waits.
     pub fn meet<S>(
         self,
         waiting: Waiting,
