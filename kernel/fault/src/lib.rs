@@ -188,6 +188,8 @@ diagnostics! {
     PECK_STEP 2900412 "peck-step-negative" 8 true "peck or shift of a turning cycle negative";
     CONTOUR_REPEATS 2900413 "contour-repeats" 8 true "number of repetitions of a contour zero or negative";
     CONTOUR_APPROACH 2900414 "contour-approach" 12 true "approach to a contour or retraction from it not possible";
+    TAP_SPEED 2900642 "rigid-tap-without-speed" 8 true "rigid tap without a speed";
+    NOSE_ANGLE 2900641 "nose-angle" 8 true "nose angle that the control does not have";
     THREAD_AMOUNTS 2900480 "thread-amounts" 8 true "allowance or smallest cut greater than the height of the thread";
     PROGRAM_TWICE 2900590 "program-twice" 4 false "program number twice in one file";
     SEPARATE_VARIABLE 2900481 "separate-variable" 4 false "variable that only another channel writes";

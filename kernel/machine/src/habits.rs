@@ -36,6 +36,16 @@ pub struct Habits {
     pub bare_sums: bool,
     /// A statement may follow a condition without THEN: `IF[#1EQ1.]G65P2`.
     pub bare_conditions: bool,
+    /// Largest number of a loop; none: that of the pre-processor.
+    pub loops: Option<u8>,
+    /// THEN takes one statement; otherwise a list of assignments too.
+    pub one_then: bool,
+    /// Sequence and program numbers are digits; otherwise they may be expressions.
+    pub digits_of_numbers: bool,
+    /// Angle of a rotation whose block has none.
+    pub rotation_angle: Option<f64>,
+    /// Factor of a scale whose block has none.
+    pub scale_factor: Option<f64>,
     /// A factor with a decimal point is the factor itself, for any unit.
     pub pointed_factors: bool,
     /// Of several words with one address in a block the last one counts; otherwise the others are unused words.
@@ -159,6 +169,11 @@ impl Default for Habits {
             rounded: false,
             bare_sums: false,
             bare_conditions: false,
+            loops: None,
+            one_then: false,
+            digits_of_numbers: false,
+            rotation_angle: None,
+            scale_factor: None,
             pointed_factors: false,
             last_of_address: false,
             full_angles: false,

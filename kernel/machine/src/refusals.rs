@@ -26,6 +26,8 @@ pub struct Refusal {
     pub all: u128,
     /// None of these registers is on the block, bit by register.
     pub without: u128,
+    /// None of these codes is on the block.
+    pub unless: Vec<Written>,
     /// One of these codes is active when the block begins, and the block makes no other of its group active.
     pub active: Vec<Active>,
     /// None of these codes is.
@@ -72,6 +74,8 @@ pub struct WordRule {
     pub min: f64,
     /// Largest value as written.
     pub max: f64,
+    /// It is refused where it is zero.
+    pub zero: bool,
     /// It is a whole number.
     pub whole: bool,
     /// It may be written with a decimal point.

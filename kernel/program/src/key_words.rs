@@ -28,6 +28,12 @@ pub struct Formulas {
     pub bare_conditions: bool,
     /// Angles of arc functions are from 0 to 360 degrees.
     pub full_angles: bool,
+    /// Largest number of a loop; none: 3.
+    pub loops: Option<u8>,
+    /// THEN takes one statement.
+    pub one_then: bool,
+    /// Sequence and program numbers are digits.
+    pub digits_of_numbers: bool,
 }
 
 /// What a machine has besides words of one letter.

@@ -6,7 +6,7 @@
 use counterpoint_fault as diag;
 use counterpoint_fault::{Acted, Halt};
 use counterpoint_machine::index::RegisterId;
-use counterpoint_machine::model::MacroWords;
+use counterpoint_machine::model::{MacroWords, Triples};
 use counterpoint_program::key_words::Number;
 
 use super::access::{Abandoned, eval};
@@ -38,7 +38,7 @@ pub(super) fn arguments(
     mut own: Option<(RegisterId, f64)>,
 ) -> Result<Arguments, Halt> {
     let mut read = Arguments::default();
-    let mut levels = [0_u8; 3];
+    let mut triples = Places::of(host.triples());
     let calls = |word: &TemplateWord| {
         let value = word.value.as_constant().copied().filter(|_| word.name == Name::Letter(b'G'));
         value.is_some_and(|value| with_arguments(value).is_some())
@@ -101,10 +101,7 @@ pub(super) fn arguments(
             b'P' if read.program.is_none() => read.program = Some(plain),
             b'L' => read.count = Some(plain),
             letter @ b'I'..=b'K' => {
-                let slot = letter - b'I';
-                let Some(level) = levels.get_mut(usize::from(slot)) else { continue };
-                read.values.push((4 + *level * 3 + slot, value));
-                *level = level.saturating_add(1).min(9);
+                read.values.push((triples.variable(letter - b'I'), value));
             }
             letter => match variable(letter) {
                 Some(variable) => read.values.push((variable, value)),
@@ -113,6 +110,46 @@ pub(super) fn arguments(
         }
     }
     Ok(read)
+}
+
+/// Where the next I, J or K of a call goes.
+struct Places {
+    rule: Triples,
+    /// Triple of the next value of each letter; with values in order that of all.
+    next: [u8; 3],
+    /// The letter before, 0 to 2.
+    last: Option<u8>,
+}
+
+impl Places {
+    /// Last of the ten triples.
+    const LAST: u8 = 9;
+
+    fn of(rule: Triples) -> Self {
+        Self { rule, next: [0; 3], last: None }
+    }
+
+    /// Local variable of a letter, 0 for I to 2 for K.
+    fn variable(&mut self, letter: u8) -> u8 {
+        let [first, ..] = self.next;
+        let triple = match self.rule {
+            Triples::First => 0,
+            Triples::InOrder if self.last.is_some_and(|last| letter <= last) => first.saturating_add(1),
+            Triples::InOrder => first,
+            Triples::ByLetter => self.next.get(usize::from(letter)).copied().unwrap_or(0),
+        };
+        let triple = triple.min(Self::LAST);
+        self.last = Some(letter);
+        match self.rule {
+            Triples::ByLetter => {
+                if let Some(next) = self.next.get_mut(usize::from(letter)) {
+                    *next = triple + 1;
+                }
+            }
+            _ => self.next = [triple; 3],
+        }
+        4 + triple * 3 + letter
+    }
 }
 
 /// Register that defines the number format of an argument: that of its letter, or of the axis that the letter continues.
@@ -173,4 +210,30 @@ fn variable(letter: u8) -> Option<u8> {
         b'Z' => 26,
         _ => return None,
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Places, Triples};
+
+    fn variables(rule: Triples, letters: &str) -> Vec<u8> {
+        let mut places = Places::of(rule);
+        letters.bytes().map(|letter| places.variable(letter - b'I')).collect()
+    }
+
+    #[test]
+    fn triples_are_filled_by_letter_in_order_or_once() {
+        for (letters, by_letter, in_order, first) in [
+            ("IJK", [4, 5, 6], [4, 5, 6], [4, 5, 6]),
+            ("KJI", [6, 5, 4], [6, 8, 10], [6, 5, 4]),
+            ("KIJ", [6, 4, 5], [6, 7, 8], [6, 4, 5]),
+            ("IIJ", [4, 7, 5], [4, 7, 8], [4, 4, 5]),
+            ("IKJ", [4, 6, 5], [4, 6, 8], [4, 6, 5]),
+        ] {
+            assert_eq!(variables(Triples::ByLetter, letters), by_letter, "{letters}");
+            assert_eq!(variables(Triples::InOrder, letters), in_order, "{letters}");
+            assert_eq!(variables(Triples::First, letters), first, "{letters}");
+        }
+        assert_eq!(variables(Triples::InOrder, "KKKKKKKKKKKK").last(), Some(&33));
+    }
 }

@@ -104,15 +104,21 @@ impl Parser<'_> {
         if self.depth > NESTING {
             return Err(self.error("less nesting"));
         }
+        let start = self.at;
         let inner = self.statement()?;
+        if self.names.formulas.one_then && matches!(&inner, Statement::Assign(list) if list.len() > 1) {
+            self.at = start;
+            return Err(self.error("one statement after THEN"));
+        }
         self.depth -= 1;
         Ok(Statement::IfThen(condition, Box::new(inner)))
     }
 
     fn loop_number(&mut self) -> Result<u8, Error> {
-        match self.unsigned() {
-            Some(n @ 1..=3) => Ok(n as u8),
-            _ => Err(self.error("a loop number 1, 2 or 3")),
+        let most = self.names.formulas.loops.unwrap_or(3);
+        match self.unsigned().map(u8::try_from) {
+            Some(Ok(number)) if (1..=most).contains(&number) => Ok(number),
+            _ => Err(self.error(&format!("a loop number from 1 to {most}"))),
         }
     }
 

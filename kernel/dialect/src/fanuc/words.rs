@@ -37,6 +37,11 @@ impl Parser<'_> {
                 None => return Err(self.error("a word")),
             };
             let written = self.written.take();
+            let is_number = matches!(name, Name::Letter(b'N' | b'O'));
+            if is_number && value.as_constant().is_none() && self.names.formulas.digits_of_numbers {
+                self.at = start;
+                return Err(self.error("digits after N and O"));
+            }
             words.push(TemplateWord { name, value, written, start: start as u32, end: self.at as u32 });
         }
         Ok(Statement::Words(words))

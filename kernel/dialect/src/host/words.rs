@@ -1,7 +1,7 @@
 //! Words of the machine: what they are called, how their numbers are written and read, and the block that is made of them.
 
 use counterpoint_machine::index::{CodeRowId, RegisterId};
-use counterpoint_machine::model::MacroWords;
+use counterpoint_machine::model::{MacroWords, Triples};
 use counterpoint_program::key_words::Number;
 
 /// A word that the interpreter made.
@@ -76,4 +76,7 @@ pub trait Words {
 
     /// Which words of a block are arguments of its macro call.
     fn macro_words(&self) -> MacroWords;
+
+    /// Which variables I, J and K of a macro call give values.
+    fn triples(&self) -> Triples;
 }

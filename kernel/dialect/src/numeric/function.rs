@@ -40,15 +40,18 @@ pub(crate) fn away(value: f64) -> f64 {
     if value < 0.0 { value.floor() } else { value.ceil() }
 }
 
-/// The number whose decimal digits are the groups of four bits.
-fn from_bcd(value: f64) -> f64 {
+/// The number whose decimal digits are the groups of four bits; none where a group is above nine.
+fn from_bcd(value: f64) -> Option<f64> {
     let (mut rest, mut out, mut weight) = (value.abs() as u64, 0.0, 1.0);
     while rest > 0 {
+        if rest & 15 > 9 {
+            return None;
+        }
         out += (rest & 15) as f64 * weight;
         weight *= 10.0;
         rest >>= 4;
     }
-    out.copysign(value)
+    Some(out.copysign(value))
 }
 
 /// The number whose groups of four bits are the decimal digits.
@@ -169,7 +172,7 @@ impl Function {
             Self::Fix => v.trunc(),
             Self::Fup => away(v),
             Self::Ceil => v.ceil(),
-            Self::Bin => from_bcd(v),
+            Self::Bin => from_bcd(v)?,
             Self::Bcd => to_bcd(v),
             Self::Neg => -v,
             Self::Square => v * v,
@@ -210,7 +213,8 @@ mod tests {
 
     #[test]
     fn decimals_in_bits() {
-        assert_eq!((to_bcd(25.0), from_bcd(37.0), from_bcd(-37.0)), (37.0, 25.0, -25.0));
+        assert_eq!((to_bcd(25.0), from_bcd(37.0), from_bcd(-37.0)), (37.0, Some(25.0), Some(-25.0)));
+        assert_eq!((from_bcd(26.0), from_bcd(25.0)), (None, Some(19.0)));
         assert_eq!((away(2.1), away(-2.1)), (3.0, -3.0));
     }
 

@@ -215,6 +215,8 @@ fn center(act: &mut Act<'_, '_>, ids: [DataId; 3], part: Part, change: Change) -
 fn rotation(act: &mut Act<'_, '_>, change: Change) -> Option<Programmed> {
     let angle = act.take(data::LCS_ROT_ANGLE).map(|datum| datum.value);
     let (about, turns) = (numbers(act, ABOUT), numbers(act, TURNS));
+    let bare = change == Change::On && about.iter().chain(&turns).all(Option::is_none);
+    let angle = angle.or_else(|| act.env.machine.habits.rotation_angle.filter(|_| bare));
     let center = center(act, ROTATION_CENTER, Part::Rotate, change);
     let scale = act.state.place.frames.as_deref().filter(|_| act.env.machine.habits.scaled_center);
     let scale = scale.and_then(|frames| frames.local.part(Part::Scale));
@@ -257,6 +259,8 @@ pub(super) fn normal(act: &Act<'_, '_>) -> Point {
 fn scale(act: &mut Act<'_, '_>, change: Change) -> Option<Programmed> {
     let all = act.take_factor(data::LCS_SCALE);
     let each = SCALES.map(|id| act.take_factor(id));
+    let bare = change == Change::On && each.iter().all(Option::is_none);
+    let all = all.or_else(|| act.env.machine.habits.scale_factor.filter(|_| bare));
     let center = center(act, SCALE_CENTER, Part::Scale, change);
     if all.is_none() && each.iter().all(Option::is_none) {
         return None;

@@ -7,6 +7,7 @@ use super::Kernel;
 use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
 use counterpoint_machine::Machine;
+use counterpoint_machine::ident::codes;
 use counterpoint_machine::index::{CodeRowId, RegisterId, Table};
 use counterpoint_machine::refusals::{Active, Refusal, WordRule, Written};
 use counterpoint_machine::rows::CodeRow;
@@ -22,9 +23,14 @@ pub(crate) struct Refusals {
     free: Table<RegisterId, u64>,
     /// Those registers, bit by register.
     registers: u128,
+    /// Rules that count while taps are rigid only, bit by rule: most of them look at every move.
+    rigid: u64,
     /// What each of the first 63 rules wants of the words of a block.
     words: Vec<Words>,
 }
+
+/// A value below this is zero.
+const NOTHING: f64 = 0.000_1;
 
 /// Stands among the registers of a block for a rule that looks for none; no register has this bit.
 const ANY_BLOCK: u128 = 1 << 127;
@@ -76,7 +82,10 @@ impl Refusals {
             free.entries().filter(|(_, rules)| **rules != 0).fold(0, |bits, (register, _)| bits | register.bit());
         let rows = machine.codes.map(|_, row| looks(row));
         let words = machine.diagnostics.refusals.iter().take(63).map(Words::of).collect();
-        Some(Box::new(Self { rows, free, registers, words }))
+        let while_rigid =
+            |rule: &Refusal| !rule.active.is_empty() && rule.active.iter().all(|state| state.id == codes::RIGID_ON);
+        let rigid = rules(&while_rigid) & !bit(63);
+        Some(Box::new(Self { rows, free, registers, rigid, words }))
     }
 
     /// Registers of the block, bit by register, and the rules without codes that look for them.
@@ -125,9 +134,11 @@ impl Kernel<'_> {
         let Some(refusals) = self.plan.rules.refusals.as_deref() else { return Ok(()) };
         let looked = |pending: &PendingCode| refusals.rows[pending.row];
         let rules = self.channel.block.pending.iter().fold(0, |bits, pending| bits | looked(pending));
+        let asleep = if self.channel.state.cycle.rigid == 0.0 { refusals.rigid } else { 0 };
+        let rules = rules & !asleep;
         if rules != 0 || self.channel.block.present & refusals.registers != 0 {
             let (words, free) = refusals.looked_for(&self.channel.block);
-            let rules = refusals.fitting(rules | free, words);
+            let rules = refusals.fitting((rules | free) & !asleep, words);
             if rules != 0 {
                 return self.refused(rules, words);
             }
@@ -217,6 +228,10 @@ impl Kernel<'_> {
         if trigger.is_none() && !rule.codes.is_empty() {
             return false;
         }
+        let mut written = self.channel.block.pending.iter().filter(|pending| !pending.modal);
+        if !rule.unless.is_empty() && written.any(|pending| rule.unless.iter().any(|c| self.is_written(c, pending))) {
+            return false;
+        }
         let on = |state: &Active| self.is_on(state, trigger);
         (rule.active.is_empty() || rule.active.iter().any(on)) && !rule.inactive.iter().any(on)
     }
@@ -229,6 +244,7 @@ impl Kernel<'_> {
             count += 1;
             let value = word.value;
             wrong |= value < rule.min || value > rule.max || rule.whole && value.fract() != 0.0;
+            wrong |= rule.zero && value.abs() < NOTHING;
             wrong |= !rule.pointed && self.is_written_with_point((word.start, word.end));
         }
         wrong || rule.most.is_some_and(|most| count > usize::from(most))

@@ -21,6 +21,7 @@ pub(crate) mod group {
     pub(crate) const COOLANT: u16 = 54;
     pub(crate) const COOLANT_SIDE: u16 = 540;
     pub(crate) const SPINDLES: u16 = 67;
+    pub(crate) const RIGID: u16 = 101;
     pub(crate) const HEAD: u16 = 68;
     pub(crate) const DIAMETER_X: u16 = 109;
 }

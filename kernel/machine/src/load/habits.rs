@@ -47,6 +47,13 @@ pub(super) fn read(top: &mut Section<'_>, preprocessor: Preprocessor) -> (Habits
     habits.bare_sums = section.choice("sums", &sums).unwrap_or(habits.bare_sums);
     let conditions = [("then", false), ("bare", true)];
     habits.bare_conditions = section.choice("conditions", &conditions).unwrap_or(habits.bare_conditions);
+    habits.loops = section.integer("loops", 1..=127).map(|loops| loops as u8);
+    let statements = [("several", false), ("one", true)];
+    habits.one_then = section.choice("then", &statements).unwrap_or(habits.one_then);
+    let numbers = [("values", false), ("digits", true)];
+    habits.digits_of_numbers = section.choice("sequence_numbers", &numbers).unwrap_or(habits.digits_of_numbers);
+    habits.rotation_angle = section.number("rotation_angle");
+    habits.scale_factor = section.above_zero("scale_factor");
     let factors = [("as-written", false), ("factor", true)];
     habits.pointed_factors = section.choice("factor_with_point", &factors).unwrap_or(habits.pointed_factors);
     let words = [("error", false), ("last", true)];

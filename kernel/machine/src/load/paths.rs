@@ -75,6 +75,7 @@ pub(super) fn threads(top: &mut Section<'_>) -> Threads {
         finish_cuts: 0,
         finish: 0.0,
         nose: 60.0,
+        noses: 0,
         chamfer: false,
         chamfer_length: 0.0,
         chamfer_angle: 45.0,
@@ -89,6 +90,7 @@ pub(super) fn threads(top: &mut Section<'_>) -> Threads {
     threads.finish_cuts = section.integer("finish_cuts", 0..=99).map_or(threads.finish_cuts, |cuts| cuts as u16);
     threads.finish = section.at_least_zero("finish").unwrap_or(threads.finish);
     threads.nose = angle(&mut section, "nose", 0.0, WIDEST).unwrap_or(threads.nose);
+    threads.noses = noses(&mut section);
     threads.chamfer = section.flag("chamfer").unwrap_or(threads.chamfer);
     threads.chamfer_length = section.at_least_zero("chamfer_length").unwrap_or(threads.chamfer_length);
     threads.chamfer_angle = angle(&mut section, "chamfer_angle", 10.0, 80.0).unwrap_or(threads.chamfer_angle);
@@ -103,4 +105,14 @@ fn angle(section: &mut Section<'_>, key: &'static str, least: f64, most: f64) ->
     }
     section.error(key, format!("`{key}` is an angle of {least} to {most} degrees"));
     None
+}
+
+/// Angles in whole degrees, bit by degree.
+fn noses(section: &mut Section<'_>) -> u128 {
+    let angles = section.numbers("noses", 0..=99).unwrap_or_default();
+    if angles.iter().any(|angle| angle.fract() != 0.0 || !(0.0..=120.0).contains(angle)) {
+        section.error("noses", "`noses` are whole degrees from 0 to 120");
+        return 0;
+    }
+    angles.into_iter().fold(0, |bits, angle| bits | 1 << angle as u32)
 }

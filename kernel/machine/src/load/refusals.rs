@@ -14,9 +14,9 @@ use crate::toml::section::Section;
 const MOST: usize = 1000;
 
 /// Keys of a row that is switched off: it only takes away that of the family.
-const KEYS: [&str; 16] = [
+const KEYS: [&str; 18] = [
     "alarm", "name", "text", "codes", "implied", "with", "all", "without", "active", "inactive", "register", "min",
-    "max", "whole", "point", "most",
+    "max", "whole", "point", "most", "zero", "unless",
 ];
 
 /// Reads the rows in file order.
@@ -50,8 +50,10 @@ fn read_row(row: &mut Section<'_>, names: &Names<'_>, codes: &[CodeRow]) -> Opti
     let alarm = row.name("alarm", 32).map(str::to_owned);
     let name = row.name("name", 80).map(str::to_owned).or_else(|| alarm.clone());
     let text = row.name("text", 200).map(str::to_owned);
-    let on = row.texts("codes").unwrap_or_default();
-    let on: Vec<Written> = on.into_iter().filter_map(|(name, place)| written(name, place, row, names)).collect();
+    let [on, unless] = ["codes", "unless"].map(|key| {
+        let listed = row.texts(key).unwrap_or_default();
+        listed.into_iter().filter_map(|(name, place)| written(name, place, row, names)).collect::<Vec<_>>()
+    });
     let implied = row.flag("implied").unwrap_or(false);
     let [with, all, without] = ["with", "all", "without"].map(|key| {
         let listed = row.texts(key).unwrap_or_default();
@@ -81,6 +83,7 @@ fn read_row(row: &mut Section<'_>, names: &Names<'_>, codes: &[CodeRow]) -> Opti
         with,
         all,
         without,
+        unless,
         active,
         inactive,
         word,
@@ -128,16 +131,20 @@ fn word_rule(row: &mut Section<'_>, names: &Names<'_>) -> Option<WordRule> {
     let whole = row.flag("whole").unwrap_or(false);
     let pointed = row.flag("point").unwrap_or(true);
     let most = row.integer("most", 1..=99).map(|most| most as u8);
-    let says = min.is_some() || max.is_some() || whole || !pointed || most.is_some();
+    let zero = row.flag("zero").unwrap_or(false);
+    let says = zero || min.is_some() || max.is_some() || whole || !pointed || most.is_some();
     match (name.is_some(), says) {
-        (true, false) => row.error("register", "`register` needs `min`, `max`, `whole`, `point` or `most`"),
-        (false, true) => row.error("register", "`min`, `max`, `whole`, `point` and `most` are about a `register`"),
+        (true, false) => row.error("register", "`register` needs `min`, `max`, `zero`, `whole`, `point` or `most`"),
+        (false, true) => {
+            row.error("register", "`min`, `max`, `zero`, `whole`, `point` and `most` are about a `register`")
+        }
         _ => {}
     }
     Some(WordRule {
         register: register?,
         min: min.unwrap_or(f64::NEG_INFINITY),
         max: max.unwrap_or(f64::INFINITY),
+        zero,
         whole,
         pointed,
         most,

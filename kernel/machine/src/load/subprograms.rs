@@ -3,7 +3,7 @@
 //! Invariant: an extension is a plain file extension. Facts: reference control-emulator.md 5.7.
 
 use super::calls::{self, Around};
-use crate::model::{CallForm, CallLevels, MacroWords, MainReturn, NestedCalls, Placement, Subprograms};
+use crate::model::{CallForm, CallLevels, MacroWords, MainReturn, NestedCalls, Placement, Subprograms, Triples};
 use crate::toml::section::Section;
 
 /// Reads the section.
@@ -19,6 +19,7 @@ pub(super) fn read(top: &mut Section<'_>, around: &Around<'_>) -> Subprograms {
         nested: NestedCalls::OtherKind,
         levels: CallLevels::default(),
         macro_words: MacroWords::Anywhere,
+        ijk: Triples::ByLetter,
     };
     let Some(mut section) = top.table("subprograms", "[subprograms]") else { return subprograms };
     let placements =
@@ -49,6 +50,8 @@ pub(super) fn read(top: &mut Section<'_>, around: &Around<'_>) -> Subprograms {
     let words =
         [("anywhere", MacroWords::Anywhere), ("behind", MacroWords::Behind), ("act-before", MacroWords::ActBefore)];
     subprograms.macro_words = section.choice("macro_words", &words).unwrap_or(MacroWords::Anywhere);
+    let triples = [("by-letter", Triples::ByLetter), ("in-order", Triples::InOrder), ("first", Triples::First)];
+    subprograms.ijk = section.choice("ijk", &triples).unwrap_or(Triples::ByLetter);
     subprograms.calls = calls::read(&mut section, around);
     section.finish();
     subprograms

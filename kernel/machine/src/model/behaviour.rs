@@ -25,6 +25,19 @@ pub struct Subprograms {
     pub levels: CallLevels,
     /// Which words of a block are arguments of its macro call.
     pub macro_words: MacroWords,
+    /// Which variables I, J and K of a call give values.
+    pub ijk: Triples,
+}
+
+/// Which variables I, J and K of a macro call give values.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Triples {
+    /// The n-th I, J or K is in the n-th triple.
+    ByLetter,
+    /// Each triple has I, J, K in this order: a letter that is not after the one before it begins the next triple.
+    InOrder,
+    /// All are in the first triple: the last one of a letter counts.
+    First,
 }
 
 /// Which words of a block are arguments of its macro call (G65, G66, G66.1).

@@ -84,6 +84,8 @@ pub struct Threads {
     pub finish: f64,
     /// Angle of the nose, degrees.
     pub nose: f64,
+    /// Angles that the word of a cycle may give, bit by degree; 0: any.
+    pub noses: u128,
     /// Threads end in a chamfer.
     pub chamfer: bool,
     /// Its length along the thread, 0 = by the lead.

@@ -257,6 +257,7 @@ fn subprograms(machine: &Machine) -> Value {
             "all": subprograms.levels.all,
         },
         "macro_words": word(subprograms.macro_words),
+        "ijk": word(subprograms.ijk),
         "calls": subprograms.calls.iter().map(|call| super::text::word_call(machine, call)).collect::<Vec<_>>(),
     })
 }
@@ -365,6 +366,7 @@ fn threads(machine: &Machine) -> Value {
         "finish_cuts": threads.finish_cuts,
         "finish": threads.finish,
         "nose": threads.nose,
+        "noses": (0..=120).filter(|degree| threads.noses >> degree & 1 != 0).collect::<Vec<u32>>(),
         "chamfer": threads.chamfer,
         "chamfer_length": threads.chamfer_length,
         "chamfer_angle": threads.chamfer_angle,

@@ -91,8 +91,16 @@ pub(super) fn on(act: &mut Act<'_, '_>, row: &CodeRow, code: &PendingCode) -> Ac
 
 /// Cancels the cycle.
 pub(super) fn off(act: &mut Act<'_, '_>) -> Acted {
-    act.state.cycle.end();
+    end(act);
     super::mode::mode(act, "cycle off")
+}
+
+/// The cycle is over, and with it the taps that a code has made rigid.
+fn end(act: &mut Act<'_, '_>) {
+    act.state.cycle.end();
+    if act.state.modal.code(group::RIGID) == Some(codes::RIGID_ON) {
+        act.state.modal.activate(group::RIGID, codes::RIGID_OFF, None);
+    }
 }
 
 /// Rigid tapping on or off.
@@ -113,7 +121,7 @@ pub(super) fn meets_motion(act: &mut Act<'_, '_>) -> Acted {
         not_cancelled(act);
     }
     if act.env.machine.cycles.motion_cancels {
-        act.state.cycle.end();
+        end(act);
         let off = act.state.cycle.off;
         act.state.modal.activate(group::CYCLE, codes::CYCLE_OFF, off);
         act.emit(0, EventKind::mode("cycle off"));
@@ -155,6 +163,11 @@ fn holes(act: &mut Act<'_, '_>, kind: HoleCycle, words: &words::Words) -> Acted 
     }
     let from = act.programmed();
     act.check_feed(act.state.cycle.rates.feed.0)?;
+    let marked = kind.is_rigid() && act.state.cycle.rigid == 2.0;
+    if marked && act.state.spindle.id.is_some() && act.spindle_speed()?.is_none() {
+        let text = format!("the speed of a rigid tap is zero or not programmed in '{}'", act.block_text());
+        return Err(act.alarm(&diag::TAP_SPEED, text));
+    }
     let Some(mut hole) = heights(act, kind, words) else { return Ok(()) };
     for pass in 0..words.times {
         if pass > 0 {

@@ -4,7 +4,7 @@ use crate::channel::Kernel;
 use counterpoint_dialect::{MadeWord, Words};
 use counterpoint_event::info::Unit;
 use counterpoint_machine::index::{CodeRowId, RegisterId};
-use counterpoint_machine::model::MacroWords;
+use counterpoint_machine::model::{MacroWords, Triples};
 use counterpoint_machine::number::written;
 use counterpoint_program::block::{Word, irregular};
 use counterpoint_program::key_words::Number;
@@ -122,5 +122,9 @@ impl Words for Kernel<'_> {
 
     fn macro_words(&self) -> MacroWords {
         self.channel.env.machine.subprograms.macro_words
+    }
+
+    fn triples(&self) -> Triples {
+        self.channel.env.machine.subprograms.ijk
     }
 }

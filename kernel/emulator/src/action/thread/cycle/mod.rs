@@ -112,8 +112,7 @@ fn single(act: &mut Act<'_, '_>, kind: ThreadCycle, axes: [AxisSlot; 2]) -> Acte
 /// All passes of a thread.
 fn multi(act: &mut Act<'_, '_>, kind: ThreadCycle, axes: [AxisSlot; 2]) -> Acted {
     if act.env.machine.threads.two_lines && !words::positioned(act) {
-        words::settings(act, kind);
-        return Ok(());
+        return words::settings(act, kind);
     }
     act.state.threads.cycle.begin();
     let start = words::points(act, [data::THREAD_MULTI_START_X, data::THREAD_MULTI_START_Z], false);
@@ -121,11 +120,11 @@ fn multi(act: &mut Act<'_, '_>, kind: ThreadCycle, axes: [AxisSlot; 2]) -> Acted
     let offset = words::values(act, [data::THREAD_MULTI_OFFSET_X, data::THREAD_MULTI_OFFSET_Z]);
     let across = if kind.face { data::THREAD_MULTI_TAPER_Z } else { data::THREAD_MULTI_TAPER_X };
     let taper = act.take(across).map_or(0.0, |datum| datum.value);
-    words::amounts(act, kind);
+    words::amounts(act, kind)?;
     let starts = Some(data::THREAD_MULTI_STARTS);
     let screw = words::screw(act, data::THREAD_MULTI_PITCH, data::THREAD_MULTI_PITCH_VAR, axes[0], starts);
     if !act.env.machine.threads.two_lines {
-        words::packed(act);
+        words::packed(act)?;
     }
     words::chamfer(act);
     if end == [None; 2] && start == [None; 2] {

@@ -9,6 +9,7 @@ use crate::action::thread::Screw;
 use crate::state::modal::group;
 use counterpoint_event::event::Position;
 use counterpoint_fault as diag;
+use counterpoint_fault::Acted;
 use counterpoint_machine::ident::{DataId, codes, data};
 use counterpoint_machine::index::{AxisSlot, BySlot};
 
@@ -70,7 +71,7 @@ fn take_within(act: &mut Act<'_, '_>, id: DataId, least: f64, most: f64) -> Opti
 }
 
 /// What lasts from cycle to cycle: the first of two lines.
-pub(super) fn settings(act: &mut Act<'_, '_>, kind: ThreadCycle) {
+pub(super) fn settings(act: &mut Act<'_, '_>, kind: ThreadCycle) -> Acted {
     let finish = if kind.face { data::THREAD_MULTI_FINISH_Z } else { data::THREAD_MULTI_FINISH_X };
     if let Some(finish) = act.take(finish) {
         act.state.threads.cycle.finish = finish.value.abs();
@@ -81,23 +82,26 @@ pub(super) fn settings(act: &mut Act<'_, '_>, kind: ThreadCycle) {
     if let Some(cuts) = take_within(act, data::THREAD_MULTI_CUTS_FINISH, 0.0, 99.0) {
         act.state.threads.cycle.finish_cuts = cuts.trunc();
     }
-    packed(act);
-    angles(act);
+    packed(act)?;
+    angles(act)?;
     chamfer(act);
+    Ok(())
 }
 
 /// Nose angle and infeed.
-fn angles(act: &mut Act<'_, '_>) {
+fn angles(act: &mut Act<'_, '_>) -> Acted {
     if let Some(angle) = take_within(act, data::THREAD_MULTI_ANGLE, 0.0, 170.0) {
+        check_nose(act, angle)?;
         act.state.threads.cycle.nose = angle;
     }
     if let Some(mode) = take_within(act, data::THREAD_MULTI_INFEED, 0.0, 4.0) {
         act.state.threads.cycle.mode = mode as u8;
     }
+    Ok(())
 }
 
 /// Depth, steps and passes.
-pub(super) fn amounts(act: &mut Act<'_, '_>, kind: ThreadCycle) {
+pub(super) fn amounts(act: &mut Act<'_, '_>, kind: ThreadCycle) -> Acted {
     let one_line = !act.env.machine.threads.two_lines;
     let finish = if kind.face { data::THREAD_MULTI_FINISH_Z } else { data::THREAD_MULTI_FINISH_X };
     if one_line && let Some(finish) = act.take(finish) {
@@ -122,19 +126,32 @@ pub(super) fn amounts(act: &mut Act<'_, '_>, kind: ThreadCycle) {
     if one_line && let Some(cuts) = take_within(act, data::THREAD_MULTI_CUTS_FINISH, 0.0, 99.0) {
         act.state.threads.cycle.finish_cuts = cuts.trunc();
     }
-    angles(act);
+    angles(act)
 }
 
 /// The packed word: two digits each of finishing passes, chamfer in tenths of the lead, nose angle.
-pub(super) fn packed(act: &mut Act<'_, '_>) {
-    let Some(word) = take_within(act, data::THREAD_MULTI_PWORD, 0.0, 999_999.0) else { return };
+pub(super) fn packed(act: &mut Act<'_, '_>) -> Acted {
+    let Some(word) = take_within(act, data::THREAD_MULTI_PWORD, 0.0, 999_999.0) else { return Ok(()) };
     let word = word as u32;
+    check_nose(act, f64::from(word % 100))?;
     let cycle = &mut act.state.threads.cycle;
     cycle.finish_cuts = f64::from(word / 10_000);
     let tenths = word / 100 % 100;
     cycle.pull_out.on = tenths > 0;
     cycle.pull_out.leads = (tenths > 0).then(|| f64::from(tenths) / 10.0);
     cycle.nose = f64::from(word % 100);
+    Ok(())
+}
+
+/// The control has an angle of the nose.
+fn check_nose(act: &mut Act<'_, '_>, angle: f64) -> Acted {
+    let noses = act.env.machine.threads.noses;
+    if noses == 0 || angle.fract() == 0.0 && noses >> (angle as u32).min(127) & 1 != 0 {
+        return Ok(());
+    }
+    let listed: Vec<String> = (0..=120).filter(|degree| noses >> degree & 1 != 0).map(|d: u32| d.to_string()).collect();
+    let text = format!("nose angle {angle} in '{}'; the control has {}", act.block_text(), listed.join(", "));
+    Err(act.alarm(&diag::NOSE_ANGLE, text))
 }
 
 /// Length and angle of the chamfer; a length of nothing is none.
