@@ -1,4 +1,4 @@
-//! `admin`: what a server is busy with, and what it is asked to do about itself.
+//! `admin`: the activity of a server, and commands for its maintenance.
 
 use counterpoint_proto::v1;
 

@@ -1,4 +1,4 @@
-//! `counterpoint analyse`: what decides the cycle time of a job, from its summary.
+//! `counterpoint analyse`: the causes of the cycle time of a job, from its summary.
 
 use std::fmt::Write as _;
 use std::path::Path;

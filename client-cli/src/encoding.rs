@@ -52,7 +52,7 @@ impl FromStr for Encoding {
 }
 
 impl Encoding {
-    /// A text in UTF-8; none if it has bytes that are no character of the code page.
+    /// A text in UTF-8; none if it has bytes that the code page does not have.
     pub(crate) fn decode(self, bytes: &[u8]) -> Option<String> {
         match self {
             Self::Known(encoding) => {

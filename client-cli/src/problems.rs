@@ -1,4 +1,4 @@
-//! What went wrong, for the report: causes before consequences, each once, with place, block and remedy.
+//! The problems of a job, for the report: causes before consequences, each once, with place, block and remedy.
 //!
 //! Errors are listed in the order in which they occurred, so a cause comes before its consequences: those that led to the
 //! verdict, the verdict, then later verdicts and errors. Warnings and notes follow. *Invariant:* a diagnostic that repeats

@@ -1,4 +1,4 @@
-//! Words for the severities of diagnostics. *Invariant:* the bounds stand here alone.
+//! Words for the severities of diagnostics. *Invariant:* only this module has the bounds.
 
 use anstyle::Style;
 

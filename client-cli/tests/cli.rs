@@ -914,7 +914,7 @@ fields = [
     }
 }
 
-/// Files that are no programs in UTF-8: UTF-16 without a mark in both orders, a code page by name, and a warning otherwise.
+/// Files that are not programs in UTF-8: UTF-16 without a mark in both orders, a code page by name, and a warning otherwise.
 #[test]
 fn programs_are_read_in_their_encoding() {
     let folder = tempfile::tempdir().unwrap();

@@ -1,4 +1,4 @@
-//! What can be done with a server.
+//! The calls of a server.
 
 use std::future::Future;
 

@@ -1,4 +1,4 @@
-//! Where the server is and who calls.
+//! The address of the server and the identity of the caller.
 //!
 //! *Invariant:* a token is never shown, not even for debugging.
 

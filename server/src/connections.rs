@@ -1,4 +1,4 @@
-//! Connections under way: who is connected since when, with how many calls.
+//! Open connections: their callers, their start, and their calls.
 //!
 //! *Invariant:* a connection is listed exactly as long as its [`Connection`] lives, a call counts until its [`Call`] is dropped.
 

@@ -1,4 +1,4 @@
-//! Examines a data folder without a server: every damage with its place and what to do.
+//! Examines a data folder without a server: every damage with its place and remedy.
 //!
 //! Invariant: without `repair` nothing in the folder changes; a repair removes only unreadable or unusable data.
 

@@ -1,4 +1,4 @@
-//! What the server needs of the machine that it runs on.
+//! The requirements of the server to its host.
 //!
 //! Invariant: [`Host`] is about this machine alone; what other machines must know is in ledger, queue, logs and blobs.
 

@@ -1,4 +1,4 @@
-//! Tells systemd how the server is: ready, alive, stopping (`Type=notify`).
+//! Reports the state of the server to systemd: ready, alive, stopping (`Type=notify`).
 //!
 //! *Invariant:* without `NOTIFY_SOCKET` nothing is sent and nothing fails. Source: sd_notify(3).
 

@@ -1,4 +1,4 @@
-//! The seam between the server and what runs a job.
+//! The seam between the server and the runner of a job.
 //!
 //! The server needs two steps: prepare (fast, may refuse with findings) and run. Invariant: the same record and the
 //! same files give the same [`Info`] and the same events, so a run may be repeated and results made again later.

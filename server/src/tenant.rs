@@ -1,4 +1,4 @@
-//! Tenants: who owns jobs, machines and files. No tenant sees data of another tenant.
+//! Tenants: the owners of jobs, machines and files. No tenant sees data of another tenant.
 //!
 //! Invariant: the name of a tenant can be part of a file name on every system, and no two differ in case only.
 

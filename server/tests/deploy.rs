@@ -1,4 +1,4 @@
-//! What is in `deploy/`: every file is read as its tool would read it, and every name in it exists.
+//! The content of `deploy/`: every file is read as its tool would read it, and every name in it exists.
 
 #![allow(missing_docs, clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::indexing_slicing)]
 

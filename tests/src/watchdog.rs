@@ -1,4 +1,4 @@
-//! Watches a job that runs in a test: a job that stands still fails the test instead of hanging it.
+//! Watches a job that runs in a test: a stalled job fails the test instead of hanging it.
 //!
 //! Invariant: a job that makes progress, or works without making any that can be seen, is left alone. A job stands still
 //! when for two seconds no channel changed its place, its time or its state, and the process used next to no processor

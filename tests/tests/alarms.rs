@@ -245,7 +245,7 @@ fn fault(case: &Case) -> Option<String> {
         Some(one) if one.line == line => {
             let titled = counterpoint_kernel::diag::ALL.iter().any(|f| f.number == number && f.title.contains(alarm));
             let spoken = one.text.contains(alarm) || titled || FREE.contains(&alarm);
-            // What is done instead where the channel goes on is not done here.
+            // The actions of a channel that continues do not happen here.
             let promises = ["reached straight", "timed as rapid", "is used", "goes on the contour"];
             if !spoken || promises.iter().any(|promise| one.text.contains(promise)) {
                 let _ = write!(wrong, " says '{}';", one.text);

@@ -1,4 +1,4 @@
-//! What a pass of a loop asks of the memory allocator, for the statements of each control.
+//! Memory allocations of a pass of a loop, for the statements of each control.
 //!
 //! Motion in the form of the control allocates nothing once the loop runs; what a statement of a pre-processor may allocate is
 //! bounded. Work that a pass repeats although nothing has changed is visible here, regardless of the load.

@@ -1,4 +1,4 @@
-//! What the spec pages show: identifiers, system variables.
+//! The coverage of the spec pages: identifiers, system variables.
 //!
 //! Every example of `tests/spec/emulator` and `tests/spec/tables` is run with the trace of codes and data; what comes
 //! up there has been shown. Every built-in identifier must.

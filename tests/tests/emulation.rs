@@ -1,4 +1,4 @@
-//! What single blocks do, as the reference or the real control says.
+//! Effects of single blocks, by the reference or the real control.
 
 use counterpoint_kernel::job::Program;
 use counterpoint_kernel::log::event::{Event, Frame, Kind, Message, MotionKind};

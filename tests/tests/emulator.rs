@@ -1,4 +1,4 @@
-//! The pages of `tests/spec/emulator`: what the emulated control does. One test an example.
+//! The pages of `tests/spec/emulator`: the behaviour of the emulated control. One test per example.
 
 use std::process::ExitCode;
 

@@ -1,4 +1,5 @@
-//! What is judged about programs that are not run: where a channel is judged no further, what is found, and that nothing else acts.
+//! Checks of programs that are not run: the block up to which a channel is checked, the findings, and that nothing
+//! else acts.
 
 use counterpoint_kernel::log::summary::{State, Summary};
 use counterpoint_kernel::options::Options;

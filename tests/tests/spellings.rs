@@ -417,7 +417,7 @@ proptest! {
         same(&siemens_mill(), &one, &on_siemens("", &moves, order, ""));
     }
 
-    /// Words in comments, texts and names are no words of the block.
+    /// Words in comments, texts and names are not words of the block.
     #[test]
     fn words_in_texts_and_names(moves in moves()) {
         let decoys = ["; SPOS=90 WAITS(1)", "; T=\"DRILL\" SETMS(1)", "ASPOS=ASPOS+1", "MSG(\"SPOS=1 TRAORI(1)\")"];

@@ -1,4 +1,4 @@
-//! The pages of `tests/spec/tables`: what the tables of a machine definition mean. One test an example.
+//! The pages of `tests/spec/tables`: the meaning of the tables of a machine definition. One test per example.
 
 use std::process::ExitCode;
 

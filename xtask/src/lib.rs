@@ -1,4 +1,4 @@
-//! What the chores of the repository share with their tests.
+//! The parts of the repository chores that their tests share.
 
 mod code;
 pub mod deny;

@@ -1,4 +1,4 @@
-//! What a job is made of: programs, a machine, options.
+//! The inputs of a job: programs, a machine, options.
 
 use std::path::PathBuf;
 

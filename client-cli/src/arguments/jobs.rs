@@ -1,4 +1,4 @@
-//! What a job is asked for with, and which jobs are meant.
+//! Arguments for submitting and selecting jobs.
 
 use clap::{Args, ValueEnum};
 

@@ -1,4 +1,4 @@
-//! What `calibrate` says: for people, as JSON, and as a machine definition.
+//! The report of `calibrate`: for people, as JSON, and as a machine definition.
 
 use std::fmt::Write as _;
 

@@ -1,4 +1,4 @@
-//! What is measured of a load.
+//! The measurements of a load.
 //!
 //! *Invariants:* times are kept in microseconds with three digits; figures of a second and of the whole come from the same
 //! calls.

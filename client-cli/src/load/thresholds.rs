@@ -1,4 +1,4 @@
-//! What a load must keep.
+//! The thresholds of a load.
 
 use std::time::Duration;
 

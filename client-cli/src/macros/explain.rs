@@ -1,4 +1,4 @@
-//! `explain` and `macro explain`: what a number or a name means.
+//! `explain` and `macro explain`: the meaning of a number or a name.
 //!
 //! *Invariant:* all answers come from the pages of the diagnostics and from the tables that the checker itself uses.
 

@@ -1,4 +1,4 @@
-//! What a running macro can access: standard output, the console, and files below the current folder.
+//! The access of a running macro: standard output, the console, and files below the current folder.
 //!
 //! *Invariant:* only PPRINT output and the trace go to standard output, line by line as they are produced. A path never
 //! leads outside the folder, not even through a link.

@@ -1,4 +1,4 @@
-//! Commands of a person who steps through a job, as text.
+//! Commands of an operator who steps through a job, as text.
 
 use counterpoint_proto::v1;
 use counterpoint_proto::v1::breakpoint::At;

@@ -1,4 +1,4 @@
-//! Where a job that is stepped through stands, as text.
+//! The position of a stepped job, as text.
 
 use std::fmt::Write as _;
 

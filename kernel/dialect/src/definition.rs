@@ -1,4 +1,4 @@
-//! What a dialect is to the rest of the kernel.
+//! The interface of a dialect to the rest of the kernel.
 //!
 //! Facts: reference control-emulator.md 5.4. *Invariant:* every difference between controls that comes from their
 //! pre-processors is asked here or done by the [`Interpreter`]; nothing outside this module compares pre-processors.

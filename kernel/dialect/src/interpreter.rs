@@ -1,4 +1,4 @@
-//! What an interpreter is to its kernel.
+//! The interface of an interpreter to its kernel.
 //!
 //! *Invariant:* an interpreter keeps what belongs to its control alone; the kernel knows nothing of it.
 

@@ -1,4 +1,4 @@
-//! What interpreters have read of programs, kept for the next time: lines, and tables of labels and blocks.
+//! Parsed parts of programs, kept for the next time: lines, and tables of labels and blocks.
 //!
 //! *Invariant:* what is kept is bounded in bytes; when it would be too much all of it goes, so what is kept depends only on
 //! what was read.

@@ -1,4 +1,4 @@
-//! Dialects: what turns a program line with variables and statements into plain words, for each control.
+//! Dialects: conversion of a program line with variables and statements into plain words, for each control.
 //!
 //! Facts: reference control-emulator.md 5.4. `definition` says what a dialect is, `table` names all of them, `host` is what
 //! their interpreters see of the kernel. An [`Interpreter`] gets the text of a block that is more than plain words and

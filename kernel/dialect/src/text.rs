@@ -1,4 +1,4 @@
-//! What is the same in the texts of several controls.
+//! Common parts of the texts of several controls.
 
 /// A block without its comment, which begins with a semicolon outside of quotation marks.
 pub(super) fn without_comment(text: &str) -> &str {

@@ -1,4 +1,4 @@
-//! What an action may touch: the channel, and a few services of the kernel that it belongs to.
+//! Everything that an action may access: the channel, and a few services of the kernel that it belongs to.
 //!
 //! *Invariant:* an action cannot reach the flow of the program, the machine's macros, the plan or the coordinator; what it
 //! asks of them is executed by the kernel, calls and ends at the end of the block.

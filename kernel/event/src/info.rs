@@ -1,4 +1,4 @@
-//! What is fixed about a job before it runs: names, channels, axes and source files.
+//! The fixed facts of a job before it runs: names, channels, axes and source files.
 //!
 //! Results need it to turn numbers in events into names and text. Invariant: the same job gives the same `Info`,
 //! so results can be made again at any time from the stored log and the stored job.

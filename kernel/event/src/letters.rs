@@ -1,4 +1,4 @@
-//! The letters that choose what a trace shows.
+//! The letters that select the lines of a trace.
 //!
 //! Invariant: a set of the ten documented letters. Facts: reference listing-and-trace.md 4.
 

@@ -1,4 +1,4 @@
-//! What a job logs, and what is fixed about a job before it runs.
+//! The log of a job, and the fixed facts of a job before it runs.
 //!
 //! Invariant: plain data that knows no machine, no program and no kernel.
 

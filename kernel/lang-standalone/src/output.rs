@@ -1,4 +1,4 @@
-//! What macros print, report and trace, and the commands that would go to a control.
+//! Output, reports and trace of macros, and the commands that would go to a control.
 
 use counterpoint_lang::diag::Diagnostic;
 

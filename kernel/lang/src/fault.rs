@@ -1,4 +1,4 @@
-//! What can go wrong while a macro runs.
+//! Faults of a running macro.
 //!
 //! *Invariant:* a fault carries a number of the table and one sentence; place and macro are added by the machine that
 //! runs the code.

@@ -56,7 +56,7 @@ pub struct Habits {
     /// rest of the block acts.
     pub unknown_alarms: bool,
     /// What is an alarm of a real control stops the channel; otherwise the rest of the block is dropped and the program
-    /// goes on.
+    /// continues.
     pub stops: bool,
     /// Whether a position of the machine frame is reached at rapid under any motion code.
     pub machine_frame_rapid: bool,

@@ -179,7 +179,7 @@ pub struct Format {
     pub rws: String,
     /// Text may stand beside it: behind it leader that is skipped, before it the last block of the tape.
     pub rws_inline: bool,
-    /// A comment goes on over lines until its end.
+    /// A comment continues over lines until its end.
     pub long_comments: bool,
     /// Where it is expected.
     pub rws_at: RewindStop,

@@ -67,7 +67,7 @@ impl Tables {
         }
     }
 
-    /// Code rows that a word of this register and value may mean, in matching order; empty when it is no code. The
+    /// Code rows that a word of this register and value may mean, in matching order; empty when it is not a code. The
     /// rows' conditions on other words (`with`, `without`) are the caller's to check.
     #[must_use]
     pub fn code(&self, register: RegisterId, value: f64) -> &[CodeRowId] {

@@ -1,4 +1,4 @@
-//! What a job may choose: switches of the operator's panel and the limits it runs under.
+//! The options of a job: switches of the operator's panel and its limits.
 
 use serde::{Deserialize, Serialize};
 

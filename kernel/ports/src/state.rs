@@ -1,4 +1,4 @@
-//! What a channel does, as those see it who watch the job or step through it.
+//! The activity of a channel, for watchers and for stepping.
 
 /// What a channel does right now.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

@@ -204,7 +204,7 @@ pub trait Stepper: Sync {
     /// For the only kernel of a job: waits until it may go on.
     fn hold_alone(&self, channel: u16, common: &mut Common<'_>);
 
-    /// A kernel goes on with its block.
+    /// A kernel continues with its block.
     fn goes(&self, channel: u16) -> Go;
 }
 

@@ -192,7 +192,7 @@ impl Block {
         self.words.push(word);
     }
 
-    /// Adds text that is no word; what lies between such texts becomes part of one when there are very many.
+    /// Adds text that is not a word; what lies between such texts becomes part of one when there are very many.
     pub fn push_unrecognised(&mut self, (start, end): (u32, u32)) {
         let many = self.unrecognised.len() >= MOST_WORDS;
         match self.unrecognised.last_mut() {

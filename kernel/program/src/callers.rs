@@ -1,4 +1,4 @@
-//! What programs of a machine call and where they end, as far as their text shows.
+//! Calls and ends of the programs of a machine, as far as their text shows.
 //!
 //! Facts: reference control-emulator.md 5.7. Invariant: nothing is executed; a call whose number is computed is not seen.
 

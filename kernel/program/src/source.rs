@@ -235,7 +235,7 @@ impl Deref for Source {
 }
 
 /// Finds the programs of a file. The text before the first definition, after a rewind-stop if there is one, is a program
-/// of its own without a number; blank lines and comments are no text. Without any definition the file is one program.
+/// of its own without a number; blank lines and comments are not text. Without any definition the file is one program.
 fn ranges(source: &Source, shape: &Shape) -> Vec<Range> {
     let mut found: Vec<Range> = Vec::new();
     let last = source.lines();

@@ -1,4 +1,4 @@
-//! What a job consists of.
+//! The parts of a job.
 
 use std::sync::Arc;
 

@@ -1,4 +1,4 @@
-//! What is read off the events of one channel alone: its fingerprint, times, bars and path.
+//! Results of the events of one channel: its fingerprint, times, bars and path.
 //!
 //! *Invariant:* they need nothing of other channels, so each kernel may make its own on its own thread.
 

@@ -1,4 +1,4 @@
-//! The ordered event log of a job and what is read off it.
+//! The ordered event log of a job and its results.
 //!
 //! Every result is read off the events in one pass ([`builder`]): nothing here runs a job, and nothing holds the log.
 

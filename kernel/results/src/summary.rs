@@ -1,4 +1,4 @@
-//! The summary of a job: how it ended, how long everything took, who waited for whom.
+//! The summary of a job: its end, its times, and the waits of its channels.
 //!
 //! Facts: reference control-emulator.md 6.9 (classes of time). *Invariant:* for every channel
 //! `feed_ns + rapid_ns + misc_ns + wait_ns` is its `end_ns`; durations are cut where the log was cut, and a wait

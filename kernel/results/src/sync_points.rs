@@ -1,4 +1,4 @@
-//! The sync points of a job: who arrived where and when, and when all continued.
+//! The sync points of a job: the arrivals with place and time, and the release.
 //!
 //! Joined from the waits of the channels on request. *Invariant:* satisfied waits come in order of their number, then
 //! those that never were in order of their first arrival; arrivals ascend by channel.

@@ -1,4 +1,4 @@
-//! The timeline of a job: what every channel did when, and where they met.
+//! The timeline of a job: the activity of every channel, and the sync points.
 //!
 //! Invariants: bars of a channel ascend and do not overlap; neighbours of one kind are one bar (waits stay apart);
 //! a channel has [`bars::MOST`] bars at most. The open wait of a blocked channel is not a bar: it has no end and shows in

@@ -1,4 +1,4 @@
-//! The tools of one channel: what is known about each, and the offsets it was used with.
+//! The tools of one channel: the data of each, and the offsets it was used with.
 //!
 //! Facts: reference listing-and-trace.md 7.1. *Invariant:* rows are in the order of the first loads unless the channel
 //! has given another one; motions and blocks are ignored.

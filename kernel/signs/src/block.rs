@@ -11,9 +11,9 @@ pub(crate) type Word = (u8, String);
 pub(crate) struct Block {
     /// The line without comments, block skip mark and number.
     pub(crate) line: String,
-    /// Words of one letter; names of several letters are no words.
+    /// Words of one letter; names of several letters are not words.
     pub(crate) words: Vec<Word>,
-    /// Text after a semicolon that is no block.
+    /// Text after a semicolon that is not a block.
     pub(crate) remark: bool,
     /// A block that ends with a semicolon.
     pub(crate) ends: bool,

@@ -69,7 +69,7 @@ impl Pattern {
     ///
     /// # Errors
     ///
-    /// A text that is no pattern.
+    /// A text that is not a pattern.
     pub fn parse(text: &str) -> Result<Self, String> {
         let (mut parts, mut nowhere) = (Vec::new(), Vec::new());
         for part in text.split("&&").map(str::trim) {

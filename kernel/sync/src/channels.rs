@@ -1,4 +1,4 @@
-//! Numbers of channels and where each stands in the lists of a job.
+//! Numbers of channels and their places in the lists of a job.
 //!
 //! Invariant: numbers are names: they need not start at 1 nor follow one another. Lists are dense and in ascending order of
 //! the numbers.

@@ -80,7 +80,7 @@ impl Written {
             if self.files.len() + self.printed.len() >= MOST_FILES {
                 return Err(format!("programs and macros may write {MOST_FILES} files, '{path}' is lost"));
             }
-            // A file of that name that macros have written goes on.
+            // A file of that name that macros have written is continued.
             let before = self.get(path).flatten().map_or_else(String::new, |text| (*text).to_owned());
             self.files.remove(path);
             self.printed.insert(path.to_owned(), before);

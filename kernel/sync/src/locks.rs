@@ -1,4 +1,4 @@
-//! What the coordinator builds on: the standard library, or a model of it that tries out schedules of threads.
+//! The locks of the coordinator: the standard library, or a model of it that tries out schedules of threads.
 
 #[cfg(not(all(test, feature = "shuttle")))]
 mod real {

@@ -1,4 +1,4 @@
-//! The order in which kernels act on what they share: the rules, without threads.
+//! The order in which kernels act on shared data: the rules, without threads.
 //!
 //! A kernel asks for an operation with its tag and gets its turn when no other kernel can act before that tag any more.
 //! Operations go in, [`Effect`]s come out: which kernels continue and how far each has come. Nothing here locks, waits or

@@ -1,4 +1,4 @@
-//! What all channels of a job share besides waits: common variables and spindles.
+//! Shared data of all channels of a job besides waits: common variables and spindles.
 
 use rustc_hash::FxHashMap;
 

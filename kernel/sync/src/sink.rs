@@ -1,4 +1,4 @@
-//! Who receives what a job logs.
+//! The receiver of the log of a job.
 
 use std::sync::Arc;
 

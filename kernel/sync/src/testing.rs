@@ -1,4 +1,4 @@
-//! What tests of this crate share.
+//! Shared parts of the tests of this crate.
 
 use counterpoint_event::info::{Info, Room};
 use counterpoint_event::{Letters, Unit};

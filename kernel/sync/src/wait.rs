@@ -1,4 +1,4 @@
-//! A wait as data: what is waited at, who takes part, and the rule of the control that it was written for.
+//! A wait as data: its mark, its channels, and the rule of its control.
 //!
 //! *Invariant:* nothing here depends on a control. What two waits mean to each other beyond their primitive, and how they are
 //! written, stands in their [`Rule`], which the machine gives. Facts: reference channel-synchronisation.md 1.1.

@@ -1,4 +1,4 @@
-//! All waits of a job: who waits where, who continues, and who never can.
+//! All waits of a job: the waiting channels, those that continue, and those that never can.
 //!
 //! *Invariant:* arrivals, acts and ends come in tag order, so the outcome depends on simulated time alone. All waits that an
 //! operation ends are found before anything that they use up is taken away. Facts: reference channel-synchronisation.md 1.1,

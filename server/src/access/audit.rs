@@ -1,4 +1,4 @@
-//! The audit log: who called what with which outcome, one JSON object a line.
+//! The audit log: caller, call and outcome, one JSON object per line.
 //!
 //! Calls that change something and all refused ones are in it; contents of files and tokens never are. Invariant: a
 //! line is written whole before the answer leaves.

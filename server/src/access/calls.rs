@@ -1,4 +1,4 @@
-//! What each call of the contract needs.
+//! The role that each call of the contract needs.
 //!
 //! Invariant: every call of every service has a row (a test compares them with the descriptors); a call without a row
 //! is refused without an identity.

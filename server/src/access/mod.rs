@@ -1,4 +1,4 @@
-//! Who may call what: identities with tenant and role, from tokens, signed tokens and client certificates.
+//! Access control: identities with tenant and role, from tokens, signed tokens and client certificates.
 //!
 //! `Access` is asked before a call reaches its service. Invariants: a tenant comes from the identity only, never from
 //! a request; a call that the table of `calls` does not know is refused; without a file of identities every caller

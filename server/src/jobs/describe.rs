@@ -1,4 +1,4 @@
-//! What is fixed about a job, and its status, in wire form.
+//! The fixed facts of a job, and its status, in wire form.
 
 use counterpoint_kernel::dialog::answers::{Answer, Value};
 use counterpoint_kernel::log::info::{Info, Unit};

@@ -1,4 +1,4 @@
-//! Changes of all jobs, in the order in which they happened, for those who follow many jobs.
+//! Changes of all jobs, in their order, for clients that follow many jobs.
 //!
 //! The feed remembers which job has changed, not how: who reads it gets the newest state. Its cursors ascend over
 //! restarts of the server, whose number is their upper part. Invariants: a reader whose cursor the feed still has sees

@@ -1,4 +1,4 @@
-//! The console of a job: commands of the client that steps through it, on their way to the run, and what the run says.
+//! The console of a job: commands of the client that steps through it, on their way to the run, and the answers of the run.
 //!
 //! Invariants: one client at a time; a run that stands without a command for longer than the patience of the server goes on by
 //! itself; what a client has not read holds back its next commands, so nothing here grows.

@@ -1,4 +1,4 @@
-//! Watches under way: who follows which job, and how far they are.
+//! Open watches: their clients, jobs and positions.
 //!
 //! Invariant: a watch is listed exactly as long as its [`Listed`] lives.
 

@@ -1,4 +1,4 @@
-//! How far a log has come: what its writer tells its readers.
+//! The progress of a log, reported by its writer to its readers.
 //!
 //! Invariant: bytes below [`Position::bytes`] are in the file and will not change.
 

@@ -1,4 +1,4 @@
-//! What every connection and every call must pass: encryption, identity, audit.
+//! The checks of every connection and every call: encryption, identity, audit.
 //!
 //! Invariant: a call reaches its service only after [`Access`] has let it pass.
 

@@ -1,4 +1,4 @@
-//! Connections: accepted within limits, served, and let go when they stand still.
+//! Connections: accepted within limits, served, and closed when they stall.
 //!
 //! Invariants: a peer that never speaks, or has not called for a while, holds no descriptor; when the process has no
 //! descriptor left, the accept loop waits instead of spinning.

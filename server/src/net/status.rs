@@ -1,4 +1,4 @@
-//! What monitoring asks over HTTP: `/metrics`, `/livez`, `/readyz`.
+//! Monitoring over HTTP: `/metrics`, `/livez`, `/readyz`.
 //!
 //! Invariant: nothing here changes the server, and one peer holds a connection for no longer than [`PATIENCE`].
 

@@ -1,4 +1,4 @@
-//! What single tenants may have and keep, where that differs from what all tenants may.
+//! Quotas and retention of single tenants, where they differ from the general ones.
 //!
 //! Only the configuration file has these, one table a tenant: `[tenants.NAME]`. Invariant: what the table of a tenant
 //! does not name is as for all.

@@ -1,4 +1,4 @@
-//! Results: what is read off the event log, while the job runs or later from its file.
+//! Results, made from the event log while the job runs or later from its file.
 //!
 //! A thin layer over the kernel's [`ResultsBuilder`], which are fed live and stored at the end; results that are not
 //! stored are made again from the log. Invariant: both ways give the same bytes.

@@ -1,4 +1,4 @@
-//! Service `Admin`: what the server is busy with, and what it is asked to do about itself.
+//! Service `Admin`: the activity of the server, and commands for its maintenance.
 //!
 //! *Invariant:* only callers of the role `admin` get here (the table of calls); nothing that a job contains is shown.
 

@@ -1,4 +1,4 @@
-//! Service `Operator`: one client that attends one job; `Debug` stands in a file of its own.
+//! Service `Operator`: one client that attends one job; `Debug` is in a separate file.
 //!
 //! Invariant: an answer is in the ledger before the kernel gets it, so a run that dies is run again with it.
 

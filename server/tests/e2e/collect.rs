@@ -1,4 +1,4 @@
-//! What is cleared away: blobs that nothing needs, folders of jobs without a row, ended jobs beyond those to be kept.
+//! Data that are removed: blobs that nothing needs, folders of jobs without a row, ended jobs beyond those to be kept.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};

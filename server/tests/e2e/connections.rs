@@ -1,4 +1,4 @@
-//! Connections and uploads that stand still.
+//! Stalled connections and uploads.
 
 use std::time::Duration;
 

@@ -1,4 +1,4 @@
-//! Who may call what: tokens, roles, rates, the audit log, and addresses that strangers can reach.
+//! Access control: tokens, roles, rates, the audit log, and addresses that strangers can reach.
 
 use std::time::Duration;
 

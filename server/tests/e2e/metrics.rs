@@ -1,4 +1,4 @@
-//! What monitoring sees.
+//! The data of monitoring.
 
 use counterpoint_server::local::disk::{Disk, Faults, Step};
 use counterpoint_server::options::Options;

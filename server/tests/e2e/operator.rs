@@ -1,4 +1,4 @@
-//! Dialogs and those who attend a job.
+//! Dialogs and the operators of a job.
 
 use std::sync::atomic::Ordering;
 

@@ -42,7 +42,7 @@ async fn every_status_says_its_reason_also_those_of_the_transport() {
     let mut call = async |path: &'static str| {
         raw.ready().await.unwrap();
         let codec = tonic_prost::ProstCodec::<v1::UploadRequest, v1::GetJobResponse>::default();
-        // Read as a GetJobRequest, its bytes are no text.
+        // Read as a GetJobRequest, its bytes are not text.
         let request = v1::UploadRequest { digest: String::new(), data: vec![0xff].into(), size: None };
         raw.unary(Request::new(request), PathAndQuery::from_static(path), codec).await.unwrap_err()
     };

@@ -1,4 +1,4 @@
-//! A job gives back what it was made of, and runs again from it.
+//! A job returns its inputs, and runs again from them.
 
 use counterpoint_proto::v1;
 use counterpoint_server::options::{Maxima, Options};

@@ -1,4 +1,4 @@
-//! Memory of watchers that stand still, in a server that is a process of its own.
+//! Memory of stalled watchers, in a server in a separate process.
 
 use std::fmt::Write as _;
 use std::time::Duration;

@@ -1,4 +1,4 @@
-//! What the end of a job costs, and small logs that are rows of the ledger.
+//! The cost of the end of a job, and small logs that are rows of the ledger.
 
 use std::io;
 use std::path::Path;

@@ -139,7 +139,7 @@ async fn unread_progress_does_not_kill_the_connection() {
     server.stop().await;
 }
 
-/// What was read ahead for a client that stands still is dropped; nothing is missing when it goes on.
+/// Events read ahead for a stalled client are dropped; nothing is missing when it continues.
 #[tokio::test]
 async fn a_watcher_that_stood_still_gets_the_rest_once() {
     let folder = tempfile::tempdir().unwrap();

@@ -1,4 +1,4 @@
-//! Comparing an example with what comes out of it.
+//! Comparing an example with its output.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;

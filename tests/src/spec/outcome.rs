@@ -1,4 +1,4 @@
-//! What comes out of a job, as the fences of a page show it.
+//! The results of a job, as the fences of a page show them.
 
 use std::fmt::Write as _;
 

@@ -138,7 +138,7 @@ impl Parser<'_> {
         if self.peek() != Some(b'[') {
             return Err(self.error("'[' before the condition"));
         }
-        // Its own brackets are no level.
+        // Its own brackets are not a level.
         self.at += 1;
         let mut ops = Vec::new();
         self.relation(&mut ops)?;

@@ -1,4 +1,4 @@
-//! A place in the text of a line, and what stands there.
+//! A place in the text of a line, and the text there.
 //!
 //! Invariant: blanks never count; what is taken is never looked at again.
 

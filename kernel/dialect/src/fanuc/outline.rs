@@ -1,4 +1,4 @@
-//! What a block of custom macro does, without executing it.
+//! The effect of a block of custom macro, without executing it.
 //!
 //! *Invariant:* a word keeps the text that it is written with, so that the scanner reads what the program says.
 

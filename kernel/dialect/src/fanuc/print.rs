@@ -1,6 +1,6 @@
-//! Printing statements: what they write, from the text of a line, and how numbers stand in the output.
+//! Printing statements: their output, from the text of a line, and the format of numbers in it.
 //!
-//! Facts: reference fanuc-variables-and-alarms.md 2.5. Decisions: blanks are no text; a number with more whole digits than
+//! Facts: reference fanuc-variables-and-alarms.md 2.5. Decisions: blanks are not text; a number with more whole digits than
 //! its format takes the room it needs.
 
 use super::cursor::{Error, Parser};

@@ -1,4 +1,4 @@
-//! A compiled program line, and what its words may be called.
+//! A compiled program line, and the names of its words.
 
 use super::expr::Expr;
 use crate::statement::Shared;

@@ -204,7 +204,7 @@ impl Walk<'_> {
         lines
     }
 
-    /// A circle that goes on in the direction of the last element.
+    /// A circle that continues in the direction of the last element.
     pub(super) fn tangent(&mut self, end: Position) -> Vec<String> {
         let (start, to) = (self.flat(&self.actual), self.flat(&end));
         self.path.base = None;

@@ -1,4 +1,4 @@
-//! What SL cycles do with their contours: the blocks of cycles 21 to 24, and of 6, 15 and 16.
+//! The paths of SL cycles along their contours: the blocks of cycles 21 to 24, and of 6, 15 and 16.
 //!
 //! Facts: programming manuals of the control (Q1 to Q9 of cycle 20; Q10 to Q19, Q208 of the cycles: levels, feeds, allowances, sense;
 //! the lines of the old cycles, which count from where the tool stands).

@@ -1,4 +1,4 @@
-//! SL cycles: subprograms that are contours, and what the programs of the cycles ask for.
+//! SL cycles: subprograms that are contours, and the requests of the cycle programs.
 //!
 //! `SL READ` records the contours that cycle 14 names, each with its side; `SL ROUGH`, `SL FLOOR`, `SL SIDE`, `SL PILOT` and
 //! `SL TRAIN` leave the blocks of a cycle, with OLD those of cycles 6, 15 and 16, with OCM those of 272 to 274; `SL SLOT` those of 275, `SL TRAIN 276` those of 276,

@@ -219,7 +219,7 @@ impl Round<'_> {
     }
 }
 
-/// What a cycle mills at each level from where it plunges, and how it goes on.
+/// The path of a cycle at each level from its plunge point, and its continuation.
 struct Passes {
     start: Stand,
     ways: Vec<Move>,

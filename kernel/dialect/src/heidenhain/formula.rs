@@ -1,4 +1,4 @@
-//! Formulas: what stands after the equal sign of a Q parameter.
+//! Formulas: the text after the equal sign of a Q parameter.
 //!
 //! Facts: Heidenhain pre-processor pages (operators, functions, string functions), programming manuals: functions act
 //! on the operand that follows, before powers, then multiplication, then addition. Decisions: powers are taken from
@@ -90,7 +90,7 @@ pub(super) type Formula = Code<Value, Own>;
 /// Deepest nesting of brackets and functions.
 const DEEPEST: usize = 100;
 
-/// Why a text is no formula: what was expected, and where.
+/// Why a text is not a formula: the expected input and the place.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Wrong {
     pub(super) expected: &'static str,

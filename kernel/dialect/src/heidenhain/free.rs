@@ -1,4 +1,4 @@
-//! Free contours: elements whose end follows from what the block says, and from the elements after it.
+//! Free contours: elements whose end follows from the words of the block and from the elements after it.
 //!
 //! Facts: programming manuals of the control (FL, FLT, FC, FCT: end, length, angle, centre, radius, angle of the arc, direction
 //! of rotation; FPOL; CLSD; data relative to another block), reference heidenhain-cycles.md 1. Decisions: only elements that have

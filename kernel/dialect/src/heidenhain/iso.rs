@@ -1,4 +1,4 @@
-//! What ISO programs write in their own way: functions by D, labels by G98, calls by L, motion by modal G words.
+//! Notations of ISO programs: functions by D, labels by G98, calls by L, motion by modal G words.
 //!
 //! Facts: Heidenhain ISO pre-processor page, programming manual (DIN/ISO). Invariant: a block of which nothing is
 //! evaluated is left as it is.

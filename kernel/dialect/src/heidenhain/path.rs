@@ -1,4 +1,4 @@
-//! Path blocks: what the tables of a machine cannot say by themselves is reduced to straight lines and circles.
+//! Path blocks: elements that the tables of a machine cannot express are reduced to straight lines and circles.
 //!
 //! Facts: programming manuals of the control (path functions, polar coordinates, corners). Decisions: a block that is completely defined by its
 //! words is not changed; others become blocks with positions. Invariant: positions are in the units of the program, in its frame.

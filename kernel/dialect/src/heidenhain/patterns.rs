@@ -4,7 +4,7 @@
 //! clearance, of a table at its own, or at the height of the call, whichever is higher; Z of a pattern moves the surface; cycles
 //! 220 and 221 call the cycle defined before them where they are defined, at the first or second clearance between points).
 //! Decisions: rows of a PAT alternate in direction, a FRAME goes round against the clock; before the first point the tool only
-//! rises. Invariant: the block of the call runs once for each point, and a cycle that is no program is never called so.
+//! rises. Invariant: the block of the call runs once for each point, and a cycle that is not a program is never called so.
 
 use counterpoint_fault::Halt;
 

@@ -1,4 +1,4 @@
-//! What programs print: FN 15, FN 16, FN 38 and their ISO forms, as messages.
+//! Output of programs: FN 15, FN 16, FN 38 and their ISO forms, as messages.
 //!
 //! Facts: programming manuals of the control: texts with formats as `%4.2f`, masks with one print line each. Decisions:
 //! wherever a program prints to, the lines are messages to the operator; key words of masks for time, language and

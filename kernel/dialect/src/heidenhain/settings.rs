@@ -1,4 +1,4 @@
-//! What `$FCEPP` sets.
+//! The settings of `$FCEPP`.
 //!
 //! Facts: Heidenhain pre-processor page (configurable options), reference functions.md 9. Decisions: blocks that end in
 //! `~` are joined unless CONCATENATE is switched off, definitions of cycles are in any case; parameters of a cycle stay

@@ -113,7 +113,7 @@ impl Shifts {
             }
         }
         if !self.mirrored.contains(&true) {
-            // A word that is no axis stays, so that the tables refuse it.
+            // A word that is not an axis stays, so that the tables refuse it.
             if seen.iter().all(|word| axis(&word.name).is_none()) {
                 seen.clear();
             }

@@ -1,7 +1,7 @@
 //! Blocks as statements.
 //!
 //! Facts: Heidenhain pre-processor pages, programming manuals of the control. Conversational and ISO forms of a
-//! statement are one. Invariant: a block that is no statement is words; reading never fails but for what begins as a
+//! statement are one. Invariant: a block that is not a statement is words; reading never fails but for what begins as a
 //! statement.
 
 use super::formula::{self, Formula, Name, Own, Wrong, expected, parameter};

@@ -1,4 +1,4 @@
-//! What the cycles along contours say: levels, feeds, allowances, sense.
+//! The data of cycles along contours: levels, feeds, allowances, direction.
 //!
 //! Facts: programming manuals of the control (Q1 to Q9 of cycle 20, Q8 is a radius of the way of the tool; Q10 to Q19, Q208 of the cycles; the lines of the old cycles, which
 //! count from where the tool stands; cycles 271 to 274 and 277). Decisions: the tool of 277 comes to a point.

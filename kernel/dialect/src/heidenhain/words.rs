@@ -1,7 +1,7 @@
 //! Words of a block: names with numbers, parameters or nothing after them.
 //!
 //! Facts: release notes of the Heidenhain pre-processor (word addresses followed by Q, QL, QR and QS). Invariant: a
-//! number is left as it was written; what is no word is left as it stands, so that the tables of the machine decide.
+//! number is left as it was written; what is not a word is left as it stands, so that the tables of the machine decide.
 
 use counterpoint_fault::Halt;
 use std::sync::Arc;

@@ -1,4 +1,4 @@
-//! What channels do for each other by statements: they wait, and let each other continue.
+//! Coordination of channels by statements: they wait, and let each other continue.
 
 use counterpoint_event::FileId;
 use counterpoint_fault::{Acted, Halt};

@@ -1,4 +1,4 @@
-//! What an interpreter sees of its kernel, by concern.
+//! The interface of an interpreter to its kernel, by concern.
 //!
 //! Facts: reference control-emulator.md 4.3 (identification), 5.4, 5.7. *Invariants:* what other channels can see goes
 //! through [`Values`], in order of simulated time; a jump back and a call are counted by the kernel, so that endless

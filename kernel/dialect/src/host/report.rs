@@ -1,4 +1,4 @@
-//! What people see: messages, diagnostics, alarms, and what programs print.
+//! Output for people: messages, diagnostics, alarms, and the output of programs.
 
 use std::sync::Arc;
 

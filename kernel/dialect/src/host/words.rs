@@ -1,4 +1,4 @@
-//! Words of the machine: what they are called, how their numbers are written and read, and the block that is made of them.
+//! Words of the machine: their names, the formats of their numbers, and the block that is made of them.
 
 use counterpoint_machine::index::{CodeRowId, RegisterId};
 use counterpoint_machine::model::{MacroWords, Triples};

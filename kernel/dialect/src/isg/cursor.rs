@@ -52,7 +52,7 @@ impl<'a> Cursor<'a> {
         self.text.get(self.at + by).copied()
     }
 
-    /// The next byte that is no blank.
+    /// The next byte that is not a blank.
     pub(super) fn peek(&mut self) -> Option<u8> {
         while matches!(self.here(), Some(b' ' | b'\t' | b'\r')) {
             self.at += 1;

@@ -1,4 +1,4 @@
-//! What a block says, read once.
+//! A block, read once.
 //!
 //! Facts: reference channel-synchronisation.md 1.7. Decisions: `G04` may have its time without an address; a text that is neither word
 //! nor statement stays on the block for the tables of the machine. Invariant: items are in the order of the text.

@@ -2,7 +2,7 @@
 //!
 //! Facts: reference channel-synchronisation.md 1.7. A block is read once (`line`, kept by file and line) and executed item by item
 //! (`run`): statements act at once, words are gathered as text. Invariants: a mistake of the program is an alarm with a text,
-//! never a silence; what is no statement, variable or subprogram stays as text for the tables of the machine.
+//! never a silence; what is not a statement, variable or subprogram stays as text for the tables of the machine.
 
 mod control;
 mod cursor;

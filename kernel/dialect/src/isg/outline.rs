@@ -1,4 +1,4 @@
-//! What a block of an ISG program does, without executing it.
+//! The effect of a block of an ISG program, without executing it.
 //!
 //! *Invariant:* labels, partners of control blocks and programs are found as the interpreter finds them.
 

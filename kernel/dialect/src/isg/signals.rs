@@ -1,4 +1,4 @@
-//! `#SIGNAL`, `#WAIT`, `#SIGNAL READ`, `#SIGNAL REMOVE`: how they are written, and what they ask of the kernel.
+//! `#SIGNAL`, `#WAIT`, `#SIGNAL READ`, `#SIGNAL REMOVE`: their notation, and their requests to the kernel.
 //!
 //! Facts: reference channel-synchronisation.md 1.7, and the control's own alarms, whose numbers the texts begin with. Decisions: no
 //! block is decoded before it is executed, so a statement acts at the same time with `SYN` and without; `AHEAD` saves a stop that motion here

@@ -1,4 +1,4 @@
-//! What functions and operators of numbers mean on every control that has them.
+//! The meaning of functions and operators of numbers on every control that has them.
 //!
 //! *Invariant:* a dialect names functions and operators in its tables; none computes a shared one by itself.
 

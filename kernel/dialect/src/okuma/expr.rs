@@ -176,7 +176,7 @@ impl<'c, 'a> Reader<'c, 'a> {
         self.cursor.at += 1;
         let at = self.cursor.at;
         let digits = self.cursor.run(|byte| byte.is_ascii_hexdigit());
-        // More digits are no whole number that a value can be.
+        // A value cannot be a whole number with more digits.
         let value = i64::from_str_radix(digits, 16).ok().filter(|_| digits.len() <= 12);
         let Some(value) = value else { return Err(Mistake::Expected("a hexadecimal number", at + 1)) };
         if closes && self.cursor.here() == Some(b'H') {

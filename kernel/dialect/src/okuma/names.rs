@@ -1,4 +1,4 @@
-//! Names of variables and what they stand for.
+//! Names of variables and their meanings.
 //!
 //! Decisions: a local variable has letters and then digits, two to four characters, and begins with none of O, N and V,
 //! which begin the names of programs, sequences and the control's own variables. Common variables are VC1 to VC200 on
@@ -13,7 +13,7 @@ use arrayvec::ArrayString;
 /// Number of common variables of each kind.
 const COMMON: f64 = 200.0;
 
-/// Words that are no names.
+/// Words that are not names.
 const RESERVED: &[&str] = &[
     "EQ", "NE", "GT", "GE", "LT", "LE", "AND", "OR", "EOR", "NOT", "MOD", "IF", "GOTO", "CALL", "RTS", "NOEX", "MSG",
     "NMSG", "SIN", "COS", "TAN", "ASIN", "ACOS", "ATAN", "SQRT", "ABS", "BIN", "BCD", "FIX", "FUP", "DFIX", "DFUP",

@@ -1,4 +1,4 @@
-//! What a block of the pre-processor does.
+//! Execution of a block of the pre-processor.
 //!
 //! Facts: reference control-emulator.md 5.4, 5.5, 5.7. Decisions: `Qn` repeats a call n times, so it runs n + 1 times,
 //! unless a setting says that it counts executions; a modal call calls after every block that moves in the program that said it, with the values its arguments had

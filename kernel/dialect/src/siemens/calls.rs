@@ -1,4 +1,4 @@
-//! Calls: what they hand over, and what comes back.
+//! Calls: their arguments and results.
 //!
 //! Facts: reference control-emulator.md 5.4, 5.7. Arguments are evaluated by the caller; PROC takes them, by value or,
 //! with VAR, so that the caller's variable has the parameter's value after the return. Invariant: every subprogram that

@@ -2,7 +2,7 @@
 //!
 //! `SC_KEEP(name)` keeps the name of a contour for the next cycle that has none (CYCLE62); `SC_READ(name, …)` runs the subprogram, with what
 //! stands behind its name as arguments, or the section between the labels of `A:B` of the program that has called the cycle, so that its
-//! moves are recorded; a name that is no subprogram is that of a contour between the labels E_LAB_A_name and E_LAB_E_name. `SC_PIECES(count,
+//! moves are recorded; a name that is not a subprogram is that of a contour between the labels E_LAB_A_name and E_LAB_E_name. `SC_PIECES(count,
 //! table)` gives what was recorded; `SC_STRIP(…)` removes stock along it.
 //! `SC_KEPT` and `SC_FORGET` count and forget the names; `SC_READ` with a number reads the one with that number. `SC_ADDRING` makes a ring of a
 //! pocket of what was read, `SC_WAYS`, `SC_LINES` and `SC_HOLES` give the ways of a tool around and between its rings, and where it goes down;

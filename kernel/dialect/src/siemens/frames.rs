@@ -1,4 +1,4 @@
-//! Frames of the program: functions that make them, and what assigning one does to the machine.
+//! Frames of the program: functions that make them, and the effect of an assignment on the machine.
 //!
 //! Facts: reference control-emulator.md 5.4, functions.md 9 (`APPLYFRAMES`). Decisions: the programmable frame is set by
 //! blocks with the words TRANS, AROT, ASCALE and AMIRROR of the machine's tables, a settable frame by the work offset of

@@ -1,4 +1,5 @@
-//! What statements keep for later blocks of the channel. *Invariant:* a program begins without any of it, but for actions that stay.
+//! State that statements keep for later blocks of the channel. *Invariant:* a program begins without any of it, but
+//! for actions that stay.
 
 use rustc_hash::{FxHashMap, FxHashSet};
 

@@ -202,7 +202,7 @@ impl Siemens {
         Ok(host.go_to(line)?)
     }
 
-    /// Executes a jump; false if its target is missing and that is no mistake.
+    /// Executes a jump; false if its target is missing and that is not a mistake.
     pub(super) fn jump(&mut self, host: &mut dyn Host, jump: &Jump) -> Outcome<bool> {
         let place = host.place();
         let places = self.places(host, place.file);

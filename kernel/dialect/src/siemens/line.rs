@@ -1,4 +1,4 @@
-//! A block, read: its number, its label, its words and statements in the order in which they stand.
+//! A block, read: its number, its label, its words and statements in their order.
 //!
 //! Facts: reference control-emulator.md 5.4. A name has two letters or underscores at its beginning; a single letter is
 //! an address. What a name means — variable, word, subprogram, literal code — is decided when the block runs. Invariant:

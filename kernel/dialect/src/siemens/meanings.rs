@@ -1,4 +1,4 @@
-//! Words whose meaning depends on what the channel is doing: the machine's tables get other words for them.
+//! Words whose meaning depends on the state of the channel: the machine's tables get other words for them.
 //!
 //! TRANS replaces the whole translation. G58 and G59 replace the absolute and the additive part of the translation of the axes that
 //! they name; ATRANS adds to the additive part. G74 goes to the reference point and G75 to a fixed point with the axes that the block

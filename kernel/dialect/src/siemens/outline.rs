@@ -1,4 +1,4 @@
-//! What a block of an 840D program does, without executing it.
+//! The effect of a block of an 840D program, without executing it.
 //!
 //! Decisions: a name that is declared as a variable may hold any label or number; names that DEFINE replaces may mean anything.
 //! *Invariant:* labels, partners of loops and programs are found as the interpreter finds them.

@@ -265,7 +265,7 @@ impl Siemens {
         }
     }
 
-    /// A system variable, or a name that is no variable and no address.
+    /// A system variable, or a name that is neither a variable nor an address.
     fn set_by_name(&mut self, host: &mut dyn Host, name: &Name, value: &Assigned, left: &mut Left) -> Outcome<()> {
         let is_system = name.name.starts_with('$');
         let assigned = match value {

@@ -1,4 +1,4 @@
-//! System variables that keep what programs write, and such that are always the same here.
+//! System variables that keep the values of programs, and constant ones.
 //!
 //! Facts: reference siemens-cycles.md 4 (variables programs read) and 3 (data of tools). Decisions: markers, parameters, parts and
 //! setting data belong to the channel, data of the PLC interface and outputs to all channels; inputs are 0 unless a macro of the

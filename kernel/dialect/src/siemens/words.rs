@@ -2,7 +2,7 @@
 //!
 //! Facts: reference control-emulator.md 5.4. Decisions: positions given by AC and IC become what the machine's words can
 //! say: the incremental letter of the axis if it has one, else the position of the axis now is added or taken off; DC,
-//! ACP and ACN become the position to which a rotary axis goes on from where it stands; AC of I, J and K counts from the
+//! ACP and ACN become the position to which a rotary axis continues from where it stands; AC of I, J and K counts from the
 //! start of the circle. Invariant: a number is written without an exponent.
 
 use std::borrow::Cow;

@@ -1,4 +1,4 @@
-//! Coolant: what flows at the main and the side head, auxiliary devices, the pressure of the pump.
+//! Coolant: the flow at the main and the side head, auxiliary devices, the pressure of the pump.
 //!
 //! Facts: reference control-emulator.md 3.2, 6.3, system-variables.md 6. *Invariant:* what flows is the active code of its
 //! modal group; kept here is only what the codes do not say: what flowed last, and the pressure.

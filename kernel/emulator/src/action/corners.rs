@@ -1,4 +1,4 @@
-//! Codes that say what the corner at the end of their block is.
+//! Codes that define the corner at the end of their block.
 //!
 //! Facts: reference okuma-osp.md (G75, G76), heidenhain-cycles.md 2 (M97, M98), programming manuals of Heidenhain controls (M197). *Invariant:* the corner belongs to the move of its
 //! block.

@@ -1,4 +1,4 @@
-//! One entry of the registry: the codes that an action takes, and what it does.
+//! One entry of the registry: the codes that an action takes, and its function.
 //!
 //! *Invariant:* no two entries take the same code.
 

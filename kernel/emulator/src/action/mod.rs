@@ -1,4 +1,4 @@
-//! What codes do: one file an idea, each with its entries of the registry.
+//! The actions of codes: one file for each idea, with its entries in the registry.
 //!
 //! Facts: reference control-emulator.md 6. Invariants: an action takes its data in the documented order (feed before
 //! axes) and never touches another channel except through a shared operation; it reaches its kernel only by what

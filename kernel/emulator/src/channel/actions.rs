@@ -1,4 +1,4 @@
-//! What the pipeline asks of the actions: it knows none of them, the plan holds what it calls.
+//! The requests of the pipeline to the actions: it knows none of them, the plan holds the functions that it calls.
 //!
 //! *Invariant:* an action is found once, when the plan is made.
 

@@ -1,4 +1,4 @@
-//! What a kernel carries on when the machine is started again with another file.
+//! Kernel state that survives a restart of the machine with another file.
 //!
 //! Facts: reference control-emulator.md 5.8. *Invariant:* only a kernel whose program came to its end is carried on, and
 //! only on a machine whose Machine Shutdown may start it again; everything that belongs to one run of all kernels

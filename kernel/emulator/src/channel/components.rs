@@ -35,7 +35,7 @@ pub struct Component<'a> {
 /// Which component a channel works with.
 #[derive(Default)]
 pub(crate) struct Turns {
-    /// Place of the one in work; none on a machine that is no composite.
+    /// Place of the one in work; none on a machine that is not a composite.
     pub(crate) now: Option<usize>,
     /// Place of the one before.
     pub(crate) before: Option<usize>,
@@ -78,7 +78,7 @@ impl<'a> Components<'a> {
         !self.all.is_empty()
     }
 
-    /// The one in work; none on a machine that is no composite, and in its master.
+    /// The one in work; none on a machine that is not a composite, and in its master.
     pub(crate) fn current(&self) -> Option<&'a Component<'a>> {
         self.turns.now.and_then(|now| self.all.get(now))
     }

@@ -1,4 +1,5 @@
-//! Axes of two channels that are coupled: what both channels do when they meet at the code, and what a coupled axis cannot do.
+//! Axes of two channels that are coupled: the actions of both channels when they meet at the code, and the limits of a
+//! coupled axis.
 //!
 //! Facts: Fanuc synchronous, composite and superimposed control; the alarms are those of its alarm list. Decisions: how far each
 //! channel has commanded its axis reaches the other one where both meet, at the codes and at other barriers; a channel sees its
@@ -182,7 +183,7 @@ impl Kernel<'_> {
         self.hold_followers();
     }
 
-    /// Words of axes that follow others are no commands.
+    /// Words of axes that follow others are not commands.
     pub(super) fn hold_followers(&mut self) {
         let machine = self.channel.env.machine;
         let held = slots(&self.channel.state.others.couplings, Coupling::follows);

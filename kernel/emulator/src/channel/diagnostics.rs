@@ -1,4 +1,4 @@
-//! What the machine makes of a diagnostic before it is logged.
+//! Changes of the machine to a diagnostic before it is logged.
 //!
 //! Facts: reference control-emulator.md 7.5. *Invariant:* whether a diagnostic stops the channel does not depend on it.
 

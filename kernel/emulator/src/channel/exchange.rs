@@ -1,4 +1,4 @@
-//! Axes that channels exchange: asked for, taken, given back, and who may move them.
+//! Axes that channels exchange: requested, taken, released, and the channel that may move them.
 //!
 //! Facts: reference channel-synchronisation.md 1.4, 1.9, scenario M11. Decisions: a word of an axis that the channel does not hold
 //! is an alarm and no part of its block acts, unless the machine asks for the axis by itself; a channel that gets an axis finds it

@@ -1,4 +1,4 @@
-//! State of the program flow: the running programs, what the block asks for at its end, labels and loops.
+//! State of the program flow: the running programs, the requests of the block for its end, labels and loops.
 //!
 //! Facts: reference control-emulator.md 5.7. *Invariant:* plain data; the stage `pipeline/follow` acts on it.
 

@@ -1,4 +1,4 @@
-//! Where the macros of a machine take part in what a kernel does.
+//! The points at which the macros of a machine take part in the work of a kernel.
 //!
 //! *Invariant:* the kernel knows its hooks by these points only. A machine without macros has none (`Plan::hooks` is
 //! `None`): its blocks go the same way and pay one comparison at each point. Facts: reference control-emulator.md 2.

@@ -1,4 +1,4 @@
-//! What is compiled once per job and shared by its kernels.
+//! Data that are compiled once per job and shared by its kernels.
 
 use std::sync::Arc;
 

@@ -1,4 +1,4 @@
-//! Diagnostics of a kernel, and what those do that are alarms of the control.
+//! Diagnostics of a kernel, and the effect of those that are alarms of the control.
 //!
 //! Facts: reference control-emulator.md 7.5 (the emulated system continues in all cases until an end code). Decision: a real
 //! control stops at its alarms; which of the two a machine does is data of its own (`[control] stops`, `stops` of a number).

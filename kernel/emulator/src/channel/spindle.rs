@@ -1,4 +1,4 @@
-//! The spindle of a channel: what it is commanded to do, how it turns, what other channels see of it.
+//! The spindle of a channel: its commands, its rotation, and its state for other channels.
 //!
 //! Facts: reference channel-synchronisation.md 1.9 (a spindle that several channels command: the last writer in tag order
 //! wins, with a warning when no sync point lies between). *Invariant:* a shared spindle is reached only through shared

@@ -1,4 +1,4 @@
-//! System variables of the machine's rows: what they show, and what setting them does.
+//! System variables of the machine's rows: their values, and the effect of setting them.
 //!
 //! Lengths and positions are in the units of the program. An offset that a program sets acts at once, and the machine does not
 //! move. Facts: reference fanuc-variables-and-alarms.md 1.3 to 1.6. *Invariant:* reading changes no value; nothing here

@@ -1,4 +1,4 @@
-//! What is known about the tools, reported whenever it changes.
+//! Data of the tools, reported whenever they change.
 //!
 //! Facts: reference listing-and-trace.md 7.1, system-variables.md 13. The first that knows counts: the tool table as
 //! macros have written it, the machine's tools, the offset in force while the tool was in use. Invariants: an event

@@ -1,4 +1,4 @@
-//! Waits of a channel for others, and what it does so that others continue.
+//! Waits of a channel for others, and acts that let others continue.
 //!
 //! Facts: reference channel-synchronisation.md 1.0 to 1.9. *Invariant:* a kernel waits only here and in shared operations; what
 //! a wait means is the business of `sync`.

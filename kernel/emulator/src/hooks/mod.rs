@@ -1,4 +1,4 @@
-//! What the macros of a machine add to the way of a block, to its codes, its events and its program.
+//! The steps of machine macros in the processing of a block, its codes, its events and its program.
 //!
 //! *Invariant:* the kernel reaches these functions through [`POINTS`] of its plan, so that nothing below depends on them.
 

@@ -1,4 +1,4 @@
-//! Macros around a whole program, around subprograms, and for what the pre-processor does not know.
+//! Macros around a whole program, around subprograms, and for names that the pre-processor does not know.
 //!
 //! Facts: reference control-emulator.md 2.1, 2.4, 4.1, 4.3.
 

@@ -138,7 +138,7 @@ impl Kernel<'_> {
         }
     }
 
-    /// Diagnostics are no place for blocks: they may be raised in the middle of anything.
+    /// Diagnostics cannot issue blocks, since they may be raised at any point.
     fn may_exec(&self, state: &mut State) -> Outcome<()> {
         state.spend(BLOCK_TICKS)?;
         if self.inside(Hook::Diagnostic) { Self::not_here("EXEC") } else { Ok(()) }

@@ -1,4 +1,4 @@
-//! Files of macros: those of the job and of the machine are read, what is written becomes a result of the job.
+//! Files of macros: files of the job and of the machine are read, and written files become results of the job.
 //!
 //! *Invariant:* what a kernel finds in a file depends on simulated time only, never on who was faster.
 

@@ -13,7 +13,7 @@ use crate::macros::store::names;
 use crate::state::modal::group;
 use counterpoint_machine::ident::codes;
 
-/// Rows of the tables with the one that is no operation.
+/// Rows of the tables with the one that is not an operation.
 const MOST: usize = 999;
 
 /// Numbers of offsets that a row keeps of a kind.

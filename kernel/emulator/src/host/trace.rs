@@ -1,4 +1,4 @@
-//! Macros in the trace: entering, statements, leaving, and what EXEC issues.
+//! Macros in the trace: entering, statements, leaving, and the blocks of EXEC.
 //!
 //! Facts: reference listing-and-trace.md 4, 6. The letter M shows the macros of codes and data, H all others, X the
 //! parameters of EXEC. *Invariant:* a macro and everything it shows has one letter; without a trace nothing here is

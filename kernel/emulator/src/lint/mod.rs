@@ -1,4 +1,4 @@
-//! A program is followed without being executed: its calls, its jumps and what it does for other channels, so that its waits can
+//! A program is followed without being executed: its calls, its jumps and its acts for other channels, so that its waits can
 //! be judged before anything moves.
 //!
 //! Words between channels, calls and ends act as in a run; nothing else does, and no variable has a value. Where only a run

@@ -1,4 +1,4 @@
-//! Parts of a program that a condition passes or repeats: whether something stands in them that others could notice.
+//! Parts of a program that a condition skips or repeats: whether other channels could notice them.
 //!
 //! *Invariant:* a part is searched line by line, regardless of its jumps; if they lead beyond it, the part grows. What
 //! cannot be known counts as something that others notice.

@@ -1,4 +1,4 @@
-//! What the macros of a kernel have asked the outside for.
+//! External requests of the macros of a kernel.
 
 use counterpoint_lang::host::AbsentFn;
 use rustc_hash::FxHashMap;

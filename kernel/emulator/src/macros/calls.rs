@@ -1,4 +1,4 @@
-//! Running macros: the state of the machine that runs them, which ones run, and what they do at OUTPUT.
+//! Running macros: the state of the machine that runs them, the running macros, and their work at OUTPUT.
 //!
 //! *Invariant:* a macro that runs cannot be selected again until it has ended. While a macro runs, its state lies with the
 //! machine that runs it, and a call back into the kernel puts it here first. Facts: reference

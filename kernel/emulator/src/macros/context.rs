@@ -1,4 +1,4 @@
-//! What macros know and change of the block in process.
+//! The state of the current block that macros read and change.
 //!
 //! *Invariant:* a block within another one has a context of its own; the outer one comes back as it was.
 

@@ -1,4 +1,4 @@
-//! What the macros of a running kernel remember.
+//! The memory of the macros of a running kernel.
 //!
 //! *Invariant:* state with methods of its own; none of it knows the kernel.
 

@@ -1,4 +1,4 @@
-//! Smaller parts of what the macros of a kernel remember.
+//! Smaller parts of the memory of the macros of a kernel.
 
 use counterpoint_machine::index::AxisSlot;
 use counterpoint_machine::index::CodeRowId;

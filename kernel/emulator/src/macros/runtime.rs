@@ -1,4 +1,4 @@
-//! What the macros of one running kernel remember.
+//! The memory of the macros of one running kernel.
 //!
 //! *Invariant:* plain data with methods of its own; a kernel without macros has it empty, with no macro on.
 

@@ -1,4 +1,4 @@
-//! Cycles along contour blocks: the blocks are read without acting, then the cycle cuts along what they describe.
+//! Cycles along contour blocks: the blocks are read without acting, then the cycle cuts along the contour.
 //!
 //! The blocks take the usual way through edit, pre-process, split and codes, but by a plan whose actions only record. So
 //! variables, expressions and corners count as the control counts them. *Invariant:* reading changes neither the position

@@ -1,4 +1,4 @@
-//! Stage *follow*: executes what a block asks for at its end (a call, a return, the end), and jumps.
+//! Stage *follow*: executes the requests of a block for its end (a call, a return, the end), and jumps.
 //!
 //! Facts: reference control-emulator.md 5.7. *Invariant:* nesting is bounded; a backward jump is always counted.
 

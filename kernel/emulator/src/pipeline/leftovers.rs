@@ -1,4 +1,4 @@
-//! Stage *leftovers*: what nothing has taken off the block after all its codes have acted.
+//! Stage *leftovers*: words that are still in the block after all its codes have acted.
 //!
 //! Facts: reference control-emulator.md 1.3 (unused data), 2.2 step 12.
 

@@ -1,4 +1,4 @@
-//! Stage *read*: the block loop takes the next block, from a file or from what EXEC/NEXT left.
+//! Stage *read*: the block loop takes the next block, from a file or from the queue of EXEC/NEXT.
 //!
 //! Facts: reference control-emulator.md 2.2 and 5.1.
 

@@ -1,4 +1,4 @@
-//! Alarms of a channel, and what they make of a block.
+//! Alarms of a channel, and their effect on a block.
 
 use super::channel::Channel;
 use counterpoint_fault::Facts;

@@ -1,4 +1,4 @@
-//! What codes have said about circles to come: centre, radius, direction.
+//! Definitions of codes for later circles: centre, radius, direction.
 //!
 //! *Invariant:* a defined centre is a point and stays until another definition.
 

@@ -1,4 +1,4 @@
-//! What a kernel uses up besides time: memory of its job, and work within blocks.
+//! The resources of a kernel besides time: memory of its job, and work within blocks.
 //!
 //! Invariants: every part is counted in the order of the program that makes it, or of the tags of shared operations, so
 //! that whether a limit is reached depends on nothing else; a block that does the work of many counts as many.

@@ -1,4 +1,4 @@
-//! One channel of the control: what it is given, where it is, what it remembers.
+//! One channel of the control: its inputs, position and memory.
 //!
 //! *Invariant:* a part is plain data with methods of its own; none of them knows the kernel.
 

@@ -1,4 +1,4 @@
-//! Coolant of a channel: what the active codes do not say.
+//! Coolant of a channel: the state beyond the active codes.
 //!
 //! *Invariant:* what flows is the active code of its modal group.
 

@@ -1,4 +1,4 @@
-//! What corner words and angle words of the program ask of the contour.
+//! Requests of corner words and angle words for the contour.
 //!
 //! *Invariant:* a word is asked once: by the move of its block, or it is reported as one that cannot act.
 

@@ -1,4 +1,4 @@
-//! What compensation remembers between moves.
+//! The memory of compensation between moves.
 
 use counterpoint_machine::index::{AxisSlot, BySlot};
 use std::sync::Arc;

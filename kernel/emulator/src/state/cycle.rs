@@ -1,4 +1,4 @@
-//! What a channel remembers of its cycle.
+//! The memory of a channel about its cycle.
 //!
 //! *Invariant:* heights and amounts belong to one run of cycles, from the first code to the cancellation; a macro that
 //! sets a value before the first code begins that run. Facts: reference system-variables.md 8.

@@ -1,4 +1,4 @@
-//! What a channel remembers from block to block: plain structs with methods of their own.
+//! The memory of a channel from block to block: plain structs with their own methods.
 //!
 //! *Invariant:* nothing here knows the kernel, its plan or its actions; one box holds what few machines use, and the block
 //! loop never looks into it for what a machine does not use.

@@ -1,4 +1,4 @@
-//! Axes of a channel, where they are, and what lies between the program and them.
+//! Axes of a channel, their positions, and the frames between the program and them.
 
 use counterpoint_event::event::{MAX_AXES, Position};
 use counterpoint_fault as diag;

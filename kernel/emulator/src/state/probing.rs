@@ -1,4 +1,4 @@
-//! What is known about probing moves. Facts: reference system-variables.md 12.
+//! Data of probing moves. Facts: reference system-variables.md 12.
 
 use counterpoint_event::event::{MAX_AXES, Position};
 

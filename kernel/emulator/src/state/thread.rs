@@ -1,4 +1,4 @@
-//! What a channel remembers of its threads and threading cycles.
+//! The memory of a channel about its threads and threading cycles.
 //!
 //! *Invariant:* settings last until they are changed; depth, first step and number of passes belong to one cycle, and a
 //! macro that sets one of them before its code sets it for that cycle. Facts: reference system-variables.md 8.

@@ -1,4 +1,4 @@
-//! What a channel remembers of its turning cycles, and a contour that is being read.
+//! The memory of a channel about its turning cycles, and a contour that is being read.
 //!
 //! *Invariant:* settings last until they are changed; the end of a single cycle lasts as long as its code.
 

@@ -1,4 +1,4 @@
-//! Factors from what a program counts in to what the machine counts in.
+//! Factors from the units of a program to those of the machine.
 
 use super::State;
 use super::channel::Channel;

@@ -1,4 +1,4 @@
-//! The trace: what a kernel shows of its work, line by line, in the documented layout.
+//! The trace: the work of a kernel, line by line, in the documented layout.
 //!
 //! Facts: reference listing-and-trace.md 3, 4, 6. Trace lines are events like all others, so they have their place in
 //! the log and a trace is as reproducible as the log. *Invariant:* a kernel without trace letters asks one `Option`

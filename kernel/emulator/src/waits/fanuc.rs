@@ -23,7 +23,7 @@ pub(super) fn rule(letter: &str) -> Rule {
 
 /// Case of PS0160 when both stand at the same time.
 fn refuses(wait: &Wait, other: &Wait) -> Option<&'static str> {
-    // Codes that two channels execute together are no waiting codes.
+    // Codes that two channels execute together are not waiting codes.
     let joint = [wait, other].iter().any(|wait| (super::COUPLING..=super::BALANCE).contains(&wait.key.space));
     if joint || wait.primitive != Primitive::Barrier || other.primitive != Primitive::Barrier {
         return None;

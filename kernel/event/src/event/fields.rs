@@ -1,4 +1,4 @@
-//! What the fields of events are written through, and read back from.
+//! Writers and readers of the fields of events.
 //!
 //! Each kind of event names its fields once, in its [`Record`]. The JSON lines, the wire, the fingerprint of the log
 //! and the count of texts are each a [`Fields`]; what reads an encoding is a [`Source`]. *Invariant:* numbers and names

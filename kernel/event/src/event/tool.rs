@@ -1,4 +1,4 @@
-//! Tools that come into work, and what is known about them.
+//! Tools that come into use, and their data.
 
 use super::declare::{record, words};
 use super::work::Work;

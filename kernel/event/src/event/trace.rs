@@ -1,4 +1,4 @@
-//! Lines of the trace, and what macros control the listing with.
+//! Lines of the trace, and the listing controls of macros.
 
 use std::fmt;
 

@@ -1,4 +1,4 @@
-//! What the time of an event was spent on.
+//! The kind of work of the time of an event.
 //!
 //! *Invariant:* an event with a duration belongs to one class and only one, so the classes of a channel and its waits
 //! add up to its time. Facts: reference control-emulator.md 6.9 (feed, rapid, misc, idle).

@@ -145,7 +145,7 @@ impl<'a> Assembly<'a> {
         Some(Master { channel, runtime, programs, good })
     }
 
-    /// Runs Machine Shutdown at the end of the log; how the machine goes on, if it does. `wrong` tells why it cannot.
+    /// Runs Machine Shutdown at the end of the log; how the machine continues, if it does. `wrong` tells why it cannot.
     pub(super) fn master_shutdown(
         self,
         master: &mut Option<Master>,

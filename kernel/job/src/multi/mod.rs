@@ -149,7 +149,7 @@ struct Start<'a> {
     at: Option<At>,
     /// When the machine is started again: time and microstep, and what the kernel was before.
     before: Option<((i64, u32), Option<Carried>)>,
-    /// The kernel goes on with another file, as if it were the first one or not.
+    /// The kernel continues with another file, with or without resetting modal state.
     reset: Option<bool>,
 }
 

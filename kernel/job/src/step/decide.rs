@@ -1,4 +1,4 @@
-//! Which kernel goes on, or why the run stands.
+//! Decides which kernel continues, or why the run stops.
 //!
 //! Invariant: a function of what the operator has commanded and of where the kernels are in simulated time; never of the clock.
 
@@ -30,7 +30,7 @@ pub(super) enum Goal {
 /// What is to be done.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Decision {
-    /// This kernel goes on.
+    /// This kernel continues.
     Run(usize),
     /// The run stands: the channel that is the cause (0 = none), and why.
     Stop(u16, String),
@@ -96,7 +96,7 @@ impl State {
             return Decision::Stop(0, self.with_holds(reason));
         };
         let Some(kernel) = kernels.get(at) else { return Decision::Run(at) };
-        // A channel that is too far ahead goes on when the others come up; held ones and those whose step is done do not.
+        // A channel that is too far ahead continues when the others come up; held ones and those whose step is done do not.
         let limited = self.goal == Goal::All || self.channels.iter().any(|one| one.held);
         if kernel.far_ahead && limited && self.ahead == Some(kernel.channel) {
             self.ahead = None;
@@ -167,7 +167,7 @@ impl State {
         passes
     }
 
-    /// A kernel goes on with its block.
+    /// A kernel continues with its block.
     pub(super) fn goes(&mut self, number: u16) -> Go {
         match &mut self.goal {
             Goal::Next(blocks) => *blocks = blocks.saturating_sub(1),

@@ -1,4 +1,4 @@
-//! Stepping through a job: which kernel goes on, and when the run stands until its operator commands something.
+//! Stepping through a job: the next kernel, and the stops at which the run waits for a command.
 //!
 //! All kernels of such a job share one thread and give it away before every block, at breakpoints within a block too, so that the
 //! run stands as a whole. Invariants: the order in which kernels take their turns is the only thing that is decided here, and the
@@ -34,7 +34,7 @@ pub(crate) struct Candidate {
     pub(crate) bound: i64,
 }
 
-/// Chooses the kernel that goes on, as the operator commands.
+/// Chooses the kernel that continues, as the operator commands.
 pub(crate) struct Director<'a> {
     console: &'a dyn Console,
     control: &'a Control,
@@ -118,7 +118,7 @@ impl<'a> Director<'a> {
         index.and_then(|index| self.control.progress().get(index)).map_or(Doing::NotStarted, |now| now.state())
     }
 
-    /// The kernel that goes on; waits while the run stands. `None`: none has anything to do.
+    /// The kernel that continues; waits while the run stands. `None`: none has anything to do.
     pub(crate) fn next(&self, kernels: &[Candidate], common: &mut Common<'_>) -> Option<usize> {
         loop {
             let mut state = self.lock();

@@ -1,4 +1,4 @@
-//! What a file gives to all macros: functions and shared variables.
+//! The contributions of a file to all macros: functions and shared variables.
 
 use super::arms::Arms;
 use super::{Options, Place, Program, Strong};

@@ -193,7 +193,7 @@ impl MacroCompiler<'_> {
 }
 
 impl MacroCompiler<'_> {
-    /// Makes `$NULL` in a register the value that a declared variable begins with: what could not be read is no fault.
+    /// Makes `$NULL` in a register the value that a declared variable begins with: what could not be read is not a fault.
     fn null_to_unset(&mut self, slot: Slot) {
         let (null, unset) = (self.constant(Value::Null), self.constant(Value::Unset));
         let jump = self.emit(Op::JumpUnlessCompare { relation: Relation::Equal, a: slot, b: null, target: 0 });

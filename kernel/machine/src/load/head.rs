@@ -1,4 +1,4 @@
-//! `[ce]` and `[machine]`: who the machine is.
+//! `[ce]` and `[machine]`: the identity of the machine.
 //!
 //! Invariant: a name has 1 to 32 characters; units and pre-processor are always decided.
 

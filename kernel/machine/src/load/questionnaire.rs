@@ -1,4 +1,4 @@
-//! `[questionnaire]`: which word means what, asked by subject; the answers become rows.
+//! `[questionnaire]`: the meanings of words, by subject; the answers become rows.
 //!
 //! Invariant: a row that the file gives itself wins over an answer, and every row made here carries the place of its
 //! answer, so that findings and tables name it. Facts: reference control-emulator.md 1.1.

@@ -1,4 +1,4 @@
-//! The questions: what a control may be asked, and which identifiers an answer names.
+//! The questions about a control, and the identifiers that an answer names.
 //!
 //! Invariant: every identifier here is built in, and docs/machine-definition.md lists every key. Facts: reference
 //! control-emulator.md 1.1, 1.5, 1.7.

@@ -1,4 +1,4 @@
-//! `[[system_variables]]`: what numbered system variables show and set.
+//! `[[system_variables]]`: the values of numbered system variables.
 //!
 //! *Invariant:* a number has one row at most. Facts: reference fanuc-variables-and-alarms.md 1. A machine without rows has those
 //! that every control of the kind has: clocks, modal codes, positions.

@@ -1,4 +1,4 @@
-//! Tests of loading: what is reported, where, and what the shipped machines come out as.
+//! Tests of loading: the findings with their places, and the shipped machines.
 
 mod chains;
 mod contradictions;

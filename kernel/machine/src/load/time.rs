@@ -1,4 +1,4 @@
-//! `[time]`: what takes how long.
+//! `[time]`: durations.
 //!
 //! Invariant: an M number with a time has a code row of its own that carries it.
 

@@ -20,7 +20,7 @@ pub(super) struct Word {
     pub(super) max: f64,
 }
 
-/// Why a text is no code word.
+/// Why a text is not a code word.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) enum Wrong {
     /// It starts with no register; the letters are given.

@@ -1,4 +1,4 @@
-//! What must be on a block, and what must not, for a code or data macro to run.
+//! Conditions on a block for a code or data macro to run.
 //!
 //! Invariant: a condition is compiled once; testing it allocates nothing. Facts: reference control-emulator.md 4.2: a list
 //! of which any one fires, lists that must and must not be present, or a hand-written condition in which AND binds tighter

@@ -1,4 +1,4 @@
-//! What the compiler of macros must know of a machine: variables, identifiers with the machine's own, files to include.
+//! The facts of a machine for the compiler of macros: variables, identifiers with the machine's own, files to include.
 //!
 //! Invariant: the number of an identifier is its place in the machine's tables plus one, built-in names first; a file
 //! that is named never lies outside the machines folder and what is stored with the machine.

@@ -1,4 +1,5 @@
-//! Macros of a machine: what they see of the control (system variables, identifiers), and what a machine declares.
+//! Macros of a machine: the parts of the control that they see (system variables, identifiers), and the declarations
+//! of a machine.
 //!
 //! Invariant: the language knows none of these names; the compiler and the runner of macros pass them from here.
 

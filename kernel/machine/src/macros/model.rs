@@ -1,4 +1,4 @@
-//! The macros of a machine as the kernel runs them: compiled, named, with what they match.
+//! The macros of a machine as the kernel runs them: compiled, named, with their triggers.
 //!
 //! Invariant: every lookup while a program runs uses an index found when the machine was loaded: a hook is a
 //! place in an array, the macros of a code or of data are a list by identifier. Facts: reference control-emulator.md 4.

@@ -1,4 +1,4 @@
-//! Functions that need what is not here: a machine model, a composite, a screen.
+//! Functions without support here: they need a machine model, a composite or a screen.
 //!
 //! Invariant: each of them reports once in a run that nothing is there for it (2910070), and returns as if it had failed.
 

@@ -1,4 +1,4 @@
-//! What a composite machine is made of.
+//! The components of a composite machine.
 //!
 //! A component is a machine definition of its own with the axes, channels, spindles and waits of the composite. *Invariant:* each
 //! channel of a composite has a component; the first one of a channel is in work when its program begins. Facts: reference

@@ -1,4 +1,4 @@
-//! What a machine says about circles, threads and the tool in space.
+//! The rules of a machine for circles, threads and the tool in space.
 //!
 //! Facts: reference control-emulator.md 1.5 (questions on circles and threads), 6.1, 6.5. Invariant: distances are zero
 //! or more, in the unit of the machine.
@@ -20,7 +20,7 @@ pub struct Arcs {
     pub helix: Helix,
     /// Which circles take a number of turns.
     pub turns: Turns,
-    /// A circle by its radius to its own start is no motion; otherwise it is reported.
+    /// Whether a circle by its radius to its own start moves nothing; otherwise it is reported.
     pub stands: bool,
     /// A circle with neither centre nor radius is a straight line; otherwise it is reported.
     pub straight: bool,

@@ -1,4 +1,4 @@
-//! TOML with places: what the loader reads machine files through.
+//! TOML with places, through which the loader reads machine files.
 //!
 //! Invariant: nothing here knows what a machine is, and every value carries the file, line and column it was
 //! written at, also after a family and a machine have been merged.

@@ -8,7 +8,7 @@ use super::element::{Element, NOISE, cross, distance};
 use super::near::{at, turned};
 use crate::arc::Arc;
 
-/// A ring that is no closed contour with an area.
+/// A ring that is not a closed contour with an area.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Open;
 
@@ -16,7 +16,7 @@ pub struct Open;
 #[derive(Debug, Clone, Default)]
 pub struct Area {
     pub(super) rings: Vec<Vec<Element>>,
-    /// How far beyond the first ring, which is no wall, the tool goes.
+    /// How far beyond the first ring, which is not a wall, the tool goes.
     pub(super) beyond: Option<f64>,
     /// Radius of a tool that has cleared it before, and how far both stay away from the walls besides their radii.
     pub(super) earlier: Option<(f64, f64)>,

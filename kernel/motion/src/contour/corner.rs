@@ -1,4 +1,4 @@
-//! What happens between two pieces of a contour: the offsets cut each other inside, and are joined outside.
+//! The path between two pieces of a contour: the offsets cut each other inside, and are joined outside.
 //!
 //! Facts: reference control-emulator.md 6.6. Decisions: docs/emulation.md, "Cutter radius". *Invariant:* every way is
 //! finite; where the tool does not fit, the way goes beside the contour's points and says so.

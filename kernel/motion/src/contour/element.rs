@@ -1,4 +1,4 @@
-//! A piece of the contour in its plane, and what its offset is.
+//! A piece of the contour in its plane, and its offset.
 //!
 //! Coordinates are those of the plane, as geometry (radii). The side is +1 for a tool left of the way, −1 right.
 //! *Invariant:* an element has a length.
@@ -98,7 +98,7 @@ impl Element {
         self.arc.as_ref().is_some_and(|arc| arc.radius - side * arc.sweep.signum() * radius < -NOISE)
     }
 
-    /// The offset of the arc is no arc.
+    /// The offset of the arc is not an arc.
     pub fn is_too_small(&self, side: f64, radius: f64) -> bool {
         self.arc.is_some() && self.offset_radius(side, radius).is_none()
     }

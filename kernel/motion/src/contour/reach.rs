@@ -1,4 +1,4 @@
-//! Where the middle of a tool may be inside of contours, what it clears from there, and what it leaves to a smaller one.
+//! The region of a tool centre inside contours, the area cleared from there, and the rest for a smaller tool.
 //!
 //! A spot is too near to a contour if it lies in the band beside one of its elements, or in the disc about one of its corners.
 //! *Invariant:* the ways are exact lines and arcs; contours with too many elements have none.

@@ -1,4 +1,4 @@
-//! Circles that continue in the direction of what is before them.
+//! Circles that continue in the direction of the preceding element.
 //!
 //! *Invariant:* a circle that exists ends at its end point.
 

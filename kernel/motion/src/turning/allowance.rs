@@ -1,4 +1,4 @@
-//! What roughing leaves on a contour: amounts along both axes.
+//! The allowance of roughing on a contour: amounts along both axes.
 //!
 //! *Invariant:* what comes out follows itself without gaps and does not turn back along the cut; where an allowance does not
 //! fit into the contour there is none.

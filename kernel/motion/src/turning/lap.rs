@@ -1,4 +1,4 @@
-//! What lathe auto-programming (Okuma LAP) tells a rough cycle besides the common settings.
+//! The settings of lathe auto-programming (Okuma LAP) for a rough cycle besides the common ones.
 //!
 //! *Invariant:* all lengths are positions or amounts of the plane; the direction of the cut gives amounts their signs.
 

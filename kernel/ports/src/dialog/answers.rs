@@ -1,4 +1,4 @@
-//! Answers ahead: what a job says to the dialogs of its machine.
+//! Prepared answers of a job to the dialogs of its machine.
 //!
 //! Invariant: [`check`] passes exactly when every answer can be taken as it is written. Several answers to one dialog
 //! are taken in order, the last one stays.

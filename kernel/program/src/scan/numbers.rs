@@ -1,4 +1,4 @@
-//! Numbers of words: their digits, and what a register's format makes of them.
+//! Numbers of words: their digits, and their values in the format of a register.
 //!
 //! Facts: reference control-emulator.md 1.4 (reading a number). Invariant: a value is the number closest to its digits.
 

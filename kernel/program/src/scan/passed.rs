@@ -60,7 +60,7 @@ impl Scanner {
         line.get(at..)?.starts_with(end).then_some(at + end.len())
     }
 
-    /// Level of the mark at `at`, and where it ends. On controls with a pre-processor of their own 0 is no level.
+    /// Level of the mark at `at`, and where it ends. On controls with a pre-processor of their own 0 is not a level.
     pub fn mark(&self, line: &[u8], at: usize) -> (u8, usize) {
         match line.get(at + 1) {
             Some(digit @ b'1'..=b'9') => (digit - b'0', at + 2),

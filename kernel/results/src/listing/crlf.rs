@@ -1,4 +1,4 @@
-//! Line ends of CR and LF for those who want them.
+//! Line ends of CR and LF on request.
 //!
 //! Facts: reference listing-and-trace.md 1 (LF, with a switch). *Invariant:* nothing but line ends changes.
 

@@ -75,7 +75,7 @@ impl Face {
         self.end = Some(motion.to);
     }
 
-    /// Positions between the ends of a move that is no straight line on the face.
+    /// Positions between the ends of a move that is not a straight line on the face.
     fn way(&self, motion: &Motion, axes: &[info::Axis], turns: bool) -> Vec<Position> {
         if let Some(sweep) = Sweep::of(motion, axes) {
             return chords::of_arc(motion, &sweep, axes);

@@ -31,7 +31,7 @@ impl Coordinator {
 }
 
 impl Slot {
-    /// Notes where this kernel goes on.
+    /// Notes where this kernel continues.
     pub(super) fn note_processor(&self) {
         self.processor.store(current(), Relaxed);
     }

@@ -9,7 +9,7 @@ use super::locks::{PoisonError, spin_loop, yield_now};
 use super::switch::{Pause, Switch};
 use super::{Coordinator, Guard, Slot};
 
-/// Looks at the signal before the processor is given away, where every kernel has a processor: the partner runs, or goes on
+/// Looks at the signal before the processor is given away, where every kernel has a processor: the partner runs, or continues
 /// after its time slice, and a kernel that still spins then loses nothing. Below 500 a machine with other work takes a job
 /// apart now and then, so that its kernels no longer run at the same time.
 pub(super) const TURNS: u32 = if cfg!(all(test, feature = "shuttle")) { 2 } else { 1200 };

@@ -65,7 +65,7 @@ impl Order {
         }))
     }
 
-    /// A channel arrives before it has come to rest: unless [`After::Go`] lets it continue, it goes on until it
+    /// A channel arrives before it has come to rest: unless [`After::Go`] lets it continue, it runs on until it
     /// [`stops`](Self::stops).
     pub fn arrive_in_motion(&mut self, waiting: Waiting, own: Finish, info: &Info) -> (After, Option<String>) {
         self.moving = self.moving.with(waiting.tag.channel);

@@ -1,4 +1,4 @@
-//! Channels in loops that only read what all of them share.
+//! Channels in loops that only read shared data.
 //!
 //! Every change of shared data raises a counter. A pass that begins and ends at the same counter, and with the same
 //! state of its own channel, repeats indefinitely unless another channel changes something. A kernel in such a loop

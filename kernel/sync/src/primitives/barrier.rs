@@ -1,4 +1,4 @@
-//! Barrier: all channels that take part stand at the same mark, the k-th time with the k-th.
+//! Barrier: all participating channels wait at the same mark, the k-th time with the k-th.
 
 use super::Scene;
 use crate::wait::{Missing, Places, Set, Wait};

@@ -1,4 +1,4 @@
-//! Count: so many of the channels stand at the mark, whichever they are.
+//! Count: a given number of any channels wait at the mark.
 
 use super::Scene;
 use crate::wait::{Missing, Places, Set, Wait};

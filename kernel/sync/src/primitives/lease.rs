@@ -1,4 +1,4 @@
-//! Lease: an axis or a spindle belongs to one channel at a time; who asks first gets it first.
+//! Lease: an axis or a spindle belongs to one channel at a time; the first request is served first.
 //!
 //! A channel may also take what another one holds, or pass on what it holds itself. With an axis goes the place where its last
 //! holder has moved it. *Invariant:* a queue is in the order of tags; a free lease has no queue once waits are settled.

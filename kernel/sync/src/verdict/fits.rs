@@ -1,4 +1,4 @@
-//! The nearest code that would end a wait: where a partner has the same mark, or stands at one that is almost it.
+//! The nearest code that would end a wait: the place where a partner has the same mark, or waits at a similar one.
 //!
 //! Facts: reference channel-synchronisation.md 2.3. Decision: only the text of the partner's own program is looked at, at most
 //! [`MOST`] lines after and before the block where it stands; a mark in a comment is none. *Invariant:* a hint changes nothing.
@@ -18,7 +18,7 @@ pub(super) fn hints(dead: Set, waits: &Waits, info: &Info) -> Vec<String> {
     let mut said = Set::default();
     for channel in dead.iter() {
         let Some(own) = waits.places.at(channel).filter(|own| is_mark(own.wait.primitive)) else { continue };
-        // Another code ends this wait: what the partner stands at is no slip.
+        // Another code ends this wait: the code of the partner is not a typing error.
         let sent = waits.rules.of(&own.wait).is_some_and(|rule| rule.signals.sent_by.is_some());
         for partner in waits.missing(channel).channels.iter() {
             let mutual = said.has(partner) && waits.missing(partner).channels.has(channel);

@@ -1,4 +1,4 @@
-//! The ledger without a server: what of it cannot be read or does not agree, and its repair.
+//! The ledger without a server: unreadable or inconsistent parts, and their repair.
 //!
 //! Invariant: a ledger that is only examined is not written; changes that opening it needs stay in memory.
 

@@ -1,4 +1,4 @@
-//! The one thread that writes the ledger, and what it does when the disk fails.
+//! The one thread that writes the ledger, and its behaviour when the disk fails.
 //!
 //! It applies all operations that wait (up to 256) in one transaction, commits once and then answers them: group
 //! commit. A write error closes the database for good, so the file is opened again with growing pauses; meanwhile

@@ -1,4 +1,4 @@
-//! The line of one tenant: its jobs that wait, by urgency and age, and what it owes to the others.
+//! The line of one tenant: its jobs that wait, by urgency and age, and its debt to the others.
 //!
 //! Invariant: `held` counts every job of the tenant that waits anywhere in the queue, `running` those on workers; a line
 //! without both is dropped with its account.

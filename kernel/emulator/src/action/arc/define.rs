@@ -1,4 +1,4 @@
-//! What codes say about circles that other blocks make: centre, radius, direction.
+//! Codes that define circles for other blocks: centre, radius, direction.
 //!
 //! Facts: reference control-emulator.md 6.1 (definition form as a code, direction as a separate code). Decisions: a
 //! defined centre is a point and stays until another definition; a code of circles without a direction looks for one on

@@ -1,4 +1,4 @@
-//! What is held back with a move that waits, and its release after that move.
+//! Effects that are held back with a waiting move, and their release after that move.
 //!
 //! While a move waits the clock stays where the move begins, and advances by what happens after it (dwells, functions).
 //! When the move has been made, all that was held back is moved on by its time.

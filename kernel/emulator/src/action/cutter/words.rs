@@ -1,4 +1,4 @@
-//! Corner words and angle words of a block: what they ask of the contour.
+//! Corner words and angle words of a block: their requests for the contour.
 //!
 //! They are taken before the move of their block. *Invariant:* a word that the move has no use for is reported.
 

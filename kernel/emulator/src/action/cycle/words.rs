@@ -1,4 +1,4 @@
-//! Data of a cycle, in the order in which it is taken: feed, depth, clearance, position, and what only some kinds have.
+//! Data of a cycle, in the order in which it is taken: feed, depth, clearance, position, and data of only some kinds.
 //!
 //! *Invariant:* a kind takes what it uses; the rest stays on the block and is reported. Facts: reference control-emulator.md
 //! 6.4 (feed, depth axis, clearance, position axes are documented by a trace).

@@ -1,6 +1,6 @@
 //! Variables of the components of a composite machine.
 //!
-//! *Invariant:* blank and none on a machine that is no composite, and in a master kernel where no component works. Facts:
+//! *Invariant:* blank and none on a machine that is not a composite, and in a master kernel where no component works. Facts:
 //! reference system-variables.md.
 
 use counterpoint_lang::ident::minor_code;

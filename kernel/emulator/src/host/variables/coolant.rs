@@ -1,4 +1,4 @@
-//! Variables of coolant: what flows, auxiliary devices, the pump.
+//! Variables of coolant: the flow, auxiliary devices, the pump.
 //!
 //! *Invariant:* what a macro sets makes no event. Facts: reference system-variables.md 6.
 

@@ -1,4 +1,4 @@
-//! What a kernel writes down of its program for the tables that macros read: operations, times, travel.
+//! Records of a kernel for the tables that macros read: operations, times, travel.
 
 pub(crate) mod operations;
 pub(crate) mod sums;

@@ -84,7 +84,7 @@ impl Sums {
             2 => sum.rapid,
             3 => {
                 let other = (sum.whole + open) as f64 / 1e9 - sum.feed - sum.rapid;
-                // What rounding to nanoseconds leaves is no time.
+                // The remainder of rounding to nanoseconds does not count as time.
                 if other.abs() < 1e-6 { 0.0 } else { other }
             }
             4 => sum.feeds.0,

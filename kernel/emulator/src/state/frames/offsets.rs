@@ -1,4 +1,4 @@
-//! Offsets of the control while it runs: those of the machine definition, and what macros have set since.
+//! Offsets of the control while it runs: those of the machine definition, and later values of macros.
 //!
 //! Values are by channel axis, as programmed. Base values are added for every number, of fixtures even when none is
 //! active. *Invariant:* an offset that has not been set is that of the definition; one that does not exist is zero. Facts:

@@ -1,4 +1,4 @@
-//! Families: what a child inherits, replaces and adds, and chains that cannot be followed.
+//! Families: inherited, replaced and added parts of a child, and chains that cannot be followed.
 
 use super::*;
 use crate::ident::codes;

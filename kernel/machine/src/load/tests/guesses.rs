@@ -74,7 +74,7 @@ const PROGRAMS: &[(&str, &str)] = &[
     ("O1\n$1\nG50 S2500\nM30\n$2\nM30\n", "citizen-3system"),
     ("$0\n#814=10\n$1\nT1 M6\n", "citizen-3system"),
     ("O1\nG50 S2500\n!2L1\nG0 X5. Z1.\n", "citizen-3system"),
-    // Pocket milling of a Haas, its second spindle and the end of polar interpolation are no turrets.
+    // Pocket milling of a Haas, its second spindle and the end of polar interpolation are not turrets.
     ("G13 I5. D1 F100.\nG14\nT1 M6\n", "haas-mill"),
     ("T1 M6\nG154 P3 X0 Y0\n", "haas-mill"),
     ("T1 M6\nM97 P100 L2\n", "haas-mill"),
@@ -208,7 +208,7 @@ fn what_cannot_be_guessed_is_refused() {
     refused(&[("p.mpf", "O1\nG65 P9810 Z1.\nT1 M6\n")], "as well as");
 }
 
-/// Texts of other machines and programs that are no NC program.
+/// Texts for other machines, and texts that are not NC programs.
 const ELSEWHERE: &[(&str, &str, &str)] = &[
     ("p.gcode", "M104 S210\nG28\nG1 X10 Y10 E1.2 F1500\nG1 X20 E2.4\n", "a 3D printer"),
     ("p.gcode", "G21\nG90\nM106 S255\nG1 X1 Y1 F100\nM107\n", "a 3D printer"),

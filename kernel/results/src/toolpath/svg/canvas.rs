@@ -1,4 +1,4 @@
-//! What a pen has already painted, so that lines which would change nothing are not drawn again.
+//! The area that a pen has already painted, so that lines without an effect are not drawn again.
 //!
 //! *Invariant:* a line is left out only if every place of it is painted within half a pixel, or, for long ones, if the
 //! same line has been drawn before.
