@@ -29,7 +29,7 @@ pub(crate) struct Attendant {
     lines: Option<mpsc::UnboundedReceiver<String>>,
 }
 
-/// What comes next.
+/// The next item.
 pub(crate) enum Next {
     /// A dialog is open.
     Question(v1::Question),

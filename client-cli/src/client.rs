@@ -19,7 +19,7 @@ const LONG: u64 = 315_360_000;
 /// Results that a caller may request from an embedded server after a job, besides those it always has.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Asked {
-    /// What is made from the event log.
+    /// Data made from the event log.
     pub(crate) log: bool,
     pub(crate) toolpath: bool,
 }

@@ -30,7 +30,7 @@ pub(crate) enum Error {
     Closed,
 }
 
-/// What is wrong with a file, in words.
+/// The error in a file, in words.
 fn file_problem(path: &str, error: &std::io::Error) -> String {
     match error.kind() {
         ErrorKind::NotFound => format!("'{path}' does not exist"),

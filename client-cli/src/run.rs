@@ -70,7 +70,7 @@ async fn carry_out(arguments: Run) -> Result<(v1::JobStatus, Option<u8>), (Stage
     Ok((status, None))
 }
 
-/// What will be asked for after the run.
+/// The results requested after the run.
 fn asked(arguments: &Run) -> Asked {
     let wanted = |what| arguments.out.is_some() && arguments.wants(what);
     let trace = wanted(ResultKind::Trace) && !arguments.inputs.trace.is_empty();

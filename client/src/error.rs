@@ -17,7 +17,7 @@ pub enum Error {
     Unreachable {
         /// The address.
         address: String,
-        /// What the system said.
+        /// The error of the system.
         cause: String,
     },
     /// The server refused, or was not reached again within the patience of the client.

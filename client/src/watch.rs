@@ -177,7 +177,7 @@ impl Watch {
         })
     }
 
-    /// What of a batch was not delivered before.
+    /// The part of a batch that was not delivered before.
     fn fresh(&mut self, mut batch: v1::EventBatch) -> Result<Option<v1::EventBatch>, Error> {
         if batch.last_seq <= self.cursor {
             return Ok(None);

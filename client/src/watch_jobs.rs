@@ -63,7 +63,7 @@ impl WatchJobs {
         self.cursor
     }
 
-    /// What comes next.
+    /// The next item.
     ///
     /// # Errors
     /// When the server refuses, or was not reached within the patience of the client.

@@ -60,7 +60,7 @@ impl Decoder for Dynamic {
     }
 }
 
-/// What reflection says.
+/// The answer of reflection.
 struct Reflection(ServerReflectionClient<Channel>);
 
 impl Reflection {

@@ -22,9 +22,9 @@ use crate::results::Document;
 pub struct Damage {
     /// File or folder.
     pub path: PathBuf,
-    /// What is wrong.
+    /// The error.
     pub what: String,
-    /// What to do, or what has been done.
+    /// The remedy, or the completed repair.
     pub remedy: String,
     /// It is there no longer.
     pub repaired: bool,

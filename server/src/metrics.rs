@@ -68,7 +68,7 @@ pub(crate) struct Waiting {
     pub(crate) age_s: i64,
 }
 
-/// What one tenant uses of its quotas.
+/// The use of the quotas of one tenant.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub(crate) struct Used {
     pub(crate) running: i64,
@@ -135,7 +135,7 @@ pub(crate) struct Jobs {
     pub(crate) blocks: Counter,
 }
 
-/// What is stored.
+/// The stored data.
 #[derive(Debug)]
 pub(crate) struct Storage {
     commit_seconds: Histogram,

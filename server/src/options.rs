@@ -44,7 +44,7 @@ pub struct Options {
     /// What nobody may ask for more of.
     #[serde(flatten)]
     pub maxima: Maxima,
-    /// What one tenant may have.
+    /// The quotas of one tenant.
     #[serde(flatten)]
     pub quotas: Quotas,
     /// Patience with connections, and how many there may be.
@@ -53,7 +53,7 @@ pub struct Options {
     /// How long things are kept.
     #[serde(flatten)]
     pub retention: Retention,
-    /// What single tenants may have and keep instead.
+    /// Different quotas and retention of single tenants.
     pub tenants: BTreeMap<String, Tenant>,
     /// How it lives inside of a command.
     #[serde(skip)]
@@ -108,7 +108,7 @@ pub enum Error {
     Read {
         /// The file.
         path: PathBuf,
-        /// What the system said.
+        /// The error of the system.
         error: std::io::Error,
     },
     /// It is not what it should be.
@@ -116,7 +116,7 @@ pub enum Error {
     Parse {
         /// The file.
         path: PathBuf,
-        /// What is wrong.
+        /// The error.
         error: Box<toml::de::Error>,
     },
 }

@@ -20,7 +20,7 @@ pub enum Refusal {
     InvalidField {
         /// Path of the field in the request.
         field: String,
-        /// What is wrong and what was expected.
+        /// The error and the expected input.
         text: String,
     },
     /// The request id was used for another content.
@@ -47,9 +47,9 @@ pub enum Refusal {
     /// The content does not have the digest it was announced with.
     #[error("the content has digest {actual}, announced was {announced}")]
     DigestMismatch {
-        /// What the client said.
+        /// The digest that the client announced.
         announced: String,
-        /// What it is.
+        /// Its kind.
         actual: String,
     },
     /// A blob is larger than allowed.
@@ -100,7 +100,7 @@ pub enum Refusal {
         quota: &'static str,
         /// How much that allows.
         limit: u64,
-        /// What it has used, and what to do.
+        /// Its use, and the remedy.
         text: String,
     },
     /// The admission queue is full.

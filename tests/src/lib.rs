@@ -31,10 +31,10 @@ pub struct Work {
     pub options: Options,
 }
 
-/// What came out.
+/// The output.
 #[derive(Debug, Clone)]
 pub struct Done {
-    /// What is fixed about the job.
+    /// The fixed facts of the job.
     pub info: Arc<Info>,
     /// Summary as users get it.
     pub summary: Summary,
@@ -151,7 +151,7 @@ impl Work {
         Ok((sink.builder.finish(&outcome), outcome, sink.files))
     }
 
-    /// What is fixed about the job.
+    /// The fixed facts of the job.
     ///
     /// # Panics
     /// When the job cannot be prepared.

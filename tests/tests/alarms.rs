@@ -221,7 +221,7 @@ const CASES: &[Case] = &[
     Case("OT0510", 2_900_023, MILL, LIMITS, "F100\nG1 X5.\nX-11."),
 ];
 
-/// What is wrong about a case.
+/// The error of a case.
 fn fault(case: &Case) -> Option<String> {
     let &Case(alarm, number, on, rows, program) = case;
     let blocks = format!("{program}\nG0 X99.\nM30\n");

@@ -38,7 +38,7 @@ fn machine(text: &str) -> Arc<Machine> {
     loaded.machine.map(Arc::new).unwrap_or_else(|| panic!("{findings}"))
 }
 
-/// What the axes did.
+/// The moves of the axes.
 #[derive(Debug)]
 struct Ran {
     /// Each motion: its kind, its end, its feed, how long it takes. Not when: a pass of a loop costs a tick.

@@ -7,7 +7,7 @@ use counterpoint_tests::{Work, cases, machine};
 type Point = [f64; 3];
 type Matrix = [Point; 3];
 
-/// What is the same on every machine.
+/// Pseudo-random numbers that are the same on every machine.
 struct Chance(u64);
 
 impl Chance {

@@ -201,7 +201,7 @@ fn bans(packages: &[Package], rules: &Bans) -> Vec<String> {
     out
 }
 
-/// What the rules of `deny.toml` find.
+/// The findings of the rules of `deny.toml`.
 ///
 /// # Errors
 /// The rules cannot be read, or cargo cannot name the crates.

@@ -10,7 +10,7 @@ const STEPS: usize = 60;
 /// A step that improves less than this part ends the fit.
 const ENOUGH: f64 = 1e-9;
 
-/// What came out.
+/// The output.
 #[derive(Debug, Clone)]
 pub(crate) struct Fit {
     /// The parameters.

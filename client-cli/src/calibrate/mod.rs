@@ -55,7 +55,7 @@ struct Fitted {
     error: Option<f64>,
 }
 
-/// What came out.
+/// The output.
 #[derive(Debug)]
 struct Calibration {
     data: Vec<Fitted>,

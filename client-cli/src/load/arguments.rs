@@ -65,7 +65,7 @@ pub(crate) struct Output {
     pub(crate) quiet: bool,
 }
 
-/// What must be kept: exit code 1 otherwise.
+/// Thresholds: exit code 1 if one is missed.
 #[derive(Debug, Default, Args)]
 #[command(next_help_heading = "Thresholds (exit code 1 when one is missed)")]
 pub(crate) struct Thresholds {

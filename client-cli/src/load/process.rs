@@ -41,7 +41,7 @@ impl Process {
         Some(Self { pid, last: (Instant::now(), ticks(pid)?), folder: Folder::of(pid) })
     }
 
-    /// What it used since the last call.
+    /// Its use since the last call.
     pub(super) fn sample(&mut self) -> Option<Sample> {
         let (now, ticks) = (Instant::now(), ticks(self.pid)?);
         let (then, before) = std::mem::replace(&mut self.last, (now, ticks));

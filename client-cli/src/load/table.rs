@@ -12,7 +12,7 @@ const ROWS: usize = 12;
 /// Seconds between two lines.
 const LINES: usize = 10;
 
-/// What is on the terminal.
+/// The content of the terminal.
 #[derive(Debug)]
 pub(super) struct Live {
     terminal: Option<Term>,

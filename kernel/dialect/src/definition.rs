@@ -16,7 +16,7 @@ pub trait Dialect: Sync {
     /// Name in messages; in capitals the value of `$PREPROC`.
     fn title(&self) -> &'static str;
 
-    /// What it makes of program text.
+    /// The rules by which it reads program text.
     fn syntax(&self) -> &'static Syntax;
 
     /// Settings that `$FCEPP` can make, words joined by commas, besides those that all have.
@@ -39,7 +39,7 @@ pub trait Dialect: Sync {
         None
     }
 
-    /// What the control's alarm says about text that it does not know.
+    /// The control's alarm about unknown text.
     fn unknown_text(&self, text: &str, _kind: Unknown) -> String {
         format!("{text} is not known to this control")
     }

@@ -23,7 +23,7 @@ pub trait Interpreter: Send {
     /// itself. None if the block has no words.
     ///
     /// # Errors
-    /// What stops the channel.
+    /// The reason why the channel stops.
     fn arguments(
         &mut self,
         _host: &mut dyn Host,
@@ -121,7 +121,7 @@ impl From<Made> for Remaining {
     }
 }
 
-/// What remains of a block after its interpreter.
+/// The rest of a block after its interpreter.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Remaining {
     /// Nothing.
@@ -164,7 +164,7 @@ pub enum MacroCall {
     End,
 }
 
-/// What the words of a macro call say.
+/// The words of a macro call.
 #[derive(Debug, Default)]
 pub struct Arguments {
     /// Number of the program.

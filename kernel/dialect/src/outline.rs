@@ -106,7 +106,7 @@ pub enum Deed {
 /// A statement of signals.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Signalled {
-    /// What it does.
+    /// Its effect.
     pub deed: Deed,
     /// Name of its row in the machine.
     pub row: &'static str,

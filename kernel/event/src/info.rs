@@ -101,7 +101,7 @@ pub struct File {
 pub struct Section {
     /// Channel that it belongs to; 0: to all.
     pub channel: u16,
-    /// What it is called in the file (`$1`, `G13`, `PART_1`).
+    /// Its name in the file (`$1`, `G13`, `PART_1`).
     pub name: Box<str>,
     /// First line and last line (1-based, inclusive).
     pub lines: (u32, u32),

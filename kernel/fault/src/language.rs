@@ -18,7 +18,7 @@ pub struct Row {
     pub name: &'static str,
     /// 0–3 message, 4–7 warning, 8–15 error, 16–99 fatal.
     pub severity: u8,
-    /// What it is about.
+    /// Its subject.
     pub about: &'static str,
 }
 

@@ -23,7 +23,7 @@ pub struct Facts {
     /// A real control stops the channel here (an alarm); whether the machine does: `[control] stops` and `stops` of the
     /// number.
     pub alarm: bool,
-    /// What it is about, for the index of the pages.
+    /// Its subject, for the index of the pages.
     pub title: &'static str,
 }
 

@@ -117,7 +117,7 @@ impl Job {
         (of(&self.spec.machine, self.macros.is_some()), components.collect())
     }
 
-    /// What is fixed about the job.
+    /// The fixed facts of the job.
     #[must_use]
     pub fn info(&self) -> &Arc<Info> {
         &self.info
@@ -128,7 +128,7 @@ impl Job {
         &self.sources
     }
 
-    /// What it was made of.
+    /// Its inputs.
     #[must_use]
     pub fn spec(&self) -> &Spec {
         &self.spec

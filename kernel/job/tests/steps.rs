@@ -29,7 +29,7 @@ impl Sink for Log {
     }
 }
 
-/// What the operator commands, each at a stop, and what is said to that.
+/// The commands of the operator, each at a stop, and the answers.
 #[derive(Default)]
 struct Script {
     commands: Mutex<VecDeque<Command>>,

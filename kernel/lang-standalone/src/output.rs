@@ -2,7 +2,7 @@
 
 use counterpoint_lang::diag::Diagnostic;
 
-/// What macros have shown while nothing was attached.
+/// The output of macros while nothing was attached.
 #[derive(Debug, Default)]
 pub struct Output {
     /// What PPRINT printed and what was written to the console.

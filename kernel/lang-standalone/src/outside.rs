@@ -12,7 +12,7 @@ pub enum Stream {
     Printed,
     /// The macro trace.
     Traced,
-    /// What is written to the console.
+    /// The output on the console.
     Console,
 }
 

@@ -32,7 +32,7 @@ use crate::variables::{Domain, SystemTable};
 /// table.
 #[derive(Debug, Default)]
 pub struct Standalone {
-    /// What macros have shown.
+    /// The output of macros.
     pub output: Output,
     /// Lines that the console gives.
     pub typed: VecDeque<String>,

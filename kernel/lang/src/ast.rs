@@ -30,7 +30,7 @@ pub enum Variable {
 /// An expression with its place.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Expr {
-    /// What it is.
+    /// Its kind.
     pub kind: ExprKind,
     /// Where it is.
     pub span: Span,
@@ -134,7 +134,7 @@ pub struct Header {
     pub span: Span,
 }
 
-/// What a statement does.
+/// The effect of a statement.
 #[derive(Clone, Debug, PartialEq)]
 pub enum StatementKind {
     /// Only a label, or a statement that could not be read.
@@ -248,7 +248,7 @@ pub enum StatementKind {
 pub struct Statement {
     /// Label, upper case.
     pub label: Option<(String, Span)>,
-    /// What it does.
+    /// Its effect.
     pub kind: StatementKind,
     /// Where it is.
     pub span: Span,

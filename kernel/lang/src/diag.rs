@@ -12,7 +12,7 @@ pub struct Diagnostic {
     pub number: Number,
     /// 0–3 message, 4–7 warning, 8–15 error, 16–99 fatal.
     pub severity: u8,
-    /// What is wrong, one sentence.
+    /// The error, one sentence.
     pub message: String,
     /// A near miss or another way out.
     pub help: Option<String>,

@@ -14,7 +14,7 @@ pub struct Entry {
     pub form: &'static str,
     /// Type of what it gives, none for a statement.
     pub result: Option<&'static str>,
-    /// What it does.
+    /// Its effect.
     pub about: &'static str,
 }
 

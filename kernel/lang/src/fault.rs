@@ -10,7 +10,7 @@ use crate::diag::Number;
 pub struct Fault {
     /// Stable number.
     pub number: Number,
-    /// What is wrong.
+    /// The error.
     pub message: String,
 }
 

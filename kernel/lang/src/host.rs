@@ -38,7 +38,7 @@ pub struct SystemVariable {
     pub indices: u8,
 }
 
-/// What the compiler must know of the outside.
+/// The external facts for the compiler.
 pub trait Environment {
     /// The system variables; the position is the index used at run time.
     fn system(&self) -> &[SystemVariable];

@@ -89,7 +89,7 @@ signs! {
 /// A token with its place.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Spanned {
-    /// What it is.
+    /// Its kind.
     pub token: Token,
     /// Where it is.
     pub span: Span,

@@ -81,7 +81,7 @@ pub struct Program {
     pub(crate) shared: FxHashMap<String, SharedSymbol>,
     /// Files that were included, by the name they were asked for.
     pub(crate) included: Vec<(String, Option<Arc<Source>>)>,
-    /// What it was compiled from, in order, without included files.
+    /// Its source files, in order, without included files.
     pub(crate) sources: Vec<(Arc<Source>, Options)>,
 }
 

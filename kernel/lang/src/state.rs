@@ -26,7 +26,7 @@ use crate::value::Value;
 use rustc_hash::FxHashMap;
 use std::sync::Arc;
 
-/// What macros may use up.
+/// The resource limits of macros.
 #[derive(Clone, Copy, Debug)]
 pub struct Limits {
     /// Instructions of one run of a macro with everything it calls.

@@ -216,7 +216,7 @@ const VARIANTS: &str = "ENDOF/IF ENDOF/CASE ENDOF/WHILE ENDOF/DO ENDIF ENDCASE E
     EXEC/NOW EXEC/NEXT LPRINT/ON LPRINT/OFF LPRINT/2 FRONT REAR STDIN STDOUT INCR DECR DECLAR/GLOBAL DECLAR/OBJECT \
     DECLAR/LOCAL CHANNEL REAL LOGICAL STRING SEQUENCE KEYWORD RECORD CODE REG $ERRNO $MNEST $CI $CHSIZ $CHMAX LET FOR EXTERN";
 
-/// What regular expressions are made of.
+/// The elements of regular expressions.
 const EXPRESSIONS: &str = r"\. [A-Z] [^0-9] '^a $' * \{2\} \{3,\} \{1,3\} \( \) \1 \< \>";
 
 /// Codes of dates.

@@ -13,7 +13,7 @@ pub struct Finding {
     pub line: u32,
     /// Column from 1, 0 when unknown.
     pub column: u32,
-    /// What is wrong and what was expected, one line, lower case, no full stop.
+    /// The error and the expected input, one line, lower case, no full stop.
     pub text: String,
 }
 

@@ -10,7 +10,7 @@ pub struct Habits {
     pub speed_word: bool,
     /// How reference points and the tool-change position are reached.
     pub home: Home,
-    /// What three angles of a rotation turn about.
+    /// The axes of three angles of a rotation.
     pub rotations: Rotations,
     /// Feed per minute that counts where none is programmed, or zero; without one such moves are timed as rapid ones.
     pub least_feed: Option<f64>,

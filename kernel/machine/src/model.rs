@@ -82,7 +82,7 @@ pub struct Machine {
     pub kinematics: paths::Kinematics,
     /// Pump of the coolant.
     pub pump: Pump,
-    /// What its words leave open.
+    /// Data that its words leave open.
     pub habits: super::habits::Habits,
     /// The file of printing statements.
     pub output: Output,
@@ -102,7 +102,7 @@ pub struct Machine {
     pub tape_editor: Vec<TapeRule>,
     /// Dialogs, by name.
     pub dialogs: Vec<counterpoint_ports::dialog::Dialog>,
-    /// What the machine changes about diagnostics.
+    /// Changes of the machine to diagnostics.
     pub diagnostics: Diagnostics,
     /// Files stored with the machine, `//ICAMFS/…`, sorted by path.
     pub storage: Vec<StoredFile>,
@@ -147,7 +147,7 @@ pub struct DiagnosticRule {
 pub struct TapeRule {
     /// Expression in the dialect of `ed`; it is correct.
     pub find: String,
-    /// What takes the place of its first match, `\1` to `\9` are groups.
+    /// The replacement of its first match; `\1` to `\9` are groups.
     pub replace: String,
     /// Switched on at program start.
     pub on: bool,
@@ -363,7 +363,7 @@ pub struct Spindle {
     pub min: f64,
     /// Seconds from standing to largest speed; 0 = at once.
     pub run_up: f64,
-    /// What the change of its speed runs beside.
+    /// The actions that the change of its speed runs in parallel with.
     pub overlap: Overlap,
 }
 

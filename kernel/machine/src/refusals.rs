@@ -14,7 +14,7 @@ pub struct Refusal {
     pub name: String,
     /// Number of the alarm as the control shows it.
     pub alarm: String,
-    /// What the alarm is about.
+    /// The description of the alarm.
     pub text: String,
     /// One of these codes is on the block; empty: any block.
     pub codes: Vec<Written>,

@@ -96,7 +96,7 @@ pub enum Zeros {
     Omit,
 }
 
-/// What the seconds of a code or of a spindle run beside.
+/// The actions that the seconds of a code or a spindle run in parallel with.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum Overlap {
     /// Nothing: what follows waits.
@@ -145,7 +145,7 @@ pub struct CodeRow {
     pub owns_axes: bool,
     /// Seconds this code takes (machine's time table), 0 = none.
     pub seconds: f64,
-    /// What its seconds run beside.
+    /// The actions that its seconds run in parallel with.
     pub overlap: Overlap,
     /// Axis role that a canned cycle works along (0 X, 1 Y, 2 Z), none = the one that the plane leaves.
     pub axis: Option<u8>,
@@ -210,7 +210,7 @@ pub enum Modality {
 /// A row of the data table.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DataRow {
-    /// What it supplies.
+    /// The data that it supplies.
     pub id: DataId,
     /// Register, `None` = not in the program text.
     pub register: Option<RegisterId>,

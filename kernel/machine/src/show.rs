@@ -18,7 +18,7 @@ pub use variables::variable;
 use super::model::Machine;
 use crate::index::RegisterId;
 
-/// What to show.
+/// The content to show.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Show {
     /// Everything below, one after the other.

@@ -14,7 +14,7 @@ pub const MODAL_CALLS: u16 = 1000;
 /// Numbers up to this one are looked up directly.
 const DENSE: u32 = 20_000;
 
-/// What variables show and set.
+/// The meaning of variables.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Means {
     /// A value that is kept; this one until a program sets it.
@@ -108,7 +108,7 @@ pub struct SystemRow {
     pub last: u32,
     /// First numbers of further ranges with the same meaning.
     pub also: Vec<u32>,
-    /// What the numbers show and set.
+    /// The meaning of the numbers.
     pub means: Means,
     /// Programs may set them.
     pub writable: bool,

@@ -249,7 +249,7 @@ impl Progress {
         }
     }
 
-    /// What the channel waits for, if its state is [`State::Waiting`].
+    /// The wait of the channel, if its state is [`State::Waiting`].
     #[must_use]
     pub fn waiting_for(&self) -> Option<Arc<Wait>> {
         let standing = self.standing.lock().unwrap_or_else(PoisonError::into_inner);

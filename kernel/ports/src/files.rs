@@ -13,7 +13,7 @@ pub enum Error {
     Unreadable {
         /// Path.
         name: String,
-        /// What the system said.
+        /// The error of the system.
         reason: String,
     },
 }

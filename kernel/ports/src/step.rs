@@ -12,7 +12,7 @@ use crate::state::State;
 use counterpoint_event::event::Wait;
 use counterpoint_event::{FileId, Position};
 
-/// What the operator commands.
+/// The commands of the operator.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Command {
     /// Runs a number of blocks.
@@ -125,7 +125,7 @@ pub struct Report {
 pub struct ChannelReport {
     /// Its number.
     pub channel: u16,
-    /// What it does.
+    /// Its effect.
     pub state: State,
     /// File of its block.
     pub file: String,
@@ -135,7 +135,7 @@ pub struct ChannelReport {
     pub block: String,
     /// Simulated time, ns.
     pub t_ns: i64,
-    /// What it waits for.
+    /// Its wait.
     pub wait: Option<Arc<Wait>>,
     /// Feed hold.
     pub held: bool,

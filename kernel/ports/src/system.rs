@@ -8,7 +8,7 @@ use bytes::Bytes;
 /// A command.
 #[derive(Debug)]
 pub struct Call<'a> {
-    /// What the macro wrote.
+    /// The output of the macro.
     pub command: &'a str,
     /// Current folder below the folder of the run, empty for that one.
     pub folder: &'a str,
@@ -23,7 +23,7 @@ pub struct Call<'a> {
 pub struct Answer {
     /// Status for `$ERRNO`: that of the command, or one above 0 that tells why there is none.
     pub status: i32,
-    /// What it said on its outputs.
+    /// Its output.
     pub output: String,
     /// Files that are new or changed.
     pub written: Vec<(String, String)>,

@@ -88,7 +88,7 @@ pub enum ContourEnd {
     Round,
 }
 
-/// What is so about a block as a whole.
+/// Properties of a block as a whole.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct BlockFlags {
     /// Irregularities of its text besides what is unrecognised, bit by bit.
@@ -140,7 +140,7 @@ pub struct Block {
     pub sequence: Option<u32>,
     /// The word at which systems line up.
     pub line_up: Option<LineUp>,
-    /// What is so about the block as a whole.
+    /// Properties of the block as a whole.
     pub flags: BlockFlags,
 }
 

@@ -280,7 +280,7 @@ fn candidates<'a>(
     candidates
 }
 
-/// What the first section of a channel is called.
+/// The name of the first section of a channel.
 fn section_name(source: &Source, channel: u16) -> String {
     let first = source.sections().iter().find(|section| section.channel == channel);
     first.map_or(String::new(), |section| section.name.to_string())

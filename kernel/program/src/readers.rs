@@ -16,7 +16,7 @@ use counterpoint_machine::Machine;
 pub(super) struct Reader<'a> {
     /// The definition.
     pub(super) machine: &'a Machine,
-    /// What tells programs apart.
+    /// The rules for separating programs.
     pub(super) shape: Arc<Shape>,
     /// Which programs call others.
     pub(super) callers: Callers,

@@ -29,7 +29,7 @@ pub enum Kind {
     Statement,
 }
 
-/// What the scanner needs of the machine, prepared once.
+/// Data of the machine for the scanner, prepared once.
 #[derive(Debug)]
 pub struct Scanner {
     comment: Option<(Vec<u8>, Vec<u8>)>,
@@ -39,7 +39,7 @@ pub struct Scanner {
     eob: Option<u8>,
     /// Literal text codes: text and row.
     texts: Literals,
-    /// What words begin with at which systems line up, and their row.
+    /// First character of words at which systems line up, and their row.
     line_up: Option<(u8, CodeRowId)>,
     /// How numbers of each register are read, in primary and in secondary units.
     reads: Table<RegisterId, [Read; 2]>,
@@ -102,7 +102,7 @@ impl Scanner {
         }
     }
 
-    /// What the pre-processor makes of text.
+    /// The syntax of the pre-processor.
     pub fn syntax(&self) -> &'static Syntax {
         self.syntax
     }
@@ -138,7 +138,7 @@ impl Scanner {
         self.sequence
     }
 
-    /// What words of lines with expressions may be called besides letters.
+    /// Names of words of lines with expressions, other than letters.
     pub fn names(&self) -> Names<'_> {
         Names {
             literal_first: self.literal_first.as_deref(),
@@ -374,7 +374,7 @@ fn literals(machine: &Machine) -> Literals {
     ByFirst::new(machine.tables.texts.iter().filter_map(text).collect(), |(text, _)| text)
 }
 
-/// What words begin with at which systems line up, and their row of the code table.
+/// First character of words at which systems line up, and their row of the code table.
 fn line_up(machine: &Machine) -> Option<(u8, CodeRowId)> {
     let form = machine.sync.waits.iter().find(|row| row.line_up)?.form.as_ref()?;
     let CodeForm::Text(text) = form else { return None };

@@ -19,7 +19,7 @@ pub struct Range {
     pub last: u32,
 }
 
-/// What tells programs in a text apart, of the machine that reads it.
+/// The rules for separating programs in a text, of the machine that reads it.
 #[derive(Debug, Clone)]
 pub struct Shape {
     syntax: &'static Syntax,
@@ -69,7 +69,7 @@ impl Shape {
         }
     }
 
-    /// What the pre-processor of the machine makes of text.
+    /// The syntax of the pre-processor of the machine.
     #[must_use]
     pub fn syntax(&self) -> &'static Syntax {
         self.syntax

@@ -53,7 +53,7 @@ impl Source {
         Self::shaped(name, bytes, Arc::default(), Stop::default())
     }
 
-    /// What the pre-processor of the machine makes of it.
+    /// The syntax of its pre-processor.
     #[must_use]
     pub fn syntax(&self) -> &'static Syntax {
         self.shape.syntax()

@@ -6,7 +6,7 @@
 
 use super::key_words::KeyWords;
 
-/// What one pre-processor makes of program text.
+/// The rules by which one pre-processor reads program text.
 #[derive(Debug)]
 pub struct Syntax {
     /// `O` and `:` with a number define programs; elsewhere `:` is the number of a main block.

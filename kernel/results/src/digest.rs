@@ -60,7 +60,7 @@ struct Head {
     line: u32,
 }
 
-/// What mostly stays the same from motion to motion.
+/// State that mostly stays the same from motion to motion.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Facts {
     kind: MotionKind,

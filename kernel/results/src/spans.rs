@@ -23,7 +23,7 @@ const LONGEST: usize = 60;
 pub struct Span {
     /// Tool as programmed.
     pub tool: u32,
-    /// What it does, empty when nothing says so.
+    /// Its effect; empty if unknown.
     pub operation: Arc<str>,
     /// When it was called for, ns.
     pub t_ns: i64,

@@ -42,7 +42,7 @@ pub struct Channel {
     pub channel: u16,
     /// Name.
     pub name: String,
-    /// What it did.
+    /// Its activity.
     pub bars: Vec<Bar>,
     /// Its tools in work, left out without any.
     #[serde(skip_serializing_if = "Vec::is_empty")]

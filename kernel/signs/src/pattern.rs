@@ -18,7 +18,7 @@ pub struct Pattern {
     pub(crate) nowhere: Vec<Alternatives>,
 }
 
-/// What must be found.
+/// The expected findings.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum Part {
     /// Words of a block.

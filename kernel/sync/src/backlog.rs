@@ -219,7 +219,7 @@ impl Backlog {
     }
 }
 
-/// What the events of a channel came to.
+/// The results of the events of a channel.
 pub struct Closed {
     /// Its results, if results are requested.
     pub results: Option<ChannelResults>,

@@ -39,7 +39,7 @@ const ABORT: Tag = Tag { t: i64::MIN, micro: 0, channel: 0 };
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Stopped;
 
-/// What other threads see of a kernel without the lock.
+/// The state of a kernel that other threads see without the lock.
 #[repr(align(128))]
 struct Slot {
     /// The kernel does nothing before this time.

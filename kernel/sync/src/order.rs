@@ -71,7 +71,7 @@ pub enum Wake {
     Started {
         /// Where to begin.
         tag: Tag,
-        /// What to run.
+        /// The programs to run.
         program: idle::Program,
     },
     /// Others did something while the kernel rested in a loop: it continues with the pass that begins at this tag.
@@ -111,7 +111,7 @@ struct Seat {
     /// The arrival that it asks for.
     arriving: Option<Waiting>,
     wake: Option<Wake>,
-    /// What it runs when it is started.
+    /// The program that it runs when it is started.
     program: Option<idle::Program>,
     /// The loop that it could not leave at its last pass.
     spin: Option<spin::Spin>,

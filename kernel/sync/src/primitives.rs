@@ -36,7 +36,7 @@ impl Scene<'_> {
     }
 }
 
-/// What the primitives remember between arrivals.
+/// The memory of the primitives between arrivals.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Memory {
     flags: flag::Flags,

@@ -116,7 +116,7 @@ pub fn waiting_sentence(channel: u16, waits: &Waits, info: &Info) -> Option<Stri
     Sentences { waits, info }.waiting(channel)
 }
 
-/// What is said about channels.
+/// Statements about channels.
 #[derive(Clone, Copy)]
 struct Sentences<'a> {
     waits: &'a Waits,

@@ -113,7 +113,7 @@ pub enum Absent {
     Counts,
 }
 
-/// What the control does about two waits that it refuses to pair.
+/// The control's reaction to two waits that it refuses to pair.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Reaction {
     /// All of them are alarms.
@@ -150,7 +150,7 @@ pub struct Rule {
     pub absent: Absent,
     /// A partner that waits at a wait of this primitive counts as arrived.
     pub met_by: Option<Primitive>,
-    /// What signals mean to the control.
+    /// The rules of the control for signals.
     pub signals: Signals,
     /// Names of the marks, by their numbers; empty: marks are numbers.
     pub names: Arc<[Box<str>]>,
@@ -316,7 +316,7 @@ impl Rules {
 /// A channel that has arrived at a wait.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Waiting {
-    /// What is waited for.
+    /// The wait.
     pub wait: Wait,
     /// When the channel arrived.
     pub tag: Tag,

@@ -50,7 +50,7 @@ pub enum Arrival {
 /// Waits that the control does not accept at the same time.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RefusedPairs {
-    /// What the control calls it.
+    /// Its name on the control.
     pub title: &'static str,
     /// The wait of the channel that came last.
     pub arriving: Waiting,
@@ -69,7 +69,7 @@ impl RefusedPairs {
 /// An arrival, and what else it means.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Arrived {
-    /// What it leads to for the channel and those that continue with it.
+    /// Its effect on the channel and those that continue with it.
     pub arrival: Arrival,
     /// Others whose own waits are over by it.
     pub others: Vec<Released>,

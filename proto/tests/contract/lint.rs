@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use prost_types::{DescriptorProto, EnumDescriptorProto, FileDescriptorProto, FileDescriptorSet};
 
-/// What the rules find in a file.
+/// The findings of the rules in a file.
 struct Findings<'f> {
     file: &'f FileDescriptorProto,
     /// Places with a comment before them.
@@ -143,7 +143,7 @@ impl Findings<'_> {
     }
 }
 
-/// What the rules find.
+/// The findings of the rules.
 pub(super) fn findings(set: &FileDescriptorSet) -> Vec<String> {
     let (mut all, mut uses) = (Vec::new(), BTreeMap::new());
     for file in &set.file {

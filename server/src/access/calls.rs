@@ -67,7 +67,7 @@ pub(crate) fn lasts(path: &str) -> bool {
     LASTING.contains(&name(path))
 }
 
-/// What the call of a path (`/service/call`) needs.
+/// The role that the call of a path (`/service/call`) needs.
 pub(crate) fn needs(path: &str) -> Needs {
     let Some((service, call)) = path.strip_prefix('/').and_then(|path| path.split_once('/')) else {
         return Needs::Unknown;

@@ -90,7 +90,7 @@ impl Caller {
         let _ = self.target.set(target.to_owned());
     }
 
-    /// What the call was about; empty if that is not known.
+    /// The target of the call; empty if unknown.
     pub(crate) fn target(&self) -> &str {
         self.target.get().map_or("", String::as_str)
     }

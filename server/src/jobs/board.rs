@@ -50,7 +50,7 @@ pub(super) struct Board {
     ticked: Mutex<Instant>,
 }
 
-/// What the workers do.
+/// The work of the workers.
 pub(crate) struct Busy {
     pub(crate) running: Vec<Arc<Live>>,
     pub(crate) storing: usize,
@@ -355,7 +355,7 @@ impl Core {
         lock(&self.board.ticked).elapsed() <= time
     }
 
-    /// What the workers do now.
+    /// The current work of the workers.
     pub(crate) fn workers(&self) -> Busy {
         let (ids, busy, queued) = {
             let queue = lock(&self.board.queue);

@@ -33,7 +33,7 @@ pub(crate) struct Run {
 /// The limit that has stopped a run, and what it did.
 pub(crate) type Stopped = (Reached, String);
 
-/// What may stop a run besides its program and the client.
+/// Reasons to stop a run besides its program and the client.
 #[derive(Debug, Default)]
 struct RunLimits {
     /// When the run is stopped, and as what.

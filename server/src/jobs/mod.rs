@@ -67,7 +67,7 @@ pub(crate) struct Seams {
     pub(crate) host: Arc<dyn Host>,
 }
 
-/// What others see of the server while it works.
+/// The visible state of the server while it works.
 #[derive(Debug)]
 pub(crate) struct Seen {
     pub(crate) metrics: Arc<Metrics>,

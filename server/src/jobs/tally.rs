@@ -54,7 +54,7 @@ impl Tally {
         }
     }
 
-    /// What is to be reported now.
+    /// The current report.
     fn due(&self, now: Instant) -> Option<Counts> {
         let mut tally = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         let (counts, last) = &mut *tally;

@@ -322,7 +322,7 @@ impl Through {
     }
 }
 
-/// What of a job cannot be used, and why.
+/// Unusable parts of a job, and the reasons.
 type Unusable = (Cause, Vec<Finding>);
 
 /// Loads the machine and the programs of a job, or says which of them cannot be used.

@@ -125,7 +125,7 @@ pub(crate) fn time_of(id: Uuid) -> i64 {
     i64::try_from(id.as_u128() >> 80).unwrap_or(i64::MAX)
 }
 
-/// What a tenant has used.
+/// The use of a tenant.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub(crate) struct Usage {
     /// Bytes of logs, files and results of its ended jobs.
@@ -208,10 +208,10 @@ pub(crate) trait Ledger: Send + Sync + Debug {
     /// Jobs that had not ended when the server went down, in order of submission.
     fn unfinished(&self) -> Result<Vec<Record>, Refusal>;
 
-    /// What each tenant has used.
+    /// The use of each tenant.
     fn usages(&self) -> Result<Vec<(String, Usage)>, Refusal>;
 
-    /// What a tenant has used.
+    /// The use of a tenant.
     fn usage(&self, tenant: &str) -> Result<Usage, Refusal>;
 
     /// Number of this opening of the ledger: each is larger than the one before.

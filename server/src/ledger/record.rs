@@ -63,7 +63,7 @@ impl Priority {
     }
 }
 
-/// What made a job fail.
+/// The cause of the failure of a job.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "UPPERCASE")]
 pub enum Cause {
@@ -142,7 +142,7 @@ pub struct Reason {
     pub line: u32,
     /// Column from 1, 0 = unknown.
     pub column: u32,
-    /// What is wrong.
+    /// The error.
     pub text: String,
 }
 
@@ -183,7 +183,7 @@ pub struct Runs {
     /// The limit that stopped the job.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub reached: Option<Reached>,
-    /// What made the job fail.
+    /// The cause of the failure of the job.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub cause: Option<Cause>,
     /// The W3C `traceparent` that its submit came with; empty = none.

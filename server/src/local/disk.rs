@@ -32,7 +32,7 @@ pub trait Faults: Send + Sync {
     /// otherwise the number does not matter.
     ///
     /// # Errors
-    /// What the step fails with.
+    /// The error of the step.
     fn before(&self, step: Step, path: &Path) -> io::Result<usize>;
 
     /// Free bytes to be reported; `None` = those of the disk.

@@ -12,7 +12,7 @@ struct Rounds {
     done: u64,
     /// Work is in progress.
     under_way: bool,
-    /// What the last round failed with.
+    /// The error of the last round.
     failed: Option<(io::ErrorKind, String)>,
 }
 

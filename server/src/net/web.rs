@@ -53,7 +53,7 @@ impl Web {
         Some(response)
     }
 
-    /// What is said about an answer: who may read it.
+    /// The rule of an answer: its permitted readers.
     pub(super) fn readable(&self, request: &HeaderMap) -> Option<HeaderValue> {
         self.origin(request)
     }

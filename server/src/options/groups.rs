@@ -101,7 +101,7 @@ group! {
 }
 
 group! {
-    /// What one tenant may have; 0 = without limit.
+    /// The quotas of one tenant; 0 = without limit.
     Quotas, QuotasFlags {
         /// Most jobs of one tenant that wait; 0 = without limit
         tenant_queued: usize = 0, "COUNTERPOINT_TENANT_QUEUED", "N";

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use super::Quotas;
 
-/// What one tenant may have and keep instead of what all may; 0 = without limit.
+/// The own quotas and retention of one tenant; 0 = without limit.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Tenant {

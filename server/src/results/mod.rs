@@ -60,7 +60,7 @@ pub(crate) enum Form {
 /// Finished results, not yet text.
 pub(crate) struct Finished {
     pub(crate) results: Results,
-    /// What macros have written; it is not in the log.
+    /// The files of macros; they are not in the log.
     pub(crate) files: WrittenFiles,
     /// Bytes of all documents, as far as known.
     pub(crate) bytes: u64,

@@ -26,7 +26,7 @@ use crate::jobs::operator::value;
 use crate::jobs::progress::wire;
 use crate::reason::Refusal;
 
-/// What the client hears.
+/// The answers to the client.
 pub(super) type Answers = ReceiverStream<Result<v1::DebugResponse, Status>>;
 
 /// Commands without an answer at most.
@@ -70,7 +70,7 @@ struct Debug {
     core: Arc<Core>,
     live: Arc<Live>,
     send: mpsc::Sender<Result<v1::DebugResponse, Status>>,
-    /// What the run says.
+    /// The answers of the run.
     said: mpsc::UnboundedReceiver<Said>,
     /// Commands without an answer.
     under_way: usize,
@@ -126,7 +126,7 @@ impl Debug {
     }
 }
 
-/// What comes next.
+/// The next item.
 enum Next {
     /// From the run.
     Said(Box<Said>),

@@ -141,7 +141,7 @@ fn format(number: i32) -> Result<v1::DrawingFormat, Refusal> {
     v1::DrawingFormat::try_from(number).map_err(|_| Refusal::field("format", format!("{number} is not a format")))
 }
 
-/// What the macros of an ended job have written.
+/// Files written by the macros of an ended job.
 async fn written(core: &Arc<Core>, caller: &Caller, id: String) -> Result<Vec<(String, String)>, Refusal> {
     let (core, caller) = (core.clone(), caller.clone());
     blocking(move || {

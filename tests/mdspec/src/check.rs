@@ -75,7 +75,7 @@ impl<'a> Check<'a> {
         self.differ(fence.line, name.trim(), &fence.body.join(), &found, edit);
     }
 
-    /// What no other expectation would mend.
+    /// Differences that no other expectation would fix.
     pub fn wrong(&mut self, line: usize, text: &str) {
         let _ = writeln!(self.wrong, "{}:{line}: {text}", self.page);
         self.hopeless = true;

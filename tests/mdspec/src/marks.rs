@@ -5,7 +5,7 @@
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
-/// What separates a line from its expectations. No control and no macro language uses it.
+/// The mark between a line and its expectations. No control and no macro language uses it.
 pub const ARROW: char = '←';
 
 /// The text of a fence, and the expectations beside its lines.

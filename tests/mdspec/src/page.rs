@@ -26,12 +26,12 @@ pub enum Role {
 /// The fences that pages of a kind may have: first word and role.
 pub type Fences = &'static [(&'static str, Role)];
 
-/// What is wrong with a page.
+/// Errors in a page.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Fault {
     /// Line of the page.
     pub line: usize,
-    /// What is wrong.
+    /// The error.
     pub text: String,
 }
 

@@ -57,14 +57,14 @@ pub fn suite(kind: &str) -> Suite {
     Suite::of(&folder(kind), FENCES, run::check)
 }
 
-/// What an example runs.
+/// The program of an example.
 #[derive(Debug)]
 pub struct Case {
     /// Its machine, unless loading it finds errors.
     pub machine: Option<Arc<Machine>>,
     /// The machine as TOML.
     pub definition: String,
-    /// What loading it finds, one line each.
+    /// The findings of loading it, one line each.
     pub findings: String,
     programs: Vec<Program>,
     files: Memory,
@@ -74,7 +74,7 @@ pub struct Case {
 }
 
 impl Case {
-    /// What an example runs.
+    /// The program of an example.
     ///
     /// # Errors
     /// Line and reason, when the page is wrong about it: no such machine, options or TOML that cannot be read.

@@ -31,7 +31,7 @@ pub struct Case {
     files: Vec<String>,
     /// Who answers dialogs.
     operator: Option<Arc<dyn Operator>>,
-    /// What is special about its options.
+    /// Its special options.
     options: fn(&mut Options),
     /// Diagnostics of which one has to come when the limits are small.
     pub ends_with: &'static [u32],

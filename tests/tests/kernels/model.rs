@@ -217,7 +217,7 @@ impl Model {
         }
     }
 
-    /// What leaving a wait changes.
+    /// Changes at the end of a wait.
     fn leave(&mut self, own: usize) {
         match self.waits_at(own).cloned() {
             Some(Step::Flag(mark, _)) => *self.flags.entry(mark).or_default() &= !(1 << own),

@@ -35,7 +35,7 @@ pub enum Step {
     Loop(u64, Vec<Step>),
     /// A subprogram, so many times.
     Call(u64, Vec<Step>),
-    /// What no model knows: text of a block.
+    /// Data outside any model: text of a block.
     Other(String),
 }
 
@@ -55,7 +55,7 @@ impl Numbers {
     }
 }
 
-/// What programs of a case may contain.
+/// The allowed content of the programs of a case.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Content {
     /// A dwell of a random length after every step, so that hardly two channels do something at one instant, and nothing

@@ -7,7 +7,7 @@ use counterpoint_kernel::files::Memory;
 use counterpoint_kernel::machine::package::Overlay;
 use counterpoint_kernel::machine::{Machine, load};
 
-/// What macros a machine has.
+/// The macros of a machine.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Macros {
     None,

@@ -31,7 +31,7 @@ struct Seen {
     shift: Position,
     /// Tool tip control is active: positions are those of the tip.
     tip: bool,
-    /// What macros told of the axes since the last motion.
+    /// Axis data from macros since the last motion.
     joints: Option<Vec<f64>>,
 }
 

@@ -19,7 +19,7 @@ pub(crate) const COMPARISONS: &[(&str, Operator)] = &[
     ("LE", Operator::Le),
 ];
 
-/// What stands before an operand.
+/// A prefix of an operand.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Sign {
     /// Changes nothing.
@@ -52,7 +52,7 @@ pub(crate) trait Grammar {
     const OPERATORS: Operators;
     const SIGNS: &'static [(&'static str, Sign)];
 
-    /// What was read so far.
+    /// The part read so far.
     fn ops(&mut self) -> &mut Vec<Op<Self::Value, Self::Own>>;
 
     /// Takes an operator or sign, if the text has it here.

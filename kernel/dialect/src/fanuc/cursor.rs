@@ -10,7 +10,7 @@ use counterpoint_program::key_words::{Names, Number};
 pub(super) struct Error {
     /// Byte in the line.
     pub(super) at: usize,
-    /// What was expected.
+    /// The expected input.
     pub(super) text: String,
     /// There are more brackets inside each other than the control has room for.
     pub(super) brackets: bool,

@@ -169,7 +169,7 @@ impl Parser<'_> {
         }
     }
 
-    /// What stands after `#`: digits, `[expression]` or another variable.
+    /// The text after `#`: digits, `[expression]` or another variable.
     pub(super) fn variable_number(&mut self, ops: &mut Vec<Op>) -> Result<(), Error> {
         match self.peek() {
             Some(b'0'..=b'9') => {

@@ -10,7 +10,7 @@ use counterpoint_program::key_words::Number;
 pub(super) struct Line {
     /// Sequence number.
     pub(super) sequence: Option<u32>,
-    /// What it does.
+    /// Its effect.
     pub(super) statement: Statement,
     /// Place of the statement, after the sequence number.
     pub(super) place: (u32, u32),
@@ -75,7 +75,7 @@ pub(super) enum Item {
 /// A word whose value may be an expression.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct TemplateWord {
-    /// What it is called.
+    /// Its name.
     pub(super) name: Name,
     /// Value; vacant values drop the word.
     pub(super) value: Expr,

@@ -189,7 +189,7 @@ fn open_boundary(figures: &mut [Figure], beyond: f64) -> Result<(), String> {
 }
 
 impl Heidenhain {
-    /// What the contours make together, from the surface down.
+    /// The common area of the contours, from the surface down.
     /// `open`: how far the tool may go beyond the first of them, which bounds the material.
     pub(super) fn stages(&self, bottom: f64, open: Option<f64>) -> Result<Vec<Stage>, String> {
         let mut figures = self.figures()?;

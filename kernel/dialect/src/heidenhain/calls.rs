@@ -50,7 +50,7 @@ fn asks(seen: &[Seen]) -> Asked {
 pub(super) struct Way {
     feed: Option<String>,
     rapid: &'static str,
-    /// What straight blocks begin with, with a feed and at rapid.
+    /// The first words of straight blocks, with a feed and at rapid.
     line: [&'static str; 2],
     off: &'static str,
 }

@@ -188,7 +188,7 @@ pub(super) struct Running {
 pub(super) struct Cycles {
     pub(super) defined: State,
     pub(super) running: Running,
-    /// What the last definition of an old cycle says.
+    /// The values of the last definition of an old cycle.
     pub(super) old: old::Data,
     /// Parameters of GLOBAL DEF, for definitions that say PREDEF.
     pub(super) global: Vec<(Name, f64)>,

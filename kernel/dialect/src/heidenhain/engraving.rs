@@ -66,7 +66,7 @@ fn date(form: &str, seconds: u64) -> String {
         .replace('h', &hour.to_string())
 }
 
-/// What stands for special signs, and whether one of them is a date.
+/// The replacements of special signs, and whether one of them is a date.
 fn plain(text: &str, seconds: u64) -> Result<(String, bool), String> {
     let (mut out, mut dated) = (String::new(), false);
     let mut rest = text;

@@ -24,7 +24,7 @@ const LONGEST: usize = 8192;
 /// Answers of a machine that lead to further questions.
 const ANSWERS: u32 = 8;
 
-/// What the machine says of a text.
+/// The machine's rows of a text.
 pub(super) enum Asked {
     Value(Value),
     /// It is nothing, and nothing is to be said.
@@ -120,7 +120,7 @@ impl<'a> Evaluator<'a> {
         }
     }
 
-    /// What the machine says of a text.
+    /// The machine's rows of a text.
     pub(super) fn ask(&mut self, text: &str) -> Result<Asked, Halt> {
         let instead = match self.host.identify(text, None)?.unless(text) {
             Answer::Unknown => return Ok(Asked::Unknown),

@@ -155,7 +155,7 @@ fn of_two(number: u32) -> Op {
     })
 }
 
-/// What stands after the equal sign of FN 0 to FN 8 and FN 13.
+/// The text after the equal sign of FN 0 to FN 8 and FN 13.
 fn calculated(number: u32, cursor: &mut Cursor<'_>) -> Result<Formula, Wrong> {
     if number == 0 {
         return formula::formula(cursor);

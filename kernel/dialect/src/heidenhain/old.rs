@@ -43,7 +43,7 @@ fn mills(cycle: u32, line: u32) -> bool {
     matches!(cycle, 3..=5) && line > 3 || matches!(cycle, 6 | 16) && line > 2
 }
 
-/// What the lines of a definition say.
+/// The content of the lines of a definition.
 pub(super) fn data<'s>(cycle: u32, lines: impl Iterator<Item = (u32, &'s [Seen])>, plane: [usize; 2]) -> Data {
     let mut data = Data::default();
     let own = LINES.iter().find(|(known, _)| *known == cycle).map_or(&[][..], |(_, own)| own);

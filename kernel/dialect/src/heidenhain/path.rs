@@ -293,7 +293,7 @@ impl Walk<'_> {
         })
     }
 
-    /// What words say for later blocks.
+    /// Words for later blocks.
     fn note_words(&mut self) {
         for word in &self.step.seen {
             let path = &mut *self.path;

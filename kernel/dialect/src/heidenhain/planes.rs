@@ -18,7 +18,7 @@ use super::words::{Seen, Word, joined, shown};
 use crate::host::Host;
 use counterpoint_fault as diag;
 
-/// What planes leave behind.
+/// The remains of planes.
 #[derive(Debug, Default)]
 pub(super) struct Planes {
     /// A plane has been made or ended, Q120 to Q122 are not yet set.
@@ -29,7 +29,7 @@ pub(super) struct Planes {
     taken: u32,
 }
 
-/// What the rotary axes do.
+/// The behaviour of the rotary axes.
 const BEHAVIOUR: [&str; 3] = ["MOVE", "TURN", "STAY"];
 
 /// Words of a coordinate of the points of a plane, as the tables of the machine have them.

@@ -118,7 +118,7 @@ pub(super) enum Statement {
         iso: bool,
         words: Vec<Word>,
     },
-    /// What the program of an SL cycle asks for.
+    /// The requests of the program of an SL cycle.
     Contour(String),
     /// A statement of the control that is not emulated, unless the machine has a code for it.
     Foreign(Vec<Word>),

@@ -17,7 +17,7 @@ const TIP_ANGLE: u32 = 32;
 pub(super) struct Task {
     pub(super) surface: f64,
     pub(super) bottom: f64,
-    /// What it leaves on the ground.
+    /// Its allowance on the ground.
     pub(super) floor: f64,
     pub(super) infeed: f64,
     pub(super) allowance: f64,

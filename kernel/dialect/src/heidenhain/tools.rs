@@ -41,7 +41,7 @@ pub(super) fn row(tool: f64) -> u32 {
 /// Most values that programs write.
 const MOST: usize = 10_000;
 
-/// What programs have said about tools.
+/// Data of tools from programs.
 #[derive(Debug, Default)]
 pub(super) struct Tools {
     /// By tool and column; lengths in units of the machine.

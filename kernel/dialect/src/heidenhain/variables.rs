@@ -25,7 +25,7 @@ impl Default for Value {
     }
 }
 
-/// What the control tells by Q parameters of its own.
+/// The data that the control supplies in its own Q parameters.
 #[derive(Debug, Clone, Default)]
 pub(super) struct ControlState {
     /// Tool called last.
@@ -124,7 +124,7 @@ impl Variables {
         }
     }
 
-    /// What the control itself says of a parameter that was not set.
+    /// The control's own value of a parameter that was not set.
     pub(super) fn of_control(&self, name: Name, host: &dyn Host) -> Option<Value> {
         if name.kind == Kind::Q { self.control.get(name.index, host).map(Value::Number) } else { None }
     }

@@ -11,7 +11,7 @@ use super::formula::{Name, parameter};
 use super::lex::Cursor;
 use super::variables::Value;
 
-/// What stands after the name of a word.
+/// The text after the name of a word.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Operand {
     None,
@@ -133,7 +133,7 @@ fn word(cursor: &mut Cursor<'_>) -> Word {
     Word { operand: operand(cursor, true), name: name.into() }
 }
 
-/// What stands after a name; blanks may stand before a number.
+/// The text after a name; blanks may precede a number.
 fn operand(cursor: &mut Cursor<'_>, blanks: bool) -> Operand {
     if !blanks && cursor.next_byte().is_some_and(|byte| byte == b' ') {
         return Operand::None;

@@ -121,7 +121,7 @@ pub trait Flow {
     /// Everything that was programmed so far is executed before what follows.
     ///
     /// # Errors
-    /// What stops the channel meanwhile.
+    /// The reason why the channel stops in the meantime.
     fn catch_up(&mut self) -> Acted;
 
     /// Loops that the programs are in.

@@ -73,7 +73,7 @@ pub trait Programs {
     /// Displays messages of the block that [`Programs::strip`] found when its line was read for the first time.
     fn display_again(&mut self, text: &[u8], messages: &[(u32, u32)]);
 
-    /// What words of the block may be called besides letters.
+    /// Names of words of the block other than letters.
     fn names(&self) -> Names<'_>;
 
     /// Visits the blocks of a line of a program: where each begins, and its text without comments and skipped portions.

@@ -32,7 +32,7 @@ use counterpoint_event::FileId;
 use cursor::{Cursor, Mistake};
 use expr::{Expr, Reader, Variable};
 
-/// What keeps a block from being executed.
+/// Why executing a block failed.
 #[derive(Debug)]
 enum Fault {
     /// The channel stops.

@@ -39,7 +39,7 @@ pub(super) struct Block {
     pub(super) marks: Vec<u32>,
 }
 
-/// What is to be found in a file.
+/// The items to be found in a file.
 #[derive(Debug, Default)]
 pub(super) struct Places {
     numbers: Labels<u32>,

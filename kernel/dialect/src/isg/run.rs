@@ -220,7 +220,7 @@ impl Isg {
         host.axes().into_iter().find(|place| place.is(axis)).map(|place| place.work)
     }
 
-    /// What only the machine knows.
+    /// Data that only the machine has.
     fn asked(&mut self, host: &mut dyn Host, name: &str) -> Outcome<f64> {
         match host.identify(name, None)?.unless(name) {
             Answer::Drop | Answer::Keep => Ok(0.0),

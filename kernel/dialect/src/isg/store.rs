@@ -39,7 +39,7 @@ pub(super) struct Store {
     any: bool,
 }
 
-/// What the machine says of an external variable.
+/// The machine's row of an external variable.
 #[derive(Debug, Clone, Copy)]
 struct Row {
     own: bool,

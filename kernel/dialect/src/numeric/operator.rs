@@ -5,7 +5,7 @@
 use super::function::DEGREES;
 use super::truth;
 
-/// What stands between two operands, or takes two arguments.
+/// An operator between two operands, or a function of two arguments.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Operator {
     Add,

@@ -23,7 +23,7 @@ pub(super) struct Line {
     pub(super) messages: Vec<String>,
     /// A comment has no end.
     pub(super) open: bool,
-    /// What it has to do with contours.
+    /// Its relation to contours.
     pub(super) lap: Option<Lap>,
     /// Its text, which begins with no mark of optional skip, is for the interpreter whether plain words are or not.
     pub(super) executes: bool,
@@ -31,7 +31,7 @@ pub(super) struct Line {
     pub(super) alone: bool,
 }
 
-/// What stands before a statement.
+/// The text before a statement.
 #[derive(Debug, PartialEq, Eq)]
 pub(super) enum Head {
     /// A mark of optional skip with its level.
@@ -44,7 +44,7 @@ pub(super) enum Head {
     Program(String),
 }
 
-/// What a block says.
+/// The content of a block.
 #[derive(Debug, Default, PartialEq)]
 pub(super) enum Statement {
     /// Changes neither path nor time.
@@ -116,7 +116,7 @@ pub(super) enum Item {
     },
 }
 
-/// What is taken off blocks.
+/// The parts that are removed from blocks.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Wanted {
     /// CALL, MODIN and MODOUT.

@@ -119,7 +119,7 @@ impl Okuma {
 }
 
 impl Okuma {
-    /// What the block says.
+    /// The content of the block.
     fn line(&mut self, host: &mut dyn Host, text: &[u8]) -> Result<Arc<line::Line>, Halt> {
         let place = host.place();
         let key = (place.file, place.line);

@@ -59,7 +59,7 @@ pub(super) struct Header {
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Parameter {
     pub(super) kind: Type,
-    /// What the subprogram assigns is seen by its caller.
+    /// Assignments of the subprogram are visible to its caller.
     pub(super) by_reference: bool,
     /// Empty in EXTERN.
     pub(super) name: String,

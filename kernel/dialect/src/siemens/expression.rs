@@ -99,7 +99,7 @@ pub(super) fn whole(text: &str) -> Result<Expression, String> {
     if cursor.is_at_end() { Ok(read) } else { Err(unexpected(&cursor)) }
 }
 
-/// What is wrong where the cursor stands.
+/// The error at the cursor.
 pub(super) fn unexpected(cursor: &Cursor<'_>) -> String {
     let rest: String = cursor.rest().trim_start().chars().take(20).collect();
     if rest.is_empty() { "the block ends too early".to_owned() } else { format!("unexpected '{rest}'") }

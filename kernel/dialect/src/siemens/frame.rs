@@ -217,7 +217,7 @@ impl Frame {
         Self { linear, shift: sum(shift, moved), fine: sum(fine, moved_fine), mirrored, beside }.checked()
     }
 
-    /// What it is made of; none for a frame that is not a rotation of a scaled and mirrored one.
+    /// Its parts; none for a frame that is not a rotation of a scaled and mirrored one.
     pub(super) fn parts(&self) -> Option<Parts> {
         let column = |at: usize| self.linear.map(|row| row.get(at).copied().unwrap_or(0.0));
         let columns = [column(0), column(1), column(2)];

@@ -22,7 +22,7 @@ use counterpoint_fault as diag;
 use counterpoint_program::shape::Range;
 use counterpoint_program::source::Source;
 
-/// What is to be found in a file.
+/// The items to be found in a file.
 #[derive(Debug, Default)]
 pub(super) struct Places {
     pub(super) labels: Labels<String>,

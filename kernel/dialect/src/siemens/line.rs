@@ -98,7 +98,7 @@ pub(super) enum Structure {
     Repeat,
 }
 
-/// What stands after `=`.
+/// The text after `=`.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Assigned {
     /// An expression, and how it is written.

@@ -68,7 +68,7 @@ use counterpoint_program::shape::Range;
 
 pub(crate) use control::Control;
 
-/// What keeps a block from being executed.
+/// Why executing a block failed.
 #[derive(Debug)]
 enum Fault {
     /// The channel stops.
@@ -120,9 +120,9 @@ pub(crate) struct Siemens {
     /// Subprograms that were running where it was called; it runs, or has run.
     modal_from: Option<usize>,
     settings: settings::Settings,
-    /// What statements keep for later blocks.
+    /// State that statements keep for later blocks.
     held: held::Held,
-    /// What stopped the channel where nothing could be returned.
+    /// The reason why the channel stopped where nothing could be returned.
     halted: Option<Halt>,
     /// Macros are not asked about what is unknown.
     quiet: bool,

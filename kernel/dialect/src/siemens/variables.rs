@@ -39,7 +39,7 @@ pub(super) struct Variable {
 #[derive(Debug, Default)]
 pub(super) struct Level {
     pub(super) variables: FxHashMap<String, Variable>,
-    /// What the call has given, until PROC takes it.
+    /// The arguments of the call, until PROC takes them.
     pub(super) given: Vec<super::calls::PassedArgument>,
     /// PROC has taken it.
     pub(super) taken: bool,

@@ -108,7 +108,7 @@ fn text(act: &mut Act<'_, '_>, kind: f64) -> Result<Option<String>, Halt> {
     Ok(Some(written))
 }
 
-/// What stands in the first parentheses of a block.
+/// The text in the first parentheses of a block.
 fn remark(block: &[u8]) -> Option<String> {
     let start = block.iter().position(|byte| *byte == b'(')? + 1;
     let rest = block.get(start..)?;

@@ -66,7 +66,7 @@ impl Entry {
         Self { moves: true, ..self }
     }
 
-    /// What it means for a move that is kept back.
+    /// Its effect on a move that is held back.
     pub(crate) const fn contour(self, contour: Contour) -> Self {
         Self { contour, ..self }
     }

@@ -18,7 +18,7 @@ use counterpoint_machine::index::BySlot;
 /// Codes and what they do.
 pub(crate) const ENTRIES: &[Entry] = &[Entry::of(&[codes::OFFSET_SET], |act, _, _| set(act)).contour(Contour::Waits)];
 
-/// What is set.
+/// The set value.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum What {
     /// Values of all axes.

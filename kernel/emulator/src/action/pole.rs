@@ -15,7 +15,7 @@ pub(crate) const ENTRIES: &[Entry] = &[
     Entry::of(&[codes::POLE_LAST], |act, _, _| set(act, From::Pole)).contour(Contour::Waits),
 ];
 
-/// What the words of a pole count from.
+/// The reference point of the words of a pole.
 enum From {
     Tool,
     Zero,

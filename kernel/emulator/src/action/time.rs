@@ -14,7 +14,7 @@ use counterpoint_fault::Acted;
 use counterpoint_machine::ident::codes;
 use counterpoint_machine::model::{Dynamics, RapidPath};
 
-/// What is said about a feed that cannot be used.
+/// The message about an unusable feed.
 fn lack(feed: Option<f64>) -> (&'static diag::Facts, &'static str) {
     match feed {
         None => (&diag::NO_FEED, "no feed rate is programmed for"),

@@ -13,7 +13,7 @@ use counterpoint_sync::verdict;
 
 use super::Kernel;
 
-/// What is reached.
+/// The shared data of an access.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Door<'n> {
     /// A numbered common variable.

@@ -32,7 +32,7 @@ pub struct Lived {
     pub halt: Halt,
     /// Tag of the end of its program in the log, if the program has ended.
     pub ended: Option<Tag>,
-    /// What it carries on, if it may be started again.
+    /// The state that it keeps if it may be started again.
     pub left: Option<Box<Carried>>,
 }
 

@@ -108,7 +108,7 @@ impl Kernel<'_> {
         self.shared(|order| order.shared.coupled.insert(key, stand)).map(|_| ())
     }
 
-    /// What the other channel of a pair has let this one know.
+    /// News of the other channel of a pair.
     pub(super) fn hear(&mut self, pair: &Pair, meeting: Meeting) -> Result<Stand, Halt> {
         let Some((own, other)) = pair.of(self.channel.at.channel) else { return Ok(Stand::default()) };
         let key = key(other, own, meeting);

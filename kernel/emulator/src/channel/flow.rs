@@ -33,7 +33,7 @@ pub(crate) struct Frame {
     pub(crate) closes: bool,
     /// It has variables of its own (a macro call).
     pub(crate) own_variables: bool,
-    /// What was called.
+    /// The callee.
     pub(crate) called: Called,
     /// The modal call that called it.
     pub(crate) modal: Option<usize>,
@@ -129,7 +129,7 @@ pub(crate) struct Flow {
     pub(crate) opened: bool,
 }
 
-/// What was found out about programs, kept for the next time.
+/// Data derived from programs, kept for the next time.
 #[derive(Debug, Default)]
 pub(crate) struct Known {
     /// Names of programs that were called by number.

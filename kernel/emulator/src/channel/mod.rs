@@ -77,7 +77,7 @@ pub struct Kernel<'a> {
     pub(crate) plan: &'a Plan,
     pub(crate) flow: Flow,
     pub(crate) dialect: DialectState,
-    /// What the macros of the machine remember; empty without any.
+    /// The memory of the macros of the machine; empty without any.
     pub macros: Box<Runtime>,
     /// Components of a composite machine.
     pub(crate) components: Components<'a>,

@@ -52,7 +52,7 @@ impl DialectState {
 
 /// What a kernel is given when it is made.
 pub struct Setup<'a> {
-    /// What the run is about.
+    /// The subject of the run.
     pub env: Environment<'a>,
     /// The ways out.
     pub ports: Ports<'a>,

@@ -41,7 +41,7 @@ pub struct Plan {
     pub(crate) registers: Registers,
     pub(crate) data: DataPlan,
     pub(crate) edits: Edits,
-    /// What the control makes of its blocks beyond their words.
+    /// The effect of its blocks beyond their words.
     pub(crate) rules: Rules,
     /// What becomes of motions where they are not simply made: the macros of the machine see them, or they are recorded.
     pub(crate) motion: Option<fn(&mut Kernel<'_>, f64, &Motion) -> Acted>,
@@ -109,7 +109,7 @@ pub(crate) struct DataPlan {
     pub(crate) refused: Table<DataId, u128>,
 }
 
-/// What makes a block something else than its line.
+/// Reasons why a block differs from its line.
 #[derive(Debug)]
 pub(crate) struct Edits {
     /// Rules of the tape editor.

@@ -34,7 +34,7 @@ const INCH: u32 = 4;
 pub(crate) struct SystemValues {
     /// Values by number, where programs have set one or the machine starts with one.
     kept: FxHashMap<u32, f64>,
-    /// What the clocks (milliseconds, hours) show beyond simulated time.
+    /// The offset of the clocks (milliseconds, hours) from simulated time.
     clocks: [f64; 2],
 }
 

@@ -200,7 +200,7 @@ impl Kernel<'_> {
         self.group_queued(crate::state::modal::group::MOTION)
     }
 
-    /// What nothing has recognised when all codes have acted.
+    /// The text that is unrecognised after all codes have acted.
     pub(crate) fn unknown_text(&mut self) -> Acted {
         let left = self.left_text();
         let text = shortened(&left.split_whitespace().collect::<Vec<_>>().join(" "));

@@ -34,7 +34,7 @@ pub(crate) struct ChannelVariables {
     pub(super) keeps_system: bool,
     /// Those values.
     kept: FxHashMap<u32, f64>,
-    /// What the machine keeps of its system variables.
+    /// The kept values of the system variables of the machine.
     pub(super) system: SystemValues,
 }
 

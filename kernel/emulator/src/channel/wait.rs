@@ -163,7 +163,7 @@ fn not_startable(kernel: &mut Kernel<'_>, reason: &str) -> Halt {
     kernel.alarm(&diag::CHANNEL_NOT_STARTED, text)
 }
 
-/// What the channel does at its wait is not possible.
+/// The act of the channel at its wait is not possible.
 pub(super) fn impossible(kernel: &mut Kernel<'_>, reason: &str) -> Halt {
     let text = format!("{reason}, in '{}'", kernel.block_text());
     kernel.fatal(&diag::WAIT_IMPOSSIBLE, text)

@@ -23,7 +23,7 @@ struct Outer {
     block: Block,
     context: BlockContext,
     acting: Acting,
-    /// What it asks for at its end.
+    /// Its requests at its end.
     pending: Option<Pending>,
 }
 

@@ -24,7 +24,7 @@ use counterpoint_program::shape::Range;
 type Found = Option<(FileId, Range)>;
 
 impl Kernel<'_> {
-    /// What the block in process calls.
+    /// The call of the current block.
     pub(crate) fn called(&self, what: Callee, passes: u32) -> Called {
         let block = self.plan.hooks.is_some().then(|| String::from_utf8_lossy(&self.text_bytes()).trim().into());
         Called { what, passes, block }

@@ -13,7 +13,7 @@ use crate::channel::Kernel;
 use crate::macros::store::{column, names};
 use counterpoint_machine::model::ToolFacts;
 
-/// What the machine knows about a loaded tool, by column.
+/// The machine's data of a loaded tool, by column.
 fn known(tool: u32, facts: Option<&ToolFacts>) -> [(i64, Option<Value>); 6] {
     let number = |value: Option<f64>| value.map(Value::Real);
     [

@@ -43,7 +43,7 @@ struct Walk<'w, 'k> {
     read: u64,
     /// Where jumps back have led.
     stood: FxHashSet<Standing>,
-    /// What stands in programs that were looked through, by file and lines.
+    /// The content of searched programs, by file and lines.
     looked: FxHashMap<(FileId, u32, u32), Option<u32>>,
     /// That loops are taken to end has been said.
     loops: bool,
@@ -51,7 +51,7 @@ struct Walk<'w, 'k> {
     unknown: FxHashSet<String>,
 }
 
-/// What a block says.
+/// The content of a block.
 enum Outline {
     /// Plain words, which are on the block.
     Words,
@@ -133,7 +133,7 @@ impl Walk<'_, '_> {
         Ok(Some(if blank { Arc::default() } else { text }))
     }
 
-    /// What a block says.
+    /// The content of a block.
     fn outline(&mut self, text: &[u8]) -> Outline {
         match self.kernel.split(text, true) {
             Split::Words => Outline::Words,

@@ -217,7 +217,7 @@ pub(super) fn before(target: Spot) -> u32 {
     if target.offset > 0 { target.line } else { target.line.saturating_sub(1) }
 }
 
-/// What looking through a part has shown.
+/// The findings in a part.
 pub(super) enum Looked {
     /// Nothing stands in it; with what its jumps add to it.
     Clear(Part),

@@ -35,7 +35,7 @@ const CALLS: [CodeId; 4] = [codes::CALSUB_ID, codes::CALSUB_RANGE, codes::FIGURE
 /// Codes that end a program.
 const ENDS: [CodeId; 3] = [codes::CALSUB_RETURN, codes::END, codes::REWIND];
 
-/// What the words of a block do.
+/// The effect of the words of a block.
 pub(super) enum Meant {
     /// Nothing for the flow and for others.
     Nothing,
@@ -188,7 +188,7 @@ impl Walk<'_, '_> {
         Ok(Meant::End)
     }
 
-    /// What the block has asked for.
+    /// The requests of the block.
     fn asked(&mut self) -> Meant {
         match self.kernel.flow.pending.take() {
             Some(Pending::Call { what, .. } | Pending::CallRange { what, .. }) => Meant::Call(what),

@@ -3,7 +3,7 @@
 use counterpoint_lang::host::AbsentFn;
 use rustc_hash::FxHashMap;
 
-/// What the macros of a kernel have asked the outside for.
+/// External requests of the macros of a kernel.
 #[derive(Debug, Default)]
 pub(crate) struct Asked {
     /// How often each dialog was shown, by name.

@@ -46,7 +46,7 @@ pub struct Variables {
     pub(crate) first_shared: Option<u32>,
 }
 
-/// What macros have changed of diagnostics.
+/// Changes of macros to diagnostics.
 #[derive(Debug, Default)]
 pub(crate) struct DiagnosticChanges {
     /// Changed severities and switches by number.
@@ -81,10 +81,10 @@ pub(crate) struct Arguments {
     pub(crate) before: Position,
 }
 
-/// What macros have of the world outside.
+/// The external resources of macros.
 #[derive(Debug, Default)]
 pub(crate) struct Outside {
-    /// What macros have asked for.
+    /// Requests of macros.
     pub(crate) asked: Asked,
     /// Current folder, temporary files and open stores of values.
     pub(crate) folder: Folder,

@@ -9,7 +9,7 @@ use counterpoint_lang::value::{Elements, Value};
 
 /// A pointer that several may hold, as texts and sequences have it.
 pub(crate) trait Held: Clone + Default {
-    /// What it points to.
+    /// Its target.
     type Content: Default;
     /// A pointer to new content.
     fn new(content: Self::Content) -> Self;

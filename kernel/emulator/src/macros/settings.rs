@@ -1,6 +1,6 @@
 //! Settings that all pre-processors have, as macros made them with `$FCEPP`.
 
-/// What macros have set.
+/// Values set by macros.
 #[derive(Debug)]
 pub(crate) struct Settings {
     /// Comments and messages are taken off the block.

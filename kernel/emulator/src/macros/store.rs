@@ -107,7 +107,7 @@ pub struct Store {
     pub(crate) number: u32,
     /// `$FEDTIM`, `$RAPTIM` in seconds.
     pub(crate) times: [f64; 2],
-    /// What macros have added to `$MISTIM`, `$IDLTIM`, in seconds.
+    /// Additions of macros to `$MISTIM`, `$IDLTIM`, in seconds.
     pub(crate) added_times: [f64; 2],
     /// Time of all motions and of all waiting, in nanoseconds.
     pub(crate) moving: i64,

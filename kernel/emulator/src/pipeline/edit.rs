@@ -15,7 +15,7 @@ use counterpoint_program::tape::Within;
 
 /// The text of a block.
 pub(crate) enum Reshaped<'l> {
-    /// What the line holds up to the character that ends it.
+    /// The text of the line up to the character that ends it.
     Line(&'l [u8]),
     /// One of several blocks of the line, or what the tape editor has made of it.
     Own(Arc<[u8]>),

@@ -32,7 +32,7 @@ use counterpoint_sync::wait::Rules;
 
 /// One channel of the control: what it is given, where it is, what it remembers.
 pub struct Channel<'a> {
-    /// What the run is about.
+    /// The subject of the run.
     pub env: Environment<'a>,
     /// Channel, time and block.
     pub at: At,
@@ -61,7 +61,7 @@ pub struct Environment<'a> {
     pub info: &'a Info,
     /// The program files, as the channel sees them.
     pub sources: SeenSources<'a>,
-    /// What the job has chosen.
+    /// The choices of the job.
     pub options: &'a Options,
     /// The files of the job.
     pub files: &'a dyn Files,
@@ -146,7 +146,7 @@ pub(crate) struct Reports {
     pub(crate) waits: KnownWaits,
     /// What the diagnostic that is about to be logged does not recognise.
     pub(crate) unrecognised: Option<Box<Unrecognised>>,
-    /// What the block of the diagnostic that is about to be logged races with.
+    /// The access that the block of the current diagnostic races with.
     pub(crate) race: Option<Box<RaceWith>>,
     /// The operator has reset the channel.
     pub(crate) reset: bool,
@@ -160,7 +160,7 @@ impl Reports {
         self.unrecognised.take_if(|about| number == diag::NOT_RECOGNISED.number && about.to_string() == text)
     }
 
-    /// What the block of a diagnostic races with.
+    /// The access that the block of a diagnostic races with.
     pub(crate) fn take_race(&mut self, number: u32) -> Option<Box<RaceWith>> {
         self.race.take_if(|_| number == diag::SHARED_RACE.number)
     }

@@ -9,7 +9,7 @@ use counterpoint_machine::ident::kind::CodeKind;
 use counterpoint_machine::ident::kind::coolant::{Flow, Switch};
 use counterpoint_machine::model::Pump;
 
-/// What the codes of the groups do not say.
+/// The state beyond the codes of the groups.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct CoolantState {
     /// What flowed last at the main and at the side head.
@@ -38,7 +38,7 @@ impl CoolantState {
         if self.limit > 0.0 { self.limit } else { pump.max_pressure }
     }
 
-    /// What the active code of a head means: 0 off, 1 to 9.
+    /// The meaning of the active code of a head: 0 off, 1 to 9.
     pub(crate) fn fluid(&self, code: Option<CodeId>) -> u8 {
         match code.map(CodeId::kind) {
             Some(CodeKind::Coolant(Switch::Fluid(Flow::Fluid(fluid), _))) => fluid,

@@ -36,7 +36,7 @@ pub(crate) struct Open {
     pub(crate) along: Spot,
 }
 
-/// What the words of a block ask.
+/// The requests of the words of a block.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Asked {
     pub(crate) corner: Option<Corner>,

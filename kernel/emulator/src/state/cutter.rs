@@ -119,7 +119,7 @@ pub(crate) struct Cutter {
     pub(crate) suspended: bool,
     /// The tool stays on the contour: only corners make moves wait.
     pub(crate) plain: bool,
-    /// What the words of the block ask of the contour, until its move is known.
+    /// Requests of the words of the block for the contour, until its move is known.
     pub(crate) asked: Asked,
     /// A way to the contour or from it that no move has made yet.
     pub(crate) smooth: Option<Box<Smooth>>,

@@ -63,9 +63,9 @@ pub(crate) struct State {
     pub(crate) arcs: arc::Arcs,
     /// What is known about threads to come.
     pub(crate) threads: Box<thread::Threads>,
-    /// What is known about probing moves.
+    /// Data of probing moves.
     pub(crate) skip: Box<probing::Probing>,
-    /// What other actions remember.
+    /// The memory of other actions.
     pub(crate) others: Box<Others>,
 }
 
@@ -111,7 +111,7 @@ pub(crate) struct Others {
     pub(crate) turning: turning::Turning,
     /// Where the axes stood before they went to the change position.
     pub(crate) before_change: Option<Position>,
-    /// What was reported last about each tool.
+    /// The last report about each tool.
     pub(crate) tools: FxHashMap<u32, ToolData>,
     /// What still runs beside the block, and beside all that comes before the next move at feed.
     pub(crate) running: [Option<Running>; 2],

@@ -31,7 +31,7 @@ pub(crate) struct Axis {
     pub(crate) limits: Option<(f64, f64)>,
 }
 
-/// What the axes of a channel do not allow.
+/// The limits of the axes of a channel.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Bounds {
     /// One of them has limits of travel.
@@ -49,7 +49,7 @@ pub(crate) struct Layout {
     pub(crate) axes: Table<AxisSlot, Axis>,
     /// One of them turns.
     pub(crate) rotary: bool,
-    /// What the axes do not allow.
+    /// The limits of the axes.
     pub(crate) bounds: Bounds,
     /// Axes whose absolute words are angles, not positions, bit by axis.
     pub(crate) angles: u8,
@@ -135,7 +135,7 @@ pub(crate) struct Place {
     pub(crate) weighs: bool,
     /// The area that the program has set; none until it does.
     pub(crate) stored: Option<Box<super::stored::StoredArea>>,
-    /// What lies between the program and the work frame; none while nothing of it is active.
+    /// Transformations between the program and the work frame; none if none is active.
     pub(crate) frames: Option<Box<super::frames::Frames>>,
     /// Offsets that macros have set; none while those of the machine hold.
     pub(crate) offsets: Option<Box<super::frames::offsets::Offsets>>,

@@ -2,7 +2,7 @@
 
 use counterpoint_event::event::{MAX_AXES, Position};
 
-/// What is known about probing moves.
+/// Data of probing moves.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Probing {
     /// `$SKIPERR`: 0 none, 1 touched, 2 missed.

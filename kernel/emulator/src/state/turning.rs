@@ -155,7 +155,7 @@ pub(crate) enum Task {
     },
     /// They are repeated.
     Pattern(pattern::Settings),
-    /// What they surround is cleared.
+    /// Their inside is cleared.
     Pocket(Pocket),
 }
 

@@ -11,7 +11,7 @@ use counterpoint_sync::wait::{Key, Rule, Set, Wait};
 
 use super::{BALANCE, Said, all, channels, extra_rule};
 
-/// What the channels of balance cutting wait for together.
+/// The common wait of the channels of balance cutting.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Stage {
     /// The code that switches it on.

@@ -15,7 +15,7 @@ use counterpoint_sync::wait::{Key, Rule, Set, Style, Wait};
 
 use super::{COUPLING, extra_rule};
 
-/// What the code makes of two axes.
+/// The effect of the code on two axes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Kind {
     /// The slave does what the master does.

@@ -13,7 +13,7 @@ use counterpoint_sync::wait::{Key, Set};
 
 use super::{BY_ROW, Meaning, all, of_row};
 
-/// What such a word means in this channel; none if the code is not one.
+/// The meaning of such a word in this channel; none for other codes.
 ///
 /// # Errors
 /// Why its list of systems is not possible.

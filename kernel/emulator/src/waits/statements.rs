@@ -10,7 +10,7 @@ use counterpoint_sync::wait::{Key, Set};
 
 use super::{Meaning, all, of_row};
 
-/// What a statement does.
+/// The effect of a statement.
 pub(crate) enum Statement {
     /// It waits, or lets others continue.
     Meaning(Meaning),

@@ -22,7 +22,7 @@ record! {
         pub kernel: Box<str> = 5 [added],
         /// The statement of a macro that raised it, none if no macro did.
         pub origin: Option<Box<Origin>> = 6 [added],
-        /// What nothing recognises, if that is what the diagnostic says.
+        /// The unrecognised text, if the diagnostic is about it.
         pub unrecognised: Option<Box<Unrecognised>> = 7 [wire],
         /// What the block of the diagnostic races with, if that is what the diagnostic says.
         pub race: Option<Box<RaceWith>> = 8 [wire],

@@ -181,7 +181,7 @@ pub trait Record: Sized {
     /// Reads them back; `None` for what is damaged.
     fn read(from: &impl Source) -> Option<Self>;
 
-    /// What the time of such an event was spent on, if it takes any.
+    /// The kind of work of such an event, if it takes time.
     fn work(&self) -> Option<Work> {
         None
     }

@@ -66,7 +66,7 @@ pub struct Event {
     pub file: FileId,
     /// Line in the file, from 1; 0 when the event belongs to no line.
     pub line: u32,
-    /// What it is.
+    /// Its kind.
     pub kind: Kind,
 }
 

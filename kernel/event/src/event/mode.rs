@@ -20,7 +20,7 @@ record! {
     /// A tool offset that is in effect from here on.
     #[derive(Debug, Clone, Copy, PartialEq, Eq)]
     pub struct ToolOffset {
-        /// What it corrects.
+        /// The values that it corrects.
         pub kind: OffsetKind = 1,
         /// Its number.
         pub number: u32 = 2,

@@ -18,7 +18,7 @@ record! {
         pub letter: char = 1,
         /// The whole line.
         pub text: Box<str> = 2,
-        /// What it does to the listing; such a line is not shown.
+        /// Its effect on the listing; such a line is not shown.
         pub listing: Option<Listing> = 3 [wire],
         /// The line takes the place of the action of the event after it.
         pub instead: bool = 4 [wire],

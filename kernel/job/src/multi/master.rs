@@ -28,7 +28,7 @@ pub(crate) type At = (FileId, Range, Arc<str>);
 /// Program and name of a kernel, and its first channel of the model, as Machine Startup left them.
 pub(super) type KernelInput = (String, String, f64);
 
-/// What the master has left for later.
+/// Work that the master has left for later.
 pub(super) struct Master {
     channel: Channel,
     runtime: Option<Box<Runtime>>,

@@ -117,7 +117,7 @@ impl<'s> Log<'s> {
         !self.refused
     }
 
-    /// What the kernels feed, by channel.
+    /// The results that the kernels feed, by channel.
     fn backlogs(&mut self, job: &Job) -> Vec<Backlog> {
         let room = job.info().room.waiting;
         match self.sink.results() {

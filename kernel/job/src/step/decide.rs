@@ -7,7 +7,7 @@ use counterpoint_ports::step::{Go, Seen};
 
 use super::{Candidate, Channel, State};
 
-/// What the operator wants.
+/// The request of the operator.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Goal {
     /// The run stands.
@@ -27,7 +27,7 @@ pub(super) enum Goal {
     All,
 }
 
-/// What is to be done.
+/// The work.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Decision {
     /// This kernel continues.
@@ -74,7 +74,7 @@ impl State {
         !(channel.at_block && held)
     }
 
-    /// What is to be done now.
+    /// Decides the next step of the run.
     pub(super) fn decide(&mut self, standing: &Standing<'_>, info: &Info) -> Decision {
         if let Some((channel, reason)) = self.stop.take() {
             return Decision::Stop(channel, reason);

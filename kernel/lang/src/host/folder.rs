@@ -92,7 +92,7 @@ pub trait Shelf {
     fn remove(&mut self, path: &str);
 }
 
-/// What the file functions of one run keep.
+/// The state of the file functions of one run.
 #[derive(Clone, Debug, Default)]
 pub struct Folder {
     /// Current folder below the folder of the run.

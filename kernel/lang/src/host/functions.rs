@@ -65,7 +65,7 @@ macro_rules! host_functions {
         }
 
         impl AbsentFn {
-            /// What the function works on.
+            /// The operand of the function.
             #[must_use]
             pub const fn needs(self) -> Need {
                 match self {

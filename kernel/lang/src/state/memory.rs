@@ -97,7 +97,7 @@ impl Scale {
     }
 }
 
-/// What macros keep and may keep.
+/// The memory of macros and its limits.
 #[derive(Debug, Default)]
 pub(crate) struct Memory {
     /// Bytes that may be kept.

@@ -15,7 +15,7 @@ use counterpoint_motion::frame::local::Part;
 use super::DataId;
 use counterpoint_event::event::Direction;
 
-/// What tells codes of a family apart, for the list of codes.
+/// The distinguishing part of codes of a family, for the list of codes.
 pub(super) mod families {
     pub(crate) use super::arc::{By, Form};
     pub(crate) use super::coolant::{Flow, Switch};
@@ -65,7 +65,7 @@ pub enum CodeKind {
     Spindle {
         /// Number of the spindle, 0 = the one of codes without a number.
         number: u16,
-        /// What it does.
+        /// Its effect.
         direction: Direction,
         /// Coolant that it switches along.
         coolant: Option<bool>,

@@ -44,14 +44,14 @@ pub struct CodeFacts {
     pub built_in: bool,
     /// Added by this project.
     pub own: bool,
-    /// What it is about.
+    /// Its subject.
     pub kind: kind::CodeKind,
     /// The meaning of an own identifier, after a colon; empty for the others.
     meaning: &'static str,
 }
 
 impl CodeId {
-    /// What the code is about; a custom one is a family of its own.
+    /// The subject of the code; a custom code is a separate family.
     #[must_use]
     pub fn kind(self) -> kind::CodeKind {
         code_facts(self).map_or(kind::CodeKind::Plain, |facts| facts.kind)
@@ -65,7 +65,7 @@ impl CodeId {
 }
 
 impl DataId {
-    /// What the data are about; those of a machine's own are plain.
+    /// The subject of the data; custom data of a machine are plain.
     #[must_use]
     pub fn kind(self) -> kind::data::DataKind {
         data_facts(self).map_or(kind::data::DataKind::Plain, |facts| facts.kind)
@@ -87,7 +87,7 @@ pub struct DataFacts {
     pub built_in: bool,
     /// Added by this project.
     pub own: bool,
-    /// What it is about.
+    /// Its subject.
     pub kind: kind::data::DataKind,
     /// Dimension of its values where the machine does not say.
     pub dimension: dimension::Dimension,

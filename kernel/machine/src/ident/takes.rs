@@ -121,7 +121,7 @@ const OWN: &[(&[CodeId], &str)] = &[
     (&[codes::COMMENT], "the text of the comment"),
 ];
 
-/// What the action of a code takes.
+/// The data that the action of a code takes.
 fn taken(id: CodeId) -> &'static str {
     match id.kind() {
         CodeKind::Arc(_) => ARC,

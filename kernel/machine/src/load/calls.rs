@@ -23,7 +23,7 @@ const LARGEST: u32 = 99_999_999;
 /// G words of the pre-processor's own calls.
 const OWN: [f64; 4] = [65.0, 66.0, 66.1, 67.0];
 
-/// What the rows refer to.
+/// The references of the rows.
 pub(super) struct Around<'a> {
     pub(super) registers: &'a Table<RegisterId, Register>,
     pub(super) codes: &'a [CodeRow],

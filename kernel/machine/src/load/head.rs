@@ -7,7 +7,7 @@ use crate::preprocessor::Preprocessor;
 use crate::toml::section::Section;
 use counterpoint_event::Unit;
 
-/// What the two sections say.
+/// The content of the two sections.
 pub(super) struct Head {
     pub(super) name: String,
     pub(super) number: u32,

@@ -21,7 +21,7 @@ pub(super) enum Kind {
 pub(super) struct Question {
     /// Key.
     pub(super) key: &'static str,
-    /// What the answer becomes.
+    /// The use of the answer.
     pub(super) kind: Kind,
 }
 

@@ -26,7 +26,7 @@ pub enum Step {
     Or,
 }
 
-/// What must hold besides the identifier that fires.
+/// Conditions besides the triggering identifier.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Condition {
     /// All of these are on the block.

@@ -14,7 +14,7 @@ use crate::index::Table;
 use crate::stored::StoredFile;
 use counterpoint_ports::files::Files;
 
-/// What the compiler needs to know of one machine.
+/// The facts of one machine for the compiler.
 pub struct MachineEnvironment<'a> {
     /// Names of all codes.
     pub codes: &'a Table<CodeId, Name>,

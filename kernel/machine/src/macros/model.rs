@@ -160,7 +160,7 @@ pub struct Named {
     pub code: u16,
     /// Identifiers that fire it, as the machine file lists them.
     pub matches: Vec<Item>,
-    /// What must hold beside a matching identifier.
+    /// Conditions besides a matching identifier.
     pub condition: Condition,
 }
 

@@ -35,13 +35,13 @@ pub struct Variable {
     pub indices: Vec<Option<u32>>,
     /// Who may write it.
     pub access: Access,
-    /// What it belongs to.
+    /// Its owner.
     pub category: &'static str,
     /// Value before anything sets it.
     pub first: Value,
     /// Smallest and largest number that may be written.
     pub range: Option<(f64, f64)>,
-    /// What it is, one sentence.
+    /// A description in one sentence.
     pub about: &'static str,
 }
 

@@ -163,7 +163,7 @@ pub struct Sync {
     pub dialect: SyncDialect,
     /// How the list of channels is written.
     pub paths: PathsForm,
-    /// What stops when one channel alarms.
+    /// The channels that stop when one channel alarms.
     pub alarm_scope: AlarmScope,
     /// Release delay, ns.
     pub release_ns: i64,
@@ -208,7 +208,7 @@ pub enum PathsForm {
     Either,
 }
 
-/// What stops when one channel alarms.
+/// The channels that stop when one channel alarms.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum AlarmScope {
     /// That channel only.
@@ -429,7 +429,7 @@ pub struct Tool {
     pub names: Vec<(String, u32)>,
 }
 
-/// What the machine knows about a tool.
+/// The machine's data of a tool.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ToolFacts {
     /// Number.

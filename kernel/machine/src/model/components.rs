@@ -18,7 +18,7 @@ pub struct Component {
     pub name: String,
     /// Numbers of the channels that it may work in, ascending.
     pub channels: Vec<u16>,
-    /// What its control does.
+    /// The behaviour of its control.
     pub machine: Arc<Machine>,
 }
 

@@ -80,7 +80,7 @@ pub struct Threads {
     pub min_step: f64,
     /// Finishing passes.
     pub finish_cuts: u16,
-    /// What they leave to do.
+    /// The remaining work.
     pub finish: f64,
     /// Angle of the nose, degrees.
     pub nose: f64,

@@ -15,7 +15,7 @@ pub struct WaitRow {
     pub word: String,
     /// Primitive.
     pub primitive: Primitive,
-    /// What the word does.
+    /// The effect of the word.
     pub act: WaitAct,
     /// Number of the mark of a text.
     pub mark: u32,
@@ -33,7 +33,7 @@ pub struct WaitRow {
     pub stops: bool,
     /// Which pairs of waits are refused.
     pub mismatch: Mismatch,
-    /// What is particular to signals.
+    /// The special rules of signals.
     pub signals: SignalRow,
 }
 

@@ -19,7 +19,7 @@ struct Row {
     enabled: bool,
     /// Identifiers that fire it.
     matches: Vec<String>,
-    /// What must hold besides.
+    /// Additional conditions.
     condition: String,
     file: String,
 }

@@ -74,7 +74,7 @@ fn beside_of(contours: &[Closed], amount: f64, of: impl Fn(bool, bool) -> bool) 
     })
 }
 
-/// What lies nearer to a spot than an amount.
+/// Elements nearer to a point than a distance.
 fn disc(center: Spot, radius: f64) -> Closed {
     let from = plus(center, [radius, 0.0], 1.0);
     Closed::open(vec![Element { from, to: from, arc: Some(Arc { center, radius, start_angle: 0.0, sweep: TAU }) }])
@@ -96,7 +96,7 @@ fn halves(element: &Element) -> Vec<Element> {
     }
 }
 
-/// What lies beside an element, nearer than an amount.
+/// Neighbours of an element nearer than a distance.
 fn band(element: &Element, amount: f64) -> Option<Closed> {
     let side = |spot: Spot, along: Spot, side: f64| beside(spot, along, side, amount);
     let line = |from: Spot, to: Spot| Element { from, to, arc: None };

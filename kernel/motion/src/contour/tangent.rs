@@ -4,7 +4,7 @@
 
 use super::element::{Spot, cross, dot, plus};
 
-/// What leads from a point in a direction to another point.
+/// The path from a point in a direction to another point.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Tangent {
     /// The point lies straight ahead.

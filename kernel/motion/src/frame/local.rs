@@ -39,7 +39,7 @@ pub struct Programmed {
     pub values: Point,
     /// Centre of a rotation or scale.
     pub center: Option<Point>,
-    /// What the values of a rotation are.
+    /// The meaning of the values of a rotation.
     pub order: &'static str,
     /// Angle about a direction, degrees.
     pub angle: f64,

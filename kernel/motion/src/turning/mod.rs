@@ -44,7 +44,7 @@ pub enum Move {
     },
 }
 
-/// What takes the moves of a cycle.
+/// The receiver of the moves of a cycle.
 pub trait Sink {
     /// Why it takes no more.
     type Stop;

@@ -10,7 +10,7 @@ use crate::contour::element::Spot;
 pub struct Settings {
     /// How far the first pass is from the last one, along Z and X.
     pub relief: Spot,
-    /// What the last pass leaves, along Z and X.
+    /// The allowance of the last pass along Z and X.
     pub allowance: Spot,
     /// Number of passes, at least 1.
     pub passes: u32,

@@ -23,7 +23,7 @@ pub struct Settings {
     pub retract: f64,
     /// What is left on the contour, along Z and X.
     pub allowance: Spot,
-    /// What the levels leave besides, along Z and X; the last pass takes it.
+    /// The additional allowance of the levels along Z and X; the last pass removes it.
     pub semi: Spot,
     /// Pockets are cut level by level, not by the last pass alone.
     pub pockets: bool,

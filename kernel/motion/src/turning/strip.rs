@@ -29,9 +29,9 @@ pub struct Strip {
     pub inside: bool,
     /// Depth of a level at most; 0 for one level.
     pub depth: f64,
-    /// What levels leave along Z and X.
+    /// The allowance of levels along Z and X.
     pub allowance: Spot,
-    /// What they leave square to the contour.
+    /// The allowance perpendicular to the contour.
     pub around: f64,
     /// How far the tool lifts off in each axis.
     pub lift: f64,

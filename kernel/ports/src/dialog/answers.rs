@@ -69,7 +69,7 @@ pub fn nth<'a>(answers: &'a [Answer], dialog: &str, nth: usize) -> Option<&'a An
     of_dialog.clone().nth(nth).or_else(|| of_dialog.clone().next_back())
 }
 
-/// What is wrong with the answers of a job.
+/// Errors in the answers of a job.
 #[must_use]
 pub fn check(dialogs: &[Dialog], answers: &[Answer]) -> Vec<String> {
     let mut wrong = Vec::new();

@@ -28,7 +28,7 @@ pub struct Field {
     pub label: String,
     /// Macro variable that it shows and sets, empty for a plain text.
     pub variable: String,
-    /// What it takes.
+    /// The data that it takes.
     pub kind: FieldKind,
     /// Value when the variable has none.
     pub default: Option<Value>,
@@ -68,7 +68,7 @@ pub enum FieldKind {
 pub struct Button {
     /// Label.
     pub label: String,
-    /// What it does.
+    /// Its effect.
     pub kind: ButtonKind,
 }
 

@@ -19,7 +19,7 @@ pub struct Question<'a> {
     pub file: &'a str,
     /// Its line.
     pub line: u32,
-    /// What is shown.
+    /// The shown content.
     pub dialog: &'a Dialog,
     /// Values that the fields begin with, by variable, in the order of the fields; then those of other variables that
     /// decide about fields.

@@ -31,7 +31,7 @@ struct Bytes<'a> {
 }
 
 impl Bytes<'_> {
-    /// What was written last counts.
+    /// The last written value counts.
     fn counts(&mut self) {
         self.end = self.out.len();
     }

@@ -9,7 +9,7 @@ use crate::geometry::Loop;
 use counterpoint_event::event::{Direction, Event, FeedUnit, Kind, Motion, MotionKind, Spindle};
 use counterpoint_event::info::Axis;
 
-/// What was written last.
+/// The last written value.
 #[derive(Debug, Default)]
 pub(super) struct Actions {
     rate: Option<(FeedUnit, u64, bool)>,

@@ -20,7 +20,7 @@ const SAMPLES: usize = 2000;
 /// A stretch of time spent on one thing.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct Bar {
-    /// What the time was spent on.
+    /// The kind of work of the time.
     pub kind: Work,
     /// Start, ns.
     pub t_ns: i64,

@@ -55,7 +55,7 @@ pub enum Met<'a> {
 pub(super) struct Waiter<'s, S, F, W> {
     pub(super) channel: u16,
     pub(super) switch: Switch<'s>,
-    /// What the next two work on.
+    /// The operand of the next two.
     pub(super) state: S,
     /// Sends the events so far.
     pub(super) flush: F,

@@ -9,7 +9,7 @@ use crate::verdict;
 use crate::wait::{Act, Finish, Key, Set, Terminal, Waiting};
 use crate::waits::{Arrival, RefusedPairs};
 
-/// What the arrival means for the arriving kernel.
+/// The effect of the arrival on the arriving kernel.
 pub enum After {
     /// It continues at once.
     Go {

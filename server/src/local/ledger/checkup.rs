@@ -31,7 +31,7 @@ pub(crate) struct Unreadable {
     pub(crate) key: String,
 }
 
-/// What the ledger holds.
+/// The content of the ledger.
 #[derive(Debug, Default)]
 pub(crate) struct Rows {
     pub(crate) jobs: Vec<Record>,

@@ -48,7 +48,7 @@ enum Operation {
     RemoveMachine(String, String, bool),
 }
 
-/// What the ledger should hold.
+/// The expected content of the ledger.
 #[derive(Debug, Clone, Default)]
 struct Twin {
     jobs: BTreeMap<String, Record>,

@@ -19,13 +19,13 @@ fn usage((bytes, day, cpu_us): (u64, u64, u64)) -> Usage {
     Usage { bytes, day, cpu_us }
 }
 
-/// What a tenant has used.
+/// The use of a tenant.
 pub(super) fn of(txn: &ReadTransaction, tenant: &str) -> Result<Usage, Refusal> {
     let row = txn.open_table(USAGE).map_err(storage)?.get(tenant).map_err(storage)?.map(|row| usage(row.value()));
     Ok(row.unwrap_or_default())
 }
 
-/// What each tenant has used.
+/// The use of each tenant.
 pub(super) fn all(txn: &ReadTransaction) -> Result<Vec<(String, Usage)>, Refusal> {
     let table = txn.open_table(USAGE).map_err(storage)?;
     let rows = table.iter().map_err(storage)?.map(|row| {

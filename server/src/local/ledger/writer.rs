@@ -73,7 +73,7 @@ impl Place {
     }
 }
 
-/// What the writer shares with readers.
+/// Data that the writer shares with readers.
 #[derive(Debug)]
 pub(super) struct Shared {
     pub(super) place: Place,

@@ -25,7 +25,7 @@ struct Run {
     id: String,
     tenant: Arc<str>,
     since: Instant,
-    /// What was paid for it.
+    /// The cost paid for it.
     price: i64,
 }
 

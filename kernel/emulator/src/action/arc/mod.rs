@@ -281,7 +281,7 @@ fn take_turns(act: &mut Act<'_, '_>, rises: bool) -> u16 {
     0
 }
 
-/// What the machine allows; the circle is made nevertheless.
+/// The limit of the machine; the circle is made nevertheless.
 fn check_machine(act: &mut Act<'_, '_>, form: Form, made: &geometry::Arc, rises: bool) {
     check_radius(act, made.radius);
     let allowed = match act.env.machine.arcs.helix {

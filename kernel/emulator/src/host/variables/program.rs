@@ -45,7 +45,7 @@ fn neighbour(kernel: &Kernel<'_>, behind: bool) -> Value {
     Value::text(kernel.neighbour(behind).unwrap_or_default())
 }
 
-/// What the machine is: its type, positioning modes and units.
+/// The kind of the machine: its type, positioning modes and units.
 fn machine_text(kernel: &Kernel<'_>, _: &[i64]) -> Value {
     let machine = kernel.channel.env.machine;
     let kind = match machine.kind {

@@ -5,7 +5,7 @@
 //! before any), taken at the ends of motions. *Invariant:* row 1 is neither a tool nor an operation; every second belongs to
 //! one row, waiting to the third column. Decision: the feed per minute of a motion is its length by its time.
 
-/// What one row has.
+/// The content of one row.
 #[derive(Debug, Clone, Copy)]
 struct Sum {
     feed: f64,

@@ -7,7 +7,7 @@ use counterpoint_machine::index::{AxisSlot, BySlot};
 
 use crate::state::channel::Channel;
 
-/// What is so about feeds.
+/// Properties of feeds.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(crate) struct Feeds {
     /// Part of the feed that moves against the tool axis keep to.

@@ -46,7 +46,7 @@ const PER_UNIT: f64 = 1e9;
 /// Largest coordinate whose noise is taken away.
 const FINE: f64 = 1e6;
 
-/// What lies between the words of the program and the axes, beside the plain shift.
+/// Transformations between the words of the program and the axes, besides the plain shift.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Frames {
     /// The local frame.

@@ -26,7 +26,7 @@ const BOUND: f64 = 1e9;
 /// Most offsets that macros set.
 const MOST: usize = 10_000;
 
-/// What macros have set, by number.
+/// Values set by macros, by number.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Offsets {
     work: BTreeMap<u32, Position>,

@@ -28,7 +28,7 @@ pub(crate) struct Polar {
     shape: Shape,
 }
 
-/// What of the part the axes reach.
+/// The part of the workpiece that the axes reach.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Shape {
     Face {

@@ -40,7 +40,7 @@ pub(crate) struct Tilted {
     tool: Position,
 }
 
-/// What the program has said about a plane to come.
+/// The program's data for a later plane.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Wishes {
     /// Of two ways the one with the tilting axis on this side.

@@ -18,7 +18,7 @@ fn tables() -> Chain<usize> {
     Chain { tables: vec![joint(0, X), joint(1, Z)], heads: vec![], tool: Z }
 }
 
-/// What is the same on every machine.
+/// Pseudo-random numbers that are the same on every machine.
 struct Chance(u64);
 
 impl Chance {

@@ -28,7 +28,7 @@ pub(super) struct Pen {
     off: f64,
     /// The last command written is a line.
     lining: bool,
-    /// What is painted, for long paths.
+    /// The painted area, for long paths.
     canvas: Option<Canvas>,
     /// Way drawn since the last cut, px.
     way: f64,

@@ -39,7 +39,7 @@ impl Projection {
 /// Cosine of 30 degrees.
 const COS: f64 = 0.866_025_403_784_438_6;
 
-/// What the upward scale of a view shows.
+/// The quantity of the upward scale of a view.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Upwards {
     pub(super) name: &'static str,

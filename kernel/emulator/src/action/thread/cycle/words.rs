@@ -70,7 +70,7 @@ fn take_within(act: &mut Act<'_, '_>, id: DataId, least: f64, most: f64) -> Opti
     None
 }
 
-/// What lasts from cycle to cycle: the first of two lines.
+/// Data that last from cycle to cycle: the first of two lines.
 pub(super) fn settings(act: &mut Act<'_, '_>, kind: ThreadCycle) -> Acted {
     let finish = if kind.face { data::THREAD_MULTI_FINISH_Z } else { data::THREAD_MULTI_FINISH_X };
     if let Some(finish) = act.take(finish) {
