@@ -49,7 +49,7 @@ pub enum Refusal {
     DigestMismatch {
         /// The digest that the client announced.
         announced: String,
-        /// Its kind.
+        /// The digest of the content.
         actual: String,
     },
     /// A blob is larger than allowed.
