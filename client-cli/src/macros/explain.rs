@@ -11,6 +11,7 @@ use counterpoint_lang::host::HostFn;
 use counterpoint_lang::{format, ident};
 use include_dir::{Dir, include_dir};
 
+use super::alarms::listed;
 use super::kinds::kind;
 use super::terms::terms;
 use crate::error::Error;
@@ -32,16 +33,16 @@ pub(crate) fn explanation(what: &str) -> Option<String> {
         (Some(kind), Some(name)) => Some(format!("{kind}\n{name}")),
         (kind, name) => kind.or(name),
     };
-    page(what).or_else(names).or_else(|| alarm(what))
+    page(what).or_else(names).or_else(|| alarm(what)).or_else(|| listed(what))
 }
 
 /// The pages of a diagnostic or of an alarm.
 pub(crate) fn diagnostic(what: &str) -> Option<String> {
-    page(what).or_else(|| alarm(what))
+    page(what).or_else(|| alarm(what)).or_else(|| listed(what))
 }
 
 /// The page of a number or of its word.
-fn page(what: &str) -> Option<String> {
+pub(super) fn page(what: &str) -> Option<String> {
     let number = what.trim().parse().ok().or_else(|| diag::number(&what.trim().to_lowercase()))?;
     PAGES.get_file(format!("{number:08}.md"))?.contents_utf8().map(str::to_owned)
 }

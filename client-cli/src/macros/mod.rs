@@ -2,6 +2,7 @@
 //!
 //! *Invariant:* a running macro can access only files below the current folder, the clock and the environment.
 
+mod alarms;
 pub(crate) mod arguments;
 mod check;
 mod explain;

@@ -12,6 +12,8 @@ pub struct AxisPlace {
     pub letter: String,
     /// Programmed as a diameter.
     pub diameter: bool,
+    /// A rotary axis.
+    pub turns: bool,
     /// Where it is in the frame of the program, as the program counts now.
     pub work: f64,
     /// What incremental words count from: where it is, or where it was before a change of frames that is to be travelled.

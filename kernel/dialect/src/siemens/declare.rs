@@ -8,6 +8,8 @@ use counterpoint_lang::value::Value;
 
 use super::define::{Declaration, Declared, Initial, LONGEST_TEXT, Scope};
 use super::expression::Name;
+use super::jumps::{bare, is_head};
+use super::line::{Item, read};
 use super::value::Type;
 use super::variables::{Holder, MOST_IN_ALL, Target, Variable, declared_key};
 use super::{Fault, Outcome, Siemens};
@@ -21,6 +23,32 @@ const MOST_SHARED: usize = 10_000;
 
 fn refused<T>(text: String) -> Outcome<T> {
     Err(Fault::Alarm(&diag::SIEMENS_DEFINITION, text))
+}
+
+/// DEF stands before all blocks of its program but other definitions.
+pub(super) fn check_first(host: &dyn Host) -> Outcome<()> {
+    let place = host.place();
+    let Some(source) = host.source(place.file).filter(|_| place.as_read && place.line > place.range.first) else {
+        return Ok(());
+    };
+    for line in source.walk(place.range.first, place.line - 1) {
+        let text = String::from_utf8_lossy(source.line(line));
+        let text = bare(&text).trim();
+        if text.is_empty() || is_head(text) || text == "%" {
+            continue;
+        }
+        let defines = |item: &Item| {
+            matches!(
+                item,
+                Item::Declare(_) | Item::Redeclare(_) | Item::Header(_) | Item::External(_) | Item::Define(..)
+            )
+        };
+        if read(text).is_ok_and(|line| line.items.first().is_some_and(|item| !defines(item))) {
+            let text = format!("DEF stands behind the block of line {line}; definitions come first (alarm 14500)");
+            return refused(text);
+        }
+    }
+    Ok(())
 }
 
 impl Siemens {
@@ -117,7 +145,7 @@ impl Siemens {
                 return Ok(());
             }
             if old.born != variable.born || scope == Scope::Channel {
-                return refused(format!("{name} is defined twice"));
+                return refused(format!("{name} is defined twice (alarm 12170)"));
             }
         }
         if variables.elements + count > MOST_IN_ALL {

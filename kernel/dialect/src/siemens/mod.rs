@@ -95,6 +95,20 @@ fn wrong_type<T>(text: impl Into<String>) -> Outcome<T> {
     Err(Fault::Alarm(&diag::SIEMENS_TYPE, text.into()))
 }
 
+/// Number and title of the control's alarm, where the text does not tell it already.
+fn number_of(facts: &Facts, text: &str) -> &'static str {
+    if text.contains("(alarm ") {
+        return "";
+    }
+    match facts.number {
+        number if number == diag::MACRO_SYNTAX.number => "12080 syntax error: ",
+        number if number == diag::MACRO_VARIABLE.number && text.ends_with(" does not exist") => {
+            "12550 name not defined: "
+        }
+        _ => "",
+    }
+}
+
 /// The pre-processor with its variables.
 #[derive(Debug, Default)]
 pub(crate) struct Siemens {
@@ -160,7 +174,7 @@ impl Siemens {
             Ok(done) => Ok(done),
             Err(Fault::Halt(halt)) => Err(halt),
             Err(Fault::Alarm(facts, text)) => {
-                let text = format!("{text} in '{}'", host.block_text());
+                let text = format!("{}{text} in '{}'", number_of(facts, &text), host.block_text());
                 Err(host.alarm(facts, text))
             }
         }

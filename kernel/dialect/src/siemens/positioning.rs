@@ -73,7 +73,10 @@ impl Siemens {
             let step = if place.diameter && host.steps_are_radii() { 2.0 } else { 1.0 };
             place.from + value * step
         });
-        left.beside.retain(|(other, _)| *other != letter);
+        if left.beside.iter().any(|(other, _)| *other == letter) {
+            let text = format!("{} of axis {axis} is there twice in the block (alarm 16420)", name.name);
+            return Err(Fault::Alarm(&diag::SIEMENS_STATE, text));
+        }
         left.beside.push((letter, to));
         Ok(true)
     }

@@ -131,6 +131,9 @@ impl Siemens {
                 self.set_modal(host, line.items.get(at + 1..).unwrap_or_default())?;
                 break;
             }
+            if at > 0 && matches!(item, Item::Declare(_) | Item::Header(_)) {
+                return syntax("DEF and PROC stand at the beginning of a block (alarm 14500)");
+            }
             if self.item(host, item, &mut left)? == Then::Stop {
                 break;
             }
@@ -152,9 +155,10 @@ impl Siemens {
         match left.call.take() {
             Some(call) => {
                 let passes = left.passes.unwrap_or(call.passes);
-                if passes > 0 {
-                    host.call(Call { passes, ..call });
+                if passes == 0 {
+                    return syntax("P of a call is 1 to 9999, not 0 (alarm 14013)");
                 }
+                host.call(Call { passes, ..call });
             }
             None => {
                 if let Some(word) = left.passes_word.take() {
@@ -186,7 +190,7 @@ impl Siemens {
             Item::Passes(passes, word) => {
                 let passes = self.whole_number(host, passes)?;
                 if passes > MOST_PASSES {
-                    return syntax(format!("{passes} passes are too many (maximum {MOST_PASSES})"));
+                    return syntax(format!("{passes} passes are too many (maximum {MOST_PASSES}) (alarm 14013)"));
                 }
                 left.passes = Some(u32::try_from(passes).unwrap_or(0));
                 left.passes_word = Some(word.clone());
@@ -219,7 +223,10 @@ impl Siemens {
                 self.define(name, text);
                 self.watch(host);
             }
-            Item::Declare(declaration) => self.declare(host, declaration, false)?,
+            Item::Declare(declaration) => {
+                super::declare::check_first(host)?;
+                self.declare(host, declaration, false)?;
+            }
             Item::Redeclare(declaration) => self.declare(host, declaration, true)?,
             Item::Header(header) => self.take_arguments(host, header)?,
             Item::External(header) => {

@@ -241,7 +241,12 @@ fn position(name: &str, sizes: &[usize], index: &[i64]) -> Result<usize, String>
     for (&index, &size) in index.iter().zip(sizes) {
         match usize::try_from(index) {
             Ok(inside) if inside < size => at = at * size + inside,
-            _ => return Err(format!("the index {index} of {name} is not between 0 and {}", size.saturating_sub(1))),
+            _ => {
+                return Err(format!(
+                    "the index {index} of {name} is not between 0 and {} (alarm 17020)",
+                    size.saturating_sub(1)
+                ));
+            }
         }
     }
     Ok(at)
@@ -261,7 +266,7 @@ impl Siemens {
         };
         match u32::try_from(number) {
             Ok(found) if number <= MOST_PARAMETERS => Ok(Some(found)),
-            _ => missing(format!("parameter R{number} does not exist")),
+            _ => missing(format!("parameter R{number} does not exist (alarm 12290)")),
         }
     }
 

@@ -13,8 +13,9 @@ use super::expression::{Argument, Name, as_name};
 use super::line::{Assigned, Positioning, Width};
 use super::run::Left;
 use super::value::{Data, shown};
-use super::{Outcome, Siemens};
+use super::{Fault, Outcome, Siemens};
 use crate::host::{AxisPlace, Host};
+use counterpoint_fault as diag;
 
 /// Largest value of a word.
 const BOUND: f64 = 1e12;
@@ -103,6 +104,7 @@ impl Siemens {
                 let relative = left.relative.unwrap_or_else(|| host.relative());
                 let axes = host.axes();
                 let axis = axes.iter().find(|axis| axis.is(named.as_deref().unwrap_or(&address)));
+                check_turn(host, axis, *way, value)?;
                 // Positions of one step along the axis.
                 let step = if axis.is_some_and(|axis| axis.diameter) && host.steps_are_radii() { 2.0 } else { 1.0 };
                 let (way, value) = across(host, (&address, axis), (*way, value), step)?;
@@ -122,6 +124,13 @@ impl Siemens {
                 }
             }
         };
+        if address == "AP"
+            && matches!(value, Assigned::One(..))
+            && text.parse::<f64>().is_ok_and(|angle| angle.abs() > 360.0)
+        {
+            let text = format!("the polar angle {text} is beyond 360 degrees (alarm 14210)");
+            return Err(Fault::Alarm(&diag::SIEMENS_STATE, text));
+        }
         if !has_word && let Some(plain) = self.without_number(host, &address) {
             left.add(&format!("{plain}{text}"));
             return Ok(());
@@ -247,6 +256,25 @@ fn across(
         (Width::Diameter, true) | (Width::Radius, false) => value,
     };
     Ok(if steps { (Positioning::Incremental, value / step) } else { (Positioning::Absolute, value) })
+}
+
+/// DC, ACP and ACN are for rotary axes, and on one without limits within a turn.
+fn check_turn(host: &dyn Host, axis: Option<&AxisPlace>, way: Positioning, value: f64) -> Outcome<()> {
+    let (key, alarm) = match way {
+        Positioning::Shortest => ("DC", 16800),
+        Positioning::Positive => ("ACP", 16810),
+        Positioning::Negative => ("ACN", 16820),
+        _ => return Ok(()),
+    };
+    let Some(axis) = axis else { return Ok(()) };
+    let text = if !axis.turns {
+        format!("{key} is for rotary axes, and axis {} does not turn (alarm {alarm})", axis.letter)
+    } else if !(0.0..360.0).contains(&value) && host.travel(&axis.letter).is_none() {
+        format!("{key} takes a position from 0 to less than 360 degrees, not {value} (alarm 16830)")
+    } else {
+        return Ok(());
+    };
+    Err(Fault::Alarm(&diag::SIEMENS_STATE, text))
 }
 
 /// What becomes of a position.

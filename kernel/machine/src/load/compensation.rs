@@ -15,6 +15,8 @@ pub(super) fn read(top: &mut Section<'_>) -> Compensation {
         corner_angle: 90.0,
         numbers_alone: false,
         looked_through: 2,
+        alarm_beyond: false,
+        needs_tool: false,
         zero_move: 1,
         length: LengthRules::default(),
     };
@@ -34,6 +36,10 @@ pub(super) fn read(top: &mut Section<'_>) -> Compensation {
     if let Some(blocks) = section.integer("looked_through", 0..=100) {
         made.looked_through = blocks as u32;
     }
+    let beyond = [("ends", false), ("alarm", true)];
+    made.alarm_beyond = section.choice("beyond_looked_through", &beyond).unwrap_or(made.alarm_beyond);
+    let tools = [("contour", false), ("alarm", true)];
+    made.needs_tool = section.choice("without_tool", &tools).unwrap_or(made.needs_tool);
     if let Some(blocks) = section.integer("zero_move", 1..=100) {
         made.zero_move = blocks as u32;
     }

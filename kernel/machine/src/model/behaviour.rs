@@ -288,6 +288,10 @@ pub struct Compensation {
     pub numbers_alone: bool,
     /// Blocks without a move in the plane that are looked through to the next move.
     pub looked_through: u32,
+    /// More of them are an alarm; otherwise the first move ends beside its own end.
+    pub alarm_beyond: bool,
+    /// Compensation without a tool is an alarm; otherwise the tool moves on the contour.
+    pub needs_tool: bool,
     /// The number of such blocks that a move of length zero counts as.
     pub zero_move: u32,
     /// Length compensation.

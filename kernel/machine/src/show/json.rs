@@ -44,6 +44,8 @@ pub fn json(machine: &Machine) -> Value {
             "corner": word(machine.compensation.corner),
             "corner_angle": machine.compensation.corner_angle,
             "looked_through": machine.compensation.looked_through,
+            "alarm_beyond_looked_through": machine.compensation.alarm_beyond,
+            "needs_tool": machine.compensation.needs_tool,
             "zero_move": machine.compensation.zero_move,
         },
         "corners": {

@@ -38,7 +38,30 @@ pub(in crate::action) fn before(act: &mut Act<'_, '_>, contour: Contour) -> Acte
         Contour::Commands if !shared => {}
         Contour::Commands | Contour::Ends => return act.flush_lookahead(),
     }
-    if long { act.flush_lookahead() } else { Ok(()) }
+    if !long {
+        return Ok(());
+    }
+    if act.env.machine.compensation.alarm_beyond && !smooth {
+        too_many(act, of_machine);
+        act.check_stop()?;
+    }
+    act.flush_lookahead()
+}
+
+/// More blocks without a move in the plane than the control looks through, where that is an alarm.
+#[cold]
+fn too_many(act: &mut Act<'_, '_>, most: u32) {
+    let Some(cutter) = act.cutter().filter(|cutter| !cutter.plain && !cutter.is_due() && !cutter.stage.is_ending())
+    else {
+        return;
+    };
+    let Some(line) = cutter.waiting.first().map(|first| first.line) else { return };
+    let text = format!(
+        "more than {most} blocks between the move of line {line} and the next one in the plane of the compensation, \
+         before '{}'",
+        act.block_text()
+    );
+    act.diagnose(&diag::EMPTY_BLOCKS, text);
 }
 
 impl Act<'_, '_> {

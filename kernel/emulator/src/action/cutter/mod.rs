@@ -73,6 +73,7 @@ pub(super) fn switched(act: &mut Act<'_, '_>, code: CodeId) -> Acted {
     act.check_stop()?;
     if radius == 0.0 {
         no_radius(act, number);
+        act.check_stop()?;
     }
     if act.cutter().is_none_or(|cutter| cutter.plain) && radius == 0.0 {
         return Ok(());
@@ -144,6 +145,10 @@ fn contour_allowance(act: &mut Act<'_, '_>) -> f64 {
 /// Says that compensation changes nothing: the control would continue the contour as well, the part would be wrong.
 fn no_radius(act: &mut Act<'_, '_>, number: u32) {
     let block = act.block_text();
+    if act.env.machine.compensation.needs_tool && act.state.place.tools.current == 0 {
+        let text = format!("the compensation of '{block}' needs a tool; no tool is loaded");
+        return act.diagnose(&diag::COMPENSATION_TOOL, text);
+    }
     let text = if number == 0 {
         format!("no offset number is active for the compensation of '{block}', the tool moves on the contour")
     } else {

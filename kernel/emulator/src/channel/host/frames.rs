@@ -58,6 +58,7 @@ impl Frames for Kernel<'_> {
             AxisPlace {
                 name: named.name.clone(),
                 letter: named.letter.clone(),
+                turns: axis.rotary,
                 diameter: self.axis_diameter_factor(slot) * axis.scale < 1.0,
                 work: programmed.at(slot) / factor,
                 from: counted.at(slot) / factor,

@@ -1,0 +1,100 @@
+//! Alarms of Siemens controls: each program runs into its alarm, the text names its number, the channel stops, nothing of the
+//! block has moved, and the job is FAILED. Programs beside them that are allowed run to their end.
+//!
+//! The numbers are those of the list of alarms of the 840D.
+
+use std::fmt::Write as _;
+
+use counterpoint_kernel::log::event::Kind;
+use counterpoint_kernel::log::summary::State;
+use counterpoint_kernel::options::Options;
+use counterpoint_tests::{Done, Work, machine};
+
+const MILL: &str = "siemens-mill";
+const FIVE: &str = "siemens-mill-5axis";
+const LATHE: &str = "siemens-lathe";
+
+/// Number of the alarm, machine, program: the alarm comes in its last line.
+const CASES: &[(&str, &str, &str)] = &[
+    ("10750", MILL, "G0 X0\nG41 G1 X5 F100"),
+    ("10762", MILL, "$TC_DP6[1,1]=5\nT1 M6\nG0 X0 Y0\nG41 G1 X5 Y0 F100\nX10\nM8\nM9\nM8\nM9\nY30"),
+    ("10762", MILL, "$TC_DP6[1,1]=5\nT1 M6\nG0 X0 Y0\nG41 G1 X5 Y0 F100\nX10\nZ1\nZ2\nZ3\nZ4\nY30"),
+    ("10860", MILL, "G1 X5"),
+    ("12000", MILL, "G0 X5 X6"),
+    ("12000", MILL, "G1 X5 F100 F200"),
+    ("12060", MILL, "G0 G1 X5 F100"),
+    ("12080", MILL, "R1=5+"),
+    ("12170", MILL, "DEF INT A\nDEF REAL A"),
+    ("12290", MILL, "R99999=1"),
+    ("12340", MILL, "%_N_MAIN_MPF\nSUB(1,2)\n%_N_SUB_SPF\nPROC SUB(REAL A)\nM17"),
+    ("12470", MILL, "G999 X1"),
+    ("12550", MILL, "FOO=7"),
+    ("12550", MILL, "R1=FOO+1"),
+    ("12640", MILL, "IF R1==1"),
+    ("14011", MILL, "L77"),
+    ("14013", MILL, "%_N_MAIN_MPF\nL20 P0\n%_N_L20_SPF\nM17"),
+    ("14051", MILL, "R2=5/R1"),
+    ("14051", MILL, "R2=SQRT(-1)"),
+    ("14080", MILL, "GOTOF NOWHERE"),
+    ("14200", MILL, "G0 RP=-5 AP=0"),
+    ("14210", MILL, "G0 RP=5 AP=400"),
+    ("14500", MILL, "G0 X1\nDEF REAL A"),
+    ("14500", MILL, "G0 X5 DEF INT I"),
+    ("14750", MILL, "M7 M8 M9 M10 M11 M12 G0 X1"),
+    ("14900", MILL, "F100\nG2 X10 Y0 I5 J0 CR=5"),
+    ("14900", MILL, "F100\nG2 X10 Y0 I5 J0 AR=180"),
+    ("14910", MILL, "F100\nG2 I5 J0 AR=400"),
+    ("16420", MILL, "POS[X]=5 POS[X]=6"),
+    ("16500", MILL, "G1 F100 X10 RND=-2"),
+    ("16720", LATHE, "G95 S100 M3\nG33 Z-5 K0"),
+    ("16800", MILL, "G0 X=DC(5)"),
+    ("16810", MILL, "G0 X=ACP(5)"),
+    ("16820", MILL, "G0 X=ACN(5)"),
+    ("16830", FIVE, "G0 C=DC(400)"),
+    ("17020", MILL, "DEF INT A[3]\nA[7]=1"),
+];
+
+/// What a control does that is near to an alarm.
+const ALLOWED: &[(&str, &str)] = &[
+    (MILL, "$TC_DP6[1,1]=5\nT1 M6\nG0 X0 Y0\nG41 G1 X5 Y0 F100\nX10\nM8\nM9\nM8\nY30\nG40 X20"),
+    (MILL, "DEF INT A\n; comment\nN10 DEF REAL B=2 ; second\nG0 X=B"),
+    (MILL, "M7 M8 M9 M10 M11 G0 X1"),
+    (MILL, "F100\nG2 I5 J0 Z-2 AR=180"),
+    (MILL, "G111 X0 Y0\nG0 RP=5 AP=-360\nRP=5 AP=350\nAP=IC(20)"),
+    (MILL, "G1 F100 X10 RND=0\nY10"),
+    (FIVE, "G0 C=DC(0)\nC=ACP(359.999)\nA=DC(-20)"),
+    (MILL, "G0 POS[X]=5 POS[Y]=6"),
+];
+
+fn run(on: &str, program: &str) -> Done {
+    let text = if program.contains("_MPF") { format!("{program}\n") } else { format!("{program}\nM30\n") };
+    Work::texts(machine(on, ""), &[text], Options::default()).run(None).expect("the job can be prepared")
+}
+
+#[test]
+fn each_alarm_stops_the_channel_and_names_its_number() {
+    let mut wrong = String::new();
+    for (alarm, on, program) in CASES {
+        let done = run(on, program);
+        let last = program.lines().count() as u32;
+        let raised = done.summary.diagnostics.iter().find(|one| one.severity >= 8 && one.text.contains(alarm));
+        let moved =
+            done.events.iter().filter(|event| event.line >= last && matches!(event.kind, Kind::Motion(_))).count();
+        if raised.is_none() || moved > 0 || done.summary.state != State::Failed {
+            let _ = writeln!(wrong, "{alarm} '{program}': {moved} moves, {:?}", done.summary.diagnostics);
+        }
+    }
+    assert!(wrong.is_empty(), "{wrong}");
+}
+
+#[test]
+fn what_is_near_to_an_alarm_runs() {
+    let mut wrong = String::new();
+    for (on, program) in ALLOWED {
+        let done = run(on, program);
+        if done.summary.state != State::Succeeded {
+            let _ = writeln!(wrong, "'{program}': {:?}", done.summary.diagnostics);
+        }
+    }
+    assert!(wrong.is_empty(), "{wrong}");
+}
