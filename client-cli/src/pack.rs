@@ -174,7 +174,7 @@ fn in_job(path: String, inside: Option<Inside>) -> v1::Program {
 /// A program is text and has at least one block.
 fn is_program(path: &Path, content: &[u8]) -> Result<(), Error> {
     const LOOKED_AT: usize = 64 << 10;
-    /// What ends a text on some controls.
+    /// The end of a text on some controls.
     const END_OF_FILE: u8 = 26;
     let path = path.display();
     let content = content.trim_ascii_end();

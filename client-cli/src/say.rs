@@ -48,7 +48,7 @@ pub(crate) fn line(text: &str) -> Result<(), Error> {
     out.write_all(text.as_bytes()).and_then(|()| out.write_all(b"\n")).and_then(|()| out.flush()).map_err(broken)
 }
 
-/// What a failed write to standard output means.
+/// The meaning of a failed write to standard output.
 fn broken(error: io::Error) -> Error {
     match error.kind() {
         io::ErrorKind::BrokenPipe => Error::Closed,

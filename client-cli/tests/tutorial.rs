@@ -26,7 +26,7 @@ fn project() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap().to_owned()
 }
 
-/// What a command of the page prints.
+/// The output of a command of the page.
 fn run(folder: &Path, command: &str) -> String {
     let words: Vec<&str> = command.split(' ').collect();
     let printed = match words.as_slice() {

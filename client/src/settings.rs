@@ -172,7 +172,7 @@ pub(crate) fn cause(error: &dyn std::error::Error) -> String {
     cause.to_string()
 }
 
-/// What is added to each call.
+/// The additions to each call.
 #[derive(Debug, Clone, Default)]
 pub struct Call {
     token: Option<MetadataValue<Ascii>>,

@@ -22,7 +22,7 @@ const SILENCE: Duration = Duration::from_secs(10);
 /// Longest time in which the server closes the stream of a job that has ended.
 const CLOSING: Duration = Duration::from_secs(1);
 
-/// What a watch delivers.
+/// The items of a watch.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Update {
     /// What is fixed about the job; once, before the first events.

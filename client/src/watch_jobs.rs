@@ -19,7 +19,7 @@ const HEARTBEAT: Duration = Duration::from_secs(5);
 /// How long a silent stream counts as alive.
 const PATIENCE: Duration = Duration::from_secs(20);
 
-/// What a watch of many jobs delivers.
+/// The items of a watch of many jobs.
 #[derive(Debug, Clone, PartialEq)]
 pub enum JobUpdate {
     /// A job, with its newest state.

@@ -24,7 +24,7 @@ const COPYING: Duration = Duration::from_secs(600);
 /// Between two looks for the copy.
 const LOOK: Duration = Duration::from_millis(50);
 
-/// What a backup holds.
+/// The content of a backup.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Contents {
     /// Jobs.

@@ -26,7 +26,7 @@ struct Counts {
     served: AtomicUsize,
 }
 
-/// What is known about a connection.
+/// Data of a connection.
 #[derive(Debug)]
 pub(crate) struct Seen {
     pub(crate) number: u64,

@@ -41,7 +41,7 @@ pub struct Options {
     /// Commands of the operating system, and the operator.
     #[serde(flatten)]
     pub system: System,
-    /// What nobody may ask for more of.
+    /// The maxima of every request.
     #[serde(flatten)]
     pub maxima: Maxima,
     /// The quotas of one tenant.

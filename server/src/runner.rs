@@ -36,7 +36,7 @@ pub trait Runner: Send + Sync + 'static {
 
 /// A job ready to run.
 pub trait Prepared: Send {
-    /// What is fixed about it.
+    /// Its fixed facts.
     fn info(&self) -> &Arc<Info>;
 
     /// Runs it to its end. The stack of the thread has [`counterpoint_kernel::job::STACK`] bytes.

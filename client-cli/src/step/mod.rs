@@ -34,7 +34,7 @@ pub(crate) struct Stepper {
     ended: Option<v1::JobStatus>,
 }
 
-/// What an interrupt does to a job that is stepped through.
+/// The effect of an interrupt on a job that is stepped through.
 #[derive(Debug, Default)]
 pub(crate) struct Interrupt {
     /// The job runs, so an interrupt pauses it.

@@ -90,7 +90,7 @@ pub enum Argument {
     Computed,
 }
 
-/// What a statement of signals does.
+/// The effect of a statement of signals.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Deed {
     /// Sends.
@@ -117,7 +117,7 @@ pub struct Signalled {
 /// A call.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Called {
-    /// What is called, for messages.
+    /// The callee, for messages.
     pub name: String,
     /// Where it is; none if there is no such program.
     pub place: Option<(FileId, Range)>,

@@ -46,7 +46,7 @@ const LEASE: u16 = 0x3ffe;
 const COUPLING: u16 = 0x3ff0;
 const BY_ROW: u16 = 0x8000;
 
-/// What a word of the program means.
+/// The meaning of a word of the program.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Meaning {
     /// It waits.
@@ -165,7 +165,7 @@ fn barrier(letter: char, number: u32, (named, parts): (Option<Set>, Set), rule: 
     Wait { primitive: Primitive::Barrier, key, named, parts, need: 0, rule }
 }
 
-/// What a waiting code of the machine means.
+/// The meaning of a waiting code of the machine.
 ///
 /// # Errors
 /// Why its list of channels is not possible.

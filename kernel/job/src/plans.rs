@@ -43,7 +43,7 @@ impl Kept {
     }
 }
 
-/// What a plan is made of.
+/// The parts of a plan.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Wanted<'a> {
     pub(crate) machine: &'a Arc<Machine>,

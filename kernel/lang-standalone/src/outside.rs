@@ -8,7 +8,7 @@ use counterpoint_lang::host::Shelf;
 /// Kinds of lines.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stream {
-    /// What PPRINT prints.
+    /// The output of PPRINT.
     Printed,
     /// The macro trace.
     Traced,

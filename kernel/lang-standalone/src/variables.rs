@@ -10,7 +10,7 @@ use counterpoint_lang::value::Value;
 /// Elements of indexed system variables that are kept.
 const MOST_ELEMENTS: usize = 1_000_000;
 
-/// What a system variable takes.
+/// The values that a system variable accepts.
 #[derive(Clone, Debug, Default)]
 pub struct Domain {
     /// Largest value of each index, none without a limit.

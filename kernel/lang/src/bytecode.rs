@@ -356,7 +356,7 @@ pub struct Registers {
     pub locals: Vec<Slot>,
 }
 
-/// What goes into a macro and what comes out.
+/// The inputs and outputs of a macro.
 #[derive(Clone, Debug, Default)]
 pub struct Signature {
     /// It is a user function.

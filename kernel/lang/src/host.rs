@@ -79,7 +79,7 @@ pub fn macro_states(arguments: &[Value], mut switch: impl FnMut(f64, Option<bool
     Value::sequence(states)
 }
 
-/// What a running macro asks of the outside.
+/// The requests of a running macro to the outside.
 pub trait Host: Variables + Blocks + Files + Dialog {
     /// Computes a function that needs a control.
     ///

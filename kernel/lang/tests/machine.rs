@@ -83,7 +83,7 @@ fn depth_and_ticks_are_limited_through_calls() {
     assert_eq!((end, host.output.printed.len()), (End::Budget, 0));
 }
 
-/// What can be seen of a run: its end, what it printed and reported, and the steps that it cost.
+/// The visible results of a run: its end, what it printed and reported, and the steps that it cost.
 /// The budget ends at the same statement, whichever it is.
 #[test]
 fn a_trace_costs_no_steps() {

@@ -108,7 +108,7 @@ fn number_or_text(text: &str) -> Value {
     text.parse().map_or_else(|_| Value::text(text), Value::Real)
 }
 
-/// What comes out of a macro.
+/// The output of a macro.
 struct Found {
     /// By kind of fence.
     texts: BTreeMap<&'static str, String>,

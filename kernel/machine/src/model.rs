@@ -42,7 +42,7 @@ pub struct Machine {
     pub unit: Unit,
     /// Kind of machine.
     pub kind: MachineKind,
-    /// What evaluates variables, branches and macro calls in the program.
+    /// The evaluator of variables, branches and macro calls in the program.
     pub preprocessor: Preprocessor,
     /// Shape of program text.
     pub format: Format,
@@ -112,7 +112,7 @@ pub struct Machine {
     pub tables: Tables,
 }
 
-/// What a machine changes about diagnostics.
+/// The changes of a machine to diagnostics.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Diagnostics {
     /// Rules, ascending by number.
@@ -123,7 +123,7 @@ pub struct Diagnostics {
     pub refusals: Vec<super::refusals::Refusal>,
 }
 
-/// What a machine changes about one number.
+/// The changes of a machine to one number.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct DiagnosticRule {
     /// The number; one of the kernel, or one of the machine's own.

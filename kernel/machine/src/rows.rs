@@ -117,7 +117,7 @@ impl Overlap {
 /// A row of the code table.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CodeRow {
-    /// What fires.
+    /// The trigger.
     pub id: CodeId,
     /// How it is written.
     pub form: CodeForm,

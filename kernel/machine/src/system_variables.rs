@@ -63,7 +63,7 @@ pub enum Means {
     ToolOffset(Column, bool),
 }
 
-/// What a position counts from.
+/// The reference point of a position.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Frame {
     /// Shift of the local coordinate system.

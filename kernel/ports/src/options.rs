@@ -64,7 +64,7 @@ impl TimeModel {
     }
 }
 
-/// What follows from two accesses to a shared variable that nothing puts in order.
+/// The consequences of two accesses to a shared variable that nothing puts in order.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Races {

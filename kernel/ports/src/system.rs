@@ -18,7 +18,7 @@ pub struct Call<'a> {
     pub storage: Vec<(String, Bytes)>,
 }
 
-/// What came of it.
+/// Its outcome.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Answer {
     /// Status for `$ERRNO`: that of the command, or one above 0 that tells why there is none.

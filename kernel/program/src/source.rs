@@ -19,7 +19,7 @@ use super::spot::Spot;
 use super::syntax::Syntax;
 use counterpoint_ports::control::Stop;
 
-/// What is known of a byte in a text.
+/// Data of a byte in a text.
 const UNKNOWN: u8 = 0;
 const PRESENT: u8 = 1;
 const ABSENT: u8 = 2;

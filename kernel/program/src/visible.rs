@@ -12,7 +12,7 @@ use counterpoint_machine::model::Format;
 /// Placeholder for each byte of a comment, a message or a quoted text.
 const HIDDEN: u8 = 1;
 
-/// What hides text on a machine.
+/// The marks that hide text on a machine.
 #[derive(Debug, Default)]
 pub struct Marks {
     /// Begins and ends of comments and messages; without an end they reach the end of the block.

@@ -21,7 +21,7 @@ const MOST_KEYS: usize = 1000;
 /// A part of the critical path: a channel from one time to another, ns.
 pub type Stretch = (u16, i64, i64);
 
-/// What decides the cycle time.
+/// The causes of the cycle time.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Analysis {
     /// By mark: time that channels waited there for the last one, ns, all channels and passes together; most first.

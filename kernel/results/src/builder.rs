@@ -40,7 +40,7 @@ pub struct ResultsBuilder {
 pub struct Results {
     /// How it ended and how long everything took.
     pub summary: Summary,
-    /// What every channel did when.
+    /// The activity of every channel over time.
     pub timeline: Timeline,
     /// Where the tools went.
     pub toolpath: Toolpath,

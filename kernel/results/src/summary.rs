@@ -76,7 +76,7 @@ pub struct Summary {
     pub verdict: Option<Verdict>,
     /// Diagnostics in log order, [`MAX_DIAGNOSTICS`] at most.
     pub diagnostics: Vec<Diagnostic>,
-    /// What decides the cycle time; left out unless two channels have run.
+    /// The causes of the cycle time; omitted unless two channels have run.
     #[serde(default, skip_serializing_if = "is_idle")]
     pub analysis: Late<Analysis>,
 }

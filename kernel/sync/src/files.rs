@@ -55,7 +55,7 @@ impl Written {
     /// Replaces a file.
     ///
     /// # Errors
-    /// What there is too much of.
+    /// The exceeded resource.
     pub fn put(&mut self, path: &str, text: &str) -> Result<(), String> {
         let printed = self.printed.remove(path).map(|text| Some(Arc::from(text)));
         self.files.extend(printed.map(|text| (path.to_owned(), text)));
@@ -74,7 +74,7 @@ impl Written {
     /// Adds to a file of printing statements.
     ///
     /// # Errors
-    /// What there is too much of.
+    /// The exceeded resource.
     pub fn print(&mut self, path: &str, text: &str) -> Result<(), String> {
         if !self.printed.contains_key(path) {
             if self.files.len() + self.printed.len() >= MOST_FILES {

@@ -198,7 +198,7 @@ impl Order {
         self.stop
     }
 
-    /// What has changed since the last call; give the list back to [`recycle`](Self::recycle).
+    /// The changes since the last call; return the list to [`recycle`](Self::recycle).
     pub fn effects(&mut self) -> Vec<Effect> {
         std::mem::take(&mut self.effects)
     }

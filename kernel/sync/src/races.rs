@@ -65,7 +65,7 @@ type Clock = Box<[u32]>;
 /// The last access of a channel, and its clock at that time.
 type Last = Option<(Access, u32)>;
 
-/// What is known about a variable.
+/// Data of a variable.
 #[derive(Debug, Clone)]
 struct History {
     reads: Box<[Last]>,

@@ -129,11 +129,11 @@ pub struct Mismatch {
     pub refuses: fn(&Wait, &Wait) -> Option<&'static str>,
     /// How the message about that begins.
     pub title: &'static str,
-    /// What follows from it.
+    /// Its consequences.
     pub reaction: Reaction,
 }
 
-/// What a control makes of its waits.
+/// The wait rules of a control.
 #[derive(Debug, Clone)]
 pub struct Rule {
     /// Word in front of the number.
@@ -146,7 +146,7 @@ pub struct Rule {
     pub style: Style,
     /// Pairs that it refuses; none: waits that do not match wait.
     pub mismatch: Option<Mismatch>,
-    /// What an absent partner means.
+    /// The meaning of an absent partner.
     pub absent: Absent,
     /// A partner that waits at a wait of this primitive counts as arrived.
     pub met_by: Option<Primitive>,
@@ -158,7 +158,7 @@ pub struct Rule {
     pub acts: bool,
 }
 
-/// What a control makes of signals.
+/// The signal rules of a control.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Signals {
     /// Word with which a partner sends what this wait waits for, if it is another word.

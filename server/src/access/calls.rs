@@ -5,7 +5,7 @@
 
 use super::Role;
 
-/// What a call needs.
+/// The requirements of a call.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Needs {
     /// Nothing: load balancers ask for the health of the server.

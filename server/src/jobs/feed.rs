@@ -26,7 +26,7 @@ pub(crate) struct Change {
     pub(crate) removed: Option<Arc<Removed>>,
 }
 
-/// What is left of a job that was removed.
+/// The rest of a job that was removed.
 #[derive(Debug, PartialEq, Eq)]
 pub(crate) struct Removed {
     pub(crate) machine: String,

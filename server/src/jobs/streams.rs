@@ -40,7 +40,7 @@ impl Default for Streams {
     }
 }
 
-/// What is known about a watch.
+/// Data of a watch.
 #[derive(Debug)]
 pub(crate) struct Seen {
     pub(crate) number: u64,

@@ -20,7 +20,7 @@ pub(super) struct Counts {
     pub(super) cancelled: u64,
 }
 
-/// What has happened since the last line.
+/// The events since the last line.
 #[derive(Debug, Default)]
 pub(super) struct Tally(Mutex<(Counts, Option<Instant>)>);
 

@@ -37,7 +37,7 @@ pub(crate) enum Submitted {
     Known(Box<Record>),
 }
 
-/// What is kept of ended jobs.
+/// The kept data of ended jobs.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Keep {
     /// How long, ms.
@@ -53,7 +53,7 @@ pub(crate) struct Keep {
     pub(crate) own: BTreeMap<String, Kept>,
 }
 
-/// What is kept of the ended jobs of one tenant.
+/// The kept data of the ended jobs of one tenant.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub(crate) struct Kept {
     /// How long, ms.
@@ -65,7 +65,7 @@ pub(crate) struct Kept {
 }
 
 impl Keep {
-    /// What is kept of a tenant.
+    /// The kept data of a tenant.
     pub(crate) fn of(&self, tenant: &str) -> Kept {
         let all = || Kept { age_ms: self.age_ms, jobs: self.tenant_jobs, bytes: self.tenant_bytes };
         self.own.get(tenant).copied().unwrap_or_else(all)

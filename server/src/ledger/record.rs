@@ -166,7 +166,7 @@ pub struct Runs {
     pub suspect: bool,
     /// Runs that the host failed (disk, descriptors, memory of the system); none of them is an attempt.
     pub host_failures: u32,
-    /// What failed the last of them; empty = none.
+    /// The cause of the last failure; empty = none.
     pub host_failure: String,
     /// Longest run by the clock that was asked for, ms; 0 = the server's.
     pub wall_ms: u64,
@@ -241,7 +241,7 @@ pub struct Record {
     /// Options, with the limits that count.
     #[serde(default)]
     pub options: Options,
-    /// What else was asked for.
+    /// Further requests.
     #[serde(flatten)]
     pub asked: Asked,
     /// What the operator has answered so far, by channel in the order asked; taken again when the job is run again.

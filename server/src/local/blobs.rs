@@ -251,7 +251,7 @@ struct Receiver {
     size: u64,
 }
 
-/// What has come in so far.
+/// The received part.
 enum Content {
     File(Temporary),
     Memory(Vec<u8>),

@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 use prometheus_client::metrics::counter::Counter;
 
-/// What is about to happen to a file or folder.
+/// The next operation on a file or folder.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Step {
     /// It is created.

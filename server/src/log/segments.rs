@@ -20,7 +20,7 @@ const ENTRY: usize = 40;
 /// Number of segments and magic.
 const END: usize = 16;
 
-/// What is known about a segment.
+/// Data of a segment.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 struct Entry {
     /// Where it begins in the plain file.

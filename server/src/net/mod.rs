@@ -59,7 +59,7 @@ const ACCEPT_PAUSE: Duration = Duration::from_millis(100);
 /// Descriptors that no connection gets: ledger, logs, blobs, uploads.
 const RESERVE: u64 = 512;
 
-/// What connections may do.
+/// The rights of connections.
 #[derive(Debug, Clone, Copy)]
 struct Patience {
     preface: Duration,

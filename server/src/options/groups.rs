@@ -40,7 +40,7 @@ macro_rules! group {
 }
 
 group! {
-    /// What nobody may ask for more of.
+    /// The maxima of every request.
     Maxima, MaximaFlags {
         /// Largest blob, bytes
         max_blob_bytes: u64 = 256 << 20, "COUNTERPOINT_MAX_BLOB_BYTES", "BYTES";

@@ -18,7 +18,7 @@ const SCRIPT: &str = "EVENTS 3000\nWRITE a.txt\nWRITE out/b.txt\n";
 /// More steps than the life of a job has.
 const MANY: usize = 300;
 
-/// What goes wrong.
+/// The error.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Trouble {
     /// ENOSPC.

@@ -27,7 +27,7 @@ const SCRIPTS: [&str; 6] = [
 /// Jobs of one seed.
 const JOBS: usize = 9;
 
-/// What is known of an accepted job: its identity, and its end if that was seen.
+/// Data of an accepted job: its identity, and its end if that was seen.
 #[derive(Debug, Clone, Default)]
 struct Known {
     job: String,
@@ -181,7 +181,7 @@ async fn drive(folder: &Path, seed: u64, power: bool, expected: &BTreeMap<&str, 
     (disk.failed(), heard.len())
 }
 
-/// What a server on a good disk says about each kind of job.
+/// The answers of a server on a good disk about each kind of job.
 async fn expected(folder: &Path) -> BTreeMap<&'static str, Said> {
     let server = Server::start(options(&folder.join("good"))).await;
     let mut expected = BTreeMap::new();

@@ -9,7 +9,7 @@ use crate::marks::Marked;
 use crate::page::{Example, Fence};
 use crate::update::Edit;
 
-/// What differs in an example, and the edits that would make its page true.
+/// The differences in an example, and the edits that would correct its page.
 #[derive(Debug)]
 pub struct Check<'a> {
     page: &'a str,
@@ -30,7 +30,7 @@ impl<'a> Check<'a> {
         Self { page, example, end, wrong: String::new(), edits: Vec::new(), hopeless: false }
     }
 
-    /// What came out of this fence.
+    /// The outcome of this fence.
     pub fn outcome(&mut self, fence: &Fence, found: &str) {
         let name = format!("{} {}", fence.kind, fence.words);
         self.differ(
@@ -42,14 +42,14 @@ impl<'a> Check<'a> {
         );
     }
 
-    /// What came out of the fences of this kind, only compared where there are some.
+    /// The outcome of the fences of this kind, only compared where there are some.
     pub fn given(&mut self, kind: &str, found: impl FnOnce() -> String) {
         if let Some(fence) = self.example.fence(kind) {
             self.outcome(fence, &found());
         }
     }
 
-    /// What came out of a kind of fence: without such a fence, nothing may.
+    /// The outcome of a kind of fence: without such a fence, nothing may.
     pub fn required(&mut self, kind: &str, found: &str) {
         match self.example.fence(kind) {
             Some(fence) if found.is_empty() && !fence.body.text.is_empty() => {
@@ -116,7 +116,7 @@ mod tests {
         ("findings", Role::Outcome),
     ];
 
-    /// What differs, and the page after the update.
+    /// The differences, and the page after the update.
     fn checked(text: &str, check: impl FnOnce(&mut Check<'_>, &crate::Example)) -> (String, String) {
         let page = Page::parse(Path::new("page.md"), text, FENCES).unwrap();
         let example = &page.examples[0];

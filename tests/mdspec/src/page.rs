@@ -19,7 +19,7 @@ pub enum Role {
     Program,
     /// What a run gets beside its program: options, further files.
     Input,
-    /// What comes out.
+    /// The output.
     Outcome,
 }
 

@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 /// Channels as bits: bit 0 is channel 1.
 pub type Set = u8;
 
-/// What a channel does.
+/// The activity of a channel.
 #[derive(Debug, Clone)]
 pub enum Step {
     /// Milliseconds.

@@ -22,7 +22,7 @@ fn options(threads: u16) -> Options {
     Options { limits, threads, ..Options::default() }
 }
 
-/// What is known of a channel while its events go by.
+/// Data of a channel while its events go by.
 #[derive(Default)]
 struct Seen {
     end: i64,

@@ -41,7 +41,7 @@ impl<V: Default> Stack<V> {
     }
 }
 
-/// What gives expressions of a dialect their values.
+/// The source of values for expressions of a dialect.
 pub(crate) trait Evaluate<V: Clone + Default, X> {
     /// Why there is no value.
     type Stop;

@@ -22,7 +22,7 @@ pub(super) struct Line {
     pub(super) executes: bool,
 }
 
-/// What a line does.
+/// The effect of a line.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Statement {
     /// A block of words, some of them with expressions.
@@ -87,7 +87,7 @@ pub(super) struct TemplateWord {
     pub(super) end: u32,
 }
 
-/// What a word is called.
+/// The name of a word.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Name {
     /// Upper-case letter.

@@ -21,7 +21,7 @@ use counterpoint_machine::stored::StoredFile;
 use counterpoint_program::shape::Range;
 use counterpoint_program::source::Source;
 
-/// What a frame of the kernel runs.
+/// The program of a frame of the kernel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub(super) enum Kind {
     #[default]

@@ -103,7 +103,7 @@ impl std::fmt::Display for Wrong {
     }
 }
 
-/// What is expected where a cursor stands.
+/// The expected input at a cursor.
 pub(super) fn expected(cursor: &Cursor<'_>, expected: &'static str) -> Wrong {
     Wrong { expected, column: cursor.column() }
 }

@@ -154,7 +154,7 @@ pub(super) struct Beside {
     pub(super) ends: bool,
 }
 
-/// What is known of the path.
+/// Data of the path.
 #[derive(Debug, Clone)]
 pub(super) struct Path {
     /// Axes of the working plane.

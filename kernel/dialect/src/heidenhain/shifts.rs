@@ -12,7 +12,7 @@ use crate::host::Host;
 /// X, Y and Z come first; every other axis has its own shift, mirror and scale, in any active plane.
 pub(super) const SPACE: usize = 3;
 
-/// What ends a mirror, in words of the tables.
+/// The words of the tables that end a mirror.
 const NO_MIRROR: &str = "MIRROR OFF";
 
 /// Words for the centre of a scale.

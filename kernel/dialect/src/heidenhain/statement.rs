@@ -26,7 +26,7 @@ impl std::fmt::Display for Label {
     }
 }
 
-/// What a branch tests.
+/// The condition of a branch.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Test {
     Equal,

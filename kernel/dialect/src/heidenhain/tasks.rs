@@ -57,7 +57,7 @@ pub(super) struct Others {
     pub(super) open: bool,
 }
 
-/// What an OCM cycle does.
+/// The effect of an OCM cycle.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Work {
     Rough,

@@ -37,7 +37,7 @@ pub(super) struct Word {
 pub(super) struct Seen {
     pub(super) name: Arc<str>,
     pub(super) value: Option<f64>,
-    /// What is left of it.
+    /// Its rest.
     pub(super) text: String,
 }
 

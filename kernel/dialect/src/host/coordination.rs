@@ -4,7 +4,7 @@ use counterpoint_event::FileId;
 use counterpoint_fault::{Acted, Halt};
 use counterpoint_program::shape::Range;
 
-/// What a statement between channels takes.
+/// The arguments of a statement between channels.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Operands {
     /// A mark, then channels.
@@ -21,7 +21,7 @@ pub enum Operands {
     AxesAndChannels,
 }
 
-/// What a statement says of a signal.
+/// The data of a statement about a signal.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Signal {
     /// Its number.

@@ -91,7 +91,7 @@ pub(crate) enum Function {
     Neg,
     Square,
     Log,
-    /// What is after the point.
+    /// The digits after the point.
     Frac,
     /// -1 below zero, otherwise 1.
     Sign,

@@ -3,7 +3,7 @@
 //! Invariant: the text is in capitals, with blanks in place of comments, and as long as the block, so that places in it
 //! are places in the block.
 
-/// What cannot be read.
+/// The unreadable parts.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub(super) enum Mistake {
     #[error("expected {0} at column {1}")]

@@ -195,7 +195,7 @@ impl Okuma {
         }
     }
 
-    /// What a file that is loaded defines.
+    /// The definitions of a file that is loaded.
     fn index(&mut self, host: &dyn Programs, file: FileId) -> Arc<Index> {
         self.indices.get(file, || host.source(file).map(|source| Index::of(&source)).unwrap_or_default())
     }

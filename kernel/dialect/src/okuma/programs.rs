@@ -28,7 +28,7 @@ pub(super) struct Definition {
     pub(super) last: u32,
 }
 
-/// What a file defines.
+/// The definitions of a file.
 #[derive(Debug, Default)]
 pub(super) struct Index {
     pub(super) definitions: Vec<Definition>,

@@ -38,7 +38,7 @@ pub(super) struct Declared {
     pub(super) initial: Option<Initial>,
 }
 
-/// What a variable begins with.
+/// The initial value of a variable.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Initial {
     One(Expression),

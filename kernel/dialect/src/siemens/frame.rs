@@ -35,7 +35,7 @@ pub(super) enum Part {
     Mirror,
 }
 
-/// What a frame is made of.
+/// The parts of a frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Parts {
     pub(super) shift: [f64; 3],

@@ -7,7 +7,7 @@ use super::actions::Waiting;
 use super::along::Turning;
 use super::preparation::Preparation;
 
-/// What is kept.
+/// The kept data.
 #[derive(Debug, Default)]
 pub(super) struct Held {
     /// Subprograms that were declared by EXTERN.

@@ -50,7 +50,7 @@ enum Kind {
     Repeat,
 }
 
-/// What a line does to loops and branches.
+/// The effect of a line on loops and branches.
 enum Step {
     Open(Kind),
     Else,

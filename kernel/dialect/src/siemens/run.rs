@@ -18,7 +18,7 @@ use counterpoint_fault as diag;
 /// Most passes of a call.
 pub(super) const MOST_PASSES: i64 = 9_999;
 
-/// What is left of a block.
+/// The rest of a block.
 #[derive(Debug, Default)]
 pub(super) struct Left {
     /// Blocks that act before the words.

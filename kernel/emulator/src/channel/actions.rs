@@ -16,7 +16,7 @@ use counterpoint_machine::rows::CodeRow;
 use counterpoint_motion::turning::strip::Strip;
 use counterpoint_program::block::PendingCode;
 
-/// What a code does.
+/// The effect of a code.
 pub(crate) trait Action: Debug + Sync {
     /// Executes the code.
     fn run(&self, kernel: &mut Kernel<'_>, row: &CodeRow, code: &PendingCode) -> Acted;

@@ -47,7 +47,7 @@ pub(crate) struct Frame {
     pub(crate) figure: Option<Box<Figure>>,
 }
 
-/// What happens after the current block.
+/// The next step after the current block.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum Pending {
     /// Call a subprogram.
@@ -219,7 +219,7 @@ impl Frame {
     }
 }
 
-/// What is called, and its passes in all.
+/// The callee, and its total passes.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Called {
     pub(crate) what: Callee,
@@ -228,7 +228,7 @@ pub(crate) struct Called {
     pub(crate) block: Option<Arc<str>>,
 }
 
-/// What is called.
+/// The callee.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) enum Callee {
     /// A program by its number, 0 for the main program.

@@ -32,7 +32,7 @@ pub struct Plan {
     pub(crate) unmarked: Option<Arc<Scanner>>,
     /// Action of each code row.
     pub(crate) action_of_row: Table<CodeRowId, Option<&'static dyn Action>>,
-    /// What else is asked of the actions.
+    /// Further requests to the actions.
     pub(crate) actions: &'static Actions,
     /// Words that call programs; `None` when the machine has none.
     pub(crate) code_calls: Option<Box<CodeCalls>>,
@@ -188,7 +188,7 @@ impl Registers {
     }
 }
 
-/// What a control makes of blocks and values beyond the meaning of their words.
+/// The rules of a control for blocks and values beyond the meaning of their words.
 #[derive(Debug)]
 pub(crate) struct Rules {
     /// Group within which only the last G code of a block acts, by code row, 0 for none; `None` where all act.

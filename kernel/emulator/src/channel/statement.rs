@@ -100,7 +100,7 @@ impl Kernel<'_> {
         Some(done)
     }
 
-    /// What the interpreter has read of programs no longer holds.
+    /// Marks data that the interpreter has read of programs as invalid.
     pub(crate) fn forget_lines(&mut self) {
         match self.dialect.interpreter.as_deref_mut() {
             Some(interpreter) => interpreter.forget_lines(),

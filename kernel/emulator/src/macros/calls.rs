@@ -66,7 +66,7 @@ impl Task {
 pub(crate) struct Call {
     /// Its index in the program.
     pub(crate) code: u16,
-    /// What OUTPUT does.
+    /// The effect of OUTPUT.
     pub(crate) task: Task,
     /// MATCH is on.
     pub(crate) matching: bool,

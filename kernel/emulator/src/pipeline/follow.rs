@@ -128,7 +128,7 @@ impl Kernel<'_> {
         Ok(())
     }
 
-    /// What is called, as events name it.
+    /// The callee, as events name it.
     fn name_of(&mut self, what: &Callee) -> Arc<str> {
         match what {
             Callee::Program(number) | Callee::ProgramFrom(number, _) => self.flow.known.names.of(*number),

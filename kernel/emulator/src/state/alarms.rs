@@ -18,7 +18,7 @@ pub(crate) struct Alarms {
 /// Severity from which a diagnostic is an error.
 pub(crate) const ERROR: u8 = 8;
 
-/// What an alarm makes of its block.
+/// The effect of an alarm on its block.
 pub(crate) const NOT_DONE: &str = "no part of the block acts";
 
 /// What a circle becomes that cannot be made.

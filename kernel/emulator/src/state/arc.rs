@@ -22,7 +22,7 @@ pub(crate) enum LastMove {
     },
 }
 
-/// What is known about the circles of a channel.
+/// Data of the circles of a channel.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Arcs {
     /// Defined centre by X, Y and Z: radius values in the work frame.

@@ -25,7 +25,7 @@ pub(crate) const PATH: u64 = (size_of::<Move>() + size_of::<Curve>()) as u64 / 2
 pub(crate) const BAR: u64 = size_of::<Bar>() as u64 / 2;
 pub(crate) const EVENT: u64 = size_of::<Event>() as u64;
 
-/// What a kernel has used up.
+/// The use of a kernel.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Burden {
     /// Work within blocks, in elements.

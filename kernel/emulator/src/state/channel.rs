@@ -44,7 +44,7 @@ pub struct Channel<'a> {
     pub(crate) reports: Reports,
     /// Memory and work used up.
     pub(crate) burden: Burden,
-    /// What compensation holds back.
+    /// The effects that compensation holds back.
     pub(crate) held: Option<Held>,
     /// Moves at feed whose times later ones decide; none where speeds change at once.
     pub(crate) pace: Option<Box<Pace>>,

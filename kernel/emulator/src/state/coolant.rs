@@ -12,7 +12,7 @@ use counterpoint_machine::model::Pump;
 /// The state beyond the codes of the groups.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct CoolantState {
-    /// What flowed last at the main and at the side head.
+    /// The last fluid at the main and at the side head.
     pub(crate) last: [u8; 2],
     /// The high-pressure pump runs; unknown before its first code.
     pub(crate) pump: Option<bool>,

@@ -44,7 +44,7 @@ use position::Place;
 use remembered::Remembered;
 use spindle::SpindleState;
 
-/// What a channel remembers from block to block.
+/// The memory of a channel from block to block.
 #[derive(Debug)]
 pub(crate) struct State {
     /// Modal codes.
@@ -59,9 +59,9 @@ pub(crate) struct State {
     pub(crate) secondary: bool,
     /// Canned cycle.
     pub(crate) cycle: cycle::Cycle,
-    /// What is known about circles to come.
+    /// Data of circles to come.
     pub(crate) arcs: arc::Arcs,
-    /// What is known about threads to come.
+    /// Data of threads to come.
     pub(crate) threads: Box<thread::Threads>,
     /// Data of probing moves.
     pub(crate) skip: Box<probing::Probing>,
@@ -94,7 +94,7 @@ impl State {
     }
 }
 
-/// What few channels use.
+/// Rarely used state of channels.
 #[derive(Debug)]
 pub(crate) struct Others {
     /// Coolant.

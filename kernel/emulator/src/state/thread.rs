@@ -18,7 +18,7 @@ pub(crate) struct Screw {
     pub(crate) along: Option<AxisSlot>,
 }
 
-/// What is known about the threads of a channel.
+/// Data of the threads of a channel.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Threads {
     /// Starts of the last thread.

@@ -128,7 +128,7 @@ pub(crate) enum ContourBlocks {
 pub(crate) struct ContourCycle {
     /// The blocks.
     pub(crate) blocks: ContourBlocks,
-    /// What is done with them.
+    /// Their treatment.
     pub(crate) task: Task,
     /// Feed of the cuts.
     pub(crate) feed: (Option<f64>, FeedUnit),
@@ -136,7 +136,7 @@ pub(crate) struct ContourCycle {
     pub(crate) feeds: [Option<f64>; 2],
 }
 
-/// What is done with contour blocks.
+/// The treatment of contour blocks.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Task {
     /// They run once.

@@ -13,7 +13,7 @@ use counterpoint_sync::wait::{Act, Key, Set, Wait};
 use super::statements::{find, known_channel};
 use super::{LEASE, Meaning, all, of_row};
 
-/// What a statement exchanges.
+/// The kind of object that a statement exchanges.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Leased {
     /// An axis that channels exchange.

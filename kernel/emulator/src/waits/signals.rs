@@ -20,7 +20,7 @@ pub(super) fn word(row: &WaitRow) -> Box<str> {
     format!("#{}", row.word).into()
 }
 
-/// What a row makes of signals.
+/// The signal rules of a row.
 pub(super) fn rule(machine: &Machine, row: &WaitRow) -> Signals {
     let sends = |other: &&WaitRow| other.signals.keys && other.act == WaitAct::Signal;
     let waits = row.signals.keys && row.primitive == Primitive::Signal && row.act == WaitAct::Wait;

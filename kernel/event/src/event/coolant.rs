@@ -31,7 +31,7 @@ impl Coolant {
     pub const FLUIDS: [&'static str; 10] =
         ["on", "flood", "mist", "tapkul", "thru", "type5", "type6", "type7", "type8", "type9"];
 
-    /// What flows, in one word; `off` when nothing does.
+    /// The fluid, in one word; `off` for none.
     #[must_use]
     pub fn word(&self) -> &'static str {
         if self.on { Self::FLUIDS.get(usize::from(self.fluid)).copied().unwrap_or("on") } else { "off" }

@@ -111,7 +111,7 @@ declare::kinds! {
         27 "verdict" Verdict(Box<Verdict>),
         /// A line of the trace.
         28 "trace" Trace(Trace),
-        /// What is known about a tool has changed.
+        /// The data of a tool have changed.
         29 "tool_data" ToolData(Box<ToolData>),
     }
 }

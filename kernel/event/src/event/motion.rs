@@ -24,7 +24,7 @@ words! {
 }
 
 words! {
-    /// What a feed value means.
+    /// The meaning of a feed value.
     pub enum FeedUnit {
         /// Machine units per minute.
         PerMinute = 1 "per_minute",

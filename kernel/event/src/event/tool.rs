@@ -42,7 +42,7 @@ record! {
 }
 
 record! {
-    /// What is known about a tool: the whole of it, whenever something changes.
+    /// Data of a tool: the whole of it, whenever something changes.
     #[derive(Debug, Clone, PartialEq, Default)]
     pub struct ToolData {
         /// Tool number as programmed.

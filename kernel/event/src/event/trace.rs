@@ -25,7 +25,7 @@ record! {
     }
 }
 
-/// What a macro does to the listing.
+/// The effect of a macro on the listing.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Listing {
     /// Blocks and lines of the trace are shown from here on.

@@ -153,7 +153,7 @@ struct Start<'a> {
     reset: Option<bool>,
 }
 
-/// What a kernel feeds: the results of its channel, and the log if there is one.
+/// The receivers of a kernel: the results of its channel, and the log if there is one.
 type Feeds<'a> = (&'a mut Backlog, Option<Feeder>);
 
 /// What all kernels of a job work with.

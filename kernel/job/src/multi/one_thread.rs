@@ -53,7 +53,7 @@ struct Scheduler<'s> {
     coordinator: &'s Coordinator,
     /// Chooses the next kernel in a job with stepping; and the names of GLOBALs.
     director: Option<(&'s Director<'s>, &'s [String])>,
-    /// What is done whenever no kernel runs.
+    /// The work whenever no kernel runs.
     between: &'s mut dyn FnMut(),
 }
 

@@ -30,7 +30,7 @@ pub struct Body {
     pub is_null_first: bool,
 }
 
-/// What a form does to registers, and where it continues.
+/// The effect of a form on registers, and where it continues.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Effect {
     /// Registers that it reads.

@@ -7,7 +7,7 @@ use rustc_hash::FxHashMap;
 /// Blocks around a statement, outermost first, each with the number of its branch.
 type Path = Vec<(u32, u32)>;
 
-/// What a declaration says of a name beside its sizes and its first value.
+/// The data of a declaration about a name beside its sizes and its first value.
 pub(super) type Said = (Scope, Option<Kind>, usize, bool);
 
 /// Walks over the statements of a macro and remembers what was declared where.

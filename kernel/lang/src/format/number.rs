@@ -16,7 +16,7 @@ pub enum Style {
     Signed,
 }
 
-/// What happens to zeros at the outer end of a group of digits.
+/// The treatment of zeros at the outer end of a group of digits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Zeros {
     /// All are shown.

@@ -82,7 +82,7 @@ pub(super) fn replace(register: &mut Value, value: Value) {
     *register = value;
 }
 
-/// What comes after an instruction.
+/// The successor of an instruction.
 pub(super) enum Next {
     /// The next instruction.
     Step,

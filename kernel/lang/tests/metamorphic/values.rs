@@ -28,7 +28,7 @@ impl Known {
         }
     }
 
-    /// What `!(*)` prints.
+    /// The output of `!(*)`.
     pub(crate) fn printed(&self) -> String {
         match self {
             Known::Real(number) => wildcard_text(*number),

@@ -127,7 +127,7 @@ fn place_of(folder: &str) -> Place {
     Place { file: Arc::from(format!("{folder}/{FILE}")), line: 0, column: 0 }
 }
 
-/// What a child inherits.
+/// The inherited parts of a child.
 fn heritage(mut parent: Table) -> Table {
     parent.remove("abstract");
     parent.remove("extends");

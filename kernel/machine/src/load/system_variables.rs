@@ -235,7 +235,7 @@ fn words(codes: &[CodeRow], registers: &Table<RegisterId, Register>) -> Vec<(cra
     words
 }
 
-/// What every control of the kind has.
+/// The common parts of the controls of this kind.
 fn every_control() -> Vec<SystemRow> {
     let row = |first: u32, last: u32, means: Means, writable: bool| SystemRow {
         first,

@@ -23,7 +23,7 @@ const HIGHEST: u32 = 99_999_999;
 /// Keys that a row of `[[waits]]` and its row of the code table share.
 const OF_CODES: [&str; 5] = ["word", "text", "with", "without", "ignores"];
 
-/// What a row may be for.
+/// The purpose of a row.
 const FORMS: [&str; 4] = ["word", "text", "line_up", "statement"];
 
 /// Adds the rows of the code table that the words and texts of `[[waits]]` need.
@@ -163,7 +163,7 @@ fn read_row(section: &mut Section<'_>, keys: bool, check: &Check) -> Option<Wait
     })
 }
 
-/// What a row says of signals.
+/// The data of a row about signals.
 fn signals(section: &mut Section<'_>, keys: bool) -> SignalRow {
     let stays = section.choice("broadcast", &[("each", false), ("stays", true)]).unwrap_or(false);
     let in_order = section.flag("in_order").unwrap_or(false);

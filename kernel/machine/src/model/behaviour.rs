@@ -13,7 +13,7 @@ pub struct Subprograms {
     pub call: CallForm,
     /// Repeat word counts executions (`true`) or extra passes (`false`).
     pub repeat_is_executions: bool,
-    /// What a return in the main program does.
+    /// The effect of a return in the main program.
     pub main_return: MainReturn,
     /// Whether an end code in a subprogram ends the program; otherwise it returns.
     pub end_ends: bool,
@@ -239,7 +239,7 @@ pub struct Time {
     pub block_time: f64,
 }
 
-/// What canned cycles do on this machine.
+/// The behaviour of canned cycles on this machine.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Cycles {
     /// How the tool comes to the clearance height.
@@ -355,7 +355,7 @@ pub struct Output {
     pub padded: bool,
     /// A positive number has a space for its sign where numbers are padded.
     pub sign_column: bool,
-    /// What ends a line.
+    /// The end of a line.
     pub line_end: &'static str,
     /// Output is meant only between POPEN and PCLOS.
     pub opened: bool,
@@ -423,7 +423,7 @@ pub struct Tool {
     pub offset_digits: u8,
     /// Offsets by number: per machine axis, axis units, and nose radius.
     pub offsets: Vec<ToolOffset>,
-    /// What is known about tools, ascending by number.
+    /// Data of tools, ascending by number.
     pub data: Vec<ToolFacts>,
     /// Tool-change position in the machine frame, per machine axis, as programmed.
     pub change_point: Table<AxisId, Option<f64>>,
@@ -451,7 +451,7 @@ pub struct ToolFacts {
 }
 
 impl Tool {
-    /// What is known about a tool.
+    /// Data of a tool.
     #[must_use]
     pub fn facts(&self, number: u32) -> Option<&ToolFacts> {
         let at = self.data.binary_search_by_key(&number, |facts| facts.number).ok()?;

@@ -40,7 +40,7 @@ pub struct External {
     pub value: f64,
 }
 
-/// What a variable can hold.
+/// The possible values of a variable.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ExternalKind {
     /// Numbers.

@@ -37,7 +37,7 @@ pub struct WaitRow {
     pub signals: SignalRow,
 }
 
-/// What a row says of signals.
+/// The data of a row about signals.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct SignalRow {
     /// The statement has key words in brackets, and a channel may send to itself.
@@ -56,7 +56,7 @@ impl WaitRow {
     }
 }
 
-/// What a word of `[[waits]]` does.
+/// The effect of a word of `[[waits]]`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum WaitAct {
     /// Waits.

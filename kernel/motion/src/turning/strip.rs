@@ -16,7 +16,7 @@ use crate::contour::element::{Element, Spot, angle};
 use crate::contour::shifted::shifted;
 use recess::End;
 
-/// What is done along a contour.
+/// The work along a contour.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Strip {
     /// Levels are cut.

@@ -38,7 +38,7 @@ pub struct Field {
     pub enabled: Option<(String, bool)>,
 }
 
-/// What a control takes.
+/// The values that a dialog control accepts.
 #[derive(Debug, Clone, PartialEq)]
 pub enum FieldKind {
     /// Nothing: a text or a frame.
@@ -72,7 +72,7 @@ pub struct Button {
     pub kind: ButtonKind,
 }
 
-/// What a button does.
+/// The effect of a button.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum ButtonKind {
     /// Writes the values back.
@@ -85,7 +85,7 @@ pub enum ButtonKind {
     Call(String),
 }
 
-/// What came of a dialog.
+/// The outcome of a dialog.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Shown {
     /// Label of the button.

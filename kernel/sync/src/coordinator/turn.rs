@@ -43,7 +43,7 @@ impl Drop for Turn<'_> {
     }
 }
 
-/// What came of an arrival.
+/// The outcome of an arrival.
 pub enum Met<'a> {
     /// The wait is over.
     Woken(Wake),

@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 use super::{MOST, Scene};
 use crate::wait::{Key, Missing, Set, Wait};
 
-/// What can be held.
+/// An item that can be held.
 #[derive(Debug, Clone, Default)]
 struct Lease {
     holder: Option<u16>,

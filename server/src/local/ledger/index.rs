@@ -136,7 +136,7 @@ enum Source<'a> {
 /// A condition: the job is in one of the sources. The next identity of each is kept from one question to the next.
 struct Condition<'a>(Vec<(Source<'a>, Known)>);
 
-/// What is known of a source: nothing, the next identity, or that there is none.
+/// State of a source: unknown, the next identity, or the end.
 #[derive(Clone, PartialEq)]
 enum Known {
     Nothing,

@@ -35,7 +35,7 @@ impl Faults for Power {
     }
 }
 
-/// What is asked of the ledger.
+/// The requests to the ledger.
 #[derive(Debug, Clone)]
 enum Operation {
     Submit(Box<Record>),

@@ -64,7 +64,7 @@ impl Flat {
     }
 }
 
-/// What a block says about its circle.
+/// The data of a block about its circle.
 struct Words {
     radius: Option<f64>,
     /// Centre in the plane, radius values.

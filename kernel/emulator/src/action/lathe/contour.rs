@@ -39,7 +39,7 @@ impl Action for Defining {
 /// All other codes.
 static OTHERS: Entry = Entry::of(&[], other).contour(Contour::Waits);
 
-/// What a code does while contour blocks are read.
+/// The effect of a code while contour blocks are read.
 pub(in crate::action) fn reading(id: CodeId) -> Option<&'static dyn Action> {
     let shapes = matches!(
         id,

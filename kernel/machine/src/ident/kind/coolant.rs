@@ -15,12 +15,12 @@ pub enum Switch {
     Level(u8),
 }
 
-/// What flows.
+/// The fluid.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Flow {
     /// Nothing.
     Off,
-    /// What flowed last.
+    /// The last fluid.
     Again,
     /// By the numbers of `$COOLTYP`.
     Fluid(u8),

@@ -1,6 +1,6 @@
 //! What codes of the local frame do.
 
-/// What a code does to its part of the frame.
+/// The effect of a code on its part of the frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Change {
     /// Sets it.

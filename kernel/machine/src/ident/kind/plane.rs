@@ -21,7 +21,7 @@ pub enum Form {
     Positions,
 }
 
-/// What a code does to the tilted plane.
+/// The effect of a code on the tilted plane.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Tilt {
     /// Sets it.

@@ -1,6 +1,6 @@
 //! Kinds of threads and threading cycles, and settings of the cycles.
 
-/// What a code says about the change of the lead.
+/// The data of a code about the change of the lead.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LeadChange {
     /// There is none.

@@ -27,7 +27,7 @@ pub(super) struct Piece {
     pub(super) file: FileId,
     /// First and last line.
     pub(super) lines: (u32, u32),
-    /// What is drawn.
+    /// The drawn content.
     pub(super) d: String,
 }
 
