@@ -65,10 +65,10 @@ pub struct Options {
 pub struct Embedded {
     /// Nothing survives: no fsync, ledger in memory. For a server that lives as long as one command.
     pub ephemeral: bool,
-    /// Keep the toolpath of a job. Only a server that knows that nobody will ask leaves it away.
+    /// Keep the toolpath of a job. Disable it only if no client will request a toolpath.
     pub toolpath: bool,
-    /// Keep the event log of a job. Without it there are no listings, events and event watches; only a server that
-    /// knows that nobody will ask (a command that runs one job) leaves it away.
+    /// Keep the event log of a job. Without it there are no listings, events and event watches. Disable it only if no
+    /// client will request them, as in a command that runs one job.
     pub log: bool,
 }
 

@@ -31,9 +31,9 @@ pub(crate) struct DialectState {
     pub(crate) kind: &'static dyn Dialect,
     /// Numbered variables.
     pub(crate) variables: ChannelVariables,
-    /// Interpreter of what is more than plain words; it is away while it works.
+    /// Interpreter of statements other than plain words; it is `None` while it runs.
     pub(crate) interpreter: Option<Box<dyn Interpreter>>,
-    /// What the interpreter has read of programs no longer holds; it learns so when it comes back.
+    /// Programs that the interpreter has read are out of date; it is notified when it is put back.
     pub(crate) is_stale: bool,
 }
 
