@@ -46,7 +46,10 @@ def count(binary, machine, program, log):
         found = re.search(r"Collected :\s+(\d+)", file.read())
     if done.returncode != 0 or not found:
         sys.exit(f"{' '.join(command)} failed with status {done.returncode}: {done.stderr.decode()}")
-    return int(found.group(1).replace(",", ""))
+    instructions = int(found.group(1).replace(",", ""))
+    if instructions == 0:
+        sys.exit(f"{binary} has no symbol of the kernel's life, so nothing was counted: give a binary that is not stripped")
+    return instructions
 
 
 def main():
