@@ -18,7 +18,7 @@ use counterpoint_fault as diag;
 use counterpoint_machine::Machine;
 use counterpoint_machine::index::{CodeRowId, RegisterId, Table};
 use counterpoint_machine::rows::{CodeForm, Register};
-use numbers::{Read, parse_number};
+use numbers::{Read, parse_digits, parse_number};
 
 /// What a line turned out to be.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -317,9 +317,14 @@ impl Scanner {
     /// Value of a number as a register reads it, and what is irregular about it ([`irregular`]).
     #[inline(always)]
     pub fn reading(&self, register: RegisterId, number: Number, secondary: bool) -> Option<(f64, u8)> {
+        Some(self.read(register, secondary).value(number))
+    }
+
+    /// How numbers of a register are read.
+    #[inline(always)]
+    fn read(&self, register: RegisterId, secondary: bool) -> &Read {
         let [primary, other] = &self.reads[register];
-        let read = if secondary { other } else { primary };
-        Some(read.value(number))
+        if secondary { other } else { primary }
     }
 
     /// Value of a word's text after its letter, if that text is only a number.
@@ -344,11 +349,11 @@ impl Scanner {
         while matches!(line.get(cursor), Some(b' ' | b'\t')) {
             cursor += 1;
         }
-        let (number, end) = parse_number(line, cursor)?;
+        let (digits, end) = parse_digits(line, cursor)?;
         if self.formulas.bare_sums && goes_on_as_sum(line, end) {
             return None;
         }
-        let (value, irregular) = self.reading(register, number, secondary)?;
+        let (value, irregular) = self.read(register, secondary).value_of_digits(digits);
         block.flags.irregular |= irregular;
         if Some(register) == self.sequence && block.sequence.is_none() && value >= 0.0 {
             block.sequence = Some(value as u32);

@@ -15,26 +15,61 @@ const POW10: [f64; 23] = [
     1e21, 1e22,
 ];
 
-/// Digits whose value is exact in `u64` and `f64`.
+/// Powers of ten as whole numbers, for digits that are cut off.
+const STEPS: [i64; EXACT_DIGITS + 1] = [
+    1,
+    10,
+    100,
+    1_000,
+    10_000,
+    100_000,
+    1_000_000,
+    10_000_000,
+    100_000_000,
+    1_000_000_000,
+    10_000_000_000,
+    100_000_000_000,
+    1_000_000_000_000,
+    10_000_000_000_000,
+    100_000_000_000_000,
+    1_000_000_000_000_000,
+];
+
+/// Digits whose value is exact in `i64` and `f64`.
 const EXACT_DIGITS: usize = 15;
 
 /// Appends the digits at the start of a text to a number; gives it with the rest of the text.
 #[inline(always)]
-fn leading_digits(mut number: u64, mut text: &[u8]) -> (u64, &[u8]) {
+fn leading_digits(mut number: i64, mut text: &[u8]) -> (i64, &[u8]) {
     while let [byte, rest @ ..] = text {
         let digit = byte.wrapping_sub(b'0');
         if digit > 9 {
             break;
         }
-        number = number.wrapping_mul(10).wrapping_add(u64::from(digit));
+        number = number.wrapping_mul(10).wrapping_add(i64::from(digit));
         text = rest;
     }
     (number, text)
 }
 
-/// Parses `[+-]digits[.digits]` at `at`; correctly rounded.
+/// The characters of a number: `[+-]digits[.digits]`.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Digits<'a> {
+    /// All of them after the sign.
+    text: &'a [u8],
+    negative: bool,
+    point: bool,
+    /// Digits before the point.
+    whole: usize,
+    /// Digits after it.
+    fraction: usize,
+    /// All digits as a whole number, if there are at most [`EXACT_DIGITS`].
+    mantissa: i64,
+}
+
+/// The digits that begin at `at`, and where they end.
 #[inline(always)]
-pub(super) fn parse_number(line: &[u8], at: usize) -> Option<(Number, usize)> {
+pub(super) fn parse_digits(line: &[u8], at: usize) -> Option<(Digits<'_>, usize)> {
     let rest = line.get(at..)?;
     let (negative, text) = match rest {
         [b'-', text @ ..] => (true, text),
@@ -42,26 +77,41 @@ pub(super) fn parse_number(line: &[u8], at: usize) -> Option<(Number, usize)> {
         text => (false, text),
     };
     let (mantissa, after) = leading_digits(0, text);
-    let digits = text.len() - after.len();
+    let whole = text.len() - after.len();
     let (mantissa, fraction, point, length) = match after {
         [b'.', decimals @ ..] => {
             let (mantissa, after) = leading_digits(mantissa, decimals);
             let fraction = decimals.len() - after.len();
-            (mantissa, fraction, true, digits + 1 + fraction)
+            (mantissa, fraction, true, whole + 1 + fraction)
         }
-        _ => (mantissa, 0, false, digits),
+        _ => (mantissa, 0, false, whole),
     };
-    if digits + fraction == 0 {
+    if whole + fraction == 0 {
         return None;
     }
-    let magnitude = match POW10.get(fraction) {
-        // Both sides are exact, so the quotient is correctly rounded.
-        Some(power) if digits + fraction <= EXACT_DIGITS => mantissa as f64 / power,
-        _ => std::str::from_utf8(text.get(..length)?).ok()?.parse().ok()?,
-    };
-    let value = if negative { -magnitude } else { magnitude };
-    let number = Number { value, point, digits: digits.min(255) as u8, fraction: fraction.min(255) as u8 };
-    Some((number, at + (rest.len() - text.len()) + length))
+    let end = at + (rest.len() - text.len()) + length;
+    Some((Digits { text: text.get(..length)?, negative, point, whole, fraction, mantissa }, end))
+}
+
+impl Digits<'_> {
+    /// The number; its value is the one closest to the digits.
+    #[inline(always)]
+    pub(super) fn number(self) -> Number {
+        let magnitude = match POW10.get(self.fraction) {
+            // Both sides are exact, so the quotient is correctly rounded.
+            Some(power) if self.whole + self.fraction <= EXACT_DIGITS => self.mantissa as f64 / power,
+            // Only digits and a point, so they always parse.
+            _ => std::str::from_utf8(self.text).ok().and_then(|text| text.parse().ok()).unwrap_or(f64::INFINITY),
+        };
+        let value = if self.negative { -magnitude } else { magnitude };
+        let (digits, fraction) = (self.whole.min(255) as u8, self.fraction.min(255) as u8);
+        Number { value, point: self.point, digits, fraction }
+    }
+}
+
+/// Parses `[+-]digits[.digits]` at `at`; correctly rounded.
+pub(super) fn parse_number(line: &[u8], at: usize) -> Option<(Number, usize)> {
+    parse_digits(line, at).map(|(digits, end)| (digits.number(), end))
 }
 
 /// How a register's numbers are read.
@@ -75,7 +125,11 @@ pub(super) struct Read {
     /// The same without a written point: an implied one leaves room for the fraction too.
     room_without_point: f64,
     /// Digits after the point that count.
-    places: u8,
+    places: usize,
+    /// One of the register's units is the whole over this.
+    unit: f64,
+    /// Digits beyond them round the last one.
+    rounds: bool,
     /// What is irregular about a negative value, and about a written point.
     sign: u8,
     pointed: u8,
@@ -88,30 +142,59 @@ impl Read {
         let implied = format.point == Point::Omit;
         let room = power(format.whole);
         let room_without_point = if implied { power(format.whole.saturating_add(format.frac)) } else { room };
-        let places = if format.excess == Excess::Kept { u8::MAX } else { format.frac };
-        Self { format, implied, room, room_without_point, places, sign, pointed }
+        let places = if format.excess == Excess::Kept { usize::MAX } else { usize::from(format.frac) };
+        let (unit, rounds) = (power(format.frac), format.excess == Excess::Rounded);
+        Self { format, implied, room, room_without_point, places, unit, rounds, sign, pointed }
     }
 
     /// Value of a number, and what is irregular about it, bit by bit.
     #[inline(always)]
     pub(super) fn value(&self, number: Number) -> (f64, u8) {
-        let value = if number.fraction > self.places {
+        let value = if usize::from(number.fraction) > self.places {
             without_excess(number, &self.format)
         } else if number.point || !self.implied {
             number.value
         } else {
             implied(number, &self.format)
         };
-        let too_long = number.value.abs() >= if number.point { self.room } else { self.room_without_point };
+        (value, self.irregular(number.value, number.point))
+    }
+
+    /// The same for digits.
+    #[inline(always)]
+    pub(super) fn value_of_digits(&self, digits: Digits<'_>) -> (f64, u8) {
+        if digits.fraction > self.places && digits.whole + digits.fraction <= EXACT_DIGITS {
+            self.value_without_excess(digits)
+        } else {
+            self.value(digits.number())
+        }
+    }
+
+    /// Value of at most [`EXACT_DIGITS`] digits, more of which stand after the point than the register has. They are cut as a
+    /// whole number, so that no binary fraction stands just below or above a whole or half unit.
+    #[inline(always)]
+    fn value_without_excess(&self, digits: Digits<'_>) -> (f64, u8) {
+        let step = STEPS.get(digits.fraction - self.places).copied().unwrap_or(1);
+        let cut = digits.mantissa / step;
+        let units = cut + i64::from(self.rounds && (digits.mantissa - cut * step) * 2 >= step);
+        let magnitude = units as f64 / self.unit;
+        let too_long = u8::from(cut as f64 >= self.room * self.unit) * irregular::DIGITS;
+        let sign = u8::from(digits.negative && digits.mantissa != 0) * self.sign;
+        (if digits.negative { -magnitude } else { magnitude }, too_long | sign | self.pointed)
+    }
+
+    /// What is irregular about a number as written.
+    #[inline(always)]
+    fn irregular(&self, value: f64, point: bool) -> u8 {
+        let too_long = value.abs() >= if point { self.room } else { self.room_without_point };
         let digits = u8::from(too_long) * irregular::DIGITS;
-        let sign = u8::from(number.value < 0.0) * self.sign;
-        let point = u8::from(number.point) * self.pointed;
-        (value, digits | sign | point)
+        let sign = u8::from(value < 0.0) * self.sign;
+        digits | sign | u8::from(point) * self.pointed
     }
 }
 
-/// Value of a number with more digits after the point than its register has. Programs of CAM systems have one on most words.
-#[inline(never)]
+/// Value of a number with more digits after the point than its register has.
+#[cold]
 fn without_excess(number: Number, format: &NumberFormat) -> f64 {
     let Some(power) = POW10.get(usize::from(format.frac)) else { return number.value };
     let units = number.value.abs() * power;
@@ -188,7 +271,10 @@ mod tests {
         let value = |text: &str, excess| {
             let (lead, trail) = (Zeros::Omit, Zeros::Omit);
             let format = NumberFormat { whole: 5, frac: 3, point: Point::Keep, lead, trail, plus: false, excess };
-            Read::new(format, (0, 0)).value(parse_number(text.as_bytes(), 0).unwrap().0).0
+            let read = Read::new(format, (0, 0));
+            let (value, irregular) = read.value_of_digits(parse_digits(text.as_bytes(), 0).unwrap().0);
+            assert_eq!((value, irregular), read.value(parse_number(text.as_bytes(), 0).unwrap().0), "{text}");
+            value
         };
         let cases = [
             ("1.2345", 1.2345, 1.234, 1.235),
@@ -226,8 +312,10 @@ mod tests {
         for units in (0..2_000_000_u32).step_by(7) {
             let text = format!("{}.{:04}", units / 10_000, units % 10_000);
             let number = parse_number(text.as_bytes(), 0).unwrap().0;
-            assert_eq!(cut.value(number).0, f64::from(units / 10) / 1000.0, "{text}");
-            assert_eq!(rounded.value(number).0, f64::from((units + 5) / 10) / 1000.0, "{text}");
+            let digits = parse_digits(text.as_bytes(), 0).unwrap().0;
+            let (below, nearest) = (f64::from(units / 10) / 1000.0, f64::from((units + 5) / 10) / 1000.0);
+            assert_eq!((cut.value(number).0, cut.value_of_digits(digits).0), (below, below), "{text}");
+            assert_eq!((rounded.value(number).0, rounded.value_of_digits(digits).0), (nearest, nearest), "{text}");
         }
     }
 }
