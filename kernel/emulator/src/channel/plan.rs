@@ -70,6 +70,8 @@ pub(crate) struct Registers {
     pub(crate) function: Option<RegisterId>,
     /// Those of offset numbers that count without their codes, bit by register.
     pub(crate) offsets: u128,
+    /// Those whose words may act before the codes of their block, bit by register.
+    pub(crate) before_codes: u128,
 }
 
 /// Registers of corners and of directions of lines.
@@ -174,6 +176,7 @@ impl Registers {
             let known = !machine.tables.data_of(id).is_empty();
             known && !machine.tables.has_codes(id) && Some(id) != g && Some(id) != definition
         });
+        let offsets = if machine.compensation.numbers_alone { offsets(machine) } else { 0 };
         Self {
             only_data: only_data.fold(0, |bits, register| bits | register.bit()),
             head_sequences: [register_of(data::SEQNO_MAIN), register_of(data::SEQNO_SIDE)],
@@ -183,7 +186,8 @@ impl Registers {
             contour: Contour::new(machine),
             speed,
             function: machine.registers.find(|register| register.name == "M"),
-            offsets: if machine.compensation.numbers_alone { offsets(machine) } else { 0 },
+            offsets,
+            before_codes: offsets | speed,
         }
     }
 }

@@ -37,11 +37,8 @@ impl Kernel<'_> {
             (hooks.codes.implied)(self);
         }
         self.check_refused()?;
-        if self.channel.has_any(self.plan.registers.offsets) {
-            self.offset_words()?;
-        }
-        if self.channel.has_any(self.plan.registers.speed) {
-            self.speed_first()?;
+        if self.channel.has_any(self.plan.registers.before_codes) {
+            self.words_before_codes()?;
         }
         self.sort();
         while let Some(&pending) = self.channel.block.pending.get(self.channel.block.next) {
@@ -61,8 +58,16 @@ impl Kernel<'_> {
         Ok(())
     }
 
-    /// Numbers of offsets that no code of the block takes select their offsets.
+    /// Words that act before the codes of their block.
     #[inline(never)]
+    fn words_before_codes(&mut self) -> Acted {
+        if self.channel.has_any(self.plan.registers.offsets) {
+            self.offset_words()?;
+        }
+        if self.channel.has_any(self.plan.registers.speed) { self.speed_first() } else { Ok(()) }
+    }
+
+    /// Numbers of offsets that no code of the block takes select their offsets.
     fn offset_words(&mut self) -> Acted {
         let takers = &self.plan.rules.number_takers;
         let taken = self.channel.block.pending.iter().fold(0, |bits, pending| bits | takers[pending.row]);
@@ -71,7 +76,6 @@ impl Kernel<'_> {
     }
 
     /// Puts a speed that no code of the block takes before the move of the block.
-    #[inline(never)]
     fn speed_first(&mut self) -> Acted {
         let mut moves = false;
         for pending in &self.channel.block.pending {
