@@ -60,6 +60,8 @@ pub struct Habits {
     pub stops: bool,
     /// Whether a position of the machine frame is reached at rapid under any motion code.
     pub machine_frame_rapid: bool,
+    /// Whether a move at feed while the spindle is off is reported.
+    pub feed_needs_spindle: bool,
     /// Whether the active scale also applies to the centre of a rotation.
     pub scaled_center: bool,
     /// Whether a preset ends the local shift of its axes.
@@ -183,6 +185,7 @@ impl Default for Habits {
             unknown_alarms: false,
             stops: false,
             machine_frame_rapid: false,
+            feed_needs_spindle: false,
             scaled_center: false,
             preset_ends_shift: false,
             first_extended: false,

@@ -24,6 +24,7 @@ mod figure;
 mod frame;
 mod head;
 mod home;
+mod improbable;
 mod lathe;
 mod lengthen;
 mod local;

@@ -310,8 +310,8 @@ impl Act<'_, '_> {
         }
         let changes = self.changes(&from, target);
         let weighs = self.state.place.weighs;
-        let ways = if weighs { self.feed_ways(&changes) } else { changes };
-        let feed_length = ways.iter().map(|c| c * c).sum::<f64>().sqrt();
+        let square = |ways: &Position| ways.iter().map(|c| c * c).sum::<f64>();
+        let feed_length = if weighs { square(&self.feed_ways(&changes)) } else { square(&changes) }.sqrt();
         let path = Path { from: &from, to: target, length: feed_length, arc: None };
         let mut seconds = self.feed_seconds(&path, feed, unit)?;
         if weighs {

@@ -117,7 +117,12 @@ impl Act<'_, '_> {
             return Ok(self.without_feed(path, facts, what));
         };
         Ok(match unit {
-            FeedUnit::PerMinute => self.paced(path, feed / 60.0),
+            FeedUnit::PerMinute => {
+                if feed > self.reports.plausible.look_above {
+                    self.look_at_feed(feed)?;
+                }
+                self.paced(path, feed / 60.0)
+            }
             FeedUnit::InverseTime => 60.0 / feed,
             FeedUnit::PerRevolution => match self.revolution_minutes(path, feed)? {
                 Some(minutes) => minutes * 60.0,

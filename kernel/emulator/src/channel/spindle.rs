@@ -64,6 +64,7 @@ impl Kernel<'_> {
             self.diagnose(&diag::SPINDLE_CONFLICT, text);
         }
         if self.channel.state.spindle.command != old {
+            self.channel.reports.plausible.look_above = 0.0;
             self.announce(id, before)?;
         }
         self.follow_radius()

@@ -19,6 +19,7 @@ mod owned_words;
 mod preprocess;
 mod read;
 mod split;
+mod unit_named;
 
 use counterpoint_fault::Acted;
 

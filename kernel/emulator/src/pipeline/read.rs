@@ -97,6 +97,7 @@ impl Kernel<'_> {
                 );
             }
             self.check_encoding(source);
+            self.check_unit_named(source.text().bytes());
         }
         if let Some(hooks) = hooks {
             (hooks.block.begin)(self);

@@ -10,6 +10,10 @@ pub(crate) const LONGEST_DWELL: f64 = 3600.0;
 pub(crate) struct Plausible {
     pub(crate) dwell: bool,
     pub(crate) thread: bool,
+    pub(crate) feed: bool,
+    pub(crate) spindle: bool,
+    /// Feeds per minute above this need a look: all of them until the spindle has been seen to turn.
+    pub(crate) look_above: f64,
 }
 
 /// Hours and minutes of a time in seconds, for messages.

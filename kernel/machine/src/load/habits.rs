@@ -71,6 +71,7 @@ pub(super) fn read(top: &mut Section<'_>, preprocessor: Preprocessor) -> (Habits
     habits.unknown_alarms = section.choice("unknown_code", &unknown).unwrap_or(habits.unknown_alarms);
     let moves = [("by-mode", false), ("rapid", true)];
     habits.machine_frame_rapid = section.choice("machine_frame", &moves).unwrap_or(habits.machine_frame_rapid);
+    habits.feed_needs_spindle = section.flag("feed_needs_spindle").unwrap_or(habits.feed_needs_spindle);
     let centers = [("as-programmed", false), ("scaled", true)];
     habits.scaled_center = section.choice("rotation_center", &centers).unwrap_or(habits.scaled_center);
     let numbers = [("missing", false), ("first", true)];
