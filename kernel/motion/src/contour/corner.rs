@@ -124,11 +124,16 @@ impl Offset {
             let arc = element.arc.as_ref()?;
             Some((arc.center, element.offset_radius(self.side, self.radius)?))
         };
+        let slack = off_circle(first, first.to) + off_circle(second, second.from);
         match (first.arc.is_some(), second.arc.is_some()) {
             (false, false) => [lines((self.at_end(first), first.end()), (self.at_start(second), second.start())), None],
-            (false, true) => round(second).map_or([None; 2], |c| line_circle(self.at_end(first), first.end(), c)),
-            (true, false) => round(first).map_or([None; 2], |c| line_circle(self.at_start(second), second.start(), c)),
-            (true, true) => round(first).zip(round(second)).map_or([None; 2], |(a, b)| circles(a, b)),
+            (false, true) => {
+                round(second).map_or([None; 2], |c| line_circle(self.at_end(first), first.end(), c, slack))
+            }
+            (true, false) => {
+                round(first).map_or([None; 2], |c| line_circle(self.at_start(second), second.start(), c, slack))
+            }
+            (true, true) => round(first).zip(round(second)).map_or([None; 2], |(a, b)| circles(a, b, slack)),
         }
     }
 
@@ -163,21 +168,26 @@ fn lines((a, along): (Spot, Spot), (b, other): (Spot, Spot)) -> Option<Spot> {
     (by.abs() > 1e-12).then(|| plus(a, along, cross(plus(b, a, -1.0), other) / by))
 }
 
-/// Where a line meets a circle.
-fn line_circle(a: Spot, along: Spot, (center, radius): (Spot, f64)) -> [Option<Spot>; 2] {
+/// How far an end of a piece is from its circle: programs round the ends of arcs.
+fn off_circle(element: &Element, end: Spot) -> f64 {
+    element.arc.as_ref().map_or(0.0, |arc| (distance(arc.center, end) - arc.radius).abs())
+}
+
+/// Where a line meets a circle, which it may miss by `slack`: offsets of a tangential transition, whose end is rounded, do.
+fn line_circle(a: Spot, along: Spot, (center, radius): (Spot, f64), slack: f64) -> [Option<Spot>; 2] {
     let foot = dot(plus(center, a, -1.0), along);
     let nearest = plus(a, along, foot);
     let off = distance(nearest, center);
     let half = radius * radius - off * off;
-    if half < -NOISE {
+    if half < -NOISE && off > radius + slack {
         return [None; 2];
     }
     let half = half.max(0.0).sqrt();
     [Some(plus(nearest, along, half)), Some(plus(nearest, along, -half))]
 }
 
-/// Where two circles meet.
-fn circles((a, one): (Spot, f64), (b, other): (Spot, f64)) -> [Option<Spot>; 2] {
+/// Where two circles meet, which may miss each other by `slack`.
+fn circles((a, one): (Spot, f64), (b, other): (Spot, f64), slack: f64) -> [Option<Spot>; 2] {
     let apart = distance(a, b);
     if apart < NOISE {
         return [None; 2];
@@ -185,7 +195,8 @@ fn circles((a, one): (Spot, f64), (b, other): (Spot, f64)) -> [Option<Spot>; 2] 
     let along = plus(b, a, -1.0).map(|part| part / apart);
     let foot = (one * one - other * other + apart * apart) / (2.0 * apart);
     let half = one * one - foot * foot;
-    if half < -NOISE {
+    let gap = (apart - one - other).max((one - other).abs() - apart);
+    if half < -NOISE && gap > slack {
         return [None; 2];
     }
     let half = half.max(0.0).sqrt();
@@ -196,7 +207,10 @@ fn circles((a, one): (Spot, f64), (b, other): (Spot, f64)) -> [Option<Spot>; 2] 
 
 #[cfg(test)]
 mod tests {
+    use std::f64::consts::PI;
+
     use super::*;
+    use crate::arc::Arc;
 
     fn line(from: Spot, to: Spot) -> Element {
         Element { from, to, arc: None }
@@ -210,6 +224,23 @@ mod tests {
     fn inside_the_offsets_cut_each_other() {
         let corner = left(0).between(&line([0.0, 0.0], [10.0, 0.0]), &line([10.0, 0.0], [10.0, 10.0]), [0.0, 2.0]);
         assert_eq!(corner, Corner { end: [8.0, 2.0], links: Vec::new(), hurts: false });
+    }
+
+    #[test]
+    fn a_tangential_transition_may_miss_by_what_the_end_of_the_arc_is_rounded() {
+        // A quarter circle about [0, 10], whose end is a thousandth farther from the centre than its start.
+        let arc = Arc { center: [0.0, 10.0], radius: 10.0, start_angle: -PI / 2.0, sweep: PI / 2.0 };
+        let first = Element { from: [0.0, 0.0], to: [10.001, 10.0], arc: Some(arc) };
+        for x in [10.001, 10.0, 9.995] {
+            let corner = left(0).between(&first, &line([10.001, 10.0], [x, 30.0]), [0.0, 2.0]);
+            assert!(!corner.hurts && corner.links.is_empty(), "{x}: {corner:?}");
+            assert!(distance(corner.end, [8.0, 10.0]) < 0.13, "{x}: {corner:?}");
+        }
+        // The same from one arc into another one that turns the same way.
+        let arc = Arc { center: [5.0, 10.0], radius: 5.001, start_angle: 0.0, sweep: PI / 2.0 };
+        let second = Element { from: [10.001, 10.0], to: [5.0, 15.001], arc: Some(arc) };
+        let corner = left(0).between(&first, &second, [0.0, 2.0]);
+        assert!(!corner.hurts, "{corner:?}");
     }
 
     #[test]
