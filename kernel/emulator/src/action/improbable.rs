@@ -3,10 +3,8 @@
 //! *Invariant:* nothing here changes a move or its time. Feed moves that need no look cost one comparison.
 
 use crate::act::Act;
-use crate::state::modal::group;
 use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
-use counterpoint_machine::ident::codes;
 
 /// Feeds from here on are a way to ask for the highest one, units per minute.
 const HIGHEST: f64 = 99_999.0;
@@ -40,10 +38,9 @@ impl Act<'_, '_> {
 
     /// Reports the first move at feed while the spindle is off, where the machine asks for it.
     fn look_at_spindle(&mut self) -> Acted {
-        let cuts = self.state.modal.code(group::MOTION) != Some(codes::INTERP_SKIP);
         let asked = self.env.machine.habits.feed_needs_spindle && !self.reports.plausible.spindle;
         let own = self.state.spindle.id.is_some() && !self.state.spindle.shared;
-        if !(asked && own && cuts) || self.spindle_speed()?.is_some() {
+        if !(asked && own) || self.spindle_speed()?.is_some() {
             return Ok(());
         }
         self.reports.plausible.spindle = true;

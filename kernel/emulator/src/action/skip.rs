@@ -24,7 +24,11 @@ pub(super) fn probe(act: &mut Act<'_, '_>) -> Acted {
     if coded == 0 {
         return Ok(());
     }
-    act.feed_to(coded, target, feed, unit)?;
+    // A probe needs no turning spindle.
+    let look_above = std::mem::replace(&mut act.reports.plausible.look_above, f64::INFINITY);
+    let moved = act.feed_to(coded, target, feed, unit);
+    act.reports.plausible.look_above = look_above;
+    moved?;
     act.stop_path();
     *act.state.skip = Probing { result: 2.0, end: act.state.place.position, block: act.at.blocks };
     if act.state.modal.code(ALARM) == Some(codes::SKIP_ALARM_SIGNAL) {
