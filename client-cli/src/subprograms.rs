@@ -21,41 +21,77 @@ pub(crate) fn is_taken_by_name(name: &str, stem: &str) -> bool {
 
 /// Files of a folder that texts may mention, by the lowercase words that mention them.
 #[derive(Debug, Default)]
-pub(crate) struct Mentionable(BTreeMap<Vec<u8>, BTreeSet<String>>);
+pub(crate) struct Mentionable {
+    /// By whole names.
+    names: BTreeMap<Vec<u8>, BTreeSet<String>>,
+    /// By names without the ending.
+    stems: BTreeMap<Vec<u8>, BTreeSet<String>>,
+}
 
 impl Mentionable {
-    /// Adds a file of the folder: its whole name is a word that mentions it, and for program files the name without the
-    /// ending.
+    /// Adds a file of the folder: its whole name mentions it, and for program files the name without the ending.
     pub(crate) fn add(&mut self, name: &str) {
-        let mut word = |word: &str| {
-            let word = word.to_ascii_lowercase().into_bytes();
-            self.0.entry(word).or_default().insert(name.to_owned());
-        };
         let Some((stem, ending)) = name.rsplit_once('.') else { return };
-        word(name);
+        let add = |words: &mut BTreeMap<Vec<u8>, BTreeSet<String>>, word: &str| {
+            let word = word.to_ascii_lowercase().into_bytes();
+            words.entry(word).or_default().insert(name.to_owned());
+        };
+        add(&mut self.names, name);
         if CALLED_WITHOUT_ENDING.iter().any(|known| ending.eq_ignore_ascii_case(known)) {
-            word(stem);
+            add(&mut self.stems, stem);
         }
     }
 
     /// Takes out the files that a text mentions.
     pub(crate) fn take_mentioned(&mut self, text: &[u8]) -> BTreeSet<String> {
         let mut mentioned = BTreeSet::new();
-        if self.0.is_empty() {
+        if self.names.is_empty() {
             return mentioned;
         }
         let text = text.to_ascii_lowercase();
-        let is_part = |byte: &u8| byte.is_ascii_alphanumeric() || matches!(byte, b'_' | b'-' | b'$' | b'.' | 128..);
-        for word in text.split(|byte| !is_part(byte)) {
-            let without_ending = word.iter().position(|&byte| byte == b'.').and_then(|at| word.get(..at));
-            for word in [Some(word), without_ending].into_iter().flatten() {
-                if let Some(names) = self.0.remove(word) {
+        self.take_names(&text, &mut mentioned);
+        if !self.stems.is_empty() {
+            self.take_stems(&text, &mut mentioned);
+        }
+        mentioned
+    }
+
+    /// Looks at words around the endings only: most words of a program are numbers.
+    fn take_names(&mut self, text: &[u8], mentioned: &mut BTreeSet<String>) {
+        let ending =
+            |name: &Vec<u8>| name.iter().rposition(|byte| *byte == b'.').map(|at| name.split_at(at).1.to_vec());
+        let endings: BTreeSet<Vec<u8>> = self.names.keys().filter_map(ending).collect();
+        for ending in endings {
+            for at in memchr::memmem::find_iter(text, &ending) {
+                let (before, after) = text.split_at(at);
+                let begin = before.iter().rposition(|byte| !is_part(*byte)).map_or(0, |at| at + 1);
+                let end = at + after.iter().position(|byte| !is_part(*byte)).unwrap_or(after.len());
+                if let Some(names) = text.get(begin..end).and_then(|word| self.names.remove(word)) {
                     mentioned.extend(names);
                 }
             }
         }
-        mentioned
     }
+
+    fn take_stems(&mut self, text: &[u8], mentioned: &mut BTreeSet<String>) {
+        let firsts: Vec<u8> = self.stems.keys().filter_map(|stem| stem.first().copied()).collect();
+        let mut begins = [false; 256];
+        for (byte, begins) in (0..=u8::MAX).zip(&mut begins) {
+            *begins = firsts.contains(&byte);
+        }
+        let may_begin = |word: &[u8]| word.first().is_some_and(|byte| begins.get(usize::from(*byte)) == Some(&true));
+        for word in text.split(|byte| !is_part(*byte)).filter(|word| may_begin(word)) {
+            let without_ending = word.iter().position(|&byte| byte == b'.').and_then(|at| word.get(..at));
+            for word in [Some(word), without_ending].into_iter().flatten() {
+                mentioned.extend(self.stems.remove(word).unwrap_or_default());
+            }
+        }
+    }
+}
+
+/// Whether a byte is part of a name.
+fn is_part(byte: u8) -> bool {
+    byte.is_ascii_alphanumeric() || matches!(byte, b'_' | b'-' | b'$' | b'.' | 128..)
 }
 
 #[cfg(test)]
