@@ -4,13 +4,13 @@ use std::fmt::Write as _;
 use std::path::Path;
 
 use counterpoint_kernel::log::analysis::{Analysis, WhatIf};
-use counterpoint_kernel::log::summary::{ChannelState, Summary};
+use counterpoint_kernel::log::summary::{ChannelState, State, Summary};
 use serde::Serialize;
 
 use crate::arguments::{Analyse, Format, ResultKind};
 use crate::client::Client;
 use crate::error::Error;
-use crate::say::{self, DIM, styled};
+use crate::say::{self, BAD, DIM, styled};
 use crate::text::{more, table, time};
 use crate::{job_names, results, standard_input, text};
 
@@ -27,6 +27,7 @@ struct Question {
 /// The answer as JSON.
 #[derive(Debug, Serialize)]
 struct Answer<'a> {
+    state: State,
     makespan_ns: i64,
     analysis: &'a Analysis,
     what_if: &'a [WhatIf],
@@ -55,7 +56,7 @@ pub(crate) async fn analyse(arguments: Analyse) -> Result<u8, Error> {
     let races = summary.analysis.races.clone();
     let analysis = &Analysis { races, ..Analysis::of(&ends, &summary.waits) };
     if arguments.json {
-        let answer = Answer { makespan_ns: summary.makespan_ns, analysis, what_if: &what_if };
+        let answer = Answer { state: summary.state, makespan_ns: summary.makespan_ns, analysis, what_if: &what_if };
         let json = serde_json::to_string_pretty(&answer).map_err(|error| Error::Usage(error.to_string()))?;
         say::line(&json)?;
     } else {
@@ -119,7 +120,12 @@ fn shown(summary: &Summary, analysis: &Analysis, what_if: &[WhatIf]) -> String {
         format!("{number} {}", found.map_or("", |channel| &channel.name))
     };
     let row = |cells: &[&str]| cells.iter().map(|cell| (*cell).to_owned()).collect::<Vec<_>>();
-    let mut out = format!("cycle time {}\n\n", time(summary.makespan_ns));
+    let mut out = String::new();
+    if summary.state != State::Succeeded {
+        let state = if summary.state == State::Failed { "FAILED" } else { "CANCELLED" };
+        let _ = writeln!(out, "{}: the analysis ends where the channels stopped", styled(BAD, state));
+    }
+    let _ = writeln!(out, "cycle time {}\n", time(summary.makespan_ns));
     out.push_str("critical path: the job ends earlier only if one of these parts takes less time\n");
     let mut rows = vec![row(&["channel", "from", "to", "takes", "share"])];
     for &(channel, from, to) in analysis.critical.iter().take(ROWS) {

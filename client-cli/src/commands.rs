@@ -198,7 +198,7 @@ async fn result(arguments: ResultArgs) -> Result<u8, Error> {
         (ResultKind::Report, output) => {
             let text = reported(&client, job).await?;
             match output {
-                Some(path) => std::fs::write(path, text).map_err(Error::file(path))?,
+                Some(path) => std::fs::write(path, say::plain(&text)).map_err(Error::file(path))?,
                 None => say::data(text.as_bytes())?,
             }
         }

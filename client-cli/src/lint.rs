@@ -38,11 +38,11 @@ pub(crate) async fn lint(arguments: Lint) -> Result<u8, Error> {
     }
     let text = results::whole(&client, &job, ResultKind::Summary, 0, Format::Json.into()).await?;
     if arguments.json {
-        say::data(&text)?;
+        say::verdict(&text)?;
     } else if !arguments.quiet {
         let summary: Summary = serde_json::from_slice(&text)
             .map_err(|error| Error::Connection(format!("cannot read the summary: {error}")))?;
-        say::data(report(&summary, if arguments.verbose { usize::MAX } else { ROWS }).as_bytes())?;
+        say::verdict(report(&summary, if arguments.verbose { usize::MAX } else { ROWS }).as_bytes())?;
     }
     Ok(exit_code(&status, arguments.strict))
 }

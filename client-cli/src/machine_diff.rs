@@ -61,10 +61,16 @@ pub(crate) fn changed(machine: &str, json: bool) -> Result<u8, Error> {
     let name = own.chain.get(1).map_or("the defaults", String::as_str).to_owned();
     let mut rows = changes(&family.unwrap_or_default(), &own);
     for row in rows.iter_mut().filter(|row| row.row.is_empty()) {
-        for key in row.keys.iter_mut().filter(|key| key.a.is_none()) {
-            key.a = default_of(&local, &row.section, &key.key).map(|value| format!("{value} (default)"));
-        }
+        let section = &row.section;
+        row.keys.retain_mut(|key| {
+            let default = if key.a.is_none() { default_of(&local, section, &key.key) } else { None };
+            let Some(default) = default.map(|value| value.to_string()) else { return true };
+            let differs = key.b.as_ref() != Some(&default);
+            key.a = Some(format!("{default} (default)"));
+            differs
+        });
     }
+    rows.retain(|row| !row.keys.is_empty());
     print(&Difference { a: name, b: local.name, rows }, json)?;
     Ok(0)
 }

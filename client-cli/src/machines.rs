@@ -43,7 +43,7 @@ async fn check(machine: &str, server: Option<&str>) -> Result<u8, Error> {
     let verdict = if answer.usable { "usable" } else { "cannot be used" };
     let count = answer.findings.len();
     let plural = if count == 1 { "" } else { "s" };
-    say::data(format!("{machine}: {verdict}, {count} finding{plural}\n").as_bytes())?;
+    say::verdict(format!("{machine}: {verdict}, {count} finding{plural}\n").as_bytes())?;
     Ok(if answer.usable { 0 } else { 2 })
 }
 

@@ -83,7 +83,7 @@ impl OutputFolder<'_> {
             let path = folder.join("report.txt");
             let text =
                 self.heading.clone() + &report(summary, true) + &drawn_timeline(client, job, REPORT_WIDTH).await?;
-            std::fs::write(&path, text).map_err(Error::file(&path))?;
+            std::fs::write(&path, say::plain(&text)).map_err(Error::file(&path))?;
         }
         if wanted(ResultKind::Console) {
             results::file(client, job, ResultKind::Console, 0, form, &folder.join("console.txt")).await?;

@@ -91,14 +91,14 @@ async fn show(arguments: &Run, client: &Client, job: &str, (first, draws): (&str
         target.write(client, job, (&summary, &text), arguments.quiet).await?;
     }
     if arguments.json {
-        say::data(&text)?;
+        say::verdict(&text)?;
     } else if !arguments.quiet {
         let mut out = report(&summary, arguments.verbose);
         files_report(&mut out, &client.files(job).await?, arguments.out.is_some());
         if draws {
             out.push_str(&drawn_timeline(client, job, width()).await?);
         }
-        say::data(out.as_bytes())?;
+        say::verdict(out.as_bytes())?;
     }
     Ok(())
 }

@@ -42,6 +42,19 @@ pub(crate) fn data(bytes: &[u8]) -> Result<(), Error> {
     out.write_all(bytes).and_then(|()| out.flush()).map_err(broken)
 }
 
+/// Data of a command whose exit code tells the result: a reader that has closed the pipe does not change that code.
+pub(crate) fn verdict(bytes: &[u8]) -> Result<(), Error> {
+    match data(bytes) {
+        Err(Error::Closed) => Ok(()),
+        done => done,
+    }
+}
+
+/// A text without colours, for files.
+pub(crate) fn plain(text: &str) -> String {
+    anstream::adapter::strip_str(text).to_string()
+}
+
 /// A line of data as it is, escape codes too.
 pub(crate) fn line(text: &str) -> Result<(), Error> {
     let mut out = io::stdout().lock();

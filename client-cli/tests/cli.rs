@@ -148,19 +148,43 @@ fn races_are_analysed() {
 }
 
 #[test]
+fn a_failed_job_fails_whoever_reads_it_and_its_files_have_no_colours() {
+    let folder = tempfile::tempdir().unwrap();
+    let upper = program(folder.path(), "upper.nc", "O1\nM101\nM30\n");
+    let lower = program(folder.path(), "lower.nc", "O2\nM102\nM30\n");
+    let out = folder.path().join("out").display().to_string();
+    let run = ["run", "--machine", "fanuc-2path-lathe", &upper, &lower, "--out", &out, "--write", "summary,report"];
+    for command in [&run[..], &["lint", "--machine", "fanuc-2path-lathe", &upper, &lower]] {
+        let mut child = Command::new(env!("CARGO_BIN_EXE_counterpoint"))
+            .args(command)
+            .stdout(Stdio::piped())
+            .stderr(Stdio::null())
+            .spawn()
+            .unwrap();
+        // The reader leaves before anything is written.
+        drop(child.stdout.take());
+        assert_eq!(child.wait().unwrap().code(), Some(1), "{command:?}");
+    }
+    let report = std::fs::read_to_string(Path::new(&out).join("report.txt")).unwrap();
+    assert!(report.contains("FAILED") && !report.contains('\x1b'), "{report}");
+    let analysed = counterpoint(&["analyse", &out]);
+    assert!(String::from_utf8_lossy(&analysed.stdout).starts_with("FAILED: "), "{analysed:?}");
+    let analysed = counterpoint(&["analyse", &out, "--json"]);
+    let found: serde_json::Value = serde_json::from_slice(&analysed.stdout).unwrap();
+    assert_eq!(found["state"], "FAILED");
+}
+
+#[test]
 fn a_trace_and_a_log_file() {
     let folder = tempfile::tempdir().unwrap();
-    let path = program(folder.path(), "part.nc", "G90 G94 G1 X2. F100\nQ7\nM30\n");
+    let path = program(folder.path(), "part.nc", "G90 G0 X2.\nQ7\nM30\n");
     let out = folder.path().join("out").display().to_string();
     let output = counterpoint(&["run", "-q", &path, "--trace", "ca", "--out", &out, "--write", "trace,log"]);
     assert_eq!(code(&output), 1, "{}", String::from_utf8_lossy(&output.stderr));
     let read = |name: &str| std::fs::read_to_string(Path::new(&out).join(name)).unwrap();
     let trace = read("1.trace");
-    assert!(trace.starts_with("1! G90 G94 G1 X2. F100\n"), "{trace}");
-    assert!(
-        trace.contains("  code_interp_linear\n    reg_feed_upm 100\n    reg_axis_x 2\n      | feed f=100\n"),
-        "{trace}"
-    );
+    assert!(trace.starts_with("1! G90 G0 X2.\n"), "{trace}");
+    assert!(trace.contains("  code_rapid\n    reg_axis_x 2\n"), "{trace}");
     let log = read("part.log");
     assert!(log.starts_with("Counterpoint\n") && log.contains("Q7 is not used") && !log.contains("1! "), "{log}");
     assert_eq!(code(&counterpoint(&["run", "-q", &path, "--trace", "K"])), 2);

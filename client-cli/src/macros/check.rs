@@ -20,11 +20,11 @@ pub(super) fn check(arguments: &Check) -> Result<u8, Error> {
     if arguments.json {
         let all: Vec<_> = files.iter().zip(&found).map(|((name, _), found)| of_file(name, found)).collect();
         let document = json!({ "errors": errors, "warnings": warnings, "files": all });
-        say::data(format!("{document:#}\n").as_bytes())?;
+        say::verdict(format!("{document:#}\n").as_bytes())?;
     } else {
         found.iter().flatten().for_each(say_finding);
         let verdict = format!("files: {}, errors: {errors}, warnings: {warnings}\n", files.len());
-        say::data(verdict.as_bytes())?;
+        say::verdict(verdict.as_bytes())?;
     }
     Ok(u8::from(errors > 0))
 }
