@@ -88,7 +88,7 @@ impl Action for Entry {
             cycle::meets_motion(act)?;
         }
         if act.state.place.frames.is_some() {
-            cutter::before(act, self.contour)?;
+            cutter::before(act, self.contour, row.id)?;
         }
         if self.moves && self.contour == Contour::Follows && cutter::has_words(act, row.id) {
             return cutter::with_words(act, row.id, |act| (self.act)(act, row, code));

@@ -123,7 +123,7 @@ pub(super) fn turn_inside(act: &mut Act<'_, '_>, direction: Direction) -> Acted 
 /// An S word that no code took: changes the speed (reference control-emulator.md 3.3).
 pub(crate) fn speed_word(act: &mut Act<'_, '_>) -> Acted {
     if act.state.place.frames.is_some() {
-        cutter::before(act, Contour::Commands)?;
+        cutter::before(act, Contour::Commands, codes::SPINDLE_RPM)?;
     }
     let css = act.spindle_command()?.css;
     match take_speed(act, css) {

@@ -18,6 +18,7 @@ pub(super) fn read(top: &mut Section<'_>) -> Compensation {
         alarm_beyond: false,
         needs_tool: false,
         zero_move: 1,
+        wall: false,
         length: LengthRules::default(),
     };
     let Some(mut section) = top.table("compensation", "[compensation]") else { return made };
@@ -43,6 +44,7 @@ pub(super) fn read(top: &mut Section<'_>) -> Compensation {
     if let Some(blocks) = section.integer("zero_move", 1..=100) {
         made.zero_move = blocks as u32;
     }
+    made.wall = section.choice("end_words", &[("unused", false), ("wall", true)]).unwrap_or(made.wall);
     made.length = length(&mut section);
     section.finish();
     made
@@ -67,11 +69,12 @@ fn length(section: &mut Section<'_>) -> LengthRules {
 
 /// Reads `[corners]`.
 pub(super) fn corners(top: &mut Section<'_>) -> Corners {
-    let mut made = Corners { between: 1, reduces: false, rapid: false };
+    let mut made = Corners { between: 1, dwell_only: false, reduces: false, rapid: false };
     let Some(mut section) = top.table("corners", "[corners]") else { return made };
     if let Some(between) = section.integer("between", 0..=100) {
         made.between = between as u32;
     }
+    made.dwell_only = section.choice("blocks", &[("any", false), ("dwell", true)]).unwrap_or(made.dwell_only);
     made.reduces = section.choice("too_long", &[("error", false), ("reduce", true)]).unwrap_or(made.reduces);
     made.rapid = section.flag("rapid").unwrap_or(made.rapid);
     section.finish();

@@ -294,6 +294,8 @@ pub struct Compensation {
     pub needs_tool: bool,
     /// The number of such blocks that a move of length zero counts as.
     pub zero_move: u32,
+    /// Centre words beside the code that ends it are the direction of the wall behind the contour.
+    pub wall: bool,
     /// Length compensation.
     pub length: LengthRules,
 }
@@ -340,6 +342,8 @@ pub enum LengthInMachineFrame {
 pub struct Corners {
     /// Blocks without a move in the plane that may come between the two lines of a corner.
     pub between: u32,
+    /// Such a block is a dwell; any other one is an error.
+    pub dwell_only: bool,
     /// A corner that is too large for its lines is made smaller.
     pub reduces: bool,
     /// Rapid moves have corners too.

@@ -47,9 +47,11 @@ pub fn json(machine: &Machine) -> Value {
             "alarm_beyond_looked_through": machine.compensation.alarm_beyond,
             "needs_tool": machine.compensation.needs_tool,
             "zero_move": machine.compensation.zero_move,
+            "end_words": if machine.compensation.wall { "wall" } else { "unused" },
         },
         "corners": {
             "between": machine.corners.between,
+            "blocks": if machine.corners.dwell_only { "dwell" } else { "any" },
             "too_long": if machine.corners.reduces { "reduce" } else { "error" },
             "rapid": machine.corners.rapid,
         },

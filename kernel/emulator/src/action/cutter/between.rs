@@ -10,10 +10,15 @@ use crate::action::entry::Contour;
 use crate::state::cutter::Step;
 use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
+use counterpoint_machine::ident::{CodeId, codes};
 
 /// The effect of an action on a waiting move.
-pub(in crate::action) fn before(act: &mut Act<'_, '_>, contour: Contour) -> Acted {
+pub(in crate::action) fn before(act: &mut Act<'_, '_>, contour: Contour, code: CodeId) -> Acted {
     corner::follow(act, contour)?;
+    if act.env.machine.corners.dwell_only && parts_corner(act, contour, code) {
+        act.flush_lookahead()?;
+        act.check_stop()?;
+    }
     let (blocks, in_machine) = (act.at.blocks, act.block.flags.machine_frame);
     let (most, of_machine) = (act.env.machine.corners.between, act.env.machine.compensation.looked_through);
     let shared = act.state.spindle.shared;
@@ -62,6 +67,15 @@ fn too_many(act: &mut Act<'_, '_>, most: u32) {
         act.block_text()
     );
     act.diagnose(&diag::EMPTY_BLOCKS, text);
+}
+
+/// A code in a block without a move, after that of a corner, and no dwell.
+fn parts_corner(act: &mut Act<'_, '_>, contour: Contour, code: CodeId) -> bool {
+    let (blocks, moves) = (act.at.blocks, act.has_motion_word());
+    let due = act.cutter().filter(|cutter| cutter.is_due());
+    let before = due.and_then(|cutter| cutter.waiting.last()).is_some_and(|last| last.block != blocks);
+    let dwells = matches!(code, codes::DELAY | codes::DELAY_REV);
+    before && !moves && !dwells && matches!(contour, Contour::Waits | Contour::Commands)
 }
 
 impl Act<'_, '_> {

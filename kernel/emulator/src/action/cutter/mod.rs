@@ -14,6 +14,7 @@ pub(super) mod mirror;
 mod moves;
 mod resized;
 pub(super) mod smooth;
+mod wall;
 mod words;
 
 pub(in crate::action) use between::before;
@@ -52,6 +53,9 @@ const TIPS: [[f64; 2]; 10] = [
 
 /// A code that switches compensation: what follows goes beside the contour, or on it again.
 pub(super) fn switched(act: &mut Act<'_, '_>, code: CodeId) -> Acted {
+    if code == codes::COMP_DIAM_OFF {
+        wall::at_wall(act)?;
+    }
     act.flush_lookahead()?;
     let side = match code {
         codes::COMP_DIAM_LEFT => 1.0,
@@ -355,6 +359,12 @@ impl Act<'_, '_> {
     /// A move beside the plane: with a move that waits it waits too.
     fn out_of_plane(&mut self, step: Step) -> Acted {
         let stands = self.state.place.position;
+        let Some(cutter) = self.cutter() else { return Ok(()) };
+        let due = cutter.is_due();
+        if due && self.env.machine.corners.dwell_only {
+            self.flush_lookahead()?;
+            return self.out_of_plane(step);
+        }
         let Some(cutter) = self.cutter() else { return Ok(()) };
         if !cutter.waiting.is_empty() {
             self.count_zero_move(&step);

@@ -15,7 +15,7 @@ use counterpoint_motion::contour::element::Element;
 
 /// The active number has changed while this code is active.
 pub(in crate::action) fn resized(act: &mut Act<'_, '_>, code: CodeId) -> Acted {
-    before(act, Contour::Waits)?;
+    before(act, Contour::Waits, code)?;
     let number = act.diameter_in_force().unwrap_or(0);
     let radius = act.cutter_radius(number) + contour_allowance(act);
     act.check_stop()?;

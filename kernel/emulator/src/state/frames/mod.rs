@@ -298,6 +298,16 @@ impl Channel<'_> {
         if self.state.place.frames.is_none() { *programmed } else { self.reach(programmed) }
     }
 
+    /// The same for a point to which the tool does not go.
+    pub(crate) fn work_point_aside(&mut self, programmed: &Position) -> Position {
+        let reached = self.state.place.frames.as_deref().and_then(|frames| frames.reached);
+        let work = self.work_point(programmed);
+        if let Some(frames) = self.state.place.frames.as_deref_mut() {
+            frames.reached = reached;
+        }
+        work
+    }
+
     #[cold]
     fn reach(&mut self, programmed: &Position) -> Position {
         let place = &self.state.place;

@@ -1,0 +1,57 @@
+//! The wall behind a contour: the code that ends compensation gives its direction, and the last move ends where the
+//! offsets of that move and of the wall meet.
+//!
+//! Facts: operator's manuals of Fanuc controls, cutter compensation, cancel with I J K: the intersection counts inside and
+//! outside; without one the move ends beside its own end. *Invariant:* no move is made to the wall itself.
+
+use super::compensated_plane;
+use crate::act::Act;
+use crate::state::modal::{group, plane};
+use counterpoint_fault::Acted;
+use counterpoint_machine::ident::codes;
+use counterpoint_machine::index::BySlot;
+use counterpoint_motion::contour::element::{Element, NOISE, cross, distance, plus};
+use counterpoint_program::block::ContourEnd;
+
+/// Length of the wall: longer than any tool is wide.
+const LONG: f64 = 100_000.0;
+
+/// Sine of the angle below which the wall and the last move count as parallel: they do not meet.
+const PARALLEL: f64 = 1e-3;
+
+/// Ends the move that waits at the wall whose direction is on the block.
+pub(super) fn at_wall(act: &mut Act<'_, '_>) -> Acted {
+    if !act.env.machine.compensation.wall || act.polar().is_some() {
+        return Ok(());
+    }
+    // Beside a circle they are its centre.
+    let rows = act.block.pending.iter().map(|pending| &act.env.machine.codes[pending.row]);
+    let written = rows.filter(|row| row.group == group::MOTION).map(|row| row.id).last();
+    let motion = written.or_else(|| act.state.modal.code(group::MOTION));
+    if !matches!(motion, Some(codes::RAPID | codes::INTERP_LINEAR)) {
+        return Ok(());
+    }
+    let Some((code, axes)) = compensated_plane(act) else { return Ok(()) };
+    let Some(plane) = plane(code) else { return Ok(()) };
+    let words = plane.centers.map(|id| act.take(id).map_or(0.0, |datum| datum.value));
+    let contour = act.contour();
+    // The direction is turned and mirrored with the points of the program.
+    let mut beside = act.program_point(&contour);
+    for (axis, word) in axes.into_iter().zip(words) {
+        let scale = act.state.place.layout.axes[axis].scale;
+        *beside.at_mut(axis) += word / scale;
+    }
+    let beside = act.work_point_aside(&beside);
+    let [from, beside] = [contour, beside].map(|of| act.plane_spot(&of, axes));
+    let along = plus(beside, from, -1.0);
+    let length = distance(along, [0.0; 2]);
+    let Some(cutter) = act.cutter().filter(|cutter| !cutter.plain) else { return Ok(()) };
+    let Some(last) = cutter.waiting.iter_mut().rfind(|waits| waits.element.is_some()) else { return Ok(()) };
+    let heading = last.element.as_ref().map_or([0.0; 2], Element::end);
+    if length < NOISE || cross(heading, along).abs() < length * PARALLEL {
+        return Ok(());
+    }
+    last.end = ContourEnd::Sharp;
+    let to = plus(from, along, LONG / length);
+    act.next_element(Some(&Element { from, to, arc: None }))
+}
