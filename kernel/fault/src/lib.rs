@@ -131,6 +131,7 @@ diagnostics! {
     CYCLE_BESIDE_MOTION 2900640 "cycle-beside-motion" 4 false "canned cycle and motion code in one block";
     CORNER_OVERCUT 2900630 "inside-corner-overcut" 4 false "inside corner cut into because the next move was not known";
     EMPTY_BLOCKS 2900660 "too-many-empty-blocks" 12 true "too many blocks without a move under compensation";
+    CYCLE_SPINDLE 2900662 "cycle-without-spindle" 12 true "machining cycle with the spindle off";
     COMPENSATION_TOOL 2900661 "compensation-without-tool" 12 true "compensation without a tool";
     CUTTER_PLANE 2900134 "compensation-without-plane" 8 false "cutter compensation without an active plane";
     OFFSET_NOT_KEPT 2900135 "offset-not-kept" 8 false "offset set by the program not kept";

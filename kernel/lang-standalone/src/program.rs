@@ -14,7 +14,7 @@ use crate::text;
 use crate::variables::SystemTable;
 
 /// Settings of the pre-processors: the first texts of `$FCEPP`.
-const SETTINGS: [&str; 14] = [
+const SETTINGS: [&str; 15] = [
     "PROCESS,COMMENTS",
     "PROCESS,MESSAGES",
     "PROCESS,SUBPROGRAMS",
@@ -29,6 +29,7 @@ const SETTINGS: [&str; 14] = [
     "COLLAPSEASSIGNS",
     "SETALSEVERITY",
     "CYCLEDEF",
+    "SPINDLECYCLES",
 ];
 
 /// An NC program.

@@ -169,6 +169,12 @@ impl Heidenhain {
             );
             return Err(host.alarm(&diag::STATEMENT_UNKNOWN, text));
         }
+        let needs = stored && program.parse().is_ok_and(|cycle| self.settings.spindle_cycles.contains(&cycle));
+        if needs && !matches!(self.variables.control.spindle, Some(0 | 1)) {
+            let text =
+                format!("spindle ? (error 1000): cycle {program} with the spindle off in '{}'", host.block_text());
+            return Err(host.alarm(&diag::CYCLE_SPINDLE, text));
+        }
         self.call_file(host, program, stored)?;
         self.calling = Some(flow::Kind::Cycle);
         self.cycles.running.changed.clear();

@@ -25,7 +25,7 @@ impl Dialect for Control {
     }
 
     fn settings(&self) -> &'static [&'static str] {
-        &["SETFILEROOT", "CYCLEDEF", "GRAMMAR", "CONCATENATE", "KEEPCYCLDEFQVARS"]
+        &["SETFILEROOT", "CYCLEDEF", "SPINDLECYCLES", "GRAMMAR", "CONCATENATE", "KEEPCYCLDEFQVARS"]
     }
 
     fn reads_contours(&self) -> bool {

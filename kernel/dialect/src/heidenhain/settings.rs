@@ -19,6 +19,8 @@ pub(super) struct Settings {
     pub(super) keeps: Option<bool>,
     /// Cycles that are subprograms of the machine.
     pub(super) cycles: Vec<u32>,
+    /// Those of them that need the spindle on.
+    pub(super) spindle_cycles: Vec<u32>,
     /// Where programs are looked for in the end.
     pub(super) root: String,
     /// ISO or conversational, regardless of the text of the program.
@@ -27,7 +29,14 @@ pub(super) struct Settings {
 
 impl Default for Settings {
     fn default() -> Self {
-        Self { joins: true, keeps: None, cycles: Vec::new(), root: StoredFile::ROOT.to_owned(), iso: None }
+        Self {
+            joins: true,
+            keeps: None,
+            cycles: Vec::new(),
+            spindle_cycles: Vec::new(),
+            root: StoredFile::ROOT.to_owned(),
+            iso: None,
+        }
     }
 }
 
@@ -50,6 +59,7 @@ impl Settings {
                 })
                 .map(|iso| self.iso = Some(iso)),
             "CYCLEDEF" => cycles(values).map(|cycles| self.cycles = cycles),
+            "SPINDLECYCLES" => cycles(values).map(|cycles| self.spindle_cycles = cycles),
             _ => return Setting::Unknown,
         };
         if made.is_some() { Setting::Made } else { Setting::Wrong }
