@@ -48,10 +48,12 @@ impl Door<'_> {
         }
     }
 
-    /// The variable that it leads to.
+    /// The variable of programs that it leads to.
     pub(super) fn variable(self) -> Option<Variable> {
         match self {
             Self::Common(index) => Some(Variable::Common(index)),
+            // Not a variable of programs: what pre-processors keep about a definition, which the first one makes for all.
+            Self::Named(name) if name.contains(' ') => None,
             Self::Named(name) => Some(Variable::Named(name.into())),
             Self::Global(index) => Some(Variable::Global(index)),
             Self::Spindle | Self::File => None,
