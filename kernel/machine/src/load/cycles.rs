@@ -18,6 +18,7 @@ pub(super) fn read(top: &mut Section<'_>, unit: Unit) -> Cycles {
         min_step: 0.0,
         cancel_required: false,
         motion_cancels: false,
+        tap_pitch: false,
         last_of_block: false,
     };
     let Some(mut section) = top.table("cycles", "[cycles]") else { return cycles };
@@ -33,6 +34,8 @@ pub(super) fn read(top: &mut Section<'_>, unit: Unit) -> Cycles {
     cycles.min_step = section.at_least_zero("min_step").unwrap_or(cycles.min_step);
     cycles.cancel_required = section.choice("cancel", &needed).unwrap_or(cycles.cancel_required);
     cycles.motion_cancels = section.flag("motion_cancels").unwrap_or(cycles.motion_cancels);
+    let feeds = [("mode", false), ("pitch", true)];
+    cycles.tap_pitch = section.choice("typed_tap_feed", &feeds).unwrap_or(cycles.tap_pitch);
     let beside = [("cycle", false), ("last", true)];
     cycles.last_of_block = section.choice("beside_motion", &beside).unwrap_or(cycles.last_of_block);
     section.finish();

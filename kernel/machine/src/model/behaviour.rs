@@ -262,6 +262,8 @@ pub struct Cycles {
     pub motion_cancels: bool,
     /// Whether only the later of a cycle and a motion code in one block acts.
     pub last_of_block: bool,
+    /// The feed of a tap whose type is rigid is its pitch.
+    pub tap_pitch: bool,
 }
 
 /// Pump of the coolant.

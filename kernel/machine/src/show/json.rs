@@ -341,6 +341,7 @@ fn cycles(machine: &Machine) -> Value {
         "min_step": cycles.min_step,
         "cancel": if cycles.cancel_required { "required" } else { "optional" },
         "motion_cancels": cycles.motion_cancels,
+        "typed_tap_feed": if cycles.tap_pitch { "pitch" } else { "mode" },
         "beside_motion": if cycles.last_of_block { "last" } else { "cycle" },
     })
 }

@@ -31,7 +31,13 @@ pub(super) struct Words {
 
 /// Takes the data of a cycle code; the kind may become a rigid one.
 pub(super) fn take(act: &mut Act<'_, '_>, kind: HoleCycle) -> (HoleCycle, Words) {
-    take_feed(act);
+    let pitched = act.env.machine.cycles.tap_pitch && kind.taps();
+    let kind = if pitched { tap_type(act, kind) } else { kind };
+    if pitched && act.state.cycle.tap.is_some_and(|tap| tap >= 1.0) {
+        take_pitch(act);
+    } else {
+        take_feed(act);
+    }
     let Some((role, axis)) = act.state.cycle.axis else { return (kind, position(act)) };
     let scale = act.state.place.layout.axes[axis].scale;
     let rules = (act.env.machine.cycles.clearance, act.env.machine.cycles.depth);
@@ -99,6 +105,16 @@ fn take_feed(act: &mut Act<'_, '_>) {
         // Inverse time belongs to its block alone.
         let known = if unit == FeedUnit::InverseTime { None } else { act.state.remembered.value(id) };
         act.state.cycle.rates.feed = (known, unit);
+    }
+}
+
+/// The feed of a tap that is its pitch; it lasts like a feed of the cycle's own.
+fn take_pitch(act: &mut Act<'_, '_>) {
+    if let Some(datum) = act.take(data::FEED_UPR) {
+        act.state.cycle.rates.feed = (Some(datum.value), FeedUnit::PerRevolution);
+        act.state.cycle.rates.own_feed = true;
+    } else if !act.state.cycle.rates.own_feed {
+        act.state.cycle.rates.feed = (None, FeedUnit::PerRevolution);
     }
 }
 
