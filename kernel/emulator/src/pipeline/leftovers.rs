@@ -97,8 +97,8 @@ impl Kernel<'_> {
             direction |= row.id.kind() == DataKind::Orientation;
             let other_feed = matches!(row.id, data::FEED_UPM | data::FEED_UPR | data::FEED_1T) && row.id != feed;
             if row.modal && !is_axis && !other_feed {
-                let sources = self.plan.sources_of(row.id).iter();
-                let counting = sources.filter(|source| source.row == index && source.one.is_some()).next();
+                let mut sources = self.plan.sources_of(row.id).iter();
+                let counting = sources.find(|source| source.row == index && source.one.is_some());
                 let word = self.channel.block.words.get(position).filter(|_| counting.is_some());
                 let value = counting.zip(word).map_or(value, |(source, word)| self.raw(source, word));
                 let value = (value * row.mul + row.add) * self.channel.unit_factor(row.dimension);

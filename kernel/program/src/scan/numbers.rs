@@ -189,7 +189,7 @@ impl Read {
         let too_long = value.abs() >= if point { self.room } else { self.room_without_point };
         let digits = u8::from(too_long) * irregular::DIGITS;
         let sign = u8::from(value < 0.0) * self.sign;
-        digits | sign | u8::from(point) * self.pointed
+        digits | sign | (u8::from(point) * self.pointed)
     }
 }
 

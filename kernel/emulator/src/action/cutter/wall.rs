@@ -26,7 +26,7 @@ pub(super) fn at_wall(act: &mut Act<'_, '_>) -> Acted {
     }
     // Beside a circle they are its centre.
     let rows = act.block.pending.iter().map(|pending| &act.env.machine.codes[pending.row]);
-    let written = rows.filter(|row| row.group == group::MOTION).map(|row| row.id).last();
+    let written = rows.filter(|row| row.group == group::MOTION).map(|row| row.id).next_back();
     let motion = written.or_else(|| act.state.modal.code(group::MOTION));
     if !matches!(motion, Some(codes::RAPID | codes::INTERP_LINEAR)) {
         return Ok(());
