@@ -323,7 +323,7 @@ fn a_machine_is_guessed_with_a_reason_or_asked_for() {
     assert!(status.contains("machine fanuc-lathe, guessed from G50 S2500 (line 2), G96 S200 (line 4)"), "{status}");
     for (name, text, reason) in [
         ("bare.nc", "O1\nG0 X1.\nM30\n", "shows which machine it is for"),
-        ("part.i", "%PART G71 *\nN10 G00 X+10*\nN99999 %PART G71 *\n", "a Heidenhain control in ISO code"),
+        ("part.i", "N10 G00 X+10*\n", "nothing but the name shows it"),
         ("part.mpf", "G54 G0 X10\nM30\n", "a Siemens control"),
     ] {
         let path = program(folder.path(), name, text);

@@ -144,11 +144,20 @@ impl<'c> Judge<'c> {
         definitions.max(self.evidence.mains).max(1)
     }
 
+    /// A wait that the programs show is a mark of the control, too.
+    fn are_waits_marks(&self) -> bool {
+        let is_mark = |wait: &Shown<'_>| self.control.shown.iter().any(|mark| mark.pattern == wait.pattern);
+        self.machines.iter().flat_map(|machine| &machine.waits).any(is_mark)
+    }
+
     fn judge(&self) -> Result<Guess, String> {
         let several = self.programs.len() > 1;
         let channels = self.channels();
         let alone: Vec<_> = self.machines.iter().filter(|m| !several && m.takes(1, false)).collect();
         let together: Vec<_> = self.machines.iter().filter(|m| channels > 1 && m.takes(channels, several)).collect();
+        // Programs with waits that only this control has are for no machine with a single channel.
+        let wait = self.evidence.mains == channels && !together.is_empty() && self.are_waits_marks();
+        let alone = if wait { Vec::new() } else { alone };
         let mut fit: Vec<_> = [alone, together.clone()].concat();
         fit.sort_by_key(|machine| &machine.candidate.name);
         fit.dedup_by_key(|machine| &machine.candidate.name);
@@ -211,7 +220,7 @@ impl<'c> Judge<'c> {
         let machine = best.machine;
         let several = self.programs.len() > 1;
         let against = best.against();
-        if several && best.by < against * 2 {
+        if (several || self.evidence.mains == channels && channels > 1 && sole) && best.by < against * 2 {
             let (names, signs) = names(&best.against);
             let shown = self.evidence.named(&signs);
             return Err(self.for_control(&format!(

@@ -113,6 +113,16 @@ fn programs_show_what_they_are_for() {
         ("a.txt", "%_N_PART_MPF\nT1 M6\nL10\nM30\n%_N_L10_SPF\nG1 Y2 F100\nM17\n", "siemens-mill"),
         ("p.nc", "T1 M6 G43 H1 X1. Y1.", "fanuc-mill"),
         ("p.nc", "O1\r\nT1 M6\nG43 H1 Z5.\r\nG0 X1. Y2.\rM30\r\n", "fanuc-mill"),
+        // Waits of an archive with two main programs need two channels, whatever else they show.
+        (
+            "a.arc",
+            "%_N_CH1_MPF\nWAITM(1,1,2)\nG0 X10\nM30\n%_N_CH2_MPF\nWAITM(1,1,2)\nG0 X10\nM30\n",
+            "siemens-2channel",
+        ),
+        ("p.i", "%NEW G71 *\nN10 G30 G17 X+0 Y+0 Z-40*\nN40 G00 G40 G90 Z+250 M3*\n", "heidenhain-mill"),
+        ("p.i", "N10 G30 G17 X+0 Y+0 Z-40*\nN20 T5 G17 S5000*\nN30 G00 G40 G90 Z+250 M3*\n", "heidenhain-mill"),
+        ("p.nc", "%PART G71 *\nN10 G00 X1*\n", "heidenhain-mill"),
+        ("p.nc", "%PART G70 *\nN10 G00 X+1 M128*\n", "heidenhain-mill-5axis"),
         ("a.arc", "%_N_A_1_MPF\nDIAMON\nM30\n%_N_A_2_MPF\nM30\n%_N_B_SPF\nM17\n", "siemens-2channel"),
     ] {
         assert_eq!(machine(name, text).as_deref(), Ok(expected), "{name} {text}");
@@ -184,7 +194,8 @@ fn what_cannot_be_guessed_is_refused() {
     refused(&[("p.nc", "T1 M6\nG43 H1\nG50 S1000\nG96 S100\n")], "as well as milling (T1 M6 (line 1)");
     refused(&[("p.nc", "%_N_PART_MPF\nG0 X1\n")], "the program is for a Siemens control, judging by %_N_ (line 1)");
     refused(&[("p.mpf", "G54 G90 G0 X10\nM30\n")], "a Siemens control");
-    refused(&[("p.nc", "%PART G71 *\nN10 G00 X1*\n")], "a Heidenhain control in ISO code");
+    refused(&[("p.i", "N10 G00 X1*\n")], "nothing but the name shows it");
+    refused(&[("a.arc", "%_N_A_MPF\nT1 M6\nWAITM(1,1,2)\n%_N_B_MPF\nWAITM(1,1,2)\n")], "show milling");
     refused(&[("a.mpf", "G96 S200\n"), ("b.mpf", "M30\n"), ("c.mpf", "M30\n")], "3 channels");
     refused(&[("a.mpf", "T1 M6\nWAITM(1,1,2)\n"), ("b.mpf", "M30\n")], "show milling");
     refused(&[("p.MIN", "G0 X50\n")], "okuma-lathe and okuma-mill are shipped");
