@@ -75,15 +75,15 @@ fn words(words: &[TemplateWord], text: &[u8]) -> Vec<Step> {
     let mut plain = Vec::with_capacity(text.len());
     let mut steps = Vec::new();
     for word in words {
-        if word.value.as_constant().is_some() {
-            plain.extend_from_slice(text.get(word.start as usize..word.end as usize).unwrap_or_default());
+        let written = text.get(word.start as usize..word.end as usize).unwrap_or_default();
+        if word.value.as_constant().is_some() && !written.contains(&b'[') {
+            plain.extend_from_slice(written);
             plain.push(b' ');
             continue;
         }
         let address = match word.name {
             Name::Letter(letter) => char::from(letter).to_string(),
             Name::Register(..) | Name::Text(_) => {
-                let written = text.get(word.start as usize..word.end as usize).unwrap_or_default();
                 let letters = written.iter().take_while(|byte| byte.is_ascii_alphabetic() || **byte == b',');
                 letters.map(|byte| char::from(byte.to_ascii_uppercase())).collect()
             }

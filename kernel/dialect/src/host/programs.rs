@@ -48,6 +48,11 @@ pub trait Programs {
     /// Text of a file that is loaded, as the file of the block is.
     fn source(&self, file: FileId) -> Option<Arc<Source>>;
 
+    /// Whether blocks of the program may belong to another control: that of another component of a composite machine.
+    fn shares_programs(&self) -> bool {
+        false
+    }
+
     /// Names of the files of the job and of those stored with the machine (`//ICAMFS/…`), in order of their ids.
     fn files(&self) -> Vec<String>;
 

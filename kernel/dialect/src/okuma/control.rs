@@ -6,6 +6,7 @@ use crate::definition::Dialect;
 use crate::interpreter::Interpreter;
 use crate::outline::Reader;
 use counterpoint_machine::Machine;
+use counterpoint_machine::rows::{CodeForm, CodeRow};
 use counterpoint_program::syntax::{NamedPrograms, PLAIN, Syntax};
 
 static SYNTAX: Syntax = Syntax {
@@ -48,7 +49,14 @@ impl Dialect for Control {
     }
 
     fn reader(&self, machine: &Machine) -> Option<Box<dyn Reader>> {
-        Some(Box::new(super::outline::Outlines::new(machine.macros.is_some())))
+        let macros = machine.macros.is_some();
+        let drills = |row: &CodeRow| {
+            row.enable
+                && matches!(row.form, CodeForm::Register { register, min, max }
+                if machine.registers[register].name == "G" && min <= 81.0 && max >= 81.0)
+        };
+        let contours = macros && !machine.codes.iter().any(drills);
+        Some(Box::new(super::outline::Outlines::new(macros, contours)))
     }
 
     fn interpreter(&self, machine: &Machine) -> Option<Box<dyn Interpreter>> {

@@ -3,6 +3,7 @@
 //! *Invariant:* labels and programs are found as the interpreter finds them. Decision: how often a call with Q runs depends on a
 //! setting that macros of the machine make, so with macros the number of its passes counts as computed.
 
+use super::lap::{self, Lap};
 use super::line::{Head, Item, Line, Statement, Target, Wanted, normal, read};
 use super::text::prepare;
 use super::{Okuma, line};
@@ -17,11 +18,14 @@ pub(super) struct Outlines {
     okuma: Okuma,
     /// The machine has macros.
     macros: bool,
+    /// G81 to G88 may be contours with a name and cycles along them.
+    contours: bool,
 }
 
 impl Outlines {
-    pub(super) fn new(macros: bool) -> Self {
-        Self { okuma: Okuma::new(!macros), macros }
+    /// For a machine that has macros, which may make any setting, and that has no hole cycle on G81.
+    pub(super) fn new(macros: bool, contours: bool) -> Self {
+        Self { okuma: Okuma::new(!macros), macros, contours }
     }
 }
 
@@ -29,7 +33,11 @@ impl Reader for Outlines {
     fn outline(&mut self, programs: &mut dyn Programs, text: &[u8]) -> Vec<Step> {
         let whole = self.okuma.continued(programs, text);
         let text = whole.as_ref().map_or(text, |(whole, _)| whole.as_slice());
-        match read(prepare(text), Wanted { subprograms: true, drawing: false, offsets: false }) {
+        let mut block = prepare(text);
+        if self.contours && lap::find(&mut block) == Some(Lap::Begins) {
+            return Vec::new();
+        }
+        match read(block, Wanted { subprograms: true, drawing: self.macros, offsets: self.macros }) {
             Ok(line) => self.line(programs, &line),
             Err(mistake) => vec![Step::Mistake(mistake.to_string())],
         }

@@ -43,6 +43,15 @@ pub(super) struct Action {
     text: String,
 }
 
+impl Action {
+    /// It sets or deletes marks for other channels.
+    pub(super) fn coordinates(&self) -> bool {
+        self.does
+            .iter()
+            .any(|item| matches!(item, Item::Function(name, _) if matches!(name.as_str(), "SETM" | "CLEARM")))
+    }
+}
+
 /// An action that waits.
 #[derive(Debug)]
 pub(super) struct Waiting {

@@ -28,7 +28,8 @@ fn refused<T>(text: String) -> Outcome<T> {
 /// DEF stands before all blocks of its program but other definitions.
 pub(super) fn check_first(host: &dyn Host) -> Outcome<()> {
     let place = host.place();
-    let Some(source) = host.source(place.file).filter(|_| place.as_read && place.line > place.range.first) else {
+    let own = place.as_read && !host.shares_programs();
+    let Some(source) = host.source(place.file).filter(|_| own && place.line > place.range.first) else {
         return Ok(());
     };
     for line in source.walk(place.range.first, place.line - 1) {

@@ -28,6 +28,23 @@ pub(super) struct Outlines {
 
 type Found = Option<(FileId, Range)>;
 
+/// Words without G codes that the interpreter rewrites as functions.
+fn without_rewritten(text: &str) -> Vec<u8> {
+    let mut words = text.as_bytes().to_vec();
+    for at in 0..words.len() {
+        let (head, rest) = text.as_bytes().split_at(at);
+        let begins = head.last().is_none_or(|byte| !byte.is_ascii_alphanumeric());
+        if let [b'G' | b'g', number @ ..] = rest
+            && begins
+            && super::meanings::is_rewritten(number)
+        {
+            let digits = number.iter().take_while(|byte| byte.is_ascii_digit()).count();
+            words.get_mut(at..=at + digits).unwrap_or_default().fill(b' ');
+        }
+    }
+    words
+}
+
 impl Reader for Outlines {
     fn outline(&mut self, programs: &mut dyn Programs, text: &[u8]) -> Vec<Step> {
         let text = String::from_utf8_lossy(text);
@@ -66,7 +83,15 @@ impl Outlines {
 
     fn item(&mut self, programs: &mut dyn Programs, item: &Item, passes: Option<u32>, steps: &mut Vec<Step>) {
         match item {
-            Item::Text(text) => steps.push(Step::Words(text.clone().into_bytes())),
+            Item::Text(text) => steps.push(Step::Words(without_rewritten(text))),
+            Item::Set { name, value: Assigned::One(value, _), .. }
+                if name.name.len() == 1
+                    && name.name != "R"
+                    && name.index.is_empty()
+                    && let Some(number) = value.as_constant().and_then(Data::number) =>
+            {
+                steps.push(Step::Words(format!("{}{number}", name.name).into_bytes()));
+            }
             Item::Set { name, value, .. } => {
                 let constant =
                     matches!(value, Assigned::One(value, _) if value.as_constant().is_some()) || name.name.len() > 3;
@@ -120,10 +145,13 @@ impl Outlines {
             Item::RepeatPart { first, last, passes, one_block } => {
                 steps.push(self.part(programs, (first, last.as_ref()), passes.as_ref(), *one_block));
             }
-            Item::Passes(..)
+            Item::Synchronised(action) if action.coordinates() => {
+                steps.push(Step::Hidden("a synchronised action does something for other channels".to_owned()));
+            }
+            Item::Synchronised(_)
+            | Item::Passes(..)
             | Item::External(_)
             | Item::Message(_)
-            | Item::Synchronised(_)
             | Item::Until(_)
             | Item::Structure(_)
             | Item::Shared { .. } => {}

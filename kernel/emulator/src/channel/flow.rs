@@ -91,6 +91,13 @@ pub(crate) enum Pending {
     End(Stop),
 }
 
+impl Pending {
+    /// It calls a subprogram.
+    pub(crate) fn calls(&self) -> bool {
+        matches!(self, Self::Call { .. } | Self::Figure { .. } | Self::CallRange { .. } | Self::CallText(_))
+    }
+}
+
 /// Printing statements of the program.
 #[derive(Debug, Default)]
 pub(crate) struct Printing {

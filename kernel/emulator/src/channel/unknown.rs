@@ -83,11 +83,15 @@ impl Kernel<'_> {
         spans.map(text).collect()
     }
 
-    /// Reports the unrecognised parts of the block that are not in `known`, without stopping the channel.
+    /// Reports the unrecognised parts of the block that are not in `known`, without stopping the channel; `computed`: the
+    /// block may have the words that its codes need.
     #[cold]
-    pub(crate) fn report_unknown_parts(&mut self, known: &mut FxHashSet<String>) {
+    pub(crate) fn report_unknown_parts(&mut self, known: &mut FxHashSet<String>, computed: bool) {
         let stopping = self.channel.reports.alarms.stopping;
         for part in self.unknown_parts() {
+            if computed && self.needs(&shortened(&part)).is_some() {
+                continue;
+            }
             if !known.insert(part.clone()) {
                 continue;
             }

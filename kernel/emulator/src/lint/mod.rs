@@ -18,12 +18,16 @@ use counterpoint_dialect::outline::{Reader, Step};
 use counterpoint_event::event::FileId;
 use counterpoint_fault as diag;
 use counterpoint_fault::{Acted, Halt};
+use counterpoint_machine::macros::model::Hook;
 use counterpoint_machine::model::MainReturn;
 use counterpoint_program::scan::Kind as Split;
 use counterpoint_program::spot::Spot;
 
 use crate::channel::Kernel;
 use crate::channel::flow::Pending;
+
+/// Begins an expression or statement of the macro language within a block.
+const EMBEDDED: [&[u8]; 2] = [b"!{", b"#{"];
 
 /// Most blocks of one channel that are read.
 const MOST: u64 = 1_000_000;
@@ -129,12 +133,17 @@ impl Walk<'_, '_> {
         }
         let text: Arc<[u8]> =
             if kernel.is_reshaped(source) { kernel.reshape(text, line)?.text().into() } else { text.into() };
+        let text = kernel.before_rewind_stop(&text).map(Arc::from).unwrap_or(text);
         let blank = text.iter().all(u8::is_ascii_whitespace) || kernel.is_rewind_stop(&text);
         Ok(Some(if blank { Arc::default() } else { text }))
     }
 
     /// The content of a block.
     fn outline(&mut self, text: &[u8]) -> Outline {
+        if text.windows(2).any(|pair| EMBEDDED.contains(&pair)) {
+            self.kernel.channel.block.clear();
+            return Outline::Steps(vec![Step::Hidden("text of the macro language stands in the block".to_owned())]);
+        }
         match self.kernel.split(text, true) {
             Split::Words => Outline::Words,
             Split::Statement => {
@@ -149,6 +158,9 @@ impl Walk<'_, '_> {
 
     /// Calls, returns and the end that the block asks for.
     fn follow(&mut self) -> Acted {
+        if self.kernel.flow.pending.as_ref().is_some_and(Pending::calls) {
+            self.check_calls()?;
+        }
         let returns = matches!(self.kernel.flow.pending, Some(Pending::Return(_)));
         if returns && self.kernel.flow.level() == 0 {
             let again = self.kernel.channel.env.machine.subprograms.main_return == MainReturn::Restart;
@@ -183,6 +195,15 @@ impl Walk<'_, '_> {
             }
         }
         Ok(())
+    }
+
+    /// Calls are known unless a macro may redirect or skip them.
+    fn check_calls(&mut self) -> Acted {
+        let macros = self.kernel.channel.env.machine.macros.as_ref();
+        match macros.is_some_and(|macros| macros.hook(Hook::SubprogramStartup).is_some()) {
+            true => Err(self.lost("a macro of the machine decides about calls")),
+            false => Ok(()),
+        }
     }
 
     /// The channel is judged up to this block.

@@ -213,6 +213,7 @@ impl Walk<'_, '_> {
     }
 
     fn call(&mut self, called: Called) -> Acted {
+        self.check_calls()?;
         let Called { name, place, passes } = called;
         let Some((file, range)) = place else {
             let text = format!("subprogram {name} not found, called in '{}'", self.kernel.block_text());

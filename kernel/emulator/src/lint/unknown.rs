@@ -10,6 +10,10 @@ use super::regions::Part;
 use super::{Outline, Walk};
 use counterpoint_dialect::outline::Step;
 
+/// Macros of these see the text of blocks and may change it.
+const BLOCK_HOOKS: [Hook; 4] =
+    [Hook::PreprocessorStartup, Hook::PreprocessorShutdown, Hook::BlockStartup, Hook::BlockShutdown];
+
 impl Walk<'_, '_> {
     /// Reports the unknown words of all blocks of the main program, those that no walk can reach included.
     pub(super) fn report_unknown_of_program(&mut self) -> Acted {
@@ -38,8 +42,8 @@ impl Walk<'_, '_> {
             }
             match self.outline(&text) {
                 Outline::Words => {
-                    self.kernel.categorise();
-                    self.report_unknown();
+                    let calls = self.kernel.categorise();
+                    self.report_unknown(Certain { calls, computed: false });
                 }
                 Outline::Steps(steps) => self.report_unknown_among(&steps),
             }
@@ -47,12 +51,14 @@ impl Walk<'_, '_> {
     }
 
     fn report_unknown_among(&mut self, steps: &[Step]) {
+        let texts = steps.iter().filter(|step| matches!(step, Step::Words(_))).count();
+        let computed = texts > 1 || steps.iter().any(|step| matches!(step, Step::Computed(_)));
         for step in steps {
             match step {
                 Step::Words(text) => {
                     let read = self.scan(text);
-                    self.kernel.categorise();
-                    self.report_unknown();
+                    let calls = self.kernel.categorise();
+                    self.report_unknown(Certain { calls, computed });
                     self.kernel.channel.text.edited = read;
                 }
                 Step::If(steps) => self.report_unknown_among(steps),
@@ -62,12 +68,23 @@ impl Walk<'_, '_> {
     }
 
     /// Reports the unknown words of the block whose words have been categorised. Macros of the machine that see whole blocks
-    /// may know more words than its tables.
-    pub(super) fn report_unknown(&mut self) {
+    /// may know more words than its tables, and so may another component of a composite machine.
+    pub(super) fn report_unknown(&mut self, certain: Certain) {
         let kernel = &mut *self.kernel;
-        let edited = kernel.hook(Hook::BlockStartup).is_some() || kernel.hook(Hook::BlockShutdown).is_some();
-        if !edited && !kernel.channel.block.unrecognised.is_empty() {
-            kernel.report_unknown_parts(&mut self.unknown);
+        let has = |hook| kernel.channel.env.machine.macros.as_ref().is_some_and(|macros| macros.hook(hook).is_some());
+        let edited = BLOCK_HOOKS.into_iter().any(has);
+        let composite = kernel.channel.env.whole.components.len() > 1;
+        if !edited && !composite && !certain.calls && !kernel.channel.block.unrecognised.is_empty() {
+            kernel.report_unknown_parts(&mut self.unknown, certain.computed);
         }
     }
+}
+
+/// What is known of a block besides its words.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Certain {
+    /// It calls a program, to which its words are arguments.
+    pub(super) calls: bool,
+    /// It has words whose values are computed, so that a code may have the word that it needs.
+    pub(super) computed: bool,
 }

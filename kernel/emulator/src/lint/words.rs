@@ -10,6 +10,7 @@ use counterpoint_machine::rows::CodeForm;
 use counterpoint_program::block::PendingCode;
 
 use super::Walk;
+use super::unknown::Certain;
 use crate::channel::flow::{Callee, Pending};
 
 /// Codes at which channels wait or let each other continue.
@@ -71,7 +72,7 @@ impl Walk<'_, '_> {
             return Err(self.lost(&format!("the value of {name} is computed")));
         }
         let called = self.kernel.categorise() || self.kernel.calls_each_block();
-        self.report_unknown();
+        self.report_unknown(Certain { calls: called, computed: !computed.is_empty() });
         self.kernel.sort();
         let acting = self.acting();
         let needed = |name: &&String| if called { is_of_call(name) } else { !self.moves(name) };
@@ -163,7 +164,7 @@ impl Walk<'_, '_> {
             return Ok(Meant::Meet);
         }
         let called = self.kernel.categorise() || self.kernel.calls_each_block();
-        self.report_unknown();
+        self.report_unknown(Certain { calls: called, computed: !computed.is_empty() });
         let acting = self.acting();
         if !called && acting.is_empty() {
             return Ok(self.asked());

@@ -138,7 +138,7 @@ impl Kernel<'_> {
 
     /// The block before a rewind-stop at the end of its line, where one may stand there.
     #[inline(always)]
-    fn before_rewind_stop<'l>(&self, text: &'l [u8]) -> Option<&'l [u8]> {
+    pub(crate) fn before_rewind_stop<'l>(&self, text: &'l [u8]) -> Option<&'l [u8]> {
         let format = &self.channel.env.machine.format;
         // The last byte decides about most blocks.
         if !format.rws_inline || text.trim_ascii_end().last() != format.rws.as_bytes().last() {

@@ -65,6 +65,10 @@ impl Programs for Kernel<'_> {
         self.flow.frames.iter().rev().map(|frame| (frame.file, frame.range)).collect()
     }
 
+    fn shares_programs(&self) -> bool {
+        self.channel.env.whole.components.len() > 1
+    }
+
     fn source(&self, file: FileId) -> Option<Arc<Source>> {
         self.channel.env.sources.shared(file)
     }
