@@ -97,12 +97,12 @@ impl Kernel<'_> {
         let judged = !self.channel.env.options.races.is_off() && !self.ports.coordinator.is_single();
         let judged = judged && self.channel.at.line != 0 && self.channel.at.channel != 0;
         let Some(variable) = judged.then(|| door.variable()).flatten() else {
-            return self.shared(|order| reach(order, mode, operation));
+            return self.shared_ahead(|order| reach(order, mode, operation));
         };
         let mode = if mode == Mode::Read && self.is_polling() { Mode::Poll } else { mode };
         let at = &self.channel.at;
         let own = Access { channel: at.channel, file: at.file, line: at.line };
-        let (result, races) = self.shared(|order| {
+        let (result, races) = self.shared_ahead(|order| {
             let races = order.races.as_mut().map(|races| races.access(&variable, own, mode)).unwrap_or_default();
             (reach(order, mode, operation), races)
         })?;

@@ -202,6 +202,20 @@ impl Kernel<'_> {
         self.in_order(self.channel.at.tag(), operation)
     }
 
+    /// The same for statements, which are read ahead of a waiting move: at the time of its beginning. The path of the move
+    /// does not depend on what channels share.
+    ///
+    /// # Errors
+    /// When the job was stopped before.
+    pub(crate) fn shared_ahead<R>(&mut self, operation: impl FnOnce(&mut Order) -> R) -> Result<R, Halt> {
+        if self.channel.held.is_none() || self.channel.at.channel == 0 {
+            return self.shared(operation);
+        }
+        self.come_to_rest();
+        let tag = self.channel.held.as_ref().map_or_else(|| self.channel.at.tag(), |held| held.since);
+        self.in_order(tag, operation)
+    }
+
     /// The same while the path continues: at the time of its end as far as that is known.
     ///
     /// # Errors

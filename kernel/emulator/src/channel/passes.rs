@@ -192,6 +192,10 @@ impl Kernel<'_> {
         if let Some(mut pass) = known {
             next.count = pass.count + 1;
             let mut every = None;
+            if pass.reads != 0 && !pass.effects && !self.ports.coordinator.is_single() {
+                // What others change is seen at its time: no move waits for such a loop.
+                self.flush_lookahead()?;
+            }
             if pass.clock == self.channel.at.clock {
                 let tick = self.tick();
                 pass.ticks += tick;
@@ -221,7 +225,7 @@ impl Kernel<'_> {
         let names = self.names(lap.reads);
         let changes = loop {
             let tag = self.tag();
-            match self.shared(|order| order.lap(tag, lap, begun, &names, every))? {
+            match self.shared_ahead(|order| order.lap(tag, lap, begun, &names, every))? {
                 After::Pass(changes) => break changes,
                 After::Hopeless => {
                     self.flow.pass.loops.push(next);

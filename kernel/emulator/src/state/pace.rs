@@ -242,9 +242,10 @@ impl Channel<'_> {
     /// No shared operation of this channel comes before.
     #[inline(always)]
     pub(crate) fn bound(&self) -> i64 {
+        let since = self.held.as_ref().map_or(self.at.clock, |held| held.since.t);
         match &self.pace {
-            None => self.at.clock,
-            Some(pace) => pace.first().map_or(self.at.clock + pace.late, |(t, _)| t),
+            None => since,
+            Some(pace) => pace.first().map_or(since + pace.late, |(t, _)| t),
         }
     }
 

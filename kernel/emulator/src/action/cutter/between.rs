@@ -23,7 +23,7 @@ pub(in crate::action) fn before(act: &mut Act<'_, '_>, contour: Contour, code: C
     let (most, of_machine) = (act.env.machine.corners.between, act.env.machine.compensation.looked_through);
     let shared = act.state.spindle.shared;
     let Some(cutter) = act.cutter() else { return Ok(()) };
-    if cutter.seen != blocks {
+    if cutter.seen != blocks && !leads_on(code) {
         cutter.idle += u32::from(cutter.waiting.first().is_some_and(|first| first.block != cutter.seen));
         cutter.seen = blocks;
     }
@@ -51,6 +51,11 @@ pub(in crate::action) fn before(act: &mut Act<'_, '_>, contour: Contour, code: C
         act.check_stop()?;
     }
     act.flush_lookahead()
+}
+
+/// Calls and returns are statements of the program's flow, as those of custom macros; they are no blocks without a move.
+fn leads_on(code: CodeId) -> bool {
+    matches!(code, codes::CALSUB_ID | codes::CALSUB_RANGE | codes::CALSUB_RETURN)
 }
 
 /// More blocks without a move in the plane than the control looks through, where that is an alarm.
