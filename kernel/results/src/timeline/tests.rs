@@ -177,6 +177,29 @@ fn marks_of_meetings_stay_inside_and_off_each_other() {
     );
 }
 
+#[test]
+fn a_wait_that_another_channel_ends_joins_both_and_one_passed_alone_has_a_mark() {
+    let by = |mut event: Event, channel: u16| {
+        if let Kind::Release(release) = &mut event.kind {
+            release.by = channel;
+        }
+        event
+    };
+    let events = [
+        wait(1, 2, 10 * S, "P15", &[1]),
+        by(release(1, 2, 10 * S, 10 * S, "P15", 1), 1),
+        wait(2, 3, 20 * S, "P25", &[2]),
+        by(release(2, 3, 20 * S, 40 * S, "P25", 2), 1),
+        life(1, 50 * S, Phase::ProgramEnd),
+        life(2, 50 * S, Phase::ProgramEnd),
+    ];
+    let svg = timeline(&lathe(&["x", "y"]), &events).svg();
+    let dots = |key: &str| svg.split("<circle ").filter(|dot| dot.contains(&format!("<title>{key},"))).count();
+    assert_eq!((dots("P15"), dots("P25")), (1, 2), "{svg}");
+    let texts: Vec<String> = marks(&svg).into_iter().map(|(_, _, text, _)| text).collect();
+    assert_eq!(texts, ["P15", "P25"]);
+}
+
 /// No mark lies over another one.
 fn apart(marks: &[(f64, f64, String, f64)]) -> bool {
     let over = |one: &(f64, f64, String, f64), other: &(f64, f64, String, f64)| {

@@ -28,7 +28,7 @@ const FEW_LEVELS: usize = 1;
 #[derive(Debug)]
 pub(super) struct Line {
     pub(super) x: f64,
-    /// Rows of the channels that meet.
+    /// Rows of the channels that arrive and release.
     pub(super) rows: Vec<usize>,
     /// Indices of its sync points.
     pub(super) points: Vec<usize>,
@@ -76,9 +76,7 @@ fn lines(timeline: &Timeline, scale: &Scale) -> Vec<Line> {
         let Some(release) = point.release_ns.filter(|release| (from..=to).contains(release)) else { continue };
         let rows = rows_of(timeline, point);
         let (x, Some(&first), Some(&bottom)) = (scale.x(release), rows.first(), rows.last()) else { continue };
-        let Some(latest) = last.get_mut(first * timeline.channels.len() + bottom).filter(|_| first != bottom) else {
-            continue;
-        };
+        let Some(latest) = last.get_mut(first * timeline.channels.len() + bottom) else { continue };
         let near = latest.and_then(|at| lines.get_mut(at)).filter(|line| (x - line.x).abs() < NEAR);
         match near {
             Some(line) => line.points.push(index),
@@ -135,6 +133,12 @@ fn texts(timeline: &Timeline, line: &Line) -> Vec<String> {
     texts
 }
 
+/// Rows of the channels that arrive and of the one that releases them, from the top.
 fn rows_of(timeline: &Timeline, point: &SyncPoint) -> Vec<usize> {
-    point.arrivals.iter().filter_map(|a| timeline.channels.iter().position(|c| c.channel == a.channel)).collect()
+    let row = |channel: u16| timeline.channels.iter().position(|known| known.channel == channel);
+    let arrived = point.arrivals.iter().map(|arrival| arrival.channel);
+    let mut rows: Vec<usize> = arrived.chain([point.by]).filter_map(row).collect();
+    rows.sort_unstable();
+    rows.dedup();
+    rows
 }
