@@ -185,3 +185,40 @@ fn the_tape_editor_is_tried_on_lines() {
     let (code, _, err) = counterpoint(&["machine", "edit", "fanuc-mill", "M6"]);
     assert!(code == 2 && err.contains("no rules of the tape editor"), "{err}");
 }
+
+#[test]
+fn words_that_the_control_takes_without_a_row_are_explained() {
+    for (word, machine, says) in [
+        ("R10", "siemens-mill", "variable of the control: a block 'R10=1' is accepted"),
+        ("NLAP", "okuma-lathe", "name of the control: a block 'NLAP' is accepted"),
+        ("WHILE", "fanuc-mill", "WHILE […] DO n … END n"),
+        ("IF", "fanuc-lathe", "one statement if the condition is true"),
+        ("GOTO", "haas-mill", "continues at sequence number n"),
+        ("/", "fanuc-mill", "block skip"),
+        ("%", "fanuc-mill", "rewind-stop"),
+        ("TOOL CALL", "heidenhain-mill", "TOOLCALL"),
+    ] {
+        let (code, out, err) = counterpoint(&["explain", word, "--machine", machine]);
+        assert!(code == 0 && out.contains(says) && !out.contains("word of macros"), "{word}: {out}{err}");
+    }
+    // An unknown code is no variable, even if its letters could be the name of one.
+    assert_eq!(counterpoint(&["explain", "M999", "--machine", "okuma-lathe"]).0, 2);
+    assert_eq!(counterpoint(&["explain", "FOO", "--machine", "siemens-mill"]).0, 2);
+    for empty in [vec!["explain", ""], vec!["explain", " ", "--machine", "fanuc-mill"]] {
+        let (code, out, err) = counterpoint(&empty);
+        assert!(code == 2 && out.is_empty() && err.contains("give a word"), "{out}{err}");
+    }
+}
+
+#[test]
+fn without_a_machine_all_shipped_machines_are_asked() {
+    for (word, machine) in [
+        ("WAITM", "siemens-2channel"),
+        ("#5021", "fanuc-mill"),
+        ("M98 P", "fanuc-mill"),
+        ("TOOL CALL", "heidenhain-mill"),
+    ] {
+        let (code, out, err) = counterpoint(&["explain", word]);
+        assert!(code == 0 && out.contains(machine), "{word}: {out}{err}");
+    }
+}

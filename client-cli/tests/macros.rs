@@ -229,8 +229,14 @@ fn explain_knows_numbers_and_names() {
     assert!(explained("CODE_RAPID").1.contains("modal group 1"));
     assert!(explained("CODE_DELAY").1.ends_with("Uses REG_DELAY.\n"));
     assert!(explained("data_tool").1.contains("Used by CODE_TOOL_LOAD, CODE_TOOL_SELECT.\n"));
-    assert!(explained("PS0160").1.starts_with("# 02900050 `wait-mismatch`: "));
-    assert!(explained("ps0161").1.starts_with("# 02900051 `wait-illegal-channels`: "));
+    assert!(
+        explained("PS0160")
+            .1
+            .starts_with("PS0160: waiting codes that do not match: 2900050\n\n# 02900050 `wait-mismatch`: ")
+    );
+    assert!(explained("ps0161").1.contains("# 02900051 `wait-illegal-channels`: "));
+    assert_eq!(explained("wait_mismatch"), explained("wait-mismatch"));
+    assert!(explained("nofed").2.contains("did you mean no-feed?"), "{:?}", explained("nofed"));
     assert!(explained("//").1.starts_with("//\nOperator"));
     assert!(explained(".and.").1.starts_with(".AND. &&\nOperator"));
     assert!(explained("!(s34)").1.contains("7.35 gives '73500'"));

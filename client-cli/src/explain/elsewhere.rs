@@ -8,26 +8,71 @@ use counterpoint_kernel::machine::show;
 use counterpoint_lang::ident;
 use serde_json::{Value, json};
 
-use super::{programs, words};
+use super::{Subject, programs, words};
 use crate::fields::Fields as _;
-use crate::local_machine;
+use crate::local_machine::{self, LocalMachine};
 
 /// Shipped machines that have the word, by the kind of word, without the machine `not`.
 pub(super) fn machines(word: &str, not: Option<&str>) -> Vec<Value> {
-    let mut found: Vec<(String, Vec<String>)> = Vec::new();
-    for (name, machine) in local_machine::all_shipped().filter(|(name, _)| Some(name.as_str()) != not) {
-        for is in identifiers(&machine, word) {
+    let machines: Vec<(String, Machine)> =
+        local_machine::all_shipped().filter(|(name, _)| Some(name.as_str()) != not).collect();
+    let direct = grouped(machines.iter().map(|(name, machine)| (name.as_str(), identifiers(machine, word))));
+    if !direct.is_empty() {
+        return direct;
+    }
+    // Variables, several words and statements need the whole definition.
+    let all = machines.into_iter().filter_map(|(name, machine)| {
+        let local = LocalMachine::shipped(&name);
+        let definition = local.definition().ok()?;
+        Some((name, Subject { machine, local, definition }))
+    });
+    let all: Vec<(String, Subject)> = all.collect();
+    grouped(all.iter().map(|(name, subject)| (name.as_str(), described(subject, word))))
+}
+
+/// Machines by the kind of word.
+fn grouped<'m>(all: impl Iterator<Item = (&'m str, Vec<String>)>) -> Vec<Value> {
+    let mut found: Vec<(String, Vec<&str>)> = Vec::new();
+    for (name, kinds) in all {
+        for is in kinds {
             match found.iter_mut().find(|(known, _)| *known == is) {
-                Some((_, machines)) => machines.push(name.clone()),
-                None => found.push((is, vec![name.clone()])),
+                Some((_, machines)) => machines.push(name),
+                None => found.push((is, vec![name])),
             }
         }
     }
-    let row = |(is, machines): (String, Vec<String>)| {
+    let row = |(is, machines): (String, Vec<&str>)| {
         let meaning = meaning::of(&is);
         json!({ "id": is, "meaning": meaning, "machines": machines })
     };
     found.into_iter().map(row).collect()
+}
+
+/// What the whole definition of a machine and the pages of its control say of a text.
+fn described(subject: &Subject, asked: &str) -> Vec<String> {
+    let words = subject.looked_up(asked);
+    if words.iter().any(|word| word.at("known") == false) {
+        return Vec::new();
+    }
+    let mut kinds = Vec::new();
+    for word in &words {
+        let texts = |key: &str, of: &str| -> Vec<String> {
+            let rows = word.at(key).as_array().into_iter().flatten();
+            rows.filter_map(|row| row.at(of).as_str().map(str::to_owned)).collect()
+        };
+        let variable = word.at("variable").at("means").as_str().map(str::to_owned);
+        let data = word.at("register").at("data").as_array().into_iter().flatten();
+        kinds.extend(variable);
+        kinds.extend(texts("codes", "id"));
+        kinds.extend(data.filter_map(|row| row.at("id").as_str().map(str::to_owned)));
+        kinds.extend(texts("rows", "text"));
+        kinds.extend(texts("called", "text"));
+        // A bare number is on every page.
+        if kinds.is_empty() && asked.contains(|c: char| c.is_ascii_alphabetic()) {
+            kinds.extend(texts("pages", "text").into_iter().take(1));
+        }
+    }
+    kinds
 }
 
 /// The codes of a word; the data of a letter; the stored program.

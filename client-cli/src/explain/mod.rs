@@ -7,6 +7,7 @@ mod elsewhere;
 mod pages;
 mod programs;
 mod register;
+mod signs;
 mod text;
 mod trial;
 mod words;
@@ -28,6 +29,9 @@ use words::Found;
 pub(crate) fn explain(arguments: &Explain) -> Result<u8, Error> {
     let asked = arguments.words.join(" ");
     let asked = asked.trim();
+    if asked.is_empty() {
+        return Err(Error::Usage("give a word, a number or a name to explain".to_owned()));
+    }
     match &arguments.machine {
         Some(machine) => on_machine(asked, machine, arguments.json),
         None => anywhere(asked, arguments.json),
@@ -63,15 +67,18 @@ struct Subject {
 }
 
 fn on_machine(asked: &str, name: &str, json: bool) -> Result<u8, Error> {
-    let local = LocalMachine::open(name)?;
-    let (machine, definition) = (local.load()?, local.definition()?);
-    let subject = Subject { machine, local, definition };
+    let subject = Subject::of(LocalMachine::open(name)?)?;
     let words = subject.words(asked);
     let known = words.iter().all(|word| word.at("known") == true);
     let value = json!({ "machine": subject.machine.name, "extends": subject.definition.chain, "words": words });
     print(&value, json)?;
     // Treat a word that the machine does not have like any unknown name.
     Ok(if known { 0 } else { 2 })
+}
+
+/// The number of a diagnostic from the head of its page.
+fn number_of(line: &str) -> Option<u32> {
+    line.strip_prefix("# ")?.get(..8)?.parse().ok()
 }
 
 fn print(value: &Value, json: bool) -> Result<(), Error> {
@@ -83,8 +90,32 @@ fn print(value: &Value, json: bool) -> Result<(), Error> {
 }
 
 impl Subject {
-    /// The whole text as one word of the machine, or its words one by one.
+    fn of(local: LocalMachine) -> Result<Self, Error> {
+        let (machine, definition) = (local.load()?, local.definition()?);
+        Ok(Self { machine, local, definition })
+    }
+
+    /// The words of a text, with the answer of the control and of other machines for those that the machine does not have.
     fn words(&self, asked: &str) -> Vec<Value> {
+        let mut words = self.looked_up(asked);
+        for word in words.iter_mut().filter(|word| word.at("known") == false) {
+            let text = word.at("word").as_str().unwrap_or_default().to_owned();
+            if let Some(accepted) = trial::accepted(&self.machine, &text) {
+                word.set("accepted", json!(accepted));
+                word.set("known", json!(true));
+            } else if let Some(explanation) = macros::explanation(&text) {
+                // A word of macros, which no machine defines.
+                word.set("text", json!(explanation));
+                word.set("known", json!(true));
+            } else {
+                word.set("unknown", self.unknown(&text));
+            }
+        }
+        words
+    }
+
+    /// The whole text as one word of the machine, or its words one by one.
+    fn looked_up(&self, asked: &str) -> Vec<Value> {
         let whole = self.word(asked, &[]);
         let several = asked.contains(char::is_whitespace);
         if whole.at("known") == true || !several {
@@ -135,13 +166,7 @@ impl Subject {
             Vec::new()
         };
         known |= add("pages", json!(pages));
-        if !known && let Some(text) = macros::explanation(asked) {
-            // A word of macros, which no machine defines.
-            known = add("text", json!(text));
-        }
-        if !known {
-            add("unknown", self.unknown(asked));
-        }
+        known |= add("sign", json!(signs::meaning(&machine.format, asked)));
         value.set("known", json!(known));
         value
     }
@@ -253,8 +278,8 @@ impl Subject {
         if page.is_none() && refusals.is_empty() {
             return Value::Null;
         }
-        let number = page.as_deref().and_then(|page| page.get(2..10)?.parse::<u32>().ok());
-        let rule = self.machine.diagnostics.rules.iter().find(|rule| Some(rule.number) == number);
+        let numbers: Vec<u32> = page.iter().flat_map(|page| page.lines()).filter_map(number_of).collect();
+        let rule = self.machine.diagnostics.rules.iter().find(|rule| numbers.contains(&rule.number));
         let rule = rule.map(|rule| {
             let row = self
                 .definition
@@ -289,5 +314,23 @@ impl Subject {
             "near": elsewhere::nearest(machine, asked),
             "machines": elsewhere::machines(asked, Some(&machine.name)),
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The alarms of all controls, on a machine on which many of them look like words.
+    #[test]
+    fn every_alarm_is_explained_on_a_machine_with_its_meaning() {
+        for machine in ["fanuc-lathe", "siemens-mill"] {
+            let subject = Subject::of(LocalMachine::shipped(machine)).unwrap_or_else(|error| panic!("{error}"));
+            for (alarm, about, _) in macros::alarm_rows() {
+                let words = subject.looked_up(&alarm);
+                let page = words[0].at("diagnostic").at("page").as_str().unwrap_or_default();
+                assert!(words[0].at("known") == true && page.contains(&about), "{alarm}: {about} is not in {page}");
+            }
+        }
     }
 }

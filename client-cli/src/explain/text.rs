@@ -68,6 +68,13 @@ fn one(out: &mut String, word: &Value) {
         self::diagnostic(out, diagnostic);
     }
     pages(out, word.at("pages"));
+    if let Some(text) = word.at("sign").as_str() {
+        let _ = writeln!(out, "\nsign of the program text: {text}");
+    }
+    if let Some(block) = word.at("accepted").as_str() {
+        let kind = if block.contains('=') { "a variable of the control" } else { "a name of the control" };
+        let _ = writeln!(out, "\n{kind}: a block '{block}' is accepted");
+    }
     if let Some(text) = word.at("text").as_str() {
         let _ = write!(out, "\nno word of a program, but a word of macros:\n\n{text}");
     }

@@ -12,6 +12,8 @@ use counterpoint_kernel::machine::Machine;
 use counterpoint_kernel::options::Options;
 use serde_json::{Value, json};
 
+use super::words;
+
 /// Maximum number of blocks of the run.
 const BLOCKS: u64 = 100;
 
@@ -28,6 +30,17 @@ impl Sink for OfFirstLine {
         }
         true
     }
+}
+
+/// The block with a word that the control accepts although no table has the word: the word alone, such as the name of a
+/// sequence, or a value for it, such as a parameter of the control.
+pub(super) fn accepted(machine: &Machine, word: &str) -> Option<String> {
+    let name = word.bytes().all(|b| b.is_ascii_alphanumeric() || matches!(b, b'_' | b'$' | b'.'));
+    if !name || !word.contains(|c: char| c.is_ascii_alphabetic()) || words::register_of(machine, word).is_some() {
+        return None;
+    }
+    let blocks = [word.to_uppercase(), format!("{}=1", word.to_uppercase())];
+    blocks.into_iter().find(|block| diagnostics(machine.clone(), block).is_empty())
 }
 
 /// The diagnostics of a block, or the reason why it cannot be run.

@@ -20,11 +20,22 @@ pub(super) struct Found {
 
 /// The rows of a word, a text or an identifier; none if the machine has none of them.
 pub(super) fn find(machine: &Machine, word: &str) -> Option<Found> {
-    let found = identifier(machine, word).or_else(|| text(machine, word)).or_else(|| registered(machine, word))?;
+    let joined = || registered(machine, &joined(word)?);
+    let found = identifier(machine, word)
+        .or_else(|| text(machine, word))
+        .or_else(|| registered(machine, word))
+        .or_else(joined)?;
     let rows = !found.codes.is_empty() || !found.data.is_empty();
     // A letter alone has codes without a separate row.
     let letter = found.register.is_some_and(|(register, value)| value.is_none() && machine.tables.has_codes(register));
     (rows || letter).then_some(found)
+}
+
+/// A name of several words as one, as the tables write it: `TOOL CALL` is `TOOLCALL`.
+fn joined(word: &str) -> Option<String> {
+    let parts: Vec<&str> = word.split_whitespace().collect();
+    let is_name = |part: &&str| part.len() > 2 && part.bytes().all(|b| b.is_ascii_alphabetic());
+    (parts.len() > 1 && parts.iter().all(is_name)).then(|| parts.concat())
 }
 
 /// The register of a word, also where it has no rows.

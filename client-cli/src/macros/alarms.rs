@@ -2,44 +2,40 @@
 //!
 //! *Invariant:* an alarm that a shipped machine shows is in the list; the test compares both.
 
-use super::explain::{page, without_links};
+use super::explain::without_links;
 
 const LIST: &str = include_str!("../../../docs/alarms.md");
 
-/// Rows of the list that name an alarm, with the pages of their diagnostics.
-pub(super) fn listed(what: &str) -> Option<String> {
-    let what = what.trim();
-    let asked = what.to_uppercase();
-    let long = asked.bytes().filter(u8::is_ascii_digit).count() > 2;
-    if !long || !asked.bytes().all(|byte| byte.is_ascii_alphanumeric()) {
-        return None;
-    }
-    let mut out = String::new();
-    let mut known: Vec<u32> = Vec::new();
+/// Rows of the list that name an alarm, and the numbers of their diagnostics. `is` compares a word with the alarm.
+pub(super) fn listed(asked: &str, is: impl Fn(&str) -> bool) -> (Vec<String>, Vec<u32>) {
+    // A code that a row mentions is no alarm.
+    let is_long = asked.bytes().filter(u8::is_ascii_digit).count() > 2 && !asked.starts_with(['G', 'M']);
+    let is = |word: &str| is(word) || is_long && word == asked;
+    let (mut rows, mut numbers) = (Vec::new(), Vec::<u32>::new());
     for line in LIST.lines().filter(|line| line.starts_with('|')) {
         let cells: Vec<&str> = line.trim_matches('|').split('|').map(str::trim).collect();
         let [first, about, here] = cells.as_slice() else { continue };
-        let found = names(first, &asked) || !first.starts_with(|c: char| c.is_ascii_digit()) && names(about, &asked);
-        if !found {
+        if !names(first, asked, is) && (is_alarm(first) || !names(about, asked, is)) {
             continue;
         }
-        out.push_str(&format!("{first}: {about}: {}\n\n", without_links(here)));
-        let numbers = here.split("diagnostics/").skip(1).filter_map(|link| link.get(..8)?.parse::<u32>().ok());
-        for number in numbers {
-            if !known.contains(&number) {
-                known.push(number);
+        rows.push(format!("{first}: {about}: {}", without_links(here)));
+        let links = here.split("diagnostics/").skip(1).filter_map(|link| link.get(..8)?.parse::<u32>().ok());
+        for number in links {
+            if !numbers.contains(&number) {
+                numbers.push(number);
             }
         }
     }
-    for text in known.iter().filter_map(|number| page(&number.to_string())) {
-        out.push_str(&text);
-        out.push('\n');
-    }
-    (!out.is_empty()).then_some(out)
+    (rows, numbers)
+}
+
+/// The first cell of a row has alarms, not the name of a control.
+fn is_alarm(cell: &str) -> bool {
+    cell.starts_with("PS") || cell.starts_with(|c: char| c.is_ascii_digit())
 }
 
 /// The text has the alarm as a word, or within a range (`10740 to 10747`).
-fn names(text: &str, asked: &str) -> bool {
+fn names(text: &str, asked: &str, is: impl Fn(&str) -> bool) -> bool {
     let words: Vec<&str> = text.split(|c: char| !c.is_ascii_alphanumeric()).filter(|word| !word.is_empty()).collect();
     let within = |range: &[&str]| {
         let [from, "to", to] = range else { return false };
@@ -48,7 +44,7 @@ fn names(text: &str, asked: &str) -> bool {
         let same = ends.iter().all(|(of, _)| *of == letters);
         same && matches!((ends[0].1, number, ends[1].1), (Some(from), Some(at), Some(to)) if from <= at && at <= to)
     };
-    words.contains(&asked) || words.windows(3).any(within)
+    words.iter().any(|word| is(word)) || words.windows(3).any(within)
 }
 
 /// Letters and number of an alarm.
@@ -57,15 +53,36 @@ fn parts(alarm: &str) -> (&str, Option<u32>) {
     (alarm.strip_suffix(digits).unwrap_or_default(), digits.parse().ok())
 }
 
+/// Alarms of the list, each with its meaning and its diagnostics.
+#[cfg(test)]
+pub(crate) fn rows() -> Vec<(String, String, Vec<String>)> {
+    let mut all = Vec::new();
+    for line in LIST.lines().filter(|line| line.starts_with('|')) {
+        let cells: Vec<&str> = line.trim_matches('|').split('|').map(str::trim).collect();
+        let [first, about, here] = cells.as_slice() else { continue };
+        let source = if is_alarm(first) { *first } else { *about };
+        let numbers: Vec<String> =
+            here.split("diagnostics/").skip(1).filter_map(|link| link.get(..8).map(str::to_owned)).collect();
+        for word in source.split(|c: char| !c.is_ascii_alphanumeric()) {
+            let digits = word.trim_start_matches("PS");
+            if digits.len() > 3 && digits.bytes().all(|b| b.is_ascii_digit()) {
+                all.push((word.to_owned(), (*about).to_owned(), numbers.clone()));
+            }
+        }
+    }
+    all
+}
+
 #[cfg(test)]
 mod tests {
-    use super::*;
+    use std::collections::BTreeMap;
+
     use crate::local_machine::all_shipped;
     use crate::macros::explanation;
 
     #[test]
     fn every_alarm_of_a_shipped_machine_can_be_explained() {
-        let mut missing = Vec::new();
+        let mut alarms = BTreeMap::new();
         for (name, machine) in all_shipped() {
             let refused = machine.diagnostics.refusals.iter().map(|rule| rule.alarm.clone());
             let titled = machine.diagnostics.rules.iter().filter_map(|rule| {
@@ -77,13 +94,12 @@ mod tests {
                 // Statements that a control lacks have their own names.
                 let is_number =
                     alarm.len() > 3 && !alarm.starts_with('M') && alarm.ends_with(|c: char| c.is_ascii_digit());
-                if is_number && explanation(&alarm).is_none() {
-                    missing.push(format!("{name}: {alarm}"));
+                if is_number {
+                    alarms.insert(alarm, name.clone());
                 }
             }
         }
-        missing.sort();
-        missing.dedup();
+        let missing: Vec<_> = alarms.iter().filter(|(alarm, _)| explanation(alarm).is_none()).collect();
         assert!(missing.is_empty(), "{missing:?}");
     }
 
@@ -98,10 +114,29 @@ mod tests {
             ("17181", "edge D"),
             ("2255", "L of an arc"),
             ("PS0201", "rigid tapping"),
+            ("PS0218", "polygon turning"),
             ("ps0160", "waiting codes"),
+            ("PS5", "address without a number"),
+            ("P170", "offset number"),
         ] {
-            assert!(listed(alarm).is_some_and(|text| text.contains(says)), "{alarm}");
+            assert!(explanation(alarm).is_some_and(|text| text.contains(says)), "{alarm}");
         }
-        assert!(listed("99999").is_none() && listed("10").is_none() && listed("no-feed").is_none());
+        for nothing in ["99999", "9999", "PS9999"] {
+            assert!(explanation(nothing).is_none(), "{nothing}");
+        }
+    }
+
+    /// Every alarm of the list with its meaning and the pages of all its diagnostics.
+    #[test]
+    fn every_alarm_of_the_list_is_explained_with_its_meaning() {
+        let rows = super::rows();
+        assert!(rows.len() > 200, "{}", rows.len());
+        for (alarm, about, numbers) in rows {
+            let text = explanation(&alarm).unwrap_or_default();
+            assert!(text.contains(&about), "{alarm}: {about} is not in {text}");
+            for number in numbers {
+                assert!(text.contains(&format!("# {number} `")), "{alarm} without {number}");
+            }
+        }
     }
 }

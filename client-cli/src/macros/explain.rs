@@ -33,17 +33,17 @@ pub(crate) fn explanation(what: &str) -> Option<String> {
         (Some(kind), Some(name)) => Some(format!("{kind}\n{name}")),
         (kind, name) => kind.or(name),
     };
-    page(what).or_else(names).or_else(|| alarm(what)).or_else(|| listed(what))
+    page(what).or_else(names).or_else(|| alarm(what))
 }
 
 /// The pages of a diagnostic or of an alarm.
 pub(crate) fn diagnostic(what: &str) -> Option<String> {
-    page(what).or_else(|| alarm(what)).or_else(|| listed(what))
+    page(what).or_else(|| alarm(what))
 }
 
 /// The page of a number or of its word.
 pub(super) fn page(what: &str) -> Option<String> {
-    let number = what.trim().parse().ok().or_else(|| diag::number(&what.trim().to_lowercase()))?;
+    let number = what.trim().parse().ok().or_else(|| diag::number(&what.trim().to_lowercase().replace('_', "-")))?;
     PAGES.get_file(format!("{number:08}.md"))?.contents_utf8().map(str::to_owned)
 }
 
@@ -57,23 +57,36 @@ fn alarm_name(word: &str) -> Option<(&str, u32)> {
     Some((letters, digits.parse().ok().filter(|_| plain)?))
 }
 
-/// The pages of the diagnostics that name an alarm of a control. Zeros before the number may be
-/// left out, and so may the letters.
+/// The rows of the list of alarms that name an alarm, and the pages of all diagnostics that raise it. Zeros before the number
+/// may be left out, and so may the letters.
 fn alarm(what: &str) -> Option<String> {
     let word = what.trim().to_uppercase().replace('/', "");
-    let (letters, number) = alarm_name(&word)?;
-    let is = |one: &str| {
-        let found = alarm_name(one).filter(|(_, known)| *known == number);
-        found.is_some_and(|(of, _)| if letters.is_empty() { ALARMS.contains(&of) } else { of == letters })
-    };
-    let names = |text: &str| text.split(|c: char| !c.is_ascii_alphanumeric()).any(is);
-    let pages: Vec<&str> = PAGES
+    let asked = alarm_name(&word);
+    let is = |one: &str| asked.is_some_and(|asked| is_alarm(asked, one));
+    // A bare number of a page is no alarm.
+    let is_named = |one: &str| one.starts_with(|c: char| c.is_ascii_alphabetic()) && is(one);
+    let (rows, numbers) = listed(&word, is);
+    let listed: Vec<&str> =
+        numbers.iter().filter_map(|number| PAGES.get_file(format!("{number:08}.md"))?.contents_utf8()).collect();
+    let names = |text: &str| text.split(|c: char| !c.is_ascii_alphanumeric()).any(is_named);
+    let named = PAGES
         .files()
         .filter(|file| file.path().file_stem().is_some_and(|stem| stem != "README"))
         .filter_map(|file| file.contents_utf8())
-        .filter(|text| names(text))
-        .collect();
-    if pages.is_empty() { None } else { Some(pages.join("\n")) }
+        .filter(|text| names(text) && !listed.contains(text));
+    let rows: String = rows.iter().map(|row| format!("{row}\n\n")).collect();
+    let pages: Vec<&str> = listed.iter().copied().chain(named).collect();
+    let text = format!("{rows}{}", pages.join("\n"));
+    (!text.is_empty()).then_some(text)
+}
+
+/// A word names the alarm that is asked for, in capitals.
+fn is_alarm((letters, number): (&str, u32), one: &str) -> bool {
+    alarm_name(one).is_some_and(|(of, known)| {
+        let same =
+            if letters.is_empty() { of.is_empty() && number > 999 || ALARMS.contains(&of) } else { of == letters };
+        same && known == number
+    })
 }
 
 /// The first sentence of the remedy on a diagnostic's page, without links; `None` if no remedy is needed.
@@ -223,6 +236,9 @@ pub(crate) fn unknown(what: &str) -> String {
     let variables = system::table().iter().map(|variable| variable.name.as_str());
     let names: Vec<&str> = entries.chain(variables).chain(identifiers::names()).collect();
     let near = with_dollar.iter().find_map(|name| ident::nearest(name, names.iter().copied()));
+    let word = name.to_lowercase().replace('_', "-");
+    let diagnostic = || ident::nearest(&word, diag::ALL.iter().map(|facts| facts.name));
+    let near = near.or_else(diagnostic);
     match near {
         Some(near) => format!("'{what}' not found; did you mean {near}?"),
         None => format!("'{what}' not found"),

@@ -20,6 +20,8 @@ use counterpoint_lang_standalone::File;
 
 use crate::error::Error;
 use crate::{say, standard_input};
+#[cfg(test)]
+pub(crate) use alarms::rows as alarm_rows;
 use arguments::Macro;
 pub(crate) use explain::{diagnostic, explain, explanation, remedy, unknown, without_links};
 
