@@ -150,7 +150,8 @@ impl Act<'_, '_> {
             let add = |place: &mut Position, factor: f64| {
                 place.iter_mut().zip(tool).for_each(|(slot, tool)| *slot += factor * tool);
             };
-            let mut stands = self.machine_point(&self.state.place.position);
+            let start = self.start_in_machine_frame();
+            let mut stands = self.machine_point(&start);
             add(&mut stands, -1.0);
             let (coded, mut target) = self.axis_words(stands, |_, _| None, Self::take_axis);
             add(&mut target, 1.0);
@@ -179,6 +180,11 @@ impl Act<'_, '_> {
         let (coded, target) = self.polar_end(coded, target);
         self.ways_travelled(coded);
         (coded, target)
+    }
+
+    /// Where a move to positions of the machine frame starts: on the contour, unless it goes without compensation.
+    fn start_in_machine_frame(&mut self) -> Position {
+        if self.cutter().is_some_and(|cutter| !cutter.suspended) { self.contour() } else { self.state.place.position }
     }
 
     /// Takes the word of an axis.

@@ -11,6 +11,7 @@ use crate::state::cutter::Step;
 use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
 use counterpoint_machine::ident::{CodeId, codes};
+use counterpoint_machine::model::LengthInMachineFrame;
 
 /// The effect of an action on a waiting move.
 pub(in crate::action) fn before(act: &mut Act<'_, '_>, contour: Contour, code: CodeId) -> Acted {
@@ -33,6 +34,7 @@ pub(in crate::action) fn before(act: &mut Act<'_, '_>, contour: Contour, code: C
     match contour {
         Contour::Follows if !in_machine => cutter.suspended = false,
         Contour::Follows | Contour::Waits => {}
+        Contour::Leaves if code == codes::POSITION_MACHINE && stays_in_machine_frame(act) => {}
         Contour::Leaves => {
             act.flush_lookahead()?;
             if let Some(cutter) = act.cutter() {
@@ -51,6 +53,11 @@ pub(in crate::action) fn before(act: &mut Act<'_, '_>, contour: Contour, code: C
         act.check_stop()?;
     }
     act.flush_lookahead()
+}
+
+/// Positions of the machine frame are those of the tool, beside which compensation stays active.
+fn stays_in_machine_frame(act: &Act<'_, '_>) -> bool {
+    act.env.machine.compensation.length.in_machine_frame == LengthInMachineFrame::Added
 }
 
 /// Calls and returns are statements of the program's flow, as those of custom macros; they are no blocks without a move.
