@@ -19,6 +19,7 @@ pub(super) fn read(top: &mut Section<'_>) -> Compensation {
         needs_tool: false,
         zero_move: 1,
         wall: false,
+        zero_cancels: false,
         length: LengthRules::default(),
     };
     let Some(mut section) = top.table("compensation", "[compensation]") else { return made };
@@ -45,6 +46,8 @@ pub(super) fn read(top: &mut Section<'_>) -> Compensation {
         made.zero_move = blocks as u32;
     }
     made.wall = section.choice("end_words", &[("unused", false), ("wall", true)]).unwrap_or(made.wall);
+    made.zero_cancels =
+        section.choice("number_zero", &[("no-radius", false), ("cancels", true)]).unwrap_or(made.zero_cancels);
     made.length = length(&mut section);
     section.finish();
     made

@@ -298,6 +298,8 @@ pub struct Compensation {
     pub zero_move: u32,
     /// Centre words beside the code that ends it are the direction of the wall behind the contour.
     pub wall: bool,
+    /// Offset number zero ends compensation as its code does; otherwise the radius becomes zero.
+    pub zero_cancels: bool,
     /// Length compensation.
     pub length: LengthRules,
 }

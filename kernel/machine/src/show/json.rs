@@ -47,6 +47,7 @@ pub fn json(machine: &Machine) -> Value {
             "alarm_beyond_looked_through": machine.compensation.alarm_beyond,
             "needs_tool": machine.compensation.needs_tool,
             "zero_move": machine.compensation.zero_move,
+            "number_zero": if machine.compensation.zero_cancels { "cancels" } else { "no-radius" },
             "end_words": if machine.compensation.wall { "wall" } else { "unused" },
         },
         "corners": {

@@ -62,17 +62,15 @@ pub(super) fn switched(act: &mut Act<'_, '_>, code: CodeId) -> Acted {
         codes::COMP_DIAM_RIGHT => -1.0,
         codes::COMP_3D_VECTOR => 0.0,
         _ => {
-            if let Some(cutter) = act.cutter().filter(|cutter| !cutter.plain) {
-                cutter.stage = match cutter.stage {
-                    Stage::Settled { corner, along } => Stage::Ending(Some((corner, along))),
-                    Stage::Ending(known) => Stage::Ending(known),
-                    _ => Stage::Ending(None),
-                };
-            }
+            leave(act);
             return Ok(());
         }
     };
     let number = act.diameter_in_force().unwrap_or(0);
+    if number == 0 && act.env.machine.compensation.zero_cancels && act.cutter().is_some_and(|cutter| !cutter.plain) {
+        leave(act);
+        return Ok(());
+    }
     let radius = act.cutter_radius(number) + contour_allowance(act);
     act.check_stop()?;
     if radius == 0.0 {
@@ -118,6 +116,17 @@ pub(super) fn switched(act: &mut Act<'_, '_>, code: CodeId) -> Acted {
     };
     act.frames().cutter = Some(Box::new(new));
     Ok(())
+}
+
+/// The next move in the plane ends compensation.
+fn leave(act: &mut Act<'_, '_>) {
+    if let Some(cutter) = act.cutter().filter(|cutter| !cutter.plain) {
+        cutter.stage = match cutter.stage {
+            Stage::Settled { corner, along } => Stage::Ending(Some((corner, along))),
+            Stage::Ending(known) => Stage::Ending(known),
+            _ => Stage::Ending(None),
+        };
+    }
 }
 
 /// A cycle goes beside its contour with the nose of the tool, or on it again; without a radius it is the same.

@@ -25,7 +25,8 @@ pub(in crate::action) fn resized(act: &mut Act<'_, '_>, code: CodeId) -> Acted {
         !matches!(cutter.stage, Stage::Ending(_) | Stage::Turned)
             && (cutter.stage != Stage::Start || !cutter.waiting.is_empty())
     });
-    if !begun || radius < 0.0 {
+    let cancels = number == 0 && act.env.machine.compensation.zero_cancels;
+    if !begun || radius < 0.0 || cancels {
         return switched(act, code);
     }
     if radius == 0.0 {
