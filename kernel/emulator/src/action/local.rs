@@ -217,10 +217,18 @@ fn rotation(act: &mut Act<'_, '_>, change: Change) -> Option<Programmed> {
     let (about, turns) = (numbers(act, ABOUT), numbers(act, TURNS));
     let bare = change == Change::On && about.iter().chain(&turns).all(Option::is_none);
     let angle = angle.or_else(|| act.env.machine.habits.rotation_angle.filter(|_| bare));
+    let named = ROTATION_CENTER.map(|id| act.block_has(id));
     let center = center(act, ROTATION_CENTER, Part::Rotate, change);
-    let scale = act.state.place.frames.as_deref().filter(|_| act.env.machine.habits.scaled_center);
-    let scale = scale.and_then(|frames| frames.local.part(Part::Scale));
-    let center = scale.map_or(center, |scale| scale.map.point(center));
+    let frames = act.state.place.frames.as_deref().filter(|_| act.env.machine.habits.scaled_center);
+    let inside = |part: Part| frames.and_then(|frames| frames.local.part(part)).map(|given| given.map);
+    let mirror = inside(Part::Mirror);
+    let mut center = inside(Part::Scale).map_or(center, |scale| scale.point(center));
+    if let Some(mirror) = mirror {
+        // The place where the tool stands is outside the mirror already.
+        let image = mirror.point(center);
+        let own = center.iter_mut().zip(image).zip(named).filter(|(_, named)| !named);
+        own.for_each(|((slot, image), _)| *slot = image);
+    }
     let given = |words: [Option<f64>; 3]| words.iter().any(Option::is_some).then(|| words.map(|w| w.unwrap_or(0.0)));
     let chain = |axes: [usize; 3], angles: Point| {
         let mut map = Affine::SAME;
@@ -243,7 +251,10 @@ fn rotation(act: &mut Act<'_, '_>, change: Change) -> Option<Programmed> {
         }
         (None, None, None) => return None,
     };
-    Some(Programmed { map: map.around(center), values, center: Some(center), order, angle })
+    let map = map.around(center);
+    // In the image the rotation has its own image: about the mirrored centre, in the other sense.
+    let map = mirror.map_or(map, |mirror| mirror.after(&map).after(&mirror));
+    Some(Programmed { map, values, center: Some(center), order, angle })
 }
 
 /// Normal of the active plane.
