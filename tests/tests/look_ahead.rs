@@ -67,7 +67,8 @@ fn work(seed: u64) -> Work {
     meetings.sort_unstable();
     meetings.dedup_by_key(|meeting| meeting.0);
     let overlay = format!(
-        "[time]\nlook_ahead = {}\ncorner_deviation = {}\nblock_time = {}\n[tool]\noffsets = [{{ number = 1, radius = 1 }}]\n",
+        "[time]\nlook_ahead = {}\ncorner_deviation = {}\nblock_time = {}\n[tool]\noffsets = [{{ number = 1, radius = 1 }}]\n\
+         [compensation]\nwithout_tool = \"contour\"\nbeyond_looked_through = \"ends\"\n",
         random.u8(1..20),
         f64::from(random.u8(1..50)) / 100.0,
         f64::from(random.u8(0..3)) / 100.0,
