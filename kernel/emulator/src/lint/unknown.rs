@@ -47,6 +47,8 @@ impl Walk<'_, '_> {
                 }
                 Outline::Steps(steps) => self.report_unknown_among(&steps),
             }
+            // Words that call have asked for it.
+            self.kernel.flow.pending = None;
         }
     }
 
