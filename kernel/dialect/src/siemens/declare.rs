@@ -8,8 +8,6 @@ use counterpoint_lang::value::Value;
 
 use super::define::{Declaration, Declared, Initial, LONGEST_TEXT, Scope};
 use super::expression::Name;
-use super::jumps::{bare, is_head};
-use super::line::{Item, read};
 use super::value::Type;
 use super::variables::{Holder, MOST_IN_ALL, Target, Variable, declared_key};
 use super::{Fault, Outcome, Siemens};
@@ -25,34 +23,21 @@ fn refused<T>(text: String) -> Outcome<T> {
     Err(Fault::Alarm(&diag::SIEMENS_DEFINITION, text))
 }
 
-/// DEF stands before all blocks of its program but other definitions.
-pub(super) fn check_first(host: &dyn Host) -> Outcome<()> {
-    let place = host.place();
-    let own = place.as_read && !host.shares_programs();
-    let Some(source) = host.source(place.file).filter(|_| own && place.line > place.range.first) else {
-        return Ok(());
-    };
-    for line in source.walk(place.range.first, place.line - 1) {
-        let text = String::from_utf8_lossy(source.line(line));
-        let text = bare(&text).trim();
-        if text.is_empty() || is_head(text) || text == "%" {
-            continue;
+impl Siemens {
+    /// Refuses DEF after a block of its program that defines nothing.
+    pub(super) fn check_first(&mut self, host: &dyn Host) -> Outcome<()> {
+        let place = host.place();
+        if !place.as_read || host.shares_programs() {
+            return Ok(());
         }
-        let defines = |item: &Item| {
-            matches!(
-                item,
-                Item::Declare(_) | Item::Redeclare(_) | Item::Header(_) | Item::External(_) | Item::Define(..)
-            )
-        };
-        if read(text).is_ok_and(|line| line.items.first().is_some_and(|item| !defines(item))) {
-            let text = format!("DEF stands behind the block of line {line}; definitions come first (alarm 14500)");
-            return refused(text);
+        match self.places(host, place.file).first_block(place.range, place.line) {
+            Some(first) if first < place.line => {
+                refused(format!("DEF comes after the block of line {first}; definitions come first (alarm 14500)"))
+            }
+            _ => Ok(()),
         }
     }
-    Ok(())
-}
 
-impl Siemens {
     /// DEF, REDEF: with `again` variables that exist get another value, or type.
     pub(super) fn declare(&mut self, host: &mut dyn Host, declaration: &Declaration, again: bool) -> Outcome<()> {
         let Some(kind) = declaration.kind else {

@@ -30,6 +30,8 @@ pub(super) struct Places {
     /// Programs of an archive: name, first and last line.
     pub(super) programs: Vec<(String, u32, u32)>,
     pub(super) partners: FxHashMap<u32, Partners>,
+    /// For each program the line of its first block that defines nothing.
+    first_blocks: Vec<u32>,
 }
 
 /// Lines of a loop or branch.
@@ -73,6 +75,15 @@ pub(super) fn is_head(text: &str) -> bool {
         .is_some_and(|name| name.starts_with(|c: char| c.is_ascii_alphanumeric() || c == '_'))
 }
 
+/// A text can be read, and its block does not begin with a definition.
+fn is_block(text: &str) -> bool {
+    let text = text.trim();
+    let defines = |item: &Item| {
+        matches!(item, Item::Declare(_) | Item::Redeclare(_) | Item::Header(_) | Item::External(_) | Item::Define(..))
+    };
+    text != "%" && read(text).is_ok_and(|line| line.items.first().is_some_and(|item| !defines(item)))
+}
+
 fn step(text: &str, cursor: &Cursor<'_>) -> Option<Step> {
     let word = cursor.peeked_name()?.to_ascii_uppercase();
     Some(match word.as_str() {
@@ -98,11 +109,13 @@ impl Places {
     fn of(source: &Source) -> Self {
         let mut places = Self::default();
         let mut open: Vec<(Kind, Partners)> = Vec::new();
+        let mut defines = true;
         for line in source.walk(1, source.lines()) {
             let text = String::from_utf8_lossy(source.line(line));
             let text = bare(&text);
             if let Some(name) = text.trim_start().strip_prefix('%').filter(|_| is_head(text)) {
                 open.clear();
+                defines = true;
                 if let Some(previous) = places.programs.last_mut() {
                     previous.2 = line - 1;
                 }
@@ -116,6 +129,11 @@ impl Places {
             }
             if let Some(label) = label {
                 places.labels.add(label, line);
+            }
+            defines |= cursor.peeked_name().is_some_and(|name| name.eq_ignore_ascii_case("PROC"));
+            if defines && is_block(text) {
+                defines = false;
+                places.first_blocks.push(line);
             }
             let Some(step) = step(text, &cursor) else { continue };
             places.partner(&mut open, step, line);
@@ -151,6 +169,13 @@ impl Places {
         }
     }
 
+    /// Line of the first block of the program around a line that defines nothing.
+    pub(super) fn first_block(&self, range: Range, line: u32) -> Option<u32> {
+        let (first, last) = self.program(range, line);
+        let at = self.first_blocks.partition_point(|block| *block < first);
+        self.first_blocks.get(at).copied().filter(|block| *block <= last)
+    }
+
     /// Lines of the program around a line.
     pub(super) fn program(&self, range: Range, line: u32) -> (u32, u32) {
         let around = self.programs.iter().find(|(_, first, last)| (*first..=*last).contains(&line));
@@ -161,7 +186,7 @@ impl Places {
 impl Table for Places {
     fn bytes(&self) -> usize {
         let lines = self.labels.bytes() + self.numbers.bytes() + self.partners.len() * 40;
-        lines + self.programs.len() * 80
+        lines + self.programs.len() * 80 + self.first_blocks.len() * 4
     }
 }
 

@@ -224,7 +224,7 @@ impl Siemens {
                 self.watch(host);
             }
             Item::Declare(declaration) => {
-                super::declare::check_first(host)?;
+                self.check_first(host)?;
                 self.declare(host, declaration, false)?;
             }
             Item::Redeclare(declaration) => self.declare(host, declaration, true)?,
