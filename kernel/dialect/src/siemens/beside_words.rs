@@ -13,12 +13,15 @@ const OWN_BLOCK: [&str; 13] =
 
 /// Refuses such words; `plane`: 1 for G17 to 3 for G19.
 pub(super) fn check(words: &str, plane: impl Fn() -> Option<i64>) -> Outcome<()> {
+    if !words.split(' ').any(is_looked_at) {
+        return Ok(());
+    }
     let mut before = words.split(' ').take_while(|word| !OWN_BLOCK.contains(word));
     let own = words.split(' ').find(|word| OWN_BLOCK.contains(word));
     if let Some(own) = own {
         let moves = before.find(|word| is_axis(word) || is_motion(word));
         if let Some(word) = moves.or_else(|| words.split(' ').find(|word| is_motion(word))) {
-            let text = format!("{own} stands in a block of its own, here it has {word} beside it (alarm 12120)");
+            let text = format!("{own} must be alone in its block; remove {word} (alarm 12120)");
             return Err(Fault::Alarm(&diag::SIEMENS_STATE, text));
         }
     }
@@ -40,12 +43,16 @@ pub(super) fn check(words: &str, plane: impl Fn() -> Option<i64>) -> Outcome<()>
     let axes = axes(plane());
     match words.split(' ').find(|word| is_axis(word) && word.starts_with(axes)) {
         Some(word) => {
-            let text =
-                format!("{word} is a word of the plane beside polar words; program one kind of them (alarm 14280)");
+            let text = format!("{word} and polar words are in one block; use one kind (alarm 14280)");
             Err(Fault::Alarm(&diag::SIEMENS_STATE, text))
         }
         None => Ok(()),
     }
+}
+
+/// The words of these rules have two letters or are G110 to G112; those of most blocks have one letter.
+fn is_looked_at(word: &str) -> bool {
+    matches!(word.as_bytes(), [_, second, ..] if second.is_ascii_alphabetic()) || word.starts_with("G11")
 }
 
 fn refused<T>(text: String) -> Outcome<T> {
@@ -69,7 +76,7 @@ fn circle(words: &str, plane: impl Fn() -> Option<i64>) -> Outcome<()> {
         return Ok(());
     }
     if angle.and_then(|angle| angle.parse::<f64>().ok()).is_some_and(|angle| angle <= 0.0 || angle >= 360.0) {
-        return refused("the angle AR of a circle is above 0 and below 360 degrees (alarm 14910)".to_owned());
+        return refused("the angle AR of a circle must be above 0 and below 360 degrees (alarm 14910)".to_owned());
     }
     let axes = axes(plane());
     let centers = axes.map(|axis| match axis {
@@ -79,11 +86,11 @@ fn circle(words: &str, plane: impl Fn() -> Option<i64>) -> Outcome<()> {
     });
     let Some(center) = words.split(' ').find(|word| is_word(word, &centers)) else { return Ok(()) };
     if radius.is_some() {
-        return refused(format!("{center} and CR stand in one block; program the centre or the radius (alarm 14900)"));
+        return refused(format!("{center} and CR are in one block; program the centre or the radius (alarm 14900)"));
     }
     match words.split(' ').find(|word| is_word(word, &axes)) {
         Some(end) => {
-            refused(format!("{center}, {end} and AR stand in one block; program the centre or the end (alarm 14900)"))
+            refused(format!("{center}, {end} and AR are in one block; program the centre or the end (alarm 14900)"))
         }
         None => Ok(()),
     }
