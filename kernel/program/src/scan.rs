@@ -316,8 +316,8 @@ impl Scanner {
 
     /// Value of a number as a register reads it, and what is irregular about it ([`irregular`]).
     #[inline(always)]
-    pub fn reading(&self, register: RegisterId, number: Number, secondary: bool) -> Option<(f64, u8)> {
-        Some(self.read(register, secondary).value(number))
+    pub fn reading(&self, register: RegisterId, number: Number, secondary: bool) -> (f64, u8) {
+        self.read(register, secondary).value(number)
     }
 
     /// How numbers of a register are read.
@@ -332,7 +332,7 @@ impl Scanner {
     pub fn read_again(&self, register: RegisterId, text: &[u8], secondary: bool) -> Option<f64> {
         let text = text.trim_ascii();
         let (number, end) = parse_number(text, 0)?;
-        (end == text.len()).then(|| self.reading(register, number, secondary).map(|(value, _)| value))?
+        (end == text.len()).then(|| self.reading(register, number, secondary).0)
     }
 
     /// A word that begins at `at`, if a number follows its letter or text, which ends at `from`.

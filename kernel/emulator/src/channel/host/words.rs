@@ -68,8 +68,7 @@ impl Words for Kernel<'_> {
     }
 
     fn read(&mut self, register: RegisterId, number: Number) -> f64 {
-        let reading = self.plan.scanner.reading(register, number, self.channel.state.secondary);
-        let (value, irregular) = reading.unwrap_or((number.value, 0));
+        let (value, irregular) = self.plan.scanner.reading(register, number, self.channel.state.secondary);
         self.channel.block.flags.irregular |= irregular;
         value
     }
@@ -98,8 +97,8 @@ impl Words for Kernel<'_> {
             None => {
                 // Its size and its sign count; no point was written.
                 let number = Number { value, point: true, digits: 0, fraction: 0 };
-                let reading = self.plan.scanner.reading(register, number, self.channel.state.secondary);
-                self.channel.block.flags.irregular |= reading.map_or(0, |(_, bits)| bits & !irregular::POINT);
+                let (_, bits) = self.plan.scanner.reading(register, number, self.channel.state.secondary);
+                self.channel.block.flags.irregular |= bits & !irregular::POINT;
                 value
             }
         };
