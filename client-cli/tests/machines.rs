@@ -201,7 +201,7 @@ fn words_that_the_control_takes_without_a_row_are_explained() {
         let (code, out, err) = counterpoint(&["explain", word, "--machine", machine]);
         assert!(code == 0 && out.contains(says) && !out.contains("word of macros"), "{word}: {out}{err}");
     }
-    // An unknown code is no variable, even if its letters could be the name of one.
+    // An unknown code is not taken for a variable of the same letters.
     assert_eq!(counterpoint(&["explain", "M999", "--machine", "okuma-lathe"]).0, 2);
     assert_eq!(counterpoint(&["explain", "FOO", "--machine", "siemens-mill"]).0, 2);
     for empty in [vec!["explain", ""], vec!["explain", " ", "--machine", "fanuc-mill"]] {

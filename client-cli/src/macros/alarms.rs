@@ -8,7 +8,7 @@ const LIST: &str = include_str!("../../../docs/alarms.md");
 
 /// Rows of the list that name an alarm, and the numbers of their diagnostics. `is` compares a word with the alarm.
 pub(super) fn listed(asked: &str, is: impl Fn(&str) -> bool) -> (Vec<String>, Vec<u32>) {
-    // A code that a row mentions is no alarm.
+    // A code that a row mentions does not name an alarm.
     let is_long = asked.bytes().filter(u8::is_ascii_digit).count() > 2 && !asked.starts_with(['G', 'M']);
     let is = |word: &str| is(word) || is_long && word == asked;
     let (mut rows, mut numbers) = (Vec::new(), Vec::<u32>::new());

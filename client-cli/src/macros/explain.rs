@@ -63,7 +63,7 @@ fn alarm(what: &str) -> Option<String> {
     let word = what.trim().to_uppercase().replace('/', "");
     let asked = alarm_name(&word);
     let is = |one: &str| asked.is_some_and(|asked| is_alarm(asked, one));
-    // A bare number of a page is no alarm.
+    // A number of a page without its prefix does not name an alarm.
     let is_named = |one: &str| one.starts_with(|c: char| c.is_ascii_alphabetic()) && is(one);
     let (rows, numbers) = listed(&word, is);
     let listed: Vec<&str> =

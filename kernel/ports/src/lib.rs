@@ -1,5 +1,5 @@
 //! The inputs of a job: its files, options and limits, the answers to its dialogs and its operator, the console of
-//! whoever steps through it, commands of the operating system, and the request to end.
+//! the operator who steps through it, commands of the operating system, and the request to end.
 //!
 //! Invariant: traits and plain data only; nothing here opens a file, starts a command or waits.
 

@@ -108,7 +108,7 @@ fn comment(text: &str) -> Option<String> {
     (!found.is_empty()).then_some(found)
 }
 
-/// Whether a text ends with a name of several letters, so that brackets behind it have arguments: `CYCLE81(`, not `T01(`.
+/// Whether a text ends with a name of several letters, whose brackets enclose arguments: `CYCLE81(`, not `T01(`.
 fn ends_with_name(text: &str) -> bool {
     let word = text.rsplit(|c: char| !c.is_ascii_alphanumeric() && c != '_').next().unwrap_or_default();
     word.chars().take(2).filter(char::is_ascii_alphabetic).count() == 2

@@ -157,7 +157,7 @@ impl Waits {
     }
 
     /// Carries out an arrival that raises no alarm and leaves no channel hopeless: it ends the wait, or those who are
-    /// missing can still come by themselves. `None`: it is no such arrival, and nothing has changed.
+    /// missing can still come by themselves. `None`: the arrival is of another kind, and nothing has changed.
     pub fn arrive_plainly(&mut self, arriving: Waiting) -> Option<Arrived> {
         let refused = self.places.waiting().any(|other| self.refused(&arriving.wait, &other.wait).is_some());
         if refused || self.memory.illegal(&arriving).is_some() {

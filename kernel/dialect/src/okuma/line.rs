@@ -264,7 +264,7 @@ impl Reading<'_> {
         self.items()
     }
 
-    /// A statement of a loop, if that is what comes. DO and END alone with a number are not names of variables.
+    /// A statement of a loop, if one follows. DO and END alone with a number are not names of variables.
     fn loops(&mut self) -> Result<Option<Statement>, Mistake> {
         let cursor = &mut self.cursor;
         let start = cursor.at;

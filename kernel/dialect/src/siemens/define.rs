@@ -74,7 +74,7 @@ const ATTRIBUTES: [&str; 19] = [
     "IPO", "PRLOC", "INIPO", "INIRE", "INICF",
 ];
 
-/// A list of values in parentheses, if that is what comes.
+/// A list of values in parentheses, if one follows.
 pub(super) fn list(cursor: &mut Cursor<'_>) -> Result<Option<Vec<Argument>>, String> {
     let mut ahead = cursor.clone();
     let is_list = ahead.enclosed(b'(', b')').is_some_and(|inner| split_list(inner).len() > 1);

@@ -203,7 +203,7 @@ impl Kernel<'_> {
     }
 
     /// The same for statements, which are read ahead of a waiting move: at the time of its beginning. The path of the move
-    /// does not depend on what channels share.
+    /// does not depend on shared variables.
     ///
     /// # Errors
     /// When the job was stopped before.

@@ -13,7 +13,7 @@ pub(crate) trait Held: Clone + Default {
     type Content: Default;
     /// A pointer to new content.
     fn new(content: Self::Content) -> Self;
-    /// The content, if there is no other reference to it.
+    /// The content, if this is its only reference.
     fn own(&mut self) -> Option<&mut Self::Content>;
 }
 
