@@ -29,6 +29,13 @@ pub(crate) enum Stage {
         /// Direction of the way there.
         along: Spot,
     },
+    /// Beside the end of a piece; the circle around it belongs to the next move.
+    Around {
+        /// Point of the contour.
+        corner: Spot,
+        /// Direction of the way there.
+        along: Spot,
+    },
     /// Side or radius have changed beside the contour.
     Turned,
     /// Switched off; the next move in the plane goes to its point. The end of the contour and the direction of the way there,

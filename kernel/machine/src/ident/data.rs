@@ -353,4 +353,5 @@ data! {
     DOWN_FEED true true Plain, None => "percent of the feed that moves against the tool axis keep to (Heidenhain M103 F)";
     TURN_PASS_DEPTH true true Plain, Length => "how far a pass of a thread is off its named contour on the side of the start, along X as X is programmed (Okuma G88)";
     TURN_PASS_SHIFT true true Plain, Length => "how far it is shifted along the contour, in the measure of the depth (Okuma G88)";
+    CONTOUR_DISTORTION true true Plain, None => "percent of the way from the circle around a corner to the intersection of the paths (Siemens DISC)";
 }

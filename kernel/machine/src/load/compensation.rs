@@ -3,7 +3,7 @@
 //!
 //! Invariant: the angle is one of 0 to 180 degrees.
 
-use crate::model::{Compensation, Corners, LengthInMachineFrame, LengthRules, LengthThere, OutsideCorner};
+use crate::model::{Compensation, CornerShape, Corners, LengthInMachineFrame, LengthRules, LengthThere, OutsideCorner};
 use crate::toml::section::Section;
 
 /// Reads `[compensation]`.
@@ -13,6 +13,8 @@ pub(super) fn read(top: &mut Section<'_>) -> Compensation {
         arcs: false,
         corner: OutsideCorner::Angle,
         corner_angle: 90.0,
+        corner_shape: None,
+        corner_after: false,
         numbers_alone: false,
         looked_through: 2,
         alarm_beyond: false,
@@ -33,6 +35,9 @@ pub(super) fn read(top: &mut Section<'_>) -> Compensation {
         }
         made.corner_angle = angle.min(180.0);
     }
+    made.corner_shape = shape(&mut section);
+    let order = [("before", false), ("after", true)];
+    made.corner_after = section.choice("corner_circle", &order).unwrap_or(made.corner_after);
     let numbers = [("with-code", false), ("alone", true)];
     made.numbers_alone = section.choice("numbers", &numbers).unwrap_or(made.numbers_alone);
     if let Some(blocks) = section.integer("looked_through", 0..=100) {
@@ -51,6 +56,23 @@ pub(super) fn read(top: &mut Section<'_>) -> Compensation {
     made.length = length(&mut section);
     section.finish();
     made
+}
+
+/// Limits of sharp and round corners.
+fn shape(section: &mut Section<'_>) -> Option<CornerShape> {
+    let mut limit = |key: &'static str, most: f64| {
+        let value = section.at_least_zero(key)?;
+        if value > most {
+            section.error(key, format!("`{key}` is 0 to {most}, not {value}"));
+        }
+        Some(value.min(most))
+    };
+    let [sharp, flat] = ["corner_sharp", "corner_flat"].map(|key| limit(key, 150.0));
+    let distortion = limit("corner_distortion", 100.0);
+    if sharp.is_none() && flat.is_none() && distortion.is_none() {
+        return None;
+    }
+    Some(CornerShape { sharp: sharp.unwrap_or(90.0), flat: flat.unwrap_or(0.0), distortion: distortion.unwrap_or(0.0) })
 }
 
 fn length(section: &mut Section<'_>) -> LengthRules {

@@ -286,6 +286,10 @@ pub struct Compensation {
     pub corner: OutsideCorner,
     /// Largest turn, degrees, that corners by angle make sharp.
     pub corner_angle: f64,
+    /// Limits of sharp and round corners; none if codes alone say which corners are sharp.
+    pub corner_shape: Option<CornerShape>,
+    /// Circles around corners belong to the move after the corner, behind the blocks between the moves.
+    pub corner_after: bool,
     /// The word of an offset number alone selects the offset while its compensation is active.
     pub numbers_alone: bool,
     /// Blocks without a move in the plane that are looked through to the next move.
@@ -302,6 +306,17 @@ pub struct Compensation {
     pub zero_cancels: bool,
     /// Length compensation.
     pub length: LengthRules,
+}
+
+/// Limits of sharp and round outside corners.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CornerShape {
+    /// Largest turn of a sharp corner, degrees; larger turns are round.
+    pub sharp: f64,
+    /// Largest turn of a round corner that is sharp nevertheless, degrees.
+    pub flat: f64,
+    /// Largest distortion of a round corner, percent.
+    pub distortion: f64,
 }
 
 /// How length compensation comes into force and leaves it.

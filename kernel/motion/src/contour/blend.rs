@@ -123,7 +123,7 @@ fn element(first: &Element, second: &Element, cut: Cut) -> Option<Element> {
 /// The arc whose centre is inside of the corner at a distance of its radius from both pieces.
 fn round(first: &Element, second: &Element, radius: f64) -> Option<Element> {
     let side = cross(first.end(), second.start()).signum();
-    let offset = Offset { side, radius, corner: 0, limit: 0.0 };
+    let offset = Offset { side, radius, corner: 0, limit: 0.0, shape: None };
     let touches = |center: Spot| Some((foot(first, center)?, foot(second, center)?));
     let centers = offset.crossings(first, second).into_iter().flatten();
     let near = |a: &Spot, b: &Spot| distance(*a, first.to).total_cmp(&distance(*b, first.to));

@@ -16,6 +16,19 @@ pub struct Offset {
     pub corner: u8,
     /// Cosine of the largest turn that 0 makes sharp.
     pub limit: f64,
+    /// Limits of 1 and 2; none for corners that are always sharp or round.
+    pub shape: Option<Shape>,
+}
+
+/// Outside corners whose kind depends on the turn (Siemens G450, G451, DISC).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Shape {
+    /// Cosine of the largest turn at which sharp corners go to where the offsets meet; larger turns are round.
+    pub sharp: f64,
+    /// Cosine of the largest turn at which round corners are sharp.
+    pub flat: f64,
+    /// How far round corners are distorted: 0 a circle, 1 where the offsets meet.
+    pub distortion: f64,
 }
 
 /// A move between the offsets of two pieces.
@@ -66,6 +79,9 @@ impl Offset {
         let turn = cross(first.end(), second.start()) * self.side;
         if turn > 0.0 && distance(first.end(), second.start()) < 2.0 - NOISE {
             return self.inside(first, second, here, small);
+        }
+        if let Some((meets, links)) = self.beyond(first, second) {
+            return Corner { end: meets, links, hurts: small };
         }
         let mut links = self.outside(first.to, first.end(), second);
         // A straight piece continues to where its offset is left.
@@ -137,17 +153,54 @@ impl Offset {
         }
     }
 
+    /// An outside corner of this turn is sharp.
+    fn is_sharp(&self, cosine: f64) -> bool {
+        match (self.corner, &self.shape) {
+            (0, _) => cosine >= self.limit - 1e-9,
+            (1, Some(shape)) => cosine >= shape.sharp - 1e-9,
+            (2, Some(shape)) => cosine > shape.flat + 1e-9,
+            (corner, _) => corner == 1,
+        }
+    }
+
+    /// The corner after a piece is one that goes around its end.
+    pub fn goes_around(&self, first: &Element, second: &Element) -> bool {
+        let (before, after) = (first.end(), second.start());
+        let turn = cross(before, after) * self.side;
+        let opposite = distance(before, after) >= 2.0 - NOISE;
+        (turn < 0.0 || opposite)
+            && distance(self.at_end(first), self.at_start(second)) >= NOISE
+            && !self.is_sharp(dot(before, after))
+    }
+
+    /// Where the offsets of two pieces meet outside if circles go on as circles; the link to it from the end of a line is none.
+    fn beyond(&self, first: &Element, second: &Element) -> Option<(Spot, Vec<Link>)> {
+        self.shape?;
+        if first.arc.is_none() && second.arc.is_none() || !self.is_sharp(dot(first.end(), second.start())) {
+            return None;
+        }
+        let corner = first.to;
+        let middle = plus(self.at_end(first), self.at_start(second), 1.0);
+        let outwards = plus(middle, corner, -2.0);
+        let near = |a: &Spot, b: &Spot| distance(*a, corner).total_cmp(&distance(*b, corner));
+        let crossings = self.crossings(first, second).into_iter().flatten();
+        let meets = crossings
+            .filter(|spot| spot.iter().all(|part| part.is_finite()) && dot(plus(*spot, corner, -1.0), outwards) > 0.0)
+            .min_by(near)?;
+        Some((meets, Vec::new()))
+    }
+
     /// From beside the end of a piece around its corner to the next piece.
     pub fn outside(&self, corner: Spot, before: Spot, next: &Element) -> Vec<Link> {
         let after = next.start();
         let end = beside(corner, before, self.side, self.radius);
         let start = self.at_start(next);
         let cosine = dot(before, after);
-        let sharp = self.corner == 1 || self.corner == 0 && cosine >= self.limit - 1e-9;
-        if !sharp {
-            return vec![Link::Round { to: start, center: corner, clockwise: self.side > 0.0 }];
+        if !self.is_sharp(cosine) {
+            let distortion = self.shape.map_or(0.0, |shape| shape.distortion);
+            return round(self, (corner, before, after), (end, start), distortion);
         }
-        let mut links = if cosine >= -1e-9 {
+        let mut links = if cosine >= -1e-9 || self.shape.is_some() {
             // Both offsets continue to where they meet.
             let [a, b] = [end, start].map(|spot| plus(spot, corner, -1.0));
             vec![Link::Line(plus(corner, plus(a, b, 1.0), 1.0 / (1.0 + cosine)))]
@@ -160,6 +213,58 @@ impl Offset {
         }
         links
     }
+}
+
+/// Around a corner from beside its end to beside its start: a circle, or two pairs of arcs in the place of a conic.
+///
+/// The conic touches both offsets; its highest point is on the line from that of the circle to where the offsets meet.
+fn round(
+    offset: &Offset,
+    (corner, before, after): (Spot, Spot, Spot),
+    (end, start): (Spot, Spot),
+    by: f64,
+) -> Vec<Link> {
+    let clockwise = offset.side > 0.0;
+    let circle = vec![Link::Round { to: start, center: corner, clockwise }];
+    let [out, other] = [end, start].map(|spot| plus(spot, corner, -1.0));
+    let both = plus(out, other, 1.0);
+    let size = distance(both, [0.0; 2]);
+    if by < NOISE || size < 1e-3 * offset.radius {
+        return circle;
+    }
+    let middle = both.map(|part| part / size);
+    let peak = plus(corner, middle, offset.radius);
+    let meets = plus(corner, middle, 2.0 * offset.radius * offset.radius / size);
+    if by > 1.0 - NOISE {
+        return vec![Link::Line(meets), Link::Line(start)];
+    }
+    let top = plus(peak, plus(meets, peak, -1.0), by);
+    let along = if clockwise { [middle[1], -middle[0]] } else { [-middle[1], middle[0]] };
+    let (first, second) = ((end, before), (top, along));
+    let halves = [biarc(first, second, clockwise), biarc(second, (start, after), clockwise)];
+    let links: Option<Vec<[Link; 2]>> = halves.into_iter().collect();
+    links.map_or(circle, |links| links.into_iter().flatten().collect())
+}
+
+/// Two arcs that touch each other and both directions; they meet at the centre of the circle within the ends and the point where
+/// the directions meet, so both turn the same way.
+fn biarc((from, one): (Spot, Spot), (to, other): (Spot, Spot), clockwise: bool) -> Option<[Link; 2]> {
+    let way = plus(to, from, -1.0);
+    let turn = cross(one, other);
+    let [first, second] = [cross(way, other) / turn, cross(one, way) / turn];
+    let chord = distance(from, to);
+    let apex = plus(from, one, first);
+    let sum = plus(plus(from.map(|part| part * second), apex, chord), to, first);
+    let joint = sum.map(|part| part / (first + second + chord));
+    let center = |at: Spot, along: Spot| {
+        let inwards = if clockwise { [along[1], -along[0]] } else { [-along[1], along[0]] };
+        let chord = plus(joint, at, -1.0);
+        let radius = dot(chord, chord) / (2.0 * dot(chord, inwards));
+        let center = plus(at, inwards, radius);
+        (radius.is_finite() && radius > NOISE).then_some(center)
+    };
+    let link = |to: Spot, center: Spot| Link::Round { to, center, clockwise };
+    Some([link(joint, center(from, one)?), link(to, center(to, other)?)])
 }
 
 /// Where two lines meet.
@@ -217,7 +322,7 @@ mod tests {
     }
 
     fn left(corner: u8) -> Offset {
-        Offset { side: 1.0, radius: 2.0, corner, limit: 0.0 }
+        Offset { side: 1.0, radius: 2.0, corner, limit: 0.0, shape: None }
     }
 
     #[test]
@@ -251,6 +356,57 @@ mod tests {
         let round = left(2).between(&first, &second, [0.0, 2.0]);
         let link = Link::Round { to: [12.0, 0.0], center: [10.0, 0.0], clockwise: true };
         assert_eq!(round, Corner { end: [10.0, 2.0], links: vec![link], hurts: false });
+    }
+
+    #[test]
+    fn round_corners_are_distorted_into_arcs_that_touch_each_other() {
+        let shape = Shape { sharp: -0.2, flat: 1.0, distortion: 0.0 };
+        for (turn, by) in [(20.0_f64, 0.1), (90.0, 0.5), (90.0, 0.9), (150.0, 0.3), (179.0, 0.5)] {
+            for side in [1.0, -1.0] {
+                let (sine, cosine) = (turn * -side).to_radians().sin_cos();
+                let (first, second) = (line([-9.0, 0.0], [0.0, 0.0]), line([0.0, 0.0], [9.0 * cosine, 9.0 * sine]));
+                let offset =
+                    Offset { side, radius: 2.0, corner: 2, limit: 0.0, shape: Some(Shape { distortion: by, ..shape }) };
+                let corner = offset.between(&first, &second, [-9.0, 2.0 * side]);
+                assert_eq!(corner.links.len(), 4, "{turn} {by}");
+                let mut here = (corner.end, [1.0, 0.0]);
+                for link in &corner.links {
+                    let Link::Round { to, center, clockwise } = *link else { panic!("{link:?}") };
+                    let radius = distance(here.0, center);
+                    assert!((radius - distance(to, center)).abs() < 1e-9 * radius.max(1.0), "{turn} {by}");
+                    let along = |spot: Spot| {
+                        let [x, y] = plus(spot, center, -1.0).map(|part| part / radius);
+                        if clockwise { [y, -x] } else { [-y, x] }
+                    };
+                    assert!(distance(along(here.0), here.1) < 1e-6, "{turn} {by}");
+                    here = (to, along(to));
+                }
+                assert!(distance(here.1, second.start()) < 1e-6, "{turn} {by}");
+                // The highest point is a part of the way from the circle to where the paths meet.
+                let Link::Round { to: top, .. } = corner.links[1] else { panic!() };
+                let meets = 2.0 / (turn / 2.0).to_radians().cos();
+                assert!((distance(top, [0.0; 2]) - (2.0 + by * (meets - 2.0))).abs() < 1e-9, "{turn} {by}");
+            }
+        }
+    }
+
+    #[test]
+    fn sharp_corners_end_at_their_limit() {
+        let offset = Offset { shape: Some(Shape { sharp: -0.17, flat: 0.98, distortion: 0.0 }), ..left(1) };
+        let to = |turn: f64| line([0.0, 0.0], [9.0 * turn.to_radians().cos(), -9.0 * turn.to_radians().sin()]);
+        let first = line([-9.0, 0.0], [0.0, 0.0]);
+        for turn in [5.0, 60.0, 99.0] {
+            let corner = offset.between(&first, &to(turn), [-9.0, 2.0]);
+            let meets = 2.0 * (turn / 2.0).to_radians().tan();
+            assert!(corner.links.is_empty() && distance(corner.end, [meets, 2.0]) < 1e-9, "{turn}: {corner:?}");
+            assert!(!offset.goes_around(&first, &to(turn)));
+        }
+        for turn in [100.0, 179.0, 180.0] {
+            assert!(offset.goes_around(&first, &to(turn)), "{turn}");
+            assert!(matches!(offset.between(&first, &to(turn), [-9.0, 2.0]).links[..], [Link::Round { .. }]));
+        }
+        assert!(!Offset { corner: 2, ..offset }.goes_around(&first, &to(5.0)));
+        assert!(!offset.goes_around(&first, &to(-100.0)));
     }
 
     #[test]

@@ -12,13 +12,13 @@ use crate::arc::{Arc, by_center};
 /// The contour moved square to itself: to the left with a side of +1, to the right with −1. Corners outside stay sharp.
 #[must_use]
 pub fn shifted(contour: &[Element], side: f64, amount: f64) -> Option<Vec<Element>> {
-    beside(contour, Offset { side, radius: amount, corner: 1, limit: -1.0 })
+    beside(contour, Offset { side, radius: amount, corner: 1, limit: -1.0, shape: None })
 }
 
 /// The same with arcs round the corners outside.
 #[must_use]
 pub fn rounded(contour: &[Element], side: f64, amount: f64) -> Option<Vec<Element>> {
-    beside(contour, Offset { side, radius: amount, corner: 2, limit: -1.0 })
+    beside(contour, Offset { side, radius: amount, corner: 2, limit: -1.0, shape: None })
 }
 
 /// A way between two pieces.

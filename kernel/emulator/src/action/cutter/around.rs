@@ -7,10 +7,10 @@
 use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
 use counterpoint_machine::ident::{CodeId, codes};
-use counterpoint_motion::contour::corner::{Corner, Offset};
+use counterpoint_motion::contour::corner::Corner;
 use counterpoint_motion::contour::element::{Element, NOISE, Spot, cross, distance, plus};
 
-use super::{Cutter, Shape, Step};
+use super::{Cutter, Step};
 use crate::act::Act;
 use crate::state::modal::plane;
 
@@ -32,12 +32,7 @@ pub(super) fn frame_tilts(act: &Act<'_, '_>, plane_code: CodeId) -> bool {
 
 impl Act<'_, '_> {
     /// The way around the beginning of a contour from a point behind it (KONT).
-    pub(super) fn around_start(
-        &mut self,
-        step: &Step,
-        element: &Element,
-        next: &Element,
-    ) -> Result<Option<Corner>, diag::Halt> {
+    pub(super) fn around_start(&mut self, element: &Element, next: &Element) -> Result<Option<Corner>, diag::Halt> {
         let Some(cutter) = self.cutter().cloned().filter(|_| self.goes_around()) else { return Ok(None) };
         let (here, corner) = (self.spot_of(&cutter), element.to);
         let way = plus(corner, here, -1.0);
@@ -45,7 +40,7 @@ impl Act<'_, '_> {
             return Ok(None);
         }
         let Some(along) = self.tangent(&cutter, way, cutter.side, 10755)? else { return Ok(None) };
-        let offset = self.offset_for(&cutter, step);
+        let offset = self.offset(&cutter);
         let first = Element { from: plus(corner, along, -distance(here, corner)), to: corner, arc: None };
         Ok(Some(offset.between(&first, next, here)))
     }
@@ -61,7 +56,7 @@ impl Act<'_, '_> {
         }
         let Some(along) = self.tangent(&cutter, way, -cutter.side, 10756)? else { return Ok(()) };
         let next = Element { from: corner, to: plus(corner, along, 1.0), arc: None };
-        let links = self.offset_for(&cutter, step).outside(corner, heading, &next);
+        let links = self.offset(&cutter).outside(corner, heading, &next);
         let level = self.state.place.position;
         self.links((step, element), &cutter, &links, level)
     }
@@ -83,11 +78,5 @@ impl Act<'_, '_> {
         let (sine, cosine) = libm::sincos(turn);
         let [x, y] = way.map(|part| part / length);
         Ok(Some([x * cosine - y * sine, x * sine + y * cosine]))
-    }
-
-    /// Rapid moves have no circles: they go where the offsets meet.
-    fn offset_for(&self, cutter: &Cutter, step: &Step) -> Offset {
-        let offset = self.offset(cutter);
-        if matches!(step.shape, Shape::Rapid) { Offset { corner: 1, ..offset } } else { offset }
     }
 }

@@ -122,7 +122,7 @@ pub(super) fn switched(act: &mut Act<'_, '_>, code: CodeId) -> Acted {
 fn leave(act: &mut Act<'_, '_>) {
     if let Some(cutter) = act.cutter().filter(|cutter| !cutter.plain) {
         cutter.stage = match cutter.stage {
-            Stage::Settled { corner, along } => Stage::Ending(Some((corner, along))),
+            Stage::Settled { corner, along } | Stage::Around { corner, along } => Stage::Ending(Some((corner, along))),
             Stage::Ending(known) => Stage::Ending(known),
             _ => Stage::Ending(None),
         };
@@ -276,6 +276,7 @@ impl Act<'_, '_> {
         if self.state.modal.code(group::DIAMETER) == Some(codes::COMP_3D_VECTOR) {
             return self.along_vector(step);
         }
+        self.take_distortion();
         if self.block_has(data::CONTOUR_ALLOWANCE)
             && let Some(code) = self.state.modal.code(group::DIAMETER).filter(|code| *code != codes::COMP_DIAM_OFF)
         {
@@ -316,7 +317,7 @@ impl Act<'_, '_> {
                     self.corner_at_switch("on");
                 }
             }
-            Stage::Start | Stage::On | Stage::Turned | Stage::Settled { .. } => {}
+            Stage::Start | Stage::On | Stage::Turned | Stage::Settled { .. } | Stage::Around { .. } => {}
         }
         self.check_stop()?;
         let mut element = element;

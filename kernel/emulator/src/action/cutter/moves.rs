@@ -14,7 +14,9 @@ use crate::action::arc::Circle;
 use crate::state::cutter::{Stage, Waiting};
 use counterpoint_event::event::{FeedUnit, Position};
 use counterpoint_fault as diag;
-use counterpoint_motion::contour::corner::{Corner, Link, Offset};
+use counterpoint_machine::ident::data;
+use counterpoint_machine::model::CornerShape;
+use counterpoint_motion::contour::corner::{self, Corner, Link, Offset};
 use counterpoint_motion::contour::element::{Element, NOISE, Spot, angle, distance, plus};
 use counterpoint_program::block::ContourEnd;
 
@@ -64,7 +66,24 @@ impl Act<'_, '_> {
 
     pub(super) fn offset(&self, cutter: &Cutter) -> Offset {
         let limit = libm::cos(self.env.machine.compensation.corner_angle.to_radians());
-        Offset { side: cutter.side, radius: cutter.radius, corner: self.state.place.compensation.corner, limit }
+        let shape = self.env.machine.compensation.corner_shape.map(|shape| self.shape(shape));
+        Offset { side: cutter.side, radius: cutter.radius, corner: self.state.place.compensation.corner, limit, shape }
+    }
+
+    /// The block says how far round corners are distorted.
+    pub(super) fn take_distortion(&mut self) {
+        if self.block_has(data::CONTOUR_DISTORTION)
+            && let Some(value) = self.take(data::CONTOUR_DISTORTION).map(|datum| datum.value)
+        {
+            self.state.remembered.remember(data::CONTOUR_DISTORTION, value);
+        }
+    }
+
+    /// Limits of outside corners, with the distortion that the program asks for.
+    fn shape(&self, limits: CornerShape) -> corner::Shape {
+        let asked = self.state.remembered.value(data::CONTOUR_DISTORTION).unwrap_or(0.0);
+        let [sharp, flat] = [limits.sharp, limits.flat].map(|turn| libm::cos(turn.to_radians()));
+        corner::Shape { sharp, flat, distortion: asked.clamp(0.0, limits.distortion) / 100.0 }
     }
 
     /// A move that goes where it says, without compensation.
@@ -114,6 +133,7 @@ impl Act<'_, '_> {
                     offset.outside(corner, along, element)
                 }
             }
+            Stage::Around { corner, along } => Offset { corner: 2, ..offset }.outside(corner, along, element),
             Stage::Turned => vec![Link::Line(offset.at_start(element))],
             Stage::On | Stage::Ending(_) => return Ok(()),
         };
@@ -144,7 +164,11 @@ impl Act<'_, '_> {
             if result.is_ok() {
                 missing = missing.or_else(|| self.missing(waits));
                 result = self.make(waits, begun, next);
-                begun = if waits.element.is_some() || waits.smooth.is_some() { Stage::On } else { begun };
+                begun = match self.cutter().map(|cutter| cutter.stage) {
+                    Some(stage @ Stage::Around { .. }) => stage,
+                    _ if waits.element.is_some() || waits.smooth.is_some() => Stage::On,
+                    _ => begun,
+                };
             }
             late = late.saturating_add(self.at.clock.saturating_sub(before));
         }
@@ -174,6 +198,9 @@ impl Act<'_, '_> {
             let to = cutter.lifted(&step.to, &self.state.place.position);
             return self.straight(step, to);
         };
+        if matches!(begun, Stage::Around { .. }) {
+            self.come_to(step, element)?;
+        }
         let stage = match next {
             Some(_) => Stage::On,
             None => Stage::Settled { corner: element.to, along: element.end() },
@@ -184,7 +211,7 @@ impl Act<'_, '_> {
         }
         if begun == Stage::Start && !matches!(step.shape, Shape::Circle { .. }) {
             if let Some(next) = next
-                && let Some(corner) = self.around_start(step, element, next)?
+                && let Some(corner) = self.around_start(element, next)?
             {
                 let to = self.position_at(&cutter, &step.to, corner.end);
                 self.straight(step, to)?;
@@ -197,6 +224,13 @@ impl Act<'_, '_> {
         }
         let here = self.spot_of(&cutter);
         let corner = match next {
+            Some(next) if self.circle_follows(waits, &offset, (element, next)) => {
+                if let Some(cutter) = self.cutter() {
+                    cutter.stage = Stage::Around { corner: element.to, along: element.end() };
+                }
+                let hurts = element.is_smaller(cutter.side, cutter.radius);
+                Corner { end: offset.at_end(element), links: Vec::new(), hurts }
+            }
             Some(next) if waits.end == ContourEnd::Open => {
                 Corner { end: offset.at_end(element), links: vec![Link::Line(offset.at_start(next))], hurts: false }
             }
@@ -220,6 +254,13 @@ impl Act<'_, '_> {
         self.along(step, &cutter, element, corner.end)?;
         let to = self.state.place.position;
         self.links((step, element), &cutter, &corner.links, to)
+    }
+
+    /// The circle around the end of a piece belongs to the move after it.
+    fn circle_follows(&self, waits: &Waiting, offset: &Offset, (first, second): (&Element, &Element)) -> bool {
+        self.env.machine.compensation.corner_after
+            && waits.end == ContourEnd::Meets
+            && offset.goes_around(first, second)
     }
 
     /// Along the offset of a piece to a spot of it.
@@ -276,16 +317,23 @@ impl Act<'_, '_> {
                 Link::Round { to: spot, center, clockwise } => {
                     let here = self.spot_of(cutter);
                     let turn = if clockwise { -1.0 } else { 1.0 };
-                    let start_angle = angle(center, here);
+                    let (start_angle, radius) = (angle(center, here), distance(center, spot));
                     let sweep = ((angle(center, spot) - start_angle) * turn).rem_euclid(TAU) * turn;
                     let center = plus(center, cutter.tip, -1.0);
-                    let made = Arc { center, radius: cutter.radius, start_angle, sweep };
+                    let made = Arc { center, radius, start_angle, sweep };
                     let to = self.position_round(cutter, &level, spot, &made);
                     self.link(step, length, to, Some((made, cutter.axes)))?;
                 }
             }
         }
         Ok(())
+    }
+
+    /// Feed per minute of a circle around a corner between rapid moves: the rate of the slower axis of the plane.
+    fn rapid_round(&self, axes: [AxisSlot; 2], limit: Option<f64>) -> Option<f64> {
+        let rates = axes.map(|axis| self.state.place.layout.axes[axis].rapid * 60.0);
+        let rate = rates.into_iter().chain(limit).fold(f64::INFINITY, f64::min);
+        Some(rate).filter(|rate| rate.is_finite())
     }
 
     /// A move around a corner has the feed of its block; under inverse time the speed that the block has on the
@@ -296,8 +344,12 @@ impl Act<'_, '_> {
             unit => (step.feed, unit),
         };
         match (round, step.shape) {
-            (Some((made, axes)), Shape::Linear | Shape::Circle { .. }) => {
+            (Some((made, axes)), shape) => {
                 let from = self.state.place.position;
+                let (feed, unit) = match shape {
+                    Shape::Rapid => (self.rapid_round(axes, feed), FeedUnit::PerMinute),
+                    _ => (feed, unit),
+                };
                 self.round(&Circle { made, coded: 0, from, to, axes, turns: 0, feed, unit, screw: None })
             }
             _ => self.straight(&Step { feed, unit, ..step.clone() }, to),
