@@ -59,10 +59,23 @@ impl LocalMachine {
         definition(&self.files, family).map(Some).map_err(|findings| self.unusable(&findings))
     }
 
+    /// The definition in a folder beside the machine, or that of a shipped machine.
+    pub(crate) fn beside(&self, folder: &str) -> Result<Definition, Error> {
+        definition(&self.files, folder).map_err(|findings| self.unusable(&findings))
+    }
+
     fn unusable(&self, findings: &[Finding]) -> Error {
         findings.iter().for_each(|finding| say::status_line(format_args!("{finding}")));
         Error::Usage(format!("machine '{}' cannot be used", self.name))
     }
+}
+
+/// The machine, or the components of a composite with their designators.
+pub(crate) fn definitions(machine: &Machine) -> Vec<(&str, &Machine)> {
+    if machine.components.is_empty() {
+        return vec![("", machine)];
+    }
+    machine.components.iter().map(|component| (component.designator.as_str(), &*component.machine)).collect()
 }
 
 /// Every shipped machine with its name.

@@ -5,16 +5,23 @@
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
-use counterpoint_kernel::machine::{Definition, DefinitionKey, DefinitionRow, show, without_key};
+use counterpoint_kernel::machine::{
+    DefinedComponent, Definition, DefinitionKey, DefinitionRow, is_section_of_composites, show, without_key,
+};
 use serde::Serialize;
 use serde_json::Value;
 
+use crate::arguments::Part;
 use crate::error::Error;
 use crate::local_machine::LocalMachine;
+use crate::machine_view::{self, View};
 use crate::say;
 
 /// Keys that name the definition itself and therefore always differ.
 const NAMES: [&str; 6] = ["name", "number", "revision", "created", "author", "description"];
+
+/// The section of the keys above all sections, as the text shows it.
+const ABOVE: &str = "above all sections";
 
 /// The differences.
 #[derive(Debug, Serialize)]
@@ -48,18 +55,43 @@ struct ChangedKey {
 /// Compares two machines.
 pub(crate) fn diff(a: &str, b: &str, json: bool) -> Result<u8, Error> {
     let (one, other) = (LocalMachine::open(a)?, LocalMachine::open(b)?);
-    let rows = changes(&one.definition()?, &other.definition()?);
+    let rows = changes(&flat(one.definition()?), &flat(other.definition()?));
     print(&Difference { a: one.name, b: other.name, rows }, json)?;
     Ok(0)
 }
 
+/// The rows of a definition and of its components, whose sections begin with the component: `MILL: codes`.
+fn flat(definition: Definition) -> Definition {
+    let Definition { chain, mut rows, components } = definition;
+    for component in components {
+        for row in component.definition.rows {
+            let place = if row.section.is_empty() { ABOVE } else { &row.section };
+            rows.push(DefinitionRow { section: format!("{}: {place}", component.designator), ..row });
+        }
+    }
+    Definition { chain, rows, components: Vec::new() }
+}
+
+/// The definition from which a machine differs: that of its family, whose components are those of the family, or else the
+/// definitions that the rows of the components name.
+fn base(local: &LocalMachine, own: &Definition) -> Result<Definition, Error> {
+    let mut base = local.family(own)?.unwrap_or_default();
+    for component in &own.components {
+        if base.components.iter().all(|known| known.designator != component.designator) {
+            let mut definition = local.beside(&component.machine)?;
+            definition.rows.retain(|row| !is_section_of_composites(&row.section));
+            base.components.push(DefinedComponent { definition, ..component.clone() });
+        }
+    }
+    Ok(base)
+}
+
 /// The differences of a machine from the family that it extends, or from the defaults without a family.
-pub(crate) fn changed(machine: &str, json: bool) -> Result<u8, Error> {
+pub(crate) fn changed(machine: &str, part: Part, view: &View, json: bool) -> Result<u8, Error> {
     let local = LocalMachine::open(machine)?;
     let own = local.definition()?;
-    let family = local.family(&own)?;
     let name = own.chain.get(1).map_or("the defaults", String::as_str).to_owned();
-    let mut rows = changes(&family.unwrap_or_default(), &own);
+    let mut rows = changes(&flat(base(&local, &own)?), &flat(own));
     for row in rows.iter_mut().filter(|row| row.row.is_empty()) {
         let section = &row.section;
         row.keys.retain_mut(|key| {
@@ -71,8 +103,69 @@ pub(crate) fn changed(machine: &str, json: bool) -> Result<u8, Error> {
         });
     }
     rows.retain(|row| !row.keys.is_empty());
-    print(&Difference { a: name, b: local.name, rows }, json)?;
-    Ok(0)
+    let sections = sections(part)?;
+    rows.retain(|row| sections.is_empty() || sections.contains(&section_of(row)));
+    let all = rows.len();
+    if let Some(filter) = &view.filter {
+        rows.retain(|row| machine_view::has(&serde_json::to_string(row).unwrap_or_default(), filter));
+    }
+    if let Some(column) = &view.sort {
+        sort(&mut rows, column)?;
+    }
+    let missed = all > 0 && rows.is_empty();
+    if json || !missed {
+        print(&Difference { a: name, b: local.name, rows }, json)?;
+    }
+    Ok(if missed { machine_view::no_row(view.filter.as_deref().unwrap_or_default()) } else { 0 })
+}
+
+/// The sections of a part of the machine; none for all.
+fn sections(part: Part) -> Result<&'static [&'static str], Error> {
+    Ok(match part {
+        Part::All => &[],
+        Part::Codes => &["codes", "questionnaire", "time.m_codes"],
+        Part::Data => &["data"],
+        Part::Groups => &["codes", "initial", "questionnaire"],
+        Part::Macros => &["macros", "macros.code", "macros.data"],
+        Part::Axes => &["axes", "kinematics"],
+        Part::Channels => &["channels", "spindles", "components"],
+        Part::Refusals => &["refusals"],
+        Part::Undefined => {
+            return Err(Error::Usage("--changed: the part `undefined` has no keys that could differ".to_owned()));
+        }
+    })
+}
+
+/// The section of a row without the name of its component.
+fn section_of(row: &Changed) -> &str {
+    row.section.split_once(": ").map_or(&row.section, |(_, section)| section)
+}
+
+/// Sorts the rows of each section by a key, by their name, or by their place.
+fn sort(rows: &mut [Changed], column: &str) -> Result<(), Error> {
+    let key = machine_view::key(column);
+    let of = |row: &Changed| match key {
+        "name" => Some(row.row.clone()),
+        "file" => row.keys.first().and_then(|key| key.b_place.clone().or_else(|| key.a_place.clone())),
+        _ => row.keys.iter().find(|own| own.key == key).and_then(|own| own.b.clone().or_else(|| own.a.clone())),
+    };
+    if !rows.is_empty() && rows.iter().all(|row| of(row).is_none()) {
+        let mut keys: Vec<String> = rows.iter().flat_map(|row| &row.keys).map(|key| key.key.clone()).collect();
+        keys.extend(["name".to_owned(), "file".to_owned()]);
+        keys.sort_unstable();
+        keys.dedup();
+        return Err(machine_view::no_column(column, &keys));
+    }
+    let mut order: Vec<String> = Vec::new();
+    for row in rows.iter() {
+        if !order.contains(&row.section) {
+            order.push(row.section.clone());
+        }
+    }
+    let place = |row: &Changed| order.iter().position(|section| *section == row.section);
+    let text = |row: &Changed| of(row).unwrap_or_default();
+    rows.sort_by(|a, b| place(a).cmp(&place(b)).then_with(|| machine_view::natural(&text(a), &text(b))));
+    Ok(())
 }
 
 /// The default for a missing key, if the data of the machine show it.
@@ -159,8 +252,10 @@ fn differing(a: Option<&DefinitionRow>, b: Option<&DefinitionRow>) -> Vec<Change
     let mut names: Vec<&str> = a_keys.iter().map(|key| key.key.as_str()).collect();
     names.extend(b_keys.iter().map(|key| key.key.as_str()).filter(|key| find(&a_keys, key).is_none()));
     let section = a.or(b).map_or("", |row| row.section.as_str());
+    let section = section.split_once(": ").map_or(section, |(_, section)| section);
     let names_it = |key: &str| {
-        section == "ce" && NAMES.contains(&key) || section.is_empty() && ["extends", "abstract"].contains(&key)
+        section == "ce" && NAMES.contains(&key)
+            || (section.is_empty() || section == ABOVE) && ["extends", "abstract"].contains(&key)
     };
     let differs = names.into_iter().filter(|key| !names_it(key)).filter_map(|key| {
         let (one, other) = (find(&a_keys, key), find(&b_keys, key));
@@ -192,7 +287,7 @@ fn text(difference: &Difference) -> String {
     let (mut out, mut section) = (format!("- {a}\n+ {b}\n"), None);
     for row in rows {
         if section != Some(&row.section) {
-            let title = if row.section.is_empty() { "above all sections" } else { &row.section };
+            let title = if row.section.is_empty() { ABOVE } else { &row.section };
             let _ = writeln!(out, "\n{title}");
             section = Some(&row.section);
         }
@@ -241,7 +336,7 @@ mod tests {
 
     #[test]
     fn equal_rows_cancel_out_and_others_are_compared() {
-        let definition = |rows| Definition { chain: Vec::new(), rows };
+        let definition = |rows| Definition { rows, ..Definition::default() };
         let a = definition(vec![
             row("ce", "", &[("name", "a")]),
             row("refusals", "PS1", &[("text", "one")]),

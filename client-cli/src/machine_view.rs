@@ -10,6 +10,7 @@ use serde_json::{Value, json};
 
 use crate::error::Error;
 use crate::fields::Fields as _;
+use crate::say;
 use crate::text::table;
 
 /// How to show the rows of tables.
@@ -37,12 +38,10 @@ impl View {
         }
         let tables: Vec<Vec<&str>> = text.split("\n\n").map(|table| table.lines().collect()).collect();
         if let Some(sort) = &self.sort {
-            let headings: Vec<String> = tables
-                .iter()
-                .filter_map(|table| table.first())
-                .flat_map(|line| headings(line))
-                .map(|(name, _)| name)
-                .collect();
+            let heads = tables.iter().filter_map(|table| table.first()).filter(|head| !is_summary(head));
+            let mut headings: Vec<String> = heads.flat_map(|line| headings(line)).map(|(name, _)| name).collect();
+            let mut seen = std::collections::BTreeSet::new();
+            headings.retain(|name| seen.insert(name.clone()));
             if !headings.iter().any(|heading| heading == column(sort)) {
                 return Err(no_column(sort, &headings));
             }
@@ -56,7 +55,9 @@ impl View {
                     return None;
                 }
             }
-            if let Some((start, end)) = self.sort.as_deref().and_then(|sort| span(head, column(sort))) {
+            if let Some((start, end)) =
+                self.sort.as_deref().filter(|_| !is_summary(head)).and_then(|sort| span(head, column(sort)))
+            {
                 rows.sort_by(|a, b| natural(&cell(a, start, end), &cell(b, start, end)));
             }
             Some(std::iter::once(head).chain(rows).map(|line| format!("{line}\n")).collect::<String>())
@@ -64,17 +65,18 @@ impl View {
         Ok(shown.collect::<Vec<_>>().join("\n"))
     }
 
-    /// Lists of rows; values that are not lists of rows stay.
-    pub(crate) fn json(&self, text: &str) -> Result<String, Error> {
-        let Ok(mut value) = serde_json::from_str::<Value>(text) else { return Ok(text.to_owned()) };
+    /// Lists of rows; values that are not lists of rows stay. Also whether a row passed the filter.
+    pub(crate) fn json(&self, text: &str) -> Result<(String, bool), Error> {
+        let Ok(mut value) = serde_json::from_str::<Value>(text) else { return Ok((text.to_owned(), true)) };
         if self.changes_nothing() {
-            return Ok(text.to_owned());
+            return Ok((text.to_owned(), true));
         }
-        let mut sorted = self.sort.is_none();
+        let (mut sorted, mut any) = (self.sort.is_none(), self.filter.is_none());
         for part in value.as_object_mut().into_iter().flat_map(|object| object.values_mut()) {
             let Some(rows) = part.as_array_mut().filter(|rows| rows.iter().any(Value::is_object)) else { continue };
             if let Some(filter) = &self.filter {
                 rows.retain(|row| has(&row.to_string(), filter));
+                any |= !rows.is_empty();
             }
             if let Some(sort) = &self.sort {
                 let key = key_of(rows, sort);
@@ -87,8 +89,19 @@ impl View {
         if !sorted {
             return Err(no_column(self.sort.as_deref().unwrap_or_default(), &[]));
         }
-        Ok(format!("{}\n", serde_json::to_string_pretty(&value).unwrap_or_default()))
+        Ok((format!("{}\n", serde_json::to_string_pretty(&value).unwrap_or_default()), any))
     }
+}
+
+/// The result of a filter that no row passes.
+pub(crate) fn no_row(filter: &str) -> u8 {
+    say::status_line(format_args!("--filter: no row has '{filter}'"));
+    1
+}
+
+/// The first table has names and values instead of columns.
+fn is_summary(head: &str) -> bool {
+    head.starts_with("machine ")
 }
 
 /// `file` is the column of files and lines.
@@ -96,7 +109,7 @@ fn column(sort: &str) -> &str {
     if sort == "file" { "defined" } else { sort }
 }
 
-fn no_column(sort: &str, headings: &[String]) -> Error {
+pub(crate) fn no_column(sort: &str, headings: &[String]) -> Error {
     let near = ident::nearest(sort, headings.iter().map(String::as_str));
     let near = near.map(|near| format!("; did you mean {near}?")).unwrap_or_default();
     let list = if headings.is_empty() { String::new() } else { format!("; columns are {}", headings.join(", ")) };
@@ -112,6 +125,16 @@ fn key_of<'k>(rows: &[Value], sort: &'k str) -> Option<&'k str> {
     if has(sort) { Some(sort) } else { other.filter(|key| has(key)) }
 }
 
+/// The key of a column.
+pub(crate) fn key(column: &str) -> &str {
+    match column {
+        "defined" => "file",
+        // Rows of codes and data have an identifier and a name.
+        "code" | "data" => "id",
+        _ => column,
+    }
+}
+
 /// A value as text; files with their lines.
 fn plain(row: &Value, key: &str) -> String {
     let text = |value: &Value| value.as_str().map_or_else(|| value.to_string(), str::to_owned);
@@ -121,7 +144,7 @@ fn plain(row: &Value, key: &str) -> String {
     text(row.at(key))
 }
 
-fn has(row: &str, filter: &str) -> bool {
+pub(crate) fn has(row: &str, filter: &str) -> bool {
     row.to_lowercase().contains(&filter.to_lowercase())
 }
 
@@ -164,7 +187,7 @@ fn cell(row: &str, start: usize, end: usize) -> String {
 }
 
 /// Compares numbers inside texts by value: G9 before G17, line 9 before line 17.
-fn natural(a: &str, b: &str) -> Ordering {
+pub(crate) fn natural(a: &str, b: &str) -> Ordering {
     parts(a).cmp(&parts(b))
 }
 
@@ -183,9 +206,35 @@ fn parts(text: &str) -> Vec<(String, u64)> {
     parts
 }
 
-/// Identifiers of the built-in tables that a machine, as JSON, has no row for.
+/// Identifiers of the built-in tables that a machine, as JSON, has no row for; those of each component of a composite, with its
+/// name.
 pub(crate) fn undefined(machine: &Value) -> Value {
-    let rows = |key: &str| machine.at(key).as_array().into_iter().flatten().filter_map(|row| row.at("id").as_str());
+    let components = machine.at("components").as_array().into_iter().flatten();
+    let components: Vec<&str> = components.filter_map(|row| row.at("designator").as_str()).collect();
+    if components.is_empty() {
+        return undefined_of(machine, None);
+    }
+    let (mut codes, mut data, mut letters) = (Vec::new(), Vec::new(), Vec::new());
+    for component in components {
+        let found = undefined_of(machine, Some(component));
+        for (key, all) in [("codes", &mut codes), ("data", &mut data)] {
+            for row in found.at(key).as_array().into_iter().flatten() {
+                let mut row = row.clone();
+                row.set("component", json!(component));
+                all.push(row);
+            }
+        }
+        letters.push(json!({ "component": component, "letters": found.at("letters") }));
+    }
+    json!({ "codes": codes, "data": data, "letters": letters })
+}
+
+fn undefined_of(machine: &Value, component: Option<&str>) -> Value {
+    let all = |key: &str| {
+        let rows = machine.at(key).as_array().into_iter().flatten();
+        rows.filter(|row| row.at("component").as_str() == component)
+    };
+    let rows = |key: &str| all(key).filter_map(|row| row.at("id").as_str());
     let (has_codes, has_data): (Vec<&str>, Vec<&str>) = (rows("codes").collect(), rows("data").collect());
     let own = codes::TABLE.iter().filter(|facts| !has_codes.contains(&facts.name)).map(|facts| {
         json!({
@@ -200,9 +249,8 @@ pub(crate) fn undefined(machine: &Value) -> Value {
             "id": facts.name, "meaning": meaning::of(facts.name), "built_in": facts.built_in, "with": readers,
         })
     });
-    let registers = machine.at("registers").as_array().into_iter().flatten();
     let names: Vec<&str> =
-        registers.flat_map(|row| [row.at("name"), row.at("second")]).filter_map(Value::as_str).collect();
+        all("registers").flat_map(|row| [row.at("name"), row.at("second")]).filter_map(Value::as_str).collect();
     let letters: Vec<String> =
         ('A'..='Z').map(String::from).filter(|letter| !names.contains(&letter.as_str())).collect();
     json!({ "codes": own.collect::<Vec<_>>(), "data": read.collect::<Vec<_>>(), "letters": letters })
@@ -212,26 +260,42 @@ pub(crate) fn undefined(machine: &Value) -> Value {
 pub(crate) fn undefined_text(undefined: &Value) -> String {
     let tables =
         [("codes", ["code", "action", "meaning", "reads"]), ("data", ["data", "action", "meaning", "read by"])];
+    let list = |value: &Value| {
+        let all = value.as_array().into_iter().flatten().filter_map(Value::as_str).collect::<Vec<_>>();
+        if all.is_empty() { "-".to_owned() } else { all.join(" ") }
+    };
     let mut out: Vec<String> = tables
         .iter()
         .map(|(key, heading)| {
             let mut rows = vec![heading.map(str::to_owned).to_vec()];
             rows.extend(undefined.at(key).as_array().into_iter().flatten().map(|row| {
                 let text = |key: &str| row.at(key).as_str().unwrap_or_default().to_owned();
-                let with =
-                    row.at("with").as_array().into_iter().flatten().filter_map(Value::as_str).collect::<Vec<_>>();
-                let with = if with.is_empty() { "-".to_owned() } else { with.join(" ") };
                 let action = if row.at("built_in") == true { "built-in" } else { "none" };
-                vec![text("id"), action.to_owned(), text("meaning"), with]
+                let mut cells = vec![text("id"), action.to_owned(), text("meaning"), list(row.at("with"))];
+                if row.at("component").is_string() {
+                    cells.insert(0, text("component"));
+                }
+                cells
             }));
-            let table = table(&rows, heading.len());
+            let columns = rows.iter().map(Vec::len).max().unwrap_or(heading.len());
+            if columns > heading.len()
+                && let Some(head) = rows.first_mut()
+            {
+                head.insert(0, "component".to_owned());
+            }
+            let table = table(&rows, columns);
             table.lines().map(|line| format!("{}\n", line.strip_prefix("  ").unwrap_or(line))).collect()
         })
         .collect();
-    let letters: Vec<&str> =
-        undefined.at("letters").as_array().into_iter().flatten().filter_map(Value::as_str).collect();
-    let letters = if letters.is_empty() { "-".to_owned() } else { letters.join(" ") };
-    out.push(format!("letters without a register\n{letters}\n"));
+    let letters = undefined.at("letters").as_array().into_iter().flatten();
+    let of_components = letters.filter_map(|row| row.at("component").as_str().map(|name| (name, row.at("letters"))));
+    let of_components: Vec<String> =
+        of_components.map(|(component, letters)| format!("{component}: {}\n", list(letters))).collect();
+    let letters = match of_components.as_slice() {
+        [] => format!("{}\n", list(undefined.at("letters"))),
+        all => all.concat(),
+    };
+    out.push(format!("letters without a register\n{letters}"));
     out.join("\n")
 }
 
@@ -265,7 +329,7 @@ mod tests {
         assert_eq!(found.lines().count(), 2, "{found}");
         assert_eq!(view(None, None).ok().as_deref(), Some(TABLES));
         let json = View { sort: Some("code".into()), filter: None };
-        let rows = json.json(r#"{"codes":[{"id":"B9"},{"id":"B10"},{"id":"A1"}],"name":"x"}"#).expect("rows");
+        let (rows, _) = json.json(r#"{"codes":[{"id":"B9"},{"id":"B10"},{"id":"A1"}],"name":"x"}"#).expect("rows");
         let value: Value = serde_json::from_str(&rows).expect("JSON");
         assert_eq!(value["codes"], json!([{ "id": "A1" }, { "id": "B9" }, { "id": "B10" }]));
     }

@@ -18,7 +18,9 @@ pub(crate) async fn dispatch(command: Machine) -> Result<u8, Error> {
         Machine::New { folder, from } => own_machine::create(&folder, &from),
         Machine::List { at } => list(at.server.as_deref()).await,
         Machine::Delete { machine, remote } => delete(machine, &remote.server).await,
-        Machine::Show { machine, rows: Rows { changed: true, .. }, json, .. } => machine_diff::changed(&machine, json),
+        Machine::Show { machine, part, rows: Rows { changed: true, sort, filter }, json, .. } => {
+            machine_diff::changed(&machine, part, &View { sort, filter }, json)
+        }
         Machine::Show { machine, part, rows, json, at } => {
             let view = View { sort: rows.sort, filter: rows.filter };
             show(&machine, part, &view, json, at.server.as_deref()).await
@@ -90,9 +92,18 @@ async fn show(machine: &str, part: Part, view: &View, json: bool, server: Option
         let found = machine_view::undefined(&serde_json::from_str(&text).unwrap_or_default());
         text = if json { found.to_string() } else { machine_view::undefined_text(&found) };
     }
-    let text = if json { view.json(&text)? } else { view.text(&text)? };
+    let (text, any) = if json {
+        view.json(&text)?
+    } else {
+        let text = view.text(&text)?;
+        let any = !text.is_empty();
+        (text, any)
+    };
     say::data(text.as_bytes())?;
-    Ok(0)
+    match &view.filter {
+        Some(filter) if !any => Ok(machine_view::no_row(filter)),
+        _ => Ok(0),
+    }
 }
 
 /// Uploads a machine folder to the server; returns `name@revision`.

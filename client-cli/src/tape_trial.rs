@@ -11,13 +11,14 @@ use serde_json::{Value, json};
 
 use crate::error::Error;
 use crate::fields::Fields as _;
-use crate::local_machine::LocalMachine;
+use crate::local_machine::{LocalMachine, definitions};
 use crate::say;
 
 /// Tries the rules on each line; a line `-` is all lines of standard input.
 pub(crate) fn edit(machine: &str, lines: &[String], all: bool, json: bool) -> Result<u8, Error> {
     let machine = LocalMachine::open(machine)?.load()?;
-    if machine.tape_editor.is_empty() {
+    let all_machines = definitions(&machine);
+    if all_machines.iter().all(|(_, machine)| machine.tape_editor.is_empty()) {
         return Err(Error::Usage(format!(
             "machine '{}' has no rules of the tape editor ([[tape_editor]])",
             machine.name
@@ -36,7 +37,8 @@ pub(crate) fn edit(machine: &str, lines: &[String], all: bool, json: bool) -> Re
             texts.push(line.clone().into_bytes());
         }
     }
-    let tried: Vec<Value> = texts.iter().map(|line| steps(&machine, line, all)).collect();
+    let tried = texts.iter().flat_map(|line| all_machines.iter().map(move |one| steps(*one, line, all)));
+    let tried: Vec<Value> = tried.collect();
     if json {
         say::line(&serde_json::to_string_pretty(&tried).unwrap_or_default())?;
     } else {
@@ -45,7 +47,7 @@ pub(crate) fn edit(machine: &str, lines: &[String], all: bool, json: bool) -> Re
     Ok(0)
 }
 
-fn steps(machine: &Machine, line: &[u8], all: bool) -> Value {
+fn steps((component, machine): (&str, &Machine), line: &[u8], all: bool) -> Value {
     let steps = tape::steps(machine, line, all);
     let steps = steps.iter().filter_map(|step| {
         let rule = machine.tape_editor.get(step.rule)?;
@@ -59,13 +61,18 @@ fn steps(machine: &Machine, line: &[u8], all: bool) -> Value {
             "text": String::from_utf8_lossy(&step.text),
         }))
     });
-    json!({ "line": String::from_utf8_lossy(line), "steps": steps.collect::<Vec<_>>() })
+    let mut tried = json!({ "line": String::from_utf8_lossy(line), "steps": steps.collect::<Vec<_>>() });
+    if !component.is_empty() {
+        tried.set("component", json!(component));
+    }
+    tried
 }
 
 /// The line, then its text after each rule that changes it.
 fn text(tried: &Value) -> String {
     let of = |value: &Value| value.as_str().unwrap_or_default().to_owned();
-    let mut out = format!("{}\n", of(tried.at("line")));
+    let component = tried.at("component").as_str().map(|component| format!("{component}: ")).unwrap_or_default();
+    let mut out = format!("{component}{}\n", of(tried.at("line")));
     let steps = tried.at("steps").as_array();
     for step in steps.into_iter().flatten() {
         let off = if step.at("on") == true { "" } else { ", off at the start of a program" };

@@ -222,3 +222,97 @@ fn without_a_machine_all_shipped_machines_are_asked() {
         assert!(code == 0 && out.contains(machine), "{word}: {out}{err}");
     }
 }
+
+/// A machine based on the composite one, whose milling component has a word of its own.
+fn composite(folder: &std::path::Path) -> String {
+    let own = folder.join("own");
+    let at = own.display().to_string();
+    assert_eq!(counterpoint(&["machine", "new", &at, "--from", "composite-millturn"]).0, 0);
+    let milling = own.join("fanuc-milling/machine.toml");
+    let rules =
+        "\n[[codes]]\nid = \"CODE_IGNORE\"\nword = \"M777\"\n\n[[tape_editor]]\nfind = \"Q\"\nreplace = \"R\"\n";
+    let text = std::fs::read_to_string(&milling).unwrap();
+    std::fs::write(&milling, format!("{text}{rules}")).unwrap();
+    at
+}
+
+#[test]
+fn every_component_of_a_composite_machine_is_shown_compared_and_explained() {
+    let folder = tempfile::tempdir().unwrap();
+    let own = composite(folder.path());
+    assert_eq!(counterpoint(&["machine", "check", &own]), (0, format!("{own}: usable, 0 findings\n"), String::new()));
+    let (code, out, _) = counterpoint(&["explain", "M777", "--machine", &own]);
+    assert_eq!(code, 0, "{out}");
+    for part in ["MILL: M777 on own (own/fanuc-milling, ", "CODE_IGNORE", "component TURN of own does not have M777"] {
+        assert!(out.contains(part), "{part} in {out}");
+    }
+    // M91 is a word of both; G81 only of the milling component, though a page of the control names it.
+    let of = |word: &str| {
+        let (code, value) = explained(word, &own);
+        let words = value["words"].as_array().unwrap().clone();
+        let row = |word: &Value| (word["component"].as_str().unwrap_or("-").to_owned(), word["known"] == true);
+        (code, words.iter().map(row).collect::<Vec<_>>())
+    };
+    let (turn, mill) = ("TURN".to_owned(), "MILL".to_owned());
+    assert_eq!(of("M91"), (0, vec![(turn.clone(), true), (mill.clone(), true)]));
+    assert_eq!(of("G81"), (0, vec![(mill.clone(), true), (turn.clone(), false)]));
+    assert_eq!(of("M778"), (2, vec![("-".to_owned(), false)]));
+    let (_, out, _) = counterpoint(&["explain", "G81"]);
+    assert!(out.contains("composite-millturn"), "{out}");
+    // Tables name the component of each row, and so does JSON.
+    let (_, out, _) = counterpoint(&["machine", "show", &own, "codes", "--filter", "M777"]);
+    assert!(out.lines().count() == 2 && out.contains("\nMILL       M777 "), "{out}");
+    let (_, out, _) = counterpoint(&["machine", "show", &own, "codes", "--filter", "M777", "--json"]);
+    let value: Value = serde_json::from_str(&out).unwrap();
+    assert_eq!(
+        (&value["codes"][0]["component"], value["codes"].as_array().unwrap().len()),
+        (&"MILL".into(), 1),
+        "{out}"
+    );
+    let (_, out, _) = counterpoint(&["machine", "show", &own, "undefined", "--filter", "drilling cycle"]);
+    assert!(out.contains("TURN") && !out.contains("MILL"), "{out}");
+    // Differences: the same from the family and from the shipped machine.
+    for arguments in [["machine", "show", &own, "--changed"], ["machine", "diff", "composite-millturn", &own]] {
+        let (_, out, _) = counterpoint(&arguments);
+        assert!(out.contains("MILL: codes\n  + id = \"CODE_IGNORE\", word = \"M777\""), "{out}");
+        assert!(!out.contains("TURN") && !out.contains("MILL: ce\n"), "{out}");
+    }
+    let (_, out, _) = counterpoint(&["machine", "show", "composite-millturn", "--changed"]);
+    assert!(out.contains("TURN: codes") && !out.contains("TURN: format"), "{out}");
+    // The tape editor of each component.
+    let (_, out, _) = counterpoint(&["machine", "edit", &own, "G83 Q2"]);
+    assert!(out.contains("TURN: G83 Q2\n  no rule changes it\nMILL: G83 Q2\n") && out.contains("\nG83 R2\n"), "{out}");
+}
+
+#[test]
+fn a_code_of_another_component_is_named_with_the_word_that_selects_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let own = composite(folder.path());
+    let program = folder.path().join("part.nc");
+    std::fs::write(&program, "O1\nM777\nM30\n").unwrap();
+    let (code, out, _) = counterpoint(&["run", "--machine", &own, &program.display().to_string()]);
+    assert_eq!(code, 1, "{out}");
+    for part in ["component TURN of machine own has no M777 (component MILL has it)", "program M91 before the block"] {
+        assert!(out.contains(part), "{part} in {out}");
+    }
+}
+
+#[test]
+fn changes_are_limited_to_a_part_filtered_and_sorted() {
+    let (code, out, _) = counterpoint(&["machine", "show", "fanuc-mill-5axis", "codes", "--changed", "--sort", "word"]);
+    assert!(code == 0 && out.contains("codes\n") && !out.contains("axes\n"), "{out}");
+    let words: Vec<&str> = out.lines().filter_map(|line| line.split("word = \"").nth(1)).collect();
+    assert!(words.len() > 2 && words.iter().map(|word| word.len()).all(|length| length > 1), "{out}");
+    let (code, out, _) = counterpoint(&["machine", "show", "fanuc-mill-5axis", "--changed", "--filter", "kinematics"]);
+    assert!(code == 0 && out.contains("kinematics") && !out.contains("codes\n"), "{out}");
+    let (code, out, err) = counterpoint(&["machine", "show", "fanuc-mill", "--changed", "--filter", "xyzzy"]);
+    assert_eq!((code, out.as_str(), err.as_str()), (1, "", "--filter: no row has 'xyzzy'\n"));
+    let (code, out, err) = counterpoint(&["machine", "show", "fanuc-mill", "--filter", "xyzzy"]);
+    assert_eq!((code, out.as_str(), err.as_str()), (1, "", "--filter: no row has 'xyzzy'\n"));
+    let (code, out, _) = counterpoint(&["machine", "show", "fanuc-mill", "codes", "--filter", "xyzzy", "--json"]);
+    assert_eq!((code, serde_json::from_str::<Value>(&out).unwrap()["codes"].as_array().map(Vec::len)), (1, Some(0)));
+    let (code, _, err) = counterpoint(&["machine", "show", "fanuc-mill", "--sort", "foo"]);
+    assert!(code == 2 && err.contains("columns are channel, name") && err.matches("spindle,").count() == 1, "{err}");
+    let (code, _, err) = counterpoint(&["machine", "show", "fanuc-mill", "--changed", "--sort", "foo"]);
+    assert!(code == 2 && err.contains("no column 'foo'") && err.contains("file"), "{err}");
+}

@@ -10,7 +10,7 @@ const SHOW_EXAMPLES: &str = "\
 Examples:
   counterpoint machine show fanuc-mill codes --sort file
   counterpoint machine show fanuc-mill data --filter cycle --json
-  counterpoint machine show ./my-mill --changed
+  counterpoint machine show ./my-mill codes --changed --filter M6
   counterpoint machine show fanuc-mill undefined --filter tilt";
 
 const DIFF_EXAMPLES: &str = "\
@@ -107,7 +107,7 @@ pub(crate) struct Rows {
     pub(crate) filter: Option<String>,
     /// Show only the keys that differ from the family that the machine extends, with both values; shipped machines and
     /// folders only
-    #[arg(long, conflicts_with_all = ["sort", "filter", "part"])]
+    #[arg(long)]
     pub(crate) changed: bool,
 }
 

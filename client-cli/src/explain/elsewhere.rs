@@ -8,7 +8,7 @@ use counterpoint_kernel::machine::show;
 use counterpoint_lang::ident;
 use serde_json::{Value, json};
 
-use super::{Subject, programs, words};
+use super::{Subject, components, programs, words};
 use crate::fields::Fields as _;
 use crate::local_machine::{self, LocalMachine};
 
@@ -24,10 +24,24 @@ pub(super) fn machines(word: &str, not: Option<&str>) -> Vec<Value> {
     let all = machines.into_iter().filter_map(|(name, machine)| {
         let local = LocalMachine::shipped(&name);
         let definition = local.definition().ok()?;
-        Some((name, Subject { machine, local, definition }))
+        let own = name.clone();
+        Some((name, Subject { machine, local, definition, own }))
     });
     let all: Vec<(String, Subject)> = all.collect();
-    grouped(all.iter().map(|(name, subject)| (name.as_str(), described(subject, word))))
+    grouped(all.iter().map(|(name, subject)| {
+        let mut kinds: Vec<String> = match subject.machine.components.is_empty() {
+            true => described(subject, word),
+            false => components::subjects(subject).iter().flat_map(|(_, one)| described(one, word)).collect(),
+        };
+        keep_first(&mut kinds);
+        (name.as_str(), kinds)
+    }))
+}
+
+/// Removes repeated texts.
+fn keep_first(texts: &mut Vec<String>) {
+    let mut seen = std::collections::BTreeSet::new();
+    texts.retain(|text| seen.insert(text.clone()));
 }
 
 /// Machines by the kind of word.
@@ -75,8 +89,15 @@ fn described(subject: &Subject, asked: &str) -> Vec<String> {
     kinds
 }
 
-/// The codes of a word; the data of a letter; the stored program.
+/// The codes of a word; the data of a letter; the stored program. Those of all components of a composite.
 fn identifiers(machine: &Machine, word: &str) -> Vec<String> {
+    let all = local_machine::definitions(machine).into_iter();
+    let mut names: Vec<String> = all.flat_map(|(_, machine)| own_identifiers(machine, word)).collect();
+    keep_first(&mut names);
+    names
+}
+
+fn own_identifiers(machine: &Machine, word: &str) -> Vec<String> {
     let mut names: Vec<String> = Vec::new();
     if let Some(found) = words::find(machine, word) {
         let enabled = found.codes.iter().map(|row| &machine.codes[*row]).filter(|row| row.enable);
@@ -90,19 +111,15 @@ fn identifiers(machine: &Machine, word: &str) -> Vec<String> {
         let programs = programs::stored(machine, word);
         names.extend(programs.iter().filter_map(|program| program.at("path").as_str().map(str::to_owned)));
     }
-    let mut seen: Vec<String> = Vec::new();
-    names.retain(|name| {
-        let first = !seen.contains(name);
-        seen.push(name.clone());
-        first
-    });
     names
 }
 
 /// The most similar word of the machine.
 pub(super) fn nearest(machine: &Machine, word: &str) -> Option<String> {
-    let written =
-        machine.codes.iter().filter(|row| row.enable).map(|row| show::code_json(machine, row).at("word").clone());
+    let written = local_machine::definitions(machine).into_iter().flat_map(|(_, machine)| {
+        let rows = machine.codes.iter().filter(|row| row.enable);
+        rows.map(|row| show::code_json(machine, row).at("word").clone()).collect::<Vec<_>>()
+    });
     let written = written.filter_map(|word| word.as_str().map(|word| word.trim_matches('"').to_owned()));
     let mut names: Vec<String> = written.filter(|word| word != "-").collect();
     names.extend(machine.storage.iter().filter_map(|file| programs::stem(&file.path).map(str::to_uppercase)));

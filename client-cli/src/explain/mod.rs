@@ -3,6 +3,7 @@
 //! *Invariant:* the text is made from the data that `--json` prints.
 
 mod code;
+mod components;
 mod elsewhere;
 mod pages;
 mod programs;
@@ -59,17 +60,20 @@ fn anywhere(asked: &str, json: bool) -> Result<u8, Error> {
     Ok(0)
 }
 
-/// A machine with the pages and tables that explain its words.
+/// A machine, or a component of a composite, with the pages and tables that explain its words.
 struct Subject {
     machine: Machine,
     local: LocalMachine,
     definition: Definition,
+    /// Folder of the machine, also of the composite of a component.
+    own: String,
 }
 
 fn on_machine(asked: &str, name: &str, json: bool) -> Result<u8, Error> {
     let subject = Subject::of(LocalMachine::open(name)?)?;
-    let words = subject.words(asked);
-    let known = words.iter().all(|word| word.at("known") == true);
+    let words =
+        if subject.machine.components.is_empty() { subject.words(asked) } else { components::words(&subject, asked) };
+    let known = words.iter().all(|word| word.at("known") == true || word.at("elsewhere") == true);
     let value = json!({ "machine": subject.machine.name, "extends": subject.definition.chain, "words": words });
     print(&value, json)?;
     // Treat a word that the machine does not have like any unknown name.
@@ -92,7 +96,8 @@ fn print(value: &Value, json: bool) -> Result<(), Error> {
 impl Subject {
     fn of(local: LocalMachine) -> Result<Self, Error> {
         let (machine, definition) = (local.load()?, local.definition()?);
-        Ok(Self { machine, local, definition })
+        let own = definition.chain.first().cloned().unwrap_or_default();
+        Ok(Self { machine, local, definition, own })
     }
 
     /// The words of a text, with the answer of the control and of other machines for those that the machine does not have.
@@ -103,15 +108,21 @@ impl Subject {
             if let Some(accepted) = trial::accepted(&self.machine, &text) {
                 word.set("accepted", json!(accepted));
                 word.set("known", json!(true));
-            } else if let Some(explanation) = macros::explanation(&text) {
-                // A word of macros, which no machine defines.
-                word.set("text", json!(explanation));
-                word.set("known", json!(true));
             } else {
-                word.set("unknown", self.unknown(&text));
+                self.not_found(word, &text);
             }
         }
         words
+    }
+
+    /// A word that the machine does not have: a word of macros, which no machine defines, or unknown.
+    fn not_found(&self, word: &mut Value, text: &str) {
+        if let Some(explanation) = macros::explanation(text) {
+            word.set("text", json!(explanation));
+            word.set("known", json!(true));
+        } else {
+            word.set("unknown", self.unknown(text));
+        }
     }
 
     /// The whole text as one word of the machine, or its words one by one.
@@ -165,8 +176,9 @@ impl Subject {
         } else {
             Vec::new()
         };
-        known |= add("pages", json!(pages));
         known |= add("sign", json!(signs::meaning(&machine.format, asked)));
+        // The pages also name codes that the machine does not have.
+        known |= add("pages", json!(pages)) && !(!known && trial::is_unknown_code(machine, asked));
         value.set("known", json!(known));
         value
     }
@@ -214,8 +226,9 @@ impl Subject {
 
     /// The family that defines a row.
     fn inherited(&self, value: &mut Value) {
-        let folder = value.at("file").as_str().and_then(|file| file.split('/').next()).unwrap_or_default().to_owned();
-        let own = self.definition.chain.first().is_some_and(|own| *own == folder);
+        let folder = value.at("file").as_str().and_then(|file| file.rsplit_once('/')).map_or("", |(folder, _)| folder);
+        let folder = folder.to_owned();
+        let own = self.definition.chain.first().is_some_and(|own| *own == folder) || self.own == folder;
         value.set("inherited_from", if own { Value::Null } else { json!(folder) });
     }
 

@@ -25,7 +25,22 @@ pub(super) fn text(value: &Value) -> String {
     let families = if families.is_empty() { String::new() } else { format!(" (extends {})", families.join(", ")) };
     let chain = format!("{}{families}", of(value.at("machine")));
     for (at, word) in words.iter().enumerate() {
-        let _ = writeln!(out, "{}{} on {chain}", if at > 0 { "\n" } else { "" }, of(word.at("word")));
+        let blank = if at > 0 { "\n" } else { "" };
+        let name = of(word.at("word"));
+        let component = word.at("component").as_str();
+        if let Some(component) = component.filter(|_| word.at("elsewhere") == true) {
+            let _ = writeln!(out, "{blank}component {component} of {} does not have {name}", of(value.at("machine")));
+            continue;
+        }
+        match component {
+            Some(component) => {
+                let extends = list(word.at("extends"), ", ", usize::MAX);
+                let _ = writeln!(out, "{blank}{component}: {name} on {} ({extends})", of(value.at("machine")));
+            }
+            None => {
+                let _ = writeln!(out, "{blank}{name} on {chain}");
+            }
+        }
         one(&mut out, word);
     }
     out

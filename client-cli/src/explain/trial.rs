@@ -5,6 +5,7 @@
 use std::sync::Arc;
 
 use counterpoint_kernel::control::Control;
+use counterpoint_kernel::diag;
 use counterpoint_kernel::event::event::{Event, Kind};
 use counterpoint_kernel::files::Memory;
 use counterpoint_kernel::job::{Job, Program, Sink, Spec};
@@ -13,6 +14,7 @@ use counterpoint_kernel::options::Options;
 use serde_json::{Value, json};
 
 use super::words;
+use crate::fields::Fields as _;
 
 /// Maximum number of blocks of the run.
 const BLOCKS: u64 = 100;
@@ -41,6 +43,14 @@ pub(super) fn accepted(machine: &Machine, word: &str) -> Option<String> {
     }
     let blocks = [word.to_uppercase(), format!("{}=1", word.to_uppercase())];
     blocks.into_iter().find(|block| diagnostics(machine.clone(), block).is_empty())
+}
+
+/// Whether the control refuses the word alone as a code that it does not know.
+pub(super) fn is_unknown_code(machine: &Machine, word: &str) -> bool {
+    let found = words::register_of(machine, word).and_then(|found| found.register);
+    let code = found.is_some_and(|(register, value)| value.is_some() && machine.tables.has_codes(register));
+    let unknown = |told: &Value| told.at("number") == diag::UNKNOWN_CODE.number;
+    code && diagnostics(machine.clone(), word).iter().any(unknown)
 }
 
 /// The diagnostics of a block, or the reason why it cannot be run.

@@ -24,5 +24,8 @@ pub mod tables;
 mod toml;
 
 pub use counterpoint_signs as signs;
-pub use load::{Definition, DefinitionKey, DefinitionRow, Loaded, candidates, definition, load, without_key};
+pub use load::{
+    DefinedComponent, Definition, DefinitionKey, DefinitionRow, Loaded, candidates, definition,
+    is_section_of_composites, load, without_key,
+};
 pub use model::Machine;

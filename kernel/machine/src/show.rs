@@ -3,6 +3,7 @@
 //! Invariant: both are made from the checked machine alone, so they show what the control will do, families and
 //! defaults included.
 
+mod components;
 mod groups;
 mod json;
 mod macros;
@@ -50,19 +51,21 @@ pub fn show(machine: &Machine, what: Show) -> String {
         Show::All => {
             let mut parts =
                 vec![Show::Summary, Show::Channels, Show::Axes, Show::Registers, Show::Codes, Show::Groups, Show::Data];
-            parts.extend((!machine.diagnostics.refusals.is_empty()).then_some(Show::Refusals));
-            parts.extend(machine.macros.is_some().then_some(Show::Macros));
+            let any =
+                |has: fn(&Machine) -> bool| components::with_macros(machine).iter().any(|(_, machine)| has(machine));
+            parts.extend(any(|machine| !machine.diagnostics.refusals.is_empty()).then_some(Show::Refusals));
+            parts.extend(any(|machine| machine.macros.is_some()).then_some(Show::Macros));
             parts.into_iter().map(|part| show(machine, part)).collect::<Vec<_>>().join("\n")
         }
         Show::Summary => text::summary(machine),
-        Show::Registers => text::registers(machine),
-        Show::Codes => text::codes(machine),
-        Show::Data => text::data(machine),
+        Show::Registers => components::text(components::of(machine), text::registers),
+        Show::Codes => components::text(components::of(machine), text::codes),
+        Show::Data => components::text(components::of(machine), text::data),
         Show::Axes => text::axes(machine),
         Show::Channels => text::channels(machine),
-        Show::Groups => groups::text(machine),
-        Show::Macros => macros::text(machine),
-        Show::Refusals => refusals::text(machine),
+        Show::Groups => components::text(components::of(machine), groups::text),
+        Show::Macros => components::text(components::with_macros(machine), macros::text),
+        Show::Refusals => components::text(components::of(machine), refusals::text),
     }
 }
 

@@ -44,6 +44,7 @@ mod system_variables;
 mod tool_data;
 mod travel;
 mod unknown;
+mod unknown_codes;
 pub(crate) mod variables;
 mod wait;
 

@@ -61,7 +61,7 @@ impl Kernel<'_> {
             let (facts, why) = self.not_known(&what);
             let block = self.block_text();
             let hint = letter_for_zero(&what, &block);
-            let remedy = remedy(facts, &what);
+            let remedy = self.remedy(facts, &what);
             return Err(self.alarm(facts, format!("{why} in '{block}'{hint}; no part of the block acts{remedy}")));
         }
         if let Some(code) = code {
@@ -99,7 +99,8 @@ impl Kernel<'_> {
             let hint = letter_for_zero(&part, &block);
             if self.channel.env.machine.habits.unknown_alarms {
                 let (facts, why) = self.not_known(&part);
-                self.diagnose(facts, format!("{why} in '{block}'{hint}{}", remedy(facts, &part)));
+                let remedy = self.remedy(facts, &part);
+                self.diagnose(facts, format!("{why} in '{block}'{hint}{remedy}"));
             } else {
                 self.report_unrecognised(&shortened(&part), format!("'{block}'{hint}"));
             }
@@ -129,7 +130,7 @@ impl Kernel<'_> {
             return (&diag::CODE_NEEDS, format!("{text} needs {needs} in its block"));
         }
         if self.is_code_word(&text) {
-            let lacks = format!("machine {} has no {text}", self.channel.env.machine.name);
+            let lacks = self.lacks(&text);
             // A machine with words of its own for it names its own alarm.
             let rule = self.channel.env.machine.diagnostics.rule(diag::UNKNOWN_CODE.number);
             let named = rule.is_some_and(|rule| rule.text.is_some());
@@ -215,7 +216,7 @@ impl Kernel<'_> {
         let hint = letter_for_zero(&text, &block);
         if self.channel.env.machine.habits.unknown_alarms {
             let (facts, why) = self.not_known(&text);
-            let remedy = remedy(facts, &text);
+            let remedy = self.remedy(facts, &text);
             return Err(self.alarm(facts, format!("{why} in '{block}'{hint}{remedy}")));
         }
         self.report_unrecognised(&text, format!("'{block}'{hint}"));
@@ -223,16 +224,7 @@ impl Kernel<'_> {
     }
 }
 
-/// What to do about a code that no row of the machine has: the program is wrong, or the definition lacks it.
-fn remedy(facts: &Facts, text: &str) -> String {
-    if facts.number != diag::UNKNOWN_CODE.number {
-        return String::new();
-    }
-    let text = shortened(text);
-    format!(": correct the word, add a row for {text} to the machine definition, or choose another machine")
-}
-
-fn shortened(text: &str) -> String {
+pub(super) fn shortened(text: &str) -> String {
     if text.chars().count() <= MOST {
         return text.to_owned();
     }

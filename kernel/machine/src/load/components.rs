@@ -1,8 +1,8 @@
 //! `[[components]]`: the definitions that a composite machine is made of.
 //!
 //! A component is a machine file of its own, or a family. What the components have in common is the composite's and takes
-//! the place of their own sections: axes, channels, spindles, waits, the shape of programs, tools and work offsets.
-//! A component with another pre-processor has the shape of its own programs. Invariants: units of all components are those of
+//! the place of their own sections: axes, channels, spindles, waits, the shape of programs, tools and work offsets. Times and
+//! ranges of variables are shared key by key. A component with another pre-processor has the shape of its own programs. Invariants: units of all components are those of
 //! the composite; each channel has a component; the macros of a component see the GLOBAL variables of the composite, and its own
 //! ones are its object's.
 
@@ -19,7 +19,13 @@ use super::chain::{Merged, is_plain, row_name};
 const MOST: usize = 99;
 
 /// Sections that a component has from its composite.
-const COMMON: [&str; 8] = ["axes", "channels", "spindles", "waits", "sync", "format", "tool", "work_offsets"];
+pub(super) const COMMON: [&str; 8] =
+    ["axes", "channels", "spindles", "waits", "sync", "format", "tool", "work_offsets"];
+
+/// Sections whose keys a component has from its composite unless its own folder or `add` gives them; for other pre-processors
+/// only those of the first list.
+const SHARED_KEYS: [&str; 1] = ["time"];
+const SHARED_KEYS_OF_A_PREPROCESSOR: [&str; 1] = ["variables"];
 
 /// Macros that a composite has; all others are its components'.
 const OWN_MACROS: [&str; 3] = ["declaration", "machine_startup", "machine_shutdown"];
@@ -113,15 +119,26 @@ fn read_row(row: &mut Section<'_>, channels: &[Channel], check: &Check) -> Optio
     })
 }
 
+/// Whether a component has a section, or a part of it such as `format.opskip`, from its composite.
+#[must_use]
+pub fn is_common(section: &str) -> bool {
+    COMMON.contains(&section.split('.').next().unwrap_or_default())
+}
+
 /// The file of a component with what it has from its composite.
 pub(super) fn fit(mut component: Merged, composite: &Table, row: &Row) -> Merged {
+    let control = |table: &Table| table.get("ce").and_then(|ce| preprocessor(&ce.value).map(str::to_owned));
+    let own_shape = control(&component.table) != control(composite);
+    let of_control = SHARED_KEYS_OF_A_PREPROCESSOR.iter().filter(|_| !own_shape);
+    for key in SHARED_KEYS.iter().chain(of_control) {
+        let shared = shared_keys(&component.table, composite, key);
+        component.table = merge(component.table, shared, row_name);
+    }
     if let Some(add) = &row.add {
         component.table = merge(component.table, add.clone(), row_name);
     }
     let table = &mut component.table;
     table.remove("abstract");
-    let control = |table: &Table| table.get("ce").and_then(|ce| preprocessor(&ce.value).map(str::to_owned));
-    let own_shape = control(table) != control(composite);
     for key in COMMON {
         if key == "format" && own_shape {
             continue;
@@ -137,6 +154,25 @@ pub(super) fn fit(mut component: Merged, composite: &Table, row: &Row) -> Merged
         ce.entries.push(entry("name", &place, Value::Text(row.name.clone())));
     }
     component
+}
+
+/// The keys of a section of the composite that the folder of the component inside that of the composite does not give.
+fn shared_keys(component: &Table, composite: &Table, section: &str) -> Table {
+    let entry = composite.entries.iter().find(|entry| entry.key == section).cloned();
+    let Some(mut entry) = entry else { return Table::default() };
+    let own = match component.get(section).map(|node| &node.value) {
+        Some(Value::Table(own)) => own.entries.as_slice(),
+        _ => &[],
+    };
+    if let Value::Table(table) = &mut entry.node.value {
+        table.entries.retain(|entry| own.iter().all(|own| own.key != entry.key || !is_inside(&own.place)));
+    }
+    Table { entries: vec![entry] }
+}
+
+/// Whether a place is in a folder inside that of a machine.
+fn is_inside(place: &Place) -> bool {
+    place.file.matches('/').count() > 1
 }
 
 /// Name of the pre-processor in a section.
@@ -158,7 +194,12 @@ pub(super) fn declaration(composite: &Table) -> Option<(&str, &Place)> {
 }
 
 /// Sections that the blocks of a component take from its own definition.
-const OWN_SECTIONS: [&str; 10] = [
+const OWN_SECTIONS: [&str; 15] = [
+    "codes",
+    "control",
+    "refusals",
+    "subprograms",
+    "system_variables",
     "cycles",
     "arcs",
     "turning",
@@ -171,12 +212,24 @@ const OWN_SECTIONS: [&str; 10] = [
     "kinematics",
 ];
 
-/// Reports sections of the file of a composite that are never read, except those inherited from its family.
+/// Reports sections of the file of a composite that have no effect, except those inherited from its family.
 pub(super) fn check_sections(composite: &Table, file: &str, check: &Check) {
-    let own = |entry: &&Entry| OWN_SECTIONS.contains(&entry.key.as_str()) && &*entry.place.file == file;
-    for entry in composite.entries.iter().filter(own) {
-        let text = format!("`{}` of a composite machine is never read: its components have their own", entry.key);
-        check.warning(&entry.place, text);
+    let own = |place: &Place| &*place.file == file;
+    for entry in composite.entries.iter().filter(|entry| OWN_SECTIONS.contains(&entry.key.as_str())) {
+        // Rows of a family keep their places.
+        let place = match &entry.node.value {
+            Value::Array(rows) => rows.iter().map(|row| &row.place).find(|place| own(place)),
+            _ => Some(&entry.place).filter(|place| own(place)),
+        };
+        let Some(place) = place else { continue };
+        let key = &entry.key;
+        check.warning(
+            place,
+            format!(
+                "`{key}` of a composite machine is never read: its components have their own; write it to `add` of \
+                 [[components]] or to the file of the component"
+            ),
+        );
     }
 }
 

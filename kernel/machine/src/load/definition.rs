@@ -9,6 +9,7 @@ use super::{questionnaire, waits};
 use crate::finding::Finding;
 use crate::model::Machine;
 use crate::toml::check::Check;
+use crate::toml::merge::merge;
 use crate::toml::node::{Entry, Node, Place, Table, Value};
 use counterpoint_ports::files::Files;
 
@@ -19,6 +20,19 @@ pub struct Definition {
     pub chain: Vec<String>,
     /// All rows in the order of the files.
     pub rows: Vec<DefinitionRow>,
+    /// The components of a composite machine, in the order of their rows.
+    pub components: Vec<DefinedComponent>,
+}
+
+/// The definition of a component of a composite machine, without the sections that it has from the composite.
+#[derive(Debug, Clone)]
+pub struct DefinedComponent {
+    /// The minor word by which macros name it.
+    pub designator: String,
+    /// The folder that its row names.
+    pub machine: String,
+    /// Its definition, with the additions in the row.
+    pub definition: Definition,
 }
 
 /// A row of a section, or a section without rows.
@@ -50,9 +64,40 @@ pub fn definition(files: &dyn Files, folder: &str) -> Result<Definition, Vec<Fin
     let mut merged = merged(files, folder)?;
     let check = Check::default();
     questionnaire::expand(&mut merged.table, &check);
-    let mut definition = Definition { chain: merged.chain, rows: Vec::new() };
+    let mut definition = Definition { chain: merged.chain.clone(), ..Definition::default() };
     definition.add("", &merged.table, &merged.start);
+    definition.components = components(files, &merged)?;
     Ok(definition)
+}
+
+/// The components of a composite machine.
+fn components(files: &dyn Files, composite: &Merged) -> Result<Vec<DefinedComponent>, Vec<Finding>> {
+    let Some(Value::Array(rows)) = composite.table.get("components").map(|node| &node.value) else {
+        return Ok(Vec::new());
+    };
+    let mut made = Vec::new();
+    for row in rows {
+        let Value::Table(row) = &row.value else { continue };
+        let (Some(designator), Some(machine)) = (row.text("designator"), row.text("machine")) else { continue };
+        let check = Check::default();
+        let merged = chain::read(files, machine, &composite.chain, &check);
+        let findings = check.into_findings();
+        let Some(merged) = merged.filter(|_| findings.iter().all(|finding| !finding.error)) else {
+            return Err(findings);
+        };
+        let mut table = merged.table;
+        if let Some(Value::Table(add)) = row.get("add").map(|node| &node.value) {
+            table = merge(table, add.clone(), row_name);
+        }
+        super::components::COMMON.iter().for_each(|key| table.remove(key));
+        let check = Check::default();
+        questionnaire::expand(&mut table, &check);
+        let mut definition = Definition { chain: merged.chain, ..Definition::default() };
+        definition.add("", &table, &merged.start);
+        let designator = designator.to_ascii_uppercase();
+        made.push(DefinedComponent { designator, machine: machine.to_owned(), definition });
+    }
+    Ok(made)
 }
 
 /// The machine without a key of a section without rows; its behaviour is then the default.

@@ -53,7 +53,8 @@ mod word;
 #[cfg(test)]
 mod tests;
 
-pub use definition::{Definition, DefinitionKey, DefinitionRow, definition, without_key};
+pub use components::is_common as is_section_of_composites;
+pub use definition::{DefinedComponent, Definition, DefinitionKey, DefinitionRow, definition, without_key};
 pub use signs::candidates;
 
 use std::sync::Arc;

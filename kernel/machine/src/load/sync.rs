@@ -3,9 +3,9 @@
 //! Invariant: the form of the channel list can name every channel of the machine. Facts: reference
 //! channel-synchronisation.md 1.3.
 
-use crate::ident::{CodeId, codes};
+use crate::ident::{self, CodeId, codes};
 use crate::model::{AlarmScope, Channel, PathsForm, Sync, SyncDialect, WaitRow};
-use crate::rows::CodeRow;
+use crate::rows::{CodeForm, CodeRow};
 use crate::toml::check::Check;
 use crate::toml::node::Place;
 use crate::toml::section::Section;
@@ -22,6 +22,16 @@ const POLL_NS: i64 = 1_000_000;
 /// Codes at whose words channels meet.
 const MARKS: [CodeId; 5] =
     [codes::SYNC_REG, codes::SYNC_REG_MAIN, codes::SYNC_REG_SIDE, codes::SYNC_REG_START, codes::SYNC_REG_STOP];
+
+/// Further codes at which two channels meet; without a `dialect` they do nothing.
+const TOGETHER: [CodeId; 6] = [
+    codes::SYNC_START_MAIN,
+    codes::SYNC_START_SIDE,
+    codes::BALANCE_ON,
+    codes::COUPLE_SYNCHRONOUS,
+    codes::COUPLE_COMPOSITE,
+    codes::COUPLE_SUPERIMPOSED,
+];
 
 /// Reads the section.
 pub(super) fn read(
@@ -42,7 +52,8 @@ pub(super) fn read(
         waits,
     };
     let Some(mut section) = top.table("sync", "[sync]") else {
-        for row in rows.iter().filter(|row| row.enable && MARKS.contains(&row.id)) {
+        let meets = |row: &&CodeRow| row.enable && (MARKS.contains(&row.id) || is_together(row, channels));
+        for row in rows.iter().filter(meets) {
             if !sync.waits.iter().any(|wait| wait.is_of(&row.form)) {
                 let place = Place { file: row.file.as_str().into(), line: row.line, column: 1 };
                 check.idle(
@@ -108,8 +119,17 @@ fn check_words(section: &Section<'_>, sync: &Sync, channels: &[Channel], rows: &
         let text = "the channels of this machine cannot meet: no row of [[codes]] has CODE_SYNC_REG";
         check.warning(section.place_of("dialect"), text);
     }
-    if sync.dialect == SyncDialect::None && words {
-        let text = "CODE_SYNC_REG has a word, but `dialect` is \"none\": the word will do nothing";
-        check.warning(section.place_of("dialect"), text);
+    if sync.dialect == SyncDialect::None {
+        let idle = |row: &&CodeRow| row.enable && !own(row) && (MARKS.contains(&row.id) || is_together(row, channels));
+        if let Some(row) = rows.iter().find(idle) {
+            let name = ident::code_facts(row.id).map_or("CODE_SYNC_REG", |facts| facts.name);
+            let text = format!("{name} has a word, but `dialect` is \"none\": the word will do nothing");
+            check.warning(section.place_of("dialect"), text);
+        }
     }
+}
+
+/// Whether channels meet at the code of a row, on a machine with several.
+fn is_together(row: &CodeRow, channels: &[Channel]) -> bool {
+    channels.len() > 1 && row.form != CodeForm::NotApplicable && TOGETHER.contains(&row.id)
 }

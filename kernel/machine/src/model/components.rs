@@ -8,6 +8,7 @@ use std::sync::Arc;
 
 use super::Machine;
 use crate::preprocessor::Preprocessor;
+use crate::rows::CodeForm;
 
 /// A component of a composite machine.
 #[derive(Debug, Clone)]
@@ -51,5 +52,39 @@ impl Machine {
     pub fn of_channel(&self, channel: u16) -> &Machine {
         let own = self.components.iter().find(|component| component.channels.contains(&channel));
         own.map_or(self, |component| &component.machine)
+    }
+}
+
+/// Words on the components of a composite machine.
+impl Machine {
+    /// Whether a table of codes has a word of a letter and a number.
+    #[must_use]
+    pub fn has_word(&self, letter: &str, number: f64) -> bool {
+        let of = self.registers.entries().find(|(_, register)| register.name == letter).map(|(id, _)| id);
+        of.is_some_and(|of| self.tables.code(of, number).iter().any(|row| self.codes[*row].enable))
+    }
+
+    /// The first word of this component whose macro selects another component: `M91`.
+    #[must_use]
+    pub fn word_that_selects(&self, designator: &str) -> Option<String> {
+        let macros = self.macros.as_deref()?;
+        let call = format!("$FAPPLY({designator})").to_ascii_uppercase();
+        let selects = |code: u16| {
+            let text = macros.program.macros.get(usize::from(code)).map_or("", |code| &code.source.text);
+            let plain: String = text.chars().filter(|c| !c.is_whitespace()).collect();
+            plain.to_ascii_uppercase().contains(&call)
+        };
+        let mut rows = self.codes.iter().filter(|row| row.enable);
+        rows.find_map(|row| {
+            let mut own = macros.of_code(row.id).iter().map(|id| &macros.codes[*id]);
+            if !own.any(|one| selects(one.code)) {
+                return None;
+            }
+            match &row.form {
+                CodeForm::Text(text) => Some(text.trim().to_owned()),
+                CodeForm::Register { register, min, .. } => Some(format!("{}{min}", self.registers[*register].name)),
+                _ => None,
+            }
+        })
     }
 }

@@ -67,7 +67,7 @@ fn starts(machine: &Machine, row: &CodeRow) -> bool {
 }
 
 /// One line a code.
-pub(super) fn text(machine: &Machine) -> String {
+pub(super) fn text(machine: &Machine) -> Grid {
     let mut grid = Grid::new(&["group", "word", "code", "modality", "subject", "notes"]);
     for (group, rows) in groups(machine) {
         for row in rows {
@@ -85,7 +85,7 @@ pub(super) fn text(machine: &Machine) -> String {
             ]);
         }
     }
-    grid.text()
+    grid
 }
 
 /// One object a group.

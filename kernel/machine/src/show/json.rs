@@ -4,6 +4,7 @@
 
 use serde_json::{Value, json};
 
+use super::components::{of, rows, with_macros};
 use super::{Show, register, sorted_codes, word, written};
 use crate::index::{AxisId, RegisterId, SpindleId, Table};
 use crate::model::{Axis, Channel, Component, Heights, Machine, WaitRow};
@@ -22,12 +23,12 @@ pub fn json(machine: &Machine) -> Value {
         "type": word(machine.kind),
         "preprocessor": machine.preprocessor.row().name,
         "format": format(machine),
-        "registers": machine.registers.iter().map(register_json).collect::<Vec<_>>(),
-        "codes": sorted_codes(machine).into_iter().map(|row| code(machine, row)).collect::<Vec<_>>(),
-        "groups": super::groups::json(machine),
-        "macros": super::macros::json(machine),
-        "refusals": super::refusals::json(machine),
-        "data": machine.data.iter().map(|row| data(machine, row)).collect::<Vec<_>>(),
+        "registers": rows(of(machine), |machine| machine.registers.iter().map(register_json).collect()),
+        "codes": rows(of(machine), |machine| sorted_codes(machine).into_iter().map(|row| code(machine, row)).collect()),
+        "groups": rows(of(machine), super::groups::json),
+        "macros": rows(with_macros(machine), super::macros::json),
+        "refusals": rows(of(machine), super::refusals::json),
+        "data": rows(of(machine), |machine| machine.data.iter().map(|row| data(machine, row)).collect()),
         "axes": machine.axes.iter().map(|axis| axis_json(machine, axis)).collect::<Vec<_>>(),
         "channels": machine.channels.iter().map(|row| channel(machine, row)).collect::<Vec<_>>(),
         "spindles": spindles(machine),

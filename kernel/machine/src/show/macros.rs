@@ -24,7 +24,7 @@ struct Row {
     file: String,
 }
 
-pub(super) fn text(machine: &Machine) -> String {
+pub(super) fn text(machine: &Machine) -> Grid {
     let mut grid = Grid::new(&["macro", "key", "name", "on", "match", "if", "file"]);
     for row in rows(machine) {
         grid.row([
@@ -37,7 +37,7 @@ pub(super) fn text(machine: &Machine) -> String {
             row.file,
         ]);
     }
-    grid.text()
+    grid
 }
 
 pub(super) fn json(machine: &Machine) -> Vec<Value> {

@@ -21,7 +21,7 @@ struct Row<'m> {
     word: String,
 }
 
-pub(super) fn text(machine: &Machine) -> String {
+pub(super) fn text(machine: &Machine) -> Grid {
     let mut grid = Grid::new(&["alarm", "codes", "with", "without", "active", "inactive", "word", "text"]);
     for row in rows(machine) {
         grid.row([
@@ -35,7 +35,7 @@ pub(super) fn text(machine: &Machine) -> String {
             row.rule.text.clone(),
         ]);
     }
-    grid.text()
+    grid
 }
 
 pub(super) fn json(machine: &Machine) -> Vec<Value> {

@@ -3,8 +3,8 @@
 //! Invariant: columns are separated by two blanks and lines have none at their end.
 
 use super::{register, word, written};
-use crate::ident::codes;
 use crate::ident::kind::CodeKind;
+use crate::ident::{CodeId, codes};
 use crate::index::RegisterId;
 use crate::model::paths::Threads;
 use crate::model::{CallHow, Cycles, Machine, WordCall};
@@ -20,6 +20,19 @@ impl Grid {
 
     pub(super) fn row<const N: usize>(&mut self, cells: [String; N]) {
         self.0.push(cells.into());
+    }
+
+    /// Grids with the same columns, one below the other, with their names in a first column.
+    pub(super) fn below<'n>(grids: impl Iterator<Item = (&'n str, Grid)>, heading: &str) -> Self {
+        let mut all: Vec<Vec<String>> = Vec::new();
+        for (name, Grid(rows)) in grids {
+            let first = usize::from(!all.is_empty());
+            for (at, mut row) in rows.into_iter().enumerate().skip(first) {
+                row.insert(0, if at == 0 { heading } else { name }.to_owned());
+                all.push(row);
+            }
+        }
+        Self(all)
     }
 
     pub(super) fn text(&self) -> String {
@@ -95,9 +108,12 @@ pub(super) fn summary(machine: &Machine) -> String {
     let pair = |pair: &Option<(String, String)>| {
         pair.as_ref().map_or_else(|| "-".to_owned(), |(start, end)| format!("{start} {end}"))
     };
-    let initial: Vec<&str> = machine.initial.iter().map(|id| machine.code_name(*id)).collect();
     let (format, sync, time) = (&machine.format, &machine.sync, &machine.time);
-    let calls = &machine.subprograms;
+    // Components have their own calls, cycles, threads and initial codes.
+    let all = super::components::of(machine);
+    let named = |component: &str, name: &str| {
+        if component.is_empty() { name.to_owned() } else { format!("{component}: {name}") }
+    };
     let mut grid = Grid::new(&["machine", &machine.name]);
     let mut line = |name: &str, value: String| grid.row([name.to_owned(), dash(value)]);
     line("description", machine.description.clone());
@@ -105,7 +121,9 @@ pub(super) fn summary(machine: &Machine) -> String {
     line("author", machine.author.clone());
     line("type", word(machine.kind));
     line("units", word(machine.unit));
-    line("preprocessor", machine.preprocessor.row().name.to_owned());
+    for (component, own) in &all {
+        line(&named(component, "preprocessor"), own.preprocessor.row().name.to_owned());
+    }
     let beside = if format.rws_inline { " beside text" } else { "" };
     line("rewind-stop", format!("{} {}{beside}", format.rws, word(format.rws_at)).trim().to_owned());
     line("comment", pair(&format.comment));
@@ -114,10 +132,13 @@ pub(super) fn summary(machine: &Machine) -> String {
         "optional skip",
         format.opskip_mark.map_or(String::new(), |c| format!("{c}, level {}", format.opskip_default)),
     );
-    line("subprograms", format!("{}, call {}", word(calls.placement), word(calls.call)));
-    line("main return", word(calls.main_return));
-    for call in &calls.calls {
-        line("word that calls", word_call(machine, call));
+    for (component, own) in &all {
+        let calls = &own.subprograms;
+        line(&named(component, "subprograms"), format!("{}, call {}", word(calls.placement), word(calls.call)));
+        line(&named(component, "main return"), word(calls.main_return));
+        for call in &calls.calls {
+            line(&named(component, "word that calls"), word_call(own, call));
+        }
     }
     line("sync", format!("{}, paths {}, alarm stops {}", word(sync.dialect), word(sync.paths), word(sync.alarm_scope)));
     line("sync times", format!("release {} ns, poll {} ns", sync.release_ns, sync.poll_ns));
@@ -128,19 +149,14 @@ pub(super) fn summary(machine: &Machine) -> String {
         line("look-ahead", format!("{} blocks, {} s a block", time.look_ahead, time.block_time));
         line("corner deviation", optional(time.corner_deviation));
     }
-    if machine
-        .codes
-        .iter()
-        .any(|row| row.enable && (matches!(row.id.kind(), CodeKind::Cycle(_)) || row.id == codes::CYCLE_ON))
-    {
-        line("cycles", cycles(&machine.cycles));
-    }
-    if machine
-        .codes
-        .iter()
-        .any(|row| row.enable && matches!(row.id.kind(), CodeKind::ThreadCycle(_) | CodeKind::ThreadSetting(_)))
-    {
-        line("threads", threads(&machine.threads));
+    let has = |own: &Machine, is: fn(CodeId) -> bool| own.codes.iter().any(|row| row.enable && is(row.id));
+    for (component, own) in &all {
+        if has(own, |id| matches!(id.kind(), CodeKind::Cycle(_)) || id == codes::CYCLE_ON) {
+            line(&named(component, "cycles"), cycles(&own.cycles));
+        }
+        if has(own, |id| matches!(id.kind(), CodeKind::ThreadCycle(_) | CodeKind::ThreadSetting(_))) {
+            line(&named(component, "threads"), threads(&own.threads));
+        }
     }
     line("shared", ranges(&machine.variables.shared));
     line("per channel", ranges(&machine.variables.channel));
@@ -150,7 +166,10 @@ pub(super) fn summary(machine: &Machine) -> String {
     line("offset digits", machine.tool.offset_digits.to_string());
     line("tool offsets", machine.tool.offsets.len().to_string());
     line("tools with data", machine.tool.data.len().to_string());
-    line("initial", initial.join(", "));
+    for (component, own) in &all {
+        let initial: Vec<&str> = own.initial.iter().map(|id| own.code_name(*id)).collect();
+        line(&named(component, "initial"), initial.join(", "));
+    }
     grid.text()
 }
 
@@ -188,7 +207,7 @@ fn threads(threads: &Threads) -> String {
     )
 }
 
-pub(super) fn registers(machine: &Machine) -> String {
+pub(super) fn registers(machine: &Machine) -> Grid {
     let mut grid =
         Grid::new(&["index", "register", "second", "digits", "secondary", "point", "lead", "trail", "signed"]);
     let digits = |format: &NumberFormat| format!("{}.{}", format.whole, format.frac);
@@ -205,10 +224,10 @@ pub(super) fn registers(machine: &Machine) -> String {
             yes(register.signed),
         ]);
     }
-    grid.text()
+    grid
 }
 
-pub(super) fn codes(machine: &Machine) -> String {
+pub(super) fn codes(machine: &Machine) -> Grid {
     let heading =
         ["word", "code", "order", "group", "modality", "as data", "scaling", "if", "seconds", "notes", "defined"];
     let mut grid = Grid::new(&heading);
@@ -250,10 +269,10 @@ pub(super) fn codes(machine: &Machine) -> String {
             format!("{}:{}", row.file, row.line),
         ]);
     }
-    grid.text()
+    grid
 }
 
-pub(super) fn data(machine: &Machine) -> String {
+pub(super) fn data(machine: &Machine) -> Grid {
     let heading = ["register", "data", "modal", "min", "max", "scaling", "dimension", "notes", "defined"];
     let mut grid = Grid::new(&heading);
     let mut rows: Vec<_> = machine.data.iter().collect();
@@ -273,7 +292,7 @@ pub(super) fn data(machine: &Machine) -> String {
             format!("{}:{}", row.file, row.line),
         ]);
     }
-    grid.text()
+    grid
 }
 
 pub(super) fn axes(machine: &Machine) -> String {

@@ -1,0 +1,54 @@
+//! What a message says of a code that the tables of the machine, or of the component in work, do not have.
+//!
+//! *Invariant:* the machine has the name by which the job knows it; on a composite the message also names the components.
+
+use counterpoint_fault::{self as diag, Facts};
+
+use super::Kernel;
+use super::components::Component;
+use super::unknown::shortened;
+
+impl<'a> Kernel<'a> {
+    /// `machine fanuc-mill has no G411`, with the component of a composite that has the code.
+    pub(super) fn lacks(&self, text: &str) -> String {
+        let machine = &self.channel.env.whole.name;
+        let Some(current) = self.components.current() else { return format!("machine {machine} has no {text}") };
+        let lacks = format!("component {} of machine {machine} has no {text}", current.designator);
+        match self.component_with(text) {
+            Some(other) => format!("{lacks} (component {} has it)", other.designator),
+            None => lacks,
+        }
+    }
+
+    /// The remedy for a code that no row of the machine has: the program is wrong, the definition lacks it, or another component
+    /// has it.
+    pub(super) fn remedy(&self, facts: &Facts, text: &str) -> String {
+        if facts.number != diag::UNKNOWN_CODE.number {
+            return String::new();
+        }
+        let text = shortened(text);
+        let row = format!("add a row for {text} to the machine definition");
+        let Some(current) = self.components.current() else {
+            return format!(": correct the word, {row}, or choose another machine");
+        };
+        let row = format!("add a row for {text} to component {}", current.designator);
+        let other = self.component_with(&text).filter(|other| other.channels.contains(&self.channel.at.channel));
+        let select =
+            other.and_then(|other| Some((current.machine.word_that_selects(other.designator)?, other.designator)));
+        match select {
+            Some((word, other)) => {
+                format!(": program {word} before the block, which selects component {other}, or {row}")
+            }
+            None => format!(": correct the word, {row}, or choose another machine"),
+        }
+    }
+
+    /// Another component that has the code.
+    fn component_with(&self, text: &str) -> Option<&'a Component<'a>> {
+        let letter = text.get(..1)?;
+        let number: f64 = text.get(1..)?.trim().parse().ok()?;
+        let now = self.components.turns.now;
+        let others = self.components.all.iter().enumerate().filter(|(at, _)| Some(*at) != now);
+        others.map(|(_, other)| other).find(|other| other.machine.has_word(&letter.to_ascii_uppercase(), number))
+    }
+}
