@@ -127,7 +127,7 @@ host_functions! { control {
     CornerRadius "$FMSGRCV" "nn" R,
     LengthOffset "$FMSGLCV" "nnA+" A,
     WorkOffset "$FMSGFCV" "nnA+" A,
-    SetCutterDiameter "$FMSSDCV" "nnn" R,
+    SetCutterDiameter "$FMSSDCV" "nnnN" R,
     SetCornerRadius "$FMSSRCV" "nnn" R,
     SetLengthOffset "$FMSSLCV" "nnaA+" R,
     SetWorkOffset "$FMSSFCV" "nnaA+" R,

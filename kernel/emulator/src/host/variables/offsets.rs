@@ -298,6 +298,8 @@ impl Kernel<'_> {
     pub(in crate::host) fn write_radius(&mut self, table: Radii, arguments: &[Value]) -> Outcome<Value> {
         let number = offset_number(arguments, false)?;
         let value = arguments.get(2).and_then(Value::as_real).filter(|value| value.is_finite());
-        Ok(real(u8::from(value.is_some_and(|value| self.channel.set_offset_radius(table, number, value)))))
+        let set = value.is_some_and(|value| self.channel.set_offset_radius(table, number, value));
+        let tip = arguments.get(3).and_then(Value::as_real);
+        Ok(real(u8::from(set && tip.is_none_or(|tip| self.channel.set_offset_tip(number, tip)))))
     }
 }
