@@ -132,3 +132,21 @@ fn a_command_that_is_not_possible_is_said_and_the_script_goes_on() {
     );
     assert!(said.contains("SUCCEEDED"), "{said}");
 }
+
+#[test]
+fn a_breakpoint_that_no_channel_can_reach_is_refused() {
+    let folder = Folder::new();
+    let script =
+        "break write TEMPERATURE\nbreak write #1\nbreak line upper.nc:99\nbreak line none.nc:1\nbreak write #500\n";
+    let output = folder.run(&["--step"], script);
+    let (said, status) = text(&output);
+    assert_eq!(output.status.code(), Some(0), "{said}{status}");
+    for part in [
+        "no program or macro of this job has a variable 'TEMPERATURE'",
+        "#1 belongs to each channel",
+        "there is no line 99",
+        "the job has no file 'none.nc'",
+    ] {
+        assert!(status.contains(part), "{part} in {status}");
+    }
+}

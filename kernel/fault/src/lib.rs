@@ -244,6 +244,7 @@ diagnostics! {
 
     LONG_DWELL 2900570 "long-dwell" 4 false "dwell longer than an hour";
     THREAD_RATE 2900571 "thread-above-rate" 4 false "thread faster than its axis";
+    NO_NEXT_BLOCK 2900670 "no-next-block" 4 false "command for the next block after the program";
     FEED_RATE 2900680 "feed-above-rates" 4 false "feed above the rate of every axis";
     SPINDLE_OFF 2900681 "feed-without-spindle" 4 false "move at feed while the spindle is off";
     UNIT_NOT_NAMED 2900682 "unit-not-named" 4 false "program looks like inches and names no unit";

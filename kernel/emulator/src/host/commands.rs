@@ -158,6 +158,9 @@ impl Kernel<'_> {
         state.spend(blocks.len().saturating_sub(1) * BLOCK_TICKS)?;
         for text in blocks {
             if !now {
+                if self.is_too_late(state, "EXEC/NEXT") {
+                    return Ok(());
+                }
                 state.grow(text.len() + 64);
                 self.leave_for_later(|matching| Later::Text(text, matching))?;
                 continue;
@@ -178,16 +181,26 @@ impl Kernel<'_> {
         if now {
             return self.meanwhile(state, |kernel| kernel.nested_block(|kernel| kernel.item_block(items)));
         }
+        if self.is_too_late(state, "EXEC/NEXT") {
+            return Ok(());
+        }
         let items: Arc<[Value]> = items.into();
         state.grow(items.len() * 16 + 64);
         self.leave_for_later(|matching| Later::Items(items, matching))
     }
 
+    /// The program has ended, so a command for its next block has no effect.
+    fn is_too_late(&self, state: &mut State, command: &str) -> bool {
+        let late = self.macros.course.closing;
+        if late {
+            let text = format!("{command} has no effect: the program has ended and reads no further block");
+            state.warn(fault(&diag::NO_NEXT_BLOCK, text));
+        }
+        late
+    }
+
     fn leave_for_later(&mut self, block: impl FnOnce(bool) -> Later) -> Outcome<()> {
         let runtime = &mut *self.macros;
-        if runtime.course.closing {
-            return Ok(());
-        }
         if runtime.issued.later.len() >= MOST_QUEUED {
             let text = format!("more than {MOST_QUEUED} blocks of EXEC/NEXT are waiting");
             return Err(fault(&diag::EXEC_QUEUE, text));
@@ -223,6 +236,9 @@ impl Kernel<'_> {
 
     /// SEARCH: the next block read is this record of the file; the block still in process is not repeated.
     fn search_record(&mut self, state: &mut State, number: i64) -> Outcome<()> {
+        if self.is_too_late(state, "SEARCH") {
+            return Ok(());
+        }
         let Some((first, last)) = self.frame().map(|frame| (frame.range.first, frame.range.last)) else {
             return Ok(());
         };

@@ -3,6 +3,7 @@
 //! Invariant: they look at what a kernel has come to and change nothing.
 
 use counterpoint_event::info::Info;
+use counterpoint_machine::Machine;
 use counterpoint_ports::step::{Breakpoint, Event, Seen, Spot};
 
 /// Breakpoints of a job at most.
@@ -123,33 +124,81 @@ impl Breakpoints {
     }
 }
 
-/// Whether a channel can reach a breakpoint. `shared`: ranges of the shared numbered variables, if all of them are known.
-pub(super) fn may_hit(spot: &Spot, info: &Info, shared: Option<&[(u32, u32)]>) -> Result<(), String> {
+/// Whether a channel can reach a breakpoint.
+pub(super) fn may_hit(spot: &Spot, info: &Info, machine: &Machine) -> Result<(), String> {
     match spot {
-        Spot::Line { file, line } => may_come(file, *line, info),
-        Spot::Write(name) => {
-            let number = name.trim().strip_prefix('#').and_then(|number| number.trim().parse::<u32>().ok());
-            let (Some(number), Some(shared)) = (number, shared) else { return Ok(()) };
-            if shared.iter().any(|(first, last)| (*first..=*last).contains(&number)) {
-                return Ok(());
-            }
-            let ranges: Vec<String> = shared.iter().map(|(first, last)| format!("#{first} to #{last}")).collect();
-            let has = if ranges.is_empty() { "none".to_owned() } else { ranges.join(", ") };
-            Err(format!(
-                "#{number} belongs to each channel: a run stops only at shared variables, and this machine shares {has}"
-            ))
-        }
+        Spot::Line { file, line } => may_come(file, *line, info, machine),
+        Spot::Write(name) => may_write(name.trim(), info, machine),
         Spot::Wait(_) | Spot::Time(_) => Ok(()),
     }
 }
 
+/// Whether a write of a variable can stop the run: a numbered variable that is shared, or a name that a text of the job has.
+fn may_write(name: &str, info: &Info, machine: &Machine) -> Result<(), String> {
+    let number = name.strip_prefix('#').and_then(|number| number.trim().parse::<u32>().ok());
+    let Some(number) = number else { return may_name(name, info, machine) };
+    let mut shared: Vec<(u32, u32)> = Vec::new();
+    for machine in definitions(machine) {
+        shared.extend(
+            machine.variables.shared.iter().filter(|range| !shared.contains(range)).copied().collect::<Vec<_>>(),
+        );
+    }
+    if shared.iter().any(|(first, last)| (*first..=*last).contains(&number)) {
+        return Ok(());
+    }
+    let ranges: Vec<String> = shared.iter().map(|(first, last)| format!("#{first} to #{last}")).collect();
+    let has = if ranges.is_empty() { "none".to_owned() } else { ranges.join(", ") };
+    Err(format!(
+        "#{number} belongs to each channel: a run stops only at shared variables, and this machine shares {has}"
+    ))
+}
+
+/// Whether a text of the job has the letters of a name; its index may be computed. A file that no channel has read yet may
+/// have any name.
+fn may_name(name: &str, info: &Info, machine: &Machine) -> Result<(), String> {
+    let letters: String = name
+        .chars()
+        .take_while(|c| c.is_ascii_alphabetic() || matches!(c, '_' | '$'))
+        .collect::<String>()
+        .to_uppercase();
+    let has = |text: &[u8]| {
+        let wanted = letters.as_bytes();
+        wanted.is_empty() || text.windows(wanted.len()).any(|part| part.eq_ignore_ascii_case(wanted))
+    };
+    for file in &info.files {
+        match file.text.get().and_then(Option::as_ref) {
+            Some(text) if !has(text.bytes()) => {}
+            _ => return Ok(()),
+        }
+    }
+    let macros = std::iter::once(machine).chain(definitions(machine)).filter_map(|machine| machine.macros.as_deref());
+    let sources = macros.flat_map(|macros| &macros.program.macros).map(|code| code.source.text.as_bytes());
+    if sources.into_iter().any(has) {
+        return Ok(());
+    }
+    Err(format!("no program or macro of this job has a variable '{name}'"))
+}
+
+/// The machine, or the components of a composite.
+fn definitions(machine: &Machine) -> Vec<&Machine> {
+    if machine.components.is_empty() {
+        return vec![machine];
+    }
+    machine.components.iter().map(|component| &*component.machine).collect()
+}
+
 /// Whether a block may begin in this line of a file of the job. A file that no channel has read yet may have any lines.
-fn may_come(wanted: &str, line: u32, info: &Info) -> Result<(), String> {
-    let mut most = 0;
+fn may_come(wanted: &str, line: u32, info: &Info, machine: &Machine) -> Result<(), String> {
+    let (mut most, mut mark) = (0, false);
+    let rewind = machine.format.rws.as_bytes();
     for file in info.files.iter().filter(|file| is_file(wanted, &file.name)) {
         let Some(text) = file.text.get().and_then(Option::as_ref) else { return Ok(()) };
-        if line <= text.lines() && text.line(line).iter().any(|byte| !byte.is_ascii_whitespace()) {
-            return Ok(());
+        if line <= text.lines() {
+            let own = text.line(line).trim_ascii();
+            mark |= !rewind.is_empty() && own == rewind;
+            if !own.is_empty() && own != rewind {
+                return Ok(());
+            }
         }
         most = most.max(text.lines());
     }
@@ -157,6 +206,7 @@ fn may_come(wanted: &str, line: u32, info: &Info) -> Result<(), String> {
     Err(match most {
         0 => format!("the job has no file '{wanted}'; it has {}", files()),
         most if line > most => format!("there is no line {line}: the file has {most} lines"),
+        _ if mark => format!("line {line} is a rewind-stop: no block begins there"),
         _ => format!("line {line} is blank: no block begins there"),
     })
 }

@@ -39,8 +39,7 @@ pub(crate) struct Director<'a> {
     console: &'a dyn Console,
     control: &'a Control,
     info: &'a Info,
-    /// Ranges of shared numbered variables; none if the components have their own.
-    shared: Option<&'a [(u32, u32)]>,
+    machine: &'a Machine,
     state: Mutex<State>,
 }
 
@@ -104,8 +103,7 @@ impl<'a> Director<'a> {
             ahead: None,
             detached: false,
         };
-        let shared = machine.components.is_empty().then_some(machine.variables.shared.as_slice());
-        Self { console, control, info, shared, state: Mutex::new(state) }
+        Self { console, control, info, machine, state: Mutex::new(state) }
     }
 
     fn lock(&self) -> MutexGuard<'_, State> {
@@ -187,7 +185,7 @@ impl<'a> Director<'a> {
             Command::Pause => state.stop = Some((0, "paused by the operator".to_owned())),
             Command::Add(breakpoint) => {
                 return Ok(Some(Said::Added(
-                    state.breakpoints.add(breakpoint, |spot| breakpoints::may_hit(spot, self.info, self.shared))?,
+                    state.breakpoints.add(breakpoint, |spot| breakpoints::may_hit(spot, self.info, self.machine))?,
                 )));
             }
             Command::Remove(id) => state.breakpoints.remove(id)?,
