@@ -18,6 +18,7 @@ use counterpoint_sync::wait::Wait;
 use super::Kernel;
 use crate::state::State;
 use crate::state::coupling::{Coupling, Parking, slots};
+use crate::state::position::Bounds;
 use crate::waits::coupling::{End, Kind, Pair};
 
 /// Where two channels meet.
@@ -206,6 +207,7 @@ impl Kernel<'_> {
     fn limits_changed(&mut self) {
         let stored = self.channel.state.place.stored.as_deref().is_some_and(|area| area.on);
         let layout = &mut self.channel.state.place.layout;
+        layout.bounds.travel = Bounds::travel(&layout.axes);
         layout.bounds.limited = layout.axes.iter().any(|axis| axis.limits.is_some()) || stored;
     }
 

@@ -52,8 +52,55 @@ impl Kernel<'_> {
         Ok(())
     }
 
-    #[inline(never)]
+    #[inline(always)]
     fn check_limits_of_motion(&mut self, motion: &Motion) {
+        if !self.stays_within_travel(motion) {
+            self.measure_travel(motion);
+        }
+    }
+
+    /// Whether a straight move or a circle in a plane cannot leave the limits of travel; `false` leaves that open.
+    #[inline(always)]
+    fn stays_within_travel(&self, motion: &Motion) -> bool {
+        !self.channel.couples()
+            && match motion.kind {
+                MotionKind::Rapid | MotionKind::Linear | MotionKind::Thread => self.is_within_travel(&motion.to),
+                MotionKind::ArcCw | MotionKind::ArcCcw => self.circle_stays_within_travel(motion),
+                MotionKind::ArcSpace => false,
+            }
+    }
+
+    /// Whether a place is within the limits of travel, where no axis depends on another.
+    #[inline(always)]
+    fn is_within_travel(&self, at: &Position) -> bool {
+        let place = &self.channel.state.place;
+        let [low, high] = &place.layout.bounds.travel;
+        at.iter().zip(&place.shift).zip(low).zip(high).fold(true, |within, (((at, shift), low), high)| {
+            let at = at + shift;
+            within & (at >= *low) & (at <= *high)
+        })
+    }
+
+    /// Whether a square about a circle is within the limits of travel.
+    fn circle_stays_within_travel(&self, motion: &Motion) -> bool {
+        let layout = &self.channel.state.place.layout;
+        let ([mut low, mut high], mut reach) = ([motion.to; 2], 0.0);
+        let sides = || motion.plane_axes.into_iter().map(|axis| layout.axes.id(usize::from(axis))).zip(motion.center);
+        for (axis, center) in sides() {
+            let Some(axis) = axis else { return false };
+            // A radius is at most the sum of its parts, and a diameter twice that.
+            reach += 2.0 * ((motion.from.at(axis) - center).abs() + (motion.to.at(axis) - center).abs());
+        }
+        for (axis, center) in sides() {
+            let Some(axis) = axis else { return false };
+            (*low.at_mut(axis), *high.at_mut(axis)) = (center - reach, center + reach);
+        }
+        self.is_within_travel(&motion.to) && self.is_within_travel(&low) && self.is_within_travel(&high)
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn measure_travel(&mut self, motion: &Motion) {
         let over = self.leads_beyond(motion, Limits::Travel);
         self.report_over_travel(over);
     }

@@ -4,7 +4,7 @@ use counterpoint_event::event::{MAX_AXES, Position};
 use counterpoint_fault as diag;
 use counterpoint_machine::ident::DataId;
 use counterpoint_machine::ident::kind::data::DataKind;
-use counterpoint_machine::index::{AxisId, AxisSlot, Table};
+use counterpoint_machine::index::{AxisId, AxisSlot, BySlot, Table};
 use counterpoint_machine::model::{AxisRole, Dynamics, Machine, Turn};
 
 use super::feed_group::FeedGroup;
@@ -36,10 +36,25 @@ pub(crate) struct Axis {
 pub(crate) struct Bounds {
     /// One of them has limits of travel.
     pub(crate) limited: bool,
+    /// The lower and the upper limits in the machine frame; infinite for axes without limits.
+    pub(crate) travel: [Position; 2],
     /// An end beyond them stops the channel before the move.
     pub(crate) stop: bool,
     /// Registers of axes that other channels have, where their words are alarms, bit by register.
     pub(crate) foreign: u128,
+}
+
+impl Bounds {
+    /// The lower and the upper limits of travel by axis.
+    pub(crate) fn travel(axes: &Table<AxisSlot, Axis>) -> [Position; 2] {
+        let (mut low, mut high) = ([f64::NEG_INFINITY; MAX_AXES], [f64::INFINITY; MAX_AXES]);
+        for (slot, axis) in axes.entries() {
+            if let Some(limits) = axis.limits {
+                (*low.at_mut(slot), *high.at_mut(slot)) = limits;
+            }
+        }
+        [low, high]
+    }
 }
 
 /// The axes of a channel, which do not change while it runs.
@@ -168,6 +183,7 @@ impl Place {
         let cartesian = [find(AxisRole::X), find(AxisRole::Y), find(AxisRole::Z)];
         let bounds = Bounds {
             limited: axes.iter().any(|axis| axis.limits.is_some()),
+            travel: Bounds::travel(&axes),
             stop: machine.stops_at(&diag::OVER_TRAVEL),
             foreign: foreign(machine, &axes),
         };
