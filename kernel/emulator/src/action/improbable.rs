@@ -1,15 +1,41 @@
-//! Feeds that a control takes and that are hardly ever meant: above the rate of every axis, and with the spindle off.
+//! Feeds that a control takes and that are hardly ever meant: above the rate of every axis, of taps above that of
+//! their axis, and with the spindle off.
 //!
 //! *Invariant:* nothing here changes a move or its time. Feed moves that need no look cost one comparison.
 
 use crate::act::Act;
+use crate::action::thread::EVEN;
+use crate::state::spindle::Turning;
+use counterpoint_event::event::FeedUnit;
 use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
+use counterpoint_machine::index::AxisSlot;
 
 /// Feeds from here on are a way to ask for the highest one, units per minute.
 const HIGHEST: f64 = 99_999.0;
 
 impl Act<'_, '_> {
+    /// Reports a rigid tap whose feed is above the rate of its axis, once in a program.
+    pub(super) fn check_tap_rate(&mut self, (feed, unit): (Option<f64>, FeedUnit), axis: AxisSlot) -> Acted {
+        let Some(feed) = feed.filter(|_| !self.reports.plausible.thread) else { return Ok(()) };
+        let asked = match (unit, self.spindle_speed()?) {
+            (FeedUnit::PerMinute, _) => feed,
+            (FeedUnit::PerRevolution, Some(Turning::Fixed(rpm))) => feed * rpm,
+            _ => return Ok(()),
+        };
+        let most = self.state.place.layout.axes[axis].rapid * 60.0;
+        if asked <= most * EVEN {
+            return Ok(());
+        }
+        self.reports.plausible.thread = true;
+        let text = format!(
+            "the rigid tap of '{}' needs a rate of {asked:.0} where its axis reaches {most:.0}: reduce the spindle speed",
+            self.block_text()
+        );
+        self.diagnose(&diag::THREAD_RATE, text);
+        self.check_stop()
+    }
+
     /// Looks at a feed per minute that is above [`look_above`](crate::state::plausible::Plausible).
     #[cold]
     pub(super) fn look_at_feed(&mut self, feed: f64) -> Acted {

@@ -74,6 +74,9 @@ impl Act<'_, '_> {
     /// Along the axis of the cycle at feed.
     pub(super) fn plunge(&mut self, drill: &Drill<'_>, level: f64, ratio: f64) -> Acted {
         let (feed, unit) = drill.cycle.rates.feed;
+        if drill.kind.is_rigid() {
+            self.check_tap_rate((feed.map(|feed| feed * ratio), unit), drill.hole.axis)?;
+        }
         let target = self.level(drill.hole.axis, level);
         self.feed_to_point(drill.hole.axis.bit(), target, feed.map(|feed| feed * ratio), unit)
     }

@@ -25,7 +25,7 @@ use counterpoint_machine::index::{AxisSlot, BySlot};
 use counterpoint_program::block::PendingCode;
 
 /// Rates with a smaller difference are equal: a rapid move has exactly the rate.
-const EVEN: f64 = 1.0 + 1e-6;
+pub(in crate::action) const EVEN: f64 = 1.0 + 1e-6;
 
 /// Codes and what they do.
 pub(crate) const ENTRIES: &[Entry] = &[
