@@ -100,7 +100,7 @@ fn extended(
     let control: Vec<_> = [numbers, system].into_iter().flatten().filter_map(Setting::of_control).collect();
     let shares = settings.iter().filter_map(|setting| match setting {
         Setting::Shared(first, last) => Some((*first, *last)),
-        Setting::Waits(_) | Setting::Increments | Setting::System(_) => None,
+        _ => None,
     });
     let shares: Vec<(u32, u32)> = shares.collect();
     if control.is_empty() && shares.is_empty() {

@@ -18,7 +18,7 @@ use crate::output_folder::{OutputFolder, drawn_timeline};
 use crate::progress::Progress;
 use crate::report::report;
 use crate::say::{self, DIM, styled};
-use crate::settings;
+use crate::settings::{self, Setting};
 use crate::step::{Interrupt, Stepper};
 use crate::summary::Summary;
 use crate::{changed_machine, guess, jobs, known, machine_folder, machines, pack, results};
@@ -147,7 +147,10 @@ pub(crate) async fn machine(client: &Client, inputs: &Inputs, pack: &pack::Pack,
 /// The machine itself, or, with settings or a table of tools, a revision of it that has them.
 async fn changed(client: &Client, machine: &str, inputs: &Inputs) -> Result<String, Error> {
     let folder = machine_folder::is_folder(machine);
-    let (name, files) = match (inputs.on.set.as_slice(), folder) {
+    // Warnings are options of the job.
+    let of_machine = |setting: &&Setting| !matches!(setting, Setting::Warning(..));
+    let set: Vec<Setting> = inputs.on.set.iter().filter(of_machine).cloned().collect();
+    let (name, files) = match (set.as_slice(), folder) {
         ([], false) => (machine.to_owned(), pack::Files::default()),
         ([], true) => machine_folder::machine(Path::new(machine))?,
         (set, _) => changed_machine::machine(machine, set)?,
@@ -206,6 +209,8 @@ pub(crate) async fn submit_pack(
             } as i32,
             limits: limits(inputs),
             lint,
+            warnings_off: settings::warnings(&inputs.on.set, false),
+            warnings_on: settings::warnings(&inputs.on.set, true),
         }),
         ..request
     };

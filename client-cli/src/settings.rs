@@ -3,10 +3,13 @@
 use std::ops::RangeInclusive;
 use std::str::FromStr;
 
+use counterpoint_kernel::diag;
+
 /// The keys with their values.
 const KEYS: &str = "waits=FIRST-LAST (M codes that are waiting codes, for example waits=900-999), numbers=increments (coordinates \
-                    without a decimal point count least increments), system=A, B or C (G-code system of a lathe) and \
-                    shared=FIRST-LAST (common variables that all channels share, for example shared=500-549)";
+                    without a decimal point count least increments), system=A, B or C (G-code system of a lathe), \
+                    shared=FIRST-LAST (common variables that all channels share, for example shared=500-549) and \
+                    warn.NUMBER=off or on (a warning by its number or word)";
 
 /// Highest number of a common variable.
 const HIGHEST_VARIABLE: u32 = 999_999;
@@ -25,13 +28,15 @@ pub(crate) enum Setting {
     System(char),
     /// Common variables that all channels share.
     Shared(u32, u32),
+    /// A warning by its number, switched off or on.
+    Warning(u32, bool),
 }
 
 impl Setting {
     /// The line of `[control]` for this setting, and the suffix of the machine's name.
     pub(crate) fn of_control(&self) -> Option<(String, String)> {
         match self {
-            Self::Waits(_) | Self::Shared(..) => None,
+            Self::Waits(_) | Self::Shared(..) | Self::Warning(..) => None,
             Self::Increments => Some(("numbers = \"increments\"".to_owned(), "-inc".to_owned())),
             Self::System(letter) => {
                 Some((format!("system = \"{letter}\""), format!("-{}", letter.to_ascii_lowercase())))
@@ -82,16 +87,50 @@ impl FromStr for Setting {
                 "C" | "c" => Ok(Self::System('C')),
                 other => Err(format!("'{other}' is not a G-code system: give {KEYS}")),
             },
-            other => Err(format!("no such key '{other}': the keys are {KEYS}")),
+            other => match other.strip_prefix("warn.") {
+                Some(warning) => self::warning(warning.trim(), value.trim()),
+                None => Err(format!("no such key '{other}': the keys are {KEYS}")),
+            },
         }
     }
+}
+
+/// `warn.2900680=off`, `warn.feed-above-rates=off`.
+fn warning(name: &str, value: &str) -> Result<Setting, String> {
+    let on = match value {
+        "on" => true,
+        "off" => false,
+        other => return Err(format!("'{other}' is not a switch of a warning: give on or off")),
+    };
+    let number = name.parse().ok().or_else(|| diag::number(&name.to_lowercase()));
+    let Some(number) = number else {
+        return Err(format!("'{name}' is not a warning: give its number or its word, such as feed-above-rates"));
+    };
+    match diag::severity(number) {
+        Some(severity) if severity >= 8 => {
+            let word = diag::name(number).unwrap_or_default();
+            Err(format!("{number} ({word}) is an error: only warnings and messages can be switched"))
+        }
+        _ => Ok(Setting::Warning(number, on)),
+    }
+}
+
+/// The warnings that are switched off, or on; the last setting of a number counts.
+pub(crate) fn warnings(settings: &[Setting], on: bool) -> Vec<u32> {
+    let mut last: std::collections::BTreeMap<u32, bool> = std::collections::BTreeMap::new();
+    for setting in settings {
+        if let Setting::Warning(number, on) = setting {
+            last.insert(*number, *on);
+        }
+    }
+    last.into_iter().filter(|(_, own)| *own == on).map(|(number, _)| number).collect()
 }
 
 /// The waiting codes that a guess looks for, if they differ from those of the machines.
 pub(crate) fn waits(settings: &[Setting]) -> Option<RangeInclusive<u32>> {
     let range = |setting: &Setting| match setting {
         Setting::Waits(range) => Some(range.clone()),
-        Setting::Increments | Setting::System(_) | Setting::Shared(..) => None,
+        _ => None,
     };
     settings.iter().rev().find_map(range)
 }
@@ -109,6 +148,10 @@ mod tests {
         assert_eq!("shared=500-549".parse(), Ok(Setting::Shared(500, 549)));
         assert_eq!("shared=#100-#100".parse(), Ok(Setting::Shared(100, 100)));
         assert_eq!(waits(&[Setting::Waits(900..=999), Setting::Increments]), Some(900..=999));
+        assert_eq!("warn.2900680=off".parse(), Ok(Setting::Warning(2_900_680, false)));
+        assert_eq!("warn.feed-above-rates=on".parse(), Ok(Setting::Warning(2_900_680, true)));
+        let both = [Setting::Warning(1, false), Setting::Warning(2, false), Setting::Warning(1, true)];
+        assert_eq!((warnings(&both, false), warnings(&both, true)), (vec![2], vec![1]));
         for (text, with) in [
             ("waits", "a value is missing"),
             ("waits=900", "'900' is not a range"),
@@ -119,6 +162,9 @@ mod tests {
             ("shared=600-500", "is not a range of common variables"),
             ("numbers=inches", "'inches' is not a way to count numbers"),
             ("system=D", "'D' is not a G-code system"),
+            ("warn.2900680=maybe", "is not a switch"),
+            ("warn.feed-above=off", "'feed-above' is not a warning"),
+            ("warn.2900320=off", "2900320 (unknown-code) is an error"),
             ("rapids=1", "no such key 'rapids': the keys are waits="),
         ] {
             let error = text.parse::<Setting>().unwrap_err();

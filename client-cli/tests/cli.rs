@@ -394,6 +394,26 @@ fn waiting_codes_are_set_for_one_run() {
 }
 
 #[test]
+fn a_warning_is_switched_off_for_one_run() {
+    let folder = tempfile::tempdir().unwrap();
+    let part = program(folder.path(), "part.nc", "O1\nM3 S1000\nG1 X10. F80000\nM30\n");
+    let run = |more: &[&str]| {
+        let output = counterpoint(&[&["run", "--machine", "fanuc-mill", "--strict", &part], more].concat());
+        (code(&output), String::from_utf8_lossy(&[output.stdout, output.stderr].concat()).into_owned())
+    };
+    let (ended, text) = run(&[]);
+    assert!(ended == 1 && text.contains("2900680"), "{text}");
+    for key in ["warn.2900680=off", "warn.feed-above-rates=off"] {
+        let (ended, text) = run(&["--set", key]);
+        assert!(ended == 0 && !text.contains("2900680"), "{key}: {text}");
+    }
+    let (ended, text) = run(&["--set", "warn.2900680=off", "--set", "warn.2900680=on"]);
+    assert!(ended == 1 && text.contains("2900680"), "{text}");
+    let (ended, text) = run(&["--set", "warn.2900320=off"]);
+    assert!(ended == 2 && text.contains("is an error: only warnings"), "{text}");
+}
+
+#[test]
 fn warnings_are_counted_and_strict_makes_them_an_error() {
     let folder = tempfile::tempdir().unwrap();
     let clean = program(folder.path(), "clean.nc", "O1\nG0 X1.\nM30\n");

@@ -97,7 +97,8 @@ pub(crate) struct On {
     pub(crate) machine: Option<String>,
     /// Set a datum of the machine for this run (repeat for several): `waits=900-999`, the M codes that are waiting codes;
     /// `numbers=increments`, coordinates without a decimal point count least increments; `system=B`, the G codes of a lathe
-    /// (A, B or C); `shared=500-549`, common variables that all channels share
+    /// (A, B or C); `shared=500-549`, common variables that all channels share; `warn.2900680=off`, a warning by number or
+    /// word, off or on
     #[arg(long, value_name = "KEY=VALUE")]
     pub(crate) set: Vec<Setting>,
     /// Take tools, tool offsets and work offsets from this table: TOML rows as in a machine definition, or a CSV file with a

@@ -258,6 +258,13 @@ pub fn name(number: u32) -> Option<&'static str> {
     own.or_else(|| TABLE.iter().find(|row| row.number.0 == number).map(|row| row.name))
 }
 
+/// The severity of a diagnostic unless the machine changes it.
+#[must_use]
+pub fn severity(number: u32) -> Option<u8> {
+    let own = ALL.iter().find(|facts| facts.number == number).map(|facts| facts.severity);
+    own.or_else(|| TABLE.iter().find(|row| row.number.0 == number).map(|row| row.severity))
+}
+
 /// The number that a word stands for.
 #[must_use]
 pub fn number(name: &str) -> Option<u32> {

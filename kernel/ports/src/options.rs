@@ -38,6 +38,12 @@ pub struct Options {
     /// What follows when two channels reach one shared variable in an order that only timing decides.
     #[serde(skip_serializing_if = "Races::is_off")]
     pub races: Races,
+    /// Numbers of warnings and messages that are not reported; alarms and errors stay.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub warnings_off: Vec<u32>,
+    /// Numbers of warnings and messages that are reported even if the machine switches them off.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub warnings_on: Vec<u32>,
     /// How moves at feed are timed.
     #[serde(skip_serializing_if = "TimeModel::is_full")]
     pub time: TimeModel,

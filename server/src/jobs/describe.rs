@@ -135,6 +135,8 @@ pub(crate) fn options(record: &Record) -> v1::JobOptions {
         stepped,
         lint,
         races,
+        warnings_off,
+        warnings_on,
         time,
         limits,
     } = record.options.clone();
@@ -187,6 +189,8 @@ pub(crate) fn options(record: &Record) -> v1::JobOptions {
             TimeModel::Full => v1::TimeModel::Unspecified,
             TimeModel::Simple => v1::TimeModel::Simple,
         } as i32,
+        warnings_off,
+        warnings_on,
     }
 }
 

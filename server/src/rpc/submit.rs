@@ -4,6 +4,7 @@
 
 use std::collections::BTreeMap;
 
+use counterpoint_kernel::diag;
 use counterpoint_kernel::dialog::answers::{Answer, Value};
 use counterpoint_kernel::job::Program;
 use counterpoint_kernel::machine::signs;
@@ -207,6 +208,7 @@ pub(super) fn small<T: TryFrom<u64>>(field: &str, value: u64, min: u64, max: u64
 /// Options but for the limits.
 fn options(options: v1::JobOptions) -> Result<Options, Refusal> {
     let opskip = options.opskip.iter().map(|&level| small("options.opskip", u64::from(level), 0, 9));
+    let [warnings_off, warnings_on] = warnings(options.warnings_off, options.warnings_on)?;
     let ignore = options.ignore_waits.iter().map(|&c| small("options.ignore_waits", u64::from(c), 1, 9999));
     Ok(Options {
         opskip: opskip.collect::<Result<_, _>>()?,
@@ -230,8 +232,28 @@ fn options(options: v1::JobOptions) -> Result<Options, Refusal> {
             Err(_) => return Err(Refusal::field("options.time", "is not a value of TimeModel")),
         },
         threads: small("options.threads", u64::from(options.threads), 0, 1024)?,
+        warnings_off,
+        warnings_on,
         limits: Limits::default(),
     })
+}
+
+/// Warnings that are switched off and on; the numbers of errors are refused. Numbers of the machine's own are not known here.
+fn warnings(off: Vec<u32>, on: Vec<u32>) -> Result<[Vec<u32>; 2], Refusal> {
+    const MOST: usize = 1000;
+    let is_error = |number: &u32| diag::severity(*number).is_some_and(|severity| severity >= 8);
+    for (field, numbers) in [("options.warnings_off", &off), ("options.warnings_on", &on)] {
+        if numbers.len() > MOST {
+            return Err(Refusal::field(field, format!("has more than {MOST} numbers")));
+        }
+        if let Some(number) = numbers.iter().find(|number| is_error(number)) {
+            return Err(Refusal::field(field, format!("{number} is an error, which a job cannot switch")));
+        }
+    }
+    if let Some(number) = off.iter().find(|number| on.contains(number)) {
+        return Err(Refusal::field("options.warnings_off", format!("{number} is also in warnings_on")));
+    }
+    Ok([off, on])
 }
 
 /// An answer from the wire.
@@ -353,6 +375,18 @@ fn path_is_clean(path: &str) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn only_warnings_are_switched_and_only_one_way() {
+        let asked = |off: &[u32], on: &[u32]| {
+            let wire = v1::JobOptions { warnings_off: off.to_vec(), warnings_on: on.to_vec(), ..Default::default() };
+            options(wire).map(|options| (options.warnings_off, options.warnings_on)).ok()
+        };
+        assert_eq!(asked(&[2_900_680], &[2_900_682]), Some((vec![2_900_680], vec![2_900_682])));
+        assert_eq!(asked(&[77], &[]), Some((vec![77], Vec::new())), "a number of the machine's own");
+        assert_eq!(asked(&[2_900_320], &[]), None, "an error");
+        assert_eq!(asked(&[2_900_680], &[2_900_680]), None);
+    }
 
     #[test]
     fn the_digest_of_a_content_covers_what_was_sent_and_nothing_else() {

@@ -5,6 +5,9 @@
 use super::Kernel;
 use counterpoint_machine::macros::model::Hook;
 
+/// Severity from which a diagnostic is an error, which a job cannot switch off.
+const ERROR: u8 = 8;
+
 impl Kernel<'_> {
     /// Severity and text of a diagnostic on this machine; an alarm is never lost.
     pub(crate) fn customised(
@@ -13,6 +16,12 @@ impl Kernel<'_> {
         (severity, alarm): (u8, bool),
         text: String,
     ) -> Option<(u8, String)> {
+        let off = !alarm && self.channel.env.options.warnings_off.contains(&number);
+        self.by_machine(number, (severity, alarm), text).filter(|(severity, _)| !off || *severity >= ERROR)
+    }
+
+    /// The same by the rules of the machine, but for numbers that the job switches on.
+    fn by_machine(&mut self, number: u32, (severity, alarm): (u8, bool), text: String) -> Option<(u8, String)> {
         let table = &self.channel.env.machine.diagnostics;
         if table.is_plain() {
             return Some((severity, text));
@@ -25,7 +34,8 @@ impl Kernel<'_> {
             0
         };
         let kept = alarm.then(|| (severity, text.clone()));
-        let on = self.macros.diagnostics.severities.get(&number).is_some_and(|(_, on)| *on);
+        let by_macro = self.macros.diagnostics.severities.get(&number).is_some_and(|(_, on)| *on);
+        let on = by_macro || self.channel.env.options.warnings_on.contains(&number);
         // The diagnostic macro sees numbers that are off too.
         let seen = on || self.hook(Hook::Diagnostic).is_some();
         if seen && let Some(rule) = table.rule(number).filter(|rule| !rule.enable) {
