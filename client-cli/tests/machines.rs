@@ -316,3 +316,69 @@ fn changes_are_limited_to_a_part_filtered_and_sorted() {
     let (code, _, err) = counterpoint(&["machine", "show", "fanuc-mill", "--changed", "--sort", "foo"]);
     assert!(code == 2 && err.contains("no column 'foo'") && err.contains("file"), "{err}");
 }
+
+#[test]
+fn a_code_lists_the_words_that_it_reads_on_this_machine() {
+    let reads = |word: &str, machine: &str| {
+        let (_, value) = explained(word, machine);
+        let rows = value["words"][0]["codes"][0]["reads"].as_array().unwrap().clone();
+        let row =
+            |row: &Value| (row["register"].as_str().unwrap_or("-").to_owned(), row["id"].as_str().unwrap().to_owned());
+        rows.iter().map(row).collect::<Vec<_>>()
+    };
+    let has = |rows: &[(String, String)], letter: &str| rows.iter().any(|(own, _)| own == letter);
+    // A tap has steps and a dwell, but neither the shift I, J of boring nor the rotary axes of other mills.
+    let tap = reads("G84", "fanuc-mill");
+    assert!(has(&tap, "Q") && has(&tap, "P") && has(&tap, "R"), "{tap:?}");
+    assert!(!has(&tap, "I") && !has(&tap, "J") && !has(&tap, "A") && !has(&tap, "B"), "{tap:?}");
+    assert!(!tap.iter().any(|(_, id)| id == "REG_CYCLE_BOTTOM" || id.starts_with("REG_CYCLE_BORE")), "{tap:?}");
+    let bore = reads("G76", "fanuc-mill");
+    assert!(bore.contains(&("Q".to_owned(), "REG_CYCLE_BORE_JOG".to_owned())), "{bore:?}");
+    assert!(has(&reads("G1", "fanuc-mill-4axis"), "A") && !has(&reads("G1", "fanuc-lathe"), "Y"));
+    // G10 and G65 have no rows of data of their own, or none at all.
+    let set = reads("G10", "fanuc-mill");
+    assert!(["L", "P", "R", "X"].iter().all(|letter| has(&set, letter)), "{set:?}");
+    let (_, value) = explained("G65", "fanuc-mill");
+    let words = value["words"][0]["words"].as_array().unwrap();
+    let of = |letter: &str| words.iter().find(|row| row["word"] == letter).map(|row| row["meaning"].as_str().unwrap());
+    assert_eq!((of("D"), of("Z")), (Some("argument, local variable #7"), Some("argument, local variable #26")));
+    // The two blocks of G76 of Fanuc lathes: P and Q have two meanings.
+    let (_, value) = explained("G76", "fanuc-lathe");
+    let rows = value["words"][0]["codes"][0]["reads"].as_array().unwrap().clone();
+    let block = |register: &str, id: &str| {
+        let row = rows.iter().find(|row| row["register"] == register && row["id"] == id).unwrap();
+        row["block"].as_str().unwrap_or("-").to_owned()
+    };
+    assert_eq!(block("P", "REG_THREAD_MULTI_PWORD"), "without X and Z");
+    assert_eq!(block("P", "REG_THREAD_MULTI_HEIGHT_X"), "with X or Z");
+    assert_eq!(block("Q", "REG_THREAD_MULTI_STEP_MIN"), "without X and Z");
+}
+
+#[test]
+fn explanations_say_what_a_reader_needs() {
+    let text = |words: &[&str], machine: &str| {
+        let (_, out, _) = counterpoint(&[&["explain"], words, &["--machine", machine]].concat());
+        out
+    };
+    for (words, machine, parts) in [
+        (
+            &["T0101"][..],
+            "fanuc-lathe",
+            &["the last 2 digits are the number of the offset: T0203 is tool 2 with offset 3"][..],
+        ),
+        (&["T"], "fanuc-mill", &["  T0-T99999999  CODE_TOOL_SELECT"]),
+        (&["TOOL", "CALL"], "heidenhain-mill", &["  TOOL CALL 0 to 32767  CODE_TOOL_LOAD"]),
+        (&["CYCL", "DEF", "200"], "heidenhain-mill", &["//ICAMFS/200.h:1", "Drilling", "reads Q200", "Q202"]),
+        (&["G12"], "haas-mill", &["calls O99000012", "//ICAMFS/O99000012.nc:1"]),
+        (&["#500"], "haas-mill", &["; programs may set it"]),
+        (&["#5021"], "haas-mill", &["; read only"]),
+        (&["G187"], "haas-mill", &["CODE_IGNORE: ignored by the machine"]),
+    ] {
+        let out = text(words, machine);
+        assert!(parts.iter().all(|part| out.contains(part)), "{parts:?} in {out}");
+    }
+    // After M98 only the refusals of M98 are listed, not those of P beside G4 or G10.
+    let out = text(&["M98", "P"], "fanuc-mill");
+    assert!(!out.contains("P of a dwell") && !out.contains("G10 has a value"), "{out}");
+    assert!(text(&["P"], "fanuc-mill").contains("P of a dwell"));
+}

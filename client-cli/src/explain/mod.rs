@@ -2,6 +2,7 @@
 //!
 //! *Invariant:* the text is made from the data that `--json` prints.
 
+mod arguments;
 mod code;
 mod components;
 mod elsewhere;
@@ -165,7 +166,8 @@ impl Subject {
                 known |= add("register", self.register(&found, before));
             }
             known |= add("called", json!(self.called(asked)));
-            known |= add("programs", json!(programs::stored(machine, asked)));
+            known |= add("programs", json!(programs::of_word(machine, asked, &self.called_numbers(asked))));
+            known |= add("words", json!(arguments::of(machine, asked)));
             known |= add("rows", json!(self.rows(asked)));
             known |= add("diagnostic", self.diagnostic(asked));
             add("edited", self.edited(asked));
@@ -214,7 +216,7 @@ impl Subject {
         let rows: Vec<Value> = rows.collect();
         match found.register {
             Some((id, _)) => {
-                let mut value = register::register(machine, id);
+                let mut value = register::register(machine, id, before);
                 value.set("data", json!(rows));
                 value.set("codes", json!(code::of_register(machine, id)));
                 value
@@ -253,6 +255,16 @@ impl Subject {
         let row = self.definition.rows.iter().find(|row| row.section == "system_variables" && row.name == first);
         found.set("defined", json!(row.map(|row| row.place.as_str())));
         found
+    }
+
+    /// Numbers of the programs that the word calls.
+    fn called_numbers(&self, asked: &str) -> Vec<u32> {
+        let Some(Found { register: Some((register, Some(value))), .. }) = words::register_of(&self.machine, asked)
+        else {
+            return Vec::new();
+        };
+        let calls = self.machine.subprograms.calls.iter().filter(|call| call.register == register);
+        calls.filter_map(|call| call.program_of(register, value)).collect()
     }
 
     /// Rows of `[[subprograms.calls]]` that contain the word.

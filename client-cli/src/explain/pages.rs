@@ -46,8 +46,28 @@ fn section(preprocessor: &str) -> &'static str {
 }
 
 fn add(found: &mut Vec<Value>, page: &str, text: &str, word: &str) {
-    let lines = text.lines().filter(|line| (line.starts_with('|') || line.starts_with("* ")) && names(line, word));
-    found.extend(lines.take(MOST).map(|line| json!({ "page": page, "text": plain(line) })));
+    let rows = rows_of(text).into_iter().filter(|row| names(row, word));
+    found.extend(rows.take(MOST).map(|row| json!({ "page": page, "text": plain(&row) })));
+}
+
+/// Rows of tables, and items of lists with the lines that continue them.
+fn rows_of(text: &str) -> Vec<String> {
+    let mut rows: Vec<String> = Vec::new();
+    let mut inside = false;
+    for line in text.lines() {
+        if line.starts_with('|') || line.starts_with("* ") {
+            inside = line.starts_with("* ");
+            rows.push(line.to_owned());
+        } else if inside && line.starts_with("  ") {
+            if let Some(row) = rows.last_mut() {
+                row.push(' ');
+                row.push_str(line.trim());
+            }
+        } else {
+            inside = false;
+        }
+    }
+    rows
 }
 
 /// Whether the line has the word as a whole word.
@@ -67,10 +87,11 @@ fn plain(line: &str) -> String {
     let cells = line.trim_start_matches("* ").trim().trim_matches('|').split('|').map(str::trim);
     let text = cells.filter(|cell| !cell.is_empty()).collect::<Vec<_>>().join(": ").replace('`', "");
     let text = crate::macros::without_links(&text);
-    match text.char_indices().nth(LONGEST) {
-        Some((end, _)) => format!("{} …", text.get(..end).unwrap_or_default()),
-        None => text,
-    }
+    let Some((end, _)) = text.char_indices().nth(LONGEST) else { return text };
+    // Up to the end of a sentence or a part of it, or else of a word.
+    let start = text.get(..end).unwrap_or_default();
+    let end = [". ", "; ", " "].iter().find_map(|end| start.rfind(end).filter(|at| *at > LONGEST / 2));
+    format!("{} …", start.get(..end.unwrap_or(start.len())).unwrap_or_default().trim_end_matches([';', '.']))
 }
 
 #[cfg(test)]
@@ -90,6 +111,10 @@ mod tests {
             assert_eq!(names(line, word), is, "{line}");
         }
         assert_eq!(plain("| `SETMS`, `SETMS(n)` | [of](a.md) a spindle |"), "SETMS, SETMS(n): of a spindle");
+        let items = rows_of("* one is\n  long\n* two\n\n  other\n| a | b |\n  c\n");
+        assert_eq!(items, ["* one is long", "* two", "| a | b |"]);
+        let long = format!("* {}. {}", "a word ".repeat(45).trim(), "another ".repeat(20));
+        assert!(plain(&long).ends_with("a word …"), "{}", plain(&long));
         assert!(section("siemens").contains("SETMS") && section("none").is_empty());
     }
 }

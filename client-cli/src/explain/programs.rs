@@ -6,8 +6,40 @@ use counterpoint_kernel::machine::Machine;
 use counterpoint_kernel::machine::stored::StoredFile;
 use serde_json::{Value, json};
 
+use super::arguments::LETTERS;
+
 /// Beginning of the line with the parameters of a program.
 const HEAD: &str = "PROC ";
+
+/// Stored programs of a word: of its name, of a cycle that it defines (`CYCL DEF 200`), or those that it calls.
+pub(super) fn of_word(machine: &Machine, word: &str, called: &[u32]) -> Vec<Value> {
+    let upper = word.to_uppercase();
+    let cycle =
+        upper.strip_prefix("CYCL DEF ").map(str::trim).filter(|number| number.bytes().all(|b| b.is_ascii_digit()));
+    let mut all = stored(machine, cycle.unwrap_or(word));
+    for number in called {
+        all.extend(stored(machine, &format!("O{number:04}")));
+    }
+    all
+}
+
+/// The parameters that the text of a program reads: Q parameters from 200 on, or the arguments of a macro by their letters.
+fn parameters(path: &str, text: &str) -> Vec<String> {
+    let mut found: Vec<String> = Vec::new();
+    let heidenhain = path.to_lowercase().ends_with(".h");
+    let sign = if heidenhain { 'Q' } else { '#' };
+    for (at, _) in text.match_indices(sign) {
+        let digits: String = text.get(at + 1..).unwrap_or_default().chars().take_while(char::is_ascii_digit).collect();
+        let Ok(number) = digits.parse::<u32>() else { continue };
+        let name = match heidenhain {
+            true => (200..400).contains(&number).then(|| format!("Q{number}")),
+            false => LETTERS.iter().find(|(_, of)| *of == number).map(|(letter, _)| letter.to_string()),
+        };
+        found.extend(name.filter(|name| !found.contains(name)));
+    }
+    found.sort();
+    found
+}
 
 /// Stored programs of this name; text after a bracket is arguments.
 pub(super) fn stored(machine: &Machine, word: &str) -> Vec<Value> {
@@ -21,7 +53,8 @@ pub(super) fn stored(machine: &Machine, word: &str) -> Vec<Value> {
         // The first sentence of the remark at the beginning.
         let remark: Vec<&str> = text.lines().map_while(|line| line.trim().strip_prefix(';')).map(str::trim).collect();
         let comment = remark.join(" ").split_once(". ").map(|(first, _)| first.to_owned());
-        json!({ "path": format!("//ICAMFS/{}", file.path), "line": line, "head": head, "about": comment })
+        let read = if head.is_none() { parameters(&file.path, &text) } else { Vec::new() };
+        json!({ "parameters": read, "path": format!("//ICAMFS/{}", file.path), "line": line, "head": head, "about": comment })
     };
     own.map(row).collect()
 }

@@ -4,7 +4,7 @@
 
 use counterpoint_kernel::machine::Machine;
 use counterpoint_kernel::machine::ident::{meaning, takes};
-use counterpoint_kernel::machine::index::{DataRowId, RegisterId};
+use counterpoint_kernel::machine::index::{CodeRowId, DataRowId, RegisterId};
 use counterpoint_kernel::machine::rows::{Excess, Point, Register, Zeros};
 use counterpoint_kernel::machine::show;
 use serde_json::{Value, json};
@@ -33,13 +33,13 @@ pub(super) fn data(machine: &Machine, id: DataRowId) -> Value {
     value
 }
 
-/// A register with its number format.
-pub(super) fn register(machine: &Machine, id: RegisterId) -> Value {
+/// A register with its number format, and the refusals of its words beside the codes.
+pub(super) fn register(machine: &Machine, id: RegisterId, codes: &[CodeRowId]) -> Value {
     let register = &machine.registers[id];
     let mut value = show::register_json(register);
     if let Value::Object(value) = &mut value {
         value.insert("number".to_owned(), json!(number(register)));
-        let refusals = code::refusals(machine, |rule| code::looks_at(rule, id));
+        let refusals = code::refusals(machine, |rule| code::looks_at(machine, rule, id, codes));
         value.insert("refusals".to_owned(), json!(refusals));
     }
     value

@@ -53,7 +53,7 @@ fn one(out: &mut String, word: &Value) {
         register(out, word.at("register"));
     }
     if let variable @ Value::Object(_) = word.at("variable") {
-        let write = if variable.at("write") == true { "" } else { ", read only" };
+        let write = if variable.at("write") == true { "; programs may set it" } else { "; read only" };
         let range = variable.at("range");
         let _ = writeln!(out, "\nvariable: {}{write}", of(variable.at("means")));
         let _ = writeln!(out, "  of #{} to #{}{}", range.at("first"), range.at("last"), defined(variable));
@@ -64,6 +64,16 @@ fn one(out: &mut String, word: &Value) {
         [program.at("about"), program.at("head")].into_iter().filter(|text| text.is_string()).for_each(|text| {
             line(out, &format!("  {}", of(text)));
         });
+        let parameters = list(program.at("parameters"), " ", usize::MAX);
+        if !parameters.is_empty() {
+            line(out, &format!("  reads {parameters}"));
+        }
+    }
+    let words: Vec<Vec<String>> =
+        rows(word.at("words")).map(|row| vec![of(row.at("word")), of(row.at("meaning"))]).collect();
+    if !words.is_empty() {
+        out.push_str("\nwords that the call reads\n");
+        out.push_str(&table(&words, 2));
     }
     for row in rows(word.at("rows")) {
         line(out, &format!("\nrow of {}: {}{}", of(row.at("section")), of(row.at("text")), defined(row)));
@@ -115,6 +125,9 @@ fn code(out: &mut String, row: &Value) {
     if row.at("as_data").is_string() {
         line("value", format!("becomes {}", of(row.at("as_data"))));
     }
+    if let Some(digits) = row.at("tool_digits").as_u64() {
+        line("digits", tool_digits(digits));
+    }
     let off = [("enable", "the row is switched off"), ("process", "the word is ignored")];
     let off: Vec<&str> = off.into_iter().filter(|(key, _)| row.at(key) == false).map(|(_, text)| text).collect();
     line("note", off.join(", "));
@@ -134,6 +147,13 @@ fn code(out: &mut String, row: &Value) {
         out.push_str(&data(&reads));
     }
     refusals(out, row.at("refusals"));
+}
+
+/// `the last 2 digits are the number of the offset: T0203 is tool 2 with offset 3`.
+fn tool_digits(digits: u64) -> String {
+    let width = usize::try_from(digits).unwrap_or(2).min(8);
+    let which = if digits == 1 { "digit is".to_owned() } else { format!("{digits} digits are") };
+    format!("the last {which} the number of the offset: T{:0width$}{:0width$} is tool 2 with offset 3", 2, 3)
 }
 
 fn group(row: &Value) -> String {
@@ -157,10 +177,11 @@ fn register(out: &mut String, register: &Value) {
         let second = register.at("second").as_str().map(|name| format!(", {name} for increments")).unwrap_or_default();
         let _ = writeln!(out, "\nregister {}: {}{second}", of(register.at("name")), of(register.at("number")));
         let codes: Vec<&Value> = rows(register.at("codes")).collect();
-        for code in codes.iter().take(LISTED) {
+        let cells = codes.iter().take(LISTED).map(|code| {
             let meaning = code.at("meaning").as_str().map(|meaning| format!(": {meaning}")).unwrap_or_default();
-            let _ = writeln!(out, "  {:<10}{}{meaning}", of(code.at("word")), of(code.at("id")));
-        }
+            vec![of(code.at("word")), format!("{}{meaning}", of(code.at("id")))]
+        });
+        out.push_str(&table(&cells.collect::<Vec<_>>(), 2));
         if codes.len() > LISTED {
             let more = codes.len() - LISTED;
             let _ = writeln!(out, "  and {more} more codes: `counterpoint machine show NAME codes` lists them");
@@ -178,7 +199,13 @@ fn register(out: &mut String, register: &Value) {
 /// Data rows as a table.
 fn data(rows: &[&Value]) -> String {
     let head = ["word", "data", "meaning", "number", "unit", "limits", "scaling", "defined"];
-    let mut cells = vec![head.map(str::to_owned).to_vec()];
+    let mut head = head.map(str::to_owned).to_vec();
+    let blocks = rows.iter().any(|row| row.at("block").is_string());
+    if blocks {
+        head.insert(2, "block".to_owned());
+    }
+    let columns = head.len();
+    let mut cells = vec![head];
     cells.extend(rows.iter().map(|row| {
         let limits = match (row.at("min"), row.at("max")) {
             (Value::Null, Value::Null) => "-".to_owned(),
@@ -187,7 +214,7 @@ fn data(rows: &[&Value]) -> String {
         let mul = row.at("mul").as_f64().filter(|mul| *mul != 1.0).map(|mul| format!("*{mul}")).unwrap_or_default();
         let add = row.at("add").as_f64().filter(|add| *add != 0.0).map(|add| format!("{add:+}")).unwrap_or_default();
         let scaling = format!("{mul}{add}");
-        vec![
+        let mut line = vec![
             dash(&of(row.at("register"))),
             of(row.at("id")),
             of(row.at("meaning")),
@@ -196,9 +223,13 @@ fn data(rows: &[&Value]) -> String {
             limits,
             dash(&scaling),
             place(row),
-        ]
+        ];
+        if blocks {
+            line.insert(2, dash(&of(row.at("block"))));
+        }
+        line
     }));
-    table(&cells, head.len())
+    table(&cells, columns)
 }
 
 fn macros(out: &mut String, macros: &Value) {

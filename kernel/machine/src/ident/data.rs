@@ -246,8 +246,8 @@ data! {
     CALSUB_SEQUENCE true true Plain, None => "sequence number of the same program that a call begins at (Fanuc M98 Q)";
     GOHOME_NTH true true Plain, None => "number of the reference point (Fanuc G30 P)";
     FUNCTION true true Plain, None => "number of a machine function";
-    CYCLE_STEP true true Plain, Length => "named by the variable pages, missing in the annex";
-    CYCLE_STEP_DECR true true Plain, Length => "named by the variable pages, missing in the annex";
+    CYCLE_STEP true true Plain, Length => "depth of a step of a cycle (Fanuc G73, G83 Q)";
+    CYCLE_STEP_DECR true true Plain, Length => "by how much each step is smaller than the one before (Haas G83 J)";
     CYCLE_STEP_OUT true true Plain, Length => "depth between full retracts of a cycle that breaks chips (Okuma G83 J, G183 L)";
     CYCLE_STEP_MIN true true Plain, Length => "smallest step under a decrement (Haas G73 and G83 K)";
     CYCLE_REPEAT true true Plain, None => "how often a cycle is carried out (Fanuc K or L)";

@@ -7,6 +7,7 @@ use counterpoint_event::event::Direction;
 use counterpoint_motion::frame::local::Part;
 
 use super::kind::CodeKind;
+use super::kind::cycle::{HoleCycle, Out, Steps};
 use super::kind::local::Change;
 use super::kind::plane::Tilt;
 use super::kind::thread::{Setting, ThreadCycle};
@@ -21,8 +22,24 @@ const ARC: &str = "REG_FEED_UPM REG_FEED_UPR REG_AXIS_* REG_ARC_CENTER_* REG_ARC
 /// Words that define a circle to come.
 const DEFINITION: &str = "REG_ARC_CENTER_* REG_ARC_RADIUS";
 
-/// Words of drilling cycles.
+/// Words of drilling cycles whose kind the block says.
 const CYCLE: &str = "REG_FEED_UPM REG_FEED_UPR REG_CYCLE_* REG_AXIS_*";
+
+/// Words of all drilling cycles.
+const EVERY_CYCLE: &str = "REG_FEED_UPM REG_FEED_UPR REG_CYCLE_UPM REG_CYCLE_UPR REG_CYCLE_TPU REG_CYCLE_CLEAR REG_CYCLE_DEPTH_* REG_CYCLE_RETRACT REG_CYCLE_REPEAT REG_AXIS_*";
+
+/// Words of drilling cycles of some kinds.
+const OF_KINDS: [(fn(HoleCycle) -> bool, &str); 8] = [
+    (HoleCycle::dwells, "REG_CYCLE_DWELL"),
+    (|kind| kind.steps() != Steps::None, "REG_CYCLE_STEP REG_CYCLE_STEP_DECR REG_CYCLE_STEP_MIN REG_CYCLE_STEP_BACK"),
+    (|kind| kind.steps() == Steps::Small, "REG_CYCLE_STEP_OUT"),
+    // Under rigid tapping the step makes pecks.
+    (|kind| kind.taps() && kind.steps() == Steps::None, "REG_CYCLE_STEP"),
+    (HoleCycle::taps, "REG_CYCLE_TAP_TYPE REG_CYCLE_RIGID_ORIENT"),
+    (|kind| kind.out() == Out::Oriented, "REG_CYCLE_ORIENT REG_CYCLE_BORE_*"),
+    (HoleCycle::bores_back, "REG_CYCLE_BOTTOM"),
+    (HoleCycle::has_webs, "REG_CYCLE_WEB_* REG_CYCLE_STEP_BACK"),
+];
 
 /// Words of waits.
 const WAIT: &str = "REG_SYNC REG_SYNC_*";
@@ -116,6 +133,7 @@ const OWN: &[(&[CodeId], &str)] = &[
     ),
     (&[codes::FIGURE_TURN], "REG_CALSUB_ID REG_CALSUB_REPEAT REG_LCS_ROT_CENTER_* REG_LCS_ROT_ANGLE"),
     (&[codes::FIGURE_SHIFT], "REG_CALSUB_ID REG_CALSUB_REPEAT REG_ARC_CENTER_*"),
+    (&[codes::OFFSET_SET], "REG_OFFSET_* REG_AXIS_*"),
     (&[codes::STORED_LIMIT_ON], "REG_STORED_LIMIT_*"),
     (&[codes::DISPLY], "the text of the message"),
     (&[codes::COMMENT], "the text of the comment"),
@@ -133,7 +151,7 @@ fn taken(id: CodeId) -> &'static str {
             "REG_THREAD_MULTI_* REG_THREAD_CHAMFER_* REG_INTERP_THREAD_PITCH REG_INTERP_THREAD_ANGLE REG_AXIS_*"
         }
         CodeKind::ThreadSetting(Setting::Chamfer(_)) => "REG_THREAD_CHAMFER_*",
-        CodeKind::Cycle(_) => CYCLE,
+        CodeKind::Cycle(_) => EVERY_CYCLE,
         CodeKind::Turning(_) => "REG_TURN_* REG_FEED_UPM REG_FEED_UPR REG_AXIS_*",
         CodeKind::Local(Part::Mirror, _) => "REG_AXIS_*",
         CodeKind::Local(Part::Translate, Change::On | Change::Add) => "REG_LCS_TRANS_*",
@@ -163,7 +181,15 @@ pub fn data_of(code: &str) -> Vec<&'static str> {
         return Vec::new();
     };
     let list = taken(id);
-    if list.starts_with("the ") { vec![list] } else { list.split_whitespace().collect() }
+    if list.starts_with("the ") {
+        return vec![list];
+    }
+    let mut all: Vec<&str> = list.split_whitespace().collect();
+    if let CodeKind::Cycle(kind) = id.kind() {
+        let own = OF_KINDS.iter().filter(|(has, _)| has(kind));
+        all.extend(own.flat_map(|(_, list)| list.split_whitespace()));
+    }
+    all
 }
 
 /// Codes whose actions take this data.
@@ -200,6 +226,17 @@ mod tests {
         assert_eq!(data_of("CODE_DELAY"), ["REG_DELAY"]);
         assert_eq!(data_of("CODE_DELAY_REV"), ["REG_DELAY_REV"]);
         assert!(data_of("CODE_CYCLE_OFF").is_empty() && data_of("CODE_STOP").is_empty());
+        let has = |code: &str, data: &str| data_of(code).iter().any(|pattern| fits(pattern, data));
+        for (data, codes, others) in [
+            ("REG_CYCLE_BORE_JOG", "CODE_CYCLE_BORE_ORIENT CODE_CYCLE_BORE_BACK", "CODE_CYCLE_TAP CODE_CYCLE_DRILL"),
+            ("REG_CYCLE_BOTTOM", "CODE_CYCLE_BORE_BACK", "CODE_CYCLE_TAP CODE_CYCLE_DEEP"),
+            ("REG_CYCLE_STEP", "CODE_CYCLE_DEEP CODE_CYCLE_BRKCHP CODE_CYCLE_TAP", "CODE_CYCLE_DRILL CODE_CYCLE_BORE"),
+            ("REG_CYCLE_DWELL", "CODE_CYCLE_TAP CODE_CYCLE_DRILL_DWELL", "CODE_CYCLE_DRILL"),
+            ("REG_CYCLE_CLEAR", "CODE_CYCLE_TAP CODE_CYCLE_DRILL CODE_CYCLE_ON", "CODE_CYCLE_OFF"),
+        ] {
+            assert!(codes.split(' ').all(|code| has(code, data)), "{data}: {codes}");
+            assert!(!others.split(' ').any(|code| has(code, data)), "{data}: not {others}");
+        }
         assert_eq!(codes_of("REG_TOOL"), ["CODE_TOOL_LOAD", "CODE_TOOL_SELECT"]);
     }
 }
