@@ -26,6 +26,8 @@ pub struct Refusal {
     pub all: u128,
     /// None of these registers is on the block, bit by register.
     pub without: u128,
+    /// One of these codes is on the block too; empty: any block.
+    pub together: Vec<Written>,
     /// None of these codes is on the block.
     pub unless: Vec<Written>,
     /// One of these codes is active when the block begins, and the block makes no other of its group active.

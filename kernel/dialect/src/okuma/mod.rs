@@ -298,6 +298,10 @@ impl Interpreter for Okuma {
         self.call_modally(host);
     }
 
+    fn on_end(&mut self, host: &mut dyn Host) {
+        self.report_open_modal(host, None);
+    }
+
     fn variable(&mut self, host: &mut dyn Host, name: &str, indices: &[f64]) -> Result<Option<Value>, Halt> {
         let value = match Self::named(name, indices) {
             Some(Variable::Local(name)) => self.store.local(name),

@@ -213,8 +213,17 @@ impl Okuma {
     /// Modal calls of programs that have ended are over.
     pub(super) fn end_modal(&mut self, host: &mut dyn Host) {
         let level = host.level();
+        self.report_open_modal(host, Some(level));
         self.modal.retain(|modal| modal.level <= level);
         host.calls_modally(!self.modal.is_empty());
+    }
+
+    /// Programs above this level, or all of them, have ended: each cancels its own modal calls.
+    pub(super) fn report_open_modal(&self, host: &mut dyn Host, level: Option<usize>) {
+        if self.modal.iter().any(|modal| level.is_none_or(|level| modal.level > level)) {
+            let text = format!("the program ends in '{}' with a MODIN that no MODOUT has cancelled", host.block_text());
+            host.diagnose(&diag::MODAL_CALL_OPEN, text);
+        }
     }
 
     /// A block has moved.

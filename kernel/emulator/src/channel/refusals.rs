@@ -229,6 +229,11 @@ impl Kernel<'_> {
             return false;
         }
         let mut written = self.channel.block.pending.iter().filter(|pending| !pending.modal);
+        let mut others =
+            self.channel.block.pending.iter().filter(|pending| !pending.modal && Some(*pending) != trigger);
+        if !rule.together.is_empty() && !others.any(|other| rule.together.iter().any(|c| self.is_written(c, other))) {
+            return false;
+        }
         if !rule.unless.is_empty() && written.any(|pending| rule.unless.iter().any(|c| self.is_written(c, pending))) {
             return false;
         }

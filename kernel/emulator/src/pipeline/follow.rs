@@ -51,7 +51,13 @@ impl Kernel<'_> {
             Some(Pending::Strip(strip)) => (self.plan.actions.strip)(self, &strip),
             Some(Pending::DataBlocks) => self.pass_data_blocks(),
             Some(Pending::Return(target)) => self.return_from(target),
-            Some(Pending::End(stop)) => Err(Halt::ProgramEnd(Some(stop))),
+            Some(Pending::End(stop)) => {
+                if self.flow.modal_text {
+                    self.with_interpreter(|interpreter, kernel| interpreter.on_end(kernel));
+                    self.channel.check_stop()?;
+                }
+                Err(Halt::ProgramEnd(Some(stop)))
+            }
         }?;
         match self.flow.pending {
             // Said by a macro around the call.

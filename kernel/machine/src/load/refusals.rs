@@ -14,9 +14,9 @@ use crate::toml::section::Section;
 const MOST: usize = 1000;
 
 /// Keys of a row that is switched off: it only takes away that of the family.
-const KEYS: [&str; 18] = [
+const KEYS: [&str; 19] = [
     "alarm", "name", "text", "codes", "implied", "with", "all", "without", "active", "inactive", "register", "min",
-    "max", "whole", "point", "most", "zero", "unless",
+    "max", "whole", "point", "most", "zero", "unless", "together",
 ];
 
 /// Reads the rows in file order.
@@ -50,7 +50,7 @@ fn read_row(row: &mut Section<'_>, names: &Names<'_>, codes: &[CodeRow]) -> Opti
     let alarm = row.name("alarm", 32).map(str::to_owned);
     let name = row.name("name", 80).map(str::to_owned).or_else(|| alarm.clone());
     let text = row.name("text", 200).map(str::to_owned);
-    let [on, unless] = ["codes", "unless"].map(|key| {
+    let [on, together, unless] = ["codes", "together", "unless"].map(|key| {
         let listed = row.texts(key).unwrap_or_default();
         listed.into_iter().filter_map(|(name, place)| written(name, place, row, names)).collect::<Vec<_>>()
     });
@@ -68,10 +68,11 @@ fn read_row(row: &mut Section<'_>, names: &Names<'_>, codes: &[CodeRow]) -> Opti
     if on.is_empty() && word.is_none() && row.place_of("codes") == row.place() {
         names.check.error(row.place(), "[[refusals]] needs `codes` or `register`: what it looks for on a block");
     }
-    let says = with != 0 || all != 0 || without != 0 || !active.is_empty() || !inactive.is_empty() || word.is_some();
+    let states = !active.is_empty() || !inactive.is_empty() || !together.is_empty();
+    let says = with != 0 || all != 0 || without != 0 || states || word.is_some();
     if !says {
-        let text = "[[refusals]] would refuse every block of these codes: it needs `with`, `all`, `without`, `active`, \
-                    `inactive` or `register`";
+        let text = "[[refusals]] would refuse every block of these codes: it needs `with`, `all`, `without`, `together`, \
+                    `active`, `inactive` or `register`";
         names.check.error(row.place(), text);
     }
     Some(Refusal {
@@ -83,6 +84,7 @@ fn read_row(row: &mut Section<'_>, names: &Names<'_>, codes: &[CodeRow]) -> Opti
         with,
         all,
         without,
+        together,
         unless,
         active,
         inactive,
