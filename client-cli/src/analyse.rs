@@ -62,7 +62,7 @@ pub(crate) async fn analyse(arguments: Analyse) -> Result<u8, Error> {
     } else {
         say::data(shown(&summary, analysis, &what_if).as_bytes())?;
     }
-    Ok(0)
+    Ok(u8::from(summary.state != State::Succeeded))
 }
 
 /// The name of the argument in messages.

@@ -131,6 +131,55 @@ fn what_decides_the_cycle_time_is_analysed() {
 
 /// Both turrets reach #100, and nothing orders them.
 #[test]
+fn an_analysis_of_a_failed_job_ends_with_an_error() {
+    let folder = tempfile::tempdir().unwrap();
+    let upper = program(folder.path(), "upper.nc", "O1\nG0 X10.\nM101\nM30\n");
+    let lower = program(folder.path(), "lower.nc", "O2\nG0 X10.\nM102\nM30\n");
+    let out = folder.path().join("out").display().to_string();
+    assert_eq!(code(&counterpoint(&["run", "--machine", "fanuc-2path-lathe", &upper, &lower, "--out", &out])), 1);
+    let output = counterpoint(&["analyse", &out]);
+    let text = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert!(code(&output) == 1 && text.starts_with("FAILED"), "{text}");
+    let output = counterpoint(&["analyse", &out, "--json"]);
+    let value: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!((code(&output), value["state"].as_str()), (1, Some("FAILED")));
+}
+
+#[test]
+fn impossible_measurements_are_doubted() {
+    let folder = tempfile::tempdir().unwrap();
+    let part = program(folder.path(), "part.nc", "G0 X100. Y0. Z0.\nG1 X200. F1000\nG0 Z10.\nM30\n");
+    let measured = program(folder.path(), "times.csv", "line,seconds\n2,1000\n3,2000\n");
+    let run = |measured: &str| {
+        let output = counterpoint(&["calibrate", "--machine", "fanuc-mill", "--measured", measured, &part]);
+        (code(&output), String::from_utf8_lossy(&output.stderr).into_owned())
+    };
+    let (ended, status) = run(&measured);
+    assert!(
+        ended == 0 && status.contains("warning: line 2: 1000.000 s were measured, but the machine takes 6."),
+        "{status}"
+    );
+    let plausible = program(folder.path(), "good.csv", "line,seconds\n2,6.01\n3,0.09\n");
+    assert!(!run(&plausible).1.contains("warning"), "{}", run(&plausible).1);
+}
+
+#[test]
+fn lint_continues_after_a_missing_program_and_a_guess_names_a_waiting_code() {
+    let folder = tempfile::tempdir().unwrap();
+    let part = program(folder.path(), "part.nc", "O1\nM98 P77\nG65 P88\nM98 P99\nM30\n");
+    let output = counterpoint(&["lint", "--machine", "fanuc-mill", &part]);
+    let text = String::from_utf8_lossy(&output.stdout).into_owned();
+    for number in [77, 88, 99] {
+        assert!(code(&output) == 1 && text.contains(&format!("{number} not found")), "{number}: {text}");
+    }
+    let upper = program(folder.path(), "upper.nc", "O1\nM900\nM30\n");
+    let lower = program(folder.path(), "lower.nc", "O2\nM900\nM30\n");
+    let output = counterpoint(&["run", &upper, &lower]);
+    let text = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(code(&output) == 2 && text.contains("--set waits=900-999 if M900 is a waiting code"), "{text}");
+}
+
+#[test]
 fn races_are_analysed() {
     let folder = tempfile::tempdir().unwrap();
     let upper = program(folder.path(), "upper.nc", "O1\nG4 P1000\n#100=1\nM30\n");

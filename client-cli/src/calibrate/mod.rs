@@ -74,6 +74,9 @@ pub(crate) fn calibrate(arguments: &Calibrate) -> Result<u8, Error> {
     } else {
         say::data(report::text(machine, &calibration, arguments.verbose).as_bytes())?;
     }
+    for doubt in report::doubts(machine, &calibration) {
+        say::status_line(format_args!("warning: {doubt}"));
+    }
     if let Some(folder) = &arguments.out {
         write(folder, &arguments.machine, machine, &calibration)?;
     }

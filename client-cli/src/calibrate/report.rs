@@ -44,6 +44,30 @@ fn number(value: f64) -> String {
     if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
 }
 
+/// Factor between two values from which the measured times are doubtful.
+const DOUBTFUL: f64 = 10.0;
+
+/// Values and lines that no machine explains: data that would change by a factor of ten, and lines whose times still differ by that
+/// factor and by more than a second.
+pub(super) fn doubts(machine: &Machine, calibration: &Calibration) -> Vec<String> {
+    let far = |a: f64, b: f64| a > 0.0 && b > 0.0 && (a / b).max(b / a) >= DOUBTFUL;
+    let mut all = Vec::new();
+    for Fitted { datum, before, after, .. } in &calibration.data {
+        if let Some(before) = before.filter(|before| far(*before, *after)) {
+            let (before, after) = (number(before), number(*after));
+            all.push(format!("{} would be {after} instead of {before}: check the measured times", datum.name(machine)));
+        }
+    }
+    for (line, [measured, _, after]) in &calibration.lines {
+        if far(*measured, *after) && (measured - after).abs() > 1.0 {
+            all.push(format!(
+                "line {line}: {measured:.3} s were measured, but the machine takes {after:.3} s: no datum explains the difference"
+            ));
+        }
+    }
+    all
+}
+
 /// The report for people.
 pub(super) fn text(machine: &Machine, calibration: &Calibration, all: bool) -> String {
     let [before, after] = [1, 2].map(|which| Quality::of(calibration, which));
@@ -106,6 +130,7 @@ pub(super) fn json(machine: &Machine, calibration: &Calibration) -> Result<Strin
         "after": quality(2),
         "data": data.collect::<Vec<_>>(),
         "lines": lines.collect::<Vec<_>>(),
+        "warnings": doubts(machine, calibration),
     });
     let text = serde_json::to_string_pretty(&all).map_err(|error| Error::Usage(error.to_string()))?;
     Ok(text + "\n")

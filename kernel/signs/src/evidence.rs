@@ -30,6 +30,36 @@ pub struct Program {
     pub part: bool,
 }
 
+/// The lowest M code of three or more digits that all programs have outside round brackets.
+pub(crate) fn common_m_code(programs: &[Program]) -> Option<u32> {
+    let mut all = programs.iter().map(|program| m_codes(&program.content));
+    let mut common = all.next()?;
+    for other in all {
+        common.retain(|code| other.contains(code));
+    }
+    common.into_iter().min()
+}
+
+fn m_codes(text: &[u8]) -> Vec<u32> {
+    let (mut found, mut inside, mut before) = (Vec::new(), false, b' ');
+    for (at, &byte) in text.iter().enumerate() {
+        match byte {
+            b'(' => inside = true,
+            b')' | b'\n' => inside = false,
+            b'M' | b'm' if !inside && !before.is_ascii_alphabetic() => {
+                let rest = text.get(at + 1..).unwrap_or_default();
+                let digits = rest.iter().take_while(|byte| byte.is_ascii_digit()).count();
+                let number =
+                    rest.get(..digits).and_then(|digits| std::str::from_utf8(digits).ok()?.parse::<u32>().ok());
+                found.extend(number.filter(|number| (3..=8).contains(&digits) && *number >= 100));
+            }
+            _ => {}
+        }
+        before = byte;
+    }
+    found
+}
+
 /// Where a sign was found first.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Found {

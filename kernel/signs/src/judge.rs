@@ -7,7 +7,7 @@
 use std::ops::RangeInclusive;
 
 use super::controls::{Control, decide};
-use super::evidence::{Evidence, Program, Shown};
+use super::evidence::{self, Evidence, Program, Shown};
 use super::pattern::Pattern;
 use super::{Candidate, Guess};
 
@@ -229,8 +229,12 @@ impl<'c> Judge<'c> {
             )));
         }
         if several && machine.waits.is_empty() {
+            let hint = evidence::common_m_code(self.programs).map_or_else(String::new, |code| {
+                let first = code / 100 * 100;
+                format!(", or add --set waits={first}-{} if M{code} is a waiting code", first + 99)
+            });
             return Err(self.for_control(&format!(
-                "the {channels} programs never wait for each other, so they may be {channels} jobs: run them one by one"
+                "the {channels} programs never wait for each other, so they may be {channels} jobs: run them one by one{hint}"
             )));
         }
         // Programs that wait for each other are not one job for one channel of a machine of the same kind.

@@ -88,6 +88,20 @@ impl Kernel<'_> {
         if self.ports.control.cancelled() { Halt::Stopped } else { halt }
     }
 
+    /// A call does not find its program. A program that is only judged continues after the call, unless other channels may wait
+    /// in the missing program.
+    #[cold]
+    pub(crate) fn program_missing(&mut self, text: String) -> Acted {
+        let stopping = self.channel.reports.alarms.stopping;
+        let alarm = self.alarm(&diag::SUBPROGRAM_MISSING, text);
+        let channels = self.channel.env.info.channels.iter().filter(|channel| !channel.program.is_empty()).count();
+        if self.channel.env.options.lint && channels == 1 {
+            self.channel.reports.alarms.stopping = stopping;
+            return Ok(());
+        }
+        Err(alarm)
+    }
+
     /// Logs an alarm that leaves nothing to continue with.
     pub(crate) fn fatal(&mut self, facts: &Facts, text: impl Into<String>) -> Halt {
         self.diagnose(facts, text);

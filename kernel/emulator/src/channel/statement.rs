@@ -156,7 +156,7 @@ impl Kernel<'_> {
         }
         let Some((file, range)) = found else {
             let text = format!("subprogram {name} not found, called in '{}'", self.block_text());
-            return Err(self.alarm(&diag::SUBPROGRAM_MISSING, text));
+            return self.program_missing(text);
         };
         let repeats = passes.saturating_sub(1);
         self.enter(Frame { repeats, closes, called, ..Frame::main(file, range, (*name).into()) });

@@ -217,7 +217,7 @@ impl Walk<'_, '_> {
         let Called { name, place, passes } = called;
         let Some((file, range)) = place else {
             let text = format!("subprogram {name} not found, called in '{}'", self.kernel.block_text());
-            return Err(self.kernel.alarm(&diag::SUBPROGRAM_MISSING, text));
+            return self.kernel.program_missing(text);
         };
         let Some(passes) = passes else {
             return match self.meets_in_program(file, range)? {

@@ -96,7 +96,7 @@ impl Kernel<'_> {
         }
         let Some((file, range)) = found else {
             let text = format!("{what} not found, called in '{}'; {}", self.block_text(), self.places(&what));
-            return Err(self.alarm(&diag::SUBPROGRAM_MISSING, text));
+            return self.program_missing(text);
         };
         self.report_heading(file, range);
         self.report_twice(file, range);
@@ -161,7 +161,7 @@ impl Kernel<'_> {
         }
         let Some((file, range)) = found else {
             let text = format!("{what} is not in the file, called in '{}'", self.block_text());
-            return Err(self.alarm(&diag::SUBPROGRAM_MISSING, text));
+            return self.program_missing(text);
         };
         let repeats = passes.saturating_sub(1);
         let text = Frame::main(file, range, self.name_of(&what));

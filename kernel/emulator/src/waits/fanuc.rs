@@ -46,10 +46,17 @@ pub(super) fn participants(said: Said, form: PathsForm, all: Set) -> Result<(Opt
             Err(reason) => Err(format!("{ILLEGAL}: {reason}")),
         },
         None if all.count() == 2 => Ok((None, all)),
-        None => Err(format!(
-            "{ILLEGAL}: a wait without P is possible with two channels only, this machine has {}",
-            all.count()
-        )),
+        None => {
+            let count = all.count();
+            let list: String = match form {
+                PathsForm::Bits => (0..count.min(31)).map(|at| 1_u64 << at).sum::<u64>().to_string(),
+                _ => (1..=count).map(|number| (number % 10).to_string()).collect(),
+            };
+            Err(format!(
+                "{ILLEGAL}: a wait without P is possible with two channels only, this machine has {count}; P{list} waits for all \
+                 of them"
+            ))
+        }
     }
 }
 

@@ -96,6 +96,13 @@ fn warn(written: &str, row: &CodeRow, other: &CodeRow, check: &Check) {
         true => format!("which has the same order {} and comes first", row.order),
         false => format!("whose order {} is less than {}, so that this one never acts", other.order, row.order),
     };
-    let text = format!("{written} overlaps the row at {}:{}, {why}", other.file, other.line);
+    // A row of a family is replaced, or switched off, by a row with its identifier and word.
+    let inherited = other.file != row.file;
+    let hint = if inherited {
+        "; a row with the `id` and word of that row replaces it, or switches it off with `enable = false`"
+    } else {
+        ""
+    };
+    let text = format!("{written} overlaps the row at {}:{}, {why}{hint}", other.file, other.line);
     check.warning(&Place { file: row.file.as_str().into(), line: row.line, column: 1 }, text);
 }

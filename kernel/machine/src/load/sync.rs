@@ -52,7 +52,7 @@ pub(super) fn read(
         waits,
     };
     let Some(mut section) = top.table("sync", "[sync]") else {
-        let meets = |row: &&CodeRow| row.enable && (MARKS.contains(&row.id) || is_together(row, channels));
+        let meets = |row: &&CodeRow| row.enable && (MARKS.contains(&row.id) || is_together(row, channels, top.place()));
         for row in rows.iter().filter(meets) {
             if !sync.waits.iter().any(|wait| wait.is_of(&row.form)) {
                 let place = Place { file: row.file.as_str().into(), line: row.line, column: 1 };
@@ -120,7 +120,9 @@ fn check_words(section: &Section<'_>, sync: &Sync, channels: &[Channel], rows: &
         check.warning(section.place_of("dialect"), text);
     }
     if sync.dialect == SyncDialect::None {
-        let idle = |row: &&CodeRow| row.enable && !own(row) && (MARKS.contains(&row.id) || is_together(row, channels));
+        let place = section.place_of("dialect");
+        let meets = |row: &CodeRow| MARKS.contains(&row.id) || is_together(row, channels, place);
+        let idle = |row: &&CodeRow| row.enable && !own(row) && meets(row);
         if let Some(row) = rows.iter().find(idle) {
             let name = ident::code_facts(row.id).map_or("CODE_SYNC_REG", |facts| facts.name);
             let text = format!("{name} has a word, but `dialect` is \"none\": the word will do nothing");
@@ -129,7 +131,8 @@ fn check_words(section: &Section<'_>, sync: &Sync, channels: &[Channel], rows: &
     }
 }
 
-/// Whether channels meet at the code of a row, on a machine with several.
-fn is_together(row: &CodeRow, channels: &[Channel]) -> bool {
-    channels.len() > 1 && row.form != CodeForm::NotApplicable && TOGETHER.contains(&row.id)
+/// Whether channels meet at the code of a row of the same file, on a machine with several. A family may have such rows for others.
+fn is_together(row: &CodeRow, channels: &[Channel], place: &Place) -> bool {
+    let own = row.file == *place.file && row.form != CodeForm::NotApplicable;
+    own && channels.len() > 1 && TOGETHER.contains(&row.id)
 }

@@ -207,6 +207,8 @@ fn what_cannot_be_guessed_is_refused() {
     refused(&[("a", "M30"), ("b", "M30"), ("c", "M30"), ("d", "M30")], "4 channels");
     // Programs that never wait for each other are two jobs.
     refused(&[("a.nc", "O1\nT0101\nM30\n"), ("b.nc", "O2\nT0202\nM30\n")], "never wait for each other");
+    let waits = ("O1\nT0101\n(M950)\nM910\nM900\nM30\n", "O2\nT0202\nM900\nM950\nM30\n");
+    refused(&[("a.nc", waits.0), ("b.nc", waits.1)], "or add --set waits=900-999 if M900 is a waiting code");
     refused(&[("a.mpf", "G96 S200\n"), ("b.mpf", "G96 S200\n")], "never wait for each other");
     // Controls that no machine has.
     refused(&[("p.gcode", ";FLAVOR:Marlin\nG28\nG1 X10 Y10 Z0.3 F3000 E0\nG1 X50 E2\n")], "a 3D printer");

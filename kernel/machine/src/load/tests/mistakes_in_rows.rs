@@ -496,6 +496,18 @@ as_data = "REG_SYNC""#
     );
     assert_eq!(
         after(
+            r#"[[channels]]
+number = 3
+axes = []
+[sync]
+[[codes]]
+id = "CODE_BALANCE_ON"
+word = "G168""#
+        ),
+        [r#"4:1: warning: CODE_BALANCE_ON has a word, but `dialect` is "none": the word will do nothing"#]
+    );
+    assert_eq!(
+        after(
             r#"[[codes]]
 id = "CODE_STOP"
 word = "M10-M20"
