@@ -66,6 +66,8 @@ pub struct Habits {
     pub scaled_center: bool,
     /// Whether a preset ends the local shift of its axes.
     pub preset_ends_shift: bool,
+    /// Whether each work offset has a local shift of its own.
+    pub shift_of_each: bool,
     /// Whether a code of extended work offsets without a number selects the first offset.
     pub first_extended: bool,
     /// Limits of the working area count in all directions of all axes unless the program says otherwise.
@@ -188,6 +190,7 @@ impl Default for Habits {
             feed_needs_spindle: false,
             scaled_center: false,
             preset_ends_shift: false,
+            shift_of_each: false,
             first_extended: false,
             work_area: false,
             stored_limits: StoredLimits::default(),

@@ -34,7 +34,8 @@ pub(super) fn extended(act: &mut Act<'_, '_>) -> Acted {
     };
     let number = number_of(range.unwrap_or(1), register);
     act.missing_work_offset(number);
-    act.state.place.in_force.work_offset = number;
+    let before = std::mem::replace(&mut act.state.place.in_force.work_offset, number);
+    super::local::exchange_shifts(act, before, number);
     let text = match range {
         Some(range) => format!("comp extfixt n={range},{register}"),
         None => format!("comp extfixt n={register}"),

@@ -102,7 +102,8 @@ pub(super) fn work_offset(act: &mut Act<'_, '_>) -> Acted {
     let number = act.take(data::COMP_WORKP).map_or(1.0, |d| d.value);
     let number = if (1.0..=999.0).contains(&number) { number as u32 } else { 0 };
     act.missing_work_offset(number);
-    act.state.place.in_force.work_offset = number;
+    let before = std::mem::replace(&mut act.state.place.in_force.work_offset, number);
+    super::local::exchange_shifts(act, before, number);
     act.emit(0, Kind::mode(format!("comp workp n={number}")));
     act.reframe();
     Ok(())

@@ -96,6 +96,32 @@ pub(super) fn end_shift(act: &mut Act<'_, '_>, coded: u8) {
     act.frames_changed();
 }
 
+/// Another work offset is active: where each has its own shift, that of the old one is kept.
+pub(super) fn exchange_shifts(act: &mut Act<'_, '_>, old: u32, new: u32) {
+    let [old, new] = [old, new].map(|number| number.max(1));
+    if !act.env.machine.habits.shift_of_each || old == new || act.state.place.frames.is_none() {
+        return;
+    }
+    let frames = act.frames();
+    let local = frames.local.part(Part::Translate).copied();
+    let beside = frames.beside.as_deref().and_then(|beside| beside.part(Part::Translate)).copied();
+    let mut kept = frames.shifts.take().unwrap_or_default();
+    let (next, next_beside) = kept.remove(&new).unwrap_or_default();
+    if local.is_some() || beside.is_some() {
+        kept.insert(old, (local, beside));
+    }
+    frames.shifts = Some(kept).filter(|kept| !kept.is_empty());
+    if (local, beside) == (next, next_beside) {
+        return;
+    }
+    if let Err(refused) = put(act, Part::Translate, Change::On, Given { local: next, beside: next_beside }) {
+        refuse(act, refused);
+    }
+    act.frames_changed();
+    let text = act.frame_text();
+    act.emit(0, Kind::mode(text));
+}
+
 /// X is mirrored for tools on the other side of the turning axis: halfway between both turrets.
 fn opposite(act: &mut Act<'_, '_>, on: bool) -> Acted {
     let has = act.state.place.has_axes();

@@ -78,6 +78,8 @@ pub(super) fn read(top: &mut Section<'_>, preprocessor: Preprocessor) -> (Habits
     habits.first_extended = section.choice("extended_without_number", &numbers).unwrap_or(habits.first_extended);
     let presets = [("stays", false), ("ends", true)];
     habits.preset_ends_shift = section.choice("shift_at_preset", &presets).unwrap_or(habits.preset_ends_shift);
+    let shifted = [("all", false), ("each", true)];
+    habits.shift_of_each = section.choice("shifted_offsets", &shifted).unwrap_or(habits.shift_of_each);
     habits.work_area = section.flag("work_area").unwrap_or(habits.work_area);
     let sides = [("inside", Forbidden::Inside), ("outside", Forbidden::Outside)];
     if let Some(mut limits) = section.table("stored_limits", "[control.stored_limits]") {

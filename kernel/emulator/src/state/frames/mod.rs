@@ -32,8 +32,9 @@ pub(crate) mod words;
 
 use counterpoint_machine::index::{AxisSlot, BySlot};
 use counterpoint_motion::frame::affine::{Affine, Point};
-use counterpoint_motion::frame::beside::{Beside, Line, SAME};
-use counterpoint_motion::frame::local::{Local, Refused};
+use counterpoint_motion::frame::beside::{Beside, Line, Lines, SAME};
+use counterpoint_motion::frame::local::{Local, Programmed, Refused};
+use std::collections::BTreeMap;
 
 use super::channel::Channel;
 use super::position::Place;
@@ -71,9 +72,14 @@ pub(crate) struct Frames {
     pub(crate) feeds: feeds::Feeds,
     /// What incremental words travel beside their distance, by axis.
     pub(crate) ways: Option<Box<Position>>,
+    /// Local shifts of work offsets that are not active.
+    pub(crate) shifts: Option<Box<BTreeMap<u32, Shift>>>,
     /// The last point that the program reached: in the work frame, and as programmed.
     reached: Option<[Position; 2]>,
 }
+
+/// A local shift: of X, Y and Z, and of the axes beside them.
+pub(crate) type Shift = (Option<Programmed>, Option<Lines>);
 
 impl Frames {
     /// Nothing is active any more.
@@ -89,6 +95,7 @@ impl Frames {
             && self.rounding.is_none()
             && self.feeds == feeds::Feeds::default()
             && self.ways.is_none()
+            && self.shifts.is_none()
     }
 
     /// A local frame is programmed and not switched off.
