@@ -52,28 +52,6 @@ fn leading_digits(mut number: i64, mut text: &[u8]) -> (i64, &[u8]) {
     (number, text)
 }
 
-/// The same for digits after a point, of which most numbers have a few: fewer than eight are read at once.
-#[inline(always)]
-fn following_digits(number: i64, text: &[u8]) -> (i64, &[u8]) {
-    if let Some(&chunk) = text.first_chunk::<8>() {
-        let values = u64::from_le_bytes(chunk) ^ 0x3030_3030_3030_3030;
-        // A byte that is no digit has its highest bit, or gets it from this sum.
-        let others = (values.wrapping_add(0x7676_7676_7676_7676) | values) & 0x8080_8080_8080_8080;
-        let digits = (others.trailing_zeros() / 8) as usize;
-        if let (Some(step), Some((_, rest))) = (STEPS.get(digits), text.split_at_checked(digits))
-            && digits < 8
-        {
-            // The first digit is the lowest byte. Zeros come before the digits, and all else falls off.
-            let padded = (values << 8) << (56 - 8 * digits);
-            let pairs = padded.wrapping_mul(10 * (1 << 8) + 1) >> 8 & 0x00ff_00ff_00ff_00ff;
-            let fours = pairs.wrapping_mul(100 * (1 << 16) + 1) >> 16 & 0x0000_ffff_0000_ffff;
-            let value = fours.wrapping_mul(10_000 * (1 << 32) + 1) >> 32;
-            return (number.wrapping_mul(*step).wrapping_add(value as i64), rest);
-        }
-    }
-    leading_digits(number, text)
-}
-
 /// The characters of a number: `[+-]digits[.digits]`.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Digits<'a> {
@@ -102,7 +80,7 @@ pub(super) fn parse_digits(line: &[u8], at: usize) -> Option<(Digits<'_>, usize)
     let whole = text.len() - after.len();
     let (mantissa, fraction, point, length) = match after {
         [b'.', decimals @ ..] => {
-            let (mantissa, after) = following_digits(mantissa, decimals);
+            let (mantissa, after) = leading_digits(mantissa, decimals);
             let fraction = decimals.len() - after.len();
             (mantissa, fraction, true, whole + 1 + fraction)
         }
@@ -265,21 +243,6 @@ mod tests {
         }
         for text in ["", "-", ".", "+.", "X", "e5"] {
             assert!(parse_number(text.as_bytes(), 0).is_none(), "{text}");
-        }
-    }
-
-    #[test]
-    fn digits_after_a_point_are_read_as_one_by_one() {
-        // Every byte ends the digits, but for those of digits; the bytes after it do not count.
-        for end in 0..=u8::MAX {
-            for digits in 0..=9 {
-                let mut text = b"987654321"[..digits].to_vec();
-                text.push(end);
-                for rest in [&b""[..], b"5X7Y9Z8", b"\x80\xff\x00\x7f\xb0\xca\x89"] {
-                    let text = [&text[..], rest].concat();
-                    assert_eq!(following_digits(12, &text), leading_digits(12, &text), "{text:?}");
-                }
-            }
         }
     }
 
