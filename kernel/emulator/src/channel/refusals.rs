@@ -7,7 +7,7 @@ use super::Kernel;
 use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
 use counterpoint_machine::Machine;
-use counterpoint_machine::ident::codes;
+use counterpoint_machine::ident::{CodeId, codes};
 use counterpoint_machine::index::{CodeRowId, RegisterId, Table};
 use counterpoint_machine::refusals::{Active, Refusal, WordRule, Written};
 use counterpoint_machine::rows::CodeRow;
@@ -25,6 +25,8 @@ pub(crate) struct Refusals {
     registers: u128,
     /// Rules that count while taps are rigid only, bit by rule: most of them look at every move.
     rigid: u64,
+    /// The same while the path is on a face or a cylinder: they look at every circle and rapid move.
+    wrapped: u64,
     /// What each of the first 63 rules wants of the words of a block.
     words: Vec<Words>,
 }
@@ -82,10 +84,12 @@ impl Refusals {
             free.entries().filter(|(_, rules)| **rules != 0).fold(0, |bits, (register, _)| bits | register.bit());
         let rows = machine.codes.map(|_, row| looks(row));
         let words = machine.diagnostics.refusals.iter().take(63).map(Words::of).collect();
-        let while_rigid =
-            |rule: &Refusal| !rule.active.is_empty() && rule.active.iter().all(|state| state.id == codes::RIGID_ON);
-        let rigid = rules(&while_rigid) & !bit(63);
-        Some(Box::new(Self { rows, free, registers, rigid, words }))
+        let only_while = |of: &[CodeId]| {
+            rules(&|rule| !rule.active.is_empty() && rule.active.iter().all(|state| of.contains(&state.id))) & !bit(63)
+        };
+        let rigid = only_while(&[codes::RIGID_ON]);
+        let wrapped = only_while(&[codes::C2P_CART_ON, codes::CYLINDER_ON]);
+        Some(Box::new(Self { rows, free, registers, rigid, wrapped, words }))
     }
 
     /// Registers of the block, bit by register, and the rules without codes that look for them.
@@ -134,7 +138,11 @@ impl Kernel<'_> {
         let Some(refusals) = self.plan.rules.refusals.as_deref() else { return Ok(()) };
         let looked = |pending: &PendingCode| refusals.rows[pending.row];
         let rules = self.channel.block.pending.iter().fold(0, |bits, pending| bits | looked(pending));
-        let asleep = if self.channel.state.cycle.rigid == 0.0 { refusals.rigid } else { 0 };
+        let mut asleep = if self.channel.state.cycle.rigid == 0.0 { refusals.rigid } else { 0 };
+        // A macro of the machine may make such a code its own.
+        if self.channel.state.place.frames.is_none() && self.plan.hooks.is_none() {
+            asleep |= refusals.wrapped;
+        }
         let rules = rules & !asleep;
         if rules != 0 || self.channel.block.present & refusals.registers != 0 {
             let (words, free) = refusals.looked_for(&self.channel.block);

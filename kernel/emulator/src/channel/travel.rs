@@ -75,27 +75,31 @@ impl Kernel<'_> {
     fn is_within_travel(&self, at: &Position) -> bool {
         let place = &self.channel.state.place;
         let [low, high] = &place.layout.bounds.travel;
-        at.iter().zip(&place.shift).zip(low).zip(high).fold(true, |within, (((at, shift), low), high)| {
+        let limited = low.iter().zip(high).zip(at).zip(&place.shift).take(place.layout.bounds.count);
+        limited.fold(true, |within, (((low, high), at), shift)| {
             let at = at + shift;
             within & (at >= *low) & (at <= *high)
         })
     }
 
-    /// Whether a square about a circle is within the limits of travel.
+    /// Whether a square about a circle is within the limits of travel, and its end.
+    #[inline]
     fn circle_stays_within_travel(&self, motion: &Motion) -> bool {
-        let layout = &self.channel.state.place.layout;
-        let ([mut low, mut high], mut reach) = ([motion.to; 2], 0.0);
-        let sides = || motion.plane_axes.into_iter().map(|axis| layout.axes.id(usize::from(axis))).zip(motion.center);
-        for (axis, center) in sides() {
-            let Some(axis) = axis else { return false };
-            // A radius is at most the sum of its parts, and a diameter twice that.
-            reach += 2.0 * ((motion.from.at(axis) - center).abs() + (motion.to.at(axis) - center).abs());
-        }
-        for (axis, center) in sides() {
-            let Some(axis) = axis else { return false };
-            (*low.at_mut(axis), *high.at_mut(axis)) = (center - reach, center + reach);
-        }
-        self.is_within_travel(&motion.to) && self.is_within_travel(&low) && self.is_within_travel(&high)
+        let place = &self.channel.state.place;
+        let [first, second] = motion.plane_axes.map(|axis| place.layout.axes.id(usize::from(axis)));
+        let (Some(first), Some(second)) = (first, second) else { return false };
+        let reach = |axis: AxisSlot, center: f64| {
+            (motion.from.at(axis) - center).abs().max((motion.to.at(axis) - center).abs())
+        };
+        // A radius is at most the sum of its parts, and a diameter twice that.
+        let [one, other] = motion.center;
+        let reach = 2.0 * (reach(first, one) + reach(second, other));
+        let [low, high] = &place.layout.bounds.travel;
+        let swings_within = |axis: AxisSlot, center: f64| {
+            let center = center + place.shift.at(axis);
+            (center - reach >= low.at(axis)) & (center + reach <= high.at(axis))
+        };
+        swings_within(first, one) && swings_within(second, other) && self.is_within_travel(&motion.to)
     }
 
     #[cold]

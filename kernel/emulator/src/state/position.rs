@@ -36,6 +36,8 @@ pub(crate) struct Axis {
 pub(crate) struct Bounds {
     /// One of them has limits of travel.
     pub(crate) limited: bool,
+    /// Axes from the first to the last that has limits.
+    pub(crate) count: usize,
     /// The lower and the upper limits in the machine frame; infinite for axes without limits.
     pub(crate) travel: [Position; 2],
     /// An end beyond them stops the channel before the move.
@@ -54,6 +56,11 @@ impl Bounds {
             }
         }
         [low, high]
+    }
+
+    /// Axes from the first to the last that has limits.
+    pub(crate) fn count(axes: &Table<AxisSlot, Axis>) -> usize {
+        axes.iter().rposition(|axis| axis.limits.is_some()).map_or(0, |last| last + 1)
     }
 }
 
@@ -184,6 +191,7 @@ impl Place {
         let bounds = Bounds {
             limited: axes.iter().any(|axis| axis.limits.is_some()),
             travel: Bounds::travel(&axes),
+            count: Bounds::count(&axes),
             stop: machine.stops_at(&diag::OVER_TRAVEL),
             foreign: foreign(machine, &axes),
         };
