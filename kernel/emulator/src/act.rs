@@ -244,6 +244,16 @@ impl Act<'_, '_> {
         self.kernel.spindle_speed()
     }
 
+    /// What begins now has been timed with the speed of the spindle as it is known now.
+    pub(crate) fn assume_speed(&mut self, seconds: f64) {
+        self.kernel.assume_speed(seconds);
+    }
+
+    /// Looks at the speed of the spindle during the last move that turned by it.
+    pub(crate) fn compare_last_speed(&mut self) -> Acted {
+        self.kernel.compare_last_speed()
+    }
+
     /// Changes what the spindle is commanded to do, logs it, and lets the spindle run up.
     pub(crate) fn command_spindle(&mut self, change: impl Fn(&mut Command)) -> Acted {
         self.kernel.command_spindle(change)

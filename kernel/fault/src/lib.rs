@@ -68,6 +68,7 @@ diagnostics! {
     ARC_END_OFF 2900020 "arc-end-off-circle" 8 false "arc end point not on the circle";
     SPINDLE_STANDS 2900021 "spindle-stopped" 8 false "feed per revolution with the spindle stopped";
     SPINDLE_CONFLICT 2900022 "spindle-conflict" 4 false "spindle commanded by two channels without a sync point between";
+    SPEED_CHANGED 2900690 "speed-changed-during-move" 4 false "spindle speed changed during a move of another channel";
     OVER_TRAVEL 2900023 "over-travel" 8 false "position beyond the travel limits of an axis";
     NO_OFFSET 2900024 "no-offset-value" 4 false "offset number without a value";
     NO_REFERENCE 2900025 "no-reference-point" 8 false "reference point not defined";

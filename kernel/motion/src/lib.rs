@@ -6,6 +6,7 @@
 pub mod arc;
 pub mod contour;
 pub mod direction;
+pub mod driven_speed;
 pub mod frame;
 pub mod lettering;
 pub mod lookahead;

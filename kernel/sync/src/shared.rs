@@ -8,6 +8,7 @@ use crate::separate::Separate;
 use crate::wait::Set;
 use counterpoint_event::event::Direction;
 use counterpoint_lang::value::Value;
+use counterpoint_motion::driven_speed::DrivenSpeed;
 
 /// Shared state; touched only inside shared operations.
 #[derive(Debug, Clone, Default)]
@@ -108,6 +109,50 @@ impl Default for Command {
     }
 }
 
+/// A move that drives a spindle.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Course {
+    /// Its begin and its end, ns.
+    pub time: [i64; 2],
+    /// Speed of the spindle during it.
+    pub driven: DrivenSpeed,
+}
+
+impl Course {
+    /// Minutes from its begin to a time.
+    pub fn elapsed(&self, t: i64) -> f64 {
+        (t - self.time[0]) as f64 / 60e9
+    }
+}
+
+/// Changes of the speed of a spindle, as far as channels that turn by it may need them.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct SpeedChanges {
+    /// Times of the last ones, ns, and the channels that made them, in a ring.
+    last: [(i64, u16); SpeedChanges::KEPT],
+    /// How many there were.
+    pub count: u64,
+}
+
+impl SpeedChanges {
+    const KEPT: usize = 8;
+
+    /// A channel changes the speed at this time, from what was known of it before.
+    pub fn note(&mut self, t: i64, channel: u16) {
+        if let Some(slot) = self.last.get_mut(self.count as usize % Self::KEPT) {
+            *slot = (t, channel);
+        }
+        self.count += 1;
+    }
+
+    /// The first known change that another channel made after the first `known` ones and before a time.
+    pub fn of_others(&self, channel: u16, known: u64, before: i64) -> Option<i64> {
+        let first = known.max(self.count.saturating_sub(Self::KEPT as u64));
+        let mut later = (first..self.count).filter_map(|at| self.last.get(at as usize % Self::KEPT));
+        later.find(|(t, by)| *by != channel && *t < before).map(|(t, _)| *t)
+    }
+}
+
 /// A spindle with its last writer.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Spindle {
@@ -115,6 +160,10 @@ pub struct Spindle {
     pub command: Command,
     /// Speed now, rev/min: under constant surface speed by the X of the channel that commands it.
     pub now: f64,
+    /// The last move that drove it; `now` is the speed at its end.
+    pub course: Option<Course>,
+    /// When its speed has changed.
+    pub changes: SpeedChanges,
     /// Channel that wrote last and not yet met the others since; 0 = none.
     pub writer: u16,
     /// Channels that have met the writer since its write.

@@ -66,16 +66,17 @@ impl Act<'_, '_> {
 }
 
 fn turns(act: &mut Act<'_, '_>, revolutions: f64) -> Acted {
-    let rpm = match act.spindle_speed()? {
-        Some(Turning::Fixed(rpm)) => rpm,
-        Some(Turning::Surface(surface)) => surface.rpm(act.radius(&act.state.place.position)),
+    let minutes = match act.spindle_speed()? {
+        Some(Turning::Driven(driven, elapsed)) => driven.minutes_of(elapsed, revolutions),
+        Some(turning) => revolutions / turning.rpm(act.radius(&act.state.place.position)),
         None => {
             let text = format!("dwell in revolutions while the spindle is stopped in '{}'", act.block_text());
             act.diagnose(&diag::SPINDLE_STANDS, text);
             return Ok(());
         }
     };
-    let seconds = revolutions * 60.0 / rpm;
+    let seconds = minutes * 60.0;
+    act.assume_speed(seconds);
     if seconds > 0.0 {
         act.trace_instead(&format!("dwell rev={}", wildcard_text(revolutions)));
     }

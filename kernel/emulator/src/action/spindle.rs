@@ -10,7 +10,6 @@ use super::spindles::{commanded, no_head};
 use crate::act::Act;
 use crate::action::cutter;
 use crate::action::entry::{Contour, Entry, entry_of_kind};
-use crate::state::spindle::Turning;
 use counterpoint_event::event::Direction;
 use counterpoint_fault as diag;
 use counterpoint_machine::ident::codes;
@@ -169,8 +168,7 @@ fn held_speed(act: &mut Act<'_, '_>) -> Result<f64, Halt> {
     let position = act.contour();
     let radius = act.radius(&position);
     Ok(match act.spindle_speed()? {
-        Some(Turning::Fixed(rpm)) => rpm,
-        Some(Turning::Surface(surface)) => surface.rpm(radius),
+        Some(turning) => turning.rpm(radius),
         None => act.state.spindle.command.rpm,
     })
 }

@@ -36,6 +36,7 @@ pub(super) fn stop(act: &mut Act<'_, '_>, stop: Stop) -> Acted {
         }
         // The block is finished before the program ends (reference control-emulator.md 2.2).
         Stop::End | Stop::Rewind => {
+            act.compare_last_speed()?;
             act.end_program(stop);
             Ok(())
         }

@@ -163,8 +163,9 @@ impl Act<'_, '_> {
             return Ok(None);
         };
         use crate::state::spindle::Turning;
-        Ok(Some(match speed {
+        let minutes = match speed {
             Turning::Fixed(rpm) => path.length / (feed * rpm),
+            Turning::Driven(driven, elapsed) => driven.minutes_of(elapsed, path.length / feed),
             Turning::Surface(surface) => match path.arc {
                 Some((arc, Some(radial))) => surface.arc_minutes(arc, radial, feed) * path.length / arc.length(),
                 _ => {
@@ -172,6 +173,8 @@ impl Act<'_, '_> {
                     surface.line_minutes(start, end, path.length, feed)
                 }
             },
-        }))
+        };
+        self.assume_speed(minutes * 60.0);
+        Ok(Some(minutes))
     }
 }

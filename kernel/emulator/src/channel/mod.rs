@@ -19,6 +19,7 @@ mod cycle_codes;
 mod cycle_event;
 pub(crate) mod data;
 mod diagnostics;
+mod driven_spindle;
 pub mod emit;
 mod exchange;
 pub(crate) mod flow;

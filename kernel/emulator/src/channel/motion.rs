@@ -86,6 +86,7 @@ impl Kernel<'_> {
             seconds = stretch.take().map_or(seconds, |stretch| stretch.piece.alone());
             self.exchanged_move(seconds, motion)?;
         }
+        let drives = self.drive_spindle(seconds, motion)?;
         self.channel.block.flags.moved = true;
         self.flow.pass.effects = true;
         if self.plan.rules.keeps_last_move {
@@ -105,7 +106,7 @@ impl Kernel<'_> {
             self.channel.advance(ns);
         }
         self.check_travel(motion);
-        self.follow_radius()
+        if drives { Ok(()) } else { self.follow_radius() }
     }
 
     /// A motion while axes are clamped.

@@ -36,22 +36,26 @@ impl Kernel<'_> {
         let channel = self.channel.at.channel;
         let mut conflict = 0;
         if self.channel.state.spindle.shared {
-            let (now, writer) = self.access(Door::Spindle, Mode::Write, |shared| {
+            let now = self.channel.now();
+            let (command, writer) = self.access(Door::Spindle, Mode::Write, |shared| {
                 let Some(spindle) = shared.spindles.get_mut(id.index()) else { return (Command::default(), 0) };
                 let old = spindle.command;
                 change(&mut spindle.command);
-                if old.driver == channel && spindle.command.driver != channel {
-                    // Until its new driver moves the spindle continues as it turns.
-                    spindle.now = before;
-                }
                 let changed = old != spindle.command;
+                if changed {
+                    // Until its driver moves the spindle continues as it turns.
+                    if spindle.course.take().is_some() || old.driver == channel && spindle.command.driver != channel {
+                        spindle.now = before;
+                    }
+                    spindle.changes.note(now, channel);
+                }
                 let other = spindle.writer != 0 && spindle.writer != channel && !spindle.ordered.has(channel);
                 let writer = if changed && other { spindle.writer } else { 0 };
                 spindle.writer = channel;
                 spindle.ordered = Set::default().with(channel);
                 (spindle.command, writer)
             })?;
-            self.channel.state.spindle.command = now;
+            self.channel.state.spindle.command = command;
             conflict = writer;
         } else {
             change(&mut self.channel.state.spindle.command);
@@ -126,11 +130,13 @@ impl Kernel<'_> {
         if self.channel.state.spindle.shared
             && let Some(id) = self.channel.state.spindle.id
         {
-            let (command, now) = self.access(Door::Spindle, Mode::Read, |shared| {
-                shared.spindles.get(id.index()).map_or((Command::default(), 0.0), |s| (s.command, s.now))
+            let spindle = self.access(Door::Spindle, Mode::Read, |shared| {
+                shared.spindles.get(id.index()).copied().unwrap_or_default()
             })?;
-            self.channel.state.spindle.command = command;
-            self.channel.state.spindle.now = now;
+            let state = &mut self.channel.state.spindle;
+            (state.command, state.now) = (spindle.command, spindle.now);
+            (state.course, state.changes) = (spindle.course, spindle.changes.count);
+            self.compare_assumed(&spindle);
         }
         Ok(self.channel.state.spindle.command)
     }
@@ -143,13 +149,7 @@ impl Kernel<'_> {
         if !turns && !self.channel.state.cycle.is_rigid() {
             return Ok(None);
         }
-        let (max, min) = match self.channel.state.spindle.id.map(|id| &self.channel.env.machine.spindles[id]) {
-            Some(spindle) if spindle.max > 0.0 => (spindle.max, spindle.min),
-            Some(spindle) => (f64::INFINITY, spindle.min),
-            None => (f64::INFINITY, 0.0),
-        };
-        let max = max.min(command.limit);
-        let min = min.max(command.least).min(max);
+        let Speed { max, .. } = self.surface_speed(&command);
         if !command.css {
             let rpm = if command.rpm > 0.0 { command.rpm.max(command.least).min(max) } else { command.rpm };
             return Ok((rpm > 0.0).then_some(Turning::Fixed(rpm)));
@@ -158,8 +158,25 @@ impl Kernel<'_> {
             return Ok(None);
         }
         if command.driver != self.channel.at.channel && command.radius <= 0.0 {
-            return Ok((self.channel.state.spindle.now > 0.0).then_some(Turning::Fixed(self.channel.state.spindle.now)));
+            return Ok(self.driven_by_other());
         }
+        let speed = self.surface_speed(&command);
+        if command.radius > 0.0 {
+            let rpm = speed.rpm(command.radius);
+            return Ok((rpm > 0.0).then_some(Turning::Fixed(rpm)));
+        }
+        Ok(Some(Turning::Surface(speed)))
+    }
+
+    /// The speed of a command under constant surface speed, within the limits of the spindle and of the program.
+    pub(super) fn surface_speed(&self, command: &Command) -> Speed {
+        let (max, min) = match self.channel.state.spindle.id.map(|id| &self.channel.env.machine.spindles[id]) {
+            Some(spindle) if spindle.max > 0.0 => (spindle.max, spindle.min),
+            Some(spindle) => (f64::INFINITY, spindle.min),
+            None => (f64::INFINITY, 0.0),
+        };
+        let max = max.min(command.limit);
+        let min = min.max(command.least).min(max);
         let factor = match (self.channel.env.machine.unit, self.channel.state.secondary) {
             (Unit::Mm, false) | (Unit::Inch, true) => 1000.0,
             (Unit::Mm, true) | (Unit::Inch, false) => 12.0,
@@ -169,49 +186,13 @@ impl Kernel<'_> {
             (Unit::Inch, true) => 1.0 / 25.4,
             _ => 1.0,
         };
-        let speed = Speed { surface: command.surface * factor * to_machine, max, min };
-        if command.radius > 0.0 {
-            let rpm = speed.rpm(command.radius);
-            return Ok((rpm > 0.0).then_some(Turning::Fixed(rpm)));
-        }
-        Ok(Some(Turning::Surface(speed)))
+        Speed { surface: command.surface * factor * to_machine, max, min }
     }
 
     /// Speed that turns now, 0 when the spindle is stopped.
-    fn turning_speed(&mut self) -> Result<f64, Halt> {
+    pub(super) fn turning_speed(&mut self) -> Result<f64, Halt> {
         let radius = self.channel.radius(&self.channel.state.place.position);
-        Ok(match self.spindle_speed()? {
-            Some(Turning::Fixed(rpm)) => rpm,
-            Some(Turning::Surface(surface)) => {
-                let rpm = surface.rpm(radius);
-                if rpm.is_finite() { rpm } else { 0.0 }
-            }
-            None => 0.0,
-        })
-    }
-
-    /// Tells other channels the speed that this channel's X drives.
-    #[inline(always)]
-    pub(crate) fn follow_radius(&mut self) -> Acted {
-        if self.channel.state.spindle.shared { self.share_speed() } else { Ok(()) }
-    }
-
-    #[inline(never)]
-    fn share_speed(&mut self) -> Acted {
-        let command = self.channel.state.spindle.command;
-        let Some(id) = self.channel.state.spindle.id else { return Ok(()) };
-        if !command.css || command.driver != self.channel.at.channel {
-            return Ok(());
-        }
-        let rpm = self.turning_speed()?;
-        if rpm != self.channel.state.spindle.now {
-            self.channel.state.spindle.now = rpm;
-            self.access(Door::Spindle, Mode::Write, |shared| {
-                if let Some(spindle) = shared.spindles.get_mut(id.index()) {
-                    spindle.now = rpm;
-                }
-            })?;
-        }
-        Ok(())
+        let rpm = self.spindle_speed()?.map_or(0.0, |turning| turning.rpm(radius));
+        Ok(if rpm.is_finite() { rpm } else { 0.0 })
     }
 }

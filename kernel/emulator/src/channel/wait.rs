@@ -36,6 +36,7 @@ impl Kernel<'_> {
 
     /// Waits for other channels.
     pub(crate) fn wait(&mut self, wait: wait::Wait) -> Acted {
+        self.compare_last_speed()?;
         if !self.channel.state.others.couplings.is_empty() {
             self.wait_coupled(wait)?;
         } else {

@@ -12,6 +12,8 @@ pub(crate) struct Plausible {
     pub(crate) thread: bool,
     pub(crate) feed: bool,
     pub(crate) spindle: bool,
+    /// Another channel changed the speed of a spindle during a move that was timed with it.
+    pub(crate) changed_speed: bool,
     /// Feeds per minute above this need a look: all of them until the spindle has been seen to turn.
     pub(crate) look_above: f64,
 }

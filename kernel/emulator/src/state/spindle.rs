@@ -4,13 +4,14 @@
 
 use super::channel::Channel;
 use super::modal::group;
+use counterpoint_motion::driven_speed::DrivenSpeed;
 use counterpoint_motion::surface_speed::Speed;
 
 use counterpoint_machine::ident::codes;
 use counterpoint_machine::ident::kind::CodeKind;
 use counterpoint_machine::index::{SpindleId, Table};
 use counterpoint_machine::model::{Channel as MachineChannel, Machine};
-use counterpoint_sync::shared::Command;
+use counterpoint_sync::shared::{Command, Course};
 
 /// Spindle of the channel: its own state, or a copy of the shared one.
 #[derive(Debug, Clone, Copy, Default)]
@@ -21,8 +22,25 @@ pub(crate) struct SpindleState {
     pub(crate) shared: bool,
     /// Last known command.
     pub(crate) command: Command,
-    /// Speed now when another channel drives it.
+    /// Speed now when another channel drives it, after `course`.
     pub(crate) now: f64,
+    /// The last known move that drove it.
+    pub(crate) course: Option<Course>,
+    /// Changes of its speed that are known.
+    pub(crate) changes: u64,
+    /// The last time that was computed with the speed that was known then.
+    pub(crate) assumed: Option<AssumedSpeed>,
+}
+
+/// A move or a dwell by revolutions of a spindle that other channels drive, too.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct AssumedSpeed {
+    /// Line of its program.
+    pub(crate) line: u32,
+    /// Its begin and its end, ns.
+    pub(crate) time: [i64; 2],
+    /// Changes of the speed that were known.
+    pub(crate) changes: u64,
 }
 
 /// How the spindle turns during a motion.
@@ -32,6 +50,19 @@ pub(crate) enum Turning {
     Fixed(f64),
     /// By this channel's own X.
     Surface(Speed),
+    /// By the move of another channel, which began so many minutes ago.
+    Driven(DrivenSpeed, f64),
+}
+
+impl Turning {
+    /// Revolutions in a minute where the channel is at this radius.
+    pub(crate) fn rpm(&self, radius: f64) -> f64 {
+        match self {
+            Self::Fixed(rpm) => *rpm,
+            Self::Surface(surface) => surface.rpm(radius),
+            Self::Driven(driven, elapsed) => driven.rpm(*elapsed),
+        }
+    }
 }
 
 /// Spindles of one channel, and what they are in work for.
@@ -132,6 +163,6 @@ impl Channel<'_> {
         }
         let command = id.map_or_else(Command::default, |id| kept[id]);
         let shared = id.is_some_and(|id| is_shared(self.env.machine, id));
-        self.state.spindle = SpindleState { id, shared, command, now: 0.0 };
+        self.state.spindle = SpindleState { id, shared, command, ..SpindleState::default() };
     }
 }

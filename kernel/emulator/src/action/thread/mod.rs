@@ -219,6 +219,7 @@ impl Act<'_, '_> {
         };
         let minutes = |lead: Lead| match turning {
             Turning::Fixed(rpm) => lead.minutes(way, rpm),
+            Turning::Driven(driven, elapsed) => lead.minutes(way, driven.rpm(elapsed)),
             Turning::Surface(speed) => lead.surface_minutes(way, &speed, self.radius(&from), self.radius(target)),
         };
         let lead = Lead { start: screw.lead, change: screw.change };

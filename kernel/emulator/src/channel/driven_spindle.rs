@@ -1,0 +1,139 @@
+//! A spindle under constant surface speed that several channels turn by: the channel that drives it tells the others how.
+//!
+//! The driver says at the begin of a move how the speed changes during it, so that the time of a move of another channel
+//! follows this speed. *Invariant:* a channel that has computed a time with a speed that another channel then changes
+//! before its end says so once.
+
+use counterpoint_event::event::{FeedUnit, Motion};
+use counterpoint_fault as diag;
+use counterpoint_fault::Acted;
+use counterpoint_motion::driven_speed::{DrivenSpeed, Progress};
+use counterpoint_sync::races::Mode;
+use counterpoint_sync::shared::{Course, Spindle};
+
+use super::Kernel;
+use super::access::Door;
+use crate::state::channel::nanoseconds;
+use crate::state::spindle::{AssumedSpeed, Turning};
+
+/// A change of the speed by less than this share is none.
+const STEADY: f64 = 0.01;
+
+/// Radii nearer than this to each other are one.
+const SAME_RADIUS: f64 = 1e-9;
+
+impl Kernel<'_> {
+    /// Tells other channels how a move that begins now drives the spindle; `false` where it does not.
+    #[inline(always)]
+    pub(super) fn drive_spindle(&mut self, seconds: f64, motion: &Motion) -> Result<bool, diag::Halt> {
+        if self.channel.state.spindle.shared { self.share_course(seconds, motion) } else { Ok(false) }
+    }
+
+    #[inline(never)]
+    fn share_course(&mut self, seconds: f64, motion: &Motion) -> Result<bool, diag::Halt> {
+        let (command, channel) = (self.channel.state.spindle.command, self.channel.at.channel);
+        let radii = [&motion.from, &motion.to].map(|place| self.channel.radius(place));
+        let drives = command.css && command.driver == channel && command.radius <= 0.0 && command.surface > 0.0;
+        let Some(id) = self.channel.state.spindle.id.filter(|_| drives && seconds > 0.0) else { return Ok(false) };
+        if (radii[0] - radii[1]).abs() < SAME_RADIUS {
+            return Ok(false);
+        }
+        let speed = self.surface_speed(&command);
+        let by_revolution = motion.feed_unit == FeedUnit::PerRevolution;
+        let progress = if by_revolution { Progress::ByRevolution } else { Progress::ByTime };
+        let (begin, minutes) = (self.channel.now(), seconds / 60.0);
+        let time = [begin, begin.saturating_add(nanoseconds(seconds))];
+        let course = Course { time, driven: DrivenSpeed { speed, radii, minutes, progress } };
+        let [first, last] = radii.map(|radius| speed.rpm(radius));
+        self.channel.state.spindle.now = last;
+        self.access(Door::Spindle, Mode::Write, |shared| {
+            let spindle = shared.spindles.get_mut(id.index()).filter(|spindle| spindle.command == command);
+            if let Some(spindle) = spindle {
+                (spindle.course, spindle.now) = (Some(course), last);
+                if (last / first - 1.0).abs() > STEADY {
+                    spindle.changes.note(begin, channel);
+                }
+            }
+        })?;
+        Ok(true)
+    }
+
+    /// Tells other channels the speed that this channel's X drives.
+    #[inline(always)]
+    pub(crate) fn follow_radius(&mut self) -> Acted {
+        if self.channel.state.spindle.shared { self.share_speed() } else { Ok(()) }
+    }
+
+    #[inline(never)]
+    fn share_speed(&mut self) -> Acted {
+        let command = self.channel.state.spindle.command;
+        let Some(id) = self.channel.state.spindle.id else { return Ok(()) };
+        if !command.css || command.driver != self.channel.at.channel {
+            return Ok(());
+        }
+        let rpm = self.turning_speed()?;
+        let known = self.channel.state.spindle.now;
+        if rpm != known {
+            self.channel.state.spindle.now = rpm;
+            let (now, channel) = (self.channel.now(), self.channel.at.channel);
+            self.access(Door::Spindle, Mode::Write, |shared| {
+                if let Some(spindle) = shared.spindles.get_mut(id.index()) {
+                    (spindle.course, spindle.now) = (None, rpm);
+                    if (rpm - known).abs() > STEADY * known {
+                        spindle.changes.note(now, channel);
+                    }
+                }
+            })?;
+        }
+        Ok(())
+    }
+
+    /// How the spindle turns while another channel drives it.
+    pub(super) fn driven_by_other(&self) -> Option<Turning> {
+        let (state, now) = (&self.channel.state.spindle, self.channel.now());
+        match state.course.filter(|course| now < course.time[1]) {
+            Some(course) => Some(Turning::Driven(course.driven, course.elapsed(now))),
+            None => (state.now > 0.0).then_some(Turning::Fixed(state.now)),
+        }
+    }
+
+    /// A move or a dwell that begins now has been timed with the speed of the spindle as it is known now.
+    #[inline(always)]
+    pub(crate) fn assume_speed(&mut self, seconds: f64) {
+        if self.channel.state.spindle.shared && !self.channel.reports.plausible.changed_speed {
+            let (line, changes) = (self.channel.at.line, self.channel.state.spindle.changes);
+            let begin = self.channel.now();
+            let time = [begin, begin.saturating_add(nanoseconds(seconds))];
+            self.channel.state.spindle.assumed = Some(AssumedSpeed { line, time, changes });
+        }
+    }
+
+    /// Before the channel waits or ends: looks at the speed during its last move, unless it has looked since.
+    #[inline(always)]
+    pub(crate) fn compare_last_speed(&mut self) -> Acted {
+        if self.channel.state.spindle.assumed.is_some() { self.current().map(drop) } else { Ok(()) }
+    }
+
+    /// Looks whether the speed of the spindle has changed before the end of what was timed with it.
+    pub(super) fn compare_assumed(&mut self, spindle: &Spindle) {
+        let Some(assumed) = self.channel.state.spindle.assumed else { return };
+        let [begin, end] = assumed.time;
+        let now = self.channel.now();
+        if now <= begin {
+            return;
+        }
+        self.channel.state.spindle.assumed = None;
+        let end = end.min(now);
+        let channel = self.channel.at.channel;
+        let Some(at) = spindle.changes.of_others(channel, assumed.changes, end) else { return };
+        self.channel.reports.plausible.changed_speed = true;
+        let text = format!(
+            "line {} turns by a spindle whose speed another channel changes at {:.3} s; the line is timed until {:.3} s \
+             without that change, so times after it are not those of the machine",
+            assumed.line,
+            at as f64 / 1e9,
+            end as f64 / 1e9,
+        );
+        self.diagnose(&diag::SPEED_CHANGED, text);
+    }
+}
