@@ -2,12 +2,14 @@
 
 mod behaviour;
 mod components;
+mod corners;
 mod external;
 pub mod paths;
 mod waits;
 
 pub use behaviour::*;
 pub use components::Component;
+pub use corners::CornerShape;
 pub use external::*;
 pub use waits::*;
 

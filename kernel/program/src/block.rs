@@ -86,6 +86,8 @@ pub enum ContourEnd {
     Open,
     /// Outside by an arc.
     Round,
+    /// Square to this direction of the plane.
+    Beside([f64; 2]),
 }
 
 /// Properties of a block as a whole.

@@ -21,6 +21,7 @@ pub(super) fn read(top: &mut Section<'_>) -> Compensation {
         needs_tool: false,
         zero_move: 1,
         wall: false,
+        vector: false,
         zero_cancels: false,
         length: LengthRules::default(),
     };
@@ -51,6 +52,7 @@ pub(super) fn read(top: &mut Section<'_>) -> Compensation {
         made.zero_move = blocks as u32;
     }
     made.wall = section.choice("end_words", &[("unused", false), ("wall", true)]).unwrap_or(made.wall);
+    made.vector = section.choice("start_words", &[("unused", false), ("vector", true)]).unwrap_or(made.vector);
     made.zero_cancels =
         section.choice("number_zero", &[("no-radius", false), ("cancels", true)]).unwrap_or(made.zero_cancels);
     made.length = length(&mut section);

@@ -1,5 +1,6 @@
 //! How a control behaves: subprograms, meetings, times, cycles, compensation, variables, tools.
 
+use super::corners::CornerShape;
 use crate::index::{AxisId, RegisterId, Table};
 
 /// Subprogram calls.
@@ -302,21 +303,12 @@ pub struct Compensation {
     pub zero_move: u32,
     /// Centre words beside the code that ends it are the direction of the wall behind the contour.
     pub wall: bool,
+    /// Centre words beside the codes that switch it on are the direction to which the vector at the end of the block is square.
+    pub vector: bool,
     /// Offset number zero ends compensation as its code does; otherwise the radius becomes zero.
     pub zero_cancels: bool,
     /// Length compensation.
     pub length: LengthRules,
-}
-
-/// Limits of sharp and round outside corners.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct CornerShape {
-    /// Largest turn of a sharp corner, degrees; larger turns are round.
-    pub sharp: f64,
-    /// Largest turn of a round corner that is sharp nevertheless, degrees.
-    pub flat: f64,
-    /// Largest distortion of a round corner, percent.
-    pub distortion: f64,
 }
 
 /// How length compensation comes into force and leaves it.

@@ -53,6 +53,7 @@ pub fn json(machine: &Machine) -> Value {
             "needs_tool": machine.compensation.needs_tool,
             "zero_move": machine.compensation.zero_move,
             "number_zero": if machine.compensation.zero_cancels { "cancels" } else { "no-radius" },
+            "start_words": if machine.compensation.vector { "vector" } else { "unused" },
             "end_words": if machine.compensation.wall { "wall" } else { "unused" },
         },
         "corners": {

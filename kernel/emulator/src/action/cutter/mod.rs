@@ -93,6 +93,7 @@ pub(super) fn switched(act: &mut Act<'_, '_>, code: CodeId) -> Acted {
         act.diagnose(&diag::SIEMENS_STATE, text);
         return act.check_stop();
     }
+    wall::at_vector(act, plane_code, axes);
     let tip = act.nose_tip(number, plane_code);
     let contour = act.contour();
     let side = if mirror::is_mirrored(act) { -side } else { side };

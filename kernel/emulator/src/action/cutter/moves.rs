@@ -17,7 +17,7 @@ use counterpoint_fault as diag;
 use counterpoint_machine::ident::data;
 use counterpoint_machine::model::CornerShape;
 use counterpoint_motion::contour::corner::{self, Corner, Link, Offset};
-use counterpoint_motion::contour::element::{Element, NOISE, Spot, angle, distance, plus};
+use counterpoint_motion::contour::element::{Element, NOISE, Spot, angle, beside, distance, plus};
 use counterpoint_program::block::ContourEnd;
 
 impl Act<'_, '_> {
@@ -218,9 +218,15 @@ impl Act<'_, '_> {
                 let level = self.state.place.position;
                 return self.links((step, element), &cutter, &corner.links, level);
             }
-            let end = next.map_or_else(|| offset.at_end(element), |next| offset.at_start(next));
+            let end = match (waits.end, next) {
+                (ContourEnd::Beside(along), _) => beside(element.to, along, cutter.side, cutter.radius),
+                (_, Some(next)) => offset.at_start(next),
+                (_, None) => offset.at_end(element),
+            };
             let to = self.position_at(&cutter, &step.to, end);
-            return self.straight(step, to);
+            self.straight(step, to)?;
+            let links: Vec<_> = next.and_then(|next| arc_start(waits.end, &offset, next)).into_iter().collect();
+            return self.links((step, element), &cutter, &links, to);
         }
         let here = self.spot_of(&cutter);
         let corner = match next {
@@ -230,6 +236,10 @@ impl Act<'_, '_> {
                 }
                 let hurts = element.is_smaller(cutter.side, cutter.radius);
                 Corner { end: offset.at_end(element), links: Vec::new(), hurts }
+            }
+            Some(next) if let ContourEnd::Beside(along) = waits.end => {
+                let links = arc_start(waits.end, &offset, next).into_iter().collect();
+                Corner { end: beside(element.to, along, cutter.side, cutter.radius), links, hurts: false }
             }
             Some(next) if waits.end == ContourEnd::Open => {
                 Corner { end: offset.at_end(element), links: vec![Link::Line(offset.at_start(next))], hurts: false }
@@ -355,4 +365,10 @@ impl Act<'_, '_> {
             _ => self.straight(&Step { feed, unit, ..step.clone() }, to),
         }
     }
+}
+
+/// From a vector that the program gives to the start of the offset of an arc.
+fn arc_start(end: ContourEnd, offset: &Offset, next: &Element) -> Option<Link> {
+    let given = matches!(end, ContourEnd::Beside(_)) && next.arc.is_some();
+    given.then(|| Link::Line(offset.at_start(next)))
 }

@@ -1,4 +1,4 @@
-//! The wall behind a contour: the code that ends compensation gives its direction, and the last move ends where the
+//! Directions beside the codes of compensation. The wall behind a contour: the code that ends compensation gives its direction, and the last move ends where the
 //! offsets of that move and of the wall meet.
 //!
 //! Facts: operator's manuals of Fanuc controls, cutter compensation, cancel with I J K: the intersection counts inside and
@@ -8,9 +8,9 @@ use super::compensated_plane;
 use crate::act::Act;
 use crate::state::modal::{group, plane};
 use counterpoint_fault::Acted;
-use counterpoint_machine::ident::codes;
-use counterpoint_machine::index::BySlot;
-use counterpoint_motion::contour::element::{Element, NOISE, cross, distance, plus};
+use counterpoint_machine::ident::{CodeId, codes};
+use counterpoint_machine::index::{AxisSlot, BySlot};
+use counterpoint_motion::contour::element::{Element, NOISE, Spot, cross, distance, plus};
 use counterpoint_program::block::ContourEnd;
 
 /// Length of the wall: longer than any tool is wide.
@@ -25,25 +25,11 @@ pub(super) fn at_wall(act: &mut Act<'_, '_>) -> Acted {
         return Ok(());
     }
     // Beside a circle they are its centre.
-    let rows = act.block.pending.iter().map(|pending| &act.env.machine.codes[pending.row]);
-    let written = rows.filter(|row| row.group == group::MOTION).map(|row| row.id).next_back();
-    let motion = written.or_else(|| act.state.modal.code(group::MOTION));
-    if !matches!(motion, Some(codes::RAPID | codes::INTERP_LINEAR)) {
+    if is_round(act) {
         return Ok(());
     }
     let Some((code, axes)) = compensated_plane(act) else { return Ok(()) };
-    let Some(plane) = plane(code) else { return Ok(()) };
-    let words = plane.centers.map(|id| act.take(id).map_or(0.0, |datum| datum.value));
-    let contour = act.contour();
-    // The direction is turned and mirrored with the points of the program.
-    let mut beside = act.program_point(&contour);
-    for (axis, word) in axes.into_iter().zip(words) {
-        let scale = act.state.place.layout.axes[axis].scale;
-        *beside.at_mut(axis) += word / scale;
-    }
-    let beside = act.work_point_aside(&beside);
-    let [from, beside] = [contour, beside].map(|of| act.plane_spot(&of, axes));
-    let along = plus(beside, from, -1.0);
+    let Some((from, along)) = direction(act, code, axes) else { return Ok(()) };
     let length = distance(along, [0.0; 2]);
     let Some(cutter) = act.cutter().filter(|cutter| !cutter.plain) else { return Ok(()) };
     let Some(last) = cutter.waiting.iter_mut().rfind(|waits| waits.element.is_some()) else { return Ok(()) };
@@ -54,4 +40,40 @@ pub(super) fn at_wall(act: &mut Act<'_, '_>) -> Acted {
     last.end = ContourEnd::Sharp;
     let to = plus(from, along, LONG / length);
     act.next_element(Some(&Element { from, to, arc: None }))
+}
+
+/// The end of the last move in the plane, and the direction of the centre words of the block.
+fn direction(act: &mut Act<'_, '_>, code: CodeId, axes: [AxisSlot; 2]) -> Option<(Spot, Spot)> {
+    let plane = plane(code)?;
+    let words = plane.centers.map(|id| act.take(id).map_or(0.0, |datum| datum.value));
+    let contour = act.contour();
+    // The direction is turned and mirrored with the points of the program.
+    let mut beside = act.program_point(&contour);
+    for (axis, word) in axes.into_iter().zip(words) {
+        let scale = act.state.place.layout.axes[axis].scale;
+        *beside.at_mut(axis) += word / scale;
+    }
+    let beside = act.work_point_aside(&beside);
+    let [from, beside] = [contour, beside].map(|of| act.plane_spot(&of, axes));
+    Some((from, plus(beside, from, -1.0)))
+}
+
+/// The move of the block that switches compensation on ends square to the direction that the block gives.
+pub(super) fn at_vector(act: &mut Act<'_, '_>, code: CodeId, axes: [AxisSlot; 2]) {
+    if !act.env.machine.compensation.vector || act.polar().is_some() || !act.has_axis_word() || is_round(act) {
+        return;
+    }
+    let Some((_, along)) = direction(act, code, axes) else { return };
+    let length = distance(along, [0.0; 2]);
+    if length > NOISE {
+        act.block.flags.end = ContourEnd::Beside(along.map(|part| part / length));
+    }
+}
+
+/// Centre words belong to a circle of the block.
+fn is_round(act: &Act<'_, '_>) -> bool {
+    let rows = act.block.pending.iter().map(|pending| &act.env.machine.codes[pending.row]);
+    let written = rows.filter(|row| row.group == group::MOTION).map(|row| row.id).next_back();
+    let motion = written.or_else(|| act.state.modal.code(group::MOTION));
+    !matches!(motion, Some(codes::RAPID | codes::INTERP_LINEAR))
 }

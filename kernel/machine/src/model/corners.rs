@@ -1,0 +1,14 @@
+//! Outside corners of compensated paths whose kind depends on the turn.
+//!
+//! Invariant: the angles are at most 150 degrees.
+
+/// Limits of sharp and round outside corners.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CornerShape {
+    /// Largest turn of a sharp corner, degrees.
+    pub sharp: f64,
+    /// The same of one that is said to be round.
+    pub flat: f64,
+    /// Largest distortion of a round corner, percent.
+    pub distortion: f64,
+}
