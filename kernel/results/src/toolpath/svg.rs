@@ -40,7 +40,8 @@ const RED: &str = "#d62839";
 /// Below a view, for its scale and the heading of the next one.
 const BETWEEN: f64 = 56.0;
 /// How the kinds of moves are drawn, those below first.
-const KINDS: [(Stroke, &str, &str); 3] = [
+const KINDS: [(Stroke, &str, &str); 4] = [
+    (Stroke::Start, "change of frame", r##"stroke="#9aa5b1" stroke-width="1.2" stroke-dasharray="1.2 4.8""##),
     (Stroke::Rapid, "rapid", r##"stroke="#9aa5b1" stroke-width="0.8" stroke-dasharray="2 2""##),
     (Stroke::Feed, "feed", r#"stroke-width="1.4""#),
     (Stroke::Thread, "thread", r#"stroke-width="2.6" stroke-dasharray="1.5 2""#),
@@ -104,7 +105,7 @@ fn strokes(toolpath: &Toolpath, frame: &Frame, palette: &Palette) -> String {
             (Source::Face, Some(face)) => (face, frame.clone()),
             (Source::Face, None) => continue,
         };
-        let pieces = pieces(path, &frame);
+        let pieces = pieces(path, &frame, frame.sight.source == Source::Path);
         let drawn: usize = pieces.iter().filter(|p| p.stroke == Stroke::Feed).map(|p| p.d.len()).sum();
         for of_tool in pieces.chunk_by(|a, b| a.tool == b.tool) {
             let tool = of_tool.first().map_or(0, |piece| piece.tool);

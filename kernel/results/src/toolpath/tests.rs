@@ -325,6 +325,33 @@ fn rapids_have_a_colour_that_no_tool_has() {
 }
 
 #[test]
+fn a_rapid_there_and_back_is_drawn_once_and_a_change_of_frame_is_marked() {
+    let cut = motion(MotionKind::Linear, &[0.0, 0.0, 5.0], &[40.0, 20.0, 5.0]);
+    let there = motion(MotionKind::Rapid, &[40.0, 20.0, 5.0], &[10.0, 0.0, 5.0]);
+    let back = motion(MotionKind::Rapid, &[10.0, 0.0, 5.0], &[40.0, 20.0, 5.0]);
+    let part = motion(MotionKind::Rapid, &[40.0, 20.0, 5.0], &[25.0, 10.0, 5.0]);
+    let rapids = |motions: &[Motion]| {
+        let svg = toolpath(&mill("x"), motions).svg();
+        let view = view_of(&svg, 0).to_owned();
+        let group = view
+            .split(r#"stroke-dasharray="2 2">"#)
+            .nth(1)
+            .unwrap_or_default()
+            .split("</g>")
+            .next()
+            .unwrap()
+            .to_owned();
+        (group.matches("<path").count(), svg.contains(">change of frame</text>"))
+    };
+    // Dashed lines over dashed lines would look like a whole line.
+    assert_eq!(rapids(&[cut, there]), (1, false));
+    assert_eq!(rapids(&[cut, there, back, part]), (1, false));
+    // Where the next move begins elsewhere, without a move to there, its coordinates have another frame.
+    let elsewhere = motion(MotionKind::Rapid, &[-40.0, 5.0, 5.0], &[-40.0, 5.0, 50.0]);
+    assert!(rapids(&[cut, there, elsewhere]).1);
+}
+
+#[test]
 fn tools_beyond_a_dozen_and_of_other_turrets_have_colours_of_their_own() {
     let mut builder = ResultsBuilder::new(&lathe(&["x", "y"]));
     for channel in [1, 2] {
@@ -340,7 +367,7 @@ fn tools_beyond_a_dozen_and_of_other_turrets_have_colours_of_their_own() {
         .split("<g stroke=\"")
         .skip(1)
         .filter_map(|g| g.split('"').next())
-        .filter(|color| *color != "#ffffff")
+        .filter(|color| !["#ffffff", "#9aa5b1"].contains(color))
         .collect();
     assert_eq!(colors.len(), 30, "{colors:?}");
 }

@@ -189,13 +189,7 @@ fn ending(out: &mut String, timeline: &Timeline, channel: &Channel, top: f64, sc
     let (x, middle) = (scale.x(channel.end_ns), top + BAR / 2.0 + 4.5);
     match channel.state {
         ChannelState::Blocked => {
-            let key = timeline
-                .waits
-                .iter()
-                .rev()
-                .take_while(|w| w.release_ns.is_none())
-                .find(|w| w.arrivals.iter().any(|a| a.channel == channel.channel))
-                .map_or("", |w| &*w.key);
+            let key = wait_at_end(timeline, channel.channel);
             let (tip, bottom) = (WIDTH - 24.0, top + BAR);
             let _ = writeln!(
                 out,
@@ -209,9 +203,19 @@ fn ending(out: &mut String, timeline: &Timeline, channel: &Channel, top: f64, sc
         }
         ChannelState::Alarmed => {
             let _ = writeln!(out, r#"<rect x="{x:.1}" y="{top:.0}" width="3" height="{BAR:.0}" fill="{RED}"/>"#);
-            text(out, (x + 8.0, middle), 12, "start", RED, "alarm");
+            // An alarm of a wait that does not match is at its code.
+            let key = wait_at_end(timeline, channel.channel);
+            let label = if key.is_empty() { "alarm".to_owned() } else { format!("alarm at {key}") };
+            text(out, (x + 8.0, middle), 12, "start", RED, &fit(&label, 12, WIDTH - 16.0 - x));
         }
         ChannelState::Stopped => text(out, (x + 6.0, middle), 12, "start", SOFT, "stopped"),
         ChannelState::Ended | ChannelState::NotStarted => {}
     }
+}
+
+/// The code of the wait that a channel has not left.
+fn wait_at_end(timeline: &Timeline, channel: u16) -> &str {
+    let left = timeline.waits.iter().rev().take_while(|wait| wait.release_ns.is_none());
+    let mut own = left.filter(|wait| wait.arrivals.iter().any(|arrival| arrival.channel == channel));
+    own.next().map_or("", |wait| &*wait.key)
 }

@@ -13,6 +13,13 @@ const DOWN: usize = 1800;
 /// Lines up to this length are looked at cell by cell.
 const SHORT: f64 = 48.0;
 
+/// Places of a pixel at which a dashed line is looked at.
+const SAMPLES: f64 = 4.0;
+/// Places of a line at most.
+const MOST_SAMPLES: f64 = 20_000.0;
+/// Painted parts up to this length are crossings, px.
+const CROSSING: f64 = 6.0;
+
 /// The painted cells of one pen.
 pub(super) struct Canvas {
     cells: Vec<u64>,
@@ -39,6 +46,52 @@ impl Canvas {
             fresh |= self.paint([from[0] + way[0] * share, from[1] + way[1] * share]);
         }
         fresh
+    }
+
+    /// Paints a line; gives the parts of it that were not painted, as shares of the way. Crossings are no gaps.
+    pub(super) fn parts(&mut self, from: [f64; 2], to: [f64; 2]) -> Vec<[f64; 2]> {
+        let way = [to[0] - from[0], to[1] - from[1]];
+        let length = (way[0] * way[0] + way[1] * way[1]).sqrt();
+        let steps = (length * SAMPLES).ceil().clamp(1.0, MOST_SAMPLES);
+        let at = |n: u32| {
+            let share = f64::from(n) / steps;
+            [from[0] + way[0] * share, from[1] + way[1] * share]
+        };
+        let fresh: Vec<bool> = (0..=steps as u32).map(|n| !self.is_painted(at(n))).collect();
+        (0..=steps as u32).for_each(|n| {
+            self.paint(at(n));
+        });
+        let crossing = (CROSSING * SAMPLES) as usize;
+        let (mut parts, mut end): (Vec<[usize; 2]>, usize) = (Vec::new(), 0);
+        for run in fresh.chunk_by(|a, b| a == b) {
+            let start = end;
+            end += run.len();
+            if run.first() != Some(&true) {
+                continue;
+            }
+            match parts.last_mut().filter(|last| start - last[1] <= crossing) {
+                Some(last) => last[1] = end,
+                None => parts.push([start, end]),
+            }
+        }
+        let least = fresh.len().min(crossing / 4);
+        let share = |n: usize| (n as f64 / steps).min(1.0);
+        let long = parts.into_iter().filter(|[start, end]| end - start >= least.max(1));
+        long.map(|[start, end]| [share(start), if end >= fresh.len() { 1.0 } else { share(end) }]).collect()
+    }
+
+    /// Whether a place is painted, or one at most half a pixel beside it.
+    fn is_painted(&self, at: [f64; 2]) -> bool {
+        const BESIDE: f64 = 0.5;
+        let places = [[0.0, 0.0], [BESIDE, 0.0], [-BESIDE, 0.0], [0.0, BESIDE], [0.0, -BESIDE]];
+        places.into_iter().any(|[x, y]| {
+            let (x, y) = ((at[0] + x) * FINE, (at[1] + y) * FINE);
+            if x < 0.0 || y < 0.0 || x >= ACROSS as f64 || y >= DOWN as f64 {
+                return false;
+            }
+            let cell = y as usize * ACROSS + x as usize;
+            self.cells.get(cell / 64).is_some_and(|word| word & (1 << (cell % 64)) != 0)
+        })
     }
 
     /// Paints a place; `false` when it was painted already. Places outside the largest view need no painting.

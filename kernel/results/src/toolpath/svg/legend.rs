@@ -64,7 +64,11 @@ impl Palette {
 
     /// Finds a place for every entry, kinds of moves first.
     fn place(&mut self, names: Vec<(String, String)>, toolpath: &Toolpath) {
-        let used = |stroke: Stroke| toolpath.channels.iter().any(|c| c.path.moves.iter().any(|m| m.stroke() == stroke));
+        // The first move begins a path; where it begins again, the frame has changed.
+        let used = |stroke: Stroke| {
+            let skipped = usize::from(stroke == Stroke::Start);
+            toolpath.channels.iter().any(|c| c.path.moves.iter().skip(skipped).any(|m| m.stroke() == stroke))
+        };
         let kinds = KINDS.into_iter().filter(|(stroke, ..)| used(*stroke));
         let holes = sights(toolpath).iter().any(|sight| {
             sight.shows_holes && super::paths(toolpath, sight.source).any(|(path, _)| holes::has_any(path))

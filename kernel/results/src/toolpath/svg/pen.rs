@@ -32,6 +32,8 @@ pub(super) struct Pen {
     canvas: Option<Canvas>,
     /// Way drawn since the last cut, px.
     way: f64,
+    /// Dashed lines over dashed lines would look like a whole line, so only what is new of a line is drawn.
+    dashed: bool,
 }
 
 impl Pen {
@@ -47,7 +49,13 @@ impl Pen {
             lining: false,
             canvas: long.then(Canvas::new),
             way: 0.0,
+            dashed: false,
         }
+    }
+
+    /// A pen for dashed lines.
+    pub(super) fn dashed(coarseness: f64) -> Self {
+        Self { dashed: true, ..Self::new(coarseness, true) }
     }
 
     /// Moves follow from here.
@@ -151,10 +159,24 @@ impl Pen {
 
     fn write(&mut self, to: [f64; 2]) {
         let from = self.anchor;
+        if let Some(canvas) = self.canvas.as_mut().filter(|_| self.dashed) {
+            for [start, end] in canvas.parts(from, to) {
+                let at = |share: f64| [from[0] + (to[0] - from[0]) * share, from[1] + (to[1] - from[1]) * share];
+                self.anchor = at(start);
+                self.draw(at(end));
+            }
+            (self.anchor, self.off) = (to, 0.0);
+            return;
+        }
         if self.canvas.as_mut().is_some_and(|canvas| !canvas.line(from, to)) {
             (self.anchor, self.off) = (to, 0.0);
             return;
         }
+        self.draw(to);
+    }
+
+    /// Draws a line from the anchor.
+    fn draw(&mut self, to: [f64; 2]) {
         self.move_to_anchor();
         let end = to.map(px);
         if let Some(start) = self.written.filter(|s| *s != end) {

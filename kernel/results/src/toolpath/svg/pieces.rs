@@ -32,7 +32,7 @@ pub(super) struct Piece {
 }
 
 struct Cutter {
-    pens: [(Stroke, Pen); 3],
+    pens: [(Stroke, Pen); 4],
     pieces: Vec<Piece>,
     tool: u32,
     file: FileId,
@@ -59,13 +59,16 @@ impl Cutter {
     }
 }
 
-/// The path in pieces, in order.
-pub(super) fn pieces(path: &Path, frame: &Frame) -> Vec<Piece> {
+/// The path in pieces, in order. `breaks`: a place where the path begins again elsewhere is joined with its last end.
+pub(super) fn pieces(path: &Path, frame: &Frame, breaks: bool) -> Vec<Piece> {
     let long = path.moves.len() > LONG;
     let window = path.moves.len().div_ceil(WINDOWS).max(1);
-    let pens = [Stroke::Rapid, Stroke::Feed, Stroke::Thread].map(|stroke| (stroke, Pen::new(COARSENESS, long)));
+    let pens = [Stroke::Start, Stroke::Rapid, Stroke::Feed, Stroke::Thread].map(|stroke| match stroke {
+        Stroke::Start | Stroke::Rapid if !long => (stroke, Pen::dashed(COARSENESS)),
+        _ => (stroke, Pen::new(COARSENESS, long)),
+    });
     let mut cutter = Cutter { pens, pieces: Vec::new(), tool: 0, file: 0, lines: (0, 0), moves: 0 };
-    let (mut from, mut last) = ([0.0; 3], None);
+    let (mut from, mut last, mut begun) = ([0.0; 3], None, false);
     for (mark, moves) in path.sections() {
         let changes = cutter.tool != mark.tool || cutter.file != mark.file && cutter.visible() && window == 1;
         if changes && cutter.pieces.len() < MOST {
@@ -88,7 +91,9 @@ pub(super) fn pieces(path: &Path, frame: &Frame) -> Vec<Piece> {
                 cutter.lines.1 = step.line;
             }
             let stroke = step.stroke();
-            if let Some((_, pen)) = cutter.pens.iter_mut().find(|(of, _)| *of == stroke) {
+            let drawn = stroke != Stroke::Start || breaks && begun;
+            begun = true;
+            if let Some((_, pen)) = cutter.pens.iter_mut().find(|(of, _)| *of == stroke && drawn) {
                 if last != Some(stroke) {
                     pen.begin(frame.pixel(&from));
                 }
