@@ -23,12 +23,23 @@ const CROSSING: f64 = 6.0;
 /// The painted cells of one pen.
 pub(super) struct Canvas {
     cells: Vec<u64>,
+    /// Rows of cells.
+    down: usize,
     long: FxHashSet<[i32; 4]>,
 }
 
 impl Canvas {
     pub(super) fn new() -> Self {
-        Self { cells: vec![0; (ACROSS * DOWN).div_ceil(64)], long: FxHashSet::default() }
+        Self::of(DOWN)
+    }
+
+    /// One of all views, one below the other.
+    pub(super) fn tall() -> Self {
+        Self::of(2 * DOWN)
+    }
+
+    fn of(down: usize) -> Self {
+        Self { cells: vec![0; (ACROSS * down).div_ceil(64)], down, long: FxHashSet::default() }
     }
 
     /// Paints a line; `false` when it was painted already.
@@ -86,7 +97,7 @@ impl Canvas {
         let places = [[0.0, 0.0], [BESIDE, 0.0], [-BESIDE, 0.0], [0.0, BESIDE], [0.0, -BESIDE]];
         places.into_iter().any(|[x, y]| {
             let (x, y) = ((at[0] + x) * FINE, (at[1] + y) * FINE);
-            if x < 0.0 || y < 0.0 || x >= ACROSS as f64 || y >= DOWN as f64 {
+            if x < 0.0 || y < 0.0 || x >= ACROSS as f64 || y >= self.down as f64 {
                 return false;
             }
             let cell = y as usize * ACROSS + x as usize;
@@ -97,7 +108,7 @@ impl Canvas {
     /// Paints a place; `false` when it was painted already. Places outside the largest view need no painting.
     pub(super) fn paint(&mut self, at: [f64; 2]) -> bool {
         let (x, y) = (at[0] * FINE, at[1] * FINE);
-        if x < 0.0 || y < 0.0 || x >= ACROSS as f64 || y >= DOWN as f64 {
+        if x < 0.0 || y < 0.0 || x >= ACROSS as f64 || y >= self.down as f64 {
             return false;
         }
         let cell = y as usize * ACROSS + x as usize;

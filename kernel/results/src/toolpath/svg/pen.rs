@@ -55,7 +55,7 @@ impl Pen {
 
     /// A pen for dashed lines.
     pub(super) fn dashed(coarseness: f64) -> Self {
-        Self { dashed: true, ..Self::new(coarseness, true) }
+        Self { dashed: true, canvas: Some(Canvas::tall()), ..Self::new(coarseness, false) }
     }
 
     /// Moves follow from here.
