@@ -28,8 +28,11 @@ const CYCLE: &str = "REG_FEED_UPM REG_FEED_UPR REG_CYCLE_* REG_AXIS_*";
 /// Words of all drilling cycles.
 const EVERY_CYCLE: &str = "REG_FEED_UPM REG_FEED_UPR REG_CYCLE_UPM REG_CYCLE_UPR REG_CYCLE_TPU REG_CYCLE_CLEAR REG_CYCLE_DEPTH_* REG_CYCLE_RETRACT REG_CYCLE_REPEAT REG_AXIS_*";
 
-/// Words of drilling cycles of some kinds.
-const OF_KINDS: [(fn(HoleCycle) -> bool, &str); 8] = [
+/// Words of drilling cycles of some kinds, with the kinds.
+type OfKinds = (fn(HoleCycle) -> bool, &'static str);
+
+/// All of them.
+const OF_KINDS: [OfKinds; 8] = [
     (HoleCycle::dwells, "REG_CYCLE_DWELL"),
     (|kind| kind.steps() != Steps::None, "REG_CYCLE_STEP REG_CYCLE_STEP_DECR REG_CYCLE_STEP_MIN REG_CYCLE_STEP_BACK"),
     (|kind| kind.steps() == Steps::Small, "REG_CYCLE_STEP_OUT"),

@@ -73,7 +73,7 @@ pub(crate) struct Frames {
     /// What incremental words travel beside their distance, by axis.
     pub(crate) ways: Option<Box<Position>>,
     /// Local shifts of work offsets that are not active.
-    pub(crate) shifts: Option<Box<BTreeMap<u32, Shift>>>,
+    pub(crate) shifts: Option<BTreeMap<u32, Shift>>,
     /// The last point that the program reached: in the work frame, and as programmed.
     reached: Option<[Position; 2]>,
 }
