@@ -245,8 +245,9 @@ impl Kernel<'_> {
         if !rule.unless.is_empty() && written.any(|pending| rule.unless.iter().any(|c| self.is_written(c, pending))) {
             return false;
         }
-        let on = |state: &Active| self.is_on(state, trigger);
-        (rule.active.is_empty() || rule.active.iter().any(on)) && !rule.inactive.iter().any(on)
+        let was = |state: &Active| self.channel.state.modal.code(state.group) == Some(state.id);
+        let stays = |state: &Active| was(state) && !self.is_ended(state, trigger);
+        (rule.active.is_empty() || rule.active.iter().any(stays)) && !rule.inactive.iter().any(was)
     }
 
     /// The block's words of a register are not as the rule wants them.
@@ -284,11 +285,10 @@ impl Kernel<'_> {
         }
     }
 
-    /// A code is active before the block, and no other one of its group on the block ends it.
-    fn is_on(&self, state: &Active, trigger: Option<&PendingCode>) -> bool {
+    /// Another code of the group of an active one is on the block.
+    fn is_ended(&self, state: &Active, trigger: Option<&PendingCode>) -> bool {
         let others = self.channel.block.pending.iter().filter(|pending| !pending.modal && Some(*pending) != trigger);
         let mut rows = others.map(|pending| &self.channel.env.machine.codes[pending.row]);
-        let ended = rows.any(|row| row.group == state.group && row.id != state.id);
-        !ended && self.channel.state.modal.code(state.group) == Some(state.id)
+        rows.any(|row| row.group == state.group && row.id != state.id)
     }
 }

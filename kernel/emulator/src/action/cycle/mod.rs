@@ -98,6 +98,12 @@ pub(super) fn off(act: &mut Act<'_, '_>) -> Acted {
 /// The cycle is over, and with it the taps that a code has made rigid.
 fn end(act: &mut Act<'_, '_>) {
     act.state.cycle.end();
+    end_rigid(act);
+}
+
+/// The end of a cycle, or a cycle that does not tap, ends rigid tapping, too.
+fn end_rigid(act: &mut Act<'_, '_>) {
+    act.state.cycle.rigid = 0.0;
     if act.state.modal.code(group::RIGID) == Some(codes::RIGID_ON) {
         act.state.modal.activate(group::RIGID, codes::RIGID_OFF, None);
     }

@@ -183,6 +183,8 @@ fn amounts(act: &mut Act<'_, '_>, kind: HoleCycle) -> HoleCycle {
         act.state.cycle.number = kind.number();
     } else if kind.is_rigid() {
         act.state.cycle.rigid = 1.0;
+    } else if act.state.cycle.rigid == 2.0 {
+        super::end_rigid(act);
     }
     if kind.dwells()
         && let Some(dwell) = act.take_seconds(data::CYCLE_DWELL)
