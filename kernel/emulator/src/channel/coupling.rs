@@ -207,8 +207,7 @@ impl Kernel<'_> {
     fn limits_changed(&mut self) {
         let stored = self.channel.state.place.stored.as_deref().is_some_and(|area| area.on);
         let layout = &mut self.channel.state.place.layout;
-        layout.bounds.travel = Bounds::travel(&layout.axes);
-        layout.bounds.count = Bounds::count(&layout.axes);
+        layout.bounds.nearness = Bounds::nearness(&layout.axes);
         layout.bounds.limited = layout.axes.iter().any(|axis| axis.limits.is_some()) || stored;
     }
 

@@ -11,6 +11,7 @@ use counterpoint_motion::arc;
 use counterpoint_motion::space::Circle;
 
 use super::Kernel;
+use crate::state::position::FIRST_AXES;
 
 /// An axis beyond its limits, where it is, and the limits.
 type Over = (AxisId, f64, [f64; 2]);
@@ -62,44 +63,26 @@ impl Kernel<'_> {
     /// Whether a straight move or a circle in a plane cannot leave the limits of travel; `false` leaves that open.
     #[inline(always)]
     fn stays_within_travel(&self, motion: &Motion) -> bool {
-        !self.channel.couples()
-            && match motion.kind {
-                MotionKind::Rapid | MotionKind::Linear | MotionKind::Thread => self.is_within_travel(&motion.to),
-                MotionKind::ArcCw | MotionKind::ArcCcw => self.circle_stays_within_travel(motion),
-                MotionKind::ArcSpace => false,
+        let swing = match motion.kind {
+            MotionKind::Rapid | MotionKind::Linear | MotionKind::Thread => 0.0,
+            MotionKind::ArcCw | MotionKind::ArcCcw => {
+                let [first, second] = motion.plane_axes.map(|axis| motion.to.get(usize::from(axis)));
+                let (Some(first), Some(second)) = (first, second) else { return false };
+                // Over four radii, which are at most the sums of their parts: a circle is two wide, and a diameter twice that.
+                5.0 * ((first - motion.center[0]).abs() + (second - motion.center[1]).abs())
             }
-    }
-
-    /// Whether a place is within the limits of travel, where no axis depends on another.
-    #[inline(always)]
-    fn is_within_travel(&self, at: &Position) -> bool {
-        let place = &self.channel.state.place;
-        let [low, high] = &place.layout.bounds.travel;
-        let limited = low.iter().zip(high).zip(at).zip(&place.shift).take(place.layout.bounds.count);
-        limited.fold(true, |within, (((low, high), at), shift)| {
-            let at = at + shift;
-            within & (at >= *low) & (at <= *high)
-        })
-    }
-
-    /// Whether a square about a circle is within the limits of travel, and its end.
-    #[inline]
-    fn circle_stays_within_travel(&self, motion: &Motion) -> bool {
-        let place = &self.channel.state.place;
-        let [first, second] = motion.plane_axes.map(|axis| place.layout.axes.id(usize::from(axis)));
-        let (Some(first), Some(second)) = (first, second) else { return false };
-        let reach = |axis: AxisSlot, center: f64| {
-            (motion.from.at(axis) - center).abs().max((motion.to.at(axis) - center).abs())
+            MotionKind::ArcSpace => return false,
         };
-        // A radius is at most the sum of its parts, and a diameter twice that.
-        let [one, other] = motion.center;
-        let reach = 2.0 * (reach(first, one) + reach(second, other));
-        let [low, high] = &place.layout.bounds.travel;
-        let swings_within = |axis: AxisSlot, center: f64| {
-            let center = center + place.shift.at(axis);
-            (center - reach >= low.at(axis)) & (center + reach <= high.at(axis))
+        let place = &self.channel.state.place;
+        let (Some(to), Some(shift)) = (motion.to.first_chunk::<FIRST_AXES>(), place.shift.first_chunk::<FIRST_AXES>())
+        else {
+            return false;
         };
-        swings_within(first, one) && swings_within(second, other) && self.is_within_travel(&motion.to)
+        let mut within = !self.channel.couples();
+        for ((to, shift), nearness) in to.iter().zip(shift).zip(&place.layout.bounds.nearness) {
+            within &= ((to + shift).abs() + swing) * nearness <= 1.0;
+        }
+        within
     }
 
     #[cold]

@@ -394,9 +394,9 @@ impl Kernel<'_> {
     /// What a code does before it acts: is remembered if it is a function, hands over its data, becomes active in its modal group.
     #[inline(always)]
     pub(crate) fn enter_code(&mut self, row: &CodeRow, pending: PendingCode) {
-        if let CodeForm::Register { register, .. } | CodeForm::RegisterAsData { register, .. } = row.form
+        if !pending.modal
+            && let CodeForm::Register { register, .. } | CodeForm::RegisterAsData { register, .. } = row.form
             && Some(register) == self.plan.registers.function
-            && !pending.modal
             && !matches!(row.id, codes::CALSUB_ID | codes::CALSUB_RETURN)
         {
             self.channel.state.remembered.remember_function(pending.value);

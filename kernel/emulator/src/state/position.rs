@@ -4,7 +4,7 @@ use counterpoint_event::event::{MAX_AXES, Position};
 use counterpoint_fault as diag;
 use counterpoint_machine::ident::DataId;
 use counterpoint_machine::ident::kind::data::DataKind;
-use counterpoint_machine::index::{AxisId, AxisSlot, BySlot, Table};
+use counterpoint_machine::index::{AxisId, AxisSlot, Table};
 use counterpoint_machine::model::{AxisRole, Dynamics, Machine, Turn};
 
 use super::feed_group::FeedGroup;
@@ -31,15 +31,17 @@ pub(crate) struct Axis {
     pub(crate) limits: Option<(f64, f64)>,
 }
 
+/// Axes of most channels.
+pub(crate) const FIRST_AXES: usize = 4;
+
 /// The limits of the axes of a channel.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Bounds {
     /// One of them has limits of travel.
     pub(crate) limited: bool,
-    /// Axes from the first to the last that has limits.
-    pub(crate) count: usize,
-    /// The lower and the upper limits in the machine frame; infinite for axes without limits.
-    pub(crate) travel: [Position; 2],
+    /// For each of the first axes one over the distance from zero of its nearer limit, 0 without limits: of a place whose
+    /// products are at most 1 no more needs to be known.
+    pub(crate) nearness: [f64; FIRST_AXES],
     /// An end beyond them stops the channel before the move.
     pub(crate) stop: bool,
     /// Registers of axes that other channels have, where their words are alarms, bit by register.
@@ -47,20 +49,17 @@ pub(crate) struct Bounds {
 }
 
 impl Bounds {
-    /// The lower and the upper limits of travel by axis.
-    pub(crate) fn travel(axes: &Table<AxisSlot, Axis>) -> [Position; 2] {
-        let (mut low, mut high) = ([f64::NEG_INFINITY; MAX_AXES], [f64::INFINITY; MAX_AXES]);
+    /// See [`nearness`](Self::nearness); infinite if a later axis has limits.
+    pub(crate) fn nearness(axes: &Table<AxisSlot, Axis>) -> [f64; FIRST_AXES] {
+        let mut nearness = [0.0; FIRST_AXES];
         for (slot, axis) in axes.entries() {
-            if let Some(limits) = axis.limits {
-                (*low.at_mut(slot), *high.at_mut(slot)) = limits;
+            let Some((low, high)) = axis.limits else { continue };
+            match nearness.get_mut(slot.index()) {
+                Some(nearness) => *nearness = 1.0 / high.min(-low).max(0.0),
+                None => return [f64::INFINITY; FIRST_AXES],
             }
         }
-        [low, high]
-    }
-
-    /// Axes from the first to the last that has limits.
-    pub(crate) fn count(axes: &Table<AxisSlot, Axis>) -> usize {
-        axes.iter().rposition(|axis| axis.limits.is_some()).map_or(0, |last| last + 1)
+        nearness
     }
 }
 
@@ -190,8 +189,7 @@ impl Place {
         let cartesian = [find(AxisRole::X), find(AxisRole::Y), find(AxisRole::Z)];
         let bounds = Bounds {
             limited: axes.iter().any(|axis| axis.limits.is_some()),
-            travel: Bounds::travel(&axes),
-            count: Bounds::count(&axes),
+            nearness: Bounds::nearness(&axes),
             stop: machine.stops_at(&diag::OVER_TRAVEL),
             foreign: foreign(machine, &axes),
         };
