@@ -180,7 +180,8 @@ impl Subject {
         };
         known |= add("sign", json!(signs::meaning(&machine.format, asked)));
         // The pages also name codes that the machine does not have.
-        known |= add("pages", json!(pages)) && !(!known && trial::is_unknown_code(machine, asked));
+        let told = add("pages", json!(pages));
+        known = known || told && !trial::is_unknown_code(machine, asked);
         value.set("known", json!(known));
         value
     }
