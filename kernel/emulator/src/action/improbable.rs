@@ -6,9 +6,10 @@
 use crate::act::Act;
 use crate::action::thread::EVEN;
 use crate::state::spindle::Turning;
-use counterpoint_event::event::FeedUnit;
+use counterpoint_event::event::{Direction, FeedUnit};
 use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
+use counterpoint_machine::ident::kind::cycle::HoleCycle;
 use counterpoint_machine::index::AxisSlot;
 
 /// Feeds from here on are a way to ask for the highest one, units per minute.
@@ -66,12 +67,18 @@ impl Act<'_, '_> {
     fn look_at_spindle(&mut self) -> Acted {
         let asked = self.env.machine.habits.feed_needs_spindle && !self.reports.plausible.spindle;
         let own = self.state.spindle.id.is_some() && !self.state.spindle.shared;
-        if !(asked && own) || self.spindle_speed()?.is_some() {
+        if !(asked && own) || self.spindle_speed()?.is_some() || self.needs_no_rotation() {
             return Ok(());
         }
         self.reports.plausible.spindle = true;
         let text = format!("the move at feed in '{}' begins while the spindle is off", self.block_text());
         self.diagnose(&diag::SPINDLE_OFF, text);
         Ok(())
+    }
+
+    /// The spindle stands at an angle on purpose (fine boring, broaching), or a tapping cycle turns it.
+    fn needs_no_rotation(&self) -> bool {
+        let taps = HoleCycle::numbered(self.state.cycle.number).is_some_and(HoleCycle::taps);
+        self.state.spindle.command.direction == Direction::Oriented || self.state.cycle.running && taps
     }
 }
