@@ -3,8 +3,8 @@
 //! Each file is read and hashed once. Files keep their name inside the job. *Invariant:* the job can read exactly the
 //! packed files.
 
-use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -15,7 +15,7 @@ use crate::arguments::Inputs;
 use crate::encoding::Encoding;
 use crate::error::Error;
 use crate::standard_input;
-use crate::subprograms::{Mentionable, is_taken_by_name};
+use crate::subprograms::{Mentionable, best_of_number, by_number, is_taken_by_name};
 
 /// The file that makes a folder a machine.
 pub(crate) const DEFINITION: &str = "machine.toml";
@@ -80,6 +80,14 @@ struct Beside {
     name: String,
 }
 
+impl Beside {
+    /// Whether the digits of a number occur in the program.
+    fn mentions(&self, number: u32, files: &Files) -> bool {
+        let digits = number.to_string();
+        files.0.get(&self.name).is_some_and(|blob| memchr::memmem::find(blob.content(), digits.as_bytes()).is_some())
+    }
+}
+
 /// Gathers the programs and all files they may call.
 pub(crate) fn job(inputs: &Inputs) -> Result<Pack, Error> {
     let mut pack = Pack::default();
@@ -114,9 +122,6 @@ pub(crate) fn job(inputs: &Inputs) -> Result<Pack, Error> {
         let stem = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
         folders.push(Beside { folder: path.parent().map(Path::to_owned).unwrap_or_default(), stem, name });
     }
-    for program in folders {
-        neighbours(&mut pack.files, &program, inputs.files.encoding)?;
-    }
     for with in &inputs.files.with {
         standard_input::refuse("--with", with)?;
         if with.is_dir() {
@@ -126,6 +131,9 @@ pub(crate) fn job(inputs: &Inputs) -> Result<Pack, Error> {
         } else {
             pack.files.add_in(file_name(with)?, with, inputs.files.encoding)?;
         }
+    }
+    for program in folders {
+        neighbours(&mut pack.files, &program, inputs.files.encoding)?;
     }
     Ok(pack)
 }
@@ -243,15 +251,46 @@ pub(crate) fn files_of(folder: &Path) -> Result<Vec<PathBuf>, Error> {
     Ok(paths)
 }
 
+/// Files of a program number that calls do not get, because another file beside them is that program or because they are
+/// copies.
+fn other_files_of_numbers(paths: &[PathBuf], program: &Beside, files: &Files) -> Result<BTreeSet<String>, Error> {
+    let names: Vec<String> = paths.iter().map(|path| file_name(path)).collect::<Result<_, _>>()?;
+    let mut left_out = BTreeSet::new();
+    for (number, mut names) in by_number(names.into_iter()) {
+        if names.iter().any(|name| files.0.contains_key(name)) {
+            // The user has given it.
+            left_out.extend(names);
+            continue;
+        }
+        match best_of_number(&names, &program.name) {
+            Ok(best) => names.retain(|name| best.as_ref() != Some(name)),
+            Err(several) if program.mentions(number, files) => {
+                return Err(Error::Usage(format!(
+                    "'{}' may call O{number}, but {several} beside it have that number: give the right one with --with",
+                    program.name
+                )));
+            }
+            Err(_) => {}
+        }
+        left_out.extend(names);
+    }
+    Ok(left_out)
+}
+
 /// Adds the files beside a program that it may call: those known by their names, and those that the program or an added
 /// file mentions.
 fn neighbours(files: &mut Files, program: &Beside, encoding: Option<Encoding>) -> Result<(), Error> {
     let mut paths = BTreeMap::new();
     let mut mentionable = Mentionable::default();
     let mut unread = vec![program.name.clone()];
-    for path in files_of(&program.folder)? {
+    let listed = files_of(&program.folder)?;
+    let left_out = other_files_of_numbers(&listed, program, files)?;
+    for path in listed {
         let name = file_name(&path)?;
         if files.0.contains_key(&name) || fs::metadata(&path).map_or(true, |meta| meta.len() > NEIGHBOUR_MAX) {
+            continue;
+        }
+        if left_out.contains(&name) {
             continue;
         }
         if is_taken_by_name(&name, &program.stem) {

@@ -19,6 +19,47 @@ pub(crate) fn is_taken_by_name(name: &str, stem: &str) -> bool {
     o_number || own().is_some_and(|rest| rest.is_empty() || rest.starts_with('_')) || library()
 }
 
+/// Endings of copies that editors and people keep beside a file.
+const COPIES: [&str; 8] = ["bak", "old", "orig", "tmp", "sav", "save", "copy", "swp"];
+
+/// The number of a file named by `O` and digits, and its ending.
+fn number_and_ending(name: &str) -> Option<(u32, String)> {
+    let (stem, ending) = name.split_once('.').unwrap_or((name, ""));
+    let digits = stem.strip_prefix(['O', 'o'])?;
+    let digits = digits.get(..digits.bytes().take_while(u8::is_ascii_digit).count())?;
+    Some((digits.parse().ok()?, ending.to_ascii_lowercase()))
+}
+
+/// Of several files of one program number the one that calls get: with the ending of the program that calls, no copy.
+/// `Err` names the files if that leaves several.
+pub(crate) fn best_of_number(names: &[String], program: &str) -> Result<Option<String>, String> {
+    let own = program.rsplit_once('.').map_or_else(String::new, |(_, ending)| ending.to_ascii_lowercase());
+    let ending = |name: &str| number_and_ending(name).map(|(_, ending)| ending).unwrap_or_default();
+    let like = names.iter().filter(|name| ending(name) == own).collect::<Vec<_>>();
+    let plain = || names.iter().filter(|name| !is_copy(&ending(name))).collect::<Vec<_>>();
+    match if like.is_empty() { plain() } else { like }.as_slice() {
+        [] => Ok(None),
+        [name] => Ok(Some((*name).clone())),
+        several => Err(several.iter().map(|name| format!("'{name}'")).collect::<Vec<_>>().join(" and ")),
+    }
+}
+
+fn is_copy(ending: &str) -> bool {
+    let last = ending.rsplit('.').next().unwrap_or_default();
+    COPIES.contains(&last) || last.ends_with('~')
+}
+
+/// Files named by a program number, by that number.
+pub(crate) fn by_number(names: impl Iterator<Item = String>) -> BTreeMap<u32, Vec<String>> {
+    let mut numbered: BTreeMap<u32, Vec<String>> = BTreeMap::new();
+    for name in names {
+        if let Some((number, _)) = number_and_ending(&name) {
+            numbered.entry(number).or_default().push(name);
+        }
+    }
+    numbered
+}
+
 /// Files of a folder that texts may mention, by the lowercase words that mention them.
 #[derive(Debug, Default)]
 pub(crate) struct Mentionable {
@@ -106,6 +147,23 @@ mod tests {
         for name in ["Other.nc", "part.nc", "partner.tps", "readme.md", "L20.SPF"] {
             assert!(!is_taken_by_name(name, "part"), "{name}");
         }
+    }
+
+    #[test]
+    fn of_several_files_of_a_number_the_one_like_the_program_is_taken() {
+        let best = |names: &[&str], program: &str| {
+            best_of_number(&names.iter().map(ToString::to_string).collect::<Vec<_>>(), program)
+        };
+        let taken = |name: &str| Ok(Some(name.to_owned()));
+        assert_eq!(best(&["O0100.bak", "O0100.nc", "O100"], "O0001.nc"), taken("O0100.nc"));
+        assert_eq!(best(&["O0100.bak", "O0100.nc", "O100"], "O0001"), taken("O100"));
+        assert_eq!(best(&["O0100.bak", "O0100.eia"], "part.nc"), taken("O0100.eia"));
+        assert_eq!(best(&["O0100.nc.bak", "O0100.nc~"], "part.nc"), Ok(None));
+        assert_eq!(best(&["O0100.bak"], "part.nc"), Ok(None));
+        assert_eq!(best(&["O0100.eia", "O0100.min"], "part.nc"), Err("'O0100.eia' and 'O0100.min'".to_owned()));
+        assert_eq!(best(&["O0100.NC", "O100.nc"], "part.nc"), Err("'O0100.NC' and 'O100.nc'".to_owned()));
+        let numbered = by_number(["O1.nc", "o0001.h", "O10", "O", "Other"].map(str::to_owned).into_iter());
+        assert_eq!(numbered.keys().copied().collect::<Vec<_>>(), [1, 10]);
     }
 
     #[test]
