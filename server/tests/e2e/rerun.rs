@@ -35,6 +35,8 @@ fn everything() -> v1::JobOptions {
         parameters: "-SHIFT=2".into(),
         time: v1::TimeModel::Simple as i32,
         races: v1::RaceCheck::Warn as i32,
+        warnings_off: vec![2_900_680],
+        warnings_on: vec![2_900_681],
     }
 }
 
