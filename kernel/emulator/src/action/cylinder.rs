@@ -10,6 +10,7 @@ use crate::state::modal::{group, plane};
 use counterpoint_event::event::Kind;
 use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
+use counterpoint_machine::ident::dimension::Dimension;
 use counterpoint_machine::ident::{DataId, codes, data};
 use counterpoint_machine::index::AxisSlot;
 
@@ -102,7 +103,10 @@ fn radius(act: &mut Act<'_, '_>) -> Option<Given> {
     if let Some(radius) = act.take(data::CYLINDER_RADIUS) {
         return Some((radius.value, axes.into_iter().find_map(|(_, axis)| axis), true));
     }
-    axes.into_iter().filter(|(_, axis)| axis.is_some()).find_map(|(id, axis)| Some((act.take(id)?.value, axis, false)))
+    // A word of an angle has no unit of length; its value is a radius here.
+    let unit = act.unit_factor(Dimension::Length);
+    let mut named = axes.into_iter().filter(|(_, axis)| axis.is_some());
+    named.find_map(|(id, axis)| Some((act.take(id)?.value * unit, axis, false)))
 }
 
 /// The active plane is that of the surface. One whose words are those of its axes began in that plane.
