@@ -348,7 +348,8 @@ fn the_two_path_lathe_is_set_up_like_this() {
     assert_eq!(lathe.tool.offset_digits, 2);
     assert_eq!(lathe.home(&lathe.channels[0])[..3], [300.0, 500.0, 0.0]);
     assert!(lathe.codes.iter().all(|row| row.seconds == 0.0));
-    assert!(lathe.axes.iter().all(|axis| axis.dynamics.acceleration.is_some() && axis.limits.is_none()));
+    let limited = |axis: &crate::model::Axis| axis.limits.is_some() != axis.role.is_rotary();
+    assert!(lathe.axes.iter().all(|axis| axis.dynamics.acceleration.is_some() && limited(axis)));
     let initial: Vec<&str> = lathe.initial.iter().map(|id| lathe.code_name(*id)).collect();
     assert_eq!(initial[..3], ["CODE_RAPID", "CODE_PLANE_ZX", "CODE_FEED_UPR"]);
     assert_eq!(lathe.tables.letter[usize::from(b'U')].map(|(_, incremental)| incremental), Some(true));
