@@ -377,7 +377,10 @@ fn every_line_runs() {
             let done = run(control, &program(control, &[Piece::Loop(vec![Piece::Line(line)])]), "");
             done.summary.diagnostics.iter().any(|told| told.severity >= 8)
         };
-        let stopped: Vec<_> = (0..control.lines.len()).filter(stopped).map(|line| control.lines[line]).collect();
+        // Each round of the loop would need a MODOUT.
+        let closed = |line: &usize| !control.lines[*line].starts_with("MODIN");
+        let stopped: Vec<_> =
+            (0..control.lines.len()).filter(closed).filter(stopped).map(|line| control.lines[line]).collect();
         assert_eq!(stopped, [""; 0], "{}", control.machine);
     }
 }
