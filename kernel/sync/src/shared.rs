@@ -170,6 +170,23 @@ pub struct Spindle {
     pub ordered: Set,
 }
 
+impl Spindle {
+    /// Changes the command, at a time and by a channel; the speed at which the spindle turns then holds until its driver
+    /// moves. Returns whether that changes anything.
+    pub fn change(&mut self, change: impl Fn(&mut Command), speed: f64, (t, channel): (i64, u16)) -> bool {
+        let old = self.command;
+        change(&mut self.command);
+        if self.command == old {
+            return false;
+        }
+        if self.course.take().is_some() || old.driver == channel && self.command.driver != channel {
+            self.now = speed;
+        }
+        self.changes.note(t, channel);
+        true
+    }
+}
+
 impl Shared {
     /// A sync point orders all earlier commands of its participants before all later ones.
     pub fn met(&mut self, channels: Set) {

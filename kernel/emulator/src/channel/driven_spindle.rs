@@ -1,25 +1,25 @@
-//! A spindle under constant surface speed that several channels turn by: the channel that drives it tells the others how.
+//! A spindle under constant surface speed that several channels use: its driver publishes the speed of each move.
 //!
-//! The driver says at the begin of a move how the speed changes during it, so that the time of a move of another channel
-//! follows this speed. *Invariant:* a channel that has computed a time with a speed that another channel then changes
-//! before its end says so once.
+//! The driver publishes at the begin of a move how the speed changes during it. The time of a move of another channel then
+//! follows this speed. *Invariant:* if another channel changes the speed before the end of a time that was computed with
+//! it, the channel reports that once.
 
 use counterpoint_event::event::{FeedUnit, Motion};
 use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
 use counterpoint_motion::driven_speed::{DrivenSpeed, Progress};
 use counterpoint_sync::races::Mode;
-use counterpoint_sync::shared::{Course, Spindle};
+use counterpoint_sync::shared::Course;
 
 use super::Kernel;
 use super::access::Door;
 use crate::state::channel::nanoseconds;
 use crate::state::spindle::{AssumedSpeed, Turning};
 
-/// A change of the speed by less than this share is none.
+/// Changes of the speed by less than this share do not count.
 const STEADY: f64 = 0.01;
 
-/// Radii nearer than this to each other are one.
+/// Radii that differ by less than this are equal.
 const SAME_RADIUS: f64 = 1e-9;
 
 impl Kernel<'_> {
@@ -45,17 +45,19 @@ impl Kernel<'_> {
         let time = [begin, begin.saturating_add(nanoseconds(seconds))];
         let course = Course { time, driven: DrivenSpeed { speed, radii, minutes, progress } };
         let [first, last] = radii.map(|radius| speed.rpm(radius));
-        self.channel.state.spindle.now = last;
-        self.access(Door::Spindle, Mode::Write, |shared| {
-            let spindle = shared.spindles.get_mut(id.index()).filter(|spindle| spindle.command == command);
-            if let Some(spindle) = spindle {
-                (spindle.course, spindle.now) = (Some(course), last);
-                if (last / first - 1.0).abs() > STEADY {
-                    spindle.changes.note(begin, channel);
-                }
+        let shared = self.access(Door::Spindle, Mode::Write, |shared| {
+            // Another channel may have commanded it meanwhile.
+            let spindle = shared.spindles.get_mut(id.index()).filter(|spindle| spindle.command == command)?;
+            (spindle.course, spindle.now) = (Some(course), last);
+            if (last / first - 1.0).abs() > STEADY {
+                spindle.changes.note(begin, channel);
             }
+            Some(())
         })?;
-        Ok(true)
+        if shared.is_some() {
+            self.channel.state.spindle.now = last;
+        }
+        Ok(shared.is_some())
     }
 
     /// Tells other channels the speed that this channel's X drives.
@@ -114,25 +116,24 @@ impl Kernel<'_> {
         if self.channel.state.spindle.assumed.is_some() { self.current().map(drop) } else { Ok(()) }
     }
 
-    /// Looks whether the speed of the spindle has changed before the end of what was timed with it.
-    pub(super) fn compare_assumed(&mut self, spindle: &Spindle) {
-        let Some(assumed) = self.channel.state.spindle.assumed else { return };
-        let [begin, end] = assumed.time;
+    /// The changes that were known when the last time was computed with a speed, and the end of that time, once it is over.
+    pub(super) fn ended_assumption(&self) -> Option<(u64, i64)> {
         let now = self.channel.now();
-        if now <= begin {
-            return;
-        }
-        self.channel.state.spindle.assumed = None;
-        let end = end.min(now);
-        let channel = self.channel.at.channel;
-        let Some(at) = spindle.changes.of_others(channel, assumed.changes, end) else { return };
+        let assumed = self.channel.state.spindle.assumed.filter(|assumed| assumed.time[0] < now)?;
+        Some((assumed.changes, assumed.time[1].min(now)))
+    }
+
+    /// The last time that was computed with a speed is over; `change`: when another channel changed the speed before its end.
+    pub(super) fn end_assumption(&mut self, change: Option<i64>) {
+        let assumed = self.channel.state.spindle.assumed.take();
+        let (Some(assumed), Some(at)) = (assumed, change) else { return };
         self.channel.reports.plausible.changed_speed = true;
         let text = format!(
             "line {} turns by a spindle whose speed another channel changes at {:.3} s; the line is timed until {:.3} s \
              without that change, so times after it are not those of the machine",
             assumed.line,
             at as f64 / 1e9,
-            end as f64 / 1e9,
+            assumed.time[1].min(self.channel.now()) as f64 / 1e9,
         );
         self.diagnose(&diag::SPEED_CHANGED, text);
     }

@@ -39,16 +39,7 @@ impl Kernel<'_> {
             let now = self.channel.now();
             let (command, writer) = self.access(Door::Spindle, Mode::Write, |shared| {
                 let Some(spindle) = shared.spindles.get_mut(id.index()) else { return (Command::default(), 0) };
-                let old = spindle.command;
-                change(&mut spindle.command);
-                let changed = old != spindle.command;
-                if changed {
-                    // Until its driver moves the spindle continues as it turns.
-                    if spindle.course.take().is_some() || old.driver == channel && spindle.command.driver != channel {
-                        spindle.now = before;
-                    }
-                    spindle.changes.note(now, channel);
-                }
+                let changed = spindle.change(change, before, (now, channel));
                 let other = spindle.writer != 0 && spindle.writer != channel && !spindle.ordered.has(channel);
                 let writer = if changed && other { spindle.writer } else { 0 };
                 spindle.writer = channel;
@@ -81,13 +72,15 @@ impl Kernel<'_> {
             change(&mut self.channel.state.spindle.command);
             return Ok(());
         }
-        let now = self.access(Door::Spindle, Mode::Write, |shared| {
+        let before = self.turning_speed()?;
+        let at = (self.channel.now(), self.channel.at.channel);
+        let command = self.access(Door::Spindle, Mode::Write, |shared| {
             shared.spindles.get_mut(id.index()).map(|spindle| {
-                change(&mut spindle.command);
+                spindle.change(change, before, at);
                 spindle.command
             })
         })?;
-        self.channel.state.spindle.command = now.unwrap_or_default();
+        self.channel.state.spindle.command = command.unwrap_or_default();
         self.follow_radius()
     }
 
@@ -130,13 +123,19 @@ impl Kernel<'_> {
         if self.channel.state.spindle.shared
             && let Some(id) = self.channel.state.spindle.id
         {
-            let spindle = self.access(Door::Spindle, Mode::Read, |shared| {
-                shared.spindles.get(id.index()).copied().unwrap_or_default()
+            let ended = self.ended_assumption();
+            let channel = self.channel.at.channel;
+            let known = self.access(Door::Spindle, Mode::Read, |shared| {
+                let spindle = shared.spindles.get(id.index())?;
+                let change = ended.and_then(|(known, end)| spindle.changes.of_others(channel, known, end));
+                Some((spindle.command, spindle.now, spindle.course, spindle.changes.count, change))
             })?;
+            let (command, now, course, changes, change) = known.unwrap_or_default();
             let state = &mut self.channel.state.spindle;
-            (state.command, state.now) = (spindle.command, spindle.now);
-            (state.course, state.changes) = (spindle.course, spindle.changes.count);
-            self.compare_assumed(&spindle);
+            (state.command, state.now, state.course, state.changes) = (command, now, course, changes);
+            if ended.is_some() {
+                self.end_assumption(change);
+            }
         }
         Ok(self.channel.state.spindle.command)
     }
@@ -149,9 +148,9 @@ impl Kernel<'_> {
         if !turns && !self.channel.state.cycle.is_rigid() {
             return Ok(None);
         }
-        let Speed { max, .. } = self.surface_speed(&command);
+        let speed = self.surface_speed(&command);
         if !command.css {
-            let rpm = if command.rpm > 0.0 { command.rpm.max(command.least).min(max) } else { command.rpm };
+            let rpm = if command.rpm > 0.0 { command.rpm.max(command.least).min(speed.max) } else { command.rpm };
             return Ok((rpm > 0.0).then_some(Turning::Fixed(rpm)));
         }
         if command.surface <= 0.0 {
@@ -160,7 +159,6 @@ impl Kernel<'_> {
         if command.driver != self.channel.at.channel && command.radius <= 0.0 {
             return Ok(self.driven_by_other());
         }
-        let speed = self.surface_speed(&command);
         if command.radius > 0.0 {
             let rpm = speed.rpm(command.radius);
             return Ok((rpm > 0.0).then_some(Turning::Fixed(rpm)));
