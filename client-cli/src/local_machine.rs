@@ -70,14 +70,6 @@ impl LocalMachine {
     }
 }
 
-/// The machine, or the components of a composite with their designators.
-pub(crate) fn definitions(machine: &Machine) -> Vec<(&str, &Machine)> {
-    if machine.components.is_empty() {
-        return vec![("", machine)];
-    }
-    machine.components.iter().map(|component| (component.designator.as_str(), &*component.machine)).collect()
-}
-
 /// Every shipped machine with its name.
 pub(crate) fn all_shipped() -> impl Iterator<Item = (String, Machine)> {
     package::shipped_names().into_iter().filter_map(|name| {

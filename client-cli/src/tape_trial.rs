@@ -11,13 +11,13 @@ use serde_json::{Value, json};
 
 use crate::error::Error;
 use crate::fields::Fields as _;
-use crate::local_machine::{LocalMachine, definitions};
+use crate::local_machine::LocalMachine;
 use crate::say;
 
 /// Tries the rules on each line; a line `-` is all lines of standard input.
 pub(crate) fn edit(machine: &str, lines: &[String], all: bool, json: bool) -> Result<u8, Error> {
     let machine = LocalMachine::open(machine)?.load()?;
-    let all_machines = definitions(&machine);
+    let all_machines: Vec<_> = machine.definitions().collect();
     if all_machines.iter().all(|(_, machine)| machine.tape_editor.is_empty()) {
         return Err(Error::Usage(format!(
             "machine '{}' has no rules of the tape editor ([[tape_editor]])",

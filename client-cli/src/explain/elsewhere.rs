@@ -91,8 +91,8 @@ fn described(subject: &Subject, asked: &str) -> Vec<String> {
 
 /// The codes of a word; the data of a letter; the stored program. Those of all components of a composite.
 fn identifiers(machine: &Machine, word: &str) -> Vec<String> {
-    let all = local_machine::definitions(machine).into_iter();
-    let mut names: Vec<String> = all.flat_map(|(_, machine)| own_identifiers(machine, word)).collect();
+    let mut names: Vec<String> =
+        machine.definitions().flat_map(|(_, machine)| own_identifiers(machine, word)).collect();
     keep_first(&mut names);
     names
 }
@@ -116,7 +116,7 @@ fn own_identifiers(machine: &Machine, word: &str) -> Vec<String> {
 
 /// The most similar word of the machine.
 pub(super) fn nearest(machine: &Machine, word: &str) -> Option<String> {
-    let written = local_machine::definitions(machine).into_iter().flat_map(|(_, machine)| {
+    let written = machine.definitions().flat_map(|(_, machine)| {
         let rows = machine.codes.iter().filter(|row| row.enable);
         rows.map(|row| show::code_json(machine, row).at("word").clone()).collect::<Vec<_>>()
     });

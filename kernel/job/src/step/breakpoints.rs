@@ -138,7 +138,7 @@ fn may_write(name: &str, info: &Info, machine: &Machine) -> Result<(), String> {
     let number = name.strip_prefix('#').and_then(|number| number.trim().parse::<u32>().ok());
     let Some(number) = number else { return may_name(name, info, machine) };
     let mut shared: Vec<(u32, u32)> = Vec::new();
-    for machine in definitions(machine) {
+    for (_, machine) in machine.definitions() {
         shared.extend(
             machine.variables.shared.iter().filter(|range| !shared.contains(range)).copied().collect::<Vec<_>>(),
         );
@@ -171,20 +171,13 @@ fn may_name(name: &str, info: &Info, machine: &Machine) -> Result<(), String> {
             _ => return Ok(()),
         }
     }
-    let macros = std::iter::once(machine).chain(definitions(machine)).filter_map(|machine| machine.macros.as_deref());
+    let machines = std::iter::once(machine).chain(machine.definitions().map(|(_, machine)| machine));
+    let macros = machines.filter_map(|machine| machine.macros.as_deref());
     let sources = macros.flat_map(|macros| &macros.program.macros).map(|code| code.source.text.as_bytes());
     if sources.into_iter().any(has) {
         return Ok(());
     }
     Err(format!("no program or macro of this job has a variable '{name}'"))
-}
-
-/// The machine, or the components of a composite.
-fn definitions(machine: &Machine) -> Vec<&Machine> {
-    if machine.components.is_empty() {
-        return vec![machine];
-    }
-    machine.components.iter().map(|component| &*component.machine).collect()
 }
 
 /// Whether a block may begin in this line of a file of the job. A file that no channel has read yet may have any lines.

@@ -41,6 +41,12 @@ impl Machine {
         readers
     }
 
+    /// The definitions that blocks act by, with the words that name them: this one without a name, or the components.
+    pub fn definitions(&self) -> impl Iterator<Item = (&str, &Machine)> {
+        let own = self.components.is_empty().then_some(("", self));
+        own.into_iter().chain(self.components.iter().map(|one| (one.designator.as_str(), &*one.machine)))
+    }
+
     /// Place among [`readers`](Self::readers) of the one for a pre-processor.
     #[must_use]
     pub fn reader_for(&self, preprocessor: Preprocessor) -> usize {
