@@ -15,7 +15,7 @@ use crate::arguments::Inputs;
 use crate::encoding::Encoding;
 use crate::error::Error;
 use crate::standard_input;
-use crate::subprograms::{Mentionable, best_of_number, by_number, is_taken_by_name};
+use crate::subprograms::{Mentionable, best_of_number, by_number, is_taken_by_name, may_call};
 
 /// The file that makes a folder a machine.
 pub(crate) const DEFINITION: &str = "machine.toml";
@@ -81,10 +81,9 @@ struct Beside {
 }
 
 impl Beside {
-    /// Whether the digits of a number occur in the program.
-    fn mentions(&self, number: u32, files: &Files) -> bool {
-        let digits = number.to_string();
-        files.0.get(&self.name).is_some_and(|blob| memchr::memmem::find(blob.content(), digits.as_bytes()).is_some())
+    /// Whether the program has the number behind P or O, as calls of it have.
+    fn may_call(&self, number: u32, files: &Files) -> bool {
+        files.0.get(&self.name).is_some_and(|blob| may_call(blob.content(), number))
     }
 }
 
@@ -264,7 +263,7 @@ fn other_files_of_numbers(paths: &[PathBuf], program: &Beside, files: &Files) ->
         }
         match best_of_number(&names, &program.name) {
             Ok(best) => names.retain(|name| best.as_ref() != Some(name)),
-            Err(several) if program.mentions(number, files) => {
+            Err(several) if program.may_call(number, files) => {
                 return Err(Error::Usage(format!(
                     "'{}' may call O{number}, but {several} beside it have that number: give the right one with --with",
                     program.name
