@@ -68,7 +68,8 @@ impl Kernel<'_> {
             MotionKind::ArcCw | MotionKind::ArcCcw => {
                 let [first, second] = motion.plane_axes.map(|axis| motion.to.get(usize::from(axis)));
                 let (Some(first), Some(second)) = (first, second) else { return false };
-                // Over four radii, which are at most the sums of their parts: a circle is two wide, and a diameter twice that.
+                // More than four radii: a circle is two wide, and a diameter axis counts twice. A radius is at most the sum
+                // of its parts.
                 5.0 * ((first - motion.center[0]).abs() + (second - motion.center[1]).abs())
             }
             MotionKind::ArcSpace => return false,

@@ -39,8 +39,8 @@ pub(crate) const FIRST_AXES: usize = 4;
 pub(crate) struct Bounds {
     /// One of them has limits of travel.
     pub(crate) limited: bool,
-    /// For each of the first axes one over the distance from zero of its nearer limit, 0 without limits: of a place whose
-    /// products are at most 1 no more needs to be known.
+    /// For each of the first axes one over the distance of its nearer limit from zero; 0 without limits. A position whose
+    /// products with these are at most 1 is within all limits.
     pub(crate) nearness: [f64; FIRST_AXES],
     /// An end beyond them stops the channel before the move.
     pub(crate) stop: bool,

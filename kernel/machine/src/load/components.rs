@@ -2,8 +2,8 @@
 //!
 //! A component is a machine file of its own, or a family. What the components have in common is the composite's and takes
 //! the place of their own sections: axes, channels, spindles, waits, the shape of programs, tools and work offsets. Times and
-//! ranges of variables are shared key by key. A component with another pre-processor has the shape of its own programs. Invariants: units of all components are those of
-//! the composite; each channel has a component; the macros of a component see the GLOBAL variables of the composite, and its own
+//! ranges of variables are shared key by key. A component with another pre-processor has the shape of its own programs.
+//! Invariants: units of all components are those of the composite; each channel has a component; the macros of a component see the GLOBAL variables of the composite, and its own
 //! ones are its object's.
 
 use crate::model::{Channel, Machine, MachineKind};

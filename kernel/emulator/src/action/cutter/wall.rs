@@ -1,5 +1,7 @@
-//! Directions beside the codes of compensation. The wall behind a contour: the code that ends compensation gives its direction, and the last move ends where the
-//! offsets of that move and of the wall meet.
+//! Directions beside the codes of compensation.
+//!
+//! The code that begins it gives the vector at the end of its block. The code that ends it gives the direction of the wall
+//! behind the contour, and the last move ends where the offsets of that move and of the wall meet.
 //!
 //! Facts: operator's manuals of Fanuc controls, cutter compensation, cancel with I J K: the intersection counts inside and
 //! outside; without one the move ends beside its own end. *Invariant:* no move is made to the wall itself.
