@@ -20,7 +20,7 @@ use crate::say;
 /// Keys that name the definition itself and therefore always differ.
 const NAMES: [&str; 6] = ["name", "number", "revision", "created", "author", "description"];
 
-/// The section of the keys above all sections, as the text shows it.
+/// Label of the section of the keys above all sections, in the text output.
 const ABOVE: &str = "above all sections";
 
 /// The differences.
@@ -72,8 +72,8 @@ fn flat(definition: Definition) -> Definition {
     Definition { chain, rows, components: Vec::new() }
 }
 
-/// The definition from which a machine differs: that of its family, whose components are those of the family, or else the
-/// definitions that the rows of the components name.
+/// The definition from which a machine differs: that of its family, whose components are those of the family; otherwise
+/// the definitions that the rows of the components name.
 fn base(local: &LocalMachine, own: &Definition) -> Result<Definition, Error> {
     let mut base = local.family(own)?.unwrap_or_default();
     for component in &own.components {
@@ -119,7 +119,7 @@ pub(crate) fn changed(machine: &str, part: Part, view: &View, json: bool) -> Res
     Ok(if missed { machine_view::no_row(view.filter.as_deref().unwrap_or_default()) } else { 0 })
 }
 
-/// The sections of a part of the machine; none for all.
+/// Sections of a part of the machine; none means all.
 fn sections(part: Part) -> Result<&'static [&'static str], Error> {
     Ok(match part {
         Part::All => &[],

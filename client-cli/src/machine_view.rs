@@ -65,7 +65,7 @@ impl View {
         Ok(shown.collect::<Vec<_>>().join("\n"))
     }
 
-    /// Lists of rows; values that are not lists of rows stay. Also whether a row passed the filter.
+    /// Lists of rows; values that are not lists of rows stay unchanged. Also whether a row passed the filter.
     pub(crate) fn json(&self, text: &str) -> Result<(String, bool), Error> {
         let Ok(mut value) = serde_json::from_str::<Value>(text) else { return Ok((text.to_owned(), true)) };
         if self.changes_nothing() {
@@ -93,7 +93,7 @@ impl View {
     }
 }
 
-/// The result of a filter that no row passes.
+/// Exit code of a filter that no row passes.
 pub(crate) fn no_row(filter: &str) -> u8 {
     say::status_line(format_args!("--filter: no row has '{filter}'"));
     1
@@ -206,8 +206,8 @@ fn parts(text: &str) -> Vec<(String, u64)> {
     parts
 }
 
-/// Identifiers of the built-in tables that a machine, as JSON, has no row for; those of each component of a composite, with its
-/// name.
+/// Identifiers of the built-in tables without a row of the machine (as JSON); on a composite those of each component,
+/// with its name.
 pub(crate) fn undefined(machine: &Value) -> Value {
     let components = machine.at("components").as_array().into_iter().flatten();
     let components: Vec<&str> = components.filter_map(|row| row.at("designator").as_str()).collect();

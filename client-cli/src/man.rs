@@ -45,7 +45,7 @@ fn pages(command: &Command, above: Option<&str>) -> io::Result<Vec<(String, Stri
 fn page(command: &Command, (name, above): (&str, Option<&str>), below: &[&Command]) -> io::Result<String> {
     let version = concat!("counterpoint ", env!("CARGO_PKG_VERSION"));
     let man = Man::new(command.clone()).title(name).section("1");
-    // An empty date of its own: the footer has the version, and the heading fits between long names.
+    // An empty date: the footer has the version, and the heading fits between long names.
     let title = format!(".TH \"{}\" \"1\" \"\" \"{version}\" \"Counterpoint\"\n", escaped(name));
     let mut out: Vec<u8> = title.into_bytes();
     man.render_name_section(&mut out)?;
@@ -64,7 +64,7 @@ fn page(command: &Command, (name, above): (&str, Option<&str>), below: &[&Comman
             Some(lines) => ("EXAMPLES", lines),
             None => ("NOTES", after.as_str()),
         };
-        // Lines keep their breaks and columns.
+        // Keep the line breaks and columns.
         let _ = writeln!(text, ".SH {title}\n.nf");
         lines.trim_matches('\n').lines().for_each(|line| text.push_str(&format!("{}\n", escaped(line))));
         text.push_str(".fi\n");

@@ -81,7 +81,7 @@ struct Beside {
 }
 
 impl Beside {
-    /// Whether the program has the number behind P or O, as calls of it have.
+    /// Whether the program has the number after P or O, as its calls have.
     fn may_call(&self, number: u32, files: &Files) -> bool {
         files.0.get(&self.name).is_some_and(|blob| may_call(blob.content(), number))
     }
@@ -250,14 +250,14 @@ pub(crate) fn files_of(folder: &Path) -> Result<Vec<PathBuf>, Error> {
     Ok(paths)
 }
 
-/// Files of a program number that calls do not get, because another file beside them is that program or because they are
+/// Files of a program number that calls do not get, because another file beside them is the program or because they are
 /// copies.
 fn other_files_of_numbers(paths: &[PathBuf], program: &Beside, files: &Files) -> Result<BTreeSet<String>, Error> {
     let names: Vec<String> = paths.iter().map(|path| file_name(path)).collect::<Result<_, _>>()?;
     let mut left_out = BTreeSet::new();
     for (number, mut names) in by_number(names.into_iter()) {
         if names.iter().any(|name| files.0.contains_key(name)) {
-            // The user has given it.
+            // The user has given this file.
             left_out.extend(names);
             continue;
         }

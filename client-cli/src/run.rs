@@ -147,7 +147,7 @@ pub(crate) async fn machine(client: &Client, inputs: &Inputs, pack: &pack::Pack,
 /// The machine itself, or, with settings or a table of tools, a revision of it that has them.
 async fn changed(client: &Client, machine: &str, inputs: &Inputs) -> Result<String, Error> {
     let folder = machine_folder::is_folder(machine);
-    // Warnings are options of the job.
+    // Settings of warnings are options of the job.
     let of_machine = |setting: &&Setting| !matches!(setting, Setting::Warning(..));
     let set: Vec<Setting> = inputs.on.set.iter().filter(of_machine).cloned().collect();
     let (name, files) = match (set.as_slice(), folder) {

@@ -19,10 +19,10 @@ pub(crate) fn is_taken_by_name(name: &str, stem: &str) -> bool {
     o_number || own().is_some_and(|rest| rest.is_empty() || rest.starts_with('_')) || library()
 }
 
-/// Endings of copies that editors and people keep beside a file.
+/// Endings of copies that editors and users keep beside a file.
 const COPIES: [&str; 8] = ["bak", "old", "orig", "tmp", "sav", "save", "copy", "swp"];
 
-/// The number of a file named by `O` and digits, and its ending.
+/// The number and the ending of a file named by `O` and digits.
 fn number_and_ending(name: &str) -> Option<(u32, String)> {
     let (stem, ending) = name.split_once('.').unwrap_or((name, ""));
     let digits = stem.strip_prefix(['O', 'o'])?;
@@ -30,8 +30,8 @@ fn number_and_ending(name: &str) -> Option<(u32, String)> {
     Some((digits.parse().ok()?, ending.to_ascii_lowercase()))
 }
 
-/// Of several files of one program number the one that calls get: with the ending of the program that calls, no copy.
-/// `Err` names the files if that leaves several.
+/// Of several files of one program number, the file that calls get: the one with the ending of the calling program,
+/// never a copy. `Err` names the files if several remain.
 pub(crate) fn best_of_number(names: &[String], program: &str) -> Result<Option<String>, String> {
     let own = program.rsplit_once('.').map_or_else(String::new, |(_, ending)| ending.to_ascii_lowercase());
     let ending = |name: &str| number_and_ending(name).map(|(_, ending)| ending).unwrap_or_default();
@@ -44,7 +44,7 @@ pub(crate) fn best_of_number(names: &[String], program: &str) -> Result<Option<S
     }
 }
 
-/// Whether a text has a number behind P or O: `M98 P0100`, `CALL O100`.
+/// Whether a text has a number after P or O: `M98 P0100`, `CALL O100`.
 pub(crate) fn may_call(text: &[u8], number: u32) -> bool {
     memchr::memchr3_iter(b'P', b'O', b'p', text).chain(memchr::memchr_iter(b'o', text)).any(|at| {
         let rest = text.get(at + 1..).unwrap_or_default();
@@ -58,7 +58,7 @@ fn is_copy(ending: &str) -> bool {
     COPIES.contains(&last) || last.ends_with('~')
 }
 
-/// Files named by a program number, by that number.
+/// Files named by a program number, grouped by that number.
 pub(crate) fn by_number(names: impl Iterator<Item = String>) -> BTreeMap<u32, Vec<String>> {
     let mut numbered: BTreeMap<u32, Vec<String>> = BTreeMap::new();
     for name in names {

@@ -137,7 +137,7 @@ fn an_analysis_of_a_failed_job_ends_with_an_error() {
     let lower = program(folder.path(), "lower.nc", "O2\nG0 X10.\nM102\nM30\n");
     let out = folder.path().join("out").display().to_string();
     assert_eq!(code(&counterpoint(&["run", "--machine", "fanuc-2path-lathe", &upper, &lower, "--out", &out])), 1);
-    // Each channel is drawn with the code at which it stopped.
+    // The timeline shows each channel with the code at which it stopped.
     let timeline = std::fs::read_to_string(folder.path().join("out/timeline.svg")).unwrap();
     assert!(timeline.contains(">alarm at M101<") && timeline.contains(">alarm at M102<"), "{timeline}");
     let output = counterpoint(&["analyse", &out]);

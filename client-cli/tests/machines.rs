@@ -223,7 +223,7 @@ fn without_a_machine_all_shipped_machines_are_asked() {
     }
 }
 
-/// A machine based on the composite one, whose milling component has a word of its own.
+/// A machine based on the composite machine, whose milling component has a word of its own.
 fn composite(folder: &std::path::Path) -> String {
     let own = folder.join("own");
     let at = own.display().to_string();
@@ -246,7 +246,7 @@ fn every_component_of_a_composite_machine_is_shown_compared_and_explained() {
     for part in ["MILL: M777 on own (own/fanuc-milling, ", "CODE_IGNORE", "component TURN of own does not have M777"] {
         assert!(out.contains(part), "{part} in {out}");
     }
-    // M91 is a word of both; G81 only of the milling component, though a page of the control names it.
+    // Both components have M91; only the milling component has G81, though a page of the control names it.
     let of = |word: &str| {
         let (code, value) = explained(word, &own);
         let words = value["words"].as_array().unwrap().clone();
@@ -271,7 +271,7 @@ fn every_component_of_a_composite_machine_is_shown_compared_and_explained() {
     );
     let (_, out, _) = counterpoint(&["machine", "show", &own, "undefined", "--filter", "drilling cycle"]);
     assert!(out.contains("TURN") && !out.contains("MILL"), "{out}");
-    // Differences: the same from the family and from the shipped machine.
+    // The differences from the family are those from the shipped machine.
     for arguments in [["machine", "show", &own, "--changed"], ["machine", "diff", "composite-millturn", &own]] {
         let (_, out, _) = counterpoint(&arguments);
         assert!(out.contains("MILL: codes\n  + id = \"CODE_IGNORE\", word = \"M777\""), "{out}");
@@ -335,7 +335,7 @@ fn a_code_lists_the_words_that_it_reads_on_this_machine() {
     let bore = reads("G76", "fanuc-mill");
     assert!(bore.contains(&("Q".to_owned(), "REG_CYCLE_BORE_JOG".to_owned())), "{bore:?}");
     assert!(has(&reads("G1", "fanuc-mill-4axis"), "A") && !has(&reads("G1", "fanuc-lathe"), "Y"));
-    // G10 and G65 have no rows of data of their own, or none at all.
+    // G10 has no data rows of its own; G65 has no data rows at all.
     let set = reads("G10", "fanuc-mill");
     assert!(["L", "P", "R", "X"].iter().all(|letter| has(&set, letter)), "{set:?}");
     let (_, value) = explained("G65", "fanuc-mill");

@@ -49,7 +49,7 @@ fn close(a: Point, b: Point, by: f64) -> bool {
     a.iter().zip(b).all(|(a, b)| (a - b).abs() < by)
 }
 
-/// The planes are far from where the machines can go.
+/// The planes are far beyond the travel of the machines.
 const WIDE: &str = "[[diagnostics]]\nnumber = 2900023\nenable = false\n\n";
 
 /// Ends of the moves of a program that ends without a complaint.

@@ -1,4 +1,5 @@
-//! Levels of Heidenhain cycles: a depth that is a multiple of the infeed takes so many levels, whatever its decimals are.
+//! Levels of Heidenhain cycles: a depth that is an integer multiple of the infeed takes that many levels, with any
+//! decimals.
 
 use counterpoint_kernel::log::event::{Kind, MotionKind};
 use counterpoint_kernel::options::Options;
@@ -38,12 +39,12 @@ const CYCLES: [(&str, &str); 8] = [
     ),
 ];
 
-/// Tenths of a millimetre as they are written.
+/// Tenths of a millimetre as programs write them.
 fn tenths(value: u32) -> String {
     format!("{}.{}", value / 10, value % 10)
 }
 
-/// The ends of the moves at feed that go down.
+/// End levels of the downward moves at feed.
 fn levels(cycle: &str, infeed: u32, times: u32) -> Vec<i64> {
     let cycle = cycle.replace("{i}", &tenths(infeed)).replace("{d}", &tenths(infeed * times));
     let text = format!(

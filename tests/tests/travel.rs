@@ -1,4 +1,5 @@
-//! Limits of travel: shipped machines have some for every linear axis, and a move is an alarm exactly where it leads beyond them.
+//! Limits of travel: every linear axis of the shipped machines has some, and a move is an alarm exactly where it leaves
+//! them.
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 use std::sync::Arc;
@@ -14,7 +15,7 @@ const OVER_TRAVEL: u32 = 2_900_023;
 /// Limits of both axes of the plane, programmed: a diameter on a lathe.
 const LIMITS: [f64; 2] = [-40.0, 60.0];
 
-/// Nearer to a limit than this, the rounding of the program decides.
+/// Closer to a limit than this, the rounding of the program decides.
 const UNDECIDED: f64 = 0.02;
 
 #[test]
@@ -55,7 +56,7 @@ struct Move {
     center: [f64; 2],
     sweep: f64,
     round: bool,
-    /// Shift of the work frame against the machine frame, as programmed.
+    /// Shift of the work frame against the machine frame, in programmed units.
     shift: [f64; 2],
 }
 
@@ -66,7 +67,8 @@ impl Move {
         [self.center[0] + x * cos - y * sin, self.center[1] + x * sin + y * cos]
     }
 
-    /// The extent along both axes, in geometry units: of the ends, and of each quarter of the circle that the move passes.
+    /// Extreme points along both axes, in geometry units: the ends, and each quarter point of the circle that the move
+    /// passes.
     fn places(&self) -> Vec<[f64; 2]> {
         let mut places = vec![self.from, self.at(self.sweep)];
         if self.round {
@@ -99,7 +101,7 @@ proptest! {
 
     #[test]
     fn a_move_is_an_alarm_exactly_where_it_leads_beyond_the_limits(line in moves(), lathe in any::<bool>()) {
-        // The plane of a lathe is Z X: its first axis is Z, its second one X, a diameter.
+        // The plane of a lathe is Z X: its first axis is Z, its second X, a diameter.
         let (names, scale) = if lathe { (["Z", "X"], [1.0, 2.0]) } else { (["X", "Y"], [1.0, 1.0]) };
         let word = |axis: usize, value: f64| format!("{}{:.4}", names[axis], value * scale[axis]);
         let (from, to) = (line.from, line.at(line.sweep));

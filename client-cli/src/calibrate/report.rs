@@ -47,8 +47,8 @@ fn number(value: f64) -> String {
 /// Factor between two values from which the measured times are doubtful.
 const DOUBTFUL: f64 = 10.0;
 
-/// Values and lines that no machine explains: data that would change by a factor of ten, and lines whose times still differ by that
-/// factor and by more than a second.
+/// Values and lines that no machine explains: data that would change by a factor of ten, and lines whose times still
+/// differ by that factor and by more than a second.
 pub(super) fn doubts(machine: &Machine, calibration: &Calibration) -> Vec<String> {
     let far = |a: f64, b: f64| a > 0.0 && b > 0.0 && (a / b).max(b / a) >= DOUBTFUL;
     let mut all = Vec::new();

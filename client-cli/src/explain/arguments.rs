@@ -1,6 +1,7 @@
-//! The words of macro calls, which the pre-processor of Fanuc controls reads without a row of the machine.
+//! Words of macro calls, which the pre-processor of Fanuc controls reads without a row of the machine.
 //!
-//! Facts: the custom macro of Fanuc controls, argument specification I. *Invariant:* a word of a table of codes is not here.
+//! Facts: custom macro of Fanuc controls, argument specification I. *Invariant:* a word of a table of codes is not
+//! here.
 
 use counterpoint_kernel::machine::Machine;
 use serde_json::{Value, json};
@@ -8,7 +9,7 @@ use serde_json::{Value, json};
 /// Words of calls, without points.
 const CALLS: [&str; 3] = ["G65", "G66", "G66.1"];
 
-/// The letters of arguments with the numbers of their local variables.
+/// Letters of arguments with the numbers of their local variables.
 pub(super) const LETTERS: [(char, u32); 21] = [
     ('A', 1),
     ('B', 2),
@@ -33,7 +34,7 @@ pub(super) const LETTERS: [(char, u32); 21] = [
     ('Z', 26),
 ];
 
-/// The words that a macro call reads; none for other words and controls.
+/// Words that a macro call reads; none for other words and controls.
 pub(super) fn of(machine: &Machine, asked: &str) -> Vec<Value> {
     let call = CALLS.iter().any(|call| call.eq_ignore_ascii_case(asked));
     if !call || machine.preprocessor.row().name != "fanuc" {

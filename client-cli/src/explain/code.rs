@@ -56,20 +56,20 @@ fn group(machine: &Machine, row: &CodeRow) -> (&'static str, Vec<Value>) {
     (show::group_subject(row.group), words)
 }
 
-/// The meaning of a code; a code of the machine's own that does nothing is ignored.
+/// Meaning of a code; a code of the machine's own without an effect is ignored.
 fn meaning_of(machine: &Machine, row: &CodeRow) -> String {
     let own = || if row.process { "a code of the machine's own" } else { "ignored by the machine" };
     meaning::of(machine.code_name(row.id)).unwrap_or_else(|| own().to_owned())
 }
 
-/// How many digits of a tool word are the number of the offset.
+/// Number of digits of a tool word that are the number of the offset.
 fn tool_digits(machine: &Machine, row: &CodeRow) -> Option<u32> {
     let tool = matches!(row.id.kind(), CodeKind::Tool);
     let digits = u32::from(machine.tool.offset_digits);
     (tool && form_range(&row.form).is_some() && digits > 0).then_some(digits)
 }
 
-/// A data row that a code reads, with the block in which it reads it.
+/// A data row that a code reads, with the block in which the code reads it.
 fn read(machine: &Machine, row: &CodeRow, id: DataRowId) -> Value {
     let mut value = register::data(machine, id);
     let two_lines =
@@ -80,7 +80,7 @@ fn read(machine: &Machine, row: &CodeRow, id: DataRowId) -> Value {
     value
 }
 
-/// The block of a threading cycle of two blocks that has a datum.
+/// Block of a two-block threading cycle that has a datum.
 fn block_of(data: &str) -> Option<&'static str> {
     let rest = data.strip_prefix("REG_THREAD_MULTI_")?;
     match rest {
@@ -90,7 +90,7 @@ fn block_of(data: &str) -> Option<&'static str> {
     }
 }
 
-/// Data rows whose values the action of a code takes. The machine has the axes of their words.
+/// Data rows whose values the action of a code takes, if the machine has the axes of their words.
 pub(super) fn reads(machine: &Machine, code: CodeId) -> Vec<DataRowId> {
     let patterns = takes::data_of(machine.code_name(code));
     let missing = |row: &DataRow| {

@@ -1,7 +1,7 @@
-//! A word on a composite machine: on each of its components.
+//! A word on a composite machine: explained on each of its components.
 //!
-//! *Invariant:* a component is shown as one that has the word only if its tables have it, unless no component has it there; the
-//! pages of a control name words of all its machines.
+//! *Invariant:* a component is shown as one with the word only if its tables have the word, unless no component has it
+//! there; the pages of a control name the words of all its machines.
 
 use counterpoint_kernel::machine::{DefinedComponent, Definition, DefinitionRow};
 use serde_json::{Value, json};
@@ -44,7 +44,7 @@ pub(super) fn words(composite: &Subject, asked: &str) -> Vec<Value> {
         }));
     }
     if with.is_empty() {
-        // The response is that of the composite: its first component reads the block.
+        // The response is that of the composite, because its first component reads the block.
         let mut words = without.into_iter().next().map(|(_, words)| words).unwrap_or_default();
         for word in words.iter_mut().filter(|word| word.at("known") == false) {
             let text = word.at("word").as_str().unwrap_or_default().to_owned();
@@ -60,7 +60,7 @@ pub(super) fn words(composite: &Subject, asked: &str) -> Vec<Value> {
     all
 }
 
-/// Whether the answer has more than rows of pages.
+/// Whether the answer has rows other than those of pages.
 fn is_in_tables(word: &Value) -> bool {
     word.as_object()
         .is_some_and(|fields| fields.keys().any(|key| !matches!(key.as_str(), "word" | "known" | "pages" | "edited")))
@@ -81,7 +81,7 @@ pub(super) fn subjects(composite: &Subject) -> Vec<(&str, Subject)> {
     .collect()
 }
 
-/// The definition of a component with the rows that the composite shares.
+/// Definition of a component with the rows that the composite shares.
 fn definition(component: &DefinedComponent, composite: &Definition) -> Definition {
     let mut definition = component.definition.clone();
     let shared = composite.rows.iter().filter(|row: &&DefinitionRow| SHARED.contains(&row.section.as_str()));

@@ -89,7 +89,7 @@ fn described(subject: &Subject, asked: &str) -> Vec<String> {
     kinds
 }
 
-/// The codes of a word; the data of a letter; the stored program. Those of all components of a composite.
+/// Codes of a word, data of a letter, or the stored program; on a composite, those of all components.
 fn identifiers(machine: &Machine, word: &str) -> Vec<String> {
     let mut names: Vec<String> =
         machine.definitions().flat_map(|(_, machine)| own_identifiers(machine, word)).collect();

@@ -116,7 +116,7 @@ impl Subject {
         words
     }
 
-    /// A word that the machine does not have: a word of macros, which no machine defines, or unknown.
+    /// Reports a word that the machine does not have: a word of macros, which no machine defines, or an unknown word.
     fn not_found(&self, word: &mut Value, text: &str) {
         if let Some(explanation) = macros::explanation(text) {
             word.set("text", json!(explanation));

@@ -50,7 +50,7 @@ fn add(found: &mut Vec<Value>, page: &str, text: &str, word: &str) {
     found.extend(rows.take(MOST).map(|row| json!({ "page": page, "text": plain(&row) })));
 }
 
-/// Rows of tables, and items of lists with the lines that continue them.
+/// Rows of tables, and list items with their continuation lines.
 fn rows_of(text: &str) -> Vec<String> {
     let mut rows: Vec<String> = Vec::new();
     let mut inside = false;
@@ -88,7 +88,7 @@ fn plain(line: &str) -> String {
     let text = cells.filter(|cell| !cell.is_empty()).collect::<Vec<_>>().join(": ").replace('`', "");
     let text = crate::macros::without_links(&text);
     let Some((end, _)) = text.char_indices().nth(LONGEST) else { return text };
-    // Up to the end of a sentence or a part of it, or else of a word.
+    // Cut at the end of a sentence or of a part of it, or else of a word.
     let start = text.get(..end).unwrap_or_default();
     let end = [". ", "; ", " "].iter().find_map(|end| start.rfind(end).filter(|at| *at > LONGEST / 2));
     format!("{} …", start.get(..end.unwrap_or(start.len())).unwrap_or_default().trim_end_matches([';', '.']))

@@ -11,7 +11,8 @@ use super::arguments::LETTERS;
 /// Beginning of the line with the parameters of a program.
 const HEAD: &str = "PROC ";
 
-/// Stored programs of a word: of its name, of a cycle that it defines (`CYCL DEF 200`), or those that it calls.
+/// Stored programs of a word: the program of its name, of a cycle that it defines (`CYCL DEF 200`), or those that it
+/// calls.
 pub(super) fn of_word(machine: &Machine, word: &str, called: &[u32]) -> Vec<Value> {
     let upper = word.to_uppercase();
     let cycle =
@@ -23,7 +24,7 @@ pub(super) fn of_word(machine: &Machine, word: &str, called: &[u32]) -> Vec<Valu
     all
 }
 
-/// The parameters that the text of a program reads: Q parameters from 200 on, or the arguments of a macro by their letters.
+/// Parameters that the text of a program reads: Q parameters from 200 on, or the arguments of a macro by their letters.
 fn parameters(path: &str, text: &str) -> Vec<String> {
     let mut found: Vec<String> = Vec::new();
     let heidenhain = path.to_lowercase().ends_with(".h");

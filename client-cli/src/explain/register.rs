@@ -33,7 +33,7 @@ pub(super) fn data(machine: &Machine, id: DataRowId) -> Value {
     value
 }
 
-/// A register with its number format, and the refusals of its words beside the codes.
+/// A register with its number format, and the refusals that test its words beside the codes.
 pub(super) fn register(machine: &Machine, id: RegisterId, codes: &[CodeRowId]) -> Value {
     let register = &machine.registers[id];
     let mut value = show::register_json(register);

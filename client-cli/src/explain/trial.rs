@@ -45,7 +45,7 @@ pub(super) fn accepted(machine: &Machine, word: &str) -> Option<String> {
     blocks.into_iter().find(|block| diagnostics(machine.clone(), block).is_empty())
 }
 
-/// Whether the control refuses the word alone as a code that it does not know.
+/// Whether the control refuses the word alone as an unknown code.
 pub(super) fn is_unknown_code(machine: &Machine, word: &str) -> bool {
     let found = words::register_of(machine, word).and_then(|found| found.register);
     let code = found.is_some_and(|(register, value)| value.is_some() && machine.tables.has_codes(register));

@@ -244,12 +244,12 @@ impl Act<'_, '_> {
         self.kernel.spindle_speed()
     }
 
-    /// What begins now has been timed with the speed of the spindle as it is known now.
+    /// Records that the time of a block of so many seconds, which begins now, uses the spindle speed known now.
     pub(crate) fn assume_speed(&mut self, seconds: f64) {
         self.kernel.assume_speed(seconds);
     }
 
-    /// Looks at the speed of the spindle during the last move that turned by it.
+    /// Compares the spindle speed during the last revolution-timed move with the speed assumed for it.
     pub(crate) fn compare_last_speed(&mut self) -> Acted {
         self.kernel.compare_last_speed()
     }

@@ -26,7 +26,7 @@ pub struct Refusal {
     pub all: u128,
     /// None of these registers is on the block, bit by register.
     pub without: u128,
-    /// One of these codes is on the block too; empty: any block.
+    /// One of these codes is also in the block; empty: any block.
     pub together: Vec<Written>,
     /// None of these codes is on the block.
     pub unless: Vec<Written>,

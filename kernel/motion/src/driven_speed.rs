@@ -1,37 +1,37 @@
 //! Speed of a spindle under constant surface speed while the move of another channel drives it.
 //!
-//! A channel that feeds per revolution of such a spindle, or dwells for revolutions of it, needs the time of a number of
-//! revolutions. *Invariant:* minutes grow with revolutions, and after the end of the move the speed is that at its end.
+//! A channel that feeds or dwells by revolutions of such a spindle needs the time of a number of revolutions.
+//! *Invariant:* minutes increase with revolutions, and after the end of the move the speed stays at its final value.
 
 use std::f64::consts::TAU;
 
 use crate::surface_speed::Speed;
 
-/// Halvings that find a share of the move to the last bit.
+/// Bisection steps that determine a share of the move to the last bit.
 const HALVINGS: usize = 60;
 
-/// Nearer to the axis than this no speed is measured.
+/// Radii closer to the axis than this count as this radius; also a relative change that counts as none.
 const AXIS: f64 = 1e-9;
 
-/// How the radius changes along the move.
+/// Change of the radius along the move.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Progress {
-    /// Evenly in revolutions: the move itself has a feed per revolution.
+    /// Linear in revolutions: the move itself has a feed per revolution.
     ByRevolution,
-    /// Evenly in time.
+    /// Linear in time.
     ByTime,
 }
 
 /// A move that drives the spindle.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DrivenSpeed {
-    /// The spindle.
+    /// Surface speed of the spindle and its limits.
     pub speed: Speed,
-    /// Radii at the begin and at the end of the move.
+    /// Radii at the start and at the end of the move.
     pub radii: [f64; 2],
     /// Minutes of the move, above 0.
     pub minutes: f64,
-    /// How the radius changes.
+    /// Change of the radius.
     pub progress: Progress,
 }
 
@@ -41,13 +41,13 @@ impl DrivenSpeed {
         from + (to - from) * share
     }
 
-    /// Revolutions in a minute so many minutes after the begin of the move.
+    /// Speed in rev/min so many minutes after the start of the move.
     #[must_use]
     pub fn rpm(&self, elapsed: f64) -> f64 {
         self.speed.rpm(self.radius(self.share(elapsed)))
     }
 
-    /// Minutes of so many revolutions that begin so many minutes after the begin of the move.
+    /// Minutes of so many revolutions that start so many minutes after the start of the move.
     #[must_use]
     pub fn minutes_of(&self, elapsed: f64, revolutions: f64) -> f64 {
         let begin = self.share(elapsed);
@@ -60,7 +60,7 @@ impl DrivenSpeed {
         self.elapsed(end) - self.elapsed(begin)
     }
 
-    /// Share of the move that is done after so many minutes.
+    /// Share of the move that is complete after so many minutes.
     fn share(&self, elapsed: f64) -> f64 {
         if elapsed <= 0.0 {
             0.0
@@ -74,7 +74,7 @@ impl DrivenSpeed {
         }
     }
 
-    /// Minutes after which this share of the move is done.
+    /// Minutes after which this share of the move is complete.
     fn elapsed(&self, share: f64) -> f64 {
         match self.progress {
             Progress::ByTime => share * self.minutes,
@@ -82,7 +82,7 @@ impl DrivenSpeed {
         }
     }
 
-    /// Minutes for this share of one revolution that takes the radius all the way.
+    /// Minutes for this share of the move if the whole move took one revolution.
     fn evenly(&self, share: f64) -> f64 {
         self.speed.line_minutes(self.radii[0], self.radius(share), share, 1.0)
     }
@@ -102,7 +102,7 @@ impl DrivenSpeed {
         }
     }
 
-    /// Mean speed in a piece of the move, times its share: between the limits of the speed it is `v / (2π·r)`.
+    /// Mean speed in a piece of the move, times its share: between the limits of the speed, the speed is `v / (2π·r)`.
     fn turns_of_piece(&self, from: f64, to: f64) -> f64 {
         let middle = self.speed.rpm(self.radius(f64::midpoint(from, to)));
         let [start, end] = [from, to].map(|share| self.radius(share).abs().max(AXIS));
@@ -114,7 +114,7 @@ impl DrivenSpeed {
     }
 }
 
-/// The share from `low` to 1 where a condition ends that holds at first.
+/// The share between `low` and 1 up to which a condition holds that holds at `low`.
 fn bisect(low: f64, holds: impl Fn(f64) -> bool) -> f64 {
     let (mut low, mut high) = (low, 1.0);
     for _ in 0..HALVINGS {
@@ -128,7 +128,7 @@ fn bisect(low: f64, holds: impl Fn(f64) -> bool) -> f64 {
 mod tests {
     use super::*;
 
-    /// The same by small steps of time: minutes of the revolutions, and the speed at their begin.
+    /// The same in small steps of time: minutes of the revolutions, and the speed at their start.
     fn by_steps(driven: &DrivenSpeed, elapsed: f64, revolutions: f64) -> (f64, f64) {
         const STEPS: f64 = 20_000.0;
         let step = driven.minutes / STEPS;

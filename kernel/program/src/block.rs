@@ -86,7 +86,7 @@ pub enum ContourEnd {
     Open,
     /// Outside by an arc.
     Round,
-    /// Square to this direction of the plane.
+    /// Perpendicular to this direction of the plane.
     Beside([f64; 2]),
 }
 

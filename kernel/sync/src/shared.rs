@@ -112,32 +112,32 @@ impl Default for Command {
 /// A move that drives a spindle.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Course {
-    /// Its begin and its end, ns.
+    /// Its start and its end, ns.
     pub time: [i64; 2],
-    /// Speed of the spindle during it.
+    /// Speed of the spindle during the move.
     pub driven: DrivenSpeed,
 }
 
 impl Course {
-    /// Minutes from its begin to a time.
+    /// Minutes from its start to a time.
     pub fn elapsed(&self, t: i64) -> f64 {
         (t - self.time[0]) as f64 / 60e9
     }
 }
 
-/// Changes of the speed of a spindle, as far as channels that turn by it may need them.
+/// Speed changes of a spindle, to the extent that channels that time by its revolutions need them.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct SpeedChanges {
-    /// Times of the last ones, ns, and the channels that made them, in a ring.
+    /// Times (ns) and channels of the last changes, in a ring.
     last: [(i64, u16); SpeedChanges::KEPT],
-    /// How many there were.
+    /// Number of all changes.
     pub count: u64,
 }
 
 impl SpeedChanges {
     const KEPT: usize = 8;
 
-    /// A channel changes the speed at this time, from what was known of it before.
+    /// Records that a channel changes the speed at this time, on the basis of the changes known before.
     pub fn note(&mut self, t: i64, channel: u16) {
         if let Some(slot) = self.last.get_mut(self.count as usize % Self::KEPT) {
             *slot = (t, channel);
@@ -145,7 +145,7 @@ impl SpeedChanges {
         self.count += 1;
     }
 
-    /// The first known change that another channel made after the first `known` ones and before a time.
+    /// The first known change by another channel after the first `known` changes and before a time.
     pub fn of_others(&self, channel: u16, known: u64, before: i64) -> Option<i64> {
         let first = known.max(self.count.saturating_sub(Self::KEPT as u64));
         let mut later = (first..self.count).filter_map(|at| self.last.get(at as usize % Self::KEPT));
@@ -160,9 +160,9 @@ pub struct Spindle {
     pub command: Command,
     /// Speed now, rev/min: under constant surface speed by the X of the channel that commands it.
     pub now: f64,
-    /// The last move that drove it; `now` is the speed at its end.
+    /// The last move that drove the spindle; `now` is the speed at its end.
     pub course: Option<Course>,
-    /// When its speed has changed.
+    /// Changes of its speed.
     pub changes: SpeedChanges,
     /// Channel that wrote last and not yet met the others since; 0 = none.
     pub writer: u16,
@@ -171,8 +171,8 @@ pub struct Spindle {
 }
 
 impl Spindle {
-    /// Changes the command, at a time and by a channel; the speed at which the spindle turns then holds until its driver
-    /// moves. Returns whether that changes anything.
+    /// Changes the command, at a time and by a channel; the spindle then keeps this speed until its driver moves.
+    /// Returns whether that changes anything.
     pub fn change(&mut self, change: impl Fn(&mut Command), speed: f64, (t, channel): (i64, u16)) -> bool {
         let old = self.command;
         change(&mut self.command);

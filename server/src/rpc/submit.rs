@@ -238,7 +238,8 @@ fn options(options: v1::JobOptions) -> Result<Options, Refusal> {
     })
 }
 
-/// Warnings that are switched off and on; the numbers of errors are refused. Numbers of the machine's own are not known here.
+/// Warnings that are switched off and on; the numbers of errors are refused. Numbers that a machine defines are not
+/// known here.
 fn warnings(off: Vec<u32>, on: Vec<u32>) -> Result<[Vec<u32>; 2], Refusal> {
     const MOST: usize = 1000;
     let is_error = |number: &u32| diag::severity(*number).is_some_and(|severity| severity >= 8);

@@ -218,7 +218,7 @@ impl Okuma {
         host.calls_modally(!self.modal.is_empty());
     }
 
-    /// Programs above this level, or all of them, have ended: each cancels its own modal calls.
+    /// Programs above this level (or all of them) have ended: reports the modal calls that each left active.
     pub(super) fn report_open_modal(&self, host: &mut dyn Host, level: Option<usize>) {
         if self.modal.iter().any(|modal| level.is_none_or(|level| modal.level > level)) {
             let text = format!("the program ends in '{}' with a MODIN that no MODOUT has cancelled", host.block_text());

@@ -103,7 +103,7 @@ fn radius(act: &mut Act<'_, '_>) -> Option<Given> {
     if let Some(radius) = act.take(data::CYLINDER_RADIUS) {
         return Some((radius.value, axes.into_iter().find_map(|(_, axis)| axis), true));
     }
-    // A word of an angle has no unit of length; its value is a radius here.
+    // A word of an angle has no unit of length, but its value is a radius here.
     let unit = act.unit_factor(Dimension::Length);
     let mut named = axes.into_iter().filter(|(_, axis)| axis.is_some());
     named.find_map(|(id, axis)| Some((act.take(id)?.value * unit, axis, false)))

@@ -1,5 +1,5 @@
-//! Feeds that a control takes and that are hardly ever meant: above the rate of every axis, of taps above that of
-//! their axis, and with the spindle off.
+//! Feeds that a control accepts but that are hardly ever intended: above the rate of every axis, taps above the rate of
+//! their axis, and moves with the spindle off.
 //!
 //! *Invariant:* nothing here changes a move or its time. Feed moves that need no look cost one comparison.
 
@@ -76,7 +76,7 @@ impl Act<'_, '_> {
         Ok(())
     }
 
-    /// The spindle stands at an angle on purpose (fine boring, broaching), or a tapping cycle turns it.
+    /// Whether the spindle is stopped at an angle on purpose (fine boring, broaching), or a tapping cycle turns it.
     fn needs_no_rotation(&self) -> bool {
         let taps = HoleCycle::numbered(self.state.cycle.number).is_some_and(HoleCycle::taps);
         self.state.spindle.command.direction == Direction::Oriented || self.state.cycle.running && taps

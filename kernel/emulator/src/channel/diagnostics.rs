@@ -5,7 +5,7 @@
 use super::Kernel;
 use counterpoint_machine::macros::model::Hook;
 
-/// Severity from which a diagnostic is an error, which a job cannot switch off.
+/// Lowest severity of an error; a job cannot switch errors off.
 const ERROR: u8 = 8;
 
 impl Kernel<'_> {
@@ -20,7 +20,7 @@ impl Kernel<'_> {
         self.by_machine(number, (severity, alarm), text).filter(|(severity, _)| !off || *severity >= ERROR)
     }
 
-    /// The same by the rules of the machine, but for numbers that the job switches on.
+    /// The same by the rules of the machine, except for numbers that the job switches on.
     fn by_machine(&mut self, number: u32, (severity, alarm): (u8, bool), text: String) -> Option<(u8, String)> {
         let table = &self.channel.env.machine.diagnostics;
         if table.is_plain() {

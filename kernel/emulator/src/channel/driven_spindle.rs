@@ -1,8 +1,8 @@
 //! A spindle under constant surface speed that several channels use: its driver publishes the speed of each move.
 //!
-//! The driver publishes at the begin of a move how the speed changes during it. The time of a move of another channel then
-//! follows this speed. *Invariant:* if another channel changes the speed before the end of a time that was computed with
-//! it, the channel reports that once.
+//! At the start of a move the driver publishes the change of the speed during the move. The time of a move of another
+//! channel then follows this speed. *Invariant:* if another channel changes the speed before the end of a time that was
+//! computed with it, the channel reports that once.
 
 use counterpoint_event::event::{FeedUnit, Motion};
 use counterpoint_fault as diag;
@@ -23,7 +23,7 @@ const STEADY: f64 = 0.01;
 const SAME_RADIUS: f64 = 1e-9;
 
 impl Kernel<'_> {
-    /// Tells other channels how a move that begins now drives the spindle; `false` where it does not.
+    /// Publishes how a move that starts now drives the spindle; returns `false` if it does not.
     #[inline(always)]
     pub(super) fn drive_spindle(&mut self, seconds: f64, motion: &Motion) -> Result<bool, diag::Halt> {
         if self.channel.state.spindle.shared { self.share_course(seconds, motion) } else { Ok(false) }
@@ -46,7 +46,7 @@ impl Kernel<'_> {
         let course = Course { time, driven: DrivenSpeed { speed, radii, minutes, progress } };
         let [first, last] = radii.map(|radius| speed.rpm(radius));
         let shared = self.access(Door::Spindle, Mode::Write, |shared| {
-            // Another channel may have commanded it meanwhile.
+            // Another channel may have commanded the spindle meanwhile.
             let spindle = shared.spindles.get_mut(id.index()).filter(|spindle| spindle.command == command)?;
             (spindle.course, spindle.now) = (Some(course), last);
             if (last / first - 1.0).abs() > STEADY {
@@ -60,7 +60,7 @@ impl Kernel<'_> {
         Ok(shared.is_some())
     }
 
-    /// Tells other channels the speed that this channel's X drives.
+    /// Publishes the speed that this channel's X drives.
     #[inline(always)]
     pub(crate) fn follow_radius(&mut self) -> Acted {
         if self.channel.state.spindle.shared { self.share_speed() } else { Ok(()) }
@@ -90,7 +90,7 @@ impl Kernel<'_> {
         Ok(())
     }
 
-    /// How the spindle turns while another channel drives it.
+    /// The rotation of the spindle while another channel drives it.
     pub(super) fn driven_by_other(&self) -> Option<Turning> {
         let (state, now) = (&self.channel.state.spindle, self.channel.now());
         match state.course.filter(|course| now < course.time[1]) {
@@ -99,7 +99,7 @@ impl Kernel<'_> {
         }
     }
 
-    /// A move or a dwell that begins now has been timed with the speed of the spindle as it is known now.
+    /// Records that a move or dwell that starts now was timed with the spindle speed known now.
     #[inline(always)]
     pub(crate) fn assume_speed(&mut self, seconds: f64) {
         if self.channel.state.spindle.shared && !self.channel.reports.plausible.changed_speed {
@@ -110,20 +110,22 @@ impl Kernel<'_> {
         }
     }
 
-    /// Before the channel waits or ends: looks at the speed during its last move, unless it has looked since.
+    /// Before the channel waits or ends: checks the speed during its last move, unless that has been checked already.
     #[inline(always)]
     pub(crate) fn compare_last_speed(&mut self) -> Acted {
         if self.channel.state.spindle.assumed.is_some() { self.current().map(drop) } else { Ok(()) }
     }
 
-    /// The changes that were known when the last time was computed with a speed, and the end of that time, once it is over.
+    /// The number of speed changes known when the last time was computed with a speed, and the end of that time, once
+    /// it is over.
     pub(super) fn ended_assumption(&self) -> Option<(u64, i64)> {
         let now = self.channel.now();
         let assumed = self.channel.state.spindle.assumed.filter(|assumed| assumed.time[0] < now)?;
         Some((assumed.changes, assumed.time[1].min(now)))
     }
 
-    /// The last time that was computed with a speed is over; `change`: when another channel changed the speed before its end.
+    /// Closes the last time that was computed with a speed; `change` is the time at which another channel changed the
+    /// speed before its end.
     pub(super) fn end_assumption(&mut self, change: Option<i64>) {
         let assumed = self.channel.state.spindle.assumed.take();
         let (Some(assumed), Some(at)) = (assumed, change) else { return };

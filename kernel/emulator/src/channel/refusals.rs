@@ -25,7 +25,7 @@ pub(crate) struct Refusals {
     registers: u128,
     /// Rules that count while taps are rigid only, bit by rule: most of them look at every move.
     rigid: u64,
-    /// The same while the path is on a face or a cylinder: they look at every circle and rapid move.
+    /// The same while the path is on a face or a cylinder: these rules test every circle and rapid move.
     wrapped: u64,
     /// What each of the first 63 rules wants of the words of a block.
     words: Vec<Words>,
@@ -139,7 +139,7 @@ impl Kernel<'_> {
         let looked = |pending: &PendingCode| refusals.rows[pending.row];
         let rules = self.channel.block.pending.iter().fold(0, |bits, pending| bits | looked(pending));
         let mut asleep = if self.channel.state.cycle.rigid == 0.0 { refusals.rigid } else { 0 };
-        // A macro of the machine may make such a code its own.
+        // A macro of the machine may take over such a code.
         if self.channel.state.place.frames.is_none() && self.plan.hooks.is_none() {
             asleep |= refusals.wrapped;
         }
@@ -285,7 +285,7 @@ impl Kernel<'_> {
         }
     }
 
-    /// Another code of the group of an active one is on the block.
+    /// Whether another code of the group of an active code is in the block.
     fn is_ended(&self, state: &Active, trigger: Option<&PendingCode>) -> bool {
         let others = self.channel.block.pending.iter().filter(|pending| !pending.modal && Some(*pending) != trigger);
         let mut rows = others.map(|pending| &self.channel.env.machine.codes[pending.row]);

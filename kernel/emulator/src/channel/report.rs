@@ -88,8 +88,8 @@ impl Kernel<'_> {
         if self.ports.control.cancelled() { Halt::Stopped } else { halt }
     }
 
-    /// A call does not find its program. A program that is only judged continues after the call, unless other channels may wait
-    /// in the missing program.
+    /// Reports a call that does not find its program. Under lint the check continues after the call, unless other
+    /// channels may wait in the missing program.
     #[cold]
     pub(crate) fn program_missing(&mut self, text: String) -> Acted {
         let stopping = self.channel.reports.alarms.stopping;

@@ -166,7 +166,7 @@ impl Kernel<'_> {
         Ok(Some(Turning::Surface(speed)))
     }
 
-    /// The speed of a command under constant surface speed, within the limits of the spindle and of the program.
+    /// Speed of a command under constant surface speed, within the limits of the spindle and of the program.
     pub(super) fn surface_speed(&self, command: &Command) -> Speed {
         let (max, min) = match self.channel.state.spindle.id.map(|id| &self.channel.env.machine.spindles[id]) {
             Some(spindle) if spindle.max > 0.0 => (spindle.max, spindle.min),

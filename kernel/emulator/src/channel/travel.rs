@@ -60,7 +60,8 @@ impl Kernel<'_> {
         }
     }
 
-    /// Whether a straight move or a circle in a plane cannot leave the limits of travel; `false` leaves that open.
+    /// Whether a straight move or a circle in a plane certainly stays within the travel limits; `false` leaves that
+    /// open.
     #[inline(always)]
     fn stays_within_travel(&self, motion: &Motion) -> bool {
         let swing = match motion.kind {
@@ -68,8 +69,8 @@ impl Kernel<'_> {
             MotionKind::ArcCw | MotionKind::ArcCcw => {
                 let [first, second] = motion.plane_axes.map(|axis| motion.to.get(usize::from(axis)));
                 let (Some(first), Some(second)) = (first, second) else { return false };
-                // More than four radii: a circle is two wide, and a diameter axis counts twice. A radius is at most the sum
-                // of its parts.
+                // More than four radii: a circle is two radii wide, and a diameter axis counts twice. A radius is at
+                // most the sum of its parts.
                 5.0 * ((first - motion.center[0]).abs() + (second - motion.center[1]).abs())
             }
             MotionKind::ArcSpace => return false,

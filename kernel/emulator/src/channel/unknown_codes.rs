@@ -1,6 +1,7 @@
-//! What a message says of a code that the tables of the machine, or of the component in work, do not have.
+//! Texts of messages for a code that the tables of the machine, or of the active component, do not have.
 //!
-//! *Invariant:* the machine has the name by which the job knows it; on a composite the message also names the components.
+//! *Invariant:* the machine has the name by which the job knows it; on a composite the message also names the
+//! components.
 
 use counterpoint_fault::{self as diag, Facts};
 
@@ -20,8 +21,8 @@ impl<'a> Kernel<'a> {
         }
     }
 
-    /// The remedy for a code that no row of the machine has: the program is wrong, the definition lacks it, or another component
-    /// has it.
+    /// Remedy for a code without a row on the machine: the program is wrong, the definition lacks the code, or another
+    /// component has it.
     pub(super) fn remedy(&self, facts: &Facts, text: &str) -> String {
         if facts.number != diag::UNKNOWN_CODE.number {
             return String::new();

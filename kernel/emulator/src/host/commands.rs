@@ -189,7 +189,7 @@ impl Kernel<'_> {
         self.leave_for_later(|matching| Later::Items(items, matching))
     }
 
-    /// The program has ended, so a command for its next block has no effect.
+    /// Whether the program has ended, so that a command for its next block has no effect.
     fn is_too_late(&self, state: &mut State, command: &str) -> bool {
         let late = self.macros.course.closing;
         if late {

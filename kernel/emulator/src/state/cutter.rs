@@ -24,16 +24,16 @@ pub(crate) enum Stage {
     On,
     /// Beside the end of a piece that did not know the next one: that end and its direction.
     Settled {
-        /// Point of the contour.
+        /// Corner of the contour.
         corner: Spot,
-        /// Direction of the way there.
+        /// Direction of the path at the corner.
         along: Spot,
     },
-    /// Beside the end of a piece; the circle around it belongs to the next move.
+    /// Beside the end of a piece; the circle around that end belongs to the next move.
     Around {
-        /// Point of the contour.
+        /// Corner of the contour.
         corner: Spot,
-        /// Direction of the way there.
+        /// Direction of the path at the corner.
         along: Spot,
     },
     /// Side or radius have changed beside the contour.

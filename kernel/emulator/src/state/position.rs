@@ -31,7 +31,7 @@ pub(crate) struct Axis {
     pub(crate) limits: Option<(f64, f64)>,
 }
 
-/// Axes of most channels.
+/// Number of axes that suffices for most channels.
 pub(crate) const FIRST_AXES: usize = 4;
 
 /// The limits of the axes of a channel.
@@ -39,8 +39,8 @@ pub(crate) const FIRST_AXES: usize = 4;
 pub(crate) struct Bounds {
     /// One of them has limits of travel.
     pub(crate) limited: bool,
-    /// For each of the first axes one over the distance of its nearer limit from zero; 0 without limits. A position whose
-    /// products with these are at most 1 is within all limits.
+    /// For each of the first axes, the reciprocal of the smaller distance of its limits from zero; 0 without limits. A
+    /// position whose products with these are at most 1 is within all limits.
     pub(crate) nearness: [f64; FIRST_AXES],
     /// An end beyond them stops the channel before the move.
     pub(crate) stop: bool,

@@ -22,24 +22,24 @@ pub(crate) struct SpindleState {
     pub(crate) shared: bool,
     /// Last known command.
     pub(crate) command: Command,
-    /// Speed now when another channel drives it, after `course`.
+    /// Current speed while another channel drives the spindle, after `course`.
     pub(crate) now: f64,
-    /// The last known move that drove it.
+    /// The last known move that drove the spindle.
     pub(crate) course: Option<Course>,
-    /// Changes of its speed that are known.
+    /// Number of known speed changes.
     pub(crate) changes: u64,
-    /// The last time that was computed with the speed that was known then.
+    /// The last time that was computed with the speed known then.
     pub(crate) assumed: Option<AssumedSpeed>,
 }
 
-/// A move or a dwell by revolutions of a spindle that other channels drive, too.
+/// A move or a dwell by revolutions of a spindle that other channels also drive.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct AssumedSpeed {
     /// Line of its program.
     pub(crate) line: u32,
-    /// Its begin and its end, ns.
+    /// Its start and its end, ns.
     pub(crate) time: [i64; 2],
-    /// Changes of the speed that were known.
+    /// Number of speed changes known then.
     pub(crate) changes: u64,
 }
 
@@ -50,12 +50,12 @@ pub(crate) enum Turning {
     Fixed(f64),
     /// By this channel's own X.
     Surface(Speed),
-    /// By the move of another channel, which began so many minutes ago.
+    /// Driven by the move of another channel, which started so many minutes ago.
     Driven(DrivenSpeed, f64),
 }
 
 impl Turning {
-    /// Revolutions in a minute where the channel is at this radius.
+    /// Speed in rev/min while the channel is at this radius.
     pub(crate) fn rpm(&self, radius: f64) -> f64 {
         match self {
             Self::Fixed(rpm) => *rpm,

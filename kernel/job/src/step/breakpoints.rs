@@ -133,7 +133,7 @@ pub(super) fn may_hit(spot: &Spot, info: &Info, machine: &Machine) -> Result<(),
     }
 }
 
-/// Whether a write of a variable can stop the run: a numbered variable that is shared, or a name that a text of the job has.
+/// Whether a write of a variable can stop the run: a shared numbered variable, or a name in a text of the job.
 fn may_write(name: &str, info: &Info, machine: &Machine) -> Result<(), String> {
     let number = name.strip_prefix('#').and_then(|number| number.trim().parse::<u32>().ok());
     let Some(number) = number else { return may_name(name, info, machine) };
@@ -153,8 +153,8 @@ fn may_write(name: &str, info: &Info, machine: &Machine) -> Result<(), String> {
     ))
 }
 
-/// Whether a text of the job has the letters of a name; its index may be computed. A file that no channel has read yet may
-/// have any name.
+/// Whether a text of the job has the letters of a name; its index may be computed. A file that no channel has read yet
+/// may have any name.
 fn may_name(name: &str, info: &Info, machine: &Machine) -> Result<(), String> {
     let letters: String = name
         .chars()

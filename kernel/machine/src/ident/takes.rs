@@ -22,7 +22,7 @@ const ARC: &str = "REG_FEED_UPM REG_FEED_UPR REG_AXIS_* REG_ARC_CENTER_* REG_ARC
 /// Words that define a circle to come.
 const DEFINITION: &str = "REG_ARC_CENTER_* REG_ARC_RADIUS";
 
-/// Words of drilling cycles whose kind the block says.
+/// Words of drilling cycles whose kind the block gives.
 const CYCLE: &str = "REG_FEED_UPM REG_FEED_UPR REG_CYCLE_* REG_AXIS_*";
 
 /// Words of all drilling cycles.

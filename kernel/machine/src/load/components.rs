@@ -1,10 +1,11 @@
 //! `[[components]]`: the definitions that a composite machine is made of.
 //!
-//! A component is a machine file of its own, or a family. What the components have in common is the composite's and takes
-//! the place of their own sections: axes, channels, spindles, waits, the shape of programs, tools and work offsets. Times and
-//! ranges of variables are shared key by key. A component with another pre-processor has the shape of its own programs.
-//! Invariants: units of all components are those of the composite; each channel has a component; the macros of a component see the GLOBAL variables of the composite, and its own
-//! ones are its object's.
+//! A component is a machine file of its own, or a family. Sections that the components have in common belong to the
+//! composite and replace their own sections: axes, channels, spindles, waits, the shape of programs, tools and work
+//! offsets. Times and ranges of variables are shared key by key. A component with another pre-processor has the shape
+//! of its own programs. Invariants: units of all components are those of the composite; each channel has a component;
+//! the macros of a component see the GLOBAL variables of the composite, and its own GLOBAL variables belong to its
+//! object.
 
 use crate::model::{Channel, Machine, MachineKind};
 use crate::toml::check::Check;
@@ -22,8 +23,8 @@ const MOST: usize = 99;
 pub(super) const COMMON: [&str; 8] =
     ["axes", "channels", "spindles", "waits", "sync", "format", "tool", "work_offsets"];
 
-/// Sections whose keys a component has from its composite unless its own folder or `add` gives them; for other pre-processors
-/// only those of the first list.
+/// Sections whose keys a component has from its composite unless its own folder or `add` gives them. A component with
+/// another pre-processor has only those of the first list.
 const SHARED_KEYS: [&str; 1] = ["time"];
 const SHARED_KEYS_OF_A_PREPROCESSOR: [&str; 1] = ["variables"];
 
@@ -156,7 +157,8 @@ pub(super) fn fit(mut component: Merged, composite: &Table, row: &Row) -> Merged
     component
 }
 
-/// The keys of a section of the composite that the folder of the component inside that of the composite does not give.
+/// Keys of a section of the composite, without those that the folder of the component inside that of the composite
+/// gives.
 fn shared_keys(component: &Table, composite: &Table, section: &str) -> Table {
     let entry = composite.entries.iter().find(|entry| entry.key == section).cloned();
     let Some(mut entry) = entry else { return Table::default() };

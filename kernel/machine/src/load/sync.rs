@@ -23,7 +23,7 @@ const POLL_NS: i64 = 1_000_000;
 const MARKS: [CodeId; 5] =
     [codes::SYNC_REG, codes::SYNC_REG_MAIN, codes::SYNC_REG_SIDE, codes::SYNC_REG_START, codes::SYNC_REG_STOP];
 
-/// Further codes at which two channels meet; without a `dialect` they do nothing.
+/// Further codes at which two channels meet; without a `dialect` they have no effect.
 const TOGETHER: [CodeId; 6] = [
     codes::SYNC_START_MAIN,
     codes::SYNC_START_SIDE,
@@ -131,7 +131,8 @@ fn check_words(section: &Section<'_>, sync: &Sync, channels: &[Channel], rows: &
     }
 }
 
-/// Whether channels meet at the code of a row of the same file, on a machine with several. A family may have such rows for others.
+/// Whether channels meet at the code of a row of the same file on a machine with several channels. A family may have
+/// such rows for other machines.
 fn is_together(row: &CodeRow, channels: &[Channel], place: &Place) -> bool {
     let own = row.file == *place.file && row.form != CodeForm::NotApplicable;
     own && channels.len() > 1 && TOGETHER.contains(&row.id)

@@ -287,9 +287,9 @@ pub struct Compensation {
     pub corner: OutsideCorner,
     /// Largest turn, degrees, that corners by angle make sharp.
     pub corner_angle: f64,
-    /// Limits of sharp and round corners; none if codes alone say which corners are sharp.
+    /// Limits of sharp and round corners; none if codes alone decide which corners are sharp.
     pub corner_shape: Option<CornerShape>,
-    /// Circles around corners belong to the move after the corner, behind the blocks between the moves.
+    /// Circles around corners belong to the move after the corner, and come after the blocks between the moves.
     pub corner_after: bool,
     /// The word of an offset number alone selects the offset while its compensation is active.
     pub numbers_alone: bool,
@@ -303,7 +303,8 @@ pub struct Compensation {
     pub zero_move: u32,
     /// Centre words beside the code that ends it are the direction of the wall behind the contour.
     pub wall: bool,
-    /// Centre words beside the codes that switch it on are the direction to which the vector at the end of the block is square.
+    /// Centre words beside the codes that switch compensation on give the direction to which the vector at the end of
+    /// the block is perpendicular.
     pub vector: bool,
     /// Offset number zero ends compensation as its code does; otherwise the radius becomes zero.
     pub zero_cancels: bool,

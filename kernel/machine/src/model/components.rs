@@ -41,7 +41,8 @@ impl Machine {
         readers
     }
 
-    /// The definitions that blocks act by, with the words that name them: this one without a name, or the components.
+    /// The definitions by which blocks act, with the words that name them: this definition without a name, or the
+    /// components.
     pub fn definitions(&self) -> impl Iterator<Item = (&str, &Machine)> {
         let own = self.components.is_empty().then_some(("", self));
         own.into_iter().chain(self.components.iter().map(|one| (one.designator.as_str(), &*one.machine)))
@@ -63,7 +64,7 @@ impl Machine {
 
 /// Words on the components of a composite machine.
 impl Machine {
-    /// Whether a table of codes has a word of a letter and a number.
+    /// Whether a table of codes has a word with this letter and number.
     #[must_use]
     pub fn has_word(&self, letter: &str, number: f64) -> bool {
         let of = self.registers.entries().find(|(_, register)| register.name == letter).map(|(id, _)| id);

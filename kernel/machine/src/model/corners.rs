@@ -7,7 +7,7 @@
 pub struct CornerShape {
     /// Largest turn of a sharp corner, degrees.
     pub sharp: f64,
-    /// The same of one that is said to be round.
+    /// Largest turn at which a corner of the round kind is sharp, degrees.
     pub flat: f64,
     /// Largest distortion of a round corner, percent.
     pub distortion: f64,

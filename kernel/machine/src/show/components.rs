@@ -1,7 +1,7 @@
-//! The tables of a composite machine: those of its components, one below the other.
+//! Tables of a composite machine: those of its components, one below the other.
 //!
-//! Invariant: every row names its component. The tables of the composite itself, which blocks never read, are not shown; its
-//! macros are, with `-` as their component.
+//! Invariant: every row names its component. The tables of the composite itself, which blocks never read, are not
+//! shown; its macros are shown with `-` as their component.
 
 use serde_json::{Value, json};
 

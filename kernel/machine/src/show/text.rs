@@ -22,7 +22,7 @@ impl Grid {
         self.0.push(cells.into());
     }
 
-    /// Grids with the same columns, one below the other, with their names in a first column.
+    /// Stacks grids with the same columns, with their names in a first column.
     pub(super) fn below<'n>(grids: impl Iterator<Item = (&'n str, Grid)>, heading: &str) -> Self {
         let mut all: Vec<Vec<String>> = Vec::new();
         for (name, Grid(rows)) in grids {

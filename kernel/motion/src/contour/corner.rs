@@ -23,11 +23,12 @@ pub struct Offset {
 /// Outside corners whose kind depends on the turn (Siemens G450, G451, DISC).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Shape {
-    /// Cosine of the largest turn at which sharp corners go to where the offsets meet; larger turns are round.
+    /// Cosine of the largest turn at which sharp corners continue to the intersection of the offsets; larger turns are
+    /// round.
     pub sharp: f64,
     /// Cosine of the largest turn at which round corners are sharp.
     pub flat: f64,
-    /// How far round corners are distorted: 0 a circle, 1 where the offsets meet.
+    /// Distortion of round corners: 0 is a circle, 1 the intersection of the offsets.
     pub distortion: f64,
 }
 
@@ -153,7 +154,7 @@ impl Offset {
         }
     }
 
-    /// An outside corner of this turn is sharp.
+    /// Whether an outside corner of this turn is sharp.
     fn is_sharp(&self, cosine: f64) -> bool {
         match (self.corner, &self.shape) {
             (0, _) => cosine >= self.limit - 1e-9,
@@ -163,7 +164,7 @@ impl Offset {
         }
     }
 
-    /// The corner after a piece is one that goes around its end.
+    /// Whether the path goes around the corner after the first piece.
     pub fn goes_around(&self, first: &Element, second: &Element) -> bool {
         let (before, after) = (first.end(), second.start());
         let turn = cross(before, after) * self.side;
@@ -173,7 +174,8 @@ impl Offset {
             && !self.is_sharp(dot(before, after))
     }
 
-    /// Where the offsets of two pieces meet outside if circles go on as circles; the link to it from the end of a line is none.
+    /// The outside intersection of the offsets of two pieces, with circles extended as circles; there is no link to it
+    /// from the end of a line.
     fn beyond(&self, first: &Element, second: &Element) -> Option<(Spot, Vec<Link>)> {
         self.shape?;
         if first.arc.is_none() && second.arc.is_none() || !self.is_sharp(dot(first.end(), second.start())) {
@@ -215,9 +217,11 @@ impl Offset {
     }
 }
 
-/// Around a corner from beside its end to beside its start: a circle, or two pairs of arcs in the place of a conic.
+/// Path around a corner from beside the end of a piece to beside the start of the next: a circle, or two pairs of arcs
+/// in place of a conic.
 ///
-/// The conic touches both offsets; its highest point is on the line from that of the circle to where the offsets meet.
+/// The conic is tangent to both offsets. Its highest point is on the line from the highest point of the circle to the
+/// intersection of the offsets.
 fn round(
     offset: &Offset,
     (corner, before, after): (Spot, Spot, Spot),
@@ -382,7 +386,7 @@ mod tests {
                     here = (to, along(to));
                 }
                 assert!(distance(here.1, second.start()) < 1e-6, "{turn} {by}");
-                // The highest point is a part of the way from the circle to where the paths meet.
+                // The highest point is part of the way from the circle to the intersection of the paths.
                 let Link::Round { to: top, .. } = corner.links[1] else { panic!() };
                 let meets = 2.0 / (turn / 2.0).to_radians().cos();
                 assert!((distance(top, [0.0; 2]) - (2.0 + by * (meets - 2.0))).abs() < 1e-9, "{turn} {by}");

@@ -343,10 +343,10 @@ fn a_rapid_there_and_back_is_drawn_once_and_a_change_of_frame_is_marked() {
             .to_owned();
         (group.matches("<path").count(), svg.contains(">change of frame</text>"))
     };
-    // Dashed lines over dashed lines would look like a whole line.
+    // Dashed lines over dashed lines would look like a solid line.
     assert_eq!(rapids(&[cut, there]), (1, false));
     assert_eq!(rapids(&[cut, there, back, part]), (1, false));
-    // Where the next move begins elsewhere, without a move to there, its coordinates have another frame.
+    // If the next move starts elsewhere, without a move to that place, its coordinates have another frame.
     let elsewhere = motion(MotionKind::Rapid, &[-40.0, 5.0, 5.0], &[-40.0, 5.0, 50.0]);
     assert!(rapids(&[cut, there, elsewhere]).1);
 }

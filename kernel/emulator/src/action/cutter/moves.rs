@@ -70,7 +70,7 @@ impl Act<'_, '_> {
         Offset { side: cutter.side, radius: cutter.radius, corner: self.state.place.compensation.corner, limit, shape }
     }
 
-    /// The block says how far round corners are distorted.
+    /// Takes the distortion of round corners from the block.
     pub(super) fn take_distortion(&mut self) {
         if self.block_has(data::CONTOUR_DISTORTION)
             && let Some(value) = self.take(data::CONTOUR_DISTORTION).map(|datum| datum.value)
@@ -79,7 +79,7 @@ impl Act<'_, '_> {
         }
     }
 
-    /// Limits of outside corners, with the distortion that the program asks for.
+    /// Limits of outside corners, with the distortion that the program has set.
     fn shape(&self, limits: CornerShape) -> corner::Shape {
         let asked = self.state.remembered.value(data::CONTOUR_DISTORTION).unwrap_or(0.0);
         let [sharp, flat] = [limits.sharp, limits.flat].map(|turn| libm::cos(turn.to_radians()));
@@ -266,7 +266,7 @@ impl Act<'_, '_> {
         self.links((step, element), &cutter, &corner.links, to)
     }
 
-    /// The circle around the end of a piece belongs to the move after it.
+    /// Whether the circle around the end of a piece belongs to the move after it.
     fn circle_follows(&self, waits: &Waiting, offset: &Offset, (first, second): (&Element, &Element)) -> bool {
         self.env.machine.compensation.corner_after
             && waits.end == ContourEnd::Meets
@@ -367,7 +367,7 @@ impl Act<'_, '_> {
     }
 }
 
-/// From a vector that the program gives to the start of the offset of an arc.
+/// The start of the offset of an arc, from the vector that the program gives.
 fn arc_start(end: ContourEnd, offset: &Offset, next: &Element) -> Option<Link> {
     let given = matches!(end, ContourEnd::Beside(_)) && next.arc.is_some();
     given.then(|| Link::Line(offset.at_start(next)))

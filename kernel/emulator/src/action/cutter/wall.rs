@@ -1,7 +1,7 @@
 //! Directions beside the codes of compensation.
 //!
-//! The code that begins it gives the vector at the end of its block. The code that ends it gives the direction of the wall
-//! behind the contour, and the last move ends where the offsets of that move and of the wall meet.
+//! The code that starts compensation gives the vector at the end of its block. The code that ends it gives the
+//! direction of the wall behind the contour. The last move then ends where its offset and the offset of the wall meet.
 //!
 //! Facts: operator's manuals of Fanuc controls, cutter compensation, cancel with I J K: the intersection counts inside and
 //! outside; without one the move ends beside its own end. *Invariant:* no move is made to the wall itself.
@@ -44,7 +44,7 @@ pub(super) fn at_wall(act: &mut Act<'_, '_>) -> Acted {
     act.next_element(Some(&Element { from, to, arc: None }))
 }
 
-/// The end of the last move in the plane, and the direction of the centre words of the block.
+/// The end of the last move in the plane, and the direction from the centre words of the block.
 fn direction(act: &mut Act<'_, '_>, code: CodeId, axes: [AxisSlot; 2]) -> Option<(Spot, Spot)> {
     let plane = plane(code)?;
     let words = plane.centers.map(|id| act.take(id).map_or(0.0, |datum| datum.value));
@@ -60,7 +60,7 @@ fn direction(act: &mut Act<'_, '_>, code: CodeId, axes: [AxisSlot; 2]) -> Option
     Some((from, plus(beside, from, -1.0)))
 }
 
-/// The move of the block that switches compensation on ends square to the direction that the block gives.
+/// Ends the move of the block that switches compensation on perpendicular to the direction that the block gives.
 pub(super) fn at_vector(act: &mut Act<'_, '_>, code: CodeId, axes: [AxisSlot; 2]) {
     if !act.env.machine.compensation.vector || act.polar().is_some() || !act.has_axis_word() || is_round(act) {
         return;
@@ -72,7 +72,7 @@ pub(super) fn at_vector(act: &mut Act<'_, '_>, code: CodeId, axes: [AxisSlot; 2]
     }
 }
 
-/// Centre words belong to a circle of the block.
+/// Whether the centre words belong to a circle of the block.
 fn is_round(act: &Act<'_, '_>) -> bool {
     let rows = act.block.pending.iter().map(|pending| &act.env.machine.codes[pending.row]);
     let written = rows.filter(|row| row.group == group::MOTION).map(|row| row.id).next_back();

@@ -101,7 +101,7 @@ fn end(act: &mut Act<'_, '_>) {
     end_rigid(act);
 }
 
-/// The end of a cycle, or a cycle that does not tap, ends rigid tapping, too.
+/// Ends rigid tapping at the end of a cycle, and at a cycle that does not tap.
 fn end_rigid(act: &mut Act<'_, '_>) {
     act.state.cycle.rigid = 0.0;
     if act.state.modal.code(group::RIGID) == Some(codes::RIGID_ON) {

@@ -72,13 +72,13 @@ pub(crate) struct Frames {
     pub(crate) feeds: feeds::Feeds,
     /// What incremental words travel beside their distance, by axis.
     pub(crate) ways: Option<Box<Position>>,
-    /// Local shifts of work offsets that are not active.
+    /// Local shifts of inactive work offsets.
     pub(crate) shifts: Option<BTreeMap<u32, Shift>>,
     /// The last point that the program reached: in the work frame, and as programmed.
     reached: Option<[Position; 2]>,
 }
 
-/// A local shift: of X, Y and Z, and of the axes beside them.
+/// A local shift of X, Y and Z, and of their parallel axes.
 pub(crate) type Shift = (Option<Programmed>, Option<Lines>);
 
 impl Frames {

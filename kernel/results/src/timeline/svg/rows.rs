@@ -203,7 +203,7 @@ fn ending(out: &mut String, timeline: &Timeline, channel: &Channel, top: f64, sc
         }
         ChannelState::Alarmed => {
             let _ = writeln!(out, r#"<rect x="{x:.1}" y="{top:.0}" width="3" height="{BAR:.0}" fill="{RED}"/>"#);
-            // An alarm of a wait that does not match is at its code.
+            // The bar of an alarm for a wait that does not match is labelled with the waiting code.
             let key = wait_at_end(timeline, channel.channel);
             let label = if key.is_empty() { "alarm".to_owned() } else { format!("alarm at {key}") };
             text(out, (x + 8.0, middle), 12, "start", RED, &fit(&label, 12, WIDTH - 16.0 - x));
@@ -213,7 +213,7 @@ fn ending(out: &mut String, timeline: &Timeline, channel: &Channel, top: f64, sc
     }
 }
 
-/// The code of the wait that a channel has not left.
+/// Code of the wait that a channel has not left.
 fn wait_at_end(timeline: &Timeline, channel: u16) -> &str {
     let left = timeline.waits.iter().rev().take_while(|wait| wait.release_ns.is_none());
     let mut own = left.filter(|wait| wait.arrivals.iter().any(|arrival| arrival.channel == channel));

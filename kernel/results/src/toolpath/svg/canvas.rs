@@ -13,9 +13,9 @@ const DOWN: usize = 1800;
 /// Lines up to this length are looked at cell by cell.
 const SHORT: f64 = 48.0;
 
-/// Places of a pixel at which a dashed line is looked at.
+/// Sample points per pixel of a dashed line.
 const SAMPLES: f64 = 4.0;
-/// Places of a line at most.
+/// Maximum sample points of a line.
 const MOST_SAMPLES: f64 = 20_000.0;
 /// Painted parts up to this length are crossings, px.
 const CROSSING: f64 = 6.0;
@@ -33,7 +33,7 @@ impl Canvas {
         Self::of(DOWN)
     }
 
-    /// One of all views, one below the other.
+    /// A canvas for all views, one below the other.
     pub(super) fn tall() -> Self {
         Self::of(2 * DOWN)
     }
@@ -59,7 +59,8 @@ impl Canvas {
         fresh
     }
 
-    /// Paints a line; gives the parts of it that were not painted, as shares of the way. Crossings are no gaps.
+    /// Paints a line; returns the parts of it that were not yet painted, as shares of its length. Crossings are not
+    /// gaps.
     pub(super) fn parts(&mut self, from: [f64; 2], to: [f64; 2]) -> Vec<[f64; 2]> {
         let way = [to[0] - from[0], to[1] - from[1]];
         let length = (way[0] * way[0] + way[1] * way[1]).sqrt();
@@ -91,7 +92,7 @@ impl Canvas {
         long.map(|[start, end]| [share(start), if end >= fresh.len() { 1.0 } else { share(end) }]).collect()
     }
 
-    /// Whether a place is painted, or one at most half a pixel beside it.
+    /// Whether a point is painted, or one at most half a pixel from it.
     fn is_painted(&self, at: [f64; 2]) -> bool {
         const BESIDE: f64 = 0.5;
         let places = [[0.0, 0.0], [BESIDE, 0.0], [-BESIDE, 0.0], [0.0, BESIDE], [0.0, -BESIDE]];

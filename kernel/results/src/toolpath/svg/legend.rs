@@ -64,7 +64,7 @@ impl Palette {
 
     /// Finds a place for every entry, kinds of moves first.
     fn place(&mut self, names: Vec<(String, String)>, toolpath: &Toolpath) {
-        // The first move begins a path; where it begins again, the frame has changed.
+        // The first move starts a path; a further start is a change of frame.
         let used = |stroke: Stroke| {
             let skipped = usize::from(stroke == Stroke::Start);
             toolpath.channels.iter().any(|c| c.path.moves.iter().skip(skipped).any(|m| m.stroke() == stroke))

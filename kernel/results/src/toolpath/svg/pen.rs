@@ -32,7 +32,7 @@ pub(super) struct Pen {
     canvas: Option<Canvas>,
     /// Way drawn since the last cut, px.
     way: f64,
-    /// Dashed lines over dashed lines would look like a whole line, so only what is new of a line is drawn.
+    /// Dashed lines over dashed lines would look like a solid line, so only the new parts of a line are drawn.
     dashed: bool,
 }
 

@@ -59,7 +59,8 @@ impl Cutter {
     }
 }
 
-/// The path in pieces, in order. `breaks`: a place where the path begins again elsewhere is joined with its last end.
+/// The path in pieces, in order. With `breaks`, a place where the path starts again elsewhere is joined with its
+/// previous end.
 pub(super) fn pieces(path: &Path, frame: &Frame, breaks: bool) -> Vec<Piece> {
     let long = path.moves.len() > LONG;
     let window = path.moves.len().div_ceil(WINDOWS).max(1);
