@@ -70,6 +70,7 @@ diagnostics! {
     SPINDLE_CONFLICT 2900022 "spindle-conflict" 4 false "spindle commanded by two channels without a sync point between";
     SPEED_CHANGED 2900690 "speed-changed-during-move" 4 false "spindle speed changed during a move of another channel";
     OVER_TRAVEL 2900023 "over-travel" 8 false "position beyond the travel limits of an axis";
+    FUNCTIONS_IGNORED 2900691 "functions-ignored" 0 false "M functions without an effect";
     NO_OFFSET 2900024 "no-offset-value" 4 false "offset number without a value";
     NO_REFERENCE 2900025 "no-reference-point" 8 false "reference point not defined";
     SPINDLE_LIMIT 2900026 "spindle-over-speed" 4 false "spindle speed above the maximum";

@@ -63,8 +63,17 @@ impl Kernel<'_> {
         let Channel { env: _, at, block: _, text, acting: _, state, reports, burden, held: _, pace: _ } = channel;
         let At { channel, clock, micro: _, file: _, line: _, blocks, idle_blocks } = at;
         let BlockText { edited: _, tape } = text;
-        let Reports { diagnostics, alarms: _, raised, waits: _, unrecognised: _, race: _, reset: _, plausible: _ } =
-            reports;
+        let Reports {
+            diagnostics,
+            alarms: _,
+            raised,
+            waits: _,
+            unrecognised: _,
+            race: _,
+            reset: _,
+            plausible: _,
+            swallowed: _,
+        } = reports;
         Carried {
             channel,
             clock,

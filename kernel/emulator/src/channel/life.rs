@@ -131,6 +131,7 @@ impl Kernel<'_> {
         if matches!(halt, Halt::ProgramEnd(_) | Halt::Alarm) {
             self.report_order();
             self.report_separate();
+            self.report_swallowed();
         }
         self.report_softened(halt);
         if let Halt::ProgramEnd(Some(stop)) = halt {

@@ -357,7 +357,7 @@ impl Kernel<'_> {
             return Ok(());
         }
         if !row.process {
-            self.trace_ignored(row.id);
+            self.swallow(row, pending);
             return Ok(());
         }
         self.enter_code(row, pending);
@@ -370,6 +370,29 @@ impl Kernel<'_> {
             self.refuse_axis_words(row, pending);
         }
         result
+    }
+
+    /// A code that the machine recognises and ignores.
+    #[cold]
+    fn swallow(&mut self, row: &CodeRow, pending: PendingCode) {
+        self.trace_ignored(row.id);
+        if let CodeForm::Register { register, .. } | CodeForm::RegisterAsData { register, .. } = row.form
+            && Some(register) == self.plan.registers.function
+        {
+            self.channel.reports.swallowed.note(pending.value);
+        }
+    }
+
+    /// Reports at the end of the program the M functions that had no effect.
+    pub(crate) fn report_swallowed(&mut self) {
+        let swallowed = std::mem::take(&mut self.channel.reports.swallowed);
+        if swallowed.is_empty() || self.channel.env.options.lint {
+            return;
+        }
+        self.diagnose(
+            &diag::FUNCTIONS_IGNORED,
+            format!("this machine gives these functions neither an effect nor a time: {swallowed}"),
+        );
     }
 
     /// Value that a code hands over as data.

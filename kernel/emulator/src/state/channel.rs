@@ -9,6 +9,7 @@ use rustc_hash::FxHashMap;
 use super::State;
 use super::alarms::Alarms;
 use crate::state::plausible::Plausible;
+use crate::state::swallowed::Swallowed;
 use counterpoint_ports::Shares;
 use counterpoint_program::block::Block;
 
@@ -152,6 +153,8 @@ pub(crate) struct Reports {
     pub(crate) reset: bool,
     /// Improbable blocks reported in this program.
     pub(crate) plausible: Plausible,
+    /// M functions that had no effect in this program.
+    pub(crate) swallowed: Swallowed,
 }
 
 impl Reports {
@@ -171,8 +174,8 @@ impl Reports {
     pub(crate) fn new(rules: Rules) -> Self {
         let (diagnostics, alarms, raised) = (0, Alarms::default(), FxHashMap::default());
         let (waits, unrecognised, race, reset) = (KnownWaits::new(rules), None, None, false);
-        let plausible = Plausible::default();
-        Self { diagnostics, alarms, raised, waits, unrecognised, race, reset, plausible }
+        let (plausible, swallowed) = (Plausible::default(), Swallowed::default());
+        Self { diagnostics, alarms, raised, waits, unrecognised, race, reset, plausible, swallowed }
     }
 }
 

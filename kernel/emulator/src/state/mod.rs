@@ -28,6 +28,7 @@ pub(crate) mod remembered;
 pub(crate) mod smooth;
 pub(crate) mod spindle;
 pub(crate) mod stored;
+pub(crate) mod swallowed;
 pub(crate) mod thread;
 pub(crate) mod turning;
 pub(crate) mod units;
