@@ -15,7 +15,7 @@ use crate::error::Error;
 use crate::machine_folder;
 use crate::pack::Files;
 use crate::settings::Setting;
-use crate::tools::Tools;
+use crate::tools::{Facts, Tools};
 
 /// What the name of a shipped machine ends with after a setting; the server keeps the names of shipped machines to itself.
 const CHANGED: &str = "-set";
@@ -174,20 +174,12 @@ fn without(ranges: Vec<(u32, u32)>, others: &[(u32, u32)]) -> Vec<(u32, u32)> {
 pub(crate) fn with_tools(machine: &str, mut files: Files, path: &Path) -> Result<(String, Files, Tools), Error> {
     let mut known = Files(files.0.clone());
     let chain = chain(&mut known, machine, &[]);
-    let texts = chain.iter().filter_map(|folder| known.0.get(&definition(folder)));
-    let axis = texts.into_iter().find_map(|blob| tool_axis(&String::from_utf8_lossy(blob.content())));
-    let mut tools = Tools::read(path, axis.as_deref())?;
+    let blobs = chain.iter().filter_map(|folder| known.0.get(&definition(folder)));
+    let texts: Vec<String> = blobs.map(|blob| String::from_utf8_lossy(blob.content()).into_owned()).collect();
+    let mut tools = Tools::read(path, &Facts::of(texts.iter().map(String::as_str)))?;
     let name = format!("{machine}{TOOLS}");
     files.0.insert(definition(&name), Blob::new(tools.definition(&name, machine).into_bytes()));
     Ok((name, files, tools))
-}
-
-/// The first axis Z that a definition describes.
-fn tool_axis(text: &str) -> Option<String> {
-    let table = toml::from_str::<toml::Table>(text).ok()?;
-    let axes = table.get("axes")?.as_array()?;
-    let mut names = axes.iter().filter_map(|axis| axis.get("name")?.as_str());
-    names.find(|name| name.trim_end_matches(|c: char| c.is_ascii_digit()) == "Z").map(str::to_owned)
 }
 
 fn definition(folder: &str) -> String {

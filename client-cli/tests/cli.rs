@@ -414,6 +414,55 @@ fn a_table_of_tools_counts_for_one_run() {
     assert!(status == 2 && text.contains("wrong.csv:3: no axis has the name \"Q\""), "{status} {text}");
 }
 
+/// One table for all controls: the tool in force shifts the frame by 80 along Z, by 50 along X.
+#[test]
+fn a_table_of_tools_counts_on_every_control() {
+    let folder = tempfile::tempdir().unwrap();
+    let tables = [
+        ("number", "number;name;length;radius\n5;EM10;80;5\n"),
+        ("name", "tool;length;radius\nEM10;80;5\n"),
+        ("edge", "T;D;name;length\n5;1;EM10;80\n5;2;EM10;70\n"),
+        ("x", "T;name;X;Z\n5;EM10;50;80\n"),
+    ];
+    let table = |name: &str| folder.path().join(format!("{name}.csv")).display().to_string();
+    for (name, text) in tables {
+        program(folder.path(), &format!("{name}.csv"), text);
+    }
+    let tnc = |call: &str| format!("0 BEGIN PGM A MM\n1 TOOL CALL {call} Z S1000\n2 L Z+10 R0 FMAX\n3 END PGM A MM\n");
+    let (name_of_tnc, number_of_tnc) = (tnc("\"EM10\""), tnc("5"));
+    for (machine, ending, text, tools, axis, value) in [
+        ("siemens-mill", "mpf", "T5 M6\nG0 Z10\nM30\n", "number", "Z", 80.0),
+        ("siemens-mill", "mpf", "T=\"EM10\" M6\nG0 Z10\nM30\n", "number", "Z", 80.0),
+        ("siemens-mill", "mpf", "T=\"em10\"\nM6\nG0 Z10\nM30\n", "name", "Z", 80.0),
+        ("siemens-mill", "mpf", "T=5 D2 M6\nD2 G0 Z10\nM30\n", "edge", "Z", 70.0),
+        ("siemens-lathe", "mpf", "T5 D1\nG0 Z10\nM30\n", "number", "Z", 80.0),
+        ("siemens-lathe", "mpf", "T5 D1\nG0 X100\nM30\n", "x", "X", 50.0),
+        ("heidenhain-mill", "h", name_of_tnc.as_str(), "number", "Z", 80.0),
+        ("heidenhain-mill", "h", name_of_tnc.as_str(), "name", "Z", 80.0),
+        ("heidenhain-mill", "h", number_of_tnc.as_str(), "number", "Z", 80.0),
+        ("fanuc-mill", "nc", "O1\nT5 M6\nG43 H5 G0 Z10.\nM30\n", "number", "Z", 80.0),
+        ("haas-mill", "nc", "O1\nT5 M6\nG43 H5 G0 Z10.\nM30\n", "number", "Z", 80.0),
+        ("mazak-eia-mill", "eia", "O1\nT5 T0 M6\nG43 H5 G0 Z10.\nM30\n", "number", "Z", 80.0),
+        ("mazak-eia-lathe", "eia", "O1\nT0505\nG0 Z10.\nM30\n", "number", "Z", 80.0),
+        ("okuma-mill", "min", "G15 H1\nT5\nM6\nG56 H5 G0 Z10\nM2\n", "number", "Z", 80.0),
+        ("okuma-lathe", "min", "T0505\nG0 Z10\nM2\n", "number", "Z", 80.0),
+        ("fanuc-2path-lathe", "nc", "O1\nT0505\nG0 X100.\nM30\n", "x", "X", 50.0),
+        ("isg-3channel", "nc", "T5 M6\nD5\nG0 Z10\nM30\n", "number", "Z", 80.0),
+    ] {
+        let part = program(folder.path(), &format!("part.{ending}"), text);
+        let out = folder.path().join("out");
+        let out_text = out.display().to_string();
+        let with =
+            ["run", "--machine", machine, "--tools", &table(tools), "--out", &out_text, "--write", "events", &part];
+        let output = counterpoint(&with);
+        assert_eq!(code(&output), 0, "{machine} {text}: {}", String::from_utf8_lossy(&output.stderr));
+        let events = std::fs::read_to_string(out.join("events.jsonl")).unwrap();
+        let ends = events.lines().filter_map(|line| serde_json::from_str::<serde_json::Value>(line).ok());
+        let shift = ends.filter_map(|event| event["shift"][axis].as_f64()).next_back();
+        assert_eq!(shift, Some(value), "{machine} {text}: {events}");
+    }
+}
+
 #[test]
 fn waiting_codes_are_set_for_one_run() {
     let folder = tempfile::tempdir().unwrap();

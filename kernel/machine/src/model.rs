@@ -5,12 +5,14 @@ mod components;
 mod corners;
 mod external;
 pub mod paths;
+mod tools;
 mod waits;
 
 pub use behaviour::*;
 pub use components::Component;
 pub use corners::CornerShape;
 pub use external::*;
+pub use tools::*;
 pub use waits::*;
 
 use super::ident::{CodeId, DataId, Name};

@@ -32,6 +32,9 @@ impl Heidenhain {
             Value::Number(number) => return Ok(Some(shown(number))),
             Value::Text(name) => name,
         };
+        if let Some(number) = evaluator.host.tool_named(name.trim()) {
+            return Ok(Some(number.to_string()));
+        }
         let quoted = format!("\"{name}\"");
         Ok(match evaluator.ask(&quoted)? {
             Asked::Value(Value::Number(number)) => Some(shown(number)),

@@ -114,6 +114,9 @@ pub trait Frames {
     /// Number of the tool that is loaded.
     fn tool(&self) -> u32;
 
+    /// Number of the tool with this name in the tables of the machine.
+    fn tool_named(&self, name: &str) -> Option<u32>;
+
     /// Length along the tool and radius that are in force.
     fn tool_in_force(&self) -> [f64; 2];
 

@@ -58,6 +58,18 @@ impl Evaluate<Data, Own> for Values<'_> {
     }
 }
 
+/// The number of a tool by its name, which the machine knows: names that the program has written count first.
+const TOOL_NAME: &str = "$P_TOOLNAME";
+
+/// `$P_TOOLNAME["NAME"]`, as the machine is asked for it: with the number of the tool in the tables, if they have the name.
+fn with_number(host: &dyn Host, asked: String) -> String {
+    let name = asked.split('"').nth(1).unwrap_or_default();
+    match (host.tool_named(name), asked.strip_suffix(']')) {
+        (Some(number), Some(start)) => format!("{start},{number}]"),
+        _ => asked,
+    }
+}
+
 impl Siemens {
     /// Value of an expression.
     pub(super) fn evaluate(&mut self, host: &mut dyn Host, expression: &Expression) -> Outcome<Data> {
@@ -90,7 +102,10 @@ impl Siemens {
             return Ok(Data::Real(self.variables.parameter(number)));
         }
         if name.name.starts_with('$') {
-            let asked = self.written(host, name)?;
+            let mut asked = self.written(host, name)?;
+            if name.name == TOOL_NAME {
+                asked = with_number(host, asked);
+            }
             return match self.ask(host, &asked, None)? {
                 Answer::Instead(text) => {
                     let value = self.instead(host, &text)?;

@@ -30,6 +30,8 @@ pub(super) fn read(top: &mut Section<'_>, axes: &Table<AxisId, Axis>, check: &Ch
     if tool.change_motion && tool.change_point.iter().all(Option::is_none) {
         section.error("change_motion", "`change_motion` needs `change_position`, the axes to move and where to");
     }
+    tool.edges = section.integer("edges", 2..=1000).unwrap_or(0) as u32;
+    tool.by_name = section.flag("by_name").unwrap_or(false);
     for mut row in section.rows("offsets", "[[tool.offsets]]", MOST) {
         if let Some(offset) = read_offset(&mut row, axes, check) {
             if tool.offsets.iter().any(|other| other.number == offset.number) {

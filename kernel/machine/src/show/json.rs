@@ -74,7 +74,8 @@ pub fn json(machine: &Machine) -> Value {
             "start_date": machine.variables.system.start.0, "start_time": machine.variables.system.start.1,
             "initial": machine.variables.system.initial, "system": system(machine),
             "external": external(machine), "other_external": machine.variables.external.any },
-        "tool": { "offset_digits": machine.tool.offset_digits, "offsets": tool_offsets(machine), "data": tool_data(machine) },
+        "tool": { "offset_digits": machine.tool.offset_digits, "edges": machine.tool.edges,
+            "by_name": machine.tool.by_name, "offsets": tool_offsets(machine), "data": tool_data(machine) },
         "components": machine.components.iter().map(component).collect::<Vec<_>>(),
         "work_offsets": machine.work_offsets.iter().map(|values| by_axis(machine, values)).collect::<Vec<_>>(),
     })

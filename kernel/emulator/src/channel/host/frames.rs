@@ -212,6 +212,10 @@ impl Frames for Kernel<'_> {
         self.channel.state.place.tools.current
     }
 
+    fn tool_named(&self, name: &str) -> Option<u32> {
+        self.channel.env.machine.tool.number_of(name)
+    }
+
     fn polar(&self) -> [Option<f64>; 2] {
         let remembered = &self.channel.state.remembered;
         let radius =

@@ -1,0 +1,248 @@
+//! A table of tools as a CSV file: a line for each tool, the columns named in the first line.
+//!
+//! Invariants: a row of the definition knows its line of the file; a tool of a control with edges gets the offset of its
+//! edge; a column `X` means each axis that programs call X.
+
+use std::fmt::Write as _;
+
+use super::{Facts, Tools};
+use crate::error::Error;
+
+/// Columns of a CSV file.
+const COLUMNS: &str = "number, name, offset, diameter, radius, tip, length";
+
+/// Tools that have a name and no number get numbers from this one on.
+const FIRST_WITHOUT_NUMBER: u32 = 20_001;
+
+/// The meaning of a column.
+#[derive(Debug, Clone, PartialEq)]
+enum Column {
+    Number,
+    Offset,
+    Edge,
+    Name,
+    Diameter,
+    Radius,
+    Tip,
+    Length,
+    RadiusWear,
+    LengthWear,
+    Axis(String),
+    Wear(String),
+}
+
+impl Column {
+    fn of(title: &str, machine: &Facts) -> Self {
+        let title = title.trim();
+        let worn = title.split_once([' ', '_', '-']).and_then(|(one, other)| {
+            let is_wear = |word: &str| word.eq_ignore_ascii_case("wear");
+            if is_wear(one) { Some(other) } else { Some(one).filter(|_| is_wear(other)) }
+        });
+        if let Some(of) = worn {
+            return match of.to_ascii_lowercase().as_str() {
+                "radius" => Self::RadiusWear,
+                "length" => Self::LengthWear,
+                _ => Self::Wear(of.to_owned()),
+            };
+        }
+        match title.to_ascii_lowercase().as_str() {
+            "number" | "no" | "nr" | "tool" | "t" => Self::Number,
+            "offset" | "h" => Self::Offset,
+            "edge" | "d" if machine.edges > 0 => Self::Edge,
+            "name" | "comment" | "description" => Self::Name,
+            "diameter" | "dia" => Self::Diameter,
+            "radius" => Self::Radius,
+            "tip" => Self::Tip,
+            "length" => Self::Length,
+            _ => Self::Axis(title.to_owned()),
+        }
+    }
+}
+
+/// Values of a line.
+#[derive(Debug, Default)]
+struct Row {
+    number: Option<u32>,
+    offset: Option<u32>,
+    edge: Option<u32>,
+    name: Option<String>,
+    radius: Option<f64>,
+    /// Further keys of the offset and of the data of the tool.
+    of_offset: String,
+    of_data: String,
+    values: Vec<String>,
+    wear: Vec<String>,
+}
+
+impl Row {
+    /// A value along each axis that programs call by a name; a name without an axis stays, for the message of the loader.
+    fn along(into: &mut Vec<String>, axis: &str, value: f64, machine: &Facts) {
+        let known = machine.axes(axis);
+        let axes = if known.is_empty() { vec![axis] } else { known };
+        into.extend(axes.into_iter().map(|axis| format!("{} = {value:?}", toml::Value::String(axis.to_owned()))));
+    }
+
+    /// Reads a cell.
+    ///
+    /// # Errors
+    /// The reason why the column does not take it.
+    fn take(&mut self, column: &Column, cell: &str, comma: bool, table: &Table<'_>) -> Result<(), String> {
+        let value = || {
+            let cell = if comma { cell.replace(',', ".") } else { cell.to_owned() };
+            cell.parse::<f64>().ok().filter(|value| value.is_finite()).ok_or_else(|| match column {
+                // An unknown column is read as an axis; a text in it shows that it is something else.
+                Column::Axis(title) | Column::Wear(title) => format!(
+                    "unknown column '{title}': columns are {COLUMNS}, and the names of axes; an axis would need a number, \
+                     not '{cell}'"
+                ),
+                _ => format!("'{cell}' is not a number"),
+            })
+        };
+        let whole = || cell.trim_start_matches(['T', 't', 'D', 'd', 'H', 'h']).parse::<u32>();
+        let machine = table.machine;
+        match column {
+            Column::Number => match whole() {
+                Ok(number) => self.number = Some(number),
+                Err(_) if machine.by_name && !table.columns.contains(&Column::Name) => {
+                    self.name = Some(cell.to_owned())
+                }
+                Err(_) => return Err(format!("'{cell}' is not a tool number")),
+            },
+            Column::Offset => self.offset = Some(whole().map_err(|_| format!("'{cell}' is not an offset number"))?),
+            Column::Edge => {
+                let edge = whole().ok().filter(|edge| (1..machine.edges).contains(edge));
+                self.edge =
+                    Some(edge.ok_or_else(|| format!("'{cell}' is not an edge (D1 to D{})", machine.edges - 1))?);
+            }
+            Column::Name => self.name = Some(cell.to_owned()),
+            Column::Diameter => {
+                let value = value()?;
+                self.radius = self.radius.or(Some(value / 2.0));
+                let _ = write!(self.of_data, ", diameter = {value:?}");
+            }
+            Column::Radius => self.radius = Some(value()?),
+            Column::Tip => drop(write!(self.of_offset, ", tip = {}", value()?)),
+            Column::Length => {
+                let value = value()?;
+                let _ = write!(self.of_data, ", length = {value:?}");
+                if table.length_is_along_z {
+                    Self::along(&mut self.values, "Z", value, machine);
+                }
+            }
+            Column::RadiusWear => drop(write!(self.of_offset, ", radius_wear = {:?}", value()?)),
+            Column::LengthWear if table.length_is_along_z => Self::along(&mut self.wear, "Z", value()?, machine),
+            Column::LengthWear => {}
+            Column::Axis(axis) => Self::along(&mut self.values, axis, value()?, machine),
+            Column::Wear(axis) => Self::along(&mut self.wear, axis, value()?, machine),
+        }
+        Ok(())
+    }
+
+    /// Number of the tool, which names may stand for, and of its offset.
+    fn numbers(&self, table: &mut Table<'_>) -> Result<(u32, u32), String> {
+        let offset = self.offset.filter(|_| table.columns.contains(&Column::Offset));
+        let number = match (self.number.or(offset), &self.name) {
+            (Some(number), _) => number,
+            (None, Some(name)) if table.machine.by_name => table.number_of(name),
+            _ => return Err("the tool has no number".to_owned()),
+        };
+        let edges = table.machine.edges;
+        let own =
+            || if edges > 0 { number.saturating_mul(edges).saturating_add(self.edge.unwrap_or(1)) } else { number };
+        Ok((number, offset.unwrap_or_else(own)))
+    }
+}
+
+/// The head of the file, and the tools so far.
+struct Table<'m> {
+    machine: &'m Facts,
+    columns: Vec<Column>,
+    length_is_along_z: bool,
+    /// Tools that have data.
+    tools: Vec<u32>,
+    /// Names of tools without a number, in their order.
+    names: Vec<String>,
+}
+
+impl Table<'_> {
+    fn number_of(&mut self, name: &str) -> u32 {
+        let known = self.names.iter().position(|known| known.eq_ignore_ascii_case(name));
+        let at = known.unwrap_or_else(|| {
+            self.names.push(name.to_owned());
+            self.names.len() - 1
+        });
+        FIRST_WITHOUT_NUMBER.saturating_add(at as u32)
+    }
+}
+
+/// Reads the text of a file.
+pub(super) fn read(file: String, text: &str, machine: &Facts) -> Result<Tools, Error> {
+    let wrong = |line: u64, text: String| Error::Usage(format!("{file}:{line}: {text}"));
+    let text = format!("{}\n", text.trim_start_matches('\u{feff}').trim_end());
+    let head = text.lines().find(|line| !line.starts_with('#')).unwrap_or_default();
+    let delimiter = [';', '\t', ','].into_iter().max_by_key(|one| head.matches(*one).count()).unwrap_or(',');
+    let mut reader = csv::ReaderBuilder::new()
+        .delimiter(delimiter as u8)
+        .comment(Some(b'#'))
+        .flexible(true)
+        .trim(csv::Trim::All)
+        .from_reader(text.as_bytes());
+    let titles = reader.headers().map_err(|error| wrong(1, error.to_string()))?.clone();
+    let columns: Vec<Column> = titles.iter().map(|title| Column::of(title, machine)).collect();
+    let has = |column: &Column| columns.contains(column);
+    if !has(&Column::Number) && !has(&Column::Offset) && !(machine.by_name && has(&Column::Name)) {
+        let text =
+            "the first line names the columns: number, and name, diameter, radius, tip, length or the names of axes";
+        return Err(wrong(1, text.to_owned()));
+    }
+    let is_z = |column: &Column| matches!(column, Column::Axis(axis) if axis.trim_end_matches(|c: char| c.is_ascii_digit()).eq_ignore_ascii_case("Z"));
+    let length_is_along_z = !columns.iter().any(is_z) && !machine.axes("Z").is_empty();
+    let mut table =
+        Table { machine, columns: columns.clone(), length_is_along_z, tools: Vec::new(), names: Vec::new() };
+    let (mut offsets, mut data) = (String::from("tool.offsets = [\n"), String::from("tool.data = [\n"));
+    let (mut of_offsets, mut of_data) = (vec![0], vec![0]);
+    let mut record = csv::StringRecord::new();
+    while reader
+        .read_record(&mut record)
+        .map_err(|error| wrong(error.position().map_or(0, csv::Position::line), error.to_string()))?
+    {
+        // The position of a record is that of the comments before it.
+        let line = reader.position().line().saturating_sub(1);
+        let cells = columns.iter().zip(&record).filter(|(_, cell)| !cell.is_empty());
+        if cells.clone().next().is_none() {
+            continue;
+        }
+        if record.len() > columns.len() {
+            return Err(wrong(line, format!("{} columns, where the first line names {}", record.len(), columns.len())));
+        }
+        let mut row = Row::default();
+        for (column, cell) in cells {
+            row.take(column, cell, delimiter == ';', &table).map_err(|text| wrong(line, text))?;
+        }
+        let (number, offset) = row.numbers(&mut table).map_err(|text| wrong(line, text))?;
+        if let Some(radius) = row.radius {
+            let _ = write!(row.of_offset, ", radius = {radius:?}");
+        }
+        if !row.wear.is_empty() {
+            let _ = write!(row.of_offset, ", wear = {{ {} }}", row.wear.join(", "));
+        }
+        let _ =
+            writeln!(offsets, "{{ number = {offset}{}, values = {{ {} }} }},", row.of_offset, row.values.join(", "));
+        of_offsets.push(line as usize);
+        if let Some(name) = &row.name {
+            let _ = write!(row.of_data, ", name = {}", toml::Value::String(name.clone()));
+        }
+        // Further edges of a tool have no data of their own.
+        let another_edge = machine.edges > 0 && table.tools.contains(&number);
+        if !row.of_data.is_empty() && !another_edge {
+            table.tools.push(number);
+            if offset != number {
+                let _ = write!(row.of_data, ", offset = {offset}");
+            }
+            let _ = writeln!(data, "{{ number = {number}{} }},", row.of_data);
+            of_data.push(line as usize);
+        }
+    }
+    let lines = [of_offsets, vec![0], of_data, vec![0]].concat();
+    Ok(Tools { file, arrays: format!("{offsets}]\n{data}]\n"), sections: String::new(), lines })
+}

@@ -1,0 +1,128 @@
+//! `--tools FILE`: tools, tool offsets and work offsets of one run.
+//!
+//! The rows become a machine that extends the one of the run. A TOML file has them as a machine definition has; a CSV
+//! file, as tool lists of CAM systems and spreadsheets are, has a line for each tool. Invariant: every error in a row
+//! is reported with the line of the user's file.
+
+mod csv_file;
+
+use std::fs;
+use std::path::Path;
+
+use crate::error::Error;
+use crate::standard_input;
+
+/// Tables of a TOML file.
+const TABLES: &str = "[[tool.offsets]], [[tool.data]], [[tool.names]] and [[work_offsets]]";
+const KEYS: [&str; 3] = ["offsets", "data", "names"];
+
+/// Facts of a machine that give a CSV file its meaning.
+#[derive(Debug, Default)]
+pub(crate) struct Facts {
+    /// Names of its axes.
+    pub(crate) axes: Vec<String>,
+    /// Offsets of a tool: edge D of tool T has the offset `edges` × T + D; 0 = the number of the tool.
+    pub(crate) edges: u32,
+    /// Programs call tools by their names.
+    pub(crate) by_name: bool,
+}
+
+impl Facts {
+    /// Facts from definitions of machines, of which an earlier one counts before a later one.
+    pub(crate) fn of<'t>(texts: impl Iterator<Item = &'t str>) -> Self {
+        let tables: Vec<toml::Table> = texts.filter_map(|text| toml::from_str(text).ok()).collect();
+        let name = |axis: &toml::Value| axis.get("name").and_then(toml::Value::as_str).map(str::to_owned);
+        let axes = tables.iter().find_map(|table| table.get("axes")?.as_array());
+        let tool = |key: &str| tables.iter().find_map(|table| table.get("tool")?.get(key));
+        let edges = tool("edges").and_then(toml::Value::as_integer).and_then(|edges| u32::try_from(edges).ok());
+        Self {
+            axes: axes.into_iter().flatten().filter_map(name).collect(),
+            edges: edges.unwrap_or(0),
+            by_name: tool("by_name").and_then(toml::Value::as_bool).unwrap_or(false),
+        }
+    }
+
+    /// The axes that programs call by a name: the axis of that name, or those that have a digit after it (X1, X2).
+    fn axes(&self, name: &str) -> Vec<&str> {
+        let exact = self.axes.iter().find(|axis| axis.eq_ignore_ascii_case(name));
+        let is_numbered = |axis: &&String| {
+            let (letters, digits) = axis.split_at(axis.trim_end_matches(|c: char| c.is_ascii_digit()).len());
+            !digits.is_empty() && letters.eq_ignore_ascii_case(name)
+        };
+        match exact {
+            Some(axis) => vec![axis],
+            None => self.axes.iter().filter(is_numbered).map(String::as_str).collect(),
+        }
+    }
+}
+
+/// Rows for a machine definition.
+#[derive(Debug)]
+pub(crate) struct Tools {
+    file: String,
+    /// Rows as inline arrays, which stand before the sections of the definition; of a CSV file.
+    arrays: String,
+    /// Sections, which stand behind; of a TOML file.
+    sections: String,
+    /// By line of the definition: the line of the file.
+    lines: Vec<usize>,
+}
+
+impl Tools {
+    /// Reads a file of tools for a machine.
+    pub(crate) fn read(path: &Path, machine: &Facts) -> Result<Self, Error> {
+        standard_input::refuse("--tools", path)?;
+        let file = path.display().to_string();
+        let text =
+            fs::read(path).map_err(|error| Error::File { path: file.clone(), error }).map(String::from_utf8)?.map_err(
+                |_| Error::Usage(format!("{file}: a table of tools is text in UTF-8; save it again in that form")),
+            )?;
+        match path
+            .extension()
+            .and_then(|extension| extension.to_str())
+            .unwrap_or_default()
+            .to_ascii_lowercase()
+            .as_str()
+        {
+            "toml" => of_toml(file, text),
+            "csv" | "tsv" | "txt" => csv_file::read(file, &text, machine),
+            _ => Err(Error::Usage(format!("{file}: a table of tools is a file .toml or .csv"))),
+        }
+    }
+
+    /// The definition of a machine that extends another one by the rows.
+    pub(crate) fn definition(&mut self, machine: &str, base: &str) -> String {
+        let head = format!("extends = \"{base}\"\n");
+        let name = format!("[ce]\nname = \"{machine}\"\n");
+        if self.arrays.is_empty() {
+            self.lines.splice(0..0, [0; 3]);
+        } else {
+            self.lines.insert(0, 0);
+        }
+        [head.as_str(), &self.arrays, &name, &self.sections].concat()
+    }
+
+    /// The place in the user's file of a line of the definition.
+    pub(crate) fn place(&self, line: u32) -> Option<(&str, u32)> {
+        let line = *self.lines.get((line as usize).checked_sub(1)?)?;
+        (line > 0).then_some((self.file.as_str(), line as u32))
+    }
+}
+
+fn of_toml(file: String, text: String) -> Result<Tools, Error> {
+    let text = text.replace("\r\n", "\n");
+    let table: toml::Table = toml::from_str(&text).map_err(|error| Error::Usage(format!("{file}: {error}")))?;
+    let has = |key: &str, value: &toml::Value| match (key, value) {
+        ("work_offsets", _) => true,
+        ("tool", toml::Value::Table(tool)) => tool.keys().all(|key| KEYS.contains(&key.as_str())),
+        _ => false,
+    };
+    if let Some((key, _)) = table.iter().find(|(key, value)| !has(key, value)) {
+        return Err(Error::Usage(format!("{file}: `{key}` is not for a table of tools, which has only {TABLES}")));
+    }
+    let lines = (1..=text.lines().count()).collect();
+    Ok(Tools { file, arrays: String::new(), sections: text, lines })
+}
+
+#[cfg(test)]
+mod tests;
