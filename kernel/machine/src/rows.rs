@@ -143,6 +143,8 @@ pub struct CodeRow {
     pub ignores: Vec<RegisterId>,
     /// All axis words of a block with this code are the code's: those that it does not take are reported and move nothing.
     pub owns_axes: bool,
+    /// The block needs a look as a whole before its codes act: the row is swallowed, or changes the length of the tool.
+    pub special: bool,
     /// Seconds this code takes (machine's time table), 0 = none.
     pub seconds: f64,
     /// The actions that its seconds run in parallel with.

@@ -105,9 +105,9 @@ pub struct BlockFlags {
     pub moved: bool,
     /// Its first cut has been paired with that of another channel.
     pub paired: bool,
-    /// One of its codes is swallowed.
-    pub swallows: bool,
-    /// The axis moves by what the block changes of the length of the tool.
+    /// One of its codes is swallowed or changes the length of the tool.
+    pub special: bool,
+    /// The axis moves by the change of the frame that is being made: a change of the length of the tool.
     pub travels: bool,
     /// Whether a later motion code has removed its cycle.
     pub cycle_dropped: bool,

@@ -2,7 +2,7 @@
 //!
 //! *Invariant:* changing the frame never moves the machine; the programmed position is what changes.
 
-use super::offset_words::{in_machine_frame, put_length};
+use super::offset_words::{in_machine_frame, length_changed, put_length};
 use crate::act::Act;
 use crate::action::entry::{Contour, Entry, entry_of_kind};
 use crate::state::modal::group;
@@ -121,7 +121,8 @@ pub(super) fn work_offset_off(act: &mut Act<'_, '_>) -> Acted {
 pub(super) fn length(act: &mut Act<'_, '_>, sign: f64, set: u8) -> Acted {
     let asks = sign != 0.0 || act.block_has(data::COMP_LENGTH);
     let number = if asks { act.take(data::COMP_LENGTH).map(|d| d.value) } else { None };
-    if sign == 0.0 && act.tip().is_some_and(|tip| tip.with_length) {
+    let ends_tip = sign == 0.0 && act.tip().is_some_and(|tip| tip.with_length);
+    if ends_tip {
         super::tip::off(act)?;
     }
     let mode = if sign == 0.0 {
@@ -139,7 +140,11 @@ pub(super) fn length(act: &mut Act<'_, '_>, sign: f64, set: u8) -> Acted {
         Kind::compensation(text, OffsetKind::Length, f64::from(number))
     };
     act.emit(0, mode);
-    act.reframe();
+    if ends_tip {
+        act.reframe();
+    } else {
+        length_changed(act);
+    }
     Ok(())
 }
 

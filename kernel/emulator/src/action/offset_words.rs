@@ -20,7 +20,7 @@ pub(crate) fn select(act: &mut Act<'_, '_>, free: u128) -> Acted {
         put_length(act, sign, number);
         let text = format!("comp length n={number}");
         act.emit(0, Kind::compensation(text, OffsetKind::Length, f64::from(number)));
-        act.reframe();
+        length_changed(act);
     }
     let Some(code) = act.state.modal.code(group::DIAMETER) else { return Ok(()) };
     let side = match code {
@@ -43,6 +43,19 @@ pub(crate) fn select(act: &mut Act<'_, '_>, free: u128) -> Acted {
 /// Activates a length offset; the caller must then rebuild the frame.
 pub(super) fn put_length(act: &mut Act<'_, '_>, sign: f64, number: u32) {
     act.state.place.in_force.set_length(sign, number);
+}
+
+/// Puts a change of the length into force. On machines where the axis of the tool moves by the change, its next move travels
+/// it, unless a code of the block has the axis words for itself (G28) or gives positions of the machine frame (G53).
+pub(super) fn length_changed(act: &mut Act<'_, '_>) {
+    let machine = act.env.machine;
+    act.block.flags.travels = machine.compensation.length.moves
+        && !act.block.pending.iter().any(|code| {
+            let row = &machine.codes[code.row];
+            row.owns_axes || row.id == codes::POSITION_MACHINE
+        });
+    act.reframe();
+    act.block.flags.travels = false;
 }
 
 /// Axes have come to a reference point.

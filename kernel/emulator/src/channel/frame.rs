@@ -42,6 +42,8 @@ impl Kernel<'_> {
             return;
         }
         let before = self.channel.counts_from();
+        // The levels of a cycle move with the axis.
+        let travels = self.channel.block.flags.travels;
         if self.channel.state.place.frames.is_some() || turns {
             self.flush_for_macro();
             let levels = self.channel.cycle_levels();
@@ -55,7 +57,7 @@ impl Kernel<'_> {
                 channel.refresh_tip();
                 channel.refresh_tilt();
             });
-            self.channel.keep_levels(levels);
+            self.channel.keep_levels(levels.filter(|_| !travels));
             if refused.is_some() {
                 let text = format!(
                     "the axes of the channel cannot rotate work offset {} in '{}'; the rotation is ignored",
@@ -65,7 +67,9 @@ impl Kernel<'_> {
                 self.diagnose(&diag::FRAME_REFUSED, text);
             }
         } else {
-            self.channel.state.cycle.reframed(&self.channel.state.place.shift, &wanted);
+            if !travels {
+                self.channel.state.cycle.reframed(&self.channel.state.place.shift, &wanted);
+            }
             for ((position, old), new) in
                 self.channel.state.place.position.iter_mut().zip(self.channel.state.place.shift).zip(wanted)
             {

@@ -70,6 +70,8 @@ pub(crate) struct Registers {
     pub(crate) function: Option<RegisterId>,
     /// Those of offset numbers that count without their codes, bit by register.
     pub(crate) offsets: u128,
+    /// Those of them that number lengths, bit by register.
+    pub(crate) length: u128,
     /// Those whose words may act before the codes of their block, bit by register.
     pub(crate) before_codes: u128,
 }
@@ -176,7 +178,8 @@ impl Registers {
             let known = !machine.tables.data_of(id).is_empty();
             known && !machine.tables.has_codes(id) && Some(id) != g && Some(id) != definition
         });
-        let offsets = if machine.compensation.numbers_alone { offsets(machine) } else { 0 };
+        let alone = machine.compensation.numbers_alone;
+        let offsets = if alone { offsets(machine, &OFFSET_NUMBERS) } else { 0 };
         Self {
             only_data: only_data.fold(0, |bits, register| bits | register.bit()),
             head_sequences: [register_of(data::SEQNO_MAIN), register_of(data::SEQNO_SIDE)],
@@ -187,6 +190,7 @@ impl Registers {
             speed,
             function: machine.registers.find(|register| register.name == "M"),
             offsets,
+            length: if alone { self::offsets(machine, &[data::COMP_LENGTH]) } else { 0 },
             before_codes: offsets | speed,
         }
     }
@@ -210,6 +214,8 @@ pub(crate) struct Rules {
     pub(crate) refusals: Option<Box<Refusals>>,
     /// Registers of offset numbers whose words a code takes, by code row; empty where numbers need their codes.
     pub(crate) number_takers: Table<CodeRowId, u128>,
+    /// An axis moves by a change of the length of the tool.
+    pub(crate) length_moves: bool,
 }
 
 impl Rules {
@@ -223,6 +229,7 @@ impl Rules {
                 || machine.spindles.iter().any(|spindle| spindle.overlap != Overlap::None),
             refusals: Refusals::new(machine),
             number_takers: number_takers(machine),
+            length_moves: machine.compensation.length.moves,
         }
     }
 }
@@ -305,16 +312,19 @@ fn exclusive(machine: &Machine, g: Option<RegisterId>) -> Option<Table<CodeRowId
     Some(machine.codes.map(|_, row| group(row)))
 }
 
+/// Data that number offsets.
+const OFFSET_NUMBERS: [DataId; 2] = [data::COMP_LENGTH, data::COMP_DIAM];
+
 /// Registers of offset numbers, bit by register.
-fn offsets(machine: &Machine) -> u128 {
-    let numbers = [data::COMP_LENGTH, data::COMP_DIAM].map(|id| machine.tables.data(id));
-    let registers = numbers.into_iter().flatten().filter_map(|&row| machine.data[row].register);
+fn offsets(machine: &Machine, numbers: &[DataId]) -> u128 {
+    let rows = numbers.iter().flat_map(|&id| machine.tables.data(id));
+    let registers = rows.filter_map(|&row| machine.data[row].register);
     registers.fold(0, |bits, register| bits | register.bit())
 }
 
 /// Registers of offset numbers whose words the action of a code may take; all for custom codes, whose words are not known.
 fn number_takers(machine: &Machine) -> Table<CodeRowId, u128> {
-    let offsets = if machine.compensation.numbers_alone { offsets(machine) } else { 0 };
+    let offsets = if machine.compensation.numbers_alone { offsets(machine, &OFFSET_NUMBERS) } else { 0 };
     let rows = machine.data.iter().filter(|row| row.enable);
     let on_them = rows.filter_map(|row| Some((row.id, row.register?.bit() & offsets))).filter(|(_, bit)| *bit != 0);
     let takers: Vec<_> = on_them.map(|(id, bit)| (takes::codes_of(machine.data_name(id)), bit)).collect();

@@ -29,7 +29,9 @@ impl Kernel<'_> {
         if let Some(hooks) = hooks {
             (hooks.codes.begin)(self, origin);
         }
-        if self.channel.env.machine.compensation.length.moves {
+        if self.plan.rules.length_moves
+            && (self.channel.block.flags.special || self.channel.has_any(self.plan.registers.length))
+        {
             self.length_words();
         }
         self.imply();
@@ -250,7 +252,7 @@ impl Kernel<'_> {
     }
 
     fn queue(&mut self, index: CodeRowId, row: &CodeRow, value: f64, modal: bool) {
-        self.channel.block.flags.swallows |= !row.process;
+        self.channel.block.flags.special |= row.special;
         self.channel.block.pending.push(PendingCode {
             order: row.order,
             row: index,
@@ -264,7 +266,7 @@ impl Kernel<'_> {
     /// a group that a non-modal code overrode on an earlier block.
     #[inline(always)]
     pub(crate) fn imply(&mut self) {
-        if self.channel.block.flags.swallows {
+        if self.channel.block.flags.special {
             self.drop_ignored();
         }
         if self.channel.has_any(self.plan.registers.motion) && !self.group_queued(group::MOTION) {

@@ -8,6 +8,7 @@ use super::digits;
 use super::names::Names;
 use super::word::{self, Wrong};
 use crate::ident;
+use crate::ident::kind::CodeKind;
 use crate::index::RegisterId;
 use crate::rows::{CodeForm, CodeRow, Modality, Overlap};
 use crate::toml::section::Section;
@@ -113,6 +114,7 @@ fn read_row(section: &mut Section<'_>, names: &mut Names<'_>) -> Option<CodeRow>
         without,
         ignores,
         owns_axes: owns_axes.unwrap_or_else(|| ident::owns::owns_axes(id)),
+        special: swallow || !process || matches!(id.kind(), CodeKind::Length { .. }),
         seconds,
         overlap,
         axis,

@@ -52,7 +52,7 @@ pub(super) fn cycle(act: &mut Act<'_, '_>, kind: HoleCycle, row: &CodeRow, code:
         // Its clearance is the level where it stands unless it says so itself.
         act.state.cycle.heights.clear = None;
     }
-    let level = act.programmed().at(axis);
+    let level = act.cycle_level(axis);
     let machine = act.env.machine;
     act.state.cycle.begin(machine, kind, row.id, ((role, axis), level));
     act.state.cycle.block = act.at.blocks;
@@ -77,7 +77,7 @@ pub(super) fn on(act: &mut Act<'_, '_>, row: &CodeRow, code: &PendingCode) -> Ac
         return Ok(());
     };
     if !act.state.cycle.running {
-        act.state.cycle.heights.initial = act.programmed().at(axis);
+        act.state.cycle.heights.initial = act.cycle_level(axis);
     }
     act.state.cycle.block = act.at.blocks;
     act.state.cycle.running = true;
@@ -175,6 +175,8 @@ fn holes(act: &mut Act<'_, '_>, kind: HoleCycle, words: &words::Words) -> Acted 
         return Err(act.alarm(&diag::TAP_SPEED, text));
     }
     let Some(mut hole) = heights(act, kind, words) else { return Ok(()) };
+    // The way to the hole includes a change of the length that has not been travelled yet.
+    act.ways_travelled(hole.axis.bit());
     for pass in 0..words.times {
         if pass > 0 {
             act.count_as_block()?;

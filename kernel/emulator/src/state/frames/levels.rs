@@ -15,6 +15,13 @@ pub(crate) struct Levels {
 }
 
 impl Channel<'_> {
+    /// The level at which a cycle begins. A change of the tool's length that has not been travelled yet is travelled on
+    /// the way to its hole, where the control moves axes by such changes.
+    pub(crate) fn cycle_level(&self, axis: AxisSlot) -> f64 {
+        let from = if self.env.machine.compensation.length.moves { self.counted() } else { self.programmed() };
+        from.at(axis)
+    }
+
     /// The levels of an active cycle, taken before frames change.
     pub(crate) fn cycle_levels(&mut self) -> Option<Levels> {
         let (_, axis) = self.state.cycle.axis.filter(|_| self.state.cycle.running)?;
