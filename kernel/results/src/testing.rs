@@ -14,6 +14,11 @@ pub(crate) fn lathe(texts: &[&str]) -> Arc<Info> {
     info(texts, &[&["X", "Z", "C"], &["X", "Z"], &["X", "Z"]], true)
 }
 
+/// A job of a lathe whose live tools move along Y.
+pub(crate) fn lathe_with_y(text: &str) -> Arc<Info> {
+    info(&[text], &[&["X", "Z", "Y"]], true)
+}
+
 /// A job of a three-axis mill.
 pub(crate) fn mill(text: &str) -> Arc<Info> {
     info(&[text], &[&["X", "Y", "Z"]], false)

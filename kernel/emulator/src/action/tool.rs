@@ -26,10 +26,12 @@ pub(super) fn select(act: &mut Act<'_, '_>) -> Acted {
 
 /// Loads a tool, or changes only its offset when it is the one in use.
 pub(super) fn load(act: &mut Act<'_, '_>) -> Acted {
+    // Tool 0 empties the spindle. If the word has an offset number, T0000 cancels the offset and the turret does not turn.
+    let empties = act.env.machine.tool.offset_digits == 0;
     let (tool, offset) = match tool_word(act) {
         Some(word) => split(act, word),
         None if act.state.place.tools.chosen || act.state.place.tools.selected > 0 => {
-            (act.state.place.tools.selected, act.state.place.in_force.tool_offset)
+            (act.state.place.tools.selected, if empties { 0 } else { act.state.place.in_force.tool_offset })
         }
         None => {
             let text = format!("no tool is selected for '{}'", act.block_text());
@@ -37,8 +39,6 @@ pub(super) fn load(act: &mut Act<'_, '_>) -> Acted {
             return Ok(());
         }
     };
-    // Tool 0 empties the spindle. If the word has an offset number, T0000 cancels the offset and the turret does not turn.
-    let empties = act.env.machine.tool.offset_digits == 0;
     let changes = tool != act.state.place.tools.current && (tool != 0 || empties);
     let seconds = if changes { change_seconds(act, tool) } else { 0.0 };
     let action = if changes { ToolAction::Load } else { ToolAction::Offset };
@@ -59,6 +59,11 @@ pub(super) fn load(act: &mut Act<'_, '_>) -> Acted {
         {
             super::cutter::switched(act, code)?;
         }
+    }
+    if empties && act.state.place.in_force.tool_offset != 0 {
+        // The offset of a tool word of another component of the machine ends with its tool.
+        act.state.place.in_force.tool_offset = 0;
+        act.reframe();
     }
     act.report_tool();
     Ok(())

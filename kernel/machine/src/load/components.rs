@@ -2,7 +2,7 @@
 //!
 //! A component is a machine file of its own, or a family. Sections that the components have in common belong to the
 //! composite and replace their own sections: axes, channels, spindles, waits, the shape of programs, tools and work
-//! offsets. Times and ranges of variables are shared key by key. A component with another pre-processor has the shape
+//! offsets; the keys of tool words are each component's own. Times and ranges of variables are shared key by key. A component with another pre-processor has the shape
 //! of its own programs. Invariants: units of all components are those of the composite; each channel has a component;
 //! the macros of a component see the GLOBAL variables of the composite, and its own GLOBAL variables belong to its
 //! object.
@@ -22,6 +22,9 @@ const MOST: usize = 99;
 /// Sections that a component has from its composite.
 pub(super) const COMMON: [&str; 8] =
     ["axes", "channels", "spindles", "waits", "sync", "format", "tool", "work_offsets"];
+
+/// Keys of `[tool]` that say how programs of a control name tools; each component has its own.
+const OWN_TOOL_KEYS: [&str; 3] = ["offset_digits", "edges", "by_name"];
 
 /// Sections whose keys a component has from its composite unless its own folder or `add` gives them. A component with
 /// another pre-processor has only those of the first list.
@@ -105,7 +108,8 @@ fn read_row(row: &mut Section<'_>, channels: &[Channel], check: &Check) -> Optio
     own.dedup();
     let add = row.free_table("add").cloned();
     for key in COMMON.iter().chain(&["extends", "abstract", "components"]) {
-        if let Some(node) = add.as_ref().and_then(|add| add.get(key)) {
+        if let Some(node) = add.as_ref().and_then(|add| add.get(key)).filter(|node| !is_of_tool_words(key, &node.value))
+        {
             check.error(&node.place, format!("`{key}` is no matter of a component"));
         }
     }
@@ -118,6 +122,12 @@ fn read_row(row: &mut Section<'_>, channels: &[Channel], check: &Check) -> Optio
         add,
         place,
     })
+}
+
+/// Whether a section has only keys of `[tool]` that are a component's own.
+fn is_of_tool_words(section: &str, value: &Value) -> bool {
+    let only = |table: &Table| table.entries.iter().all(|entry| OWN_TOOL_KEYS.contains(&entry.key.as_str()));
+    section == "tool" && matches!(value, Value::Table(table) if only(table))
 }
 
 /// Whether a component has a section, or a part of it such as `format.opskip`, from its composite.
@@ -140,6 +150,7 @@ pub(super) fn fit(mut component: Merged, composite: &Table, row: &Row) -> Merged
     }
     let table = &mut component.table;
     table.remove("abstract");
+    let tool_words = tool_words(table);
     for key in COMMON {
         if key == "format" && own_shape {
             continue;
@@ -148,6 +159,13 @@ pub(super) fn fit(mut component: Merged, composite: &Table, row: &Row) -> Merged
         table.entries.extend(composite.entries.iter().find(|entry| entry.key == key).cloned());
     }
     let place = row.place.clone();
+    if table.get("tool").is_none() && !tool_words.is_empty() {
+        table.entries.push(entry("tool", &place, Value::Table(Table::default())));
+    }
+    if let Some(tool) = table.table_mut("tool") {
+        tool.entries.retain(|entry| !OWN_TOOL_KEYS.contains(&entry.key.as_str()));
+        tool.entries.extend(tool_words);
+    }
     if table.get("ce").is_none() {
         table.entries.push(entry("ce", &place, Value::Table(Table::default())));
     }
@@ -155,6 +173,12 @@ pub(super) fn fit(mut component: Merged, composite: &Table, row: &Row) -> Merged
         ce.entries.push(entry("name", &place, Value::Text(row.name.clone())));
     }
     component
+}
+
+/// The keys of `[tool]` that are a component's own.
+fn tool_words(component: &Table) -> Vec<Entry> {
+    let Some(Value::Table(tool)) = component.get("tool").map(|node| &node.value) else { return Vec::new() };
+    tool.entries.iter().filter(|entry| OWN_TOOL_KEYS.contains(&entry.key.as_str())).cloned().collect()
 }
 
 /// Keys of a section of the composite, without those that the folder of the component inside that of the composite
@@ -230,6 +254,20 @@ pub(super) fn check_sections(composite: &Table, file: &str, check: &Check) {
             format!(
                 "`{key}` of a composite machine is never read: its components have their own; write it to `add` of \
                  [[components]] or to the file of the component"
+            ),
+        );
+    }
+}
+
+/// Reports keys of tool words in the file of a composite, which have no effect.
+pub(super) fn check_tool_words(composite: &Table, file: &str, check: &Check) {
+    for entry in tool_words(composite).iter().filter(|entry| &*entry.place.file == file) {
+        check.warning(
+            &entry.place,
+            format!(
+                "`tool.{}` of a composite machine is never read: its components have their own tool words; write it to \
+                 `add` of [[components]] or to the file of the component",
+                entry.key
             ),
         );
     }

@@ -87,6 +87,7 @@ pub fn load(files: &dyn Files, folder: &str) -> Loaded {
         if !rows.is_empty() {
             components::check_macros(&plain, &check);
             components::check_sections(&plain, &machine.file, &check);
+            components::check_tool_words(&plain, &machine.file, &check);
             machine.components = made_of(&machine, (&plain, &merged.chain), &rows, files, &check);
         }
         machine

@@ -58,7 +58,10 @@ impl Face {
             axis.is_some_and(|at| motion.from.get(at).zip(motion.to.get(at)).is_some_and(|(from, to)| from != to))
         };
         let turns = changes(self.c);
-        self.live |= turns || changes(self.y);
+        let way = self.way(motion, axes, turns);
+        // A full circle ends where it began.
+        let is_aside = |position: &Position| self.y.is_some_and(|y| position.get(y) != motion.from.get(y));
+        self.live |= turns || changes(self.y) || way.iter().any(is_aside);
         self.path.mark(tool, file);
         if !self.end.as_ref().is_some_and(|end| motion.starts_at(end)) {
             self.path.begin(self.point(&motion.from), line);
@@ -68,7 +71,7 @@ impl Face {
             MotionKind::Thread => Stroke::Thread,
             _ => Stroke::Feed,
         };
-        for position in self.way(motion, axes, turns) {
+        for position in way {
             self.path.push(Move::new(stroke, self.point(&position), line), None);
         }
         self.path.push(Move::new(stroke, self.point(&motion.to), line), None);

@@ -453,3 +453,16 @@ fn the_face_of_the_part_shows_the_work_of_live_tools() {
     assert_eq!(holes, 2, "{svg}");
     assert!(svg.contains(">face: X (radius) / mm</text>"), "{svg}");
 }
+
+/// A full circle ends where it began; Y moves on the way. A turned arc of X and Z is no work of a live tool.
+#[test]
+fn a_full_circle_of_a_y_axis_is_seen_on_the_face() {
+    let circle = arc(MotionKind::ArcCw, &[30.0, -5.0, 0.0], &[30.0, -5.0, 0.0], [0, 2], [0.0, 0.0]);
+    let json = serde_json::to_value(toolpath(&lathe_with_y("x"), &[circle])).unwrap();
+    let points = json["channels"][0]["face"][0]["points"].as_array().unwrap();
+    let points: Vec<f64> = points.iter().map(|value| value.as_f64().unwrap()).collect();
+    assert!(points.len() > 60 && points.chunks(3).all(|p| (p[0].hypot(p[1]) - 15.0).abs() < 1e-3), "{points:?}");
+    let turned = arc(MotionKind::ArcCw, &[30.0, -5.0, 0.0], &[40.0, -10.0, 0.0], [1, 0], [-10.0, 30.0]);
+    let json = serde_json::to_value(toolpath(&lathe_with_y("x"), &[turned])).unwrap();
+    assert!(json["channels"][0].get("face").is_none_or(serde_json::Value::is_null), "{json}");
+}
