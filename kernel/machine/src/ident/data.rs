@@ -335,6 +335,7 @@ data! {
     TILT_8 true true Plain, None => "the eighth one";
     TILT_9 true true Plain, None => "the ninth one";
     TILT_ROTATION true true Plain, Angle => "rotation of the plane about its Z in the end (Fanuc G68.2 R)";
+    INTERP_THREAD_PITCH_Y true true ThreadLead, Length => "pitch of a thread along Y (Siemens J)";
     TILT_SHIFT_X true true Plain, Length => "shift of its zero along its own X (Siemens CYCLE800)";
     TILT_SHIFT_Y true true Plain, Length => "the same along its Y";
     TILT_SHIFT_Z true true Plain, Length => "the same along its Z";

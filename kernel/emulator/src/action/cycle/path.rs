@@ -209,8 +209,12 @@ impl Act<'_, '_> {
         let mut target = self.programmed();
         let mut coded = 0_u8;
         let given = cycle.boring.shifts.iter().any(Option::is_some);
-        let first = (0..3).find(|role| cycle.axis.is_none_or(|(along, _)| along != *role));
-        for (role, axis) in self.state.place.layout.cartesian.iter().enumerate() {
+        // The first axis of the plane: X of G17, Z of G18, Y of G19 (Fanuc parameter 5101#4 and #5 at 0).
+        let along = cycle.axis.map_or(2, |(along, _)| along);
+        let axes = self.state.place.layout.cartesian;
+        let first =
+            [(along + 1) % 3, (along + 2) % 3].into_iter().find(|role| axes.get(*role).copied().flatten().is_some());
+        for (role, axis) in axes.iter().enumerate() {
             let part = match cycle.boring.shifts.get(role).copied().flatten() {
                 Some(part) => part,
                 None if !given && Some(role) == first => cycle.boring.shift,

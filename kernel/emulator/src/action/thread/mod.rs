@@ -56,7 +56,7 @@ pub(super) fn thread(act: &mut Act<'_, '_>, change: LeadChange, code: &PendingCo
         return Ok(());
     }
     let (pitch, along) =
-        if sides == [None; 2] { (pitch, act.lead_axis(&target)) } else { by_axis(act, sides, &target) };
+        if sides == [None; 3] { (pitch, act.lead_axis(&target)) } else { by_axis(act, sides, &target) };
     if let Some(pitch) = pitch {
         act.remember_lead(pitch);
     }
@@ -78,31 +78,33 @@ pub(super) fn off(act: &mut Act<'_, '_>) -> Acted {
     super::motion::linear(act)
 }
 
-/// The pitch, and those that count along X and Z alone.
-fn take_pitch(act: &mut Act<'_, '_>) -> (Option<f64>, [Option<f64>; 2]) {
+/// The pitch, and those that count along X, Y and Z alone.
+fn take_pitch(act: &mut Act<'_, '_>) -> (Option<f64>, [Option<f64>; 3]) {
     let pitch = act.take(data::INTERP_THREAD_PITCH).map(|datum| datum.value);
     if let Some(lead) = pitch {
         act.remember_lead(lead);
-        return (pitch, [None; 2]);
+        return (pitch, [None; 3]);
     }
-    let sides =
-        [data::INTERP_THREAD_PITCH_X, data::INTERP_THREAD_PITCH_Z].map(|id| act.take(id).map(|datum| datum.value));
+    let sides = [data::INTERP_THREAD_PITCH_X, data::INTERP_THREAD_PITCH_Y, data::INTERP_THREAD_PITCH_Z];
+    let sides = sides.map(|id| act.take(id).map(|datum| datum.value));
     (act.remembered_lead(), sides)
 }
 
-/// The pitch along X or Z: of two that of the longer travel; one whose axis stands counts along the longer one.
-fn by_axis(act: &Act<'_, '_>, sides: [Option<f64>; 2], target: &Position) -> (Option<f64>, Option<AxisSlot>) {
+/// The pitch along X, Y or Z: of several that of the longest travel, of equal ones the last; one whose axis stands counts
+/// along the longest travel of all axes.
+fn by_axis(act: &Act<'_, '_>, sides: [Option<f64>; 3], target: &Position) -> (Option<f64>, Option<AxisSlot>) {
     let changes = act.changes(&act.state.place.position, target);
-    let axes = [0, 2].map(|role| act.state.place.layout.cartesian.get(role).copied().flatten());
-    let way = |axis: Option<AxisSlot>| axis.map_or(0.0, |axis| changes.at(axis).abs());
-    let [x, z] = axes.map(way);
-    let (pitch, axis, way) = match sides {
-        [Some(pitch), None] => (pitch, axes[0], x),
-        [Some(pitch), Some(_)] if x > z => (pitch, axes[0], x),
-        [_, Some(pitch)] => (pitch, axes[1], z),
-        [None, None] => return (None, None),
-    };
-    (Some(pitch.abs()), axis.filter(|_| way > 0.0))
+    let axes = &act.state.place.layout.cartesian;
+    let mut longest = (None, None, 0.0);
+    for (role, pitch) in sides.into_iter().enumerate() {
+        let Some(pitch) = pitch else { continue };
+        let axis = axes.get(role).copied().flatten();
+        let way = axis.map_or(0.0, |axis| changes.at(axis).abs());
+        if way >= longest.2 {
+            longest = (Some(pitch.abs()), axis.filter(|_| way > 0.0), way);
+        }
+    }
+    (longest.0, longest.1)
 }
 
 /// Change of the pitch with each revolution.
