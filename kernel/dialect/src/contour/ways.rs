@@ -20,80 +20,135 @@ pub(crate) enum PathShape {
 /// How large a way is, and on which side of the contour.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Side {
-    /// Length of a straight way, radius of a circle; not negative.
+    /// Length of a straight way, not negative; radius of a circle of the tool centre, negative on the other side of its
+    /// path.
     pub(crate) size: f64,
     /// The tool goes on the left of the contour.
     pub(crate) on_left: bool,
+    /// Distance of the tool centre from the contour, not negative.
+    pub(crate) beside: f64,
     /// Degrees of a circle.
     pub(crate) angle: f64,
+}
+
+/// The circle of a way about its centre.
+struct Round {
+    center: Point,
+    /// Radius on the contour; the tool centre goes on a circle of the size of the way.
+    radius: f64,
+    /// The centre is on the left.
+    on_left: bool,
 }
 
 impl Side {
     fn of(self, heading: Point) -> Point {
         if self.on_left { left(heading) } else { times(left(heading), -1.0) }
     }
+
+    /// The circle that touches the path of the tool centre beside a point. None if the compensated tool is larger than
+    /// a circle on the other side.
+    fn round(self, at: Point, heading: Point) -> Option<Round> {
+        let signed = self.size + self.beside;
+        let center = along(at, self.of(heading), signed);
+        (signed * self.size > 0.0).then(|| Round {
+            center,
+            radius: signed.abs(),
+            on_left: self.on_left == (self.size > 0.0),
+        })
+    }
+
+    /// Where a way that leads the tool centre to a point of its circle is on the contour.
+    fn on_contour(self, round: &Round, point: Point) -> Point {
+        along(round.center, minus(point, round.center), round.radius / self.size.abs())
+    }
 }
 
-/// A way to a contour.
+impl Round {
+    /// The radius of an arc of its circle, negative for more than half of it.
+    fn radius_between(&self, from: Point, to: Point) -> f64 {
+        let around = turn(minus(from, self.center), minus(to, self.center));
+        let longer = if self.on_left { around < 0.0 } else { around > 0.0 };
+        if longer { -self.radius } else { self.radius }
+    }
+}
+
+/// A way to a contour. Points are those of the contour, which the tool centre passes at its distance.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Approach {
     /// Where its last part begins.
     pub(crate) begin: Point,
-    /// Radius of that part, negative for an arc of more than half a circle; none if it is a line.
-    pub(crate) radius: Option<f64>,
+    /// The last part, if it is an arc.
+    pub(crate) arc: Option<Arc>,
+    /// The compensation begins with the last part.
+    pub(crate) begins_plain: bool,
     /// Direction at its end.
     pub(crate) heading: Point,
 }
 
-/// A way from a point to a contour, which begins at a point with a direction; none if the size does not fit.
+/// An arc of a way.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Arc {
+    /// Negative for more than half a circle.
+    pub(crate) radius: f64,
+    pub(crate) clockwise: bool,
+}
+
+/// A way from a point of the tool centre to a contour, which begins at a point with a direction; none if the size does not
+/// fit.
 pub(crate) fn approach(way: PathShape, from: Point, (to, heading): (Point, Point), side: Side) -> Option<Approach> {
     if side.size == 0.0 {
         return None;
     }
-    let across = side.of(heading);
-    let center = along(to, across, side.size);
-    let (begin, heading) = match way {
-        PathShape::Straight => return Some(Approach { begin: along(to, heading, -side.size), radius: None, heading }),
-        PathShape::Normal => return Some(Approach { begin: center, radius: None, heading: times(across, -1.0) }),
-        PathShape::Circle => {
-            let back = turned(minus(to, center), if side.on_left { -side.angle } else { side.angle });
-            (along(center, back, 1.0), heading)
+    let straight = |begin, begins_plain, heading| Some(Approach { begin, arc: None, begins_plain, heading });
+    let circle = match way {
+        PathShape::Straight => return straight(along(to, heading, -side.size), false, heading),
+        PathShape::Normal => {
+            let across = side.of(heading);
+            return straight(along(to, across, side.size + side.beside), true, times(across, -1.0));
         }
-        PathShape::LineAndCircle => (touch(from, center, side.size, !side.on_left)?, heading),
+        PathShape::Circle | PathShape::LineAndCircle => side.round(to, heading)?,
     };
-    let around = turn(minus(begin, center), minus(to, center));
-    let longer = if side.on_left { around < 0.0 } else { around > 0.0 };
-    Some(Approach { begin, radius: Some(if longer { -side.size } else { side.size }), heading })
+    let begin = if way == PathShape::Circle {
+        let back = turned(minus(to, circle.center), if circle.on_left { -side.angle } else { side.angle });
+        along(circle.center, back, 1.0)
+    } else {
+        side.on_contour(&circle, touch(from, circle.center, side.size.abs(), !circle.on_left)?)
+    };
+    let arc = Arc { radius: circle.radius_between(begin, to), clockwise: !circle.on_left };
+    Some(Approach { begin, arc: Some(arc), begins_plain: false, heading })
 }
 
-/// A way from a contour. Radii are negative for arcs of more than half a circle.
+/// A way from a contour. Points that follow an arc with compensation are those of the contour, others of the tool centre.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Departure {
     Line { to: Point, heading: Point },
-    Arc { to: Point, radius: f64, heading: Point },
-    ArcAndLine { leave: Point, radius: f64, to: Point },
+    Arc { to: Point, arc: Arc, heading: Point },
+    ArcAndLine { leave: Point, arc: Arc, to: Point },
 }
 
 /// A way from the end of a contour and its direction there; only one on a line and a circle goes to `goal`. None if that is
-/// inside the circle.
+/// inside the circle, or if the tool is larger than a circle on the other side.
 pub(crate) fn depart(way: PathShape, (from, heading): (Point, Point), goal: Point, side: Side) -> Option<Departure> {
     let across = side.of(heading);
-    let center = along(from, across, side.size);
     Some(match way {
-        PathShape::Straight => Departure::Line { to: along(from, heading, side.size), heading },
-        PathShape::Normal => Departure::Line { to: center, heading: across },
+        PathShape::Straight => {
+            Departure::Line { to: along(along(from, across, side.beside), heading, side.size), heading }
+        }
+        PathShape::Normal => Departure::Line { to: along(from, across, side.size + side.beside), heading: across },
         PathShape::Circle => {
-            let angle = if side.on_left { side.angle } else { -side.angle };
-            let to = along(center, turned(minus(from, center), angle), 1.0);
-            let radius = if side.angle > 180.0 { -side.size } else { side.size };
-            Departure::Arc { to, radius, heading: turned(heading, angle) }
+            let circle = side.round(from, heading)?;
+            let angle = if circle.on_left { side.angle } else { -side.angle };
+            let to = along(circle.center, turned(minus(from, circle.center), angle), 1.0);
+            let radius = if side.angle > 180.0 { -circle.radius } else { circle.radius };
+            Departure::Arc { to, arc: Arc { radius, clockwise: !circle.on_left }, heading: turned(heading, angle) }
         }
         PathShape::LineAndCircle => {
+            let circle = side.round(from, heading)?;
             // Seen from the end the same as an approach, the other way round.
-            let leave = touch(goal, center, side.size, side.on_left)?;
-            let longer = turn(minus(from, center), minus(leave, center)) < 0.0;
-            let radius = if longer == side.on_left { -side.size } else { side.size };
-            Departure::ArcAndLine { leave, radius, to: goal }
+            let touched = touch(goal, circle.center, side.size.abs(), circle.on_left)?;
+            let leave = side.on_contour(&circle, touched);
+            let arc = Arc { radius: circle.radius_between(from, leave), clockwise: !circle.on_left };
+            Departure::ArcAndLine { leave, arc, to: goal }
         }
     })
 }
@@ -102,25 +157,76 @@ pub(crate) fn depart(way: PathShape, (from, heading): (Point, Point), goal: Poin
 mod tests {
     use super::*;
 
+    const EAST: Point = [1.0, 0.0];
+
+    fn near(a: Point, b: Point) {
+        assert!(libm::hypot(a[0] - b[0], a[1] - b[1]) < 1e-9, "{a:?} {b:?}");
+    }
+
+    fn arc_to(way: PathShape, from: Point, side: Side) -> (Point, f64, bool) {
+        let to = approach(way, from, ([0.0, 0.0], EAST), side).unwrap();
+        let arc = to.arc.unwrap();
+        (to.begin, arc.radius, arc.clockwise)
+    }
+
     #[test]
     fn a_quarter_to_and_from_a_line_along_x() {
-        let side = Side { size: 5.0, on_left: true, angle: 90.0 };
-        let near = |a: Point, b: Point| assert!(libm::hypot(a[0] - b[0], a[1] - b[1]) < 1e-9, "{a:?} {b:?}");
-        let to = approach(PathShape::Circle, [-20.0, 20.0], ([0.0, 0.0], [1.0, 0.0]), side).unwrap();
-        near(to.begin, [-5.0, 5.0]);
-        assert_eq!((to.radius, to.heading), (Some(5.0), [1.0, 0.0]));
-        let Some(Departure::Arc { to, radius, heading }) =
-            depart(PathShape::Circle, ([0.0, 0.0], [1.0, 0.0]), [0.0, 0.0], side)
+        let side = Side { size: 5.0, on_left: true, beside: 0.0, angle: 90.0 };
+        let (begin, radius, clockwise) = arc_to(PathShape::Circle, [-20.0, 20.0], side);
+        near(begin, [-5.0, 5.0]);
+        assert_eq!((radius, clockwise), (5.0, false));
+        let Some(Departure::Arc { to, arc, heading }) = depart(PathShape::Circle, ([0.0, 0.0], EAST), [0.0, 0.0], side)
         else {
             panic!("no arc")
         };
         near(to, [5.0, 5.0]);
         near(heading, [0.0, 1.0]);
-        assert_eq!(radius, 5.0);
-        assert_eq!(
-            approach(PathShape::Straight, [0.0, 0.0], ([0.0, 0.0], [1.0, 0.0]), Side { size: 0.0, ..side }),
-            None
-        );
-        assert_eq!(depart(PathShape::LineAndCircle, ([0.0, 0.0], [1.0, 0.0]), [0.0, 4.0], side), None);
+        assert_eq!((arc.radius, arc.clockwise), (5.0, false));
+        let none = Side { size: 0.0, ..side };
+        assert_eq!(approach(PathShape::Straight, [0.0, 0.0], ([0.0, 0.0], EAST), none), None);
+        assert_eq!(depart(PathShape::LineAndCircle, ([0.0, 0.0], EAST), [0.0, 4.0], side), None);
+    }
+
+    /// The circle of the tool centre has the size of the way, so that of the contour is larger by the tool.
+    #[test]
+    fn circles_are_those_of_the_tool_centre() {
+        let side = Side { size: 8.0, on_left: true, beside: 6.0, angle: 90.0 };
+        let (begin, radius, _) = arc_to(PathShape::Circle, [-40.0, 30.0], side);
+        near(begin, [-14.0, 14.0]);
+        assert_eq!(radius, 14.0);
+        // A line straight down at X-8 touches the circle of the tool centre about (0, 14) at its left.
+        let (begin, radius, _) = arc_to(PathShape::LineAndCircle, [-8.0, 40.0], side);
+        near(begin, [-14.0, 14.0]);
+        assert_eq!(radius, 14.0);
+        let Some(Departure::ArcAndLine { leave, arc, to }) =
+            depart(PathShape::LineAndCircle, ([0.0, 0.0], EAST), [8.0, 40.0], side)
+        else {
+            panic!("no arc")
+        };
+        near(leave, [14.0, 14.0]);
+        assert_eq!((arc.radius, to), (14.0, [8.0, 40.0]));
+    }
+
+    #[test]
+    fn straight_ways_end_beside_the_contour() {
+        let side = Side { size: 15.0, on_left: false, beside: 6.0, angle: 90.0 };
+        let to = approach(PathShape::Normal, [0.0, -40.0], ([0.0, 0.0], EAST), side).unwrap();
+        assert_eq!((to.begin, to.begins_plain), ([0.0, -21.0], true));
+        let to = approach(PathShape::Straight, [0.0, -40.0], ([0.0, 0.0], EAST), side).unwrap();
+        assert_eq!((to.begin, to.begins_plain), ([-15.0, 0.0], false));
+        let end = |way| depart(way, ([0.0, 0.0], EAST), [0.0, 0.0], side);
+        assert_eq!(end(PathShape::Straight), Some(Departure::Line { to: [15.0, -6.0], heading: EAST }));
+        assert_eq!(end(PathShape::Normal), Some(Departure::Line { to: [0.0, -21.0], heading: [0.0, -1.0] }));
+    }
+
+    /// A negative radius comes from the other side of the path of the tool centre.
+    #[test]
+    fn a_negative_radius_turns_to_the_other_side() {
+        let side = Side { size: -8.0, on_left: true, beside: 6.0, angle: 90.0 };
+        let (begin, radius, clockwise) = arc_to(PathShape::Circle, [-40.0, -30.0], side);
+        near(begin, [-2.0, -2.0]);
+        assert_eq!((radius, clockwise), (2.0, true));
+        let small = Side { size: -4.0, ..side };
+        assert_eq!(approach(PathShape::Circle, [-40.0, -30.0], ([0.0, 0.0], EAST), small), None);
     }
 }

@@ -149,7 +149,7 @@ impl Heidenhain {
         }
         let others: Vec<Seen> = seen.into_iter().filter(|word| !is_height(word) && !word.is_rate()).collect();
         blocks.push(way.block(&joined("", &others), false));
-        blocks.extend(self.path.feed.clone().filter(|_| way.has_feed()));
+        blocks.extend(self.path.rates.last.clone().filter(|_| way.has_feed()));
         (blocks, surface)
     }
 
@@ -202,7 +202,7 @@ impl Heidenhain {
     pub(super) fn cycle_begins(&mut self) {
         if self.cycles.running.depth == 0 {
             self.cycles.running.depth = self.variables.calls.depth();
-            self.cycles.running.feed.clone_from(&self.path.feed);
+            self.cycles.running.feed.clone_from(&self.path.rates.last);
             let main = std::mem::replace(&mut self.variables.control.inch, self.units.inches);
             self.cycles.running.main_in_inches = main;
         }
@@ -212,7 +212,7 @@ impl Heidenhain {
     pub(super) fn cycle_returns(&mut self) {
         if self.cycles.running.depth > self.variables.calls.depth() {
             let Running { changed, feed, main_in_inches, .. } = std::mem::take(&mut self.cycles.running);
-            self.path.feed = feed;
+            self.path.rates.last = feed;
             self.variables.control.inch = main_in_inches;
             for (name, value) in changed {
                 self.variables.set(name, Value::Number(value));

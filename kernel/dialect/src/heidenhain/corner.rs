@@ -138,13 +138,18 @@ impl Walk<'_> {
         self.step.seen.iter().find(|word| word.is(name) && word.text != "R0").and_then(|word| word.value)
     }
 
-    /// Length or radius of a way, and the side on which the tool goes: that of the compensation, else left for a positive
-    /// value.
+    /// Length or radius of a way, the side on which the tool goes, and its distance from the contour. Without compensation
+    /// the tool centre goes on the contour, on the left for a positive value.
     fn side(&self, way: PathShape) -> Side {
-        let size =
-            self.word(if matches!(way, PathShape::Straight | PathShape::Normal) { "LEN" } else { "R" }).unwrap_or(0.0);
         let angle = self.word("CCA").unwrap_or(90.0).abs();
-        Side { size: size.abs(), on_left: self.path.side.is_left.unwrap_or(size >= 0.0), angle }
+        let is_straight = matches!(way, PathShape::Straight | PathShape::Normal);
+        let size = self.word(if is_straight { "LEN" } else { "R" }).unwrap_or(0.0);
+        let Some(on_left) = self.path.side.is_left else {
+            return Side { size: size.abs(), on_left: size >= 0.0, beside: 0.0, angle };
+        };
+        let [_, radius] = self.host.tool_in_force();
+        let beside = (radius / self.host.length_factor()).max(0.0);
+        Side { size: if is_straight { size.abs() } else { size }, on_left, beside, angle }
     }
 
     pub(super) fn approach(&mut self, way: PathShape) -> Vec<String> {
@@ -168,7 +173,7 @@ impl Walk<'_> {
         let side = self.side(way);
         let made = contour::approach(way, from, (to, heading), side);
         let others = self.others(&USED);
-        let Some(Approach { begin, radius, heading }) = made else {
+        let Some(Approach { begin, arc, begins_plain, heading }) = made else {
             self.refuse("the approach has no length or radius that fits");
             return vec![self.straight(&end, &others)];
         };
@@ -177,15 +182,36 @@ impl Walk<'_> {
             *slot = if to == start { *slot } else { *to };
         }
         self.put(&mut first, begin);
-        let lines = vec![self.straight(&first, &others)];
+        let (to_begin, to_contour) = self.words_of_approach(way, begins_plain, others);
+        let lines = vec![self.straight(&first, &to_begin)];
         let from = std::mem::replace(&mut self.actual, first);
-        let last = match radius {
-            None => self.straight(&end, &[]),
-            Some(radius) => self.by_radius(&end, radius, !side.on_left, &[]),
+        let last = match arc {
+            None => self.straight(&end, &to_contour),
+            Some(arc) => self.by_radius(&end, arc.radius, arc.clockwise, &to_contour),
         };
         self.actual = from;
         self.path.heading = Some(heading);
         lines.into_iter().chain([last]).collect()
+    }
+
+    /// The words of both parts of an approach. The first part has the feed of the block before, also at rapid, except
+    /// beside LCT; compensation that begins with the second part is a word of that part.
+    fn words_of_approach(&self, way: PathShape, begins_plain: bool, words: Vec<Seen>) -> (Vec<Seen>, Vec<Seen>) {
+        let (mut first, mut second) = (words, Vec::new());
+        if way != PathShape::LineAndCircle {
+            second.extend(first.extract_if(.., |word| word.is_rate() || word.is("FAUTO")));
+            if self.path.rates.rapid_before {
+                first.push(Seen::text("FMAX"));
+            }
+        }
+        if begins_plain {
+            let compensation = first.extract_if(.., |word| word.is("RL") || word.is("RR")).collect::<Vec<_>>();
+            if !compensation.is_empty() {
+                first.insert(0, Seen::text("R0"));
+            }
+            second.splice(0..0, compensation);
+        }
+        (first, second)
     }
 
     /// Direction in which a block leaves a point.
@@ -241,18 +267,18 @@ impl Walk<'_> {
                 self.path.heading = Some(heading);
                 vec![self.straight(&end, &with_end)]
             }
-            Some(Departure::Arc { to, radius, heading }) => {
+            Some(Departure::Arc { to, arc, heading }) => {
                 self.put(&mut end, to);
                 self.path.heading = Some(heading);
                 self.path.side.ends = true;
                 with_end.retain(|word| word.text != "R0");
-                vec![self.by_radius(&end, radius, !side.on_left, &with_end)]
+                vec![self.by_radius(&end, arc.radius, arc.clockwise, &with_end)]
             }
-            Some(Departure::ArcAndLine { leave, radius, to }) => {
+            Some(Departure::ArcAndLine { leave, arc, to }) => {
                 let mut middle = self.actual;
                 self.put(&mut middle, leave);
                 let feed: Vec<Seen> = with_end.iter().filter(|word| word.is("F")).cloned().collect();
-                let first = self.by_radius(&middle, radius, !side.on_left, &feed);
+                let first = self.by_radius(&middle, arc.radius, arc.clockwise, &feed);
                 with_end.retain(|word| !word.is("F"));
                 let start = std::mem::replace(&mut self.actual, middle);
                 let last = self.straight(&end, &with_end);
@@ -261,7 +287,7 @@ impl Walk<'_> {
                 vec![first, last]
             }
             None => {
-                self.refuse("a departure ends inside its circle");
+                self.refuse("the departure has no radius that fits, or ends inside its circle");
                 vec![self.straight(&end, &with_end)]
             }
         }

@@ -209,7 +209,7 @@ impl Heidenhain {
         let mut evaluator = Evaluator::new(&mut self.variables, host);
         let mut seen = evaluator.seen(words)?;
         take_texts(&mut evaluator, &mut seen)?;
-        with_words(&mut seen, self.path.tool_feed.as_deref(), &self.cycles.global);
+        with_words(&mut seen, self.path.rates.of_tool.as_deref(), &self.cycles.global);
         let number = seen.first().and_then(|word| word.value).unwrap_or(0.0) as u32;
         let empty = seen.iter().find(|word| parameter_of(&word.name).is_some() && word.value.is_none());
         if let Some(word) = empty.filter(|_| self.settings.cycles.contains(&number)) {
@@ -353,7 +353,7 @@ impl Heidenhain {
     /// GLOBAL DEF: what PREDEF means in definitions to come.
     pub(super) fn define_globally(&mut self, host: &mut dyn Host, words: &[Word]) -> Result<(), Halt> {
         let mut seen = Evaluator::new(&mut self.variables, host).seen(words)?;
-        with_words(&mut seen, self.path.tool_feed.as_deref(), &[]);
+        with_words(&mut seen, self.path.rates.of_tool.as_deref(), &[]);
         for word in seen {
             let (Some(name), Some(value)) = (parameter_of(&word.name), word.value) else { continue };
             self.cycles.global.retain(|(of, _)| *of != name);

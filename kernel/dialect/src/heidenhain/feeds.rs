@@ -110,7 +110,7 @@ impl Heidenhain {
         if std::mem::replace(&mut self.units.used, true) {
             return;
         }
-        for feed in [&mut self.path.feed, &mut self.path.tool_feed].into_iter().flatten() {
+        for feed in [&mut self.path.rates.last, &mut self.path.rates.of_tool].into_iter().flatten() {
             *feed = format!("{} {feed}", self.units.of_feed());
         }
     }

@@ -38,6 +38,7 @@ mod patterns;
 mod planes;
 mod polar;
 mod print;
+mod rates;
 mod retract;
 mod settings;
 mod shifts;

@@ -4,6 +4,7 @@
 //! words is not changed; others become blocks with positions. Invariant: positions are in the units of the program, in its frame.
 
 use super::free::Free;
+use super::rates::Rates;
 use super::upright::Poles;
 use super::words::{Seen, joined};
 use crate::contour::{PathShape, Point, direction, minus};
@@ -174,13 +175,9 @@ pub(super) struct Path {
     pub(super) increments: bool,
     pub(super) side: Beside,
     pub(super) free: Free,
-    /// Last feed, as written; of TOOL CALL.
-    pub(super) feed: Option<String>,
-    pub(super) tool_feed: Option<String>,
+    pub(super) rates: Rates,
     /// The last element was an arc.
     pub(super) round: bool,
-    /// A corner had a feed of its own.
-    pub(super) gives_feed_back: bool,
 }
 
 impl Default for Path {
@@ -197,10 +194,8 @@ impl Default for Path {
             increments: false,
             side: Beside::default(),
             free: Free::default(),
-            feed: None,
-            tool_feed: None,
+            rates: Rates::default(),
             round: false,
-            gives_feed_back: false,
         }
     }
 }
@@ -274,6 +269,9 @@ impl Walk<'_> {
             Shape::Tangent => {
                 let end = self.target();
                 self.tangent(end)
+            }
+            Shape::PolarLine | Shape::PolarArc | Shape::PolarTangent if self.path.poles.upright.is_some() => {
+                self.path.poles.upright.map_or_else(Vec::new, |upright| self.upright_polar(upright, shape))
             }
             Shape::PolarLine => self.polar_line(),
             Shape::PolarArc => self.polar_arc(),
@@ -460,41 +458,5 @@ impl Walk<'_> {
 
     pub(super) fn has_increments(&self) -> bool {
         self.path.increments || self.step.seen.iter().any(|word| axis(&word.name).is_some_and(|(_, by)| by))
-    }
-
-    /// Feeds of the lines: that of TOOL CALL, and the one before a corner with its own.
-    fn feeds(&mut self, lines: &mut [String]) {
-        let is_corner = matches!(self.step.shape, Shape::Chamfer | Shape::Round);
-        let own = self.step.seen.iter().find(|word| word.is("F") && word.value.is_some());
-        let moves = self.step.seen.iter().any(|word| axis(&word.name).is_some() && word.value.is_some());
-        let has = own.is_some() || self.step.seen.iter().any(|word| word.is("FAUTO") || word.is("FMAX"));
-        match own {
-            Some(_) if is_corner => self.path.gives_feed_back = true,
-            Some(word) => (self.path.feed, self.path.gives_feed_back) = (Some(word.text.clone()), false),
-            None if !has && moves && std::mem::take(&mut self.path.gives_feed_back) => {
-                if let (Some(feed), Some(line)) = (&self.path.feed, lines.first_mut()) {
-                    line.push(' ');
-                    line.push_str(feed);
-                }
-            }
-            None => {}
-        }
-        if let Some(rapid) = &self.step.rapid {
-            // A rapid of the machine is straight.
-            for line in &mut *lines {
-                *line = line.replace("FMAX", rapid);
-            }
-            self.path.gives_feed_back = self.path.feed.is_some();
-        }
-        if self.step.seen.iter().any(|word| word.is("FAUTO")) {
-            let feed = self.path.tool_feed.clone();
-            if feed.is_none() {
-                self.refuse("F AUTO needs a feed in TOOL CALL");
-            }
-            for line in lines {
-                *line = line.replace("FAUTO", feed.as_deref().unwrap_or(""));
-            }
-            self.path.feed = feed;
-        }
     }
 }

@@ -343,11 +343,11 @@ impl Heidenhain {
         match journey.round.as_ref().filter(|_| call.next > 0) {
             Some([center, turn]) => {
                 blocks.extend([center.clone(), format!("C {words} {turn}")]);
-                blocks.extend(self.path.feed.clone());
+                blocks.extend(self.path.rates.last.clone());
             }
             None => {
                 blocks.push(way.block(&words, false));
-                blocks.extend(self.path.feed.clone().filter(|_| way.has_feed()));
+                blocks.extend(self.path.rates.last.clone().filter(|_| way.has_feed()));
             }
         }
         self.call_cycle_program(host, journey.program, Some(surface))?;

@@ -16,7 +16,7 @@ impl Walk<'_> {
     /// End of a block in polar coordinates, and the angle that the tool goes round the pole if that is said.
     pub(super) fn polar_end(&mut self) -> Option<(Position, Option<f64>)> {
         if self.path.poles.upright.is_some() {
-            self.refuse("polar coordinates are in the working plane, but the pole (CC) is in another plane");
+            self.refuse("an approach or departure in polar coordinates needs a pole (CC) in the working plane");
             return None;
         }
         self.polar_end_about(self.path.poles.flat)

@@ -30,7 +30,7 @@ impl Heidenhain {
         let changes = feed.as_ref().is_some_and(|feed| feed.is("F"));
         own.push(feed.unwrap_or_else(|| Seen::text("FMAX")));
         let mut blocks = vec![joined("", &own)];
-        blocks.extend(self.path.feed.clone().filter(|_| changes));
+        blocks.extend(self.path.rates.last.clone().filter(|_| changes));
         blocks
     }
 }

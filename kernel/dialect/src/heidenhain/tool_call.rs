@@ -74,8 +74,8 @@ impl Heidenhain {
                 };
             }
             if word.is("F") {
-                self.path.tool_feed = Some(word.text.clone());
-                self.path.feed = Some(word.text.clone());
+                self.path.rates.of_tool = Some(word.text.clone());
+                self.path.rates.last = Some(word.text.clone());
             }
         }
         let called = number.as_deref().and_then(|number| number.parse::<f64>().ok());

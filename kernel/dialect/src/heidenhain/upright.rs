@@ -1,7 +1,7 @@
-//! Circles outside the working plane: `CC` and `C` with the tool axis.
+//! Circles and polar coordinates outside the working plane: `CC` with the tool axis, then `C`, `LP` or `CP`.
 //!
-//! Facts: programming manual of the control (circles that do not lie in the working plane); the angle of a plane counts from its first
-//! axis: X to Y, Y to Z, Z to X. *Invariant:* the working plane and its pole are the same after the block as before it.
+//! Facts: programming manual of the control (circles that do not lie in the working plane; the axes of the pole select the
+//! plane of polar coordinates); the angle of a plane counts from its first axis: X to Y, Y to Z, Z to X. *Invariant:* the working plane and its pole are the same after the block as before it.
 
 use super::path::{Shape, Walk, axis};
 use crate::contour::Point;
@@ -61,7 +61,30 @@ impl Walk<'_> {
     }
 
     /// A circle about such a pole: its plane is selected for this block alone.
-    pub(super) fn upright_circle(&mut self, (plane, pole): (Plane, Point)) -> Vec<String> {
+    pub(super) fn upright_circle(&mut self, upright: (Plane, Point)) -> Vec<String> {
+        self.upright_arc(upright, |walk| walk.circle(Shape::Arc))
+    }
+
+    /// A line, or a circle, to a point in polar coordinates about such a pole.
+    pub(super) fn upright_polar(&mut self, upright: (Plane, Point), shape: Shape) -> Vec<String> {
+        match shape {
+            Shape::PolarLine if self.path.side.is_left.is_none() => self.upright(upright, Self::polar_line),
+            Shape::PolarArc => self.upright_arc(upright, Self::polar_arc),
+            _ => {
+                self.refuse(
+                    "polar coordinates outside the working plane (CC with the tool axis) need LP or CP without radius \
+                     compensation",
+                );
+                Vec::new()
+            }
+        }
+    }
+
+    fn upright_arc(
+        &mut self,
+        (plane, pole): (Plane, Point),
+        make: impl FnOnce(&mut Self) -> Vec<String>,
+    ) -> Vec<String> {
         let tool_axis =
             |of: Plane| PLANES.iter().zip(TOOL_AXES).find(|(known, _)| **known == of).map(|(_, letter)| letter);
         let (Some(there), Some(back)) = (tool_axis(plane), tool_axis(self.path.plane)) else { return Vec::new() };
@@ -69,19 +92,27 @@ impl Walk<'_> {
             self.refuse("a circle outside the working plane cannot be made here");
             return Vec::new();
         }
+        let mut lines = vec![there.to_owned()];
+        if self.keeps_center() {
+            let working = std::mem::replace(&mut self.path.plane, plane);
+            lines.push(self.pole_line(pole));
+            self.path.plane = working;
+        }
+        lines.extend(self.upright((plane, pole), make));
+        lines.push(back.to_owned());
+        if let Some(flat) = self.path.poles.flat.filter(|_| self.keeps_center()) {
+            lines.push(self.pole_line(flat));
+        }
+        lines
+    }
+
+    /// Makes blocks in another plane about its pole.
+    fn upright(&mut self, (plane, pole): (Plane, Point), make: impl FnOnce(&mut Self) -> Vec<String>) -> Vec<String> {
         let (working, poles) = (self.path.plane, self.path.poles);
         self.path.plane = plane;
         self.path.poles = Poles { flat: Some(pole), upright: None };
-        let mut lines = vec![there.to_owned()];
-        if self.keeps_center() {
-            lines.push(self.pole_line(pole));
-        }
-        lines.extend(self.circle(Shape::Arc));
+        let lines = make(self);
         (self.path.plane, self.path.poles) = (working, poles);
-        lines.push(back.to_owned());
-        if let Some(flat) = poles.flat.filter(|_| self.keeps_center()) {
-            lines.push(self.pole_line(flat));
-        }
         // What follows in the working plane has no direction to go on from.
         self.path.heading = None;
         lines

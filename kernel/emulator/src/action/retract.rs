@@ -60,7 +60,8 @@ pub(super) fn go(act: &mut Act<'_, '_>, coded: u8, target: Position, rate: Rate)
     }
 }
 
-/// Takes the tool away along its axis; below zero up to the end of travel, or the reference point where there is none.
+/// Takes the tool away along its axis; below zero up to the reference point of the axis that moves most, if that lies
+/// ahead, or to the end of travel.
 pub(super) fn retract(act: &mut Act<'_, '_>, way: f64, rate: Rate) -> Acted {
     let mut machine = act.machine_point(&act.state.place.position);
     let Some(along) = along(act, &machine) else { return Ok(()) };
@@ -70,16 +71,15 @@ pub(super) fn retract(act: &mut Act<'_, '_>, way: f64, rate: Rate) -> Acted {
         layout.cartesian.iter().zip(along).filter_map(of).filter(|(_, part)| part.abs() > 1e-9).collect()
     };
     let way = if way < 0.0 {
-        let room = |limited: bool| {
-            let of = |(axis, part): &(AxisSlot, f64)| {
-                let own = &act.state.place.layout.axes[*axis];
-                let ends = own.limits.map(|(low, high)| if *part > 0.0 { high } else { low });
-                let end = if limited { ends } else { Some(own.home) };
-                end.map(|end| (end - machine.at(*axis)) / part)
-            };
-            axes.iter().filter_map(of).min_by(f64::total_cmp)
-        };
-        room(true).or_else(|| room(false)).unwrap_or(0.0).max(0.0)
+        let of = |(axis, part): &(AxisSlot, f64), end: f64| (end - machine.at(*axis)) / part;
+        let ends = axes.iter().filter_map(|one @ (axis, part)| {
+            let (low, high) = act.state.place.layout.axes[*axis].limits?;
+            Some(of(one, if *part > 0.0 { high } else { low }))
+        });
+        // The limits of a large machine are beyond the reference point of a smaller one, which is where the axis ends.
+        let steepest = axes.iter().max_by(|(_, one), (_, other)| one.abs().total_cmp(&other.abs()));
+        let home = steepest.map(|one| of(one, act.state.place.layout.axes[one.0].home)).filter(|way| *way > 0.0);
+        ends.chain(home).min_by(f64::total_cmp).unwrap_or(0.0).max(0.0)
     } else {
         way
     };

@@ -1,0 +1,61 @@
+//! Feeds of path blocks that are made from one block of the program.
+//!
+//! Facts: programming manuals of the control (F AUTO, feeds of corners, FMAX for one block). Invariant: a feed of a corner ends
+//! with it; the feed before it comes back in the next block that moves.
+
+use super::path::{Shape, Walk, axis};
+
+/// Feeds that a program has given.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Rates {
+    /// The last one, as written.
+    pub(super) last: Option<String>,
+    /// That of TOOL CALL.
+    pub(super) of_tool: Option<String>,
+    /// A corner had a feed of its own.
+    pub(super) gives_back: bool,
+    /// The block before was at rapid.
+    pub(super) rapid_before: bool,
+}
+
+impl Walk<'_> {
+    /// Feeds of the lines: that of TOOL CALL, and the one before a corner with its own.
+    pub(super) fn feeds(&mut self, lines: &mut [String]) {
+        let is_corner = matches!(self.step.shape, Shape::Chamfer | Shape::Round);
+        let own = self.step.seen.iter().find(|word| word.is("F") && word.value.is_some());
+        let moves = self.step.seen.iter().any(|word| axis(&word.name).is_some() && word.value.is_some());
+        let has = own.is_some() || self.step.seen.iter().any(|word| word.is("FAUTO") || word.is("FMAX"));
+        match own {
+            Some(_) if is_corner => self.path.rates.gives_back = true,
+            Some(word) => (self.path.rates.last, self.path.rates.gives_back) = (Some(word.text.clone()), false),
+            None if !has && moves && std::mem::take(&mut self.path.rates.gives_back) => {
+                if let (Some(feed), Some(line)) = (&self.path.rates.last, lines.first_mut()) {
+                    line.push(' ');
+                    line.push_str(feed);
+                }
+            }
+            None => {}
+        }
+        let still = matches!(self.step.shape, Shape::Pole | Shape::FreePole | Shape::FreeSelect | Shape::Iso);
+        if moves || !still && !is_corner {
+            self.path.rates.rapid_before = self.step.seen.iter().any(|word| word.is("FMAX"));
+        }
+        if let Some(rapid) = &self.step.rapid {
+            // A rapid of the machine is straight.
+            for line in &mut *lines {
+                *line = line.replace("FMAX", rapid);
+            }
+            self.path.rates.gives_back = self.path.rates.last.is_some();
+        }
+        if self.step.seen.iter().any(|word| word.is("FAUTO")) {
+            let feed = self.path.rates.of_tool.clone();
+            if feed.is_none() {
+                self.refuse("F AUTO needs a feed in TOOL CALL");
+            }
+            for line in lines {
+                *line = line.replace("FAUTO", feed.as_deref().unwrap_or(""));
+            }
+            self.path.rates.last = feed;
+        }
+    }
+}
