@@ -7,7 +7,7 @@
 #[derive(Debug, Clone)]
 pub struct Aside<T>(Vec<Called<T>>);
 
-/// What each program and part that runs has of its own.
+/// Local data of each running program and part.
 #[derive(Debug, Clone, Default)]
 pub struct CallStack<T> {
     main: T,
@@ -42,7 +42,7 @@ impl<T> CallStack<T> {
         Aside(self.called.split_off(self.called.len().saturating_sub(count)))
     }
 
-    /// They run again, above what runs now.
+    /// Restores programs that were set aside, above those that run now.
     pub fn bring_back(&mut self, aside: Aside<T>) {
         self.called.extend(aside.0);
     }

@@ -8,7 +8,7 @@ use super::outline::Reader;
 use counterpoint_machine::Machine;
 use counterpoint_program::syntax::Syntax;
 
-/// A control's language for what its programs have besides words.
+/// The language of a control, for the parts of its programs that are not words.
 pub trait Dialect: Sync {
     /// Name in machine definitions.
     fn name(&self) -> &'static str;
@@ -59,8 +59,8 @@ pub trait Dialect: Sync {
         None
     }
 
-    /// An interpreter for a block within a block of its own, while the identification macro is asked; none if such blocks
-    /// are dropped, because an interpreter holds more than what it has read of programs.
+    /// An interpreter for a block within a block of its own, while the identification macro is asked. None if such
+    /// blocks are dropped, because the interpreter has state besides the texts that it has read.
     fn nested(&self) -> Option<Box<dyn Interpreter>> {
         None
     }

@@ -1,6 +1,6 @@
 //! The interface of an interpreter to its kernel.
 //!
-//! *Invariant:* an interpreter keeps what belongs to its control alone; the kernel knows nothing of it.
+//! *Invariant:* an interpreter keeps the data that belong to its control alone; the kernel knows nothing of them.
 
 use counterpoint_event::FileId;
 use counterpoint_fault::Halt;
@@ -12,11 +12,11 @@ use counterpoint_program::spot::Spot;
 
 /// The interpreter of one kernel, with its variables.
 pub trait Interpreter: Send {
-    /// Executes a block that is more than plain words. What remains of it acts when the interpreter has done its part, so
-    /// nothing of the interpreter runs while a block of its own acts.
+    /// Executes a block that is more than plain words. The remaining words act after the interpreter has done its part,
+    /// so the interpreter never runs while a block of its own acts.
     ///
     /// # Errors
-    /// What stops the channel; mistakes of the program are alarms by [`super::host::Report::alarm`].
+    /// Faults that stop the channel; mistakes of the program are alarms by [`super::host::Report::alarm`].
     fn block(&mut self, host: &mut dyn Host, text: &[u8]) -> Result<Remaining, Halt>;
 
     /// Reads the words of the block as the arguments of a macro call; `own` is the word (register and value) that calls by
@@ -62,7 +62,7 @@ pub trait Interpreter: Send {
     /// A word of the machine jumps within the program while the program is in loops.
     fn on_jump(&mut self, _host: &mut dyn Host, _target: Spot) {}
 
-    /// Lines or levels of optional skip have changed: what was read of programs no longer holds.
+    /// Discards the lines read so far, because lines or levels of optional skip have changed.
     fn forget_lines(&mut self) {}
 
     /// `$FCEGNCV`: value of a variable in native spelling; none if it does not exist or has no value.
@@ -95,7 +95,7 @@ pub trait Interpreter: Send {
         None
     }
 
-    /// Bytes that its variables and what it remembers of programs take, about.
+    /// Approximate bytes of its variables and of its memory of programs.
     fn memory(&self) -> u64 {
         0
     }
@@ -106,7 +106,7 @@ pub trait Interpreter: Send {
     }
 }
 
-/// What a line made that was executed without its text.
+/// Result of a line that was executed without its text.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Made {
     /// Nothing.
@@ -141,7 +141,7 @@ impl From<Option<String>> for Remaining {
     }
 }
 
-/// What became of a setting.
+/// Outcome of a setting.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Setting {
     /// It holds from now on.

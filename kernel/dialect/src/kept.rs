@@ -1,7 +1,7 @@
 //! Parsed parts of programs, kept for the next time: lines, and tables of labels and blocks.
 //!
-//! *Invariant:* what is kept is bounded in bytes; when it would be too much all of it goes, so what is kept depends only on
-//! what was read.
+//! *Invariant:* the store is bounded in bytes. When it would exceed its bound, all of it is dropped, so its content
+//! depends only on the texts that were read.
 
 use std::hash::Hash;
 use std::sync::Arc;
@@ -12,7 +12,7 @@ use counterpoint_event::FileId;
 
 /// Bytes of lines that are kept.
 const MOST: usize = 8 << 20;
-/// Bytes that a line takes besides what stands in it.
+/// Bytes that a line takes in addition to its content.
 const LINE: usize = 256;
 /// Bytes that a byte of its text takes once it is read.
 const PER_BYTE: usize = 16;
@@ -29,7 +29,7 @@ pub(crate) struct Kept<L> {
     lines: FxHashMap<Key, Arc<L>>,
     /// Those that were asked for last, each at the place that its number gives it; none where it is not kept, or taken.
     at_hand: Box<[Option<Arc<L>>; AT_HAND]>,
-    /// What was asked for at each place.
+    /// The key requested at each place.
     keys: Box<[Key; AT_HAND]>,
     bytes: usize,
 }
@@ -122,7 +122,7 @@ impl<L> Kept<L> {
 /// Bytes of tables that are kept.
 const MOST_OF_TABLES: usize = 64 << 20;
 
-/// A table of what is in a program or file.
+/// A table of the content of a program or file.
 pub(super) trait Table {
     /// Bytes that it takes, about.
     fn bytes(&self) -> usize;

@@ -1,9 +1,10 @@
 //! Dialects: conversion of a program line with variables and statements into plain words, for each control.
 //!
-//! Facts: reference control-emulator.md 5.4. `definition` says what a dialect is, `table` names all of them, `host` is what
-//! their interpreters see of the kernel. An [`Interpreter`] gets the text of a block that is more than plain words and
-//! leaves words or text. *Invariants:* an interpreter reaches its kernel only through `Host`; the folders of the controls
-//! use what they share (`expression`, `search`, `call_stack`, `contour`, `kept`, `numeric`, `text`) and never each other.
+//! Facts: reference control-emulator.md 5.4. `definition` defines a dialect, `table` names all of them, and `host` is
+//! the view that their interpreters have of the kernel. An [`Interpreter`] gets the text of a block that is more than
+//! plain words and leaves words or text. *Invariants:* an interpreter reaches its kernel only through `Host`; the
+//! folders of the controls use the shared modules (`expression`, `search`, `call_stack`, `contour`, `kept`, `numeric`,
+//! `text`) and never each other.
 
 mod call_stack;
 mod contour;

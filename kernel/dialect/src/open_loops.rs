@@ -6,7 +6,7 @@
 #[derive(Debug)]
 pub(crate) struct OpenLoops<P> {
     open: Vec<(u8, P)>,
-    /// How many are open with each number: what is not there is not looked for.
+    /// Number of open loops with each number; numbers without one are not searched for.
     waiting: [u32; 256],
 }
 

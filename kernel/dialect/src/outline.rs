@@ -1,8 +1,9 @@
-//! What a block does to the flow of its program and for other channels, as far as its text shows: for judgements that run
-//! nothing.
+//! The effect of a block on the flow of its program and on other channels, as far as its text shows: for checks that
+//! execute nothing.
 //!
-//! A control reads its blocks with the same reader as its interpreter. *Invariants:* nothing is executed and no variable has a
-//! value; what only running the program could tell is said to be so ([`Goal::Computed`], [`Step::Computed`], [`Step::Hidden`]).
+//! A control reads its blocks with the same reader as its interpreter. *Invariants:* nothing is executed and no
+//! variable has a value. Effects that only a run could determine are marked as such ([`Goal::Computed`],
+//! [`Step::Computed`], [`Step::Hidden`]).
 
 use counterpoint_event::FileId;
 use counterpoint_program::shape::Range;
@@ -13,11 +14,11 @@ use crate::host::{Programs, Signal};
 
 /// Reads blocks without executing them.
 pub trait Reader {
-    /// What a block does that is more than plain words, in the order of its text.
+    /// Effects of a block that is more than plain words, in the order of its text.
     fn outline(&mut self, programs: &mut dyn Programs, text: &[u8]) -> Vec<Step>;
 }
 
-/// A part of what a block does.
+/// An effect of a block.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Step {
     /// Words for the tables of the machine.
@@ -110,7 +111,7 @@ pub struct Signalled {
     pub deed: Deed,
     /// Name of its row in the machine.
     pub row: &'static str,
-    /// What it says; none if a part of it is computed.
+    /// The signal; none if a part of it is computed.
     pub signal: Option<Signal>,
 }
 

@@ -1,6 +1,6 @@
 //! Where jumps and calls lead: one table of labels and one search for all dialects.
 //!
-//! *Invariant:* what was found depends only on the text of the program and on where the search starts.
+//! *Invariant:* the result depends only on the text of the program and on the start of the search.
 
 use std::borrow::Borrow;
 use std::hash::Hash;

@@ -19,7 +19,7 @@ pub(crate) struct Shared {
 /// Most operands of a statement.
 const OPERANDS: usize = 4;
 
-/// Key words of a dialect, or what stands for them, with their statements.
+/// Keywords of a dialect, or their replacements, with their statements.
 pub(crate) type Statements<K> = &'static [(K, &'static Shared)];
 
 /// Returns from the subprogram, or ends the main program.
@@ -49,7 +49,7 @@ pub(crate) static CLOSE_OUTPUT: Shared = Shared {
     },
 };
 
-/// Understood, and without effect on what is emulated.
+/// Understood, and without effect on the emulation.
 pub(crate) static IDLE: Shared = Shared { operands: 0, act: |_, _| Ok(()) };
 
 /// Raises an alarm by its number.

@@ -1,6 +1,6 @@
 //! How a run ended.
 
-/// How the run ended, apart from what the log says.
+/// How the run ended, beyond the content of the log.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Outcome {
     /// Events in the log.

@@ -31,5 +31,5 @@ pub enum Halt {
     Blocked,
 }
 
-/// What an action returns.
+/// Result of an action.
 pub type Acted = Result<(), Halt>;

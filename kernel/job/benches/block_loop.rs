@@ -92,9 +92,9 @@ fn block_loop(c: &mut Criterion) {
     group.finish();
 }
 
-/// One channel of 100,000 blocks; two jobs of that kind at once, which is what two threads can do on this machine when
-/// they have nothing to do with each other; and two channels with 5,000 waits, whose waiting codes are 5,000 blocks
-/// more. The rate is that of one channel.
+/// One channel of 100,000 blocks; two such jobs at once, which shows the speed of two independent threads on this
+/// machine; and two channels with 5,000 waits, whose waiting codes are 5,000 blocks more. The rate is that of one
+/// channel.
 fn channels(c: &mut Criterion) {
     let mut group = c.benchmark_group("channels");
     let blocks = 100_000;

@@ -1,7 +1,7 @@
-//! What channels cost each other: a meeting on one thread, by the number of channels; operations on what they share; two
-//! channels that do not meet, one after the other and side by side; many meetings beside busy processes.
+//! Mutual cost of channels: a meeting on one thread, by the number of channels; operations on shared data; two channels
+//! that do not meet, one after the other and side by side; many meetings beside busy processes.
 //!
-//! The fastest of several runs counts, since only what is in the way makes a run slower. Runs that are compared alternate.
+//! The fastest of several runs counts, since disturbances only make a run slower. Runs that are compared alternate.
 //! Figures and their meaning: docs/performance.md.
 
 #![allow(clippy::expect_used, clippy::print_stdout, missing_docs, reason = "a bench prints, and stops on nonsense")]

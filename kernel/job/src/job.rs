@@ -10,8 +10,8 @@ pub use counterpoint_sync::sink::{Sink, WrittenFiles};
 pub use crate::prepared::{Job, PrepareError};
 
 impl Job {
-    /// Same as [`run`](Self::run) on this thread as the master, whose stack has [`STACK`] bytes: a thread for each job is
-    /// a large part of what a small one costs.
+    /// Same as [`run`](Self::run), with this thread as the master, whose stack has [`STACK`] bytes. A thread for each
+    /// job would be a large part of the cost of a small job.
     pub fn run_here(&self, files: &dyn Files, control: &Control, sink: &mut dyn Sink) -> Outcome {
         crate::multi::run(self, files, control, sink)
     }

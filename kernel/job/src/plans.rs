@@ -1,10 +1,10 @@
 //! Plans of machines, kept for the next jobs.
 //!
-//! A plan is what the kernels work out of a machine before their first block. Jobs of one machine share it, so that a
-//! server does the work once a machine and not once a job.
+//! A plan holds the data that the kernels derive from a machine before their first block. Jobs of one machine share it,
+//! so that a server does this work once per machine and not once per job.
 //!
-//! *Invariant:* a plan serves only the very machine and the switches that it was made for; a machine that nobody else
-//! holds any more is forgotten.
+//! *Invariant:* a plan serves only the very machine and the switches that it was made for; a machine without another
+//! owner is forgotten.
 
 use std::sync::{Arc, Mutex, PoisonError, Weak};
 

@@ -103,7 +103,7 @@ impl Job {
         Self { plans: Some(Arc::clone(plans)), ..self }
     }
 
-    /// What its kernels have worked out of the machine, and of each component of a composite.
+    /// Plans that its kernels have derived from the machine, and from each component of a composite.
     pub(crate) fn plans(&self) -> (Arc<Plan>, Vec<Arc<Plan>>) {
         let of = |machine: &Arc<Machine>, macros: bool| {
             let wanted = Wanted { machine, opskip: &self.spec.options.opskip, hooks: macros };

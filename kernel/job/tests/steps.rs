@@ -97,7 +97,7 @@ fn free(machine: &str, programs: &[&str]) -> Summary {
     ended(&job, &log, &outcome)
 }
 
-/// Runs a job with these commands; gives also what was said.
+/// Runs a job with these commands; also returns the reports.
 fn stepped(machine: &str, programs: &[&str], commands: Vec<Command>, cancelled: bool) -> (Summary, Vec<Said>) {
     let (job, files) = job(machine, programs, 0);
     let stop = Stop::default();

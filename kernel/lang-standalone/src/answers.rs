@@ -9,7 +9,7 @@ use counterpoint_lang::diag::Number;
 use counterpoint_lang::fault::{Fault, Outcome};
 use counterpoint_lang::value::Value;
 
-/// What is answered: the button, and variables with their values.
+/// An answer: the button, and variables with their values.
 #[derive(Clone, Debug, Default)]
 pub struct Answer {
     /// Label of the button.

@@ -11,7 +11,7 @@ use counterpoint_lang::value::{Kind, Value};
 
 use crate::variables::SystemTable;
 
-/// What a function answers that has nothing to work on.
+/// Result of a function that has nothing to work on.
 pub(crate) fn nothing(function: HostFn) -> Value {
     function.result().map_or(Value::Null, Kind::initial)
 }

@@ -10,7 +10,7 @@ use counterpoint_lang::parse;
 use counterpoint_lang::source::Source;
 use std::collections::HashSet;
 
-/// What a file defines for others, and every name it uses.
+/// Names that a file defines for other files, and every name it uses.
 struct Names {
     defines: HashSet<String>,
     uses: HashSet<String>,

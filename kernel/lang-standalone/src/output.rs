@@ -5,7 +5,7 @@ use counterpoint_lang::diag::Diagnostic;
 /// The output of macros while nothing was attached.
 #[derive(Debug, Default)]
 pub struct Output {
-    /// What PPRINT printed and what was written to the console.
+    /// Text printed by PPRINT and text written to the console.
     pub printed: Vec<String>,
     /// Commands for the control, one line each.
     pub commands: Vec<String>,
@@ -13,6 +13,6 @@ pub struct Output {
     pub diagnostics: Vec<Diagnostic>,
     /// Lines of the trace.
     pub traced: Vec<String>,
-    /// What is attached takes no lines any more.
+    /// The attached output accepts no more lines.
     pub(crate) closed: bool,
 }

@@ -1,7 +1,7 @@
 //! A host without a machine: commands are kept as text, files live in memory unless it is given an [`Outside`].
 //!
-//! *Invariant:* it answers every function of the language; what it was not given it answers as a control without a model,
-//! without a user and without an NC program.
+//! *Invariant:* it answers every function of the language; without prepared data it answers as a control without a
+//! model, without a user and without an NC program.
 
 mod commands;
 mod dialog;
@@ -167,7 +167,7 @@ impl Standalone {
         Ok(Value::text(answer.button))
     }
 
-    /// What a function of a machine model answers; one message a run.
+    /// Result of a function of a machine model; one message per run.
     fn without_model(&mut self, state: &mut State, function: HostFn) -> Value {
         if !std::mem::replace(&mut self.reported_no_model, true) {
             let message = format!("{} needs a machine model, and there is none here", function.name());

@@ -70,7 +70,7 @@ impl SystemTable {
         self.rows.get(index as usize).map_or("the variable", |variable| variable.name.as_str())
     }
 
-    /// Refuses indices outside what a system variable has.
+    /// Refuses indices beyond those of a system variable.
     fn check_indices(&self, index: u32, indices: &[i64]) -> Outcome<()> {
         let Some(domain) = self.domains.get(index as usize) else { return Ok(()) };
         for (given, most) in indices.iter().zip(&domain.indices) {

@@ -38,7 +38,7 @@ pub struct Expr {
     pub depth: u32,
 }
 
-/// What an expression is.
+/// Kind of an expression.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ExprKind {
     /// Number constant.

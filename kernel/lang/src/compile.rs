@@ -29,7 +29,7 @@ use crate::value::{Kind, Value};
 use rustc_hash::{FxHashMap, FxHashSet};
 use std::sync::Arc;
 
-/// What became of a source.
+/// Result of compiling a source.
 #[derive(Debug, Default)]
 pub struct Added {
     /// Macros without a header, by index, in order.
@@ -252,7 +252,7 @@ impl<'a> MacroCompiler<'a> {
         if self.code.ops.len() > MAX_CODE || self.code.registers.count > MAX_CODE {
             self.error(one.span, Number::TOO_LARGE, "this macro is too large; split it into functions");
         }
-        // With a trace every jump goes the long way, which leaves the trace instructions out of what it costs.
+        // With a trace every jump takes the long form, whose cost excludes the trace instructions.
         if self.code.statements.is_empty() {
             self.code.short.forms = fast::forms(&self.code, &self.temporaries);
         }

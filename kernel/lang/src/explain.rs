@@ -12,7 +12,7 @@ pub struct Entry {
     pub name: &'static str,
     /// How it is written.
     pub form: &'static str,
-    /// Type of what it gives, none for a statement.
+    /// Type of its result, none for a statement.
     pub result: Option<&'static str>,
     /// Its effect.
     pub about: &'static str,

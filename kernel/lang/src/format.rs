@@ -13,7 +13,7 @@ pub use read::read;
 pub use spec::{Code, Format, Piece, Register};
 pub use write::{any, write};
 
-/// What formats ask the outside: names of identifiers, and registers with their own formats.
+/// Outside data that formats need: names of identifiers, and registers with their own formats.
 pub trait Registers {
     /// Name of a code identifier.
     fn code_name(&self, code: u32) -> String;

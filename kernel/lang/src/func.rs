@@ -1,6 +1,6 @@
 //! The functions of the language.
 //!
-//! *Invariant:* a function is found by its row in one table; what it computes never depends on its name. Angles are in
+//! *Invariant:* a function is found by its row in one table; its result never depends on its name. Angles are in
 //! degrees. Facts: the function catalogue of the reference.
 
 mod convert;
@@ -23,7 +23,7 @@ use crate::value::{Kind, Value};
 use std::collections::HashMap;
 use std::sync::OnceLock;
 
-/// What a computing function may use.
+/// Data that a computing function may use.
 pub struct Context<'a> {
     /// The machine.
     pub state: &'a mut State,

@@ -1,7 +1,8 @@
-//! What a macro asks the outside, at compile time and at run time.
+//! Requests of a macro to the outside, at compile time and at run time.
 //!
-//! *Invariant:* the language reaches nothing but through these traits; calls carry indices of tables given once, never
-//! names. What a running macro asks is one trait for each concern: [`Variables`], [`Blocks`], [`Files`], [`Dialog`].
+//! *Invariant:* the language reaches the outside only through these traits; calls carry indices of tables given once,
+//! never names. The requests of a running macro are one trait for each concern: [`Variables`], [`Blocks`], [`Files`],
+//! [`Dialog`].
 
 mod blocks;
 mod dialog;

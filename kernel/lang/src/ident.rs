@@ -90,7 +90,7 @@ fn records() -> &'static [(&'static str, Record)] {
     })
 }
 
-/// What a reserved word serves.
+/// Use of a reserved word.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Reserved {
     /// The control emulator's macros.

@@ -1,7 +1,7 @@
 //! Tokens: logical lines, blanks-insensitive, both spellings.
 //!
-//! *Invariant:* lexing never fails and takes linear time; what cannot be a token becomes a diagnostic and is left out.
-//! Facts: reference macro-language.md 1.1 to 1.3.
+//! *Invariant:* lexing never fails and takes linear time; text that cannot be a token becomes a diagnostic and is left
+//! out. Facts: reference macro-language.md 1.1 to 1.3.
 
 mod scan;
 
@@ -13,7 +13,7 @@ pub const MAX_LINE: usize = 512;
 /// Longest name.
 pub const MAX_NAME: usize = 32;
 
-/// What a token is.
+/// Kind of a token.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Token {
     /// Number.

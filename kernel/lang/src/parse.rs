@@ -44,7 +44,7 @@ pub fn parse(source: &Source) -> (Vec<Macro>, Vec<Diagnostic>) {
         if line.tokens.is_empty() && line.label.is_none() {
             continue;
         }
-        // What the lexer refused would only be refused again.
+        // Text that the lexer refused would only be refused again.
         let hears = broken.is_empty()
             || !(source.line(line.span.start)..=source.line(line.span.end)).any(|n| broken.contains(&n));
         unheard.clear();

@@ -43,7 +43,7 @@ impl Source {
         Source { name: name.into(), text, starts }
     }
 
-    /// Takes any bytes; what is not UTF-8 is replaced and then refused by the lexer as a strange character.
+    /// Accepts any bytes. Bytes that are not UTF-8 are replaced and then refused by the lexer as a strange character.
     #[must_use]
     pub fn from_bytes(name: impl Into<String>, bytes: &[u8]) -> Source {
         Source::new(name, String::from_utf8_lossy(bytes))

@@ -1,4 +1,4 @@
-//! What lives from macro to macro: variables of the object, registers of macros, open units, budgets, caches.
+//! State that survives from macro to macro: variables of the object, registers of macros, open units, budgets, caches.
 //!
 //! *Invariant:* it knows values only, neither code nor host, so that hosts and functions may be handed it.
 

@@ -1,4 +1,4 @@
-//! Values of the macro language: what a variable holds and an expression yields.
+//! Values of the macro language: contents of variables and results of expressions.
 //!
 //! *Invariant:* a value is two machine words; numbers, truth values and names never allocate, texts and sequences are
 //! shared until one of them is changed. Facts: reference macro-language.md 1.2 and 1.4.
@@ -14,8 +14,8 @@ pub struct Record {
     pub subclass: i32,
 }
 
-/// Elements of a sequence. The pointer has no weak ones, so that writing an element, which has to make sure that nobody
-/// else holds them, needs no locked operation of the processor.
+/// Elements of a sequence. The pointer has no weak ones. So a write of an element, which has to ensure that it is the
+/// only owner, needs no locked operation of the processor.
 pub type Elements = triomphe::Arc<Vec<Value>>;
 
 /// One value.

@@ -38,7 +38,7 @@ pub enum End {
     Budget,
 }
 
-/// Reports what functions and commands noted.
+/// Reports the notes of functions and commands.
 fn report_notes(code: &Code, place: Span, state: &mut State, host: &mut dyn Host) {
     for fault in std::mem::take(&mut state.notes) {
         let severity = fault.number.severity().min(4);
@@ -63,7 +63,7 @@ pub fn run(
     (end, value)
 }
 
-/// Writes what open units still hold and closes them.
+/// Writes the pending output of open units and closes them.
 pub fn close_all(state: &mut State, host: &mut dyn Host) {
     units::close_all(state, host);
 }

@@ -1,4 +1,4 @@
-//! Macros that do as much as they can: every step pays for what it touches, and none keeps more than it may.
+//! Macros that do as much as they can: every step pays for the data it touches, and no macro keeps more than its limit.
 
 use counterpoint_lang::compile::{self, Options, Program};
 use counterpoint_lang::diag::Number;
@@ -121,7 +121,7 @@ fn no_macro_keeps_more_than_it_may() {
         assert_eq!(seen.end, End::Budget, "{name}: {:?}", seen.texts);
         assert!(seen.numbers.contains(&Number::MEMORY), "{name}: {:?} {:?}", seen.numbers, seen.texts);
     }
-    // What one step makes comes on top: a million elements, or their texts.
+    // The result of one step comes on top: a million elements, or their texts.
     assert!(peak().is_none_or(|bytes| bytes < 256 << 20), "{:?} bytes", peak());
 }
 

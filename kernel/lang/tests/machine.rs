@@ -83,8 +83,8 @@ fn depth_and_ticks_are_limited_through_calls() {
     assert_eq!((end, host.output.printed.len()), (End::Budget, 0));
 }
 
-/// The visible results of a run: its end, what it printed and reported, and the steps that it cost.
-/// The budget ends at the same statement, whichever it is.
+/// The visible results of a run: its end, its printed lines and reports, and the steps that it cost. Any budget ends at
+/// the same statement.
 #[test]
 fn a_trace_costs_no_steps() {
     let text = "MACRO/F(X)\nF=X\nWHILE/F.GT.3\nF=F-1\nENDOF/WHILE\nENDMAC\n\

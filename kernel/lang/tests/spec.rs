@@ -1,4 +1,5 @@
-//! The pages of `tests/spec/lang`: what macros do. One test an example; `tests/spec/README.md` says what the fences mean.
+//! The pages of `tests/spec/lang`: behaviour of macros. One test per example; `tests/spec/README.md` describes the
+//! fences.
 //!
 //! Beside them: formatting keeps the meaning of every example, and everything that the language has is in one.
 
@@ -175,7 +176,7 @@ fn check(example: &Example, check: &mut Check<'_>) {
     }
 }
 
-/// Both styles are stable, and what the macro does stays the same.
+/// Both styles are stable, and the effect of the macro stays the same.
 fn formatted(example: &Example) -> Result<(), String> {
     let text = example.text("macro");
     for style in [Style::Standard, Style::C] {
@@ -207,7 +208,7 @@ fn main() -> ExitCode {
 const FORMATS: &str = "!! ^^ ^ !(* !(A !(a !(M !(m !(R !(r !(L !(l !(T !(t !(X1) !(s5) !(2.9) !(s34) !(34s) !(s9f9s) !(e !(+ \
                        !(F !(V !(s9:2) !(e3:2:2) !(@X) !(#X) !(@1 !(#1 !@X !#X";
 
-/// Operators in both spellings, and what else expressions are made of.
+/// Operators in both spellings, and the other parts of expressions.
 const SIGNS: &str = "** * / + - // .EQ. == .NE. != .GT. > .LT. < .GE. >= .LE. <= .NOT. ! .AND. && .OR. || .XOR. ^^ \
                      += -= *= /= { %L0 %G %ON $P # CODE_ REG_ DATA_ (2:) (:2) THRU OTHERS $NULL $PI $TRUE $FALSE .TRUE. .FALSE.";
 

@@ -1,4 +1,4 @@
-//! What a machine makes of diagnostics: severity, text, whether the channel stops.
+//! A machine's rules for diagnostics: severity, text, whether the channel stops.
 //!
 //! Facts: reference control-emulator.md 7.5.
 
@@ -6,13 +6,13 @@ use counterpoint_fault::Facts;
 
 use crate::model::{DiagnosticRule, Diagnostics, Machine};
 
-/// The machine's own text for what the kernel says.
+/// The machine's own text in place of the kernel's text.
 const ORIGINAL: &str = "!(*)";
 
 /// Severity of alarms.
 const ALARM: u8 = 8;
 
-/// Severity by the machine's rule: its own, at least that of alarms for what is one on this control.
+/// Severity by the machine's rule: its own, and at least that of alarms for an alarm of this control.
 fn severity_of(rule: Option<&DiagnosticRule>, severity: u8) -> u8 {
     let least = if rule.is_some_and(|rule| rule.alarm) { ALARM } else { 0 };
     rule.and_then(|rule| rule.severity).unwrap_or(severity.max(least))

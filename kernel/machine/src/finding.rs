@@ -1,8 +1,8 @@
-//! What a check of a machine or a job found wrong.
+//! Findings of a check of a machine or a job.
 
 use std::fmt;
 
-/// One mistake, with the place and what was expected.
+/// One mistake, with the place and the expected content.
 #[derive(Debug, Clone, PartialEq, Eq, serde::Serialize)]
 pub struct Finding {
     /// `true` = cannot be used; `false` = a warning.

@@ -1,4 +1,4 @@
-//! How a control does what its words leave open: answers of the questionnaire that are neither words nor formats.
+//! Behaviour of a control that its words leave open: answers of the questionnaire that are neither words nor formats.
 //!
 //! Facts: reference control-emulator.md 1.5. Invariant: a machine that says nothing has the habits it would have without
 //! the section.
@@ -55,7 +55,7 @@ pub struct Habits {
     /// Codes, addresses and statements that nothing knows are alarms of the control; otherwise they are diagnosed and the
     /// rest of the block acts.
     pub unknown_alarms: bool,
-    /// What is an alarm of a real control stops the channel; otherwise the rest of the block is dropped and the program
+    /// An alarm of the real control stops the channel; otherwise the rest of the block is dropped and the program
     /// continues.
     pub stops: bool,
     /// Whether a position of the machine frame is reached at rapid under any motion code.

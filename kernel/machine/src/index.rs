@@ -1,8 +1,8 @@
 //! Positions in the tables of a machine, and tables that such a position cannot miss.
 //!
-//! Invariant: an id is made by the table that it is a position of, or by the list of built-in identifiers, and tables are
-//! never shortened; so every table made for the same rows has an entry for it, and indexing with it cannot fail. What is
-//! only a number (of the program, or of a macro) becomes an id through [`Table::id`], which may say no.
+//! Invariant: an id is made by the table that it is a position of, or by the list of built-in identifiers, and tables
+//! are never shortened. So every table made for the same rows has an entry for it, and indexing with it cannot fail. A
+//! plain number (of the program, or of a macro) becomes an id through [`Table::id`], which may return none.
 
 use std::marker::PhantomData;
 use std::ops::{Index, IndexMut};
@@ -68,9 +68,9 @@ pub const REGISTERS: usize = 100;
 const WORD: usize = 1 << u16::BITS;
 
 ids! {
-    /// A code identifier: what fires an action.
+    /// A code identifier, which fires an action.
     CodeId(u16) < WORD;
-    /// A data identifier: what supplies a value to an action.
+    /// A data identifier, which supplies a value to an action.
     DataId(u16) < WORD;
     /// A row of the code table.
     CodeRowId(u16) < WORD;
@@ -184,8 +184,8 @@ impl<I: Id, T> IndexMut<I> for Table<I, T> {
     }
 }
 
-/// What a channel has for each of its axes, with a place for the most that there can be. A position is one; it is a plain
-/// array because events carry it.
+/// Data that a channel has for each of its axes, with places for the maximum number of axes. A position is one; it is a
+/// plain array because events carry it.
 pub trait BySlot<T> {
     /// The value of an axis.
     fn at(&self, slot: AxisSlot) -> T;

@@ -1,4 +1,4 @@
-//! Machine definitions: what a control does, as data.
+//! Machine definitions: the behaviour of a control, as data.
 //!
 //! Facts: reference control-emulator.md 1 and channel-synchronisation.md 1; the file form is this project's own
 //! and documented in docs/machine-definition.md. Invariant: a [`Machine`] that exists has been checked; the block

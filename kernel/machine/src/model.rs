@@ -40,7 +40,7 @@ pub struct Machine {
     pub file: String,
     /// Author, free text.
     pub author: String,
-    /// One line on what the machine is.
+    /// One line that describes the machine.
     pub description: String,
     /// Primary unit of length; positions in events are in this unit.
     pub unit: Unit,
@@ -110,7 +110,7 @@ pub struct Machine {
     pub diagnostics: Diagnostics,
     /// Files stored with the machine, `//ICAMFS/…`, sorted by path.
     pub storage: Vec<StoredFile>,
-    /// What a composite machine is made of; empty for any other.
+    /// Components of a composite machine; empty for any other machine.
     pub components: Vec<Component>,
     /// Dense lookups compiled from the rows.
     pub tables: Tables,
@@ -256,7 +256,7 @@ pub struct Axis {
     pub turn: Turn,
     /// Channels exchange it; this one has it at the start.
     pub master: Option<u16>,
-    /// How codes that couple axes of channels name it and what it does when coupled.
+    /// The name of the axis in codes that couple axes of channels, and its behaviour when coupled.
     pub coupling: AxisCoupling,
 }
 
@@ -382,7 +382,7 @@ impl Machine {
         position
     }
 
-    /// What the compiler of macros knows of the machine while a program runs: nothing is included then.
+    /// Data of the machine for the compiler of macros while a program runs: nothing is included then.
     #[must_use]
     pub fn macro_environment(&self) -> MachineEnvironment<'_> {
         MachineEnvironment { codes: &self.code_names, data: &self.data_names, files: None, stored: &self.storage }

@@ -1,7 +1,7 @@
 //! A number in the written form of a register.
 //!
-//! Invariant: what is written here is read back by the scanner as the same value, to the digits of the format. Facts:
-//! reference control-emulator.md 1.4.
+//! Invariant: the scanner reads a written number back as the same value, to the digits of the format. Facts: reference
+//! control-emulator.md 1.4.
 
 use super::rows::{NumberFormat, Point, Zeros};
 

@@ -1,7 +1,7 @@
 //! Machines shipped with the project, and a user's machines over them.
 //!
-//! Invariant: what a user's view holds wins over what is shipped, file by file, so a user's machine may extend a
-//! shipped family and may also replace one.
+//! Invariant: a user's view overrides shipped files one by one, so a user's machine may extend a shipped family and may
+//! also replace one.
 
 use std::sync::LazyLock;
 

@@ -1,10 +1,10 @@
 //! Pre-processors that a machine definition can name.
 //!
-//! Facts: reference control-emulator.md 1.1, 5.4. What a pre-processor does is not known here: a [`Preprocessor`] is a
-//! row of a table, and above this module another table has the pre-processors themselves by name. *Invariant:* a
-//! [`Preprocessor`] is always a row of the table.
+//! Facts: reference control-emulator.md 1.1, 5.4. The behaviour of a pre-processor is not known here: a
+//! [`Preprocessor`] is a row of a table, and above this module another table has the pre-processors themselves by name.
+//! *Invariant:* a [`Preprocessor`] is always a row of the table.
 
-/// What a machine definition depends on.
+/// Properties of a pre-processor on which machine definitions depend.
 #[derive(Debug)]
 pub struct Row {
     /// Name in machine definitions.

@@ -1,5 +1,5 @@
-//! Blocks that a control refuses with an alarm of its own: what may not be on one block, what is missing, what is out
-//! of range, what is not allowed while something else is active.
+//! Blocks that a control refuses with an alarm of its own: words that cannot be in one block, missing words, values out
+//! of range, words that an active state forbids.
 //!
 //! Facts: reference fanuc-variables-and-alarms.md 3. Invariant: a row has a code or a register that it looks for, so a
 //! block that has neither costs nothing.
@@ -67,7 +67,7 @@ pub struct Active {
     pub id: CodeId,
 }
 
-/// What a word should be; the rule refuses a block whose word is not.
+/// Requirement for a word; the rule refuses a block whose word does not meet it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct WordRule {
     /// Index into the registers.

@@ -99,7 +99,7 @@ pub enum Zeros {
 /// The actions that the seconds of a code or a spindle run in parallel with.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum Overlap {
-    /// Nothing: what follows waits.
+    /// Nothing: the following blocks wait.
     #[default]
     None,
     /// The rest of their block.

@@ -1,6 +1,6 @@
 //! A machine as text for people and as JSON for programs.
 //!
-//! Invariant: both are made from the checked machine alone, so they show what the control will do, families and
+//! Invariant: both are made from the checked machine alone, so they show the behaviour of the control, families and
 //! defaults included.
 
 mod components;

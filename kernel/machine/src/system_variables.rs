@@ -136,7 +136,7 @@ pub struct SystemVariables {
 pub struct Lookup {
     /// Place of the row plus one by number.
     dense: Vec<u8>,
-    /// First and last number and row of what lies above, ascending.
+    /// First and last number and row of the numbers above, ascending.
     far: Vec<(u32, u32, u8)>,
 }
 

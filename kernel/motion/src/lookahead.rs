@@ -4,8 +4,8 @@
 //! timed when enough later ones are known ([`LookAhead::new`]), or when the path is known to stop after the last one. Speeds
 //! change at the acceleration of each piece (trapezoids, reference channel-synchronisation.md 3).
 //!
-//! *Invariants:* the path can always stop at the end of what is known; a piece takes never less time than at its largest speed;
-//! nothing is allocated once the queue has had its largest length.
+//! *Invariants:* the path can always stop at the end of the known pieces; a piece never takes less time than at its
+//! largest speed; nothing is allocated once the queue has had its largest length.
 
 use std::collections::VecDeque;
 
@@ -84,7 +84,7 @@ impl Profile {
 #[derive(Debug, Clone, Copy)]
 struct Planned {
     piece: Piece,
-    /// Largest squared speed at its start from which the path can stop at the end of what is known.
+    /// Largest squared speed at its start from which the path can stop at the end of the known pieces.
     entry: f64,
 }
 

@@ -1,5 +1,5 @@
-//! The control handle of a running job: cancel, live progress, who answers dialogs, what the job has used and reached, and
-//! the test hook that disturbs scheduling.
+//! The control handle of a running job: cancel, live progress, the source of answers to dialogs, the resources that the
+//! job has used and reached, and the test hook that disturbs scheduling.
 
 use std::sync::atomic::{AtomicI64, AtomicU8, AtomicU32, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};

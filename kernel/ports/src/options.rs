@@ -35,7 +35,7 @@ pub struct Options {
     /// Nothing is executed: the programs are only judged by their waits, calls and jumps.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub lint: bool,
-    /// What follows when two channels reach one shared variable in an order that only timing decides.
+    /// Reaction when two channels access one shared variable in an order that only timing decides.
     #[serde(skip_serializing_if = "Races::is_off")]
     pub races: Races,
     /// Numbers of warnings and messages that are not reported; alarms and errors stay.
@@ -91,8 +91,8 @@ impl Races {
     }
 }
 
-/// Limits of one job. Reaching one ends the run with a verdict of kind `LIMIT`; what a job asks for beyond
-/// [`Limits::MOST`] counts as that.
+/// Limits of one job. Reaching one ends the run with a verdict of kind `LIMIT`; a request beyond [`Limits::MOST`]
+/// counts as that maximum.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Limits {

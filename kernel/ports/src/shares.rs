@@ -4,7 +4,7 @@ use counterpoint_event::info::Room;
 
 use crate::options::Limits;
 
-/// How the memory of a job is divided: a quarter is for what all kernels share, the rest for the kernels in equal
+/// Division of the memory of a job: a quarter is for data that all kernels share, the rest for the kernels in equal
 /// parts; of such a part, two thirds are for the values of macros. Results are made coarser so that they take no more
 /// than their part of the rest, for any program.
 #[derive(Debug, Clone, Copy)]

@@ -1,6 +1,6 @@
 //! The activity of a channel, for watchers and for stepping.
 
-/// What a channel does right now.
+/// Current activity of a channel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[repr(u8)]
 pub enum State {

@@ -1,8 +1,8 @@
 //! Stepping through a job: the commands of its operator, and the answers.
 //!
-//! Two sides: a [`Console`] is where commands come from (a terminal, a stream of the server); a [`Stepper`] is what a kernel asks
-//! before a block, at a wait and after a write. Invariant: neither changes what a kernel does next, only when; a reset is the only
-//! command that changes the log.
+//! Two sides: a [`Console`] is the source of commands (a terminal, a stream of the server); a kernel asks a [`Stepper`]
+//! before a block, at a wait and after a write. Invariant: neither changes the next action of a kernel, only its time;
+//! a reset is the only command that changes the log.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -149,7 +149,7 @@ pub struct ChannelReport {
     pub words: Vec<(char, f64)>,
 }
 
-/// What a kernel tells about itself.
+/// Information that a kernel gives about itself.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Seen {
     /// Its channel.
@@ -168,7 +168,7 @@ pub struct Seen {
     pub words: Vec<(char, f64)>,
 }
 
-/// What a kernel has come to within a block.
+/// An event that a kernel has reached within a block.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Event<'e> {
     /// It comes to a wait.
@@ -208,7 +208,7 @@ pub trait Stepper: Sync {
     fn goes(&self, channel: u16) -> Go;
 }
 
-/// What a console gives.
+/// Input from a console.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Heard {
     /// A command.

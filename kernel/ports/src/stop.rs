@@ -12,9 +12,9 @@ const STEPPED: u8 = 2;
 /// The job lets others have the processor.
 const SUSPENDED: u8 = 4;
 
-/// The request that a job ends. It may exist before the job does, and whatever takes long for the job looks at it. Kernels look
-/// at it before every block, so a job that somebody steps through is marked here, too, and one that is suspended: others pay
-/// nothing for that. *Invariant:* the end goes before everything: nobody waits who is to end.
+/// The request that a job ends. It may exist before the job does, and all long work for the job checks it. Kernels
+/// check it before every block. So a stepped job and a suspended job are also marked here, at no cost for other jobs.
+/// *Invariant:* the end takes precedence: a kernel that is to end never waits.
 #[derive(Debug, Clone, Default)]
 pub struct Stop(Arc<Wishes>);
 

@@ -1,7 +1,7 @@
 //! Commands of the operating system that macros start, where the owner of the server allows it.
 //!
-//! The kernel starts nothing itself: it hands out the files of the job and takes back what the command has made of them.
-//! What a command does is beyond the promise that the same job gives the same log.
+//! The kernel starts nothing itself: it hands out the files of the job and takes them back as the command has changed
+//! them. The effect of a command is outside the promise that the same job gives the same log.
 
 use bytes::Bytes;
 

@@ -93,7 +93,7 @@ pub enum ContourEnd {
 /// Properties of a block as a whole.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct BlockFlags {
-    /// Irregularities of its text besides what is unrecognised, bit by bit.
+    /// Irregularities of its text except unrecognised text, bit by bit.
     pub irregular: u8,
     /// This block's positions are in the machine frame.
     pub machine_frame: bool,
@@ -107,7 +107,7 @@ pub struct BlockFlags {
     pub paired: bool,
     /// One of its codes is swallowed or changes the length of the tool.
     pub special: bool,
-    /// The axis moves by the change of the frame that is being made: a change of the length of the tool.
+    /// The axis moves by the current change of the frame: a change of the tool length.
     pub travels: bool,
     /// Whether a later motion code has removed its cycle.
     pub cycle_dropped: bool,
@@ -194,7 +194,7 @@ impl Block {
         self.words.push(word);
     }
 
-    /// Adds text that is not a word; what lies between such texts becomes part of one when there are very many.
+    /// Adds text that is not a word. When there are very many such texts, the text between them becomes part of one.
     pub fn push_unrecognised(&mut self, (start, end): (u32, u32)) {
         let many = self.unrecognised.len() >= MOST_WORDS;
         match self.unrecognised.last_mut() {

@@ -36,7 +36,7 @@ pub struct Formulas {
     pub digits_of_numbers: bool,
 }
 
-/// What a machine has besides words of one letter.
+/// Properties of a machine besides words of one letter.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Names<'a> {
     /// Literal texts that look like words, and special registers.

@@ -31,7 +31,7 @@ use counterpoint_ports::files::Files;
 /// Characters that the user's parameters of a job may have.
 const MOST_PARAMETERS: usize = 1000;
 
-/// Assigns the programs of a job. When `stop` is asked for meanwhile, what comes out is of no use.
+/// Assigns the programs of a job. When `stop` is requested meanwhile, the result is of no use.
 pub fn assign(
     spec: &Spec,
     syntax: impl Fn(&Machine) -> &'static Syntax,

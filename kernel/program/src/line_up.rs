@@ -1,7 +1,8 @@
 //! Words of Mitsubishi and Citizen at which systems line up: `!2L1`, `!12L1`, `!1!2L1`, `!L1`, `!2`.
 //!
-//! Facts: reference channel-synchronisation.md 1.6. Decision: a number without L is the list of systems, and the label 0, when
-//! the machine has each of them; otherwise it is the label. *Invariant:* one look at the text finds what the scanner finds.
+//! Facts: reference channel-synchronisation.md 1.6. Decision: a number without L is the list of systems, and the label
+//! 0, when the machine has each of them; otherwise it is the label. *Invariant:* one pass over the text finds the same
+//! as the scanner.
 
 /// A word at which systems line up, as written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

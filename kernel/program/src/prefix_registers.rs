@@ -1,5 +1,5 @@
-//! What the scanner looks for before it reads a word by its letter: special registers, second names of more than a
-//! letter, and texts that look like words.
+//! Texts that the scanner searches for before it reads a word by its letter: special registers, second names of more
+//! than a letter, and texts that look like words.
 //!
 //! Facts: reference control-emulator.md 1.2 (ALT string), 1.4 (special registers). Lines with expressions look for the
 //! same (`dialect`). Invariant: longer texts are tried
@@ -41,7 +41,7 @@ pub struct PrefixRegister {
     pub names: bool,
 }
 
-/// What a value at a place begins with, blanks and signs left out.
+/// First character of a value at a place, without blanks and signs.
 fn first_of_value(line: &[u8], at: usize) -> Option<u8> {
     line.get(at..)?.iter().copied().find(|byte| !b" \t+-".contains(byte))
 }
@@ -64,7 +64,7 @@ impl PrefixRegister {
 }
 
 impl LiteralFirst {
-    /// What a machine has of them.
+    /// The prefix registers of a machine, if it has any.
     pub fn new(machine: &Machine) -> Option<Box<Self>> {
         let mut registers = Vec::new();
         for (register, definition) in machine.registers.entries() {

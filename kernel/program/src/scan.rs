@@ -20,7 +20,7 @@ use counterpoint_machine::index::{CodeRowId, RegisterId, Table};
 use counterpoint_machine::rows::{CodeForm, Register};
 use numbers::{Read, parse_digits, parse_number};
 
-/// What a line turned out to be.
+/// Result of scanning a line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Kind {
     /// Plain words, now in the block.
@@ -314,7 +314,7 @@ impl Scanner {
         parse_number(line, at + blanks).is_some_and(|(_, end)| goes_on_as_sum(line, end))
     }
 
-    /// Value of a number as a register reads it, and what is irregular about it ([`irregular`]).
+    /// Value of a number as a register reads it, and its irregularities ([`irregular`]).
     #[inline(always)]
     pub fn reading(&self, register: RegisterId, number: Number, secondary: bool) -> (f64, u8) {
         self.read(register, secondary).value(number)

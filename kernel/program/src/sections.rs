@@ -1,4 +1,4 @@
-//! Stretches of a file that belong to channels: they alternate, and what belongs to one channel is one program.
+//! Sections of a file that belong to channels: they alternate, and all sections of one channel are one program.
 //!
 //! Facts: reference channel-synchronisation.md 1.5 (`G13`, `G14`), 1.6 (`$1`, `$2`, `$0` for data of all); control-emulator.md
 //! 1.5 (Output Format #9, HEAD #10), 8.1. Decisions: with codes of heads the main program of the file is divided, text before
@@ -44,7 +44,7 @@ fn divide(machine: &Machine, source: &Source) -> Vec<Section> {
     }
 }
 
-/// What each channel of a divided file sees of it.
+/// The view that each channel has of a divided file.
 fn views(source: &Source, sections: &[Section]) -> Vec<(u16, Arc<Source>)> {
     let mut channels: Vec<u16> = sections.iter().map(|section| section.channel).filter(|&c| c > 0).collect();
     channels.sort_unstable();

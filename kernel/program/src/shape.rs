@@ -53,7 +53,7 @@ impl Shape {
         Self { names: true, ..Self::default() }
     }
 
-    /// As a machine reads its programs, with what its pre-processor makes of them.
+    /// The syntax with which a machine reads its programs, including that of its pre-processor.
     #[must_use]
     pub fn of(machine: &Machine, syntax: &'static Syntax) -> Self {
         let format = &machine.format;

@@ -36,13 +36,13 @@ pub struct Source {
     sequences: OnceLock<FxHashMap<u32, Vec<Spot>>>,
     /// Whether a byte comes up in the text, by byte: [`UNKNOWN`] until it is asked for.
     has: [AtomicU8; 256],
-    /// What one tape editor has found out about the whole text, and its number.
+    /// Findings of one tape editor about the whole text, and its number.
     tape: OnceLock<(u64, Rules)>,
     /// Labels at which systems line up, ascending.
     labels: OnceLock<Vec<u32>>,
     /// Stretches that belong to channels, in order.
     sections: Vec<Section>,
-    /// What each channel sees of a file that has such stretches.
+    /// Views that the channels have of a file with such sections.
     views: Vec<(u16, Arc<Source>)>,
 }
 
@@ -59,8 +59,8 @@ impl Source {
         self.shape.syntax()
     }
 
-    /// A file as a machine tells its programs apart. When `stop` is asked for, what is
-    /// looked for in the text ends where it is: nothing may be made of that any more.
+    /// A file as a machine tells its programs apart. When `stop` is requested, searches in the text end where they are;
+    /// their result must not be used any more.
     #[must_use]
     pub fn shaped(name: impl Into<String>, bytes: Bytes, shape: Arc<Shape>, stop: Stop) -> Self {
         let text = Arc::new(Text::new(bytes, || stop.asked()));
@@ -70,7 +70,7 @@ impl Source {
         Self { name: name.into(), text, shape, stop, programs, sequences, has, tape, labels, sections, views }
     }
 
-    /// The same file with the stretches that belong to channels, and what each channel sees of it.
+    /// The same file with the sections that belong to channels, and the view of each channel.
     pub(super) fn divided(self, sections: Vec<Section>, views: Vec<(u16, Arc<Self>)>) -> Self {
         Self { sections, views, ..self }
     }
@@ -175,7 +175,7 @@ impl Source {
         self.programs().iter().filter(|range| range.number.is_none()).find(is).copied()
     }
 
-    /// A program has no definition: it is the text of the file, or what stands before the first definition.
+    /// A program without a definition: the text of the file, or the part before the first definition.
     #[must_use]
     pub fn is_plain(&self, range: Range) -> bool {
         range.number.is_none() && self.name_at(range.first).is_none()

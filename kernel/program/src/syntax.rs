@@ -1,5 +1,5 @@
-//! What the pre-processor of a control makes of program text, as data: which programs and names there are in a file, and
-//! which blocks are not plain words.
+//! Treatment of program text by the pre-processor of a control, as data: the programs and names in a file, and the
+//! blocks that are not plain words.
 //!
 //! The search for programs and the scanner ask this and know no pre-processor. Facts: reference control-emulator.md 5.4,
 //! 5.7. *Invariant:* nothing here depends on the machine, only on its pre-processor.
@@ -23,7 +23,7 @@ pub struct Syntax {
     /// Whether a block is more than plain words: a quick look at the text. For pre-processors whose statements are blocks
     /// of their own.
     pub needs_interpreter: Option<fn(&[u8]) -> bool>,
-    /// A name of two letters or more that nothing knows remains one piece of text, with what is in its brackets.
+    /// An unknown name of two letters or more remains one piece of text, with the contents of its brackets.
     pub keeps_names: bool,
 }
 

@@ -1,9 +1,9 @@
 //! The tape editor: rules that change the text of a block as it was read, before anything else looks at it.
 //!
-//! Facts: reference control-emulator.md 5.2. Invariants: every rule that is on is applied once, to its first match, in
-//! list order, each to what the rules before it left; a rule of words (`visible`) sees neither comments nor quoted texts
-//! and cuts no name in two; a block that no rule matches costs one search for the texts that
-//! the rules need, and no memory; a file in which none of these texts comes up costs one search in all.
+//! Facts: reference control-emulator.md 5.2. Invariants: every active rule is applied once, to its first match, in list
+//! order, each to the result of the rules before it. A rule of words (`visible`) sees neither comments nor quoted texts
+//! and cuts no name in two. A block that no rule matches costs one search for the texts that the rules need, and no
+//! memory. A file in which none of these texts occurs costs one search in all.
 
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 
@@ -64,7 +64,7 @@ struct Candidates {
     unsure: bool,
 }
 
-/// What holds for the rules while they are applied.
+/// State of the rules while they are applied.
 #[derive(Debug)]
 pub struct Within<'a> {
     /// Rules that are on.
@@ -75,7 +75,7 @@ pub struct Within<'a> {
     pub stop: &'a Stop,
 }
 
-/// What became of a block.
+/// Result of editing a block.
 #[derive(Debug, Default, PartialEq, Eq)]
 pub struct Edited {
     /// New text, `None` when nothing matched.
@@ -209,7 +209,7 @@ impl Tape {
                         changed += now.get(..start).unwrap_or_default();
                         changed += &filled;
                         changed += now.get(end..).unwrap_or_default();
-                        // What the rules to come need is looked for when it is their turn.
+                        // The texts of later rules are searched for when it is their turn.
                         (rules, unsure) = (self.every, true);
                         text = Some(changed);
                     }
@@ -281,7 +281,7 @@ mod tests {
         let mut off = on;
         off.set(0, false);
         assert!(own.leaves_alone(&source("G0 X1\nSPOS=3\n"), &off));
-        // What one tape editor has found says nothing to another one; a rule without a text of its own is always tried.
+        // The findings of one tape editor do not apply to another; a rule without a text of its own is always tried.
         let other = tape(&[("WAITM", "")]);
         let shared = source("WAITM\n");
         assert!(own.leaves_alone(&shared, &on));

@@ -1,5 +1,5 @@
-//! What decides the cycle time of a job: who costs whom how much, the chain of work that ends last, and what would be
-//! gained elsewhere.
+//! Causes of the cycle time of a job: the cost of each channel for the others, the chain of work that ends last, and
+//! possible savings elsewhere.
 //!
 //! Everything is computed from when channels arrived at sync points, when they continued, and who let them continue, as
 //! the summary has it. The work between is fixed; a wait ends when its partner comes, acts or ends. If a channel that
@@ -40,7 +40,7 @@ pub struct Analysis {
 /// Two accesses that race: the variable, and by channel the line.
 pub type Race = (Arc<str>, BTreeMap<u16, u32>);
 
-/// What a channel that is faster saves.
+/// Saving by a faster channel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 pub struct WhatIf {
     /// Channel.
@@ -198,8 +198,8 @@ fn redundant(waits: &[SyncPoint]) -> Vec<Arc<str>> {
 }
 
 impl WhatIf {
-    /// What it saves if the work of a channel takes `faster_ns` less in all, every part of it in proportion; none if there is
-    /// no such channel or it has not that much work.
+    /// The saving if the work of a channel takes `faster_ns` less in all, every part of it in proportion; none if there
+    /// is no such channel or it has less work than that.
     #[must_use]
     pub fn of(ends: &[(u16, i64)], waits: &[SyncPoint], channel: u16, faster_ns: i64) -> Option<Self> {
         let &(_, end_ns) = ends.iter().find(|(known, _)| *known == channel)?;

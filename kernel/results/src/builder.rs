@@ -1,8 +1,8 @@
 //! All results of a job in one pass over its events.
 //!
-//! Two ways lead to the same results: the ordered log, event by event ([`ResultsBuilder::event`]), or the stream of every
-//! channel into the results of that channel, on the thread of its kernel. A run goes the second way, what is made again from a
-//! stored log the first.
+//! Two ways lead to the same results: the ordered log, event by event ([`ResultsBuilder::event`]), or the stream of
+//! every channel into the results of that channel, on the thread of its kernel. A run goes the second way; results from
+//! a stored log go the first.
 
 use std::sync::Arc;
 

@@ -4,12 +4,12 @@
 //! channels make equal logs. Each channel is BLAKE3 over a canonical binary form of its events; the digest of the log
 //! is BLAKE3 over the number and the fingerprint of every channel that has events, the master (0) first.
 //!
-//! The form is made of little-endian words. Each event begins with one word: kind, flags of what is as expected and left
-//! out, axes that change, and how many blocks went before that were as expected (the next line of the file, counted
-//! on, at the time where the event before ended). `-0.0` counts as `0.0`, texts and lists carry their length (u32),
-//! kinds and words their number on the wire, counted from 0. A motion says which axes of its start differ from where the
-//! last motion ended and which of its end differ from its start, and gives only those. *Invariant:* every field of every
-//! event can be read from the form; numbers already given to a kind or a state never change.
+//! The form consists of little-endian words. Each event starts with one word: kind, flags of expected fields, which are
+//! omitted, axes that change, and the number of expected blocks before it (the next line of the file, counted on, at
+//! the time where the event before ended). `-0.0` counts as `0.0`, texts and lists carry their length (u32), kinds and
+//! words their number on the wire, counted from 0. A motion gives the axes whose start differs from the end of the last
+//! motion and those whose end differs from the start, and only those. *Invariant:* every field of every event can be
+//! read from the form; numbers already given to a kind or a state never change.
 
 mod form;
 
@@ -33,7 +33,7 @@ pub struct Digest {
 
 type Scratch = [u64; MOST];
 
-/// The canonical form and what it leans on.
+/// The canonical form and the state that it depends on.
 #[derive(Debug, Default)]
 struct Form {
     out: Vec<u8>,
@@ -291,7 +291,7 @@ impl Form {
         from | to << 8
     }
 
-    /// Writes what is only counted so far.
+    /// Writes the blocks that are only counted so far.
     fn close(&mut self) {
         if self.blocks > 0 {
             let word = u64::from(ONLY_BLOCKS) | u64::from(self.blocks) << 32;

@@ -86,7 +86,7 @@ impl Fields for Object<'_> {
 }
 
 impl Object<'_> {
-    /// `"name":` after what there is; names are plain ASCII of this project.
+    /// Appends `"name":`; names are plain ASCII of this project.
     fn name(&mut self, name: &str) {
         self.out.extend_from_slice(if std::mem::take(&mut self.first) { b"\"" } else { b",\"" });
         self.out.extend_from_slice(name.as_bytes());
@@ -161,7 +161,7 @@ fn float(out: &mut Vec<u8>, number: f64) {
     }
 }
 
-/// Writes by the rules of `serde_json`: escapes, shortest floats, `null` for what is not finite.
+/// Writes by the rules of `serde_json`: escapes, shortest floats, `null` for numbers that are not finite.
 fn serial<T: serde::Serialize + ?Sized>(out: &mut Vec<u8>, value: &T) {
     let start = out.len();
     if serde_json::to_writer(&mut *out, value).is_err() {

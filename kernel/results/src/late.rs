@@ -8,7 +8,7 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 type Source<T> = Box<dyn FnOnce() -> T + Send>;
 
-/// What is made at the first look.
+/// A value that is made at the first access.
 pub struct Late<T>(Arc<LazyLock<T, Source<T>>>);
 
 impl<T> Late<T> {

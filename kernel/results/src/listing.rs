@@ -90,7 +90,8 @@ pub fn render_trace(
     out.flush()
 }
 
-/// What the macros of the master kernel show, in every listing as its diagnostics; it switches none of them off.
+/// Output of the macros of the master kernel: in every listing, as its diagnostics are; no listing is switched off by
+/// it.
 fn of_master(event: &Event) -> bool {
     event.channel == 0
         && match event.kind {

@@ -1,4 +1,4 @@
-//! When which tool of a channel was in work, and on what.
+//! Periods of use of the tools of a channel, and their work.
 //!
 //! The operation is the comment of the block that loads the tool, or of a line of comment next to it: that is where
 //! people and CAM systems write it. A tool with a name goes by that: its name in the machine's table, else the name by

@@ -130,7 +130,7 @@ pub(crate) struct SyncPoints {
     ended: Vec<(u16, Vec<Stay>)>,
     /// Stays without an end.
     open: Vec<(u16, Stay)>,
-    /// Of a log that was cut: what became of those that have ended.
+    /// For a log that was cut: the fate of the channels that have ended.
     met: Vec<Met>,
 }
 

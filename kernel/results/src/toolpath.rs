@@ -76,7 +76,7 @@ impl View {
 pub struct Toolpath {
     /// `mm` or `inch`.
     pub unit: &'static str,
-    /// How it is seen, and what the coordinates are.
+    /// The view, and the meaning of the coordinates.
     pub view: View,
     /// Channels with a program, ascending.
     pub channels: Vec<Channel>,

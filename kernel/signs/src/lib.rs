@@ -35,7 +35,7 @@ pub struct Signs {
     pub waits: Rows,
     /// Marks of controls that no machine has, by the name of the control.
     pub elsewhere: Vec<(String, Rows)>,
-    /// What the machine is, each with its signs: `milling`, `turning`, `five axes`.
+    /// Traits of the machine, each with its signs: `milling`, `turning`, `five axes`.
     pub traits: Vec<(String, Rows)>,
 }
 

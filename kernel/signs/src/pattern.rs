@@ -65,7 +65,7 @@ enum Value {
 }
 
 impl Pattern {
-    /// Reads a pattern; says what is wrong with it.
+    /// Reads a pattern, or reports the error in it.
     ///
     /// # Errors
     ///
@@ -187,7 +187,7 @@ impl Value {
 }
 
 impl Part {
-    /// How a line shows what is meant, for people; `ends` counts the blocks that end with a semicolon.
+    /// The sign in a line, in a form for people; `ends` counts the blocks that end with a semicolon.
     pub(crate) fn in_block(&self, block: &Block, ends: u32) -> Option<String> {
         match self {
             Self::Words(words) => words.in_block(block),
@@ -237,7 +237,7 @@ impl Alternatives {
     }
 }
 
-/// What a line is called: the text that the form gives, or the line itself where the form has places in the middle.
+/// Name of a line: the text that the form gives, or the line itself where the form has places in the middle.
 fn named(form: &str, line: &str) -> String {
     const LONGEST: usize = 24;
     let literal = form.trim_end_matches('*');

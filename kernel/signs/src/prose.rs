@@ -11,7 +11,7 @@ const STATEMENTS: &[&str] = &[
 /// Operators between values.
 const OPERATORS: &[&str] = &["AND", "OR", "XOR", "MOD", "EQ", "NE", "GT", "LT", "GE", "LE"];
 
-/// Lines of programs by what they are.
+/// Lines of programs by their kind.
 #[derive(Debug, Default)]
 pub(crate) struct Lines {
     blocks: usize,

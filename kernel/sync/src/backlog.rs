@@ -271,7 +271,7 @@ mod tests {
         let chunk = backlog.share(&mut full, 3);
         assert_eq!((chunk.len(), chunk.capacity(), full.len(), full.capacity()), (3, 3, 512, 512));
         assert_eq!((chunk[2].t_ns, full[2].t_ns, full[3].t_ns), (3, 0, 4));
-        // What has little room is kept for a few events only.
+        // A chunk with little room keeps only a few events.
         backlog.return_chunk(chunk);
         assert!(backlog.spare.is_empty());
         let chunk = backlog.share(&mut full, 2);

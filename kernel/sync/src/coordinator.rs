@@ -1,8 +1,9 @@
 //! The threads and coroutines of a job's kernels, brought into the order of their shared operations.
 //!
-//! What may happen next is the business of [`Order`]; here it is put behind one lock, running kernels publish how far they
-//! have come without taking it, and those that wait are put to sleep and woken. Invariants: an order is changed under the
-//! lock only; `need` of a running kernel is at most the time of any parked tag that it may still act before.
+//! [`Order`] decides which operation may happen next. The coordinator puts it behind one lock; running kernels publish
+//! their progress without taking the lock, and waiting kernels are put to sleep and woken. Invariants: an order is
+//! changed under the lock only; `need` of a running kernel is at most the time of any parked tag that the kernel may
+//! still act before.
 
 mod lifecycle;
 mod permits;
@@ -69,7 +70,7 @@ struct Inner {
     messages: Option<Sender<Message>>,
 }
 
-/// The coordinator of the kernels of one job: the order of what they share.
+/// The coordinator of the kernels of one job: the order of their shared operations.
 pub struct Coordinator {
     channels: Channels,
     slots: Box<[Slot]>,
@@ -87,8 +88,8 @@ pub struct Coordinator {
     /// All kernels share the thread of the master.
     one_thread: bool,
     spin: u32,
-    /// Waits to come that sleep at once, because other programs want the processors too. It changes how a kernel waits, never
-    /// what comes out.
+    /// Future waits that sleep at once, because other programs also want the processors. This changes how a kernel
+    /// waits, never the result.
     crowded: AtomicU32,
     /// How many they are the next time; more each time, fewer again when the processors are free.
     crowded_waits: AtomicU32,
@@ -181,7 +182,7 @@ impl Coordinator {
 
     /// The lock; a poisoned one is taken over, since every change under it is complete.
     fn lock(&self) -> Guard<'_> {
-        // What is done under the lock is short: trying for a moment is cheaper than letting the system park a thread.
+        // Work under the lock is short: trying for a moment is cheaper than letting the system park a thread.
         for _ in 0..self.spin.min(LOCK_TRIES) {
             match self.inner.try_lock() {
                 Ok(guard) => return guard,
@@ -259,8 +260,8 @@ impl Coordinator {
         self.lock().order.stopped().filter(|tag| *tag != ABORT).unwrap_or(Tag::END)
     }
 
-    /// The order and what it keeps, while no kernel needs its turn for that: before the first and after the last of them has
-    /// run, or for what may be done in any order.
+    /// The order and its state, while no kernel needs its turn for that: before the first and after the last kernel has
+    /// run, or for operations that may be done in any order.
     pub fn unordered<R>(&self, operation: impl FnOnce(&mut Order) -> R) -> R {
         let mut inner = self.lock();
         let result = operation(&mut inner.order);
@@ -287,7 +288,7 @@ impl Coordinator {
         }
     }
 
-    /// Does what the order has decided.
+    /// Executes the decisions of the order.
     fn apply(&self, inner: &mut Inner) {
         let mut effects = inner.order.effects();
         if effects.is_empty() {

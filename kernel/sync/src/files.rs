@@ -1,7 +1,7 @@
 //! Files that macros and printing statements of a job write.
 //!
-//! They belong to all kernels and are reached in the order of simulated time, like any shared operation. Invariant: how
-//! much may be written is bounded; what is written after the stop of a job is not in it.
+//! They belong to all kernels and are reached in the order of simulated time, like any shared operation. Invariant: the
+//! amount of written text is bounded; text written after the stop of a job is not in it.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -107,13 +107,13 @@ impl Written {
         self.bytes -= old.map_or(0, |text| text.len()) + printed;
     }
 
-    /// What a kernel had open at its end, or what is to go then.
+    /// Files that a kernel had open at its end, or temporary files to remove then.
     pub fn leave(&mut self, tag: Tag, path: &str, text: Option<&str>) {
         self.left.push((tag, path.to_owned(), text.map(str::to_owned)));
     }
 
-    /// All kernels have ended: what they had open is written in the order of their ends, up to the stop of the job;
-    /// temporary files go.
+    /// All kernels have ended: their open files are written in the order of their ends, up to the stop of the job;
+    /// temporary files are removed.
     pub fn close(&mut self, stop: Tag) {
         let mut left = std::mem::take(&mut self.left);
         left.sort_by_key(|(tag, ..)| *tag);

@@ -3,8 +3,8 @@
 use counterpoint_lang::value::Value;
 use counterpoint_lang::vm::Scale;
 
-/// Variables that many may write to, with what they take. They are weighed when what was written since could be too
-/// much.
+/// Variables that many kernels may write to, with their memory. They are weighed when the text written since could be
+/// too much.
 #[derive(Debug, Clone, Default)]
 pub struct Hoard {
     kept: u64,

@@ -1,8 +1,8 @@
-//! How the kernels of a job run beside each other: the order of their shared operations, waits and the verdict on those
-//! that never end, what they share, and the streams of their events merged into one log.
+//! Parallel run of the kernels of a job: the order of their shared operations, waits and the verdict on those that
+//! never end, shared data, and the streams of their events merged into one log.
 //!
-//! *Invariant:* nothing here knows a code, a word or a control: a wait comes with the rule of its control, as data. What
-//! happens depends on tags alone, not on threads.
+//! *Invariant:* nothing here knows a code, a word or a control: a wait comes with the rule of its control, as data.
+//! Results depend on tags alone, not on threads.
 
 pub mod backlog;
 pub mod channels;

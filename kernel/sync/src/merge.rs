@@ -191,7 +191,8 @@ impl Merger {
         }
     }
 
-    /// Takes what has been sent so far and hands on what can be ordered: for kernels that run on this thread in turns.
+    /// Takes the events sent so far and passes on those that can be ordered: for kernels that run on this thread in
+    /// turns.
     pub fn pump(&mut self, sink: &mut dyn Sink, on_stop: impl FnOnce()) {
         let mut any = false;
         while let Ok(message) = self.messages.try_recv() {
@@ -203,7 +204,7 @@ impl Merger {
         }
     }
 
-    /// Hands on what can be ordered; once the sink has refused events, throws it away.
+    /// Passes on the events that can be ordered; once the sink has refused events, discards them.
     fn hand_on(&mut self, sink: &mut dyn Sink, on_stop: impl FnOnce()) {
         if self.end == End::Complete {
             self.end = self.emit(sink);

@@ -27,7 +27,7 @@ pub const BLOCKED: i64 = i64::MAX - 1;
 /// Bound of a kernel that is done.
 pub const DONE: i64 = i64::MAX;
 
-/// What a kernel is doing.
+/// Activity of a kernel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Status {
     /// Executing blocks; it acts at its bound at the earliest.
@@ -87,7 +87,7 @@ pub enum Wake {
     Stopped,
 }
 
-/// What an operation changed for the kernels.
+/// Effect of an operation on the kernels.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Effect {
     /// The kernel acts at this time at the earliest ([`BLOCKED`], [`DONE`]).
@@ -119,7 +119,7 @@ struct Seat {
     nap: Option<spin::Nap>,
 }
 
-/// The kernels of a job and what they share.
+/// The kernels of a job and their shared data.
 #[derive(Debug, Clone)]
 pub struct Order {
     channels: Channels,
@@ -131,7 +131,7 @@ pub struct Order {
     pub sync_points: u64,
     /// Tag of the last operation.
     now: Tag,
-    /// Changes of what is shared so far.
+    /// Number of changes of shared data so far.
     changes: u64,
     /// Kernels that rest in a loop.
     napping: Set,
@@ -349,7 +349,7 @@ impl Order {
                 | Wake::Alarm { tag, .. }
                 | Wake::Started { tag, .. }
                 | Wake::Roused { tag, .. } => tag.t,
-                // What it does at its end has its place in the order too.
+                // Its actions at its end have their place in the order too.
                 Wake::Turn | Wake::Over | Wake::Stopped if seat.status == Status::Blocked => seat.since,
                 Wake::Turn | Wake::Over | Wake::Stopped => seat.bound,
             };

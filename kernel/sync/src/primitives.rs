@@ -1,9 +1,9 @@
 //! The primitives that every wait of a control is made of, one file each.
 //!
-//! Each says what an arrival means for others (`arrive`), who is still missing (`missing`), who continues together
-//! (`together`), what those who continue use up (`depart`), and what a channel does for others without waiting (`act`).
-//! *Invariant:* `missing` changes nothing; a wait is over exactly when no channel is missing. Facts: reference
-//! channel-synchronisation.md 0, 1.1.
+//! Each defines the effect of an arrival on other channels (`arrive`), the missing channels (`missing`), the channels
+//! that continue together (`together`), the resources that they use up (`depart`), and the acts of a channel for others
+//! without waiting (`act`). *Invariant:* `missing` changes nothing; a wait is over exactly when no channel is missing.
+//! Facts: reference channel-synchronisation.md 0, 1.1.
 
 mod barrier;
 mod count;
@@ -22,7 +22,7 @@ pub use signal::Letter;
 /// Most marks that are set, signals that are kept or leases that are held at one time.
 const MOST: usize = 10_000;
 
-/// What a primitive sees of the channels.
+/// View that a primitive has of the channels.
 #[derive(Clone, Copy)]
 struct Scene<'a> {
     places: &'a Places,
@@ -98,7 +98,7 @@ impl Memory {
         }
     }
 
-    /// A channel continues: what it uses up.
+    /// A channel continues and uses up its resources.
     pub(crate) fn depart(&mut self, channel: u16, wait: &Wait, rules: &Rules) {
         match wait.primitive {
             Primitive::Flag => self.flags.clear(channel, wait.key),

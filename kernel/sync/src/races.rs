@@ -1,9 +1,10 @@
 //! Races: two accesses to one shared variable, at least one of them a write, that no wait, signal or poll puts in order.
 //!
-//! Every channel has a vector clock. What it does for others (an arrival, a flag, a signal, a release, its end) publishes its
-//! clock under the mark; a wait that ends takes over what its partners have published there. A poll that sees a value
-//! takes over the clock of the channel that wrote it. *Invariant:* accesses and waits come in tag order, so the races of a
-//! job depend on simulated time alone; nothing is kept until the first access. Facts: reference channel-synchronisation.md 2.4.
+//! Every channel has a vector clock. Its acts for others (an arrival, a flag, a signal, a release, its end) publish its
+//! clock under the mark; a wait that ends takes over the clocks that its partners have published there. A poll that
+//! sees a value takes over the clock of the channel that wrote it. *Invariant:* accesses and waits come in tag order,
+//! so the races of a job depend on simulated time alone; nothing is kept until the first access. Facts: reference
+//! channel-synchronisation.md 2.4.
 
 #[cfg(test)]
 mod tests;
@@ -97,7 +98,7 @@ fn place(primitive: Primitive, key: Key) -> Key {
     }
 }
 
-/// Takes over what another clock knows.
+/// Takes over the knowledge of another clock.
 fn join(clock: &mut Clock, other: &Clock) {
     for (own, other) in clock.iter_mut().zip(other.iter()) {
         *own = (*own).max(*other);
@@ -123,7 +124,7 @@ impl Races {
         self.histories.is_empty()
     }
 
-    /// The clock of a channel, for others; what the channel does from now on comes after it.
+    /// The clock of a channel, for others; later acts of the channel come after it.
     fn publish(&mut self, channel: u16) -> Option<Clock> {
         let index = self.channels.index(channel);
         let clock = self.clocks.get_mut(index)?;
@@ -174,7 +175,7 @@ impl Races {
         }
     }
 
-    /// The waits of these channels are over, by what another one did.
+    /// The waits of these channels are over, by an act of another channel.
     pub(crate) fn release(&mut self, channels: Set, by: u16) {
         if self.is_idle() {
             return;
@@ -214,7 +215,7 @@ impl Races {
         }
     }
 
-    /// The wait of a channel is over: what its partners did there happened before.
+    /// The wait of a channel is over: the acts of its partners there happened before.
     fn take_over(&mut self, channel: u16, wait: &Wait) {
         let Some(own) = self.clocks.get_mut(self.channels.index(channel)) else { return };
         let (primitive, key) = (wait.primitive.number(), place(wait.primitive, wait.key));
@@ -249,7 +250,7 @@ impl Races {
         };
         if mode == Mode::Poll {
             history.written.iter().for_each(|written| join(clock, written));
-            // What was read at this place before was the first look of the poll.
+            // The earlier read at this place was the first look of the poll.
             if let Some(last) = history.reads.get_mut(index) {
                 *last = last.filter(|(read, _)| *read != access);
             }

@@ -93,7 +93,7 @@ mod tests {
         writer.write(501, (0, 4));
         let mut reader = Uses::default();
         reader.read_in_vain(500, (1, 2));
-        // What a channel writes itself, at any time, is its own.
+        // A value that a channel itself writes, at any time, is its own.
         reader.read_in_vain(501, (1, 5));
         reader.write(501, (1, 6));
         reader.read_in_vain(502, (1, 7));

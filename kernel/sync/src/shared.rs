@@ -27,7 +27,7 @@ pub struct Shared {
     pub spindles: Vec<Spindle>,
     /// Variables that each channel has of its own, as far as channels have ended.
     pub separate: Separate,
-    /// What channels with coupled axes let each other know when they meet.
+    /// Data that channels with coupled axes exchange when they meet.
     pub coupled: FxHashMap<Coupled, Stand>,
     /// Couplings that one channel has commanded alone, oldest first.
     pub alone: Vec<Alone>,
@@ -61,7 +61,7 @@ pub struct Alone {
     pub stand: Stand,
 }
 
-/// Where an axis stands, and what its channel has commanded since the axes were coupled; geometry units.
+/// Position of an axis, and the moves that its channel has commanded since the axes were coupled; geometry units.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Stand {
     /// Place in the machine frame.
@@ -209,7 +209,7 @@ impl Shared {
         }
     }
 
-    /// Counts a change of what all kernels share; true if it has become too much.
+    /// Counts a change of the data that all kernels share; true if they have become too large.
     pub fn grown(&mut self, bytes: usize, limit: u64) -> bool {
         let Self { hoard, globals, named, files, .. } = self;
         let bytes_of_files = files.bytes() as u64;

@@ -8,7 +8,7 @@ use counterpoint_results::builder::ResultsBuilder;
 /// Text files that macros have written, ascending by path with `/` between parts.
 pub type WrittenFiles = Vec<(String, Arc<str>)>;
 
-/// Receives what a job logs.
+/// Receives the log of a job.
 pub trait Sink: Send {
     /// The results that the kernels make, each those of its own channel on its own thread; `None`: no results are requested.
     fn results(&mut self) -> Option<&mut ResultsBuilder> {

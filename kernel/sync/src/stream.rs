@@ -84,7 +84,8 @@ impl<'a> Stream<'a> {
                     let chunk = coordinator.wait_chunk(upto, feeder, Feeder::try_back, Feeder::wait_back);
                     self.backlog.return_chunk(chunk);
                 }
-                // What the merger gives back is before the floor, so no more chunks wait than may be on the way to it.
+                // Chunks that the merger returns are before the floor, so no more chunks wait than may be on the way to
+                // it.
                 self.backlog.take_all(floor());
             }
             Some(Log::Only { .. }) | None => {

@@ -57,7 +57,7 @@ pub(crate) fn program() -> Program {
     Program { file: 0, lines: (1, 1), name: "P".into() }
 }
 
-/// What a channel does for others.
+/// Act of a channel for others.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Deed {
     /// Sets its flag.

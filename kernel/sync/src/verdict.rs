@@ -58,7 +58,7 @@ fn missing(channels: Set, waits: &Waits) -> Set {
     channels.iter().fold(Set::default(), |all, channel| Set(all.0 | waits.missing(channel).channels.0))
 }
 
-/// Why these channels cannot continue: by what they wait for, and what that waits for.
+/// Why these channels cannot continue: from the partners that they wait for, and the waits of those partners.
 fn kind(dead: Set, waits: &Waits) -> VerdictKind {
     let mut reached = dead;
     loop {
@@ -97,7 +97,7 @@ fn is_mismatch(channel: u16, among: Set, waits: &Waits) -> bool {
     })
 }
 
-/// A channel as a member, with what it waits for.
+/// A channel as a member, with its wait.
 pub fn member(channel: u16, waits: &Waits) -> Member {
     match (waits.places.at(channel), waits.places.end(channel)) {
         (Some(w), _) => Member {

@@ -1,7 +1,7 @@
 //! A wait as data: its mark, its channels, and the rule of its control.
 //!
-//! *Invariant:* nothing here depends on a control. What two waits mean to each other beyond their primitive, and how they are
-//! written, stands in their [`Rule`], which the machine gives. Facts: reference channel-synchronisation.md 1.1.
+//! *Invariant:* nothing here depends on a control. The relation of two waits beyond their primitive, and their written
+//! form, are in their [`Rule`], which the machine gives. Facts: reference channel-synchronisation.md 1.1.
 
 mod set;
 
@@ -75,7 +75,7 @@ pub struct Marks {
     pub last: u32,
 }
 
-/// What a channel does for others at once, without waiting itself.
+/// An act of a channel for others at once, without waiting itself.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Act {
     /// Sets the own flag of a mark.
@@ -91,20 +91,20 @@ pub enum Act {
         /// Senders of the signals; none: those that were sent to all channels.
         to: Option<Set>,
     },
-    /// Gives back what the channel holds.
+    /// Releases a resource that the channel holds.
     Release(Key),
-    /// Takes what another channel holds.
+    /// Takes a resource that another channel holds.
     Take(Key),
-    /// Passes on what the channel holds.
+    /// Passes on a resource that the channel holds.
     Give {
-        /// What.
+        /// The resource.
         key: Key,
         /// Who gets it.
         to: u16,
     },
 }
 
-/// What a partner that has ended or has no program means for a wait.
+/// Meaning for a wait of a partner that has ended or has no program.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Absent {
     /// The wait never ends.
@@ -140,7 +140,7 @@ pub struct Rule {
     pub word: Box<str>,
     /// The number is written.
     pub numbered: bool,
-    /// What introduces the list of channels; empty if the list is not shown.
+    /// Text before the list of channels; empty if the list is not shown.
     pub list: Box<str>,
     /// How number and channels are written.
     pub style: Style,
@@ -161,7 +161,7 @@ pub struct Rule {
 /// The signal rules of a control.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Signals {
-    /// Word with which a partner sends what this wait waits for, if it is another word.
+    /// Word with which a partner sends the signal of this wait, if it is another word.
     pub sent_by: Option<Box<str>>,
     /// A channel may send signals to itself.
     pub to_itself: bool,

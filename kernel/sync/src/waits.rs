@@ -31,7 +31,7 @@ pub struct Released {
     pub short: bool,
 }
 
-/// What an arrival leads to.
+/// Result of an arrival.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Arrival {
     /// The wait is over: these channels continue, the arriving one among them.
@@ -66,7 +66,7 @@ impl RefusedPairs {
     }
 }
 
-/// An arrival, and what else it means.
+/// An arrival, and its further consequences.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Arrived {
     /// Its effect on the channel and those that continue with it.
@@ -114,8 +114,8 @@ impl Waits {
         }
     }
 
-    /// Another wait at this mark was for other channels, and the control pairs them: what comes of it depends on who stands there
-    /// first. Known only where blocks take no time.
+    /// Another wait at this mark was for other channels, and the control pairs them: the result depends on the order of
+    /// arrival. Only known where blocks take no time.
     pub fn lists_differ(&mut self, wait: &Wait) -> bool {
         let refused = |rule: &Rule| rule.mismatch.is_some_and(|mismatch| mismatch.reaction == Reaction::Alarm);
         if !self.timeless || self.rules.of(wait).is_some_and(refused) {
@@ -223,7 +223,7 @@ impl Waits {
         Arrival::Released(self.let_go(together, tag)).into()
     }
 
-    /// Waits that do not match the arriving one, and what follows from that.
+    /// Waits that do not match the arriving one, and the reaction.
     fn mismatch(&self, arriving: &Waiting) -> Option<(Reaction, RefusedPairs)> {
         let mismatch = self.rules.of(&arriving.wait)?.mismatch?;
         let pair = |other: &Waiting| Some((*other, self.refused(&arriving.wait, &other.wait)?));
@@ -278,7 +278,7 @@ impl Waits {
         self.memory.lease(key)
     }
 
-    /// All waits that are over, by what the operation at this tag changed: first all of them are found, then they end.
+    /// All waits that are over after the operation at this tag: first all of them are found, then they end.
     pub fn settle(&mut self, tag: Tag) -> Vec<Released> {
         let over = |waiting: &&Waiting| self.missing_at(waiting.tag.channel, &waiting.wait).is_none();
         let mut points: Vec<(Wait, Set)> = Vec::new();
@@ -313,7 +313,7 @@ impl Waits {
         count.is_some_and(|wait| wait.need == 0 && wait.parts.without(channel).iter().any(ended))
     }
 
-    /// Channels that wait and can never continue: the complement of the fix-point over what can still come.
+    /// Channels that wait and can never continue: the complement of the fix-point over possible future acts.
     pub fn dead(&self) -> Set {
         let mut live: Set = self.places.channels().filter(|&channel| self.places.runs(channel)).collect();
         if !live.is_empty() {

@@ -7,7 +7,7 @@ use counterpoint_motion::contour::element::{Element, NOISE};
 
 use super::plane::{Point, minus, turn};
 
-/// What a corner needs of both its elements, and how it turns.
+/// Data of both elements that a corner needs, and its direction of rotation.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Corner {
     /// Where the first element ends.

@@ -1,8 +1,8 @@
-//! Contours in the working plane: chamfers and roundings of corners, circles by radius, about a pole or in the direction of what
-//! is before them, points by polar coordinates, ways to and from a contour.
+//! Contours in the working plane: chamfers and roundings of corners, circles by radius, about a pole or tangent to the
+//! previous element, points by polar coordinates, paths to and from a contour.
 //!
-//! Pure geometry for any dialect: what the words of a control mean is the dialect's. *Invariant:* what does not exist is
-//! none, never a number that is not finite.
+//! Pure geometry for any dialect; the dialect defines the meaning of the words of its control. *Invariant:* a result
+//! that does not exist is none, never a number that is not finite.
 
 mod circle;
 mod corner;

@@ -1,6 +1,6 @@
 //! Points and directions of the working plane.
 //!
-//! *Invariant:* what does not exist is none, never a number that is not finite.
+//! *Invariant:* a result that does not exist is none, never a number that is not finite.
 
 use crate::numeric::{cosine, sine};
 

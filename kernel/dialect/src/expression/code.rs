@@ -1,11 +1,11 @@
 //! The compiled form of an expression: operations in postfix order.
 //!
-//! *Invariant:* operations are in the order in which the program wrote their operands, so what evaluating asks for is asked in
+//! *Invariant:* operations are in the order in which the program wrote their operands, so evaluation requests values in
 //! that order.
 
 use crate::numeric::{Function, Operator};
 
-/// An operation: `V` is a value, `X` what the dialect alone has, as variables.
+/// An operation: `V` is a value, `X` an operand that only the dialect has, such as a variable.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Op<V, X> {
     /// A constant.

@@ -123,7 +123,7 @@ mod tests {
     fn operations_take_their_operands_in_the_order_of_the_text() {
         let ops = vec![Op::Value(7.0), Op::Value(2.0), Op::Combine(Operator::Sub), Op::Own(())];
         assert_eq!(Numbers.evaluate(&Code::new(ops)), Ok(105.0));
-        // What stands on the right is a constant, and what is not.
+        // A constant on the right, and an operand that is not constant.
         let ops = vec![Op::Value(7.0), Op::Value(2.0), Op::Own(()), Op::Combine(Operator::Sub)];
         assert_eq!(Numbers.evaluate(&Code::new(ops)), Ok(-95.0));
         let ops = vec![Op::Value(1.0), Op::Value(0.0), Op::Combine(Operator::Div), Op::Own(())];

@@ -1,7 +1,8 @@
 //! Expressions of all dialects: one compiled form, one reader of operators, one evaluator.
 //!
-//! A dialect gives the words of its operators as a table, how operands are written, and what its variables and functions of its
-//! own mean. `read` compiles a text, `evaluate` gives its value. *Invariant:* code leaves exactly one value on the stack.
+//! A dialect supplies the words of its operators as a table, the form of operands, and the meaning of its own variables
+//! and functions. `read` compiles a text, `evaluate` gives its value. *Invariant:* code leaves exactly one value on the
+//! stack.
 
 mod code;
 mod evaluate;

@@ -1,12 +1,12 @@
 //! How expressions are read, for any words.
 //!
-//! *Invariant:* operators of one level bind from left to right; reading recurses once a level and operand, so what bounds the
-//! nesting of operands bounds the stack.
+//! *Invariant:* operators of one level bind from left to right. Reading recurses once per level and operand, so a bound
+//! on the nesting of operands also bounds the stack.
 
 use super::code::Op;
 use crate::numeric::{Function, Operator};
 
-/// Operators by level, loosest first: their words and what they do.
+/// Operators by level, loosest first: their words and their operations.
 pub(crate) type Operators = &'static [&'static [(&'static str, Operator)]];
 
 /// Comparisons of the controls that write them as words.
@@ -33,7 +33,7 @@ pub(crate) enum Sign {
     NotEither,
 }
 
-/// A part of what was read: it goes from an operation to the last one.
+/// A compiled part: from one operation to the last one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Part {
     /// Its first operation.

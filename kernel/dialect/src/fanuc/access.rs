@@ -1,7 +1,7 @@
 //! Variables of the kernel as expressions see them.
 //!
-//! Facts: reference control-emulator.md 4.3, 5.4. Order for system variables: the machine's identification macro, then what
-//! the kernel knows. *Invariant:* the macro is not asked about what is in its own answer.
+//! Facts: reference control-emulator.md 4.3, 5.4. Order for system variables: the machine's identification macro, then
+//! the kernel's own knowledge. *Invariant:* the macro is not asked about the content of its own answer.
 
 use counterpoint_fault as diag;
 use counterpoint_fault::Halt;
@@ -55,7 +55,7 @@ impl<'h> Access<'h> {
         }
     }
 
-    /// What a variable that cannot be read counts as.
+    /// Value of a variable that cannot be read.
     #[cold]
     fn missing(&mut self, fault: Fault) -> Result<f64, Fault> {
         if !matches!(fault, Fault::NoVariable(_)) || !self.host.continues_after(&diag::MACRO_VARIABLE) {
@@ -179,7 +179,7 @@ pub(super) fn eval_at(host: &mut dyn Host, expr: &Expr, steps: f64) -> Result<f6
     }
     match expr::value(expr, &mut Access::at_address(host, steps)) {
         Ok(value) => Ok(value),
-        // What has no value counts as 0 where the machine continues.
+        // A result without a value counts as 0 where the machine continues.
         Err(fault) => abandons(host, &fault).map(|()| 0.0),
     }
 }

@@ -1,7 +1,8 @@
 //! Arguments of macro calls: G65, G66 and G66.1, and words that call like them.
 //!
-//! Facts: reference control-emulator.md 5.4. Decisions: every letter is an argument, also one that the machine has no
-//! register for, wherever it is on the block; what cannot be one (further G words, a second P) remains text.
+//! Facts: reference control-emulator.md 5.4. Decisions: every letter is an argument, also a letter without a register
+//! of the machine, wherever it is in the block. Words that cannot be arguments (further G words, a second P) remain
+//! text.
 
 use counterpoint_fault as diag;
 use counterpoint_fault::{Acted, Halt};

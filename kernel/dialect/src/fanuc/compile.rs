@@ -10,7 +10,7 @@ use counterpoint_program::key_words::{Names, key_word};
 /// Compiles a line (comments and optional-skip marks already blanked out) of a machine that has these names.
 ///
 /// # Errors
-/// [`Error`] with the column and what was expected.
+/// [`Error`] with the column and the expected input.
 pub(super) fn compile(text: &[u8], names: Names<'_>) -> Result<Line, Error> {
     let mut parser = Parser { text, at: 0, depth: 0, names, written: None, name: None };
     let mut sequence = None;

@@ -1,6 +1,6 @@
 //! A place in the text of a line, and the text there.
 //!
-//! Invariant: blanks never count; what is taken is never looked at again.
+//! Invariant: blanks never count; text that was taken is never looked at again.
 
 use counterpoint_program::key_words::{Names, Number};
 

@@ -1,7 +1,7 @@
 //! Expressions: from text to postfix operations.
 //!
 //! Facts: reference control-emulator.md 5.4 (Fanuc row). Binding from weak to strong: `||`, `&&`, comparisons, sums
-//! with OR and XOR, products with AND and MOD, signs. Invariant: what is made fits the stack of the evaluation.
+//! with OR and XOR, products with AND and MOD, signs. Invariant: the compiled code fits the stack of the evaluation.
 
 use super::cursor::{Error, Parser};
 use super::expr::{Expr, Op, Own, STACK};

@@ -1,9 +1,10 @@
 //! Fanuc custom macro: variables, expressions, branches and loops.
 //!
-//! Facts: reference control-emulator.md 5.4 (Fanuc row). A line is compiled (`compile`, `formula`, `words`) and executed
-//! (`execute`, `access`). The numbered variables are the kernel's: they belong to its call levels, channels and axes.
-//! *Invariants:* compiling is linear in the length of the line and never panics; nesting of brackets is limited; the
-//! interpreter holds nothing but what it has read of programs, so a block within a block may run with another one.
+//! Facts: reference control-emulator.md 5.4 (Fanuc row). A line is compiled (`compile`, `formula`, `words`) and
+//! executed (`execute`, `access`). The kernel has the numbered variables: they belong to its call levels, channels and
+//! axes. *Invariants:* compiling is linear in the length of the line and never panics; nesting of brackets is limited.
+//! The only state of the interpreter is the text of programs that it has read, so a block within a block may run with
+//! another interpreter.
 
 mod access;
 mod call;

@@ -1,6 +1,6 @@
 //! The effect of a block of custom macro, without executing it.
 //!
-//! *Invariant:* a word keeps the text that it is written with, so that the scanner reads what the program says.
+//! *Invariant:* a word keeps its text as written, so that the scanner reads the text of the program.
 
 use super::Fanuc;
 use super::compile::compile;

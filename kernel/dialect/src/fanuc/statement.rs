@@ -64,7 +64,7 @@ pub(super) enum Target {
     Indirect(Expr),
 }
 
-/// A part of what a printing statement writes.
+/// A part of the output of a printing statement.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Item {
     Text(String),

@@ -19,7 +19,7 @@ use counterpoint_fault::Halt;
 const NEAR: u32 = 50;
 
 impl Heidenhain {
-    /// Path blocks that a block has to know: a corner with what follows it, or the first element of a contour.
+    /// Reads path blocks ahead: a corner with the block after it, or the first element of a contour.
     pub(super) fn ahead(
         &mut self,
         host: &mut dyn Host,

@@ -1,10 +1,11 @@
 //! The area that SL contours make together.
 //!
-//! Facts: programming manuals of the control (overlapping contours of cycle 14: two pockets are one if the first begins outside of the
-//! second, else what they have in common counts; islands are taken away; in CONTOUR DEF pockets are one; DEPTH is that of a pocket, or
-//! how far an island lies below the surface; formulas of SEL CONTOUR). Decisions: a pocket inside of an island is cut too; depths make
-//! levels, from each to the next the area is that of the contours there. *Invariant:* contours that neither meet nor lie in each other in
-//! another way than pocket, island, pocket are as they were programmed.
+//! Facts: programming manuals of the control (overlapping contours of cycle 14: two pockets are one if the first starts
+//! outside the second, otherwise their intersection counts; islands are removed; in CONTOUR DEF pockets are one; DEPTH
+//! is that of a pocket, or the distance of an island below the surface; formulas of SEL CONTOUR). Decisions: a pocket
+//! inside an island is also cut; depths make levels, and from each level to the next the area is that of the contours
+//! there. *Invariant:* contours that do not meet, and that lie in each other only as pocket, island, pocket, stay as
+//! programmed.
 
 use counterpoint_motion::contour::closed::Closed;
 use counterpoint_motion::contour::combine::{combined, touch};
@@ -22,7 +23,7 @@ pub(super) enum Join {
     Without,
 }
 
-/// What an area is made of; contours by their places.
+/// Composition of an area; contours by their places.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Area {
     Contour(usize),
@@ -86,8 +87,8 @@ fn union(areas: impl Iterator<Item = Area>) -> Option<Area> {
     areas.reduce(|one, other| one.joined(Join::Union, other))
 }
 
-/// What the figures make together: pockets that meet, then islands taken away, then pockets inside of islands. `by_start`: two
-/// pockets are what they have in common where the first begins in the second.
+/// The combined area of the figures: overlapping pockets, then islands removed, then pockets inside islands.
+/// `by_start`: two pockets become their intersection if the first starts in the second.
 fn of_figures(figures: &[Figure], by_start: bool) -> Option<Area> {
     let at = |place: usize| figures.get(place);
     let starts_in = |one: usize, other: usize| {
@@ -98,7 +99,7 @@ fn of_figures(figures: &[Figure], by_start: bool) -> Option<Area> {
     let of = |pocket: bool| (0..figures.len()).filter(move |place| at(*place).is_some_and(|f| f.is_pocket == pocket));
     let inside = |one: usize, other: usize| starts_in(one, other) && !meets(one, other);
     let is_inner = |pocket: &usize| of(false).any(|island| inside(*pocket, island));
-    // Pockets that meet, each group with what it is so far.
+    // Pockets that meet; each group with its area so far.
     let mut groups: Vec<(Vec<usize>, Area)> = Vec::new();
     for pocket in of(true).filter(|pocket| !is_inner(pocket)) {
         let mut area = Area::Contour(pocket);

@@ -220,8 +220,8 @@ impl Heidenhain {
         }
     }
 
-    /// M99, M89, G79 of a block, and what M89 has said before. A cycle that is a program is called; of any other the
-    /// call stays on the block, M89 as M99 on its own block and on all that follow.
+    /// M99, M89, G79 of a block, and the effect of an earlier M89. A cycle that is a program is called. For any other
+    /// cycle the call stays in the block; M89 acts as M99 in its own block and in all following blocks.
     pub(super) fn cycle_calls(&mut self, host: &mut dyn Host, seen: &mut Vec<Seen>, moves: bool) -> Result<(), Halt> {
         let asked = asks(seen);
         // Moves of the cycle itself call nothing.

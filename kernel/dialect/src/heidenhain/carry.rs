@@ -20,7 +20,7 @@ fn unit(inch: bool) -> &'static str {
 }
 
 impl Heidenhain {
-    /// Executes a block: what is left of it, blocks in lines of their own.
+    /// Executes a block; returns its remaining words, as blocks in lines of their own.
     pub(super) fn carry_out(&mut self, host: &mut dyn Host, line: &Line, place: Place) -> Result<Option<String>, Halt> {
         match &line.statement {
             Statement::Nothing | Statement::Label(_) => Ok(None),
@@ -265,7 +265,7 @@ impl Heidenhain {
             return Err(self.not_understood(host));
         }
         let mut seen = Evaluator::new(&mut self.variables, host).seen(words)?;
-        // Old programs show what they do not say.
+        // Old programs have words without a value.
         seen.retain(|word| word.value.is_some() || !matches!(word.text.as_str(), "R" | "F" | "M"));
         self.cycles.contours.unroll(&mut seen);
         self.rapid_feeds(&mut seen);

@@ -1,10 +1,12 @@
 //! Elements of free contours with several solutions: parallels, points beside a line, an arc between two circles; FSELECT.
 //!
-//! Facts: programming manuals of the control (PAR and DP: a line parallel to that of another block, and its distance; PDX, PDY and D: a point
-//! beside a line, and its distance; FSELECT behind the blocks that leave a choice selects one of their solutions by its number). How the control
-//! numbers its solutions is in no manual that we have. Decisions: an arc comes to a coordinate at the nearer spot first; of two other solutions the first one lies to the right, seen along the way or from
-//! the centre of the element to that of the next known circle; a line parallel to another one first goes in its direction; each use of FSELECT
-//! that decides something is reported. *Invariant:* without FSELECT only what has one solution is made.
+//! Facts: programming manuals of the control (PAR and DP: a line parallel to that of another block, and its distance;
+//! PDX, PDY and D: a point beside a line, and its distance; FSELECT after the blocks that leave a choice selects one of
+//! their solutions by its number). No available manual gives the numbering of the solutions. Decisions: an arc reaches
+//! a coordinate at the nearer point first. Of two other solutions the first lies to the right, seen along the path or
+//! from the centre of the element to that of the next known circle. A line parallel to another line first goes in the
+//! direction of that line. Each use of FSELECT that decides something is reported. *Invariant:* without FSELECT only a
+//! unique solution is accepted.
 
 use counterpoint_fault as diag;
 

@@ -1,12 +1,12 @@
 //! The paths of SL cycles along their contours: the blocks of cycles 21 to 24, and of 6, 15 and 16.
 //!
-//! Facts: programming manuals of the control (Q1 to Q9 of cycle 20; Q10 to Q19, Q208 of the cycles: levels, feeds, allowances, sense;
-//! the lines of the old cycles, which count from where the tool stands).
-//! Decisions: a pocket is cleared by cuts along the first axis, then once round each contour; the tool plunges straight and rises to the
-//! clearance Q6 between rows; sides are reached and left on quarter circles of the radius of the tool, smaller where there is less
-//! room; where contours leave less room than the tool, it goes round what it reaches. After another tool (Q18) it
-//! clears where it touches what that has left.
-//! *Invariant:* no way comes nearer to a contour than the radius of the tool with its allowance.
+//! Facts: programming manuals of the control (Q1 to Q9 of cycle 20; Q10 to Q19, Q208 of the cycles: levels, feeds,
+//! allowances, sense; the lines of the old cycles, which count from the position of the tool). Decisions: a pocket is
+//! cleared by cuts along the first axis, then once around each contour. The tool plunges straight and rises to the
+//! clearance Q6 between rows. Sides are reached and left on quarter circles of the radius of the tool, smaller where
+//! there is less room. Where contours leave less room than the tool, it goes around the area that it reaches. After
+//! another tool (Q18) it clears the places that it touches in the material left by that tool. *Invariant:* no path
+//! comes nearer to a contour than the radius of the tool with its allowance.
 
 use counterpoint_motion::arc::by_center;
 use counterpoint_motion::contour::closed::{Closed, Cut, cuts, is_clear, turned_by};
@@ -61,7 +61,7 @@ impl Blocks<'_> {
         self.lines.push(format!("L {at} {letter}{} {}", shown(height), Self::feed(feed)));
     }
 
-    /// To what words say.
+    /// Moves straight to the place that the words give.
     pub(super) fn words(&mut self, words: &str, feed: f64) {
         self.lines.push(format!("L {words} {}", Self::feed(feed)));
     }
@@ -140,7 +140,7 @@ impl Blocks<'_> {
         self.round(&center, &to, arc.sweep < 0.0, feed);
     }
 
-    /// Round a centre to what words say.
+    /// Moves around a centre to the place that the words give.
     pub(super) fn round(&mut self, center: &str, to: &str, clockwise: bool, feed: f64) {
         self.lines.push(format!("CC {center}"));
         let sense = if clockwise { "DR-" } else { "DR+" };
@@ -218,7 +218,7 @@ impl Heidenhain {
         Self::rims(narrow.and_then(|narrow| grown(&narrow, radius)), task)
     }
 
-    /// Ways round what an earlier tool has left; none where that had no larger radius.
+    /// Paths around the material left by an earlier tool; none if that tool had no larger radius.
     fn remaining_ways(
         host: &dyn Host,
         figures: &[Figure],
@@ -245,7 +245,7 @@ impl Heidenhain {
         rims.iter().map(way).collect()
     }
 
-    /// The rims of what a tool reaches, in the sense of the task.
+    /// The rims of the area that a tool reaches, in the sense of the task.
     fn rims(reached: Option<Vec<Closed>>, task: &Task) -> Result<Vec<Closed>, String> {
         let reached = reached.filter(|reached| !reached.is_empty()).ok_or_else(|| {
             "the tool with its allowance does not fit into the contours, or they have too many elements to find where it does"

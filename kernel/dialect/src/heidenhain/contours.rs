@@ -53,7 +53,7 @@ pub(super) enum Source {
 #[derive(Debug, Clone)]
 pub(super) struct Named {
     pub(super) source: Source,
-    /// What CONTOUR DEF makes of it; in cycle 14 its side tells.
+    /// Pocket or island by CONTOUR DEF; in cycle 14 the side of the contour decides.
     pub(super) is_pocket: Option<bool>,
     /// DEPTH: that of a pocket, or how far an island lies below the surface.
     pub(super) depth: Option<f64>,
@@ -63,16 +63,16 @@ pub(super) struct Named {
 #[derive(Debug, Default)]
 pub(super) struct Contours {
     labels: Vec<Named>,
-    /// What SEL CONTOUR makes of them.
+    /// Combination of the contours by SEL CONTOUR.
     pub(super) formula: Option<Area>,
-    /// Pockets that overlap are what they have in common, where the first begins in the second.
+    /// Overlapping pockets become their intersection if the first starts in the second.
     pub(super) by_start: bool,
     /// Cycle 270 says how a train begins and ends.
     pub(super) train: bool,
     /// They lie on a cylinder.
     pub(super) unrolled: Option<Unrolled>,
     read: Vec<Contour>,
-    /// A contour is being recorded; what the path was before.
+    /// While a contour is recorded: the path before it.
     before: Option<Box<Path>>,
 }
 

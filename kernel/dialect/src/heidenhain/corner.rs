@@ -114,7 +114,7 @@ impl Walk<'_> {
         Some(Polar { radius, angle }.point(pole))
     }
 
-    /// A corner: what the line before has made room for.
+    /// A corner, for which the line before has made room.
     pub(super) fn corner(&mut self, corner: Option<Corner>) -> Vec<String> {
         let Some(corner) = corner.filter(|corner| corner.line == self.step.line) else {
             self.refuse(match self.path.heading {

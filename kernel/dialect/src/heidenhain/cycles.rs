@@ -1,8 +1,8 @@
 //! Cycles: CYCL DEF of both kinds.
 //!
 //! Facts: Heidenhain pre-processor pages and release notes (cycles as subprograms of the machine by
-//! `$FCEPP('CYCLEDEF',…)`, KEEPCYCLDEFQVARS, cycle 12), programming manuals. Decisions: what a cycle does is said by
-//! the tables of the machine, which get `CYCL DEF` with its number and, of cycles of several lines, the words of all
+//! `$FCEPP('CYCLEDEF',…)`, KEEPCYCLDEFQVARS, cycle 12), programming manuals. Decisions: the tables of the machine
+//! define the action of a cycle. They get `CYCL DEF` with its number and, for cycles of several lines, the words of all
 //! lines. Invariant: titles are texts for people and never reach the tables.
 
 use counterpoint_fault::Halt;
@@ -95,7 +95,7 @@ const ACT_AT_ONCE: [u32; 14] = [7, 8, 9, 10, 11, 13, 14, 19, 20, 26, 30, 32, 239
 /// A feed from which on a parameter means rapid.
 pub(super) const RAPID: f64 = 99_999.0;
 
-/// Parameters that newer software has at the end of a definition, with what they are where it does not say them.
+/// Parameters at the end of a definition in newer software, with their values if the definition omits them.
 const APPENDED: [(u32, &[(u32, f64)]); 22] = [
     (22, &[(18, 0.0), (19, 0.0), (208, RAPID)]),
     (23, &[(208, RAPID)]),
@@ -121,7 +121,8 @@ const APPENDED: [(u32, &[(u32, f64)]); 22] = [
     (276, &[(18, 0.0), (446, 0.01), (447, 10.0), (448, 2.0)]),
 ];
 
-/// Parameters that stand as a word: MAX and FMAX are rapid, AUTO is the feed of TOOL CALL, PREDEF what GLOBAL DEF says.
+/// Parameters that stand as a word: MAX and FMAX are rapid, AUTO is the feed of TOOL CALL, PREDEF the value of GLOBAL
+/// DEF.
 fn with_words(seen: &mut Vec<Seen>, tool_feed: Option<&str>, global: &[(Name, f64)]) {
     let feed = tool_feed.and_then(|feed| feed.rsplit('F').next()?.parse::<f64>().ok());
     let mut at = 0;
@@ -179,7 +180,7 @@ pub(super) struct Running {
     pub(super) feed: Option<String>,
     /// The main program counts in inches.
     pub(super) main_in_inches: bool,
-    /// Parameters that the call has changed, with what they were.
+    /// Parameters that the call has changed, with their previous values.
     pub(super) changed: Vec<(Name, f64)>,
 }
 
@@ -350,7 +351,7 @@ impl Heidenhain {
         self.cycles.defined = State { program: Some(cycle.to_string().into()), stored: true, modal: false };
     }
 
-    /// GLOBAL DEF: what PREDEF means in definitions to come.
+    /// GLOBAL DEF: sets the values of PREDEF in later definitions.
     pub(super) fn define_globally(&mut self, host: &mut dyn Host, words: &[Word]) -> Result<(), Halt> {
         let mut seen = Evaluator::new(&mut self.variables, host).seen(words)?;
         with_words(&mut seen, self.path.rates.of_tool.as_deref(), &[]);

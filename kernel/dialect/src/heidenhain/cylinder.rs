@@ -209,7 +209,7 @@ impl Round<'_> {
                 self.go(to, feed);
             }
             if let Move::Arc(foot, Element { to, arc: Some(arc), .. }) = one {
-                // The axes along and across lie to each other as what they are on the surface.
+                // The axes along and across have the same relation to each other as on the surface.
                 let (center, to) = (self.at((*foot, arc.center)), (*foot, *to));
                 let end = self.at(to);
                 self.blocks.round(&center, &end, arc.sweep < 0.0, feed);
@@ -225,7 +225,7 @@ struct Passes {
     ways: Vec<Move>,
     /// The tool rises between levels.
     rises: bool,
-    /// What follows at the last level.
+    /// Moves that follow at the last level.
     again: Vec<Move>,
 }
 
@@ -403,7 +403,7 @@ impl Heidenhain {
         };
         let headings = way.iter().flat_map(|element| sampled(element, amount)).map(|(_, heading)| lies(heading));
         let most = headings.fold(0.0, f64::max);
-        // Between two passes the direction is off by half of what lies between them.
+        // Between two passes the direction is off by half of the angle between them.
         let off = |passes: u32| amount * (1.0 - libm::cos(most / (2.0 * f64::from(passes))));
         if most < 1e-9 { 0 } else { (1..PASSES).find(|passes| off(*passes) <= tolerance).unwrap_or(PASSES) }
     }

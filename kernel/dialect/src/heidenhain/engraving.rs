@@ -1,10 +1,11 @@
 //! Cycle 225: engraving.
 //!
-//! Facts: programming manuals of the control (QS500 is the text, Q513 the height of its capitals, Q514 a factor of the room between
-//! characters, 0 for the usual one; Q516 = 0: a straight text, turned by Q374; 1: on an arc of the radius Q517, from left to right up to
-//! a Q374 of 180 and the other way round beyond; 2: always round the circle; Q367 says which spot of the text the tool stands at; Q574 is
-//! the length it may have, Q202 the infeed, a character at a time; the tool comes down at each stroke and rises to the clearance behind it; %%, \\ and %at are characters,
-//! %time08 a date in the form of that number). Decisions: docs of the family, "Choices of engraving". What is refused: other places of texts on
+//! Facts: programming manuals of the control (QS500 is the text, Q513 the height of its capitals, Q514 a factor of the
+//! room between characters, 0 for the usual one; Q516 = 0: a straight text, turned by Q374; 1: on an arc of the radius
+//! Q517, from left to right up to a Q374 of 180 and the other way beyond; 2: always around the circle; Q367 gives the
+//! point of the text at which the tool stands; Q574 is its maximum length, Q202 the infeed, a character at a time; the
+//! tool comes down at each stroke and rises to the clearance after it; %%, \\ and %at are characters, %time08 a date in
+//! the form of that number). Decisions: docs of the family, "Choices of engraving". Refused: other places of texts on
 //! arcs, line breaks, tabs, counters. *Invariant:* no letter is left out.
 
 use counterpoint_motion::contour::closed::turned_by;

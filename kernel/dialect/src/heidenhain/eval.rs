@@ -35,7 +35,7 @@ pub(super) enum Asked {
     Unknown,
 }
 
-/// What a parameter without value counts as.
+/// Value of a parameter without a value.
 fn blank(name: Name) -> Value {
     if name.kind == Kind::Text { Value::Text("".into()) } else { Value::Number(0.0) }
 }

@@ -96,7 +96,7 @@ impl Heidenhain {
         host.go_to(line)
     }
 
-    /// CALL LBL: a subprogram, or a repeat of what stands between the label and here.
+    /// CALL LBL: a subprogram, or a repeat of the blocks between the label and here.
     pub(super) fn call_label(
         &mut self,
         host: &mut dyn Host,

@@ -73,7 +73,7 @@ pub(super) enum Own {
     /// Text, begin, length (negative: up to the end).
     Substring,
     ToNumber,
-    /// Text, what is looked for, begin.
+    /// Text, text to find, start.
     Find,
     Length,
     /// Two texts.
@@ -155,7 +155,7 @@ pub(super) fn operand(cursor: &mut Cursor<'_>) -> Result<Formula, Wrong> {
     Ok(Formula::new(parser.ops))
 }
 
-/// Operands and what is done with them.
+/// Operands and the operation on them.
 pub(super) fn with(operands: impl IntoIterator<Item = Formula>, op: Op) -> Formula {
     Formula::new(operands.into_iter().flat_map(Code::into_ops).chain([op]).collect())
 }

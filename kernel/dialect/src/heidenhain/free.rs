@@ -39,7 +39,7 @@ const NEAR: f64 = 1e-3;
 /// How far the start of an arc may lie off its circle, as its end may.
 const OFF: f64 = 0.016;
 
-/// What free contours know besides the path.
+/// Data of free contours besides the path.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Free {
     pub(super) pole: Option<Point>,

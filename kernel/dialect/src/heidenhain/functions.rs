@@ -10,7 +10,7 @@ use super::words::words;
 use crate::numeric::{Function, Operator};
 use crate::statement::{ALARM, Shared};
 
-/// Functions that other controls have as statements, too: number, key word, what they do.
+/// Functions that other controls also have as statements: number, keyword, action.
 const STATEMENTS: [(u32, &str, &Shared); 1] = [(14, "ERROR", &ALARM)];
 
 fn shared(number: u32) -> Option<(&'static str, &'static Shared)> {

@@ -99,7 +99,7 @@ pub(super) fn path(words: Vec<Word>) -> Statement {
     Statement::Words(words)
 }
 
-/// Whether a plain block has to be looked at: it moves, or says what later blocks depend on.
+/// Whether a plain block needs the interpreter: it moves, or sets data on which later blocks depend.
 pub(super) fn needs_interpreter(text: &[u8]) -> bool {
     let mut at = text.iter().take_while(|byte| byte.is_ascii_whitespace()).count();
     if matches!(text.get(at), None | Some(b';')) {
@@ -179,7 +179,7 @@ impl Walk<'_> {
         }
     }
 
-    /// The motion word that says what a mode does with positions.
+    /// The motion word for the way in which a mode reads positions.
     pub(super) fn plain_mode(&self, mode: u32) -> u32 {
         match mode {
             0 | 10 => 0,

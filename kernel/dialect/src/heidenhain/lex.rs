@@ -177,7 +177,7 @@ impl<'t> Cursor<'t> {
         rest.get(..end).unwrap_or_default()
     }
 
-    /// A number without sign: how it is written, with a point for a decimal comma, and what it is.
+    /// A number without sign: its text, with a point for a decimal comma, and its value.
     pub(super) fn number(&mut self) -> Option<(Cow<'t, str>, f64)> {
         self.blanks();
         let start = self.at;

@@ -1,9 +1,11 @@
 //! M functions with words of their own: M94 with an axis, M103 with a share, M118 with ways, M138 with axes.
 //!
-//! Facts: programming manuals of the control: M94 acts on the axes it names, else on all; F after M103 is a percentage;
-//! coordinates after M118 limit what a handwheel may add; M197 DL lets offsets go on outside of a corner; M112 T A and M124 T smooth
-//! corners and leave out points within a tolerance; M142 takes shift, mirror, rotation and scale away; M138 without axes takes all rotary axes again. M130 counts
-//! positions of its block without the tilted plane. Decision: M138 with some of the axes, and M130 in a plane, are refused; M112 and M124 are reported and change nothing. *Invariant:* none of these words moves an axis or is a feed.
+//! Facts: programming manuals of the control: M94 acts on the axes it names, otherwise on all; F after M103 is a
+//! percentage; coordinates after M118 limit the travel that a handwheel may add; M197 DL extends offsets outside a
+//! corner; M112 T A and M124 T smooth corners and leave out points within a tolerance; M142 removes shift, mirror,
+//! rotation and scale; M138 without axes uses all rotary axes again. M130 reads positions of its block without the
+//! tilted plane. Decision: M138 with some of the axes, and M130 in a plane, are refused; M112 and M124 are reported and
+//! change nothing. *Invariant:* none of these words moves an axis or is a feed.
 
 use counterpoint_fault as diag;
 use counterpoint_fault::Halt;

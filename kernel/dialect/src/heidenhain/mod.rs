@@ -1,9 +1,9 @@
 //! Heidenhain: conversational and ISO programs.
 //!
 //! Facts: reference control-emulator.md 5.4, the pages of the emulated system's Heidenhain pre-processor, programming
-//! manuals of the control. Both forms of program are read block by block as they are written. What is left of a block
-//! are words for the tables of the machine: [docs/preprocessors.md] says which. Invariants: a statement is compiled
-//! once for each line that stands as it was read; the calls here are those of the kernel, in the same order.
+//! manuals of the control. Both forms of program are read block by block as they are written. The remainder of a block
+//! consists of words for the tables of the machine: [docs/preprocessors.md] lists them. Invariants: a statement is
+//! compiled once for each line that is unchanged since it was read; calls are those of the kernel, in the same order.
 
 mod ahead;
 mod areas;
@@ -267,7 +267,7 @@ impl Interpreter for Heidenhain {
     fn setting(&mut self, _: &mut dyn Host, name: &str, values: &[Value]) -> Setting {
         let made = self.settings.make(name, values);
         if made == Setting::Made {
-            // What was joined or not is read again.
+            // The setting decides which lines are joined, so all lines are read again.
             self.compiled.clear();
         }
         made

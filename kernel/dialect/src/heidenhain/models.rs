@@ -1,8 +1,9 @@
 //! SEL CONTOUR: contours in programs of their own, and the formula that makes an area of them.
 //!
-//! Facts: programming manuals of the control: `DECLARE CONTOUR QC1 = "NAME"`, `QC10 = (QC1 | QC2) & QC3 \ QC4 ^ QC5`, `#` for what lies
-//! outside; DEPTH; the last formula counts. Decision: `&` binds more than the others, which go from left to right. *Invariant:* a formula
-//! that has been read is finite and has no contour that was not declared.
+//! Facts: programming manuals of the control: `DECLARE CONTOUR QC1 = "NAME"`, `QC10 = (QC1 | QC2) & QC3 \ QC4 ^ QC5`,
+//! `#` for the area outside; DEPTH; the last formula counts. Decision: `&` binds more strongly than the other
+//! operators, which bind from left to right. *Invariant:* a formula that has been read is finite and has only declared
+//! contours.
 
 use counterpoint_fault as diag;
 use counterpoint_fault::Halt;
@@ -18,7 +19,7 @@ use crate::host::Host;
 const MOST: usize = 1000;
 const DEEPEST: usize = 50;
 
-/// What QC parameters are so far.
+/// Current values of QC parameters.
 #[derive(Debug, Default)]
 struct Model {
     areas: Vec<(u32, Area)>,

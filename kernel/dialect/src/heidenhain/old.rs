@@ -24,7 +24,7 @@ const PITCH: usize = 13;
 pub(super) const ALLOWANCE: usize = 14;
 pub(super) const ANGLE: usize = 15;
 
-/// What the numbers of the lines are that have no letter to tell them.
+/// Meaning of the numbers in lines that have no letter for them.
 const LINES: [(u32, &[&[usize]]); 10] = [
     (1, &[&[CLEARANCE], &[DEPTH], &[INFEED], &[DWELL]]),
     (2, &[&[CLEARANCE], &[DEPTH], &[DWELL]]),

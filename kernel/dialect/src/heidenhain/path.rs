@@ -129,7 +129,7 @@ pub(super) struct Step {
     pub(super) line: u32,
     /// Number of its block.
     pub(super) number: Option<u32>,
-    /// What FMAX is in a circle.
+    /// Meaning of FMAX in a circle.
     pub(super) rapid: Option<String>,
 }
 
@@ -402,7 +402,7 @@ impl Walk<'_> {
         out
     }
 
-    /// Words of the block that are neither positions nor what the pre-processor has used.
+    /// Words of the block that are neither positions nor used by the pre-processor.
     pub(super) fn others(&self, used: &[&str]) -> Vec<Seen> {
         let motion = |word: &Seen| {
             word.is("G") && word.value.is_some_and(|value| matches!(value as u32, 0..=3 | 5..=7 | 10..=16 | 24..=29))

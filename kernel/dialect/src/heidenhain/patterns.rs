@@ -173,7 +173,7 @@ struct Journey<'s> {
     /// Functions of the block.
     functions: &'s [Seen],
     of_cycle: bool,
-    /// The way to each point but the first goes round: the block of the centre, and what stands behind the point.
+    /// The path to each point except the first is a circle: the block of the centre, and the text after the point.
     round: Option<[String; 2]>,
 }
 
@@ -289,7 +289,7 @@ impl Heidenhain {
         Some((0..count).map(|at| along(center, towards(first + step * at as f64), self.q(244) / 2.0)).collect())
     }
 
-    /// The way from point to point of cycle 220 on the circle itself: its centre, what it turns, and its feed.
+    /// The path from point to point of cycle 220 on the circle itself: its centre, its angle, and its feed.
     fn round_the_circle(&self, host: &mut dyn Host) -> Result<[String; 2], Halt> {
         let [first, second] = self.plane_letters();
         let [first_angle, last_angle, step] = [245, 246, 247].map(|index| self.q(index));

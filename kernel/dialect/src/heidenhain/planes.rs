@@ -56,7 +56,7 @@ fn points(seen: Vec<Seen>) -> Vec<Seen> {
 }
 
 impl Heidenhain {
-    /// PLANE: what is left of it; none if it says too little.
+    /// PLANE: the remaining words; none if it says too little.
     pub(super) fn plane(&mut self, host: &mut dyn Host, words: &[Word]) -> Result<Option<String>, Halt> {
         let mut seen = Evaluator::new(&mut self.variables, host).seen(words)?;
         if !seen.iter().any(|word| BEHAVIOUR.iter().any(|name| word.is(name))) {
@@ -87,7 +87,8 @@ impl Heidenhain {
         }
     }
 
-    /// Shifts of the program are those of the plane from here on, or those of before: a line for what was taken away of these.
+    /// Shifts of the program are those of the plane from here on, or those of before. Returns a line that restores the
+    /// shifts that were removed.
     fn plane_begins(&mut self, reset: bool, added: bool) -> String {
         self.planes.asked = true;
         if reset {

@@ -1,7 +1,7 @@
 //! M140: the tool goes back along its axis.
 //!
-//! Facts: programming manuals of the control (M140 MB and MB MAX, at the start of its block, with a feed of its own, at rapid
-//! without one). Invariant: what follows in the block is a block of its own, with the feed that was there before.
+//! Facts: programming manuals of the control (M140 MB and MB MAX, at the start of its block, with a feed of its own, at
+//! rapid without one). Invariant: the words after it in the block form a block of their own, with the previous feed.
 
 use super::Heidenhain;
 use super::words::{Seen, joined};

@@ -75,8 +75,8 @@ impl Shifts {
         self.factors.get(axis).copied()
     }
 
-    /// The words of a cycle: notes what they set, makes incremental ones absolute and says what they leave out. Blocks that have
-    /// to come before them.
+    /// The words of a cycle: records the values that they set, makes incremental values absolute and supplies omitted
+    /// values. Returns the blocks that have to precede them.
     pub(super) fn define(&mut self, host: &dyn Host, cycle: u32, seen: &mut Vec<Seen>) -> Vec<String> {
         match cycle {
             7 => self.shift(seen),

@@ -10,7 +10,7 @@ use crate::host::Host;
 use counterpoint_fault as diag;
 use counterpoint_fault::Halt;
 
-/// What blocks in space depend on.
+/// Data on which blocks in space depend.
 #[derive(Debug, Default)]
 pub(super) struct Space {
     /// M128 or FUNCTION TCPM is active.

@@ -1,8 +1,8 @@
 //! Blocks as statements.
 //!
 //! Facts: Heidenhain pre-processor pages, programming manuals of the control. Conversational and ISO forms of a
-//! statement are one. Invariant: a block that is not a statement is words; reading never fails but for what begins as a
-//! statement.
+//! statement are one. Invariant: a block that is not a statement consists of words; reading fails only for blocks that
+//! start as a statement.
 
 use super::formula::{self, Formula, Name, Own, Wrong, expected, parameter};
 use super::lex::Cursor;
@@ -54,9 +54,9 @@ pub(super) enum Statement {
     Branch(Condition, Formula),
     /// A statement that other controls have too, with its operands.
     Shared(&'static Shared, Box<[Formula]>),
-    /// What FN 16 prints: the mask, and where to.
+    /// FN 16: the mask and the target of the output.
     Print(String),
-    /// What FN 38 sends.
+    /// FN 38: the text to send.
     Send(String),
     SysRead {
         to: Name,
@@ -294,7 +294,7 @@ fn key_word(cursor: &mut Cursor<'_>) -> Result<Option<Statement>, Wrong> {
     }))
 }
 
-/// How often a section is repeated; `REP 3` and `REP 3/2` of listings that show what is left.
+/// Number of repeats of a section; `REP 3`, and `REP 3/2` of listings that show the remaining repeats.
 fn repeat(cursor: &mut Cursor<'_>) -> Result<Formula, Wrong> {
     let repeat = formula::operand(cursor)?;
     if cursor.take(b'/') {

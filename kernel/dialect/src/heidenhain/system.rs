@@ -1,7 +1,7 @@
 //! FN 18: SYSREAD and FN 17: SYSWRITE.
 //!
 //! Facts: programming manuals of the control (system data by ID, NR and IDX), reference control-emulator.md 4.3. The
-//! machine is asked first. Invariant: what is not known here is diagnosed; a parameter becomes 0, nothing is written.
+//! machine is asked first. Invariant: unknown system data are reported; a parameter becomes 0, nothing is written.
 
 use super::Heidenhain;
 use super::eval::{Asked, Evaluator};

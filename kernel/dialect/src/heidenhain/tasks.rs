@@ -13,7 +13,7 @@ use crate::host::Host;
 /// Column T-ANGLE of the tool table.
 const TIP_ANGLE: u32 = 32;
 
-/// What a cycle says, lengths and heights as the program does.
+/// Data of a cycle, with lengths and heights as in the program.
 pub(super) struct Task {
     pub(super) surface: f64,
     pub(super) bottom: f64,
@@ -46,7 +46,7 @@ pub(super) enum Rounding {
     Corners(f64),
 }
 
-/// Other tools that a cycle names, and what its contours are.
+/// Other tools that a cycle names, and the kind of its contours.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Others {
     /// The one that holes are for; none for that in force.
@@ -71,7 +71,7 @@ impl Heidenhain {
         self.number(Name { kind: Kind::Q, index })
     }
 
-    /// What a cycle from 21 to 24 says, with what it leaves on the ground and at the side.
+    /// Task of a cycle from 21 to 24, with its allowances at the floor and at the side.
     pub(super) fn task(&self, host: &dyn Host, floor: f64, allowance: f64) -> Task {
         let surface = self.sl(5);
         let feed = self.sl(12);
@@ -94,7 +94,8 @@ impl Heidenhain {
         }
     }
 
-    /// What cycles 271 and from 272 to 274 say: the last infeed that the ground leaves, the side, the infeed, the feed and that of plunging.
+    /// Task of cycles 271 and 272 to 274: the last infeed that the floor leaves, the side, the infeed, the feed and the
+    /// plunge feed.
     pub(super) fn adaptive_task(&self, host: &dyn Host, work: Work) -> Result<Task, String> {
         let surface = self.sl(203);
         let (floor, allowance, infeed, feed, plunge) = match work {
@@ -150,7 +151,7 @@ impl Heidenhain {
         Ok(apart - self.cutter(host)? / host.length_factor())
     }
 
-    /// What cycle 6, 15 or 16 says; 16 says the sense.
+    /// Task of cycle 6, 15 or 16; 16 gives the sense.
     pub(super) fn old_task(&self, host: &dyn Host) -> Task {
         let of = |number: usize| self.cycles.old.get(number - 1).copied().unwrap_or(0.0);
         let along = self.variables.control.tool_axis.unwrap_or(2);

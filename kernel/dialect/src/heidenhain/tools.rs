@@ -1,9 +1,9 @@
 //! The tool table, as far as the program knows or changes it.
 //!
-//! Facts: programming manuals of the control (columns of ID50 by their numbers, pocket table ID51 and ID52). Length and radius
-//! are those of the machine's tool offsets, which have the numbers of the tools; the other columns are what programs have
-//! written, 0 before. Decisions: tool n stands in pocket n until a program says otherwise. Invariant: a length or radius that
-//! is written acts from the next TOOL CALL on.
+//! Facts: programming manuals of the control (columns of ID50 by their numbers, pocket table ID51 and ID52). Length and
+//! radius are those of the machine's tool offsets, which have the numbers of the tools; the other columns hold the
+//! values that programs have written, 0 before. Decisions: tool n is in pocket n until a program changes that.
+//! Invariant: a written length or radius acts from the next TOOL CALL on.
 
 use rustc_hash::FxHashMap;
 

@@ -1,8 +1,9 @@
 //! Contour trains: the blocks of cycles 25 and 276.
 //!
-//! Facts: programming manuals of the control (Q1 to Q15 of the cycles; cycle 270 for the ways to and from the contour; 276 goes at the heights
-//! of the contour, whose first block says all three coordinates, lowered by Q1 in infeeds of Q10). Decisions: beside the contour the tool is
-//! as high as what it is beside; ways of cycle 270 are as high as the end that they lead to or from. What is refused: residual material (Q18).
+//! Facts: programming manuals of the control (Q1 to Q15 of the cycles; cycle 270 for the paths to and from the contour;
+//! 276 goes at the heights of the contour, whose first block gives all three coordinates, lowered by Q1 in infeeds of
+//! Q10). Decisions: the tool has the height of the contour element that it is beside; paths of cycle 270 have the
+//! height of the end that they lead to or from. Refused: residual material (Q18).
 
 use counterpoint_motion::arc::by_center;
 use counterpoint_motion::contour::closed::{Closed, is_clear};

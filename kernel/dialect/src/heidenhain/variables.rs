@@ -72,7 +72,7 @@ impl ControlState {
     }
 }
 
-/// What a program or label that runs has of its own.
+/// Local data of a running program or label.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Level {
     /// QL parameters; a label has none.
@@ -116,7 +116,7 @@ impl Variables {
         }
     }
 
-    /// What a parameter was set to.
+    /// Value of a parameter, if it was set.
     pub(super) fn get(&self, name: Name) -> Option<Value> {
         match self.numbers(name.kind) {
             Some(numbers) => numbers.get(&name.index).copied().map(Value::Number),

@@ -1,7 +1,7 @@
 //! Words of a block: names with numbers, parameters or nothing after them.
 //!
 //! Facts: release notes of the Heidenhain pre-processor (word addresses followed by Q, QL, QR and QS). Invariant: a
-//! number is left as it was written; what is not a word is left as it stands, so that the tables of the machine decide.
+//! number keeps its text, and text that is not a word stays unchanged, so that the tables of the machine decide.
 
 use counterpoint_fault::Halt;
 use std::sync::Arc;
@@ -62,7 +62,7 @@ impl Seen {
     }
 }
 
-/// A number as words have it; what lies after the ninth digit is nothing that was programmed.
+/// A number in the form of words; digits after the ninth were not programmed.
 pub(super) fn shown(value: f64) -> String {
     let tidy = if value.abs() < 1e6 { (value * 1e9).round() / 1e9 } else { value };
     format!("{}", tidy + 0.0)

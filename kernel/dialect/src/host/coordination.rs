@@ -36,9 +36,9 @@ pub struct Signal {
     pub values: Vec<(u8, f64)>,
 }
 
-/// Statements between channels. Which there are and what they mean is data of the machine (`[[waits]]`).
+/// Statements between channels. Data of the machine (`[[waits]]`) define the statements and their meaning.
 pub trait Coordination {
-    /// What a statement with this name takes; `None` if it is not one between channels.
+    /// Operands of the statement with this name; `None` if it is not a statement between channels.
     fn coordinates(&self, statement: &str) -> Option<Operands>;
 
     /// Number of the channel that the machine gives this name, letter case ignored.

@@ -15,7 +15,7 @@ use counterpoint_program::spot::Spot;
 pub struct Call {
     /// Name for events, messages and the subprogram macros.
     pub name: Arc<str>,
-    /// Where it is; a startup macro of the machine may know what the interpreter does not.
+    /// Its place; a startup macro of the machine may know a place that the interpreter does not.
     pub place: Option<(FileId, Range)>,
     /// Passes, at least 1.
     pub passes: u32,
@@ -118,7 +118,7 @@ pub trait Flow {
     /// The block after another one of the program.
     fn after(&self, block: Spot) -> Spot;
 
-    /// Everything that was programmed so far is executed before what follows.
+    /// All blocks programmed so far are executed before the following ones.
     ///
     /// # Errors
     /// The reason why the channel stops in the meantime.

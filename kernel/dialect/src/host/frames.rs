@@ -16,7 +16,8 @@ pub struct AxisPlace {
     pub turns: bool,
     /// Where it is in the frame of the program, as the program counts now.
     pub work: f64,
-    /// What incremental words count from: where it is, or where it was before a change of frames that is to be travelled.
+    /// Reference of incremental words: the current position, or the position before a change of frames that is to be
+    /// travelled.
     pub from: f64,
     /// Where it is in the machine frame, as the program counts now.
     pub machine: f64,

@@ -1,8 +1,8 @@
 //! The interface of an interpreter to its kernel, by concern.
 //!
-//! Facts: reference control-emulator.md 4.3 (identification), 5.4, 5.7. *Invariants:* what other channels can see goes
-//! through [`Values`], in order of simulated time; a jump back and a call are counted by the kernel, so that endless
-//! loops come to a limit; nothing here reads a clock or a file system.
+//! Facts: reference control-emulator.md 4.3 (identification), 5.4, 5.7. *Invariants:* data that other channels can see
+//! go through [`Values`], in order of simulated time; the kernel counts jumps back and calls, so that endless loops
+//! reach a limit; nothing here reads a clock or a file system.
 
 mod coordination;
 mod flow;

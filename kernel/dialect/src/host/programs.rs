@@ -18,7 +18,7 @@ pub struct Place {
     pub line: u32,
     /// Lines of the program, or of the called text, that the block belongs to.
     pub range: Range,
-    /// The text of the block is its line of the file, and was not changed: what was compiled for the line holds.
+    /// The text of the block is its unchanged line of the file, so the code compiled for the line is valid.
     pub as_read: bool,
     /// The program has jumped back or called, so a line may run again.
     pub repeats: bool,

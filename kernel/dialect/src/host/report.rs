@@ -29,13 +29,13 @@ pub trait Report {
     /// Reports a diagnostic with a severity of its own.
     fn report(&mut self, facts: &'static Facts, severity: u8, text: String);
 
-    /// Reports an alarm; gives what it does: the channel stops, or the rest of the block is dropped.
+    /// Reports an alarm; returns its effect: the channel stops, or the rest of the block is dropped.
     fn alarm(&mut self, facts: &'static Facts, text: String) -> Halt;
 
     /// The machine continues after this alarm.
     fn continues_after(&self, facts: &'static Facts) -> bool;
 
-    /// How the control writes what programs print.
+    /// The form in which the control writes the output of programs.
     fn output(&self) -> &Output;
 
     /// The program opens or closes its output.

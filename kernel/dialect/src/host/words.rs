@@ -49,7 +49,7 @@ pub trait Words {
     /// Steps of one unit that the value of an expression is rounded to at a register, if the machine rounds.
     fn steps(&self, register: RegisterId) -> Option<f64>;
 
-    /// Value of a number as a register reads it. What is wrong with the number is kept with the block.
+    /// Value of a number as a register reads it. Faults of the number are kept with the block.
     fn read(&mut self, register: RegisterId, number: Number) -> f64;
 
     /// Makes the value the sequence number of the block, if the register is that of sequence numbers and the block has

@@ -88,7 +88,7 @@ impl<'a> Cursor<'a> {
         std::str::from_utf8(self.text.get(start..self.at).unwrap_or_default()).unwrap_or("")
     }
 
-    /// Takes a text that may be written close to what follows.
+    /// Takes a text that may be written without a blank after it.
     pub(super) fn key(&mut self, word: &str) -> bool {
         self.peek();
         let is = self.text.get(self.at..).is_some_and(|rest| rest.starts_with(word.as_bytes()));

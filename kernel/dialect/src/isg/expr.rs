@@ -55,7 +55,7 @@ pub(super) struct Reader<'c, 'a> {
     cursor: &'c mut Cursor<'a>,
     ops: Vec<Op>,
     parts: usize,
-    /// Brackets and signs around what is being read.
+    /// Brackets and signs around the current operand.
     depth: usize,
 }
 

@@ -61,7 +61,7 @@ impl Isg {
         holds
     }
 
-    /// What another line of the program says.
+    /// The flow item of another line of the program.
     fn item_at(&mut self, host: &mut dyn Host, line: u32) -> Outcome<Option<Control>> {
         let file = host.place().file;
         let line = self.line_of(host, file, line);

@@ -1,8 +1,9 @@
 //! ISG kernel, as in Beckhoff TF5200: parameters, variables, control blocks, signals between channels.
 //!
-//! Facts: reference channel-synchronisation.md 1.7. A block is read once (`line`, kept by file and line) and executed item by item
-//! (`run`): statements act at once, words are gathered as text. Invariants: a mistake of the program is an alarm with a text,
-//! never a silence; what is not a statement, variable or subprogram stays as text for the tables of the machine.
+//! Facts: reference channel-synchronisation.md 1.7. A block is read once (`line`, kept by file and line) and executed
+//! item by item (`run`): statements act at once, words are gathered as text. Invariants: a mistake of the program is an
+//! alarm with a text and never goes unreported; text that is not a statement, variable or subprogram remains for the
+//! tables of the machine.
 
 mod control;
 mod cursor;
@@ -61,7 +62,7 @@ pub(crate) struct Isg {
     store: store::Store,
     /// Blocks that were read.
     read: Kept<Result<line::Line, Mistake>>,
-    /// A line may run again, so what was read is worth keeping.
+    /// A line may run again, so its compiled form is worth keeping.
     caching: bool,
     /// Labels and control blocks of files.
     places: Tables<FileId, places::Places>,

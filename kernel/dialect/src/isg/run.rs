@@ -1,8 +1,8 @@
 //! A block, executed item by item.
 //!
-//! Facts: reference channel-synchronisation.md 1.7. Decisions: the time of a dwell without an address is that of X; what only the machine
-//! knows is asked of its identification macro, and without an answer it is an alarm. Invariant: words keep their order; a block
-//! that leaves none leaves no text.
+//! Facts: reference channel-synchronisation.md 1.7. Decisions: the time of a dwell without an address is that of X.
+//! Data that only the machine knows are requested from its identification macro, and without an answer they are an
+//! alarm. Invariant: words keep their order; a block that leaves no words leaves no text.
 
 use counterpoint_fault as diag;
 use counterpoint_lang::value::Value;

@@ -51,7 +51,7 @@ pub(super) fn is_one(word: &str, cursor: &Cursor<'_>) -> bool {
     word == "SIGNAL" || !other || ahead.word("SYN")
 }
 
-/// Reads what follows the word.
+/// Reads the text after the word.
 pub(super) fn read(word: &str, cursor: &mut Cursor<'_>) -> Result<Statement, Mistake> {
     let deed = match word {
         "WAIT" => Deed::Wait,

@@ -77,7 +77,7 @@ impl<'a> Cursor<'a> {
         is
     }
 
-    /// Takes a key word that may be written close to what follows.
+    /// Takes a keyword that may be written without a blank after it.
     pub(super) fn key_word(&mut self, word: &str) -> bool {
         self.peek();
         let is = self.text.get(self.at..).is_some_and(|rest| rest.starts_with(word.as_bytes()));

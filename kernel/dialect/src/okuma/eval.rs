@@ -1,9 +1,9 @@
 //! Values of expressions, and where values go.
 //!
-//! Facts: reference control-emulator.md 4.3, 5.4. Order for what the program does not own: the identification macro,
-//! then what the control knows, then a diagnostic and 0. Decisions: a local variable without a value is unknown, but
-//! for a comparison with EMPTY; VSIO and VAPA with the letter of an axis are its position as the program counts, VPBR1
-//! to VPBR9 are the switches of branches, all off. Invariant: no value is infinite or not a number.
+//! Facts: reference control-emulator.md 4.3, 5.4. Order for variables that the program does not own: the identification
+//! macro, then the data of the control, then a diagnostic and 0. Decisions: a local variable without a value is
+//! unknown, except for a comparison with EMPTY; VSIO and VAPA with the letter of an axis are its position in program
+//! coordinates; VPBR1 to VPBR9 are the switches of branches, all off. Invariant: no value is infinite or not a number.
 
 use counterpoint_fault::Halt;
 use counterpoint_lang::value::Value;
@@ -45,7 +45,7 @@ impl<'e> Eval<'e> {
         Self { store, host, answering: false }
     }
 
-    /// A value; what has none is 0.
+    /// The value of an expression; 0 if it has none.
     pub(super) fn value(&mut self, expr: &Expr) -> Result<f64, Stop> {
         self.evaluate(expr)
     }
@@ -62,7 +62,7 @@ impl<'e> Eval<'e> {
         }
     }
 
-    /// What is assigned: none takes the value of a variable away.
+    /// The value to assign; none removes the value of a variable.
     pub(super) fn assigned(&mut self, expr: &Expr) -> Result<Option<f64>, Stop> {
         if let Some(Own::Empty) = expr.as_own() { Ok(None) } else { self.value(expr).map(Some) }
     }
@@ -120,7 +120,7 @@ impl<'e> Eval<'e> {
         Ok(text)
     }
 
-    /// Value of what the program does not own.
+    /// Value of a variable that the program does not own.
     fn unknown(&mut self, text: &str, kind: &str) -> Result<f64, Stop> {
         let answer = if self.answering { Answer::Unknown } else { self.host.identify(text, None)?.unless(text) };
         match answer {
@@ -184,7 +184,7 @@ impl<'e> Eval<'e> {
         }
     }
 
-    /// Sets what the program does not own: only the identification macro knows how.
+    /// Sets a variable that the program does not own; only the identification macro can do this.
     pub(super) fn assign_unknown(&mut self, text: &str, value: Option<f64>) -> Result<(), Stop> {
         let assigned = value.map_or(Value::Null, Value::Real);
         let answer =

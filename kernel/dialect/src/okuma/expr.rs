@@ -19,7 +19,7 @@ const DEEPEST: usize = 40;
 /// An operation that only this control has.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Own {
-    /// What a variable without a value is equal to.
+    /// The value that a variable without a value equals.
     Empty,
     Variable(Variable),
     /// Whether a variable has a value.
@@ -51,7 +51,7 @@ pub(super) struct Reader<'c, 'a> {
     pub(super) cursor: &'c mut Cursor<'a>,
     ops: Vec<Op>,
     parts: usize,
-    /// Brackets and signs around what is being read.
+    /// Brackets and signs around the current operand.
     depth: usize,
 }
 

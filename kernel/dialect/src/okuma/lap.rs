@@ -1,8 +1,8 @@
 //! Contours with a name (LAP): where they begin and end, and which one a cycle goes along.
 //!
-//! `NLAP1 G81` (G82 along X) begins a contour, G80 ends it; G83 before it begins that of the blank. G85 to G88 go along the
-//! contour that they name. Facts: reference okuma-osp.md 4. *Invariant:* a contour that is run into is skipped; what a name
-//! means is found in the text, so a contour may be anywhere in its program.
+//! `NLAP1 G81` (G82 along X) starts a contour, G80 ends it; G83 before it starts that of the blank. G85 to G88 go along
+//! the contour that they name. Facts: reference okuma-osp.md 4. *Invariant:* a contour that the program runs into is
+//! skipped; a name is resolved in the text, so a contour may be anywhere in its program.
 
 use std::sync::Arc;
 
@@ -14,7 +14,7 @@ use super::line::normal;
 use super::text::{Prepared, prepare};
 use crate::host::{Host, Shape};
 
-/// What a block has to do with contours.
+/// Relation of a block to contours.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) enum Lap {
     /// It begins one.
@@ -23,7 +23,7 @@ pub(super) enum Lap {
     Cuts(String),
 }
 
-/// What a block has to do with contours. The name of the contour is blanked.
+/// Relation of a block to contours. The name of the contour is blanked.
 pub(super) fn find(block: &mut Prepared) -> Option<Lap> {
     let mut code = None;
     for (start, end) in words(&block.upper) {

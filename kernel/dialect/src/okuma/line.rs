@@ -1,7 +1,7 @@
 //! A block of the pre-processor, read.
 //!
-//! Facts: reference control-emulator.md 5.4, 5.5. Decisions: marks of optional skip stand at the begin of the block and
-//! directly after its sequence number or name, the last of them decides over what follows; everywhere else `/`
+//! Facts: reference control-emulator.md 5.4, 5.5. Decisions: marks of optional skip are at the start of the block and
+//! directly after its sequence number or name, and the last mark decides about the text after it; everywhere else `/`
 //! divides.
 
 use super::cursor::{Cursor, Mistake};

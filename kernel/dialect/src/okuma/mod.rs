@@ -55,7 +55,7 @@ pub(crate) struct Okuma {
     modal: Vec<run::Modal>,
     /// Arguments of the call that the block at a place has made.
     arguments: Option<(FileId, u32, Arguments)>,
-    /// A line may run again, so what was read is worth keeping.
+    /// A line may run again, so its compiled form is worth keeping.
     caching: bool,
     lines: Kept<line::Line>,
     indices: Tables<FileId, Index>,

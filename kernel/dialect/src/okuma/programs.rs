@@ -115,7 +115,7 @@ fn cut(text: &[u8]) -> &[u8] {
     let from = text.iter().position(u8::is_ascii_alphabetic).unwrap_or(text.len());
     let word = text.get(from..).unwrap_or_default();
     let length = word.iter().position(|byte| !byte.is_ascii_alphanumeric()).unwrap_or(word.len());
-    // What follows tells a name from a variable.
+    // The next character distinguishes a name from a variable.
     text.get(..(from + length + 1).min(text.len())).unwrap_or_default()
 }
 

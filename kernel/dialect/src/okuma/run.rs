@@ -299,7 +299,7 @@ impl Okuma {
         is
     }
 
-    /// A text for a variable: that of an alarm, or what the machine knows.
+    /// Assigns a text to a variable: the text of an alarm, or of a variable of the machine.
     fn text(
         &mut self,
         host: &mut dyn Host,

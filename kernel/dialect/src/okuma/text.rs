@@ -1,7 +1,8 @@
 //! The text of a block without its comments, and the messages in it.
 //!
-//! Decisions: brackets of expressions are square, so a round one always opens a comment, but after MSG a message, and
-//! a comment that begins with `MSG,` is one too. Invariant: places in what is made here are places in the block.
+//! Decisions: brackets of expressions are square, so a round bracket always opens a comment. After MSG it opens a
+//! message, and a comment that starts with `MSG,` is also a message. Invariant: places in the resulting text are places
+//! in the block.
 
 use super::quick_look::is_message;
 

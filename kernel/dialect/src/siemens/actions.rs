@@ -1,11 +1,12 @@
 //! Synchronised actions: `ID=1 WHEN condition DO action`, with WHENEVER, EVERY, FROM or no condition, and CANCEL.
 //!
-//! Facts: programming manual, synchronised actions: the control tests conditions in its interpolation cycle, a WHEN acts once, a
-//! WHENEVER in each cycle while it is true, an EVERY when it becomes true, a FROM in each cycle after it was true once; an action
-//! without ID holds for the next block, with ID to the end of the program, with IDS beyond it. Decisions: conditions are tested
-//! where a block begins, so one that is true only within a move is missed; actions set variables and outputs, give M codes to the block that begins, set
-//! alarms (SETAL), and set and clear marks of channels (SETM, CLEARM). *Invariant:* what an action cannot do here is refused where the action is written, so no axis moves otherwise than
-//! on the control without a word.
+//! Facts: programming manual, synchronised actions: the control tests conditions in its interpolation cycle, a WHEN
+//! acts once, a WHENEVER in each cycle while it is true, an EVERY when it becomes true, a FROM in each cycle after it
+//! was true once; an action without ID holds for the next block, with ID to the end of the program, with IDS beyond it.
+//! Decisions: conditions are tested at the start of a block, so one that is true only within a move is missed; actions
+//! set variables and outputs, give M codes to the starting block, set alarms (SETAL), and set and clear marks of
+//! channels (SETM, CLEARM). *Invariant:* an action that is not possible here is refused where it is written, so no axis
+//! moves differently from the control without a report.
 
 use super::cursor::Cursor;
 use super::expression::{Argument, Expression, expression, unexpected};
@@ -149,7 +150,7 @@ impl Siemens {
         Ok(())
     }
 
-    /// Refuses what an action cannot do here.
+    /// Refuses actions that are not possible here.
     fn check_action(&self, item: &Item, text: &str) -> Outcome<()> {
         let fits = match item {
             Item::Set { name, .. } => {

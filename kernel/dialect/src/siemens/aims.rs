@@ -11,7 +11,7 @@ pub(super) enum Aim {
     Angle(Angle),
 }
 
-/// What has three components.
+/// Data with three components.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Vector {
     /// `A2 B2 C2`, angles of a direction.

@@ -1,14 +1,15 @@
 //! Directions of the tool that follow the way (LEAD, TILT, ORIPATH), and directions along a cone (ORICONCW, ORICONCCW,
 //! ORICONIO, ORICONTO).
 //!
-//! Facts: programming manual, job planning, chapters "three, four and five axis transformation" and "orientation along the
-//! peripheral surface of a taper": LEAD is the angle to the surface normal in the plane of the path and the normal, TILT turns
-//! about the path; the normal is A5 B5 C5 at the end of the block, else A4 B4 C4, at first Z. A cone has its axis at A6 B6 C6 or a
-//! full opening angle NUT, or goes through A7 B7 C7. Decisions: LEAD leans towards where the tool goes, TILT is right-handed about
-//! the path (to the right of it); both act at the end of their block and, under ORIPATH, of each following one that moves; the
-//! normal may be 5 degrees from being perpendicular to the path. A block along a cone becomes straight blocks of at most two
-//! degrees; clockwise is seen against the axis; without an end the tool goes once round; a negative NUT is the way beyond half a
-//! turn. *Invariant:* what does not go straight along X, Y and Z has no direction of this kind, it is refused.
+//! Facts: programming manual, job planning, chapters "three, four and five axis transformation" and "orientation along
+//! the peripheral surface of a taper": LEAD is the angle to the surface normal in the plane of the path and the normal,
+//! TILT turns about the path; the normal is A5 B5 C5 at the end of the block, otherwise A4 B4 C4, at first Z. A cone
+//! has its axis at A6 B6 C6 or a full opening angle NUT, or goes through A7 B7 C7. Decisions: LEAD leans in the
+//! direction of motion, TILT is right-handed about the path (to the right of it). Both act at the end of their block
+//! and, under ORIPATH, at the end of each following block that moves. The normal may be 5 degrees from being
+//! perpendicular to the path. A block along a cone becomes straight blocks of at most two degrees; clockwise is seen
+//! against the axis; without an end the tool makes a full turn; a negative NUT is the path beyond half a turn.
+//! *Invariant:* a move that is not straight along X, Y and Z has no direction of this kind and is refused.
 
 use counterpoint_machine::ident::codes;
 use counterpoint_motion::direction::{Cone, leaned};

@@ -1,9 +1,10 @@
 //! Programs of an archive: `%_N_NAME_MPF` and `%_N_NAME_SPF` in one file, before anything runs.
 //!
-//! Facts: reference channel-synchronisation.md 1.2. Decisions: main programs are those with the ending MPF that no block of the
-//! archive calls or selects by INIT; they belong to the channels from left to right. In a job archive of INDEX lathes
-//! `%_N_n_0_MPF` is the main program of channel n, and other numbers are data (tool lists). What else an archive holds (definitions
-//! `_DEF`, data `_INI`, `_TOA` and so on) is no program, and keeps its ending in its name. *Invariant:* a line is looked at alone.
+//! Facts: reference channel-synchronisation.md 1.2. Decisions: main programs are those with the ending MPF that no
+//! block of the archive calls or selects by INIT; they belong to the channels from left to right. In a job archive of
+//! INDEX lathes `%_N_n_0_MPF` is the main program of channel n, and other numbers are data (tool lists). Other content
+//! of an archive (definitions `_DEF`, data `_INI`, `_TOA` and so on) is not a program, and keeps its ending in its
+//! name. *Invariant:* each line is examined alone.
 
 use counterpoint_program::syntax::NamedPrograms;
 

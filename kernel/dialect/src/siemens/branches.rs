@@ -29,7 +29,7 @@ impl Siemens {
                         true
                     }
                 };
-                // What stands after a jump that is not made is executed, further conditions too.
+                // The statements after a jump that is not taken are executed, including further conditions.
                 return Ok(if gone { Then::Stop } else { Then::Continue });
             }
             Item::Goto(jump) => return Ok(if self.jump(host, jump)? { Then::Stop } else { Then::Continue }),

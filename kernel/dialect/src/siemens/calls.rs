@@ -54,7 +54,7 @@ impl PassedArgument {
         !matches!(self.value, Passed::Missing)
     }
 
-    /// What a parameter has become.
+    /// Takes the final value of a parameter.
     pub(super) fn take_from(&mut self, variable: &Variable) {
         self.value = match variable.values.as_slice() {
             [one] if variable.sizes.is_empty() => Passed::One(one.clone()),
@@ -216,7 +216,7 @@ impl Siemens {
         }
     }
 
-    /// A subprogram has returned: what goes back is stored by the caller.
+    /// A subprogram has returned: the caller stores the values that it passes back.
     pub(super) fn leave(&mut self, host: &mut dyn Host) -> Outcome<()> {
         let Some(level) = self.variables.leave() else { return Ok(()) };
         if let Some(modes) = &level.modes {

@@ -1,15 +1,16 @@
 //! Statements by which the cycles of the control read contours and cut along them.
 //!
-//! `SC_KEEP(name)` keeps the name of a contour for the next cycle that has none (CYCLE62); `SC_READ(name, …)` runs the subprogram, with what
-//! stands behind its name as arguments, or the section between the labels of `A:B` of the program that has called the cycle, so that its
-//! moves are recorded; a name that is not a subprogram is that of a contour between the labels E_LAB_A_name and E_LAB_E_name. `SC_PIECES(count,
-//! table)` gives what was recorded; `SC_STRIP(…)` removes stock along it.
-//! `SC_KEPT` and `SC_FORGET` count and forget the names; `SC_READ` with a number reads the one with that number. `SC_ADDRING` makes a ring of a
-//! pocket of what was read, `SC_WAYS`, `SC_LINES` and `SC_HOLES` give the ways of a tool around and between its rings, and where it goes down;
-//! `SC_LEAVE` makes a blank with spigots of it, `SC_FOLLOW` tells of a tool that has cleared it before. `SC_LETTERS(count, table, text, width,
-//! gap)` gives the strokes of a text.
-//! The control does the same by CONTPRON and EXECUTE. Facts: reference siemens-cycles.md 1.6. *Invariant:* only programs
-//! stored with the machine have these statements; elsewhere their names are as unknown as on the control.
+//! `SC_KEEP(name)` keeps the name of a contour for the next cycle that has none (CYCLE62). `SC_READ(name, …)` runs the
+//! subprogram, with the arguments after its name, or the section between the labels of `A:B` of the program that has
+//! called the cycle, so that its moves are recorded. A name that is not a subprogram is that of a contour between the
+//! labels E_LAB_A_name and E_LAB_E_name. `SC_PIECES(count, table)` gives the recorded pieces; `SC_STRIP(…)` removes
+//! stock along them. `SC_KEPT` and `SC_FORGET` count and forget the names; `SC_READ` with a number reads the contour
+//! with that number. `SC_ADDRING` makes a ring of a pocket from the recorded contour. `SC_WAYS`, `SC_LINES` and
+//! `SC_HOLES` give the paths of a tool around and between its rings, and the places where it goes down. `SC_LEAVE`
+//! makes a blank with spigots of it, `SC_FOLLOW` describes a tool that has cleared it before. `SC_LETTERS(count, table,
+//! text, width, gap)` gives the strokes of a text. The control does the same by CONTPRON and EXECUTE. Facts: reference
+//! siemens-cycles.md 1.6. *Invariant:* only programs stored with the machine have these statements; elsewhere their
+//! names are unknown, as on the control.
 
 use super::evaluate::number;
 use super::expression::Argument;
@@ -251,7 +252,7 @@ impl Siemens {
         targets.try_into().or_else(|_| syntax("a statement of contours needs variables"))
     }
 
-    /// Numbers among arguments; what is missing is 0.
+    /// Numbers among arguments; a missing number is 0.
     fn numbers<const N: usize>(&mut self, host: &mut dyn Host, arguments: &[Argument]) -> Outcome<[f64; N]> {
         let mut values = [0.0; N];
         for (slot, argument) in values.iter_mut().zip(arguments) {

@@ -1,7 +1,8 @@
 //! Statements between channels: `WAITM(mark, channels)`, `SETM(marks)`, `WAITE(channels)`, `INIT(channel, program)` and the like.
 //!
-//! Facts: reference channel-synchronisation.md 1.4, scenario M06. Which statements there are, what they wait for and which marks they take is
-//! data of the machine; here their arguments are read. A channel may be given by its name, unless a variable has that name.
+//! Facts: reference channel-synchronisation.md 1.4, scenario M06. Data of the machine define the statements, the events
+//! they wait for and their marks; the arguments are read here. A channel may be given by its name, unless a variable
+//! has that name.
 
 use super::expression::{Argument, as_name};
 use super::value::Data;

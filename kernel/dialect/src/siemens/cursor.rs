@@ -162,7 +162,7 @@ impl<'a> Cursor<'a> {
         inner.get(..length)
     }
 
-    /// Takes what is in the parentheses that open here, without them.
+    /// Takes the text in the parentheses that open here, without the parentheses.
     pub(super) fn enclosed(&mut self, open: u8, close: u8) -> Option<&'a str> {
         self.blanks();
         if self.byte(0) != open {

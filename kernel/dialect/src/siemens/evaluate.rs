@@ -33,7 +33,7 @@ pub(super) fn number(value: &Data) -> Outcome<f64> {
     }
 }
 
-/// The interpreter and its kernel as what gives expressions their values.
+/// The interpreter and its kernel as the source of values for expressions.
 struct Values<'s> {
     siemens: &'s mut Siemens,
     host: &'s mut dyn Host,
@@ -172,7 +172,7 @@ impl Siemens {
         if self.quiet { Ok(Answer::Unknown) } else { Ok(host.identify(text, assigned)?.unless(text)) }
     }
 
-    /// What a macro gave in place of a text; it is not asked about what stands in it.
+    /// Text that a macro gives in place of a text; the macro is not asked about the content of its answer.
     pub(super) fn instead(&mut self, host: &mut dyn Host, text: &str) -> Outcome<Data> {
         let expression = whole(text).or_else(syntax)?;
         let before = std::mem::replace(&mut self.quiet, true);

@@ -1,8 +1,9 @@
 //! Expressions, read.
 //!
 //! Facts: the control's priorities, strongest first: NOT B_NOT; * / DIV MOD and the chain `:`; + −; B_AND; B_XOR; B_OR;
-//! AND; XOR; OR; `<<`, which may also be before its first value; comparisons. Since comparisons bind weakest, a second one without parentheses is a mistake.
-//! Invariant: what was read is bounded in depth, so that evaluating it is too.
+//! AND; XOR; OR; `<<`, which may also be before its first value; comparisons. Since comparisons bind weakest, a second
+//! comparison without parentheses is a mistake. Invariant: expressions are bounded in depth, so that their evaluation
+//! is too.
 
 use super::cursor::{Cursor, split_list};
 use super::functions;

@@ -12,7 +12,7 @@ pub(super) const SPACE: usize = 3;
 
 /// Largest number of a frame.
 const BOUND: f64 = 1e12;
-/// What counts as nothing.
+/// Values below this count as zero.
 const NOTHING: f64 = 1e-9;
 
 /// A frame.
@@ -302,7 +302,7 @@ impl Frame {
     }
 }
 
-/// Without what rounding has left.
+/// The value without rounding residue.
 fn clean(value: f64) -> f64 {
     let near = (value * 1e9).round() / 1e9;
     if near.is_finite() && (near - value).abs() < 1e-9 { near + 0.0 } else { value }

@@ -1,8 +1,9 @@
 //! Frames of the program: functions that make them, and the effect of an assignment on the machine.
 //!
-//! Facts: reference control-emulator.md 5.4, functions.md 9 (`APPLYFRAMES`). Decisions: the programmable frame is set by
-//! blocks with the words TRANS, AROT, ASCALE and AMIRROR of the machine's tables, a settable frame by the work offset of
-//! its number. Invariant: what the machine has no words for is reported, and then nothing of the frame is set.
+//! Facts: reference control-emulator.md 5.4, functions.md 9 (`APPLYFRAMES`). Decisions: the programmable frame is set
+//! by blocks with the words TRANS, AROT, ASCALE and AMIRROR of the machine's tables, a settable frame by the work
+//! offset of its number. Invariant: a part without a word of the machine is reported, and then nothing of the frame is
+//! set.
 
 use rustc_hash::FxHashMap;
 

@@ -84,7 +84,7 @@ pub(super) fn apply(function: Function, value: &Data) -> Outcome<Data> {
         (Function::Not, _) => return Ok(Data::Bool(v == 0.0)),
         (Function::NotBits, _) => return Ok(Data::Int(i64::from(!bits(value)?))),
         (Function::Abs, Data::Int(value)) => return Ok(Data::Int(value.saturating_abs())),
-        // What rounding has left of a whole number is that number, as for comparisons.
+        // A whole number with rounding residue is that number, as for comparisons.
         (Function::Fix, _) if same(v, v.round()) => return whole(v.round()),
         (Function::Fix | Function::Round | Function::Ceil, _) => return whole(function.value(v).unwrap_or(v)),
         (Function::Sin, _) => Some(sine(v)),

@@ -1,8 +1,8 @@
 //! A block, read: its number, its label, its words and statements in their order.
 //!
-//! Facts: reference control-emulator.md 5.4. A name has two letters or underscores at its beginning; a single letter is
-//! an address. What a name means — variable, word, subprogram, literal code — is decided when the block runs. Invariant:
-//! text that is not a statement is kept as it is.
+//! Facts: reference control-emulator.md 5.4. A name starts with two letters or underscores; a single letter is an
+//! address. The meaning of a name — variable, word, subprogram, literal code — is decided when the block runs.
+//! Invariant: text that is not a statement is kept unchanged.
 
 use super::actions;
 use super::cursor::{Cursor, begins_name, in_name};
@@ -131,7 +131,7 @@ pub(super) enum Positioning {
     IncrementalAs(Width),
 }
 
-/// What a value across the axis of turning is.
+/// Meaning of a value across the axis of turning.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Width {
     Diameter,
@@ -205,7 +205,7 @@ const STATEMENTS: Statements<&str> = &[
     ("ENDLABEL", &IDLE),
 ];
 
-/// Number and label at the beginning of a block; what is left begins at the cursor.
+/// Number and label at the start of a block; the cursor stops after them.
 pub(super) fn head(cursor: &mut Cursor<'_>) -> (Option<String>, Option<String>) {
     let mut number = None;
     cursor.blanks();

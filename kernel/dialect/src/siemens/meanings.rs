@@ -34,7 +34,8 @@ pub(super) fn is_rewritten(text: &[u8]) -> bool {
     matches!(digits.trim_start_matches('0'), "58" | "59" | "74" | "75")
 }
 
-/// Some word may be one of those above: what most blocks are asked, so only the first two characters of each word count.
+/// Whether some word may be one of those above. Most blocks take this test, so only the first two characters of each
+/// word count.
 fn may_be_rewritten(words: &str) -> bool {
     let mut begins = true;
     words.as_bytes().windows(2).any(|pair| {

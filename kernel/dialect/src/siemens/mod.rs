@@ -2,8 +2,8 @@
 //!
 //! Facts: reference control-emulator.md 5.4, functions.md 9. A block is read once (`line`, kept by file and line) and
 //! executed item by item (`run`): statements act at once, words are gathered as text. Invariants: a mistake of the
-//! program is an alarm with a text, never a silence; what is not a statement, variable or subprogram stays as text for the
-//! tables of the machine.
+//! program is an alarm with a text and never goes unreported; text that is not a statement, variable or subprogram
+//! remains for the tables of the machine.
 
 mod actions;
 mod aims;
@@ -113,7 +113,7 @@ fn number_of(facts: &Facts, text: &str) -> &'static str {
 #[derive(Debug, Default)]
 pub(crate) struct Siemens {
     variables: variables::Variables,
-    /// System variables that keep what is written.
+    /// System variables that keep the written values.
     stored: stored::Stored,
     /// Frames that the program has assigned.
     frames: frames::Assigned,
@@ -138,7 +138,7 @@ pub(crate) struct Siemens {
     held: held::Held,
     /// The reason why the channel stopped where nothing could be returned.
     halted: Option<Halt>,
-    /// Macros are not asked about what is unknown.
+    /// Whether macros are not asked about unknown names.
     quiet: bool,
 }
 

@@ -1,9 +1,9 @@
 //! MCALL: a subprogram that blocks with path motion call.
 //!
-//! Facts: 840D programming manual, modal subprogram call. The last one said counts, in subprograms too, until MCALL alone
-//! or the end of the program; its arguments are handed over once, as they are when it is said. Blocks call that
-//! program a path axis, that have only F or S while G0 or G1 holds, or G0 or G1 with nothing but other G functions.
-//! Invariant: the blocks of the modal subprogram itself, and of what it calls, do not call it.
+//! Facts: 840D programming manual, modal subprogram call. The last MCALL counts, also in subprograms, until MCALL alone
+//! or the end of the program; its arguments are passed once, with their values at MCALL. A block calls if it programs a
+//! path axis, if it has only F or S while G0 or G1 is active, or if it has G0 or G1 with only other G functions.
+//! Invariant: the blocks of the modal subprogram itself, and of the programs it calls, do not call it.
 
 use super::calls::{Calling, PassedArgument};
 use super::line::Item;
@@ -11,10 +11,10 @@ use super::run::Left;
 use super::{Outcome, Siemens};
 use crate::host::{Call, Host};
 
-/// What blocks with path motion call.
+/// The program that blocks with path motion call.
 #[derive(Debug)]
 pub(super) struct Modal {
-    /// Text that stands on the block, if what is called is not a subprogram.
+    /// Text that stays in the block if the name is not a subprogram.
     words: String,
     call: Option<Call>,
     passes: Option<u32>,
@@ -36,7 +36,7 @@ const STILL_CODES: [u32; 10] = [4, 25, 26, 58, 59, 74, 75, 110, 111, 112];
 const CURVES: [u32; 9] = [2, 3, 33, 34, 35, 63, 331, 332, 335];
 
 impl Siemens {
-    /// MCALL with what stands after it.
+    /// MCALL with the text after it.
     pub(super) fn set_modal(&mut self, host: &mut dyn Host, items: &[Item]) -> Outcome<()> {
         self.modal = None;
         if !items.is_empty() {
@@ -53,7 +53,7 @@ impl Siemens {
         Ok(())
     }
 
-    /// The block calls what MCALL has said, if it asks for that.
+    /// Calls the program of MCALL if the block asks for it.
     pub(super) fn call_modally(&mut self, host: &dyn Host, left: &mut Left) {
         // A contour that a cycle reads does not move.
         if self.modal.is_none() || host.reads_contour() {
@@ -95,7 +95,7 @@ fn code(word: &str) -> Option<u32> {
     word.strip_prefix(['G', 'g'])?.trim().parse().ok()
 }
 
-/// The block has path motion, or what counts as such.
+/// Whether the block has path motion, or an equivalent.
 fn asks(host: &dyn Host, left: &Left) -> bool {
     let mut axis = left.moves;
     let (mut rates, mut straight, mut curve, mut others) = (false, false, false, false);
@@ -131,7 +131,7 @@ fn asks(host: &dyn Host, left: &Left) -> bool {
     axis || (!others && (straight || (rates && !curve && host.moves_straight())))
 }
 
-/// Words of a block, without texts and what stands in parentheses.
+/// Words of a block, without texts and without the contents of parentheses.
 fn words(text: &str) -> impl Iterator<Item = &str> {
     text.split([' ', '\t']).filter(|word| word.bytes().next().is_some_and(|byte| byte.is_ascii_alphabetic()))
 }

@@ -19,7 +19,7 @@ use counterpoint_event::FileId;
 use counterpoint_program::shape::Range;
 use counterpoint_program::spot::Spot;
 
-/// The reader, with what the blocks so far have declared.
+/// The reader, with the declarations of the blocks so far.
 #[derive(Debug, Default)]
 pub(super) struct Outlines {
     siemens: Siemens,
@@ -264,7 +264,7 @@ impl Outlines {
     }
 }
 
-/// What was found; a file that cannot be read is none.
+/// The result; a file that cannot be read counts as not found.
 fn settled(outcome: Outcome<Found>) -> Found {
     outcome.ok().flatten()
 }

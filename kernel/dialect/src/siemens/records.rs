@@ -126,7 +126,7 @@ impl Siemens {
         Ok(0)
     }
 
-    /// What is to be called is as the job has it: a program that was written, changed or removed meanwhile is refused.
+    /// Refuses to call a program that was written, changed or removed after the job received it.
     pub(super) fn check_unchanged(
         &mut self,
         host: &mut dyn Host,

@@ -1,8 +1,8 @@
 //! A block, executed item by item.
 //!
-//! Facts: reference control-emulator.md 2.2 and 5.4. Statements act in the order in which they stand, words are gathered
-//! and act after them; a call begins after the words. Invariant: what is neither statement nor variable nor subprogram
-//! is among the words that are left.
+//! Facts: reference control-emulator.md 2.2 and 5.4. Statements act in the order in which they stand, words are
+//! gathered and act after them; a call starts after the words. Invariant: text that is neither statement nor variable
+//! nor subprogram is among the remaining words.
 
 use std::sync::Arc;
 
@@ -384,7 +384,7 @@ impl Siemens {
         Ok(())
     }
 
-    /// A macro has given a text for a part of the block; it is not asked about what stands in it.
+    /// A macro has given a text for a part of the block; the macro is not asked about the content of that text.
     fn block_instead(&mut self, host: &mut dyn Host, text: &str, left: &mut Left) -> Outcome<()> {
         let line = read(text).or_else(syntax)?;
         let before = std::mem::replace(&mut self.quiet, true);
@@ -430,7 +430,8 @@ impl Siemens {
     }
 }
 
-/// A program of the control uses a word of its own that the machine does not have: the machine lacks what the program does.
+/// A program of the control uses one of its own words that the machine does not have, so the machine lacks a function
+/// of the program.
 fn lacks(host: &dyn Programs, asked: &str) -> Option<String> {
     let source = asked.starts_with("SC_").then(|| host.source(host.place().file)).flatten()?;
     let stem = source.name.strip_prefix("//ICAMFS/")?.rsplit('/').next()?.split('.').next()?.to_ascii_uppercase();
@@ -440,7 +441,7 @@ fn lacks(host: &dyn Programs, asked: &str) -> Option<String> {
     ))
 }
 
-/// What a word would need that is not emulated, and what to do instead.
+/// The missing emulation that a word would need, and an alternative.
 fn limit(name: &str) -> Option<&'static str> {
     Some(match name {
         "FXS" | "FXST" | "FXSW" => {

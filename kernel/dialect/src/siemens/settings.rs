@@ -22,7 +22,7 @@ pub(super) struct Settings {
     pub(super) applies_frames: bool,
     /// Whether `X=5` becomes `X5`.
     pub(super) collapse: Option<bool>,
-    /// Severity of SETAL; without one the number of the alarm says what it does.
+    /// Severity of SETAL; without one the number of the alarm determines the effect.
     pub(super) severity: Option<u8>,
     /// Folder of the control's files.
     pub(super) root: String,

@@ -25,7 +25,7 @@ enum Scope {
     All,
     /// Inputs: a program cannot set them.
     Input,
-    /// Of the channel; reading what was never written is an error.
+    /// Of the channel; reading an unwritten value is an error.
     Setting,
 }
 

@@ -1,8 +1,9 @@
 //! System variables that the emulation knows by itself.
 //!
-//! Facts: reference control-emulator.md 5.4: a small set; those that only keep what is written are in `stored`. Decisions: positions are those of the programmed point;
-//! `$AC_TIME`, the time since the block began, is 0, since a block is read when it begins; the run time of the program
-//! is the simulated time of the channel. Invariant: what is not known here is none, so that it is reported.
+//! Facts: reference control-emulator.md 5.4: a small set; variables that only keep written values are in `stored`.
+//! Decisions: positions are those of the programmed point; `$AC_TIME`, the time since the start of the block, is 0,
+//! since a block is read when it starts; the run time of the program is the simulated time of the channel. Invariant:
+//! an unknown variable is none, so that it is reported.
 
 use super::evaluate::number;
 use super::expression::{Name, as_name};

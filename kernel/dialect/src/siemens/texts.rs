@@ -1,7 +1,8 @@
 //! Functions of texts, and those that ask about names.
 //!
-//! Facts: reference control-emulator.md 5.4. Places in a text count from 0, −1 is nowhere; letter case counts. Decision:
-//! places count characters. Invariant: no result is longer than what it is made of, but for the widths of SPRINT.
+//! Facts: reference control-emulator.md 5.4. Places in a text count from 0, −1 means not found; letter case matters.
+//! Decision: places count characters. Invariant: no result is longer than its operands, except for the widths of
+//! SPRINT.
 
 use super::evaluate::number;
 use super::value::{Data, shown};

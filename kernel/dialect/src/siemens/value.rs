@@ -68,7 +68,7 @@ impl Type {
         }
     }
 
-    /// What a variable holds before anything was assigned.
+    /// Value of a variable before any assignment.
     pub(super) fn initial(self) -> Data {
         match self {
             Self::Int => Data::Int(0),
@@ -110,7 +110,7 @@ impl Type {
         }
     }
 
-    /// A value that comes from a macro or from what channels share.
+    /// A value that comes from a macro or from data shared by channels.
     pub(super) fn taken_from(self, value: &Value) -> Option<Data> {
         let data = match value {
             Value::Real(number) => Data::Real(*number),
@@ -130,7 +130,7 @@ impl Type {
 }
 
 impl Data {
-    /// Number of what has one.
+    /// Number of a value that has one.
     pub(super) fn number(&self) -> Option<f64> {
         match self {
             Self::Int(value) => Some(*value as f64),
@@ -207,8 +207,8 @@ fn nine_decimals(value: f64) -> String {
     if text == "-0" { "0".to_owned() } else { text.to_owned() }
 }
 
-/// The same for a number that has three decimals at most, as nearly all have. Below 4,000,000 the decimals after them are 0,
-/// because a number is less than half a step of the ninth decimal away from what is written.
+/// The same for a number with at most three decimals, as nearly all numbers have. Below 4,000,000 the decimals after
+/// them are 0, because a number differs from its text by less than half a step of the ninth decimal.
 fn few_decimals(value: f64) -> Option<String> {
     let thousandths = (value * 1000.0).round();
     if thousandths.abs() >= 4e9 || thousandths / 1000.0 != value {

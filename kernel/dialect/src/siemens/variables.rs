@@ -1,8 +1,8 @@
 //! Variables: those of a program, of the channel, of all channels, and R parameters.
 //!
-//! Facts: reference control-emulator.md 5.4 and 8.5. A name is looked for in the program that runs, in the main
-//! program, in the channel, in what all channels share. Invariants: what all channels share goes through the host; the
-//! number of elements is bounded; an index is checked before anything is read or written.
+//! Facts: reference control-emulator.md 5.4 and 8.5. A name is searched for in the running program, in the main
+//! program, in the channel, and in the data that all channels share. Invariants: data that all channels share go
+//! through the host; the number of elements is bounded; an index is checked before anything is read or written.
 
 use counterpoint_motion::contour::area::Area;
 use std::borrow::Cow;
@@ -185,7 +185,7 @@ impl Variables {
         Some(level)
     }
 
-    /// The next pass of a subprogram begins: its variables are new, what goes back goes in again.
+    /// The next pass of a subprogram starts: its variables are new, and the values passed back are passed in again.
     pub(super) fn again(&mut self) {
         if self.calls.in_part() {
             return;
@@ -204,7 +204,7 @@ impl Variables {
         self.elements = self.elements.saturating_sub(count);
     }
 
-    /// What another program of the series finds.
+    /// Variables for the next program of the series.
     pub(super) fn for_next_program(self) -> Self {
         let elements = self.channel.values().map(|variable| variable.values.len()).sum();
         let texts = self.channel.values().map(Variable::bytes).sum();
@@ -213,7 +213,7 @@ impl Variables {
 }
 
 impl Variable {
-    /// Bytes of its name and of what its values hold besides themselves.
+    /// Bytes of its name and of its values, in addition to the structures themselves.
     fn bytes(&self) -> usize {
         100 + self.values.iter().map(Data::bytes).sum::<usize>()
     }
@@ -223,7 +223,7 @@ impl Variable {
     }
 }
 
-/// Key of what all channels share about a variable itself.
+/// Key of the data that all channels share about a variable itself.
 pub(super) fn declared_key(name: &str) -> String {
     format!("{name} DEF")
 }
@@ -389,7 +389,7 @@ impl Siemens {
         Ok(())
     }
 
-    /// Sets what stands after `=`.
+    /// Assigns the value after `=`.
     pub(super) fn assign(&mut self, host: &mut dyn Host, target: &Target, value: &Assigned) -> Outcome<()> {
         match value {
             Assigned::One(..) if target.whole => missing(format!("{} is an array; program its indices", target.name)),

@@ -1,9 +1,9 @@
 //! Words that are written with `=`, and texts with values, as the tables of the machine know them.
 //!
-//! Facts: reference control-emulator.md 5.4. Decisions: positions given by AC and IC become what the machine's words can
-//! say: the incremental letter of the axis if it has one, else the position of the axis now is added or taken off; DC,
-//! ACP and ACN become the position to which a rotary axis continues from where it stands; AC of I, J and K counts from the
-//! start of the circle. Invariant: a number is written without an exponent.
+//! Facts: reference control-emulator.md 5.4. Decisions: positions given by AC and IC become words of the machine: the
+//! incremental letter of the axis if it has one, otherwise the current position of the axis is added or subtracted; DC,
+//! ACP and ACN become the position to which a rotary axis continues from its current position; AC of I, J and K counts
+//! from the start of the circle. Invariant: a number is written without an exponent.
 
 use std::borrow::Cow;
 
@@ -184,7 +184,7 @@ impl Siemens {
         spelling
     }
 
-    /// Arguments of what stays on the block: values where there are some, else as they are written.
+    /// Arguments of the text that stays in the block: their values if they have any, otherwise their text.
     pub(super) fn texts(&mut self, host: &mut dyn Host, arguments: &[Argument]) -> Outcome<String> {
         let mut texts = Vec::new();
         for argument in arguments {
@@ -277,7 +277,7 @@ fn check_turn(host: &dyn Host, axis: Option<&AxisPlace>, way: Positioning, value
     Err(Fault::Alarm(&diag::SIEMENS_STATE, text))
 }
 
-/// What becomes of a position.
+/// Conversion of a position.
 enum Placed {
     Value(f64),
     /// A distance from where the axis stands.

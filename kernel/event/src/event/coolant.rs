@@ -8,8 +8,8 @@ use super::work::Work;
 pub struct Coolant {
     /// `true` = on.
     pub on: bool,
-    /// What flows, by the numbers of `$COOLTYP`: 1 flood, 2 mist, 3 tapping oil, 4 through the tool, 5 to 9 of the
-    /// machine's own; 0 = off, or not said.
+    /// Fluid by the numbers of `$COOLTYP`: 1 flood, 2 mist, 3 tapping oil, 4 through the tool, 5 to 9 of the machine's
+    /// own; 0 = off, or unspecified.
     pub fluid: u8,
     /// Where.
     pub outlet: Outlet,
@@ -27,7 +27,7 @@ pub enum Outlet {
 }
 
 impl Coolant {
-    /// Names of what flows, by number.
+    /// Names of the fluids, by number.
     pub const FLUIDS: [&'static str; 10] =
         ["on", "flood", "mist", "tapkul", "thru", "type5", "type6", "type7", "type8", "type9"];
 

@@ -155,8 +155,8 @@ macro_rules! kinds {
                 }
             }
 
-            /// What its time was spent on; `None` for kinds that never take time by themselves, and for waits, whose length
-            /// is only known at their release.
+            /// Kind of work of its time; `None` for kinds that never take time by themselves, and for waits, whose
+            /// length is only known at their release.
             #[inline]
             #[must_use]
             pub fn work(&self) -> Option<Work> {
@@ -174,7 +174,7 @@ macro_rules! kinds {
                 }
             }
 
-            /// Reads one by its number; `None` for what is damaged or unknown.
+            /// Reads an event by its number; `None` if it is damaged or unknown.
             #[must_use]
             pub fn read(number: u64, from: &impl fields::Source) -> Option<Self> {
                 match number {

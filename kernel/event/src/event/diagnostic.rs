@@ -24,7 +24,7 @@ record! {
         pub origin: Option<Box<Origin>> = 6 [added],
         /// The unrecognised text, if the diagnostic is about it.
         pub unrecognised: Option<Box<Unrecognised>> = 7 [wire],
-        /// What the block of the diagnostic races with, if that is what the diagnostic says.
+        /// The access with which the block races, if the diagnostic reports a race.
         pub race: Option<Box<RaceWith>> = 8 [wire],
     }
 }
@@ -46,9 +46,9 @@ record! {
     /// Text of a block that no code takes.
     #[derive(Debug, Clone, PartialEq, Eq, Default)]
     pub struct Unrecognised {
-        /// The text.
+        /// Its block in quotes, and possible mistakes in the block.
         pub text: Box<str> = 1,
-        /// Its block in quotes, and what may be wrong with it.
+        /// Its block in quotes, and possible mistakes in the block.
         pub place: Box<str> = 2,
     }
 }

@@ -1,8 +1,8 @@
 //! Writers and readers of the fields of events.
 //!
 //! Each kind of event names its fields once, in its [`Record`]. The JSON lines, the wire, the fingerprint of the log
-//! and the count of texts are each a [`Fields`]; what reads an encoding is a [`Source`]. *Invariant:* numbers and names
-//! of fields never change; a field that comes later is [`Field::added`].
+//! and the count of texts are each a [`Fields`]; the reader of an encoding is a [`Source`]. *Invariant:* numbers and
+//! names of fields never change; a field that comes later is [`Field::added`].
 
 use std::borrow::Cow;
 use std::sync::Arc;
@@ -24,7 +24,7 @@ pub enum Presence {
 /// Where and how one field is written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Field {
-    /// Number on the wire, 0 = not there. The wire leaves out what is zero or empty.
+    /// Number on the wire, 0 = not there. The wire omits values that are zero or empty.
     pub tag: u8,
     /// Name in JSON.
     pub name: &'static str,
@@ -146,14 +146,14 @@ pub trait Fields {
     /// Writes one field.
     fn put(&mut self, field: Field, value: Value<'_>);
 
-    /// Writes what may be there once.
+    /// Writes an optional record.
     fn message<R: Record>(&mut self, field: Field, record: Option<&R>);
 
     /// Writes a list.
     fn messages<R: Record>(&mut self, field: Field, records: &[R]);
 }
 
-/// An encoded record: its fields by their numbers on the wire. What is not there reads as zero or empty.
+/// An encoded record: its fields by their numbers on the wire. A missing field reads as zero or empty.
 pub trait Source: Sized {
     /// A number.
     fn number(&self, tag: u8) -> u64;
@@ -173,12 +173,12 @@ pub trait Source: Sized {
     fn messages(&self, tag: u8) -> impl Iterator<Item = Self>;
 }
 
-/// What has fields: the type of a kind of events, or a part of it.
+/// A type with fields: a kind of event, or a part of it.
 pub trait Record: Sized {
     /// Writes all fields, in their order.
     fn fields(&self, out: &mut impl Fields);
 
-    /// Reads them back; `None` for what is damaged.
+    /// Reads them back; `None` if they are damaged.
     fn read(from: &impl Source) -> Option<Self>;
 
     /// The kind of work of such an event, if it takes time.
@@ -198,7 +198,7 @@ pub trait Datum: Sized {
     /// Writes it.
     fn put(&self, field: Field, out: &mut impl Fields);
 
-    /// Reads it back; `None` for what is damaged.
+    /// Reads the value back; `None` if it is damaged.
     fn get(tag: u8, from: &impl Source) -> Option<Self>;
 }
 

@@ -51,14 +51,14 @@ pub use crate::{FileId, MAX_AXES, Position};
 
 use fields::{Datum, Field, Fields, Texts, Value};
 
-/// What happened on one channel at one instant or during one stretch of simulated time.
+/// An event on one channel, at one instant or during one stretch of simulated time.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Event {
     /// Start, nanoseconds of simulated time since the start of the job.
     pub t_ns: i64,
     /// Order of causally related events at the same nanosecond (superdense time).
     pub micro: u32,
-    /// Duration in nanoseconds; 0 for what takes no time.
+    /// Duration in nanoseconds; 0 for events that take no time.
     pub dur_ns: i64,
     /// Channel number, 0 for the master kernel.
     pub channel: u16,

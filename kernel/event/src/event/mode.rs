@@ -7,7 +7,7 @@ use super::declare::{record, words};
 use super::{Kind, Position};
 
 words! {
-    /// What a tool offset corrects.
+    /// Quantity that a tool offset corrects.
     pub enum OffsetKind {
         /// The length of the tool.
         Length = 1 "length",
@@ -41,7 +41,7 @@ record! {
 }
 
 record! {
-    /// A modal state changed. *Invariant:* what a result needs of it is a field; the text is for people only.
+    /// A modal state changed. *Invariant:* data that a result needs are fields; the text is for people only.
     #[derive(Debug, Clone, PartialEq)]
     pub struct Mode {
         /// The action in the words of the listing: `plane zx`, `comp diam left n=3`.

@@ -4,7 +4,7 @@ use super::declare::{record, words};
 use super::work::Work;
 
 words! {
-    /// What a tool code did.
+    /// Action of a tool code.
     pub enum ToolAction {
         /// Preselected, not yet in the spindle.
         Select = 1 "select",

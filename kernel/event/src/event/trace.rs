@@ -6,12 +6,12 @@ use super::Kind;
 use super::declare::record;
 use super::fields::{Datum, Field, Fields, Record, Source, Value};
 
-/// Letter of what controls the listing. It is not a letter that a job may ask for.
+/// Letter of the controls of the listing. It is not a letter that a job may ask for.
 const LISTING: char = 'L';
 
 record! {
-    /// A line of the trace, or a control of the listing. *Invariant:* what the listing needs of it is a field; the text is for
-    /// people only.
+    /// A line of the trace, or a control of the listing. *Invariant:* data that the listing needs are fields; the text
+    /// is for people only.
     #[derive(Debug, Clone, PartialEq, Eq)]
     pub struct Trace {
         /// Its letter.

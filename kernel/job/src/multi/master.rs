@@ -1,7 +1,7 @@
 //! The master kernel's macros: Declaration and Machine Startup before the channels, Machine Shutdown after them.
 //!
 //! Facts: reference control-emulator.md 2.1, 2.4, 8.1, 8.2. Invariant: the master works only while no channel does, so
-//! what it does to shared variables needs no order. A machine with one channel has no master.
+//! its changes of shared variables need no order. A machine with one channel has no master.
 
 use std::sync::Arc;
 
@@ -173,7 +173,7 @@ impl<'a> Assembly<'a> {
         kernel.ports.emitter.flush(tag);
         *kept_runtime = Some(std::mem::take(&mut kernel.macros));
         drop(kernel);
-        // What the macro may have let pass does not take the log beyond its end.
+        // Time that the macro may have let pass does not take the log beyond its end.
         kept.iter_mut().for_each(|event| {
             event.dur_ns = 0;
             (event.t_ns, event.micro) = (t, micro);

@@ -126,7 +126,8 @@ impl<'s> Log<'s> {
         }
     }
 
-    /// Puts together what the kernels have fed, up to the stop of the job. Time and microstep of the last event.
+    /// Combines the results that the kernels have fed, up to the stop of the job. Returns time and microstep of the
+    /// last event.
     fn close(&mut self, backlogs: Vec<Backlog>, stop: Tag) -> (i64, u32) {
         let (mut channels, mut last) = (Vec::new(), (0, 0));
         for closed in backlogs.into_iter().map(|backlog| backlog.close(stop)) {
@@ -147,7 +148,7 @@ struct Start<'a> {
     progress: &'a Progress,
     /// Its program; without one it waits until another channel starts it.
     at: Option<At>,
-    /// When the machine is started again: time and microstep, and what the kernel was before.
+    /// After a restart of the machine: time and microstep, and the state that the kernel carries over.
     before: Option<((i64, u32), Option<Carried>)>,
     /// The kernel continues with another file, with or without resetting modal state.
     reset: Option<bool>,
@@ -156,7 +157,7 @@ struct Start<'a> {
 /// The receivers of a kernel: the results of its channel, and the log if there is one.
 type Feeds<'a> = (&'a mut Backlog, Option<Feeder>);
 
-/// What all kernels of a job work with.
+/// Data that all kernels of a job share.
 #[derive(Clone, Copy)]
 struct Assembly<'a> {
     job: &'a Job,

@@ -20,7 +20,7 @@ use counterpoint_emulator::channel::step::common;
 /// Bytes of the stack of a kernel without macros, those of a thread of its own.
 const STACK: usize = 2 << 20;
 
-/// What a kernel leaves when it has come to its end.
+/// Result of a kernel that has ended.
 type End = std::thread::Result<Lived>;
 
 /// A kernel in turns.
@@ -119,7 +119,7 @@ impl<'a> Assembly<'a> {
                 self.coordinator.done(number, |_| ());
                 continue;
             };
-            // What a coroutine begins with must be small.
+            // The initial data of a coroutine must be small.
             let begin = Box::new((start, feeds));
             let body = move |yielder: &Yielder<(), Pause>, ()| {
                 let life = catch_unwind(AssertUnwindSafe(|| {

@@ -27,7 +27,7 @@ use counterpoint_sync::waits::Waits;
 /// How often Machine Shutdown may start the machine again.
 const MOST: u32 = 1000;
 
-/// A run of all kernels, and what it begins with.
+/// A run of all kernels, and its initial data.
 #[derive(Default)]
 pub(super) struct Round {
     /// How often the machine has been started again.
@@ -42,7 +42,7 @@ pub(super) struct Round {
     sync_points: u64,
 }
 
-/// What Machine Shutdown wants next.
+/// Request of Machine Shutdown for the next run.
 pub(super) struct Again {
     /// Kernels with a program.
     pub(super) programs: Vec<(u16, At)>,
@@ -124,8 +124,9 @@ impl<'a> Assembly<'a> {
         starting
     }
 
-    /// Ends the round: logs how channels without an end in the log came to a stand, and runs Machine Shutdown. How far
-    /// a thread got beyond a cut of the log is chance; only what is in the log counts. The next round, if there is one.
+    /// Ends the round: logs how channels without an end in the log were stopped, and runs Machine Shutdown. The
+    /// progress of a thread beyond a cut of the log is random; only the content of the log counts. Returns the next
+    /// round, if there is one.
     pub(super) fn close(
         self,
         mut round: Round,

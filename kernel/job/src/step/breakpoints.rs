@@ -1,6 +1,6 @@
 //! Breakpoints: waits, writes of shared variables, lines, times.
 //!
-//! Invariant: they look at what a kernel has come to and change nothing.
+//! Invariant: they inspect the progress of a kernel and change nothing.
 
 use counterpoint_event::info::Info;
 use counterpoint_machine::Machine;
@@ -78,7 +78,7 @@ impl Breakpoints {
         stops
     }
 
-    /// Why the run stops within a block, as what its channel does.
+    /// Why the run stops within a block, as an action of its channel.
     pub(super) fn hit_by(&mut self, event: Event<'_>) -> Option<String> {
         if self.list.is_empty() {
             return None;
@@ -109,7 +109,7 @@ impl Breakpoints {
         })
     }
 
-    /// Why the run stops before a block, as what its channel does.
+    /// Why the run stops before a block, as an action of its channel.
     pub(super) fn hit_before(&mut self, seen: &Seen, info: &Info) -> Option<String> {
         if self.list.is_empty() {
             return None;

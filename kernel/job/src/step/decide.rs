@@ -1,6 +1,7 @@
 //! Decides which kernel continues, or why the run stops.
 //!
-//! Invariant: a function of what the operator has commanded and of where the kernels are in simulated time; never of the clock.
+//! Invariant: a function of the operator's commands and of the kernels' positions in simulated time; never of the
+//! clock.
 
 use counterpoint_event::info::Info;
 use counterpoint_ports::step::{Go, Seen};

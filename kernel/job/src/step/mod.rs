@@ -1,9 +1,9 @@
 //! Stepping through a job: the next kernel, and the stops at which the run waits for a command.
 //!
-//! All kernels of such a job share one thread and give it away before every block, at breakpoints within a block too, so that the
-//! run stands as a whole. Invariants: the order in which kernels take their turns is the only thing that is decided here, and the
-//! log does not depend on it, so a job that was stepped through has the log of one that was not (a reset excepted); whoever
-//! waits here looks ten times a second whether the job is to end.
+//! All kernels of such a job share one thread. They give it away before every block, and at breakpoints within a block,
+//! so that the run stops as a whole. Invariants: only the order in which kernels take their turns is decided here, and
+//! the log does not depend on it. So a stepped job has the log of an unstepped job (a reset excepted). A kernel that
+//! waits here checks ten times a second whether the job is to end.
 
 mod breakpoints;
 mod decide;
@@ -63,7 +63,7 @@ struct Channel {
     writes: Option<u64>,
 }
 
-/// What is decided by.
+/// State on which decisions are based.
 struct State {
     channels: Vec<Channel>,
     goal: Goal,

@@ -7,7 +7,7 @@ use super::fast::{Fast, Near};
 use super::{Slot, Target};
 use crate::value::Kind;
 
-/// What a call runs in place of the function.
+/// Code that a call runs instead of the function.
 #[derive(Clone, Debug)]
 pub struct Body {
     /// The call: function and list of the arguments.
@@ -46,8 +46,8 @@ pub struct Effect {
 }
 
 impl Fast {
-    /// The form with other registers and what it does to them; none for a form that touches more than registers, or
-    /// whose registers are in a list.
+    /// The form with other registers and its effect on them; none for a form that touches more than registers, or whose
+    /// registers are in a list.
     #[must_use]
     pub fn moved(self, of: &mut dyn FnMut(Near) -> Option<Near>) -> Option<(Fast, Effect)> {
         let mut effect = Effect { length: 1, falls: true, ..Effect::default() };

@@ -1,8 +1,8 @@
 //! The short forms of instructions, for values in the first registers.
 //!
-//! *Invariant:* a short form has the position of the instruction it replaces and does exactly what that instruction
-//! does, or that instruction and the ones after it, or nothing at all: where an operand is not what the form is for or a
-//! result does not exist, the machine takes the instruction itself. So a short form never has to fail. Forms take a
+//! *Invariant:* a short form has the position of the instruction it replaces. It does exactly the same as that
+//! instruction, or as that instruction and the ones after it, or nothing at all. If an operand has another type or a
+//! result does not exist, the machine executes the instruction itself. So a short form never has to fail. Forms take a
 //! shared variable from its home, a register that holds it while short forms run.
 
 use super::{Relation, Target};

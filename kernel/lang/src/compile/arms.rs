@@ -10,7 +10,7 @@ type Path = Vec<(u32, u32)>;
 /// The data of a declaration about a name beside its sizes and its first value.
 pub(super) type Said = (Scope, Option<Kind>, usize, bool);
 
-/// Walks over the statements of a macro and remembers what was declared where.
+/// Walks over the statements of a macro and remembers the declarations with their places.
 #[derive(Default)]
 pub(super) struct Arms {
     blocks: u32,

@@ -1,7 +1,7 @@
 //! Finds the calls of small functions that can be executed in registers of the caller.
 //!
-//! *Invariant:* a function is taken over only if it touches nothing but its own registers and never jumps back, so that
-//! giving it up and calling it gives what the call alone would give, and costs the same steps.
+//! *Invariant:* a function is inlined only if it touches nothing but its own registers and never jumps back. So
+//! abandoning it and calling it gives the same result as the call alone, and costs the same steps.
 
 use super::Program;
 use crate::bytecode::body::{Body, Effect, near};
@@ -121,7 +121,7 @@ fn body(caller: &Code, function: &Code, (callee, list): (u16, u16), room: &mut R
     Some(Body { callee, list, forms, typed, copied, cleared, result: place(result)?, kind, is_null_first })
 }
 
-/// What the forms of a function do; none unless they are only about its registers and never jump back.
+/// Effects of the forms of a function; none unless they only use its registers and never jump back.
 fn effects(function: &Code) -> Option<Vec<Effect>> {
     let all = function.short.forms.iter().enumerate().map(|(at, form)| {
         let (_, effect) = form.moved(&mut Some)?;

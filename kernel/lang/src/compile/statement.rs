@@ -193,7 +193,8 @@ impl MacroCompiler<'_> {
 }
 
 impl MacroCompiler<'_> {
-    /// Makes `$NULL` in a register the value that a declared variable begins with: what could not be read is not a fault.
+    /// Turns `$NULL` in a register into the initial value of a declared variable: a value that could not be read is not
+    /// a fault.
     fn null_to_unset(&mut self, slot: Slot) {
         let (null, unset) = (self.constant(Value::Null), self.constant(Value::Unset));
         let jump = self.emit(Op::JumpUnlessCompare { relation: Relation::Equal, a: slot, b: null, target: 0 });

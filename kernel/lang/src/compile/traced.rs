@@ -1,6 +1,7 @@
 //! A program compiled a second time, for the trace.
 //!
-//! *Invariant:* what ran without a trace runs with one, under the same index. Facts: reference listing-and-trace.md 6.
+//! *Invariant:* code that ran without a trace runs with one, under the same index. Facts: reference
+//! listing-and-trace.md 6.
 
 use std::sync::Arc;
 

@@ -1,4 +1,4 @@
-//! Points, lines, planes, cylinders; what cannot be constructed is `$NULL`.
+//! Points, lines, planes, cylinders; a figure that cannot be constructed is `$NULL`.
 
 use super::vector::{along, cross, dot, norm, normalised};
 use super::{Context, number, numbers};

@@ -241,7 +241,7 @@ pub(super) fn vector(_: &mut Context<'_>, arguments: &[Value]) -> Outcome<Value>
     transformed(arguments, 0.0)
 }
 
-/// What a linear part is made of, beside a mirror.
+/// Composition of a linear part, apart from a mirror.
 #[derive(Clone, Copy, PartialEq)]
 enum Shape {
     Zero,

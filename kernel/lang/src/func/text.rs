@@ -60,8 +60,8 @@ pub(super) fn find(context: &mut Context<'_>, arguments: &[Value]) -> Outcome<Va
 /// Most elements of a system variable that are looked at without a limit.
 const MOST_ELEMENTS: usize = 10_000;
 
-/// `$FFIND` in the elements of a system variable: its position in the table of the host, what is looked for, the limit or
-/// `$NULL`, the indices of the first element. The last index counts.
+/// `$FFIND` in the elements of a system variable: its position in the table of the host, the value to find, the limit
+/// or `$NULL`, the indices of the first element. The last index counts.
 pub(super) fn find_in_system(context: &mut Context<'_>, arguments: &[Value]) -> Outcome<Value> {
     let [_, wanted, limit, indices @ ..] = arguments else { return Ok(Value::Null) };
     let system = u32::try_from(count(number(arguments, 0)?)).unwrap_or(u32::MAX);
@@ -105,7 +105,7 @@ fn search<R>(context: &mut Context<'_>, work: impl FnOnce(&State, &mut u64) -> O
     let found = work(context.state, &mut budget);
     context.state.spend(usize::try_from((most - budget) / STEPS_PER_TICK).unwrap_or(usize::MAX))?;
     match found {
-        // What stopped the search was the end of the ticks.
+        // The search was stopped by the end of the ticks.
         Err(fault) if fault.number == Number::BACKTRACKING && most < STEPS => {
             context.state.spend(usize::MAX)?;
             Err(fault)

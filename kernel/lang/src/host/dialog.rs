@@ -1,4 +1,4 @@
-//! What a running macro shows, and what it reads from the console.
+//! Output of a running macro, and its input from the console.
 
 use crate::diag::Diagnostic;
 use crate::state::State;
@@ -12,7 +12,8 @@ pub struct Macro<'a> {
     pub is_function: bool,
 }
 
-/// A step of the macro trace. Its text is the line in the documented layout, without what only a control knows.
+/// A step of the macro trace. Its text is the line in the documented layout, without the parts that only a control
+/// knows.
 #[derive(Clone, Copy, Debug)]
 pub enum Step<'a> {
     /// A macro begins.

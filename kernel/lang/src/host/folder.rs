@@ -1,7 +1,8 @@
 //! Files as macros see them: names below one folder, a current folder, temporary files, stores of values.
 //!
-//! A host gives a [`Shelf`] with the files themselves; what does not depend on where they are is here. *Invariant:* a name
-//! that is absolute, or climbs out of the folder with `..`, never reaches the shelf. Facts: reference functions.md 7.
+//! A host gives a [`Shelf`] with the files themselves; the rules that do not depend on their location are here.
+//! *Invariant:* a name that is absolute, or climbs out of the folder with `..`, never reaches the shelf. Facts:
+//! reference functions.md 7.
 
 mod mru;
 
@@ -245,7 +246,7 @@ impl Folder {
         Value::text(if self.current.is_empty() { "." } else { self.current.as_str() })
     }
 
-    /// Names of folders count from the folder of the run, so that what `$FGETCWD` gave leads back.
+    /// Names of folders are relative to the folder of the run, so that a result of `$FGETCWD` leads back.
     fn change(&mut self, shelf: &mut dyn Shelf, state: &mut State, arguments: &[Value]) -> Value {
         let before = std::mem::take(&mut self.current);
         let found = self.place(state, text(arguments, 0)).and_then(|place| match shelf.facts(&place) {

@@ -1,7 +1,7 @@
 //! The functions of the language that a host computes.
 //!
-//! *Invariant:* the enums, the list and what the compiler checks of a call come from one table, so that they cannot differ; a
-//! host matches on [`HostFn`], never on a name. Facts: the function catalogue of the reference.
+//! *Invariant:* the enums, the list and the compiler's checks of a call come from one table, so that they cannot
+//! differ; a host matches on [`HostFn`], never on a name. Facts: the function catalogue of the reference.
 
 use crate::value::Kind;
 
@@ -76,7 +76,7 @@ macro_rules! host_functions {
     };
 }
 
-/// What a function works on that a control does not have.
+/// Subjects of functions that a control does not have.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Need {
     /// A machine model.

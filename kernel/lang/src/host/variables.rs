@@ -21,7 +21,7 @@ pub trait Variables {
     /// Lets `access` read a global variable (no `growth`), or change it; it grows by so many bytes at most.
     fn global(&mut self, index: u32, growth: Option<usize>, access: &mut dyn FnMut(&mut Value));
 
-    /// Adds what the host keeps of the values of macros.
+    /// Adds the values of macros that the host keeps.
     fn held(&self, scale: &mut Scale) {
         let _ = scale;
     }

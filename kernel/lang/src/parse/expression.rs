@@ -157,7 +157,7 @@ impl Parser<'_> {
         })
     }
 
-    /// Reads what may follow a variable: indices or a range.
+    /// Reads the part after a variable: indices or a range.
     pub(crate) fn variable(&mut self, variable: Variable) -> Parsed<ExprKind> {
         if !self.eat(Sign::Open) {
             return Ok(ExprKind::Variable(variable));

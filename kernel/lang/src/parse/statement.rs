@@ -368,7 +368,7 @@ impl Parser<'_> {
         Ok(Header { name, result, parameters, span })
     }
 
-    /// Reads what may be assigned to: a variable or an element.
+    /// Reads the target of an assignment: a variable or an element.
     fn target(&mut self) -> Parsed<Expr> {
         let start = self.span();
         let Some(token) = self.peek() else {

@@ -14,7 +14,7 @@ pub(super) fn required(pattern: &Pattern) -> String {
         if let Step::Split(target) | Step::Jump(target) = step
             && *target > index
         {
-            // What lies before the target may be gone round.
+            // Alternatives before the target may be bypassed.
             free = free.max(*target);
         }
         let certain = index >= free;

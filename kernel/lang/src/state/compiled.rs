@@ -1,6 +1,6 @@
 //! Formats and regular expressions that were compiled, by their texts.
 //!
-//! *Invariant:* what is remembered of either kind takes at most [`MOST_REMEMBERED`] bytes and [`MOST`] texts.
+//! *Invariant:* the remembered texts of either kind take at most [`MOST_REMEMBERED`] bytes and [`MOST`] texts.
 
 use crate::format::Format;
 use crate::pattern::Pattern;

@@ -1,8 +1,8 @@
 //! How much memory the values of macros keep.
 //!
-//! What is made is counted as it is made; when that could pass the budget, all values that macros can still reach are
-//! weighed. Invariants: a run is refused before its values take more than the budget; whether that happens depends on
-//! what the macros did, never on who holds a value besides them, nor on time.
+//! Values are counted as they are created. When that count could exceed the budget, all values that macros can still
+//! reach are weighed. Invariants: a run is refused before its values take more than the budget. Whether that happens
+//! depends on the actions of the macros, never on other owners of a value, nor on time.
 
 use super::State;
 use crate::fault::Outcome;
@@ -14,7 +14,7 @@ use std::sync::Arc;
 pub(crate) const ELEMENT: usize = 32;
 /// Bytes of an element of an array.
 const CELL: usize = 16;
-/// Bytes that a text or a sequence takes besides what it holds.
+/// Bytes that a text or a sequence takes in addition to its content.
 const HEAD: usize = 80;
 /// Values that are weighed for a tick.
 pub(crate) const PER_TICK: usize = 4;
@@ -36,7 +36,7 @@ pub(crate) const fn array(size: usize) -> usize {
     HEAD + size * CELL
 }
 
-/// Adds up what values take; what several of them share counts once.
+/// Adds up the memory of values; memory that several of them share counts once.
 #[derive(Debug, Default)]
 pub struct Scale {
     shared: FxHashSet<usize>,
@@ -92,7 +92,7 @@ impl Scale {
     }
 
     fn is_new(&mut self, owners: usize, place: usize) -> bool {
-        // What has one owner is met once.
+        // A value with one owner is met once.
         owners == 1 || self.shared.insert(place)
     }
 }
@@ -102,7 +102,7 @@ impl Scale {
 pub(crate) struct Memory {
     /// Bytes that may be kept.
     pub(crate) limit: u64,
-    /// Weighed last: what outlives a run, and the macros that run.
+    /// Weighed last: values that outlive a run, and the macros that run.
     pub(crate) kept: u64,
     pub(crate) running: u64,
     /// Macros that wait while the host works for them.
@@ -145,7 +145,7 @@ impl State {
         self.memory.fresh > self.memory.room
     }
 
-    /// Other macros may run within this one: what it keeps should be known.
+    /// Other macros may run within this one, so the size of its values should be known.
     pub(crate) fn is_vague(&self) -> bool {
         self.memory.fresh > (self.memory.kept / 4).max(WORTH_WEIGHING)
     }

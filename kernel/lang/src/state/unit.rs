@@ -19,7 +19,7 @@ pub(crate) struct Unit {
     pub(crate) console: bool,
     /// Bytes written since it was opened.
     pub(crate) written: usize,
-    /// Bytes of what was read when it was opened.
+    /// Bytes read when the unit was opened.
     pub(crate) read: usize,
     /// Status of writing to it, found by the first WRITE.
     pub(crate) writable: Option<i32>,

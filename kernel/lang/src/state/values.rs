@@ -1,4 +1,4 @@
-//! What work on values costs, ranges and joins of values.
+//! Cost of work on values: ranges and joins of values.
 
 use super::{State, memory};
 use crate::diag::Number;
@@ -71,7 +71,7 @@ pub(crate) fn pay_if_shared(state: &mut State, value: &Value) -> Outcome<()> {
     pay(state, value)
 }
 
-/// Pays for what is appended.
+/// Pays for appended values.
 pub(crate) fn pay_to_append(state: &mut State, target: &Value, more: &Value) -> Outcome<()> {
     match (target, more) {
         (Value::Text(_), Value::Text(more)) => state.grow(more.len()),
@@ -92,7 +92,8 @@ pub(crate) fn weight(value: &Value) -> usize {
     usize::try_from(scale.bytes).unwrap_or(usize::MAX)
 }
 
-/// A copy that shares no memory with the value: kernels must not notice what the others do with what they exchange.
+/// A copy that shares no memory with the value: kernels must not notice the effect of other kernels on exchanged
+/// values.
 pub(crate) fn detached(state: &mut State, value: &Value) -> Outcome<Value> {
     let own = |value: &Value| match value {
         Value::Text(text) if text.len() >= 64 => Value::text(text.as_str()),

@@ -21,7 +21,7 @@ pub(super) struct Running<'p> {
     pub(super) body: &'p Body,
 }
 
-/// Makes the registers of a body ready; false if the arguments are not what it is for.
+/// Prepares the registers of a body; false if the arguments do not have the types that the body is for.
 #[inline(always)]
 pub(super) fn begin(window: &mut Window, body: &Body) -> bool {
     let is_plain = body.typed.is_empty() & body.copied.is_empty() & body.cleared.is_empty() & !body.is_null_first;

@@ -390,7 +390,7 @@ fn put(window: &mut Window, to: Near, number: f64) {
     }
 }
 
-/// Position of a 1-based index; what is below 1 or too large lies after every end.
+/// Position of a 1-based index; an index below 1 or too large lies after every end.
 #[inline(always)]
 pub(super) fn position(index: f64) -> usize {
     #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]

@@ -1,7 +1,7 @@
-//! What short forms do with values that are not numbers.
+//! Short forms on values that are not numbers.
 //!
-//! *Invariant:* everything here does what the full instruction does and costs the same steps, or does nothing and says so;
-//! it takes light values only: single values whose texts are too short to cost a step. Memory of texts and sequences
+//! *Invariant:* everything here has the effect and the cost of the full instruction, or does nothing and reports that.
+//! It takes light values only: single values whose texts are too short to cost a step. Memory of texts and sequences
 //! that no other value shares is used again.
 
 use super::fast::{Window, passed, position};

@@ -1,7 +1,7 @@
 //! The loop over the instructions of a macro and of the functions it calls.
 //!
-//! *Invariant:* a call costs no stack of the computer, its caller waits in a list; short forms give exactly what
-//! [`super::step`] gives, or are not taken.
+//! *Invariant:* a call costs no stack of the computer, its caller waits in a list; short forms have exactly the results
+//! of [`super::step`], or are not taken.
 
 use super::calls;
 use super::fast::{self, Place};
@@ -50,7 +50,7 @@ pub(super) fn set_number(frame: &mut [Value], slot: Slot, number: f64) {
     }
 }
 
-/// Stores a number. What was there before is mostly a number too, so all else is kept out of the way.
+/// Stores a number. The previous value is mostly a number too, so all other cases are kept out of the fast path.
 #[inline(always)]
 pub(super) fn put(register: &mut Value, number: f64) {
     if !matches!(register, Value::Real(_)) {

@@ -35,7 +35,7 @@ pub(super) fn open(state: &mut State, host: &mut dyn Host, arguments: &[Value]) 
     }
     state.spend(size(state, f64::from(number)) / 64)?;
     close(state, host, f64::from(number));
-    // What another file lost by being closed here is not forgotten because this one opens.
+    // A loss of data by the close above stays reported after this file opens.
     let lost = state.status == CANNOT_OPEN;
     if state.units.len() >= state.limits.units {
         return Err(Fault::new(Number::UNITS, format!("more than {} units are open", state.limits.units)));

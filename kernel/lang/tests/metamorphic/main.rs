@@ -47,7 +47,7 @@ fn values_of(kind: &str) -> Vec<Known> {
     }
 }
 
-/// Runs a macro and gives the only line that came out of it, or what went wrong.
+/// Runs a macro and returns its only line of output, or the error.
 fn outcome(text: &str, system: &[(String, Known)], arguments: &[Known], options: (bool, bool)) -> String {
     let (mut program, mut host) = (Program::new(), Standalone::new());
     for (name, value) in system {

@@ -300,7 +300,7 @@ impl Writer {
         name
     }
 
-    /// The whole macro: what `expression` gives is printed in the end.
+    /// The whole macro; it prints the value of `expression` at the end.
     pub(crate) fn finish(mut self, expression: &str) -> (String, Vec<(String, Known)>, Vec<Known>) {
         let kind = self.result.type_name();
         let old = self.result.other().written();
@@ -417,7 +417,7 @@ fn shown(variable: &str) -> String {
     format!("PPRINT/'!(*) !(*) !(*) !(*)',{variable},$FISNUM({variable}),$FISSTR({variable}),$FISSEQ({variable})")
 }
 
-/// What [`shown`] prints of the type of a value.
+/// Text that [`shown`] prints for the type of a value.
 pub(crate) fn types_of(value: &Known) -> String {
     let is = |name: &str| if value.type_name() == name { "TRUE" } else { "FALSE" };
     format!("{} {} {}", is("REAL"), is("STRING"), is("SEQUENCE"))

@@ -7,7 +7,7 @@ use super::dimension::Dimension;
 use super::kind::data::DataKind::*;
 use super::{DataFacts, DataId};
 
-/// Rows: name without `REG_`, built in, own, kind, dimension, and what an own one means.
+/// Rows: name without `REG_`, built in, own, kind, dimension, and the meaning of an own identifier.
 macro_rules! data {
     ($($name:ident $built_in:literal $own:literal $kind:expr, $dimension:ident $(=> $meaning:literal)?;)*) => {
         #[allow(non_camel_case_types, clippy::upper_case_acronyms)]

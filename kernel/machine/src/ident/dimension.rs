@@ -1,6 +1,6 @@
 //! Dimensions of values.
 
-/// Dimension of a value: decides what a switch between mm and inch scales.
+/// Dimension of a value: decides whether a switch between mm and inch scales the value.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Dimension {
     /// A number.

@@ -1,4 +1,4 @@
-//! What codes are about, beyond their names: the typed column of the table of codes.
+//! Subjects of codes, beyond their names: the typed column of the table of codes.
 
 pub mod arc;
 pub mod coolant;
@@ -27,7 +27,7 @@ pub(super) mod families {
     pub(crate) use super::turning::{Lap, TurningCycle};
 }
 
-/// The kind of a code: the family that it belongs to, and what tells it apart within the family.
+/// The kind of a code: the family that it belongs to, and its distinction within the family.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum CodeKind {
     /// A code that is a family of its own, or one that nothing handles.

@@ -1,6 +1,6 @@
 //! How the list of code identifiers is made.
 
-/// Rows: name without `CODE_`, group, order, built in, own, kind, and what an own one means.
+/// Rows: name without `CODE_`, group, order, built in, own, kind, and the meaning of an own identifier.
 macro_rules! codes {
     ($($name:ident $group:literal $order:literal $built_in:literal $own:literal $kind:expr $(=> $meaning:literal)?;)*) => {
         #[allow(non_camel_case_types, clippy::upper_case_acronyms)]

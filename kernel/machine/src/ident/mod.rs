@@ -1,4 +1,4 @@
-//! Identifiers of codes and data: the names by which tables, macros and listings speak of what a word means.
+//! Identifiers of codes and data: the names that tables, macros and listings use for the meaning of a word.
 //!
 //! Invariant: an identifier is a small number everywhere but at the borders; custom names of a machine follow the
 //! built-in ones.

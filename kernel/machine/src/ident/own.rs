@@ -1,6 +1,6 @@
 //! Code identifiers that are this project's own: actions of controls that the emulated system has no identifier for.
 //!
-//! Invariant: they come after all others, in the order in which they were added, with what each of them means.
+//! Invariant: they come after all others, in the order in which they were added, each with its meaning.
 
 /// Hands rows to a list, with the own ones behind them.
 macro_rules! with_own {

@@ -47,7 +47,7 @@ const OF_KINDS: [OfKinds; 8] = [
 /// Words of waits.
 const WAIT: &str = "REG_SYNC REG_SYNC_*";
 
-/// Codes whose kind does not say what they take.
+/// Codes whose data do not follow from their kind.
 const OWN: &[(&[CodeId], &str)] = &[
     (&[codes::RAPID], "REG_RAPID_FEED REG_AXIS_* REG_CORNER_* REG_LINE_ANGLE REG_POLE_*"),
     (

@@ -1,4 +1,4 @@
-//! `[[axes]]`: what moves.
+//! `[[axes]]`: the axes.
 //!
 //! Invariant: names are unique in the machine, and an axis starts inside its limits.
 

@@ -139,7 +139,7 @@ fn heritage(mut parent: Table) -> Table {
     parent
 }
 
-/// By what a child's row finds the parent's row it replaces.
+/// The key by which a child's row finds the row of the parent that it replaces.
 pub(super) fn row_name(path: &str, row: &Table) -> Option<String> {
     match path {
         "registers" | "axes" | "dialogs" | "macros.code" | "macros.data" | "tool.names" | "external" => {

@@ -1,5 +1,5 @@
-//! `[compensation]`: how cutter and nose radius compensation begins, ends and goes around corners; `[corners]`: what
-//! corner words of the program may do.
+//! `[compensation]`: how cutter and nose radius compensation starts, ends and goes around corners; `[corners]`:
+//! permissions of corner words of the program.
 //!
 //! Invariant: the angle is one of 0 to 180 degrees.
 

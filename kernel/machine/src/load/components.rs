@@ -41,7 +41,7 @@ pub(super) struct Row {
     /// Folder of the machine file.
     pub(super) folder: String,
     pub(super) channels: Vec<u16>,
-    /// What the composite's file adds to the definition, as a file that extends it.
+    /// Additions of the composite's file to the definition, as a file that extends it.
     pub(super) add: Option<Table>,
     /// Where the folder is named.
     pub(super) place: Place,
@@ -136,7 +136,7 @@ pub fn is_common(section: &str) -> bool {
     COMMON.contains(&section.split('.').next().unwrap_or_default())
 }
 
-/// The file of a component with what it has from its composite.
+/// The file of a component with the sections that it has from its composite.
 pub(super) fn fit(mut component: Merged, composite: &Table, row: &Row) -> Merged {
     let control = |table: &Table| table.get("ce").and_then(|ce| preprocessor(&ce.value).map(str::to_owned));
     let own_shape = control(&component.table) != control(composite);

@@ -1,4 +1,4 @@
-//! `[cycles]`: what canned cycles do on this machine.
+//! `[cycles]`: behaviour of canned cycles on this machine.
 //!
 //! Invariant: distances are zero or more. Facts: reference control-emulator.md 1.5, 6.4.
 

@@ -1,4 +1,4 @@
-//! What follows from an identifier when its row does not say, beyond the columns of the tables.
+//! Defaults that follow from an identifier when its row omits them, beyond the columns of the tables.
 //!
 //! Invariant: every identifier has an answer. Facts: reference control-emulator.md 1.3, 6.2.
 

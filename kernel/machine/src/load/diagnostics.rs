@@ -1,7 +1,7 @@
-//! `[[diagnostics]]`, `diagnostics_file`, `min_severity`: what the machine changes about diagnostics.
+//! `[[diagnostics]]`, `diagnostics_file`, `min_severity`: changes of diagnostics by the machine.
 //!
-//! Invariant: sorted by number, one rule a number; what stops a channel cannot be silenced, because the channel would
-//! stop without a word. Facts: reference control-emulator.md 7.5.
+//! Invariant: sorted by number, one rule per number. A diagnostic that stops a channel cannot be silenced, because the
+//! channel would stop without a message. Facts: reference control-emulator.md 7.5.
 
 use crate::model::{DiagnosticRule, Diagnostics};
 use crate::toml::node::Place;

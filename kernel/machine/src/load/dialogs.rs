@@ -76,7 +76,7 @@ pub(super) fn read(
     dialogs
 }
 
-/// Variables of a dialog that nothing has: what is typed there would be lost.
+/// Variables of a dialog that do not exist: text entered there would be lost.
 fn check_variables(dialog: &[Field], named: &[Named], macros: Option<&Macros>, check: &Check) {
     let Some(macros) = macros else { return };
     for (variable, place, decides) in named {

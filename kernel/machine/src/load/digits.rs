@@ -26,8 +26,8 @@ pub(super) fn shown(register: &Register) -> String {
     format!("numbers of register {} have {whole} digits before the point and {frac} after it", register.name)
 }
 
-/// What to say of a word that the format of its register cannot write, if it is one.
-/// A range may go further than the register, as long as it begins within.
+/// Complaint about a word that the format of its register cannot write, if it is one. A range may go further than the
+/// register, as long as it starts within.
 pub(super) fn complaint(written: &str, first: f64, register: &Register) -> Option<String> {
     if !beyond(first, register) {
         return None;

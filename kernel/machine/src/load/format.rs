@@ -49,7 +49,7 @@ pub(super) fn read(top: &mut Section<'_>, check: &Check, preprocessor: Preproces
     }
     let begins =
         |pair: &Option<(String, String)>, eob: char| pair.as_ref().is_some_and(|(start, _)| start.starts_with(eob));
-    // What begins a comment ends no block.
+    // A character that opens a comment does not end a block.
     format.eob = format.eob.filter(|eob| !begins(&format.comment, *eob) && !begins(&format.message, *eob));
     if let Some(mut opskip) = section.table("opskip", "opskip of [format]") {
         format.opskip_mark = opskip.character("mark").flatten();

@@ -12,7 +12,7 @@ use crate::toml::section::Section;
 /// Elements of `$TUDQ`, `$IUDQ` and `$WUDQ`.
 const ROOM: [usize; 3] = [10, 100, 50];
 
-/// Reads `[control]` of a control with this pre-processor; and what it says about numbers of coordinates.
+/// Reads `[control]` of a control with this pre-processor, and its settings for numbers of coordinates.
 pub(super) fn read(top: &mut Section<'_>, preprocessor: Preprocessor) -> (Habits, Coordinates) {
     let mut habits = Habits { frame_increments: preprocessor.row().frame_increments, ..Habits::default() };
     let Some(mut section) = top.table("control", "[control]") else { return (habits, Coordinates::default()) };

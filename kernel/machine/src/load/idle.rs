@@ -1,6 +1,6 @@
 //! Macros of hooks whose event never comes on this machine.
 //!
-//! Invariant: only a warning, and none for families, since what is missing may come with the machine. Facts: reference
+//! Invariant: only a warning, and none for families, since missing parts may come with the machine. Facts: reference
 //! control-emulator.md 4.
 
 use crate::ident::codes;

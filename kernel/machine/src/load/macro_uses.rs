@@ -157,7 +157,7 @@ impl Uses<'_> {
                 let before = self.read;
                 self.expression(target);
                 self.expression(value);
-                // What only makes its own next value is not read.
+                // A variable used only for its own next value is not read.
                 self.read = self.read.zip(before).map(|(now, before)| now & (!own | before));
             }
             StatementKind::Declare { names, .. } => {
@@ -218,7 +218,7 @@ impl Uses<'_> {
                         rest.next();
                     }
                 },
-                // What a variable holds is known only in the run.
+                // The value of a variable is known only in the run.
                 _ => return,
             }
         }

@@ -86,7 +86,7 @@ struct Compiler<'a, 'n> {
     shown: &'a mut Vec<(String, Place)>,
 }
 
-/// Kind of the macro of a hook, which decides what it may contain.
+/// Kind of the macro of a hook, which decides its permitted content.
 fn kind(hook: Hook) -> Kind {
     match hook {
         Hook::Declaration => Kind::Declaration,
@@ -226,7 +226,7 @@ impl Compiler<'_, '_> {
         }
     }
 
-    /// What a macro matches: its condition, and the identifiers that fire it.
+    /// Trigger of a macro: its condition, and the identifiers that fire it.
     fn condition(&self, row: &mut Section<'_>, of_codes: bool) -> (Condition, Vec<Item>) {
         let list = |row: &mut Section<'_>, key: &'static str| -> Vec<Item> {
             let texts = row.texts(key).unwrap_or_default();
@@ -278,7 +278,7 @@ impl Compiler<'_, '_> {
         (Condition { steps, ..Condition::default() }, triggers)
     }
 
-    /// An identifier, known to the machine in some row. What fires a macro may also be the value of a code.
+    /// An identifier that the machine has in some row. The value of a code may also fire a macro.
     fn item(&self, name: &str, place: &Place, fires: bool) -> Option<Item> {
         let upper = name.to_ascii_uppercase();
         if upper.starts_with("REG_") || upper.starts_with("DATA_") {

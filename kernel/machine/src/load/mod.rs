@@ -97,7 +97,8 @@ pub fn load(files: &dyn Files, folder: &str) -> Loaded {
     Loaded { machine: machine.filter(|_| usable), findings }
 }
 
-/// The components of a composite machine. What is wrong in a section that they have from it is reported once, as its own.
+/// The components of a composite machine. Faults in a section that they have from the composite are reported once, as
+/// faults of the composite.
 fn made_of(
     composite: &Machine,
     (table, folders): (&Table, &[String]),

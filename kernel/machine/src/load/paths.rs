@@ -1,6 +1,6 @@
 //! `[arcs]`, `[turning]` and `[threads]`: circles, turning and threading cycles.
 //!
-//! Invariant: what the section does not say has a default that fits the unit. Facts: reference control-emulator.md 1.5.
+//! Invariant: keys that the section omits have a default that fits the unit. Facts: reference control-emulator.md 1.5.
 
 use crate::model::Heights;
 use crate::model::paths::{Arcs, Helix, Threads, Turning, Turns};

@@ -3,7 +3,7 @@
 //! Invariant: every identifier here is built in, and docs/machine-definition.md lists every key. Facts: reference
 //! control-emulator.md 1.1, 1.5, 1.7.
 
-/// What an answer becomes.
+/// Conversion of an answer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Kind {
     /// Code rows of the words.

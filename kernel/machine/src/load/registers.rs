@@ -23,7 +23,7 @@ pub(super) fn read(top: &mut Section<'_>, check: &Check) -> Table<RegisterId, Re
     registers.into_iter().collect()
 }
 
-/// What `[control]` says about numbers of coordinates: signed registers with digits after the point.
+/// Settings of `[control]` for numbers of coordinates: signed registers with digits after the point.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Coordinates {
     /// Without a point they count units of their last digit.

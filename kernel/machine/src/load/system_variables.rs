@@ -56,7 +56,7 @@ pub(super) fn read(
     variables
 }
 
-/// What `[variables]` says about system variables.
+/// Settings of `[variables]` for system variables.
 pub(super) fn read_settings(section: &mut Section<'_>, variables: &mut SystemVariables, check: &Check) {
     if let Some(number) = section.integer("alarm_base", 0..=9999) {
         variables.alarm = number as u32;
@@ -108,7 +108,7 @@ fn number_of(value: &Value) -> Option<u32> {
     }
 }
 
-/// What a row means, and whether programs may set it unless the row says otherwise.
+/// Meaning of a row, and whether programs may set it unless the row says otherwise.
 fn means(row: &mut Section<'_>) -> Option<(Means, bool)> {
     #[derive(Clone, Copy)]
     enum Is {

@@ -71,7 +71,7 @@ impl Condition {
 /// Compiles a hand-written condition; `find` knows the identifiers and reports those it does not know.
 ///
 /// # Errors
-/// The text cannot be read; what was expected.
+/// The text cannot be read; contains the expected input.
 pub fn parse(text: &str, find: impl FnMut(&str) -> Option<Item>) -> Result<Vec<Step>, String> {
     let mut parser = Parser { tokens: tokens(text)?, at: 0, steps: Vec::new(), names: 0, depth: 0, find };
     parser.either()?;

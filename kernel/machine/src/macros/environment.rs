@@ -1,7 +1,7 @@
 //! The facts of a machine for the compiler of macros: variables, identifiers with the machine's own, files to include.
 //!
-//! Invariant: the number of an identifier is its place in the machine's tables plus one, built-in names first; a file
-//! that is named never lies outside the machines folder and what is stored with the machine.
+//! Invariant: the number of an identifier is its place in the machine's tables plus one, built-in names first; a named
+//! file never lies outside the machines folder and the files stored with the machine.
 
 use std::sync::OnceLock;
 

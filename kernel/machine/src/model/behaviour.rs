@@ -111,7 +111,7 @@ impl WordCall {
 pub enum CallHow {
     /// A macro, with the other words of the block as arguments (G65).
     Macro,
-    /// A subprogram, behind what the other words of the block do (M98).
+    /// A subprogram, after the other words of the block have acted (M98).
     Subprogram,
     /// A macro behind every block that moves (G66).
     Moves,
@@ -148,7 +148,7 @@ pub enum CallForm {
     RepeatAndNumber,
 }
 
-/// What a return code does in a main program.
+/// Action of a return code in a main program.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum MainReturn {
     /// One cycle ends the run of the channel.
@@ -325,7 +325,7 @@ pub struct LengthRules {
     pub moves: bool,
 }
 
-/// What becomes of length compensation at a reference point.
+/// Effect of a reference point on length compensation.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum LengthThere {
     /// It stays.

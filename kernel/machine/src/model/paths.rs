@@ -99,7 +99,7 @@ pub struct Threads {
 pub struct Kinematics {
     /// Direction of the tool, from its tip to the spindle, with all rotary axes at zero.
     pub tool: [f64; 3],
-    /// What a word of a tool direction is that the block does not have.
+    /// Value of a word of a tool direction that is missing in the block.
     pub missing: Missing,
     /// Tilted planes.
     pub tilting: Tilting,

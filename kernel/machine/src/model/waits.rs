@@ -67,11 +67,11 @@ pub enum WaitAct {
     Clear,
     /// Sends a signal.
     Signal,
-    /// Gives back what the channel holds.
+    /// Releases a resource that the channel holds.
     Release,
-    /// Takes what another channel holds.
+    /// Takes a resource that another channel holds.
     Take,
-    /// Passes on what the channel holds.
+    /// Passes on a resource that the channel holds.
     Give,
     /// Selects the program of a channel.
     Select,

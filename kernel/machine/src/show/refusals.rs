@@ -17,7 +17,7 @@ struct Row<'m> {
     without: Vec<&'m str>,
     active: Vec<&'m str>,
     inactive: Vec<&'m str>,
-    /// What its word must be: `P 2 to 4, whole`.
+    /// Requirement for its word: `P 2 to 4, whole`.
     word: String,
 }
 

@@ -173,7 +173,7 @@ pub(super) fn summary(machine: &Machine) -> String {
     grid.text()
 }
 
-/// Settings of canned cycles; what is only worth a word if it is on comes last.
+/// Settings of canned cycles; settings that are only mentioned when on come last.
 fn cycles(cycles: &Cycles) -> String {
     let mut text = format!(
         "{}, clearance {}, depth {}, step {}, {} back",

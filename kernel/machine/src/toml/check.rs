@@ -1,7 +1,7 @@
 //! Collects findings while a machine file is read.
 //!
-//! Invariant: a line that is broken as TOML is reported as such only; what follows from it on the same line is
-//! not reported a second time.
+//! Invariant: a line that is broken as TOML is reported as such only; consequences on the same line are not reported a
+//! second time.
 
 use std::cell::{Cell, RefCell};
 
@@ -57,7 +57,7 @@ impl Check {
         self.findings.borrow().iter().any(|finding| finding.error)
     }
 
-    /// Says that what is read is not the whole definition.
+    /// Marks the text as not the whole definition.
     pub(crate) fn set_incomplete(&self) {
         self.incomplete.set(true);
     }

@@ -1,7 +1,7 @@
 //! TOML with places, through which the loader reads machine files.
 //!
-//! Invariant: nothing here knows what a machine is, and every value carries the file, line and column it was
-//! written at, also after a family and a machine have been merged.
+//! Invariant: this module knows nothing of machines, and every value carries the file, line and column where it was
+//! written, also after a family and a machine have been merged.
 
 pub(super) mod check;
 pub(super) mod merge;

@@ -1,8 +1,9 @@
 //! An area inside a closed rim and outside islands, as a tool with a radius can clear it.
 //!
-//! The area lies on the left of all rings: the rim turns counter-clockwise, islands clockwise. Where the first ring is the rim of a
-//! blank, the tool may leave it, and the others are what stays (spigots). *Invariant:* every way of the tool's centre keeps its distance
-//! from all walls; where a passage is narrower than that, the way goes round what the tool reaches.
+//! The area lies on the left of all rings: the rim turns counter-clockwise, islands clockwise. If the first ring is the
+//! rim of a blank, the tool may leave it, and the other rings are spigots that remain. *Invariant:* every path of the
+//! tool's centre keeps its distance from all walls. Where a passage is narrower than that, the path goes around the
+//! area that the tool reaches.
 
 use super::element::{Element, NOISE, cross, distance};
 use super::near::{at, turned};
@@ -50,7 +51,7 @@ impl Area {
     }
 }
 
-/// Size of what a ring surrounds, positive if it turns counter-clockwise.
+/// Size of the area that a ring surrounds, positive if the ring turns counter-clockwise.
 pub(super) fn size(ring: &[Element]) -> f64 {
     let piece = |piece: &Element| {
         let bow = piece.arc.map_or(0.0, |arc| arc.radius * arc.radius * (arc.sweep - libm::sin(arc.sweep)) / 2.0);

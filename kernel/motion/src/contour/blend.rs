@@ -10,7 +10,7 @@ use super::corner::Offset;
 use super::element::{Element, NOISE, Spot, angle, cross, distance, dot, plus};
 use crate::arc::Arc;
 
-/// What a corner becomes, in length units.
+/// Shape of a corner, in length units.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Cut {
     /// A chamfer that takes this much of each piece.
@@ -113,7 +113,7 @@ fn element(first: &Element, second: &Element, cut: Cut) -> Option<Element> {
     let legs = match cut {
         Cut::Round(radius) => return round(first, second, radius),
         Cut::Legs(legs) => legs,
-        // The angle between the pieces is what the turn leaves of 180 degrees.
+        // The angle between the pieces is 180 degrees less the turn.
         Cut::Face(face) => face / (2.0 * ((1.0 + dot(before, after)) / 2.0).max(0.0).sqrt()),
     };
     let made = Element { from: back(first, legs)?, to: ahead(second, legs)?, arc: None };

@@ -15,14 +15,14 @@ use super::shifted::shifted;
 /// Spots that are the same.
 const SAME: f64 = 1e-6;
 
-/// What a tool does in an area.
+/// Paths of a tool in an area.
 #[derive(Debug, Clone, Default)]
 pub struct Clearing {
     /// Along the walls, with the area on the left.
     ways: Vec<Vec<Element>>,
     /// Rims of where the middle of the tool may be.
     room: Vec<Closed>,
-    /// What it comes into from outside.
+    /// The blank that the tool enters from outside.
     blank: Option<Closed>,
 }
 

@@ -1,7 +1,7 @@
-//! Closed contours: beside them, between them, and straight cuts that clear what lies inside.
+//! Closed contours: paths beside and between them, and straight cuts that clear their inside.
 //!
-//! Decisions: a way beside a contour goes round its corners on arcs; cuts run along the first axis. *Invariant:* a way that comes
-//! nearer to any contour than it should is none, so what is not plain is refused, not guessed.
+//! Decisions: a path beside a contour goes around its corners on arcs; cuts run along the first axis. *Invariant:* a
+//! path that comes too near to any contour is none, so doubtful cases are refused, not guessed.
 
 use super::area::{backwards, size};
 use super::blend::{Cut as Blend, blend_reduced};

@@ -1,9 +1,9 @@
 //! Areas that are put together from the insides of closed contours: unions, differences, common parts, anything that is asked of
 //! where a spot lies.
 //!
-//! All contours are cut where they meet; of each piece both sides are asked, and the pieces with the area on one side alone are its
-//! rim. *Invariant:* rings have the area on their left, so outer ones run counter-clockwise, and no two rings cross; what does not
-//! close is none.
+//! All contours are cut where they meet. Both sides of each piece are tested, and the pieces with the area on one side
+//! alone are its rim. *Invariant:* rings have the area on their left, so outer rings run counter-clockwise, and no two
+//! rings cross; pieces that do not close give none.
 
 use std::f64::consts::{PI, TAU};
 
@@ -118,7 +118,7 @@ fn pieces(contours: &[Closed]) -> Option<Vec<Piece>> {
     Some(pieces)
 }
 
-/// A rectangle round a contour; what lies outside is neither on it nor in it.
+/// A rectangle around a contour; a point outside is neither on the contour nor in it.
 #[derive(Debug, Clone, Copy)]
 struct Reach {
     low: Spot,

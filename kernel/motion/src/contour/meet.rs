@@ -1,6 +1,6 @@
 //! Where two pieces of contours meet: crossings, touches, and ends of one on the other.
 //!
-//! Invariant: what is given lies on both pieces; pieces on top of each other give the ends of their common part.
+//! Invariant: returned points lie on both pieces; pieces on top of each other give the ends of their common part.
 
 use std::f64::consts::TAU;
 

@@ -1,6 +1,6 @@
 //! Distances of pieces of contours from spots and from each other, exact for lines and arcs.
 //!
-//! Invariant: nothing is sampled, so what is thin or short is not overlooked.
+//! Invariant: nothing is sampled, so thin or short parts are not overlooked.
 
 use std::f64::consts::TAU;
 

@@ -21,7 +21,8 @@ pub fn eroded(contours: &[Closed], amount: f64) -> Option<Vec<Closed>> {
     beside_of(contours, amount, |inside, near| inside && !near)
 }
 
-/// What contours hold an odd number of times, and what lies nearer to it than an amount; none where they have too many elements.
+/// The area that contours enclose an odd number of times, and points nearer to it than an amount; none if the contours
+/// have too many elements.
 #[must_use]
 pub fn grown(contours: &[Closed], amount: f64) -> Option<Vec<Closed>> {
     beside_of(contours, amount, |inside, near| inside || near)
@@ -38,8 +39,8 @@ pub fn of_two(one: &[Closed], other: &[Closed], inside: impl Fn(bool, bool) -> b
     })
 }
 
-/// Where the middle of a tool reaches what an earlier one with a larger radius has left; both keep away from the contours by a distance
-/// besides their radii.
+/// Places where the centre of a tool reaches material that an earlier tool with a larger radius has left; both keep
+/// away from the contours by a distance besides their radii.
 #[must_use]
 pub fn remaining(contours: &[Closed], away: f64, radius: f64, earlier: f64) -> Option<Vec<Closed>> {
     let wanted = if away > NOISE { eroded(contours, away)? } else { contours.to_vec() };
@@ -47,7 +48,8 @@ pub fn remaining(contours: &[Closed], away: f64, radius: f64, earlier: f64) -> O
     near_left(&wanted, (&reached, earlier), (&eroded(contours, away + radius)?, radius))
 }
 
-/// Where the middle of a tool, in the room that it reaches, touches what of an area an earlier one has left; each with its radius.
+/// Places where a tool, with its centre in the room that it reaches, touches the parts of an area that an earlier tool
+/// has left; each tool with its radius.
 pub(super) fn near_left(
     wanted: &[Closed],
     (earlier, size): (&[Closed], f64),
@@ -58,7 +60,7 @@ pub(super) fn near_left(
     of_two(&grown(&left, radius)?, reached, |near, reached| near && reached)
 }
 
-/// The area by what lies inside of an odd number of contours, and nearer to one than an amount.
+/// The area from the inside of an odd number of contours, and from points nearer to one than an amount.
 fn beside_of(contours: &[Closed], amount: f64, of: impl Fn(bool, bool) -> bool) -> Option<Vec<Closed>> {
     let elements = || contours.iter().flat_map(Closed::elements);
     if elements().count() > MOST_ELEMENTS {

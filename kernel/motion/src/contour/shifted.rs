@@ -1,7 +1,7 @@
 //! A contour moved square to itself.
 //!
-//! *Invariant:* what comes out follows itself without gaps; where a piece is too small for the amount, or the neighbours of one
-//! would meet before it, there is none.
+//! *Invariant:* the pieces of the result follow each other without gaps. Where a piece is too small for the amount, or
+//! its neighbours would meet before it, there is none.
 
 use std::f64::consts::TAU;
 

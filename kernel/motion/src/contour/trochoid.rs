@@ -1,8 +1,9 @@
 //! Circles that go forward along a way: trochoidal milling.
 //!
-//! Decisions: whole circles about places of the way that lie a step apart, and between two of them a piece beside the way, on the side
-//! where the circle goes forward, so that neither has a corner on a straight way. The last step is what is left. *Invariant:* no spot is
-//! farther from the way than the radius, but for what a chord lies off at a corner of the way.
+//! Decisions: full circles about places of the path that are a step apart, and between two of them a piece beside the
+//! path, on the side where the circle goes forward, so that there is no corner on a straight path. The last step is the
+//! remainder. *Invariant:* no point is farther from the path than the radius, except by the deviation of a chord at a
+//! corner of the path.
 
 use super::element::{Element, NOISE, Spot, beside, distance};
 use super::near::at;

@@ -111,7 +111,7 @@ impl Affine {
         (applied(&self.linear, &point.into()) + self.shift).into()
     }
 
-    /// What a direction becomes.
+    /// The transformed direction.
     pub fn direction(&self, direction: Point) -> Point {
         applied(&self.linear, &direction.into()).into()
     }

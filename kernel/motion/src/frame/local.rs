@@ -151,13 +151,13 @@ impl Local {
         added.chain(own).find_map(|given| given.center)
     }
 
-    /// A point of the work frame as the part of a kind sees it: what lies outside that part is taken off.
+    /// A point of the work frame as seen by the part of a kind: the transformations outside that part are removed.
     pub fn inside_of(&self, part: Part, point: Point) -> Option<Point> {
         let outer = self.composed(part as usize + 1);
         outer.inverse().map(|back| back.point(point))
     }
 
-    /// What a macro has given and the parts from a kind outwards.
+    /// The transformation set by a macro and the parts from a kind outwards.
     fn composed(&self, from: usize) -> Affine {
         let mut map = match (self.outer, self.given) {
             (Some(outer), Some(given)) => outer.after(&given),

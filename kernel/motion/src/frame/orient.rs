@@ -1,9 +1,10 @@
 //! Which of the angles that bring the tool into a direction the rotary axes go to.
 //!
-//! A direction has up to two pairs of angles ([`Chain::solve`]), each of them with whole turns; the travel of the axes and a
-//! rule decide. Angles are degrees of the machine frame. *Invariant:* the same question has the same answer, whatever the
-//! noise of its computation. Facts: Fanuc operator's manual of the 16i (B-63534EN, tool axis direction control: the pair is chosen axis by
-//! axis); Heidenhain user's manual (PLANE, SEQ, with a table of examples); Siemens operating manual (CYCLE800, direction).
+//! A direction has up to two pairs of angles ([`Chain::solve`]), each of them with whole turns; the travel of the axes
+//! and a rule decide. Angles are degrees of the machine frame. *Invariant:* the same question has the same answer,
+//! regardless of the noise of its computation. Facts: Fanuc operator's manual of the 16i (B-63534EN, tool axis
+//! direction control: the pair is chosen axis by axis); Heidenhain user's manual (PLANE, SEQ, with a table of
+//! examples); Siemens operating manual (CYCLE800, direction).
 
 use super::affine::Point;
 use super::kinematics::{Angles, Chain};
@@ -53,7 +54,7 @@ pub enum Side {
     Larger(bool),
 }
 
-/// What an axis does for which any angle suits.
+/// Behaviour of an axis for which any angle is suitable.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Free {
     /// It stays.

@@ -1,7 +1,7 @@
 //! The allowance of roughing on a contour: amounts along both axes.
 //!
-//! *Invariant:* what comes out follows itself without gaps and does not turn back along the cut; where an allowance does not
-//! fit into the contour there is none.
+//! *Invariant:* the pieces of the result follow each other without gaps and do not turn back along the cut; where an
+//! allowance does not fit into the contour there is none.
 
 use super::NOISE;
 use super::parts::Part;

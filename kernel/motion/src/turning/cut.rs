@@ -7,7 +7,7 @@ use super::view::View;
 use super::{Move, NOISE, Sink};
 use crate::contour::element::Spot;
 
-/// Where the tool is, as seen, and what takes its moves.
+/// Position of the tool in the view, and the sink of its moves.
 pub(super) struct Cut<'s, S: Sink> {
     pub(super) sink: &'s mut S,
     pub(super) view: View,

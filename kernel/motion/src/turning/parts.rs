@@ -91,7 +91,7 @@ impl Parts {
         self.all.iter().fold(f64::NEG_INFINITY, |high, part| high.max(part.from[1]).max(part.to[1]))
     }
 
-    /// Refuses what cannot be cut from a start point. `leaves`: the last piece may end beyond it.
+    /// Refuses a contour that cannot be cut from a start point. `leaves`: the last piece may end beyond that point.
     pub(super) fn check(&self, [start, top]: Spot, leaves: bool) -> Result<(), Refusal> {
         let Some(first) = self.all.first() else { return Err(Refusal::Nothing) };
         let finite = |spot: &Spot| spot.iter().all(|part| part.is_finite());

@@ -5,7 +5,7 @@
 use super::{Move, NOISE, Sink};
 use crate::contour::element::Spot;
 
-/// Columns at most, and pecks of a column at most; what is left is done in one.
+/// Maximum number of columns, and of pecks of a column; the rest is done in one.
 const MOST: f64 = 1e9;
 
 /// Settings of the cycle; points and lengths are `[along the peck, from column to column]`.

@@ -21,7 +21,7 @@ pub struct Settings {
     pub depth: f64,
     /// Retraction at the end of a cut.
     pub retract: f64,
-    /// What is left on the contour, along Z and X.
+    /// Allowance on the contour, along Z and X.
     pub allowance: Spot,
     /// The additional allowance of the levels along Z and X; the last pass removes it.
     pub semi: Spot,
@@ -289,7 +289,7 @@ impl<'c> Rough<'c> {
         cut.sink.go(Move::Rapid(self.contour.start))
     }
 
-    /// Cuts along the contour, moved by an amount besides what is left. Gives where it ends.
+    /// Cuts along the contour, moved by an amount in addition to the allowance. Returns where it ends.
     fn along_contour<S: Sink>(&self, cut: &mut Cut<'_, S>, away: Spot) -> Result<Spot, S::Stop> {
         cut.sink.pass()?;
         let by = [self.settings.allowance[0] + away[0], self.settings.allowance[1] + away[1]];

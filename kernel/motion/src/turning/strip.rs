@@ -1,9 +1,10 @@
 //! Stock removal of Siemens controls (CYCLE95): levels of one section of the contour after the other.
 //!
-//! Facts: reference siemens-cycles.md 1.6. A section is what lies above the beginning of the contour, or a relief cut; each is
-//! divided into equal levels of the given depth at most. A level ends on the contour, goes up along it to the level before,
-//! and lifts off in both axes. Finishing compensates the nose of the tool, as the control does within its cycle. *Invariant:* every move lies on the stock side of the contour with its allowances; a cycle
-//! begins and ends at its start point, one lift beyond the contour in both axes.
+//! Facts: reference siemens-cycles.md 1.6. A section is the material above the start of the contour, or a relief cut;
+//! each is divided into equal levels of at most the given depth. A level ends on the contour, goes up along it to the
+//! level before, and lifts off in both axes. Finishing compensates the nose of the tool, as the control does within its
+//! cycle. *Invariant:* every move lies on the stock side of the contour with its allowances; a cycle starts and ends at
+//! its start point, one lift beyond the contour in both axes.
 
 mod recess;
 
@@ -99,7 +100,7 @@ struct Relief {
     first: bool,
 }
 
-/// What follows after the open levels.
+/// Cut after the open levels.
 #[derive(Debug, Clone, Copy)]
 enum Start {
     /// A level that is continued by those below it.
@@ -231,7 +232,7 @@ impl<'c> Removal<'c> {
                 reliefs.extend(beside);
                 end = open.end.part;
             }
-            // What lies below this level and is not reached from the beginning of the contour.
+            // Material below this level that is not reached from the start of the contour.
             for (begin, (from, to)) in self.below(level, (0, end)) {
                 if begin.is_some() || number == grid.count {
                     reliefs.push(Start::Section(from, to, level));

@@ -6,7 +6,7 @@ use super::{Contour, Move, Refusal, Sink, pattern, peck};
 use crate::arc::by_radius;
 use crate::contour::element::{Element, Spot};
 
-/// Writes moves as `R X63 Z2.5`, only what changes.
+/// Writes moves as `R X63 Z2.5`, with changed values only.
 pub(super) struct Written {
     at: Spot,
     pub(super) text: Vec<String>,

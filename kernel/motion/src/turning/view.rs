@@ -38,7 +38,7 @@ impl View {
         self.place([-along, across])
     }
 
-    /// Seen from the other side: what turns clockwise in the plane turns the other way here.
+    /// Seen from the other side: a clockwise rotation in the plane is counter-clockwise here.
     pub(super) fn turns_over(&self) -> bool {
         let signs = self.signs[0] * self.signs[1] < 0.0;
         signs != self.face

@@ -137,7 +137,7 @@ pub fn show(
     evaluate(dialog, answer, current).map_err(Failure::Refused)
 }
 
-/// What an answer means; an error says why it is refused.
+/// Meaning of an answer; an error says why it is refused.
 fn evaluate(dialog: &Dialog, answer: &Answer, current: &mut dyn FnMut(&str) -> Option<Value>) -> Result<Shown, String> {
     let button = dialog.button(answer)?;
     let mut values = Vec::new();

@@ -1,8 +1,8 @@
 //! Dialogs with an operator who answers while the job runs.
 //!
-//! Invariants: a conversation ends after `MOST` answers; an answer that is refused changes nothing and is asked for
-//! again with the reason; what the operator answers is all that a run takes from outside, so the same answers give the
-//! same log.
+//! Invariants: a conversation ends after `MOST` answers; an answer that is refused changes nothing and is requested
+//! again with the reason. The operator's answers are the only outside input of a run, so the same answers give the same
+//! log.
 
 use super::answers::{Answer, Value};
 use super::{ButtonKind, Dialog, Failure, Shown, evaluate, find};
@@ -64,7 +64,7 @@ fn open(
 ) -> Result<Shown, Failure> {
     let dialog = find(dialogs, name).ok_or_else(|| Failure::Unknown(name.to_owned()))?;
     let mut problem: Option<String> = None;
-    // What was entered before another dialog was called.
+    // Values that were entered before another dialog was called.
     let mut entered = Answer::default();
     loop {
         if *left == 0 {
@@ -128,7 +128,7 @@ mod tests {
     /// Button and values.
     type Said<'a> = (Option<&'a str>, &'a [(&'a str, f64)]);
 
-    /// Answers in turn; gives what came out, and what was shown for each answer.
+    /// Gives answers in turn; returns the result, and the text shown for each answer.
     fn talk(answers: &[Said<'_>]) -> (Result<Shown, Failure>, Vec<String>) {
         let mut turn = answers.iter();
         let mut seen = Vec::new();

@@ -34,8 +34,8 @@ impl Formula {
     }
 }
 
-/// Where a name of two letters or more that begins at `at` ends, with what is in parentheses, brackets and quotation
-/// marks behind it; `at` if there is none.
+/// The end of a name of two letters or more that starts at `at`, with the contents of parentheses, brackets and
+/// quotation marks after it; `at` if there is none.
 pub(super) fn name_end(line: &[u8], at: usize) -> usize {
     let rest = line.get(at..).unwrap_or_default();
     let letters = |byte: &u8| byte.is_ascii_alphabetic() || *byte == b'_';

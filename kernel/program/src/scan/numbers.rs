@@ -130,13 +130,14 @@ pub(super) struct Read {
     unit: f64,
     /// Digits beyond them round the last one.
     rounds: bool,
-    /// What is irregular about a negative value, and about a written point.
+    /// Irregularities of a negative value, and of a written point.
     sign: u8,
     pointed: u8,
 }
 
 impl Read {
-    /// For one of the formats of a register; what is irregular about a negative value, and about a written point.
+    /// For one of the formats of a register; `sign` and `pointed` are the irregularities of a negative value and of a
+    /// written point.
     pub(super) fn new(format: NumberFormat, (sign, pointed): (u8, u8)) -> Self {
         let power = |digits: u8| POW10.get(usize::from(digits)).copied().unwrap_or(f64::INFINITY);
         let implied = format.point == Point::Omit;
@@ -147,7 +148,7 @@ impl Read {
         Self { format, implied, room, room_without_point, places, unit, rounds, sign, pointed }
     }
 
-    /// Value of a number, and what is irregular about it, bit by bit.
+    /// Value of a number, and its irregularities, bit by bit.
     #[inline(always)]
     pub(super) fn value(&self, number: Number) -> (f64, u8) {
         let value = if usize::from(number.fraction) > self.places {
@@ -183,7 +184,7 @@ impl Read {
         (if digits.negative { -magnitude } else { magnitude }, too_long | sign | self.pointed)
     }
 
-    /// What is irregular about a number as written.
+    /// Irregularities of a number as written.
     #[inline(always)]
     fn irregular(&self, value: f64, point: bool) -> u8 {
         let too_long = value.abs() >= if point { self.room } else { self.room_without_point };

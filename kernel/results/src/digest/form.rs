@@ -38,7 +38,7 @@ impl Bytes<'_> {
 }
 
 impl Fields for Bytes<'_> {
-    // What a field is, is known where it is put: one arm is left of this.
+    // The type of a field is known where it is put, so only one arm of this remains.
     #[inline(always)]
     fn put(&mut self, field: Field, value: Value<'_>) {
         if field.digest == Presence::Never {

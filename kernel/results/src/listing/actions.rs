@@ -28,7 +28,7 @@ impl Actions {
         }
     }
 
-    /// What a spindle does; its limit alone when nothing else is new, its speed when it is stopped before and after.
+    /// Action of a spindle: its limit alone when nothing else is new, its speed when it is stopped before and after.
     fn spindle(&mut self, now: &Spindle) -> String {
         let stopped =
             Spindle { direction: Direction::Off, css: false, speed: 0.0, limit: f64::INFINITY, angle: 0.0, ..*now };

@@ -1,7 +1,8 @@
 //! The console: messages and diagnostics, a line each.
 //!
-//! Form: reference listing-and-trace.md 5, last paragraph. No status line; text that nothing recognises is reported with its
-//! place at the end and in the spelling of the console. What a macro raised ends with the file and line of the macro.
+//! Form: reference listing-and-trace.md 5, last paragraph. No status line; unrecognised text is reported with its place
+//! at the end and in the spelling of the console. Diagnostics raised by a macro end with the file and line of the
+//! macro.
 
 use std::io::{BufWriter, Result, Write};
 

@@ -1,7 +1,7 @@
 //! The identification header.
 //!
-//! Layout: reference listing-and-trace.md 2; what a job does not have leaves its line out. *Invariant:* nothing in it
-//! depends on when or where the job ran.
+//! Layout: reference listing-and-trace.md 2; data that a job does not have leave their line out. *Invariant:* nothing
+//! in it depends on the time or the place of the run.
 
 use std::io::{Result, Write};
 

@@ -10,7 +10,7 @@ use super::blocks;
 use counterpoint_event::event::{Dwell, Event, Kind, Listing, Message, Trace};
 use counterpoint_event::info::Info;
 
-/// Writes blocks and what the letters ask for.
+/// Writes blocks and the data that the letters request.
 #[derive(Debug, Default)]
 pub(super) struct Tracer {
     actions: Actions,

@@ -1,6 +1,6 @@
 //! The times of one channel.
 //!
-//! *Invariant:* what is counted adds up to where the channel ends; only its last event can be cut by a stop.
+//! *Invariant:* the counted times add up to the end of the channel; only its last event can be cut by a stop.
 
 use super::ChannelState;
 use crate::tools::ToolTimes;
@@ -34,7 +34,7 @@ impl Tally {
         ToolTimes { feed_ns, rapid_ns, misc_ns, wait_ns }
     }
 
-    /// Counts time by what it was spent on.
+    /// Adds time to its kind of work.
     pub fn add(&mut self, work: Work, ns: i64) {
         let sum = match work {
             Work::Feed => &mut self.feed_ns,

@@ -167,7 +167,7 @@ impl Bars {
 
     fn thin(&mut self) {
         while self.bars.len() > self.most {
-            // A sample shows what is short, and is quickly done: other kernels wait meanwhile.
+            // A sample finds short bars, and is quick: other kernels wait meanwhile.
             let step = self.bars.len().div_ceil(SAMPLES);
             let mut durations: Vec<i64> = self.bars.iter().step_by(step).map(|b| b.dur_ns).collect();
             let middle = durations.len() / 2;

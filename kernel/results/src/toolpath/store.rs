@@ -1,7 +1,8 @@
 //! The path of one channel in memory: a flat list of moves.
 //!
-//! *Invariant:* at most [`MOST`] moves, and no more than the memory of the job has room for. A longer path is thinned: moves of one kind shorter than a tolerance, which grows
-//! up to a five-hundredth of the path's extent, become one; what then still does not fit is left out.
+//! *Invariant:* at most [`MOST`] moves, and no more than the memory of the job has room for. A longer path is thinned:
+//! moves of one kind shorter than a tolerance, which grows up to a five-hundredth of the path's extent, become one.
+//! Moves that still do not fit are left out.
 
 use counterpoint_event::event::FileId;
 
@@ -68,7 +69,7 @@ pub struct Curve {
     pub turns: u16,
 }
 
-/// A coordinate in grains; what is further away than 200 m stays at the edge.
+/// A coordinate in grains; points further away than 200 m stay at the edge.
 #[inline]
 fn grains(value: f64) -> i32 {
     (value * (1.0 / GRAIN) + 0.5_f64.copysign(value)) as i32

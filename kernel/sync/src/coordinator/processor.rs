@@ -1,7 +1,7 @@
 //! Whether a kernel that waits holds up those it waits for.
 //!
-//! On a machine with other work the system may put all kernels of a job on one processor; then a kernel that spins only keeps
-//! the others from running. Invariant: this changes how a kernel waits, never what comes out.
+//! On a machine with other work the system may put all kernels of a job on one processor. Then a kernel that spins only
+//! keeps the other kernels from running. Invariant: this changes how a kernel waits, never the result.
 
 use super::locks::atomic::Ordering::Relaxed;
 use super::{Coordinator, Slot};

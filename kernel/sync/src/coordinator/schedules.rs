@@ -1,6 +1,6 @@
 //! The coordinator on threads whose schedules are tried out: `cargo test -p counterpoint-sync --features shuttle schedules`.
 //!
-//! What may happen next is explored whole in `order/explore.rs`; here are the locks, signals and bounds in memory.
+//! All possible next operations are explored in `order/explore.rs`; here are the locks, signals and bounds in memory.
 
 use std::sync::Arc;
 

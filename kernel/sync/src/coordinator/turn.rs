@@ -164,9 +164,9 @@ impl Coordinator {
         }
     }
 
-    /// Does something that waits for what is outside of the job's order, which is the merger giving chunks back. Meanwhile a
-    /// running kernel acts at `tag` at the earliest, and kernels that come before that may continue, which is what lets the
-    /// merger move on. A kernel that is parked or blocked already keeps its place.
+    /// Runs an operation that waits for something outside the job's order: for chunks that the merger returns.
+    /// Meanwhile a running kernel acts at `tag` at the earliest, and earlier kernels may continue, so that the merger
+    /// can advance. A kernel that is parked or blocked already keeps its place.
     pub(super) fn away<R>(&self, tag: Tag, wait: impl FnOnce() -> R) -> R {
         let mut inner = self.lock();
         let running = inner.order.is_free(tag.channel);

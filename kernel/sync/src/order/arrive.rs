@@ -52,7 +52,8 @@ impl Order {
         Some(verdict::of(dead, t, &self.waits, info))
     }
 
-    /// A channel takes what another one holds; if that is an axis that moves, it waits for the end of the move.
+    /// A channel takes a resource that another channel holds; if that is an axis that moves, the channel waits for the
+    /// end of the move.
     ///
     /// # Errors
     /// Why it cannot.
@@ -91,7 +92,7 @@ impl Order {
         Err(verdict)
     }
 
-    /// Carries out the arrival of a channel at a wait, with what the control warns of.
+    /// Executes the arrival of a channel at a wait; returns the control's warnings.
     pub fn arrive(&mut self, waiting: Waiting, own: Finish, info: &Info) -> (After, Option<String>) {
         let tag = waiting.tag;
         if let Some(races) = &mut self.races {

@@ -1,8 +1,8 @@
 //! Every schedule of two and three kernels: under any schedule operations happen in the order of their tags, the
 //! outcome is the same, and no kernel sleeps indefinitely.
 //!
-//! Kernels are short scripts. Publishing a bound, looking at the need for it, and each access of the coordinator to the
-//! bounds of others are steps of their own, as they are on real threads; what happens under the lock is one step.
+//! Kernels are short scripts. Publishing a bound, reading the need for it, and each access of the coordinator to the
+//! bounds of others are steps of their own, as on real threads; all work under the lock is one step.
 
 use std::collections::{BTreeSet, HashSet};
 use std::fmt::Write as _;
@@ -36,7 +36,7 @@ enum Op {
     Rest,
     /// Starts this kernel.
     Begin(u16),
-    /// A change of what is shared.
+    /// A change of shared data.
     Write,
     /// A loop with ticks of two until there are so many changes.
     Poll(u64),
@@ -51,7 +51,7 @@ enum Op {
 use Deed::{Call, Clear, Free, Remove, Send, Set, Share};
 use Op::{Act, At, Away, Begin, Do, End, Halt, Listen, Pass, Poll, Rest, Run, Stop, Write};
 
-/// What a kernel does next.
+/// Next step of a kernel.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Next {
     /// Its script.
@@ -75,11 +75,11 @@ struct Player {
     need: i64,
     /// Changes at the begin of its pass, if it polls.
     begun: Option<u64>,
-    /// What became of it.
+    /// Fate of the kernel.
     fate: &'static str,
 }
 
-/// What holds the lock does next.
+/// Next step of the holder of the lock.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Locked {
     /// Reads the bound of the kernel with this index.
@@ -389,7 +389,8 @@ impl World {
         }
     }
 
-    /// What must not depend on the schedule. After a stop the others get as far as they get: only what is in the log counts.
+    /// The result that must not depend on the schedule. After a stop the progress of other kernels is arbitrary: only
+    /// the content of the log counts.
     fn outcome(&self) -> String {
         let mut out = String::new();
         for (tag, op) in &self.log {

@@ -26,7 +26,7 @@ pub struct Lap {
     pub lines: (u32, u32),
     /// Passes so far.
     pub count: u64,
-    /// What it reads of what is shared, a bit each.
+    /// Shared data that it reads, a bit each.
     pub reads: u64,
 }
 
@@ -36,7 +36,7 @@ pub(super) struct Spin {
     lap: Lap,
     /// The variables that it reads.
     names: Arc<str>,
-    /// Changes of what is shared before it.
+    /// Number of changes of shared data before it.
     changes: u64,
 }
 
@@ -50,7 +50,7 @@ pub(super) struct Nap {
 }
 
 impl Nap {
-    /// Passes left out, and the begin of the next one: the first that can see what happens at this tag.
+    /// Skipped passes, and the start of the next one: the first that can see the event at this tag.
     fn until(self, tag: Tag, channel: u16) -> (u64, Tag) {
         let whole = (tag.t - self.from).div_euclid(self.every).max(0);
         let begin =
@@ -65,7 +65,7 @@ impl Nap {
     }
 }
 
-/// What a channel does after a pass that has only read.
+/// Next action of a channel after a pass that has only read.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum After {
     /// The next pass; so many changes there are until now.
@@ -121,7 +121,7 @@ impl Order {
         seat.spin.as_ref().is_some_and(|spin| spin.changes == self.changes)
     }
 
-    /// What a channel polls, and where, if it is in a loop that cannot end by itself.
+    /// The variable that a channel polls, and the place, if the channel is in a loop that cannot end by itself.
     pub fn polling(&self, channel: u16, info: &Info) -> Option<(String, Member)> {
         let seat = self.seats.get(self.channels.index(channel))?;
         let running = seat.nap.is_some() || !matches!(seat.status, Status::Blocked | Status::Done);

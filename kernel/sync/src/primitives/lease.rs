@@ -1,8 +1,8 @@
 //! Lease: an axis or a spindle belongs to one channel at a time; the first request is served first.
 //!
-//! A channel may also take what another one holds, or pass on what it holds itself. With an axis goes the place where its last
-//! holder has moved it. *Invariant:* a queue is in the order of tags; a free lease has no queue once waits are settled.
-//! Facts: reference channel-synchronisation.md 1.4, 1.9, scenario M11.
+//! A channel may also take a resource that another channel holds, or pass on its own. An axis comes with the position
+//! to which its last holder has moved it. *Invariant:* a queue is in the order of tags; a free lease has no queue once
+//! waits are settled. Facts: reference channel-synchronisation.md 1.4, 1.9, scenario M11.
 
 use std::collections::BTreeMap;
 
@@ -68,7 +68,7 @@ impl Leases {
         }
     }
 
-    /// Gives back what the channel holds.
+    /// Releases the resource that the channel holds.
     pub(super) fn release(&mut self, channel: u16, key: Key) -> Result<(), String> {
         match self.0.get_mut(&key) {
             Some(lease) if lease.holder == Some(channel) => lease.holder = None,

@@ -1,9 +1,9 @@
 //! Signal: each wait uses up one signal of each sender that it names, or one that any channel sent to all channels.
 //!
-//! A signal that comes before its wait is kept, for each receiver its own, with the values that were sent along. A
-//! signal to all channels may also be one for all: any channels can use it a given number of times, or it stays until
-//! it is removed. *Invariants:* who waits for a signal that only some can use gets it in the order of arrival; what is
-//! kept stays within the limit of the control. Facts: reference channel-synchronisation.md 1.0 (starts by one head),
+//! A signal that comes before its wait is kept, separately for each receiver, with the values that were sent along. One
+//! signal may also be for all channels together: any channel can use it, a given number of times, or until it is
+//! removed. *Invariants:* if only some waiting channels can use a signal, they get it in the order of arrival; kept
+//! signals stay within the limit of the control. Facts: reference channel-synchronisation.md 1.0 (starts by one head),
 //! 1.7.
 
 use std::collections::{BTreeMap, VecDeque};

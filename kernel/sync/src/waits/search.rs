@@ -16,7 +16,7 @@ impl Numbers {
     }
 }
 
-/// What a channel may do next.
+/// Possible next action of a channel.
 #[derive(Debug, Clone, Copy)]
 enum Step {
     Arrive(Wait),

@@ -1,4 +1,4 @@
-//! What codes of circles say by themselves.
+//! Properties that codes of circles determine by themselves.
 
 /// Words that tell a circle.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -12,7 +12,7 @@ pub enum By {
     Radius,
 }
 
-/// What a code of circles tells by itself.
+/// A property that a code of circles determines by itself.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Form {
     /// Direction, if the code has one.

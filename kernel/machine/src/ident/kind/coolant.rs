@@ -1,8 +1,8 @@
-//! What codes of coolant switch.
+//! Subjects of coolant codes.
 
 use counterpoint_event::event::Outlet;
 
-/// What a coolant code switches.
+/// Device that a coolant code switches.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Switch {
     /// Coolant of the main or the side head.

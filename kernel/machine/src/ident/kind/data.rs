@@ -1,4 +1,4 @@
-//! What data are about: the typed column of the table of data.
+//! Subjects of data: the typed column of the table of data.
 
 /// The kind of a data identifier: the family that it belongs to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

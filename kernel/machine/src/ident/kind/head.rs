@@ -1,4 +1,4 @@
-//! What codes of heads raise.
+//! Heads that codes raise.
 
 /// The event of a code: `$P1` of the tool macro.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

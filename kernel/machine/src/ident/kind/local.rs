@@ -1,4 +1,4 @@
-//! What codes of the local frame do.
+//! Actions of codes of the local frame.
 
 /// The effect of a code on its part of the frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

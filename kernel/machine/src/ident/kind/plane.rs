@@ -1,4 +1,4 @@
-//! What codes of tilted planes do.
+//! Actions of codes of tilted planes.
 
 /// How a block says where a plane lies.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -1,4 +1,5 @@
-//! What is said twice, what cannot be written, and what never happens: right by itself, and of no use where it stands.
+//! Repeated rows, rows that cannot be written, and rows that never apply: correct by themselves, but useless in their
+//! place.
 
 use super::*;
 
@@ -124,7 +125,7 @@ fn hooks_whose_event_never_comes() {
     for key in ["motion", "diagnostic", "block_startup", "program_startup"] {
         assert_eq!(hook(key), [""; 0], "{key}");
     }
-    // With what brings the event there is nothing to say.
+    // With the source of the event there is nothing to report.
     for (key, code, word) in [
         ("cycle", "CODE_CYCLE_DRILL", "G81"),
         ("tool", "CODE_TOOL_LOAD", "M6"),

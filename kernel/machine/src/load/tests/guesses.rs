@@ -1,4 +1,4 @@
-//! Guesses by the signs of the shipped machines: which machine is meant, and what is refused.
+//! Guesses by the signs of the shipped machines: the guessed machine, and refused programs.
 
 use std::ops::RangeInclusive;
 use std::sync::LazyLock;
@@ -113,7 +113,7 @@ fn programs_show_what_they_are_for() {
         ("a.txt", "%_N_PART_MPF\nT1 M6\nL10\nM30\n%_N_L10_SPF\nG1 Y2 F100\nM17\n", "siemens-mill"),
         ("p.nc", "T1 M6 G43 H1 X1. Y1.", "fanuc-mill"),
         ("p.nc", "O1\r\nT1 M6\nG43 H1 Z5.\r\nG0 X1. Y2.\rM30\r\n", "fanuc-mill"),
-        // Waits of an archive with two main programs need two channels, whatever else they show.
+        // Waits of an archive with two main programs need two channels, with any other signs.
         (
             "a.arc",
             "%_N_CH1_MPF\nWAITM(1,1,2)\nG0 X10\nM30\n%_N_CH2_MPF\nWAITM(1,1,2)\nG0 X10\nM30\n",

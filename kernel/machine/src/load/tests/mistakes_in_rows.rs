@@ -1,4 +1,4 @@
-//! Mistakes of rows and of what rows say about each other, with place and text.
+//! Mistakes of rows and contradictions between rows, with place and text.
 
 use super::{after, before};
 

@@ -41,7 +41,7 @@ impl Layout {
         self.row_top(row) + BAR + 4.5 + MARK * (level as f64 + 0.5)
     }
 
-    /// Height of what is between two rows.
+    /// Height of the space between two rows.
     pub(super) fn between(&self) -> f64 {
         self.gap + STRIP
     }

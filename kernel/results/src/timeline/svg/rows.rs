@@ -1,7 +1,7 @@
 //! The row of one channel.
 //!
-//! Bars narrower than a pixel are drawn together, in the colour of what took most of the time. Few bars are drawn one
-//! by one with a hint for the mouse, many as one path for each kind.
+//! Bars narrower than a pixel are drawn together, in the colour of the work that took most of the time. Few bars are
+//! drawn one by one with a hint for the mouse, many as one path for each kind.
 
 use std::fmt::Write as _;
 

@@ -1,8 +1,8 @@
 //! Draws moves as the `d` of one path.
 //!
 //! Coordinates are hundredths of a pixel, relative to the last point. Points closer than the coarseness are left out,
-//! and so are points on a straight line between their neighbours; what is left out is never further from what is drawn
-//! than the coarseness. Of long paths, lines over lines are left out too.
+//! and so are points on a straight line between their neighbours. An omitted point is never further from the drawn path
+//! than the coarseness. In long paths, lines over lines are also left out.
 
 use std::f64::consts::{PI, TAU};
 
@@ -207,7 +207,7 @@ impl Pen {
         self.way
     }
 
-    /// Gives what was drawn so far; moves continue after [`begin`](Self::begin).
+    /// Returns the drawing so far; moves continue after [`begin`](Self::begin).
     pub(super) fn cut(&mut self) -> String {
         self.flush();
         (self.written, self.lining, self.way) = (None, false, 0.0);
